@@ -1,0 +1,20 @@
+# Everything comes from Debian packages; `./dev setup` installs them.
+find_package(Threads REQUIRED)
+find_package(Eigen3 3.4 REQUIRED NO_MODULE)
+find_package(fmt REQUIRED)
+find_package(tomlplusplus REQUIRED)
+find_package(nlohmann_json REQUIRED)
+find_package(CLI11 REQUIRED)
+
+# Debian's mujoco package names libqhull's headers and OpenGL without depending on them.
+find_package(mujoco 2.2.2 EXACT REQUIRED NO_MODULE)
+
+find_package(PkgConfig REQUIRED)
+pkg_check_modules(urdfdom REQUIRED IMPORTED_TARGET urdfdom)
+pkg_check_modules(tinyxml2 REQUIRED IMPORTED_TARGET tinyxml2)
+pkg_check_modules(xxhash REQUIRED IMPORTED_TARGET libxxhash)
+pkg_check_modules(hdf5 REQUIRED IMPORTED_TARGET hdf5-serial)
+
+find_path(RANDOM123_INCLUDE_DIR Random123/philox.h REQUIRED)
+add_library(random123 INTERFACE)
+target_include_directories(random123 SYSTEM INTERFACE ${RANDOM123_INCLUDE_DIR})

@@ -1,0 +1,28 @@
+# How every target is compiled: target `breakwater_options`.
+find_program(CCACHE ccache)
+if(CCACHE)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE})
+endif()
+
+set(BREAKWATER_SANITIZER "" CACHE STRING "address or thread; empty for none")
+option(BREAKWATER_NATIVE "Compile for this machine's processor: for benchmarks, not for goldens" OFF)
+
+add_library(breakwater_options INTERFACE)
+target_compile_features(breakwater_options INTERFACE cxx_std_20)
+# No fused multiply-add: a run gives the same bits on any x86-64 machine.
+target_compile_options(breakwater_options INTERFACE -ffp-contract=off)
+target_compile_options(breakwater_options INTERFACE
+  $<BUILD_INTERFACE:-Wall;-Wextra;-Wpedantic;-Wshadow;-Wconversion;-Wno-sign-conversion;-Werror>)
+# GCC 12 takes `"x" + std::string` for an overlapping copy (GCC bug 105329).
+target_compile_options(breakwater_options INTERFACE $<BUILD_INTERFACE:-Wno-restrict>)
+if(BREAKWATER_NATIVE)
+  target_compile_options(breakwater_options INTERFACE -march=native)
+endif()
+if(BREAKWATER_SANITIZER STREQUAL "address")
+  target_compile_options(breakwater_options INTERFACE -fsanitize=address,undefined
+    -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  target_link_options(breakwater_options INTERFACE -fsanitize=address,undefined)
+elseif(BREAKWATER_SANITIZER STREQUAL "thread")
+  target_compile_options(breakwater_options INTERFACE -fsanitize=thread)
+  target_link_options(breakwater_options INTERFACE -fsanitize=thread)
+endif()

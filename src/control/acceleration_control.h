@@ -1,0 +1,64 @@
+// IDOB-based acceleration control of independent joints: thesis 2.4.2.1 and 2.4.2.7.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "linear/pole_placement.h"
+#include "observers/idob.h"
+
+namespace breakwater {
+
+/// What the observer is told that the motors did.
+enum class ObserverFeed {
+  clipped,   ///< the torque after saturation: what really acted (the proposed method)
+  unclipped  ///< the torque asked for, as Eqs. 2.88 and 2.92 imply; winds up in saturation
+};
+
+struct AccelerationControlDesign {
+  Eigen::VectorXd nominal_inertia_kgm2;  ///< diagonal of J_n, n
+  Eigen::VectorXd torque_limit_Nm;       ///< τ_limit, n (Eq. 2.81)
+  std::vector<PoleGroup> observer_poles; ///< [1/s], three per joint
+  ObserverFeed feed = ObserverFeed::clipped;
+  double period_s = 0.0;
+};
+
+/// Makes each joint of a manipulator a double integrator q̈ = a, whatever the coupling, friction
+/// and external torques, by cancelling the disturbance that an IDOB estimates (Eqs. 2.53–2.58):
+///     τ = J_n a + τ̂_d   (Eq. 2.82; 2.88 and 2.92 must read so too).
+///
+/// Used once a sample: read the estimates, decide a, then command(a, q).
+class AccelerationControl {
+ public:
+  /// Throws std::invalid_argument if the sizes differ, an inertia or a limit is not positive, or
+  /// the observer cannot be designed.
+  explicit AccelerationControl(const AccelerationControlDesign& design);
+
+  /// Starts the observer at rest at `q` with no disturbance.
+  void reset(const Eigen::Ref<const Eigen::VectorXd>& q_rad);
+
+  auto q_hat() const { return observer_.extended_state().head(joints()); }
+  auto dq_hat() const { return observer_.extended_state().segment(joints(), joints()); }
+  auto d_hat() const { return observer_.extended_state().tail(joints()); }
+
+  /// The accelerations that keep each joint within its torque limit (Eq. 2.84) [rad/s²].
+  double lower_acceleration(Eigen::Index joint) const;
+  double upper_acceleration(Eigen::Index joint) const;
+
+  /// Writes the torque for acceleration `a` and lets the observer see this sample.
+  void command(const Eigen::Ref<const Eigen::VectorXd>& a_rad_s2,
+               const Eigen::Ref<const Eigen::VectorXd>& measured_q_rad,
+               Eigen::Ref<Eigen::VectorXd> torque_Nm);
+
+  Eigen::Index joints() const { return nominal_inertia_.size(); }
+  const Idob& observer() const { return observer_; }
+
+ private:
+  Eigen::VectorXd nominal_inertia_;
+  Eigen::VectorXd torque_limit_;
+  ObserverFeed feed_;
+  Idob observer_;
+  Eigen::VectorXd fed_torque_;
+};
+
+}  // namespace breakwater

@@ -1,0 +1,64 @@
+#include "control/arm_controller.h"
+
+#include <stdexcept>
+#include <utility>
+
+namespace breakwater {
+namespace {
+
+std::span<const double> view(const double& value) { return {&value, 1}; }
+
+template <typename Block>
+std::span<const double> view_block(const Block& block) {
+  return {block.data(), static_cast<std::size_t>(block.size())};
+}
+
+}  // namespace
+
+ArmController::ArmController(const PlanarChain& chain, const AccelerationControlDesign& design,
+                             ArmTask task)
+    : J_(3, chain.joints()),
+      chain_(chain),
+      acceleration_control_(design),
+      task_(std::move(task)),
+      half_period_s_(0.5 * design.period_s),
+      acceleration_ref_(Eigen::VectorXd::Zero(chain.joints())) {
+  if (design.nominal_inertia_kgm2.size() != chain.joints() ||
+      task_.start_angles_rad.size() != chain.joints()) {
+    throw std::invalid_argument("arm controller: needs one inertia and start angle per joint");
+  }
+  if (!(task_.convert_gain_N_m > 0.0)) {
+    throw std::invalid_argument("arm controller: the convert gain K_f must be positive");
+  }
+  publish({"q_hat_rad", "rad", "joint angles, IDOB estimate (Eq. 2.54)",
+           view_block(joints().q_hat())});
+  publish({"dq_hat_rad_s", "rad/s", "joint velocities, IDOB estimate",
+           view_block(joints().dq_hat())});
+  publish({"d_hat_Nm", "N m", "disturbance torques, IDOB estimate, opposing motion (Eq. 2.53)",
+           view_block(joints().d_hat())});
+  publish({"x_hat_m", "m", "tip x, from the estimated angles", view(X_hat_[0])});
+  publish({"y_hat_m", "m", "tip y, from the estimated angles", view(X_hat_[1])});
+  publish({"phi_hat_rad", "rad", "tip angle, from the estimated angles", view(X_hat_[2])});
+  publish({"x_ref_m", "m", "tip x reference (Eq. 2.62 in force control)", view(X_ref_[0])});
+  publish({"y_ref_m", "m", "tip y reference", view(X_ref_[1])});
+  publish({"phi_ref_rad", "rad", "tip angle reference", view(X_ref_[2])});
+  publish({"ddq_ref_rad_s2", "rad/s^2", "joint acceleration references",
+           view_block(acceleration_ref_)});
+}
+
+void ArmController::reset(const Sample&) { acceleration_control_.reset(task_.start_angles_rad); }
+
+void ArmController::update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u) {
+  const Eigen::Index n = chain_.joints();
+  force_control_ = y.time_s >= task_.force_control_from_s - half_period_s_;
+  force_N_ = y.y(n);
+  X_hat_ = chain_.tip_pose(joints().q_hat());
+  chain_.tip_jacobian(joints().q_hat(), J_);
+  X_ref_ = task_.start_pose;
+  if (force_control_) X_ref_[0] = implicit_force_reference_m(task_, X_hat_[0], force_N_);
+
+  decide(acceleration_ref_);
+  acceleration_control_.command(acceleration_ref_, y.y.head(n), u);
+}
+
+}  // namespace breakwater

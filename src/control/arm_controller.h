@@ -1,0 +1,70 @@
+// What the arm's three controllers share: estimation, kinematics, phases, torque, signals.
+#pragma once
+
+#include <Eigen/Core>
+#include <limits>
+#include <vector>
+
+#include "control/acceleration_control.h"
+#include "control/controller.h"
+#include "plants/planar_chain.h"
+
+namespace breakwater {
+
+/// What the arm is to do: hold a pose, then from some time on push in x with a force (2.4.3.2).
+struct ArmTask {
+  TipPose start_pose = TipPose::Zero();  ///< X_0^ref; its y and φ are held in force control too
+  Eigen::VectorXd start_angles_rad;      ///< q_0^ref: the posture, where the observer starts
+  double force_control_from_s = std::numeric_limits<double>::infinity();
+  double force_reference_N = 0.0;        ///< F_x^ref, positive when the tip presses towards +x
+  double convert_gain_N_m = 1.0;         ///< K_f of the implicit force control
+};
+
+/// Implicit force control, x^ref = x + (F_x^ref − F_x)/K_f (Eqs. 2.60–2.62): a force error becomes
+/// a position error, so the position loop does not need the environment's stiffness.
+inline double implicit_force_reference_m(const ArmTask& task, double x_m, double force_N) {
+  return x_m + (task.force_reference_N - force_N) / task.convert_gain_N_m;
+}
+
+/// Expects samples y = [q (n) [rad]; F_x [N]] and writes torques u (n) [N m]. Derived classes
+/// decide the joints' acceleration; IDOB-based acceleration control makes it so.
+///
+/// The observer starts at q_0^ref, not at the measurement (2.4.3.1): from the stretched pose that
+/// the arm starts in, the Jacobian is singular and the workspace controllers would never leave it.
+class ArmController : public Controller {
+ public:
+  void reset(const Sample& first) final;
+  void update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u) final;
+  std::span<const Signal> signals() const final { return signals_; }
+
+ protected:
+  /// Throws std::invalid_argument if the task, the chain and the design differ in their joints, or
+  /// K_f is not positive.
+  ArmController(const PlanarChain& chain, const AccelerationControlDesign& design, ArmTask task);
+
+  /// Writes a^ref (n) [rad/s²] from the members below.
+  virtual void decide(Eigen::Ref<Eigen::VectorXd> a) = 0;
+
+  void publish(Signal signal) { signals_.push_back(std::move(signal)); }
+
+  const ArmTask& task() const { return task_; }
+  const AccelerationControl& joints() const { return acceleration_control_; }
+  const PlanarChain& chain() const { return chain_; }
+
+  // This sample's, for decide().
+  bool force_control_ = false;
+  double force_N_ = 0.0;
+  TipPose X_hat_ = TipPose::Zero();  // forward kinematics of q̂
+  TipPose X_ref_ = TipPose::Zero();  // filled with the task's: the start pose, or implicit force
+  TipJacobian J_;                    // J_aco(q̂)
+
+ private:
+  PlanarChain chain_;
+  AccelerationControl acceleration_control_;
+  ArmTask task_;
+  double half_period_s_;
+  Eigen::VectorXd acceleration_ref_;
+  std::vector<Signal> signals_;
+};
+
+}  // namespace breakwater

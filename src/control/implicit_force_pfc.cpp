@@ -1,0 +1,36 @@
+#include "control/implicit_force_pfc.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace breakwater {
+
+ImplicitForcePfc::ImplicitForcePfc(const PlanarChain& chain,
+                                   const AccelerationControlDesign& acceleration,
+                                   const ArmTask& task, const ImplicitForcePfcDesign& design)
+    : ArmController(chain, acceleration, task),
+      pfc_(design.joints.begin(), design.joints.end()),
+      inverse_kinematics_(design.inverse_kinematics, chain.joints()),
+      positioning_(design.positioning),
+      q_ref_(task.start_angles_rad) {
+  if (static_cast<Eigen::Index>(pfc_.size()) != chain.joints()) {
+    throw std::invalid_argument("implicit force PFC: needs one PFC per joint");
+  }
+  publish({"q_ref_rad", "rad", "joint angle references (Eq. 2.63)",
+           {q_ref_.data(), static_cast<std::size_t>(q_ref_.size())}});
+}
+
+void ImplicitForcePfc::decide(Eigen::Ref<Eigen::VectorXd> a) {
+  if (force_control_ || positioning_ == Positioning::workspace) {
+    q_ref_ = joints().q_hat() + inverse_kinematics_.step(J_, X_ref_ - X_hat_);
+  } else {
+    q_ref_ = task().start_angles_rad;
+  }
+  for (Eigen::Index i = 0; i < a.size(); ++i) {
+    const double wanted = pfc_[static_cast<std::size_t>(i)].acceleration(
+        q_ref_(i), joints().q_hat()(i), joints().dq_hat()(i));
+    a(i) = std::clamp(wanted, joints().lower_acceleration(i), joints().upper_acceleration(i));
+  }
+}
+
+}  // namespace breakwater

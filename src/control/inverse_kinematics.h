@@ -1,0 +1,51 @@
+// Inverse kinematics step by Levenberg–Marquardt: thesis 2.4.2.3.
+#pragma once
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+
+#include "plants/planar_chain.h"
+
+namespace breakwater {
+
+/// Which reading of Eqs. 2.66 and 2.68 is taken.
+enum class LmForm {
+  /// As printed: M = Jᵀ W_e X_e + X_e and W_n = diag(|X_e|) + λ I. Adds a task-space error to a
+  /// joint-space vector, which is dimensionally odd, and needs as many joints as task coordinates.
+  /// (Eq. 2.68 prints diag(X_e); a damping must not be negative.)
+  printed,
+  /// For any number of joints: M = Jᵀ W_e X_e and W_n = (½ X_eᵀ W_e X_e + λ) I, as in T. Sugihara,
+  /// IEEE Trans. Robotics 27 (2011) 984–991.
+  sugihara
+};
+
+struct LmDesign {
+  Eigen::Vector3d weights = {1e2, 1e2, 1e1};  ///< diagonal of W_e, for x, y, φ (Eq. 2.67)
+  double damping = 1e-8;                      ///< λ
+  double step_limit_rad = 3.14159265358979312;  ///< bound on each |q̃|
+  LmForm form = LmForm::printed;
+};
+
+/// q^ref = q + q̃ with q̃ = {Jᵀ W_e J + W_n}⁻¹ M (Eqs. 2.63–2.66): one damped step towards the
+/// posture that removes the tip's error X_e. Works at singular postures.
+///
+/// The thesis bounds q̃ by "π rad/s". Read as a rate, the arm never reaches the wall; it is read
+/// as |q̃| ≤ π rad.
+class LmInverseKinematics {
+ public:
+  /// Throws std::invalid_argument if a weight or λ is not positive, the limit is not positive, or
+  /// the printed form is asked of other than three joints.
+  LmInverseKinematics(const LmDesign& design, Eigen::Index joints);
+
+  /// q̃ [rad], given the tip's Jacobian and its error X_e [m, m, rad]. Allocates nothing.
+  const Eigen::VectorXd& step(const TipJacobian& J, const TipPose& X_e);
+
+ private:
+  LmDesign design_;
+  Eigen::Matrix<double, Eigen::Dynamic, 3> weighted_Jt_;  // Jᵀ W_e
+  Eigen::MatrixXd normal_matrix_;
+  Eigen::LLT<Eigen::MatrixXd> factor_;
+  Eigen::VectorXd step_;
+};
+
+}  // namespace breakwater

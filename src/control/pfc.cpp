@@ -1,0 +1,77 @@
+#include "control/pfc.h"
+
+#include <Eigen/QR>
+#include <cmath>
+#include <stdexcept>
+
+namespace breakwater {
+namespace {
+
+void check(const PfcDesign& design) {
+  const bool times_fit = std::isfinite(design.target_response_time_s) &&
+                         design.target_response_time_s > 0.0 && std::isfinite(design.period_s) &&
+                         design.period_s > 0.0;
+  if (!times_fit) {
+    throw std::invalid_argument("PFC: target response time and period must be positive");
+  }
+  if (design.basis_functions < 1 || design.basis_functions > 3 ||
+      design.coincidence_points < design.basis_functions) {
+    throw std::invalid_argument(
+        "PFC: needs 1 to 3 basis functions and at least as many coincidence points");
+  }
+}
+
+// Eq. 2.76. The small allowance keeps 1 s/1 ms at 1000 samples whatever the rounding.
+std::vector<int> coincidence_points(const PfcDesign& design) {
+  std::vector<int> points;
+  for (int j = 1; j <= design.coincidence_points; ++j) {
+    const double samples = design.target_response_time_s /
+                           (design.period_s * (design.coincidence_points - j + 1));
+    points.push_back(static_cast<int>(std::floor(samples * (1.0 + 1e-12))));
+    // A double integrator sampled as in Eq. 2.72 first answers after two samples.
+    if (points.back() < 2 || (j > 1 && points[j - 1] <= points[j - 2])) {
+      throw std::invalid_argument(
+          "PFC: the target response time is too short for so many coincidence points");
+    }
+  }
+  return points;
+}
+
+// Row j: the response at h_j to each basis function, Σ_i C_q A_q^{h−1−i} B_q (i T_s)^l.
+Eigen::MatrixXd basis_responses(const std::vector<int>& points, int bases, double period_s) {
+  Eigen::MatrixXd y_b = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(points.size()), bases);
+  for (Eigen::Index j = 0; j < y_b.rows(); ++j) {
+    const int h = points[static_cast<std::size_t>(j)];
+    for (int i = 0; i < h; ++i) {
+      const double response = (h - 1 - i) * period_s * period_s;
+      double basis = 1.0;
+      for (int l = 0; l < bases; ++l, basis *= i * period_s) y_b(j, l) += response * basis;
+    }
+  }
+  return y_b;
+}
+
+}  // namespace
+
+Pfc::Pfc(const PfcDesign& design) : alpha_(0.0) {
+  check(design);
+  alpha_ = std::exp(-3.0 * design.period_s / design.target_response_time_s);
+  points_ = breakwater::coincidence_points(design);
+
+  // The first row of the (pseudo-)inverse of y_b is all that μ_1 needs; it does not depend on how
+  // the columns are scaled but for the first.
+  Eigen::MatrixXd y_b = basis_responses(points_, design.basis_functions, design.period_s);
+  const Eigen::RowVectorXd scale = y_b.colwise().norm();
+  for (Eigen::Index l = 0; l < y_b.cols(); ++l) y_b.col(l) /= scale(l);
+  const Eigen::MatrixXd inverse =
+      y_b.colPivHouseholderQr().solve(Eigen::MatrixXd::Identity(y_b.rows(), y_b.rows()));
+  const Eigen::RowVectorXd first_row = inverse.row(0) / scale(0);
+
+  for (std::size_t j = 0; j < points_.size(); ++j) {
+    const double weight = first_row(static_cast<Eigen::Index>(j));
+    k_p_ += weight * (1.0 - std::pow(alpha_, points_[j]));
+    k_d_ += weight * points_[j] * design.period_s;
+  }
+}
+
+}  // namespace breakwater

@@ -1,0 +1,48 @@
+// Predictive functional control (PFC) of one joint: thesis 2.4.2.5 to 2.4.2.8.
+#pragma once
+
+#include <vector>
+
+namespace breakwater {
+
+/// What a PFC is designed with.
+struct PfcDesign {
+  double target_response_time_s = 1.0;  ///< T_ref, when the error has fallen to 5 %
+  double period_s = 1e-3;               ///< T_s
+  int coincidence_points = 3;           ///< n
+  int basis_functions = 3;              ///< 1 step, 2 and ramp, 3 and parabola; at most n
+};
+
+/// PFC of a double integrator q̈ = u, sampled as A_q = [1 T_s; 0 1], B_q = [0; T_s] (Eqs. 2.71,
+/// 2.72), along the reference trajectory T(k+i) = s − αⁱ (s − y), α = e^{−3 T_s/T_ref}
+/// (Eqs. 2.74, 2.75), at the coincidence points h_j = ⌊T_ref/(T_s (n − j + 1))⌋ (Eq. 2.76).
+///
+/// The input is a combination of step, ramp and parabola, u(i) = Σ_l μ_l (i T_s)^l. Their
+/// responses are stacked, not summed (Eq. 2.79), and the h×b system
+///     y_b(h_j)ᵀ μ = (1 − α^{h_j}) (s − y) − C_q (A_q^{h_j} − I) x_q
+/// is solved directly, in least squares where there are more points than bases (Eq. 2.80). Only
+/// μ_1 acts, so without constraints the controller is u = k_p (s − q) − k_d q̇ (Eq. 2.86).
+class Pfc {
+ public:
+  /// Throws std::invalid_argument unless T_ref and T_s are positive and finite, 1 ≤ bases ≤ 3,
+  /// bases ≤ n, and the first coincidence point is at least one sample ahead of the one before.
+  explicit Pfc(const PfcDesign& design);
+
+  /// The unconstrained acceleration reference μ_1 [rad/s²].
+  double acceleration(double setpoint_rad, double q_rad, double dq_rad_s) const {
+    return k_p_ * (setpoint_rad - q_rad) - k_d_ * dq_rad_s;
+  }
+
+  double k_p() const { return k_p_; }                     ///< [1/s²]
+  double k_d() const { return k_d_; }                     ///< [1/s]
+  double alpha() const { return alpha_; }                 ///< Eq. 2.75
+  const std::vector<int>& coincidence_points() const { return points_; }  ///< h_j [samples]
+
+ private:
+  double alpha_;
+  std::vector<int> points_;
+  double k_p_ = 0.0;
+  double k_d_ = 0.0;
+};
+
+}  // namespace breakwater

@@ -1,0 +1,51 @@
+#include "control/workspace_control.h"
+
+#include <cmath>
+#include <stdexcept>
+
+#include "linear/pseudo_inverse.h"
+
+namespace breakwater {
+namespace {
+
+const WorkspaceControlDesign& checked(const WorkspaceControlDesign& design) {
+  if (!(design.k_p >= 0.0) || !(design.k_f >= 0.0) || !(design.singular_value_floor >= 0.0)) {
+    throw std::invalid_argument("workspace control: gains must not be negative");
+  }
+  return design;
+}
+
+}  // namespace
+
+Hpfc::Hpfc(const PlanarChain& chain, const AccelerationControlDesign& acceleration,
+           const ArmTask& task, const WorkspaceControlDesign& design)
+    : ArmController(chain, acceleration, task),
+      design_(checked(design)),
+      J_plus_(chain.joints(), 3) {}
+
+void Hpfc::decide(Eigen::Ref<Eigen::VectorXd> a) {
+  pseudo_inverse(J_, design_.singular_value_floor, J_plus_);
+  TipPose position_error = task().start_pose - X_hat_;
+  if (force_control_) position_error[0] = 0.0;
+  const TipPose velocity = J_ * joints().dq_hat();
+  a.noalias() = J_plus_ * (design_.k_p * position_error - 2.0 * std::sqrt(design_.k_p) * velocity);
+  if (force_control_) {
+    a += design_.k_f * (task().force_reference_N - force_N_) * J_.row(0).transpose();
+  }
+}
+
+Drac::Drac(const PlanarChain& chain, const AccelerationControlDesign& acceleration,
+           const ArmTask& task, const WorkspaceControlDesign& design)
+    : ArmController(chain, acceleration, task),
+      design_(checked(design)),
+      J_plus_(chain.joints(), 3) {}
+
+void Drac::decide(Eigen::Ref<Eigen::VectorXd> a) {
+  pseudo_inverse(J_, design_.singular_value_floor, J_plus_);
+  const TipPose velocity = J_ * joints().dq_hat();
+  const TipPose bias = chain().tip_bias_acceleration(joints().q_hat(), joints().dq_hat());
+  a.noalias() = J_plus_ * (design_.k_p * (X_ref_ - X_hat_) -
+                           2.0 * std::sqrt(design_.k_p) * velocity - bias);
+}
+
+}  // namespace breakwater

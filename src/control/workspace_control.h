@@ -1,0 +1,47 @@
+// The two conventional controllers that the thesis compares with: HPFC and DRAC (2.4.3.1).
+#pragma once
+
+#include "control/arm_controller.h"
+
+namespace breakwater {
+
+struct WorkspaceControlDesign {
+  double k_p = 30.0;                   ///< K_phx or K_px, a multiple of the identity [1/s²]
+  double k_f = 40.0;                   ///< K_phf, HPFC alone [rad/(s² N m)]
+  double singular_value_floor = 0.02;  ///< of the pseudo-inverse, absolute
+};
+
+/// Hybrid position/force control by acceleration control (Eqs. 2.88–2.91):
+///     a = J⁺ {K_ph S (X_0^ref − X̂) − K_dh J q̇} + K_phf Jᵀ (I − S) (F^ref − F),  K_dh = 2 √K_ph,
+/// S = diag(0, 1, 1) in force control and I before. The velocity term stands outside K_ph and is
+/// not selected by S; Jᵀ, not J⁺, carries the force, since near a singular posture J⁺ runs away.
+class Hpfc final : public ArmController {
+ public:
+  /// Throws std::invalid_argument if a gain is negative or as ArmController does.
+  Hpfc(const PlanarChain& chain, const AccelerationControlDesign& acceleration,
+       const ArmTask& task, const WorkspaceControlDesign& design);
+
+ private:
+  void decide(Eigen::Ref<Eigen::VectorXd> a) override;
+
+  WorkspaceControlDesign design_;
+  Eigen::Matrix<double, Eigen::Dynamic, 3> J_plus_;
+};
+
+/// IDOB-based resolved acceleration control (Eqs. 2.92, 2.93) with the proposed method's reference:
+///     a = J⁺ {K_p (X^ref − X̂) − K_d J q̇ − J̇ q̇},  K_d = 2 √K_p.
+/// Eq. 2.93 prints K_d q̇ and J q̇, which do not fit in dimension.
+class Drac final : public ArmController {
+ public:
+  /// Throws std::invalid_argument if a gain is negative or as ArmController does.
+  Drac(const PlanarChain& chain, const AccelerationControlDesign& acceleration,
+       const ArmTask& task, const WorkspaceControlDesign& design);
+
+ private:
+  void decide(Eigen::Ref<Eigen::VectorXd> a) override;
+
+  WorkspaceControlDesign design_;
+  Eigen::Matrix<double, Eigen::Dynamic, 3> J_plus_;
+};
+
+}  // namespace breakwater

@@ -1,0 +1,30 @@
+#include "linear/observability.h"
+
+#include <Eigen/QR>
+
+namespace breakwater {
+
+Eigen::MatrixXd observability_matrix(const Eigen::MatrixXd& A, const Eigen::MatrixXd& C) {
+  const Eigen::Index n = A.rows();
+  const Eigen::Index p = C.rows();
+  Eigen::MatrixXd U_o(p * n, n);
+  Eigen::MatrixXd block = C;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    U_o.middleRows(i * p, p) = block;
+    block = block * A;
+  }
+  return U_o;
+}
+
+Eigen::Index observability_rank(const Eigen::MatrixXd& A, const Eigen::MatrixXd& C) {
+  Eigen::MatrixXd U_o = observability_matrix(A, C);
+  for (auto column : U_o.colwise()) {
+    const double norm = column.norm();
+    if (norm > 0.0) column /= norm;
+  }
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(U_o);
+  qr.setThreshold(1e-12);
+  return qr.rank();
+}
+
+}  // namespace breakwater

@@ -1,0 +1,40 @@
+// Pole placement for multi-output observers and, by duality, multi-input state feedback.
+#pragma once
+
+#include <Eigen/Core>
+#include <complex>
+#include <vector>
+
+namespace breakwater {
+
+/// The poles that one output (or input) is to place. A complex pole stands beside its conjugate.
+using PoleGroup = std::vector<std::complex<double>>;
+
+/// Observer gain H (n×p) with eig(A − H C) = the union of `groups`.
+///
+/// Group i holds the poles that output i places, so there are p groups with n poles in all. Each
+/// pole λ of group i gets the left eigenvector w with wᵀ(A − λ I) = e_iᵀ C; then Hᵀ W = V, where
+/// the columns of V are the e_i. On a plant made of decoupled chains, one per output, this gives
+/// each chain its own group and leaves the chains decoupled (the joints of Eq. 2.54). A pole that
+/// stands m times in one group gets a Jordan chain of length m.
+///
+/// Source: eigenstructure assignment, B. C. Moore, IEEE Trans. Autom. Control 21 (1976) 689–692.
+///
+/// Throws std::invalid_argument if the shapes do not fit, a pole is not finite or lacks its
+/// conjugate, a pole already is an eigenvalue of A, or the groups cannot be placed through those
+/// outputs (in particular, if (A, C) is not observable).
+Eigen::MatrixXd place_observer_poles(const Eigen::MatrixXd& A, const Eigen::MatrixXd& C,
+                                     const std::vector<PoleGroup>& groups);
+
+/// State feedback F (m×n) with eig(A − B F) = the union of `groups`, one group per input: the dual
+/// of place_observer_poles, with the same errors.
+Eigen::MatrixXd place_feedback_poles(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B,
+                                     const std::vector<PoleGroup>& groups);
+
+/// z = e^{s T_s}: where a sampled system must put a continuous pole s [1/s].
+std::vector<PoleGroup> sample_poles(const std::vector<PoleGroup>& continuous, double period_s);
+
+/// The eigenvalues of a real square matrix.
+PoleGroup eigenvalues(const Eigen::MatrixXd& A);
+
+}  // namespace breakwater

@@ -1,0 +1,46 @@
+#include "linear/state_space.h"
+
+#include <stdexcept>
+#include <unsupported/Eigen/MatrixFunctions>
+
+namespace breakwater {
+
+void check(const StateSpace& plant) {
+  const Eigen::Index n = plant.A.rows();
+  if (n == 0 || plant.A.cols() != n || plant.B.rows() != n || plant.C.cols() != n) {
+    throw std::invalid_argument("state space: A must be n×n, B n×m and C p×n");
+  }
+  if (!plant.A.allFinite() || !plant.B.allFinite() || !plant.C.allFinite()) {
+    throw std::invalid_argument("state space: A, B and C must be finite");
+  }
+}
+
+StateSpace zero_order_hold(const StateSpace& continuous, double period_s) {
+  check(continuous);
+  if (!(period_s > 0.0)) {
+    throw std::invalid_argument("zero-order hold: the sampling period must be positive");
+  }
+  const Eigen::Index n = continuous.states();
+  const Eigen::Index m = continuous.inputs();
+  Eigen::MatrixXd generator = Eigen::MatrixXd::Zero(n + m, n + m);
+  generator.topLeftCorner(n, n) = continuous.A * period_s;
+  generator.topRightCorner(n, m) = continuous.B * period_s;
+  const Eigen::MatrixXd transition = generator.exp();
+  return {transition.topLeftCorner(n, n), transition.topRightCorner(n, m), continuous.C};
+}
+
+StateSpace extend_by_input_disturbance(const StateSpace& continuous) {
+  check(continuous);
+  const Eigen::Index n = continuous.states();
+  const Eigen::Index m = continuous.inputs();
+  const Eigen::Index p = continuous.outputs();
+  StateSpace extended{Eigen::MatrixXd::Zero(n + m, n + m), Eigen::MatrixXd::Zero(n + m, m),
+                      Eigen::MatrixXd::Zero(p, n + m)};
+  extended.A.topLeftCorner(n, n) = continuous.A;
+  extended.A.topRightCorner(n, m) = -continuous.B;
+  extended.B.topRows(n) = continuous.B;
+  extended.C.leftCols(n) = continuous.C;
+  return extended;
+}
+
+}  // namespace breakwater

@@ -1,0 +1,31 @@
+// Linear time-invariant plants and their zero-order-hold discretisation.
+#pragma once
+
+#include <Eigen/Core>
+
+namespace breakwater {
+
+/// An LTI plant ẋ = A x + B u, y = C x (Eqs. 2.2, 2.3) or, sampled, x(k+1) = A x(k) + B u(k)
+/// (Eqs. 2.16, 2.17). Which of the two it is, its name says where it is used.
+struct StateSpace {
+  Eigen::MatrixXd A;  ///< n×n
+  Eigen::MatrixXd B;  ///< n×m
+  Eigen::MatrixXd C;  ///< p×n
+
+  Eigen::Index states() const { return A.rows(); }
+  Eigen::Index inputs() const { return B.cols(); }
+  Eigen::Index outputs() const { return C.rows(); }
+};
+
+/// Throws std::invalid_argument unless the shapes of A, B and C fit and every entry is finite.
+void check(const StateSpace& plant);
+
+/// Exact discretisation under an input held over `period_s` [s], by the matrix exponential of
+/// [A B; 0 0]·T_s (Van Loan). Throws std::invalid_argument if the period is not positive.
+StateSpace zero_order_hold(const StateSpace& continuous, double period_s);
+
+/// Extends a plant by step-type input disturbances (ḋ = 0, Eq. 2.4), one per input:
+/// Ā = [A −B; 0 0], B̄ = [B; 0], C̄ = [C 0] (Eqs. 2.9, 2.10, 2.54, 2.55).
+StateSpace extend_by_input_disturbance(const StateSpace& continuous);
+
+}  // namespace breakwater

@@ -1,0 +1,34 @@
+#include "observers/mdob.h"
+
+#include <cmath>
+#include <stdexcept>
+
+namespace breakwater {
+
+Mdob::Mdob(const MdobDesign& design, double period_s) {
+  const double g_d = design.derivative_cutoff_rad_s;
+  const double g_w = design.observer_cutoff_rad_s;
+  if (!(design.nominal_inertia > 0.0 && g_d > 0.0 && g_w > 0.0 && period_s > 0.0)) {
+    throw std::invalid_argument("MDOB: inertia, cut-offs and sampling period must be positive");
+  }
+  derivative_memory_ = 1.0 / (1.0 + g_d * period_s);
+  derivative_gain_ = g_d * derivative_memory_;
+  torque_gain_ = -std::expm1(-g_w * period_s);
+  momentum_weight_ = g_w * period_s / (1.0 + g_w * period_s);
+  momentum_gain_ = g_w * design.nominal_inertia;
+}
+
+void Mdob::reset(double angle) {
+  angle_ = angle;
+  velocity_ = filtered_torque_ = filtered_momentum_ = 0.0;
+}
+
+void Mdob::update(double held_torque, double angle) {
+  velocity_ = derivative_memory_ * velocity_ + derivative_gain_ * (angle - angle_);
+  angle_ = angle;
+  filtered_torque_ += torque_gain_ * (held_torque - filtered_torque_);
+  filtered_momentum_ +=
+      momentum_weight_ * (momentum_gain_ * velocity_ - filtered_momentum_);
+}
+
+}  // namespace breakwater

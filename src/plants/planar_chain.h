@@ -1,0 +1,75 @@
+// Nominal model of a planar serial manipulator: kinematics, masses and limits.
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+namespace breakwater {
+
+/// A task-space pose of the tip, X = [x y φ]ᵀ [m, m, rad] (Eq. 2.51).
+using TipPose = Eigen::Vector3d;
+
+/// The Jacobian of X with respect to q, 3×n (Eq. 2.52).
+using TipJacobian = Eigen::Matrix<double, 3, Eigen::Dynamic>;
+
+/// One revolute joint and the link that it moves. Everything is in the plane of motion.
+struct PlanarJoint {
+  std::string name;
+  Eigen::Vector2d offset_m = {0, 0};  ///< of the joint, in the frame of the link before it
+  double yaw_rad = 0.0;               ///< of the link's frame at q = 0, in the frame before it
+  double sense = 1.0;                 ///< +1 if the axis is +z, −1 if it is −z
+  double effort_limit_Nm = 0.0;
+  double velocity_limit_rad_s = 0.0;
+
+  double link_mass_kg = 0.0;
+  Eigen::Vector2d link_com_m = {0, 0};  ///< of the link, in its own frame
+  double link_inertia_kgm2 = 0.0;       ///< about the link's centre of mass
+};
+
+/// A chain of any number of revolute joints that turn about parallel axes. Holds nothing that
+/// changes; no function below allocates once the results have their size.
+class PlanarChain {
+ public:
+  /// `tip_offset_m` and `tip_yaw_rad` place the tip in the last link's frame. Throws
+  /// std::invalid_argument if there is no joint, or a number is not finite.
+  PlanarChain(std::vector<PlanarJoint> joints, const Eigen::Vector2d& tip_offset_m,
+              double tip_yaw_rad);
+
+  Eigen::Index joints() const { return static_cast<Eigen::Index>(joints_.size()); }
+  const PlanarJoint& joint(Eigen::Index i) const { return joints_[static_cast<std::size_t>(i)]; }
+  const Eigen::VectorXd& effort_limits_Nm() const { return effort_limits_; }
+  const Eigen::VectorXd& velocity_limits_rad_s() const { return velocity_limits_; }
+
+  using Angles = Eigen::Ref<const Eigen::VectorXd>;
+
+  /// X(q), Eq. 2.51 for any chain.
+  TipPose tip_pose(const Angles& q_rad) const;
+
+  /// J_aco(q), Eq. 2.52.
+  void tip_jacobian(const Angles& q_rad, TipJacobian& J) const;
+
+  /// J̇_aco(q, q̇) q̇, the tip's acceleration at q̈ = 0 [m/s², m/s², rad/s²] (last term of Eq. 2.93).
+  TipPose tip_bias_acceleration(const Angles& q_rad, const Angles& dq_rad_s) const;
+
+  /// J(q) of Eq. 2.50 without the motors' armature [kg m²], n×n, symmetric positive definite.
+  Eigen::MatrixXd mass_matrix(const Angles& q_rad) const;
+
+ private:
+  std::vector<PlanarJoint> joints_;
+  Eigen::Vector2d tip_offset_;
+  double tip_yaw_;
+  Eigen::VectorXd effort_limits_;
+  Eigen::VectorXd velocity_limits_;
+};
+
+/// Reads a chain from a URDF file. The tip is the frame of the one link without children; links
+/// joined by fixed joints are lumped. The motion must be planar: every joint is revolute about ±z
+/// or fixed, and no origin is rolled or pitched.
+///
+/// Throws std::invalid_argument with one line, `FILE:LINE: element "name": reason`, if the file
+/// cannot be read, is no URDF, branches, is not planar, or lacks a mass or an effort or velocity
+/// limit. Thread-safe.
+PlanarChain load_planar_chain(const std::string& urdf_file);
+
+}  // namespace breakwater

@@ -1,0 +1,18 @@
+// A named quantity that something publishes for the log.
+#pragma once
+
+#include <span>
+#include <string>
+
+namespace breakwater {
+
+/// A view of a quantity that its owner keeps up to date. The owner outlives the view, and neither
+/// the address nor the size of `values` changes: a recorder copies from it at every sample.
+struct Signal {
+  std::string name;         ///< unit included, as it appears in the log: "d_hat_Nm"
+  std::string unit;         ///< "N m", "rad", "1"
+  std::string description;  ///< one line, with the equation where there is one
+  std::span<const double> values;
+};
+
+}  // namespace breakwater

@@ -1,0 +1,40 @@
+#include "sim/contact.h"
+
+#include <cmath>
+#include <stdexcept>
+
+namespace breakwater {
+namespace {
+
+constexpr double kImpedance = 0.001;  // d, ten times the engine's smallest
+
+}  // namespace
+
+void author_contact(Model& model, int geom1, int geom2, const ContactLaw& law) {
+  const bool law_fits = std::isfinite(law.stiffness_N_m) && law.stiffness_N_m > 0.0 &&
+                        std::isfinite(law.damping_Ns_m) && law.damping_Ns_m >= 0.0;
+  if (!law_fits) {
+    throw std::invalid_argument("contact: needs a stiffness > 0 and a damping >= 0");
+  }
+  mjModel& m = *model.get();
+  double invweight = 0.0;
+  for (const int geom : {geom1, geom2}) {
+    if (m.geom_condim[geom] != 1) {
+      throw std::invalid_argument(model.file() + ": a contact given by stiffness and damping " +
+                                  "needs geoms with condim=\"1\"");
+    }
+    invweight += m.body_invweight0[2 * m.geom_bodyid[geom]];
+  }
+  if (!(invweight > 0.0)) {
+    throw std::invalid_argument(model.file() + ": contact between two bodies that cannot move");
+  }
+  for (const int geom : {geom1, geom2}) {
+    mjtNum* solref = m.geom_solref + static_cast<ptrdiff_t>(mjNREF) * geom;
+    mjtNum* solimp = m.geom_solimp + static_cast<ptrdiff_t>(mjNIMP) * geom;
+    solref[0] = -law.stiffness_N_m * invweight * (1.0 - kImpedance);
+    solref[1] = -law.damping_Ns_m * invweight * (1.0 - kImpedance);
+    solimp[0] = solimp[1] = kImpedance;
+  }
+}
+
+}  // namespace breakwater

@@ -1,0 +1,58 @@
+#include "sim/engine_guard.h"
+
+#include <mujoco/mujoco.h>
+
+#include <csetjmp>
+#include <cstdio>
+#include <mutex>
+
+namespace breakwater {
+namespace {
+
+constexpr std::size_t kTextSize = 1000;
+
+struct ThreadState {
+  std::jmp_buf* return_point = nullptr;
+  char error[kTextSize] = "";
+  char warning[kTextSize] = "";
+};
+
+thread_local ThreadState state;
+
+void on_error(const char* message) {
+  std::snprintf(state.error, kTextSize, "%s", message);
+  // Called from outside call_engine() there is no way back: the engine must not go on.
+  if (state.return_point == nullptr) std::abort();
+  std::longjmp(*state.return_point, 1);
+}
+
+void on_warning(const char* message) { std::snprintf(state.warning, kTextSize, "%s", message); }
+
+void install_handlers() {
+  static std::once_flag once;
+  std::call_once(once, [] {
+    mju_user_error = on_error;
+    mju_user_warning = on_warning;
+  });
+}
+
+}  // namespace
+
+std::string call_engine(void (*body)(void*), void* argument) {
+  install_handlers();
+  std::jmp_buf here;
+  std::jmp_buf* const outer = state.return_point;
+  state.return_point = &here;
+  state.error[0] = '\0';
+  if (setjmp(here) == 0) body(argument);
+  state.return_point = outer;
+  return state.error;
+}
+
+std::string take_engine_warning() {
+  std::string text = state.warning;
+  state.warning[0] = '\0';
+  return text;
+}
+
+}  // namespace breakwater

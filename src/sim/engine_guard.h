@@ -1,0 +1,31 @@
+// Keeps MuJoCo's errors and warnings from ending, halting or littering the process.
+#pragma once
+
+#include <stdexcept>
+#include <string>
+
+namespace breakwater {
+
+/// A run that cannot go on: diverged, not finite, or refused by the engine.
+class RunFailure : public std::runtime_error {
+ public:
+  RunFailure(double time_s, const std::string& reason)
+      : std::runtime_error(reason), time_s_(time_s) {}
+
+  double time_s() const { return time_s_; }
+
+ private:
+  double time_s_;
+};
+
+/// Calls `body(argument)`, which calls the engine. If the engine reports a fatal error meanwhile,
+/// returns its text (by default it would wait for a key and exit); otherwise an empty string.
+///
+/// A fatal error leaves `body` by longjmp, so neither it nor what it calls may hold anything whose
+/// destructor matters when it calls the engine.
+std::string call_engine(void (*body)(void*), void* argument);
+
+/// The engine's last warning on this thread since the last call; empty if there was none.
+std::string take_engine_warning();
+
+}  // namespace breakwater

@@ -1,0 +1,141 @@
+#include "sim/model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <mutex>
+#include <regex>
+#include <stdexcept>
+
+#include "sim/engine_guard.h"
+
+namespace breakwater {
+namespace {
+
+// What no arm, cart or vehicle has, but a slip of the pen does.
+constexpr double kLargestMass_kg = 1e9;
+constexpr double kLargestSize_m = 1e6;
+
+struct LoadCall {
+  const char* file;
+  char error[1000];
+  mjModel* model;
+};
+
+// The engine's messages span lines and end in "…, line 12, column 3".
+std::string located(const std::string& file, std::string message) {
+  std::string line;
+  std::smatch match;
+  if (std::regex_search(message, match, std::regex(R"(,? ?[Ll]ine(?: number)?[ =](\d+))")) &&
+      match[1] != "0") {
+    line = ":" + match[1].str();
+  }
+  std::replace(message.begin(), message.end(), '\n', ' ');
+  return file + line + ": " + message;
+}
+
+std::string name_of(const mjModel& m, mjtObj kind, int id) {
+  const char* name = mj_id2name(&m, kind, id);
+  return name != nullptr ? "\"" + std::string(name) + "\"" : "number " + std::to_string(id);
+}
+
+[[noreturn]] void refuse(const std::string& file, const std::string& what) {
+  throw std::invalid_argument(file + ": " + what);
+}
+
+void check_bodies(const mjModel& m, const std::string& file) {
+  for (int i = 1; i < m.nbody; ++i) {
+    const bool mass_fits = m.body_mass[i] >= 0.0 && m.body_mass[i] <= kLargestMass_kg;
+    if (!mass_fits) refuse(file, "body " + name_of(m, mjOBJ_BODY, i) + ": mass is out of range");
+    for (int k = 0; k < 3; ++k) {
+      const double inertia = m.body_inertia[3 * i + k];
+      if (!(inertia >= 0.0 && inertia <= kLargestMass_kg)) {
+        refuse(file, "body " + name_of(m, mjOBJ_BODY, i) + ": inertia is out of range");
+      }
+    }
+  }
+}
+
+void check_geoms(const mjModel& m, const std::string& file) {
+  for (int i = 0; i < m.ngeom; ++i) {
+    for (int k = 0; k < 3; ++k) {
+      const double size = m.geom_size[3 * i + k];
+      const double position = m.geom_pos[3 * i + k];
+      if (!(size >= 0.0 && size <= kLargestSize_m) || !(std::abs(position) <= kLargestSize_m)) {
+        refuse(file, "geom " + name_of(m, mjOBJ_GEOM, i) + ": size or position is out of range");
+      }
+    }
+  }
+}
+
+void check_joints(const mjModel& m, const std::string& file) {
+  for (int i = 0; i < m.nv; ++i) {
+    const bool fits = std::isfinite(m.dof_armature[i]) && m.dof_armature[i] >= 0.0 &&
+                      std::isfinite(m.dof_damping[i]) && m.dof_damping[i] >= 0.0 &&
+                      std::isfinite(m.dof_frictionloss[i]) && m.dof_frictionloss[i] >= 0.0;
+    if (!fits) {
+      refuse(file, "joint " + name_of(m, mjOBJ_JOINT, m.dof_jntid[i]) +
+                       ": armature, damping and frictionloss must be finite and not negative");
+    }
+  }
+}
+
+void check_timestep(double timestep_s, const std::string& file) {
+  if (!(std::isfinite(timestep_s) && timestep_s > 0.0)) {
+    refuse(file, "option timestep must be positive and finite");
+  }
+}
+
+}  // namespace
+
+Model Model::load(const std::string& mjcf_file) {
+  if (!std::ifstream(mjcf_file)) refuse(mjcf_file, "cannot be read");
+
+  LoadCall call{mjcf_file.c_str(), "", nullptr};
+  std::string fatal;
+  {
+    // The engine's XML reader changes the process' locale, so it must not run twice at once.
+    static std::mutex loading;
+    const std::lock_guard lock(loading);
+    fatal = call_engine(
+        [](void* argument) {
+          auto* load = static_cast<LoadCall*>(argument);
+          load->model = mj_loadXML(load->file, nullptr, load->error, sizeof(load->error));
+        },
+        &call);
+  }
+  if (call.model == nullptr) {
+    throw std::invalid_argument(located(mjcf_file, fatal.empty() ? call.error : fatal));
+  }
+
+  Model model(call.model, mjcf_file);
+  check_timestep(model->opt.timestep, mjcf_file);
+  check_bodies(*model.get(), mjcf_file);
+  check_geoms(*model.get(), mjcf_file);
+  check_joints(*model.get(), mjcf_file);
+  return model;
+}
+
+int Model::id(mjtObj kind, const std::string& name) const {
+  const int id = mj_name2id(model_.get(), kind, name.c_str());
+  if (id < 0) refuse(file_, std::string("has no ") + mju_type2Str(kind) + " named \"" + name + "\"");
+  return id;
+}
+
+void Model::set_physics(double timestep_s, Integrator integrator) {
+  check_timestep(timestep_s, file_);
+  model_->opt.timestep = timestep_s;
+  switch (integrator) {
+    case Integrator::euler:
+      model_->opt.integrator = mjINT_EULER;
+      break;
+    case Integrator::rk4:
+      model_->opt.integrator = mjINT_RK4;
+      break;
+    case Integrator::implicit:
+      model_->opt.integrator = mjINT_IMPLICIT;
+      break;
+  }
+}
+
+}  // namespace breakwater

@@ -1,0 +1,45 @@
+// Loading an MJCF model, with the checks that MuJoCo omits.
+#pragma once
+
+#include <mujoco/mujoco.h>
+
+#include <memory>
+#include <string>
+
+namespace breakwater {
+
+enum class Integrator { euler, rk4, implicit };
+
+/// A compiled MuJoCo model that this object owns, and where it came from.
+class Model {
+ public:
+  /// Compiles an MJCF file. Throws std::invalid_argument with one line, `FILE[:LINE]: reason`, if
+  /// it cannot be read or compiled, or if its timestep, a mass, an inertia or a size is not a
+  /// sensible number: the engine itself accepts a timestep of −1 s and a mass of 1e300 kg.
+  /// Thread-safe.
+  static Model load(const std::string& mjcf_file);
+
+  mjModel* get() { return model_.get(); }
+  const mjModel* get() const { return model_.get(); }
+  const mjModel* operator->() const { return model_.get(); }
+  const std::string& file() const { return file_; }
+
+  /// The id of a named element. Throws std::invalid_argument `FILE: has no KIND named "NAME"`.
+  int id(mjtObj kind, const std::string& name) const;
+
+  /// Replaces the model's own timestep [s] and integrator. Throws std::invalid_argument unless the
+  /// timestep is positive and finite.
+  void set_physics(double timestep_s, Integrator integrator);
+
+ private:
+  struct Delete {
+    void operator()(mjModel* model) const { mj_deleteModel(model); }
+  };
+
+  Model(mjModel* model, std::string file) : model_(model), file_(std::move(file)) {}
+
+  std::unique_ptr<mjModel, Delete> model_;
+  std::string file_;
+};
+
+}  // namespace breakwater

@@ -1,0 +1,100 @@
+#include "sim/sensing.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "sim/engine_guard.h"
+
+namespace breakwater {
+namespace {
+
+constexpr int kDropsInARowAllowed = 2;
+
+void check(const SensorChannel& channel) {
+  const bool fits = std::isfinite(channel.low_pass_s) && channel.low_pass_s >= 0.0 &&
+                    std::isfinite(channel.noise_std) && channel.noise_std >= 0.0 &&
+                    std::isfinite(channel.encoder.quantum_rad) &&
+                    channel.encoder.quantum_rad >= 0.0 && std::isfinite(channel.encoder.phase_rad);
+  if (!fits) {
+    throw std::invalid_argument("sensor channel \"" + channel.name +
+                                "\": filter, quantum and noise must be finite and not negative");
+  }
+}
+
+}  // namespace
+
+Sensing::Sensing(const Model& model, const SensingSetup& setup)
+    : nan_policy_(setup.nan_policy), fault_(setup.fault), step_s_(model->opt.timestep) {
+  channels_.reserve(setup.channels.size());
+  for (const SensorChannel& channel : setup.channels) {
+    check(channel);
+    const int id = model.id(mjOBJ_SENSOR, channel.sensor);
+    if (channel.component < 0 || channel.component >= model->sensor_dim[id]) {
+      throw std::invalid_argument(model.file() + ": sensor \"" + channel.sensor + "\" has no value " +
+                                  std::to_string(channel.component));
+    }
+    const bool is_late = model->sensor_needstage[id] == mjSTAGE_ACC || channel.low_pass_s > 0.0;
+    channels_.push_back({channel, model->sensor_adr[id] + channel.component, is_late,
+                         LowPass(channel.low_pass_s, step_s_), Noise(setup.seed, channel.name)});
+  }
+  const bool fault_has_channel =
+      fault_.channel.empty() ||
+      std::any_of(channels_.begin(), channels_.end(),
+                  [&](const Channel& c) { return c.setup.name == fault_.channel; });
+  if (!fault_has_channel) {
+    throw std::invalid_argument("sensor fault: there is no channel \"" + fault_.channel + "\"");
+  }
+}
+
+void Sensing::reset(const mjData& data) {
+  for (Channel& channel : channels_) {
+    channel.value = data.sensordata[channel.address];
+    channel.last_good = channel.value;
+    channel.filter.reset(channel.value);
+  }
+}
+
+void Sensing::after_step(const mjData& data) {
+  for (Channel& channel : channels_) {
+    if (channel.is_late) channel.value = channel.filter.update(data.sensordata[channel.address]);
+  }
+}
+
+bool Sensing::is_faulty(const Channel& channel, double time_s) {
+  if (fault_.samples <= 0 || channel.setup.name != fault_.channel ||
+      time_s < fault_.at_s - 0.5 * step_s_) {
+    return false;
+  }
+  --fault_.samples;
+  return true;
+}
+
+void Sensing::take(std::int64_t k, const mjData& data, Sample& sample) {
+  for (std::size_t i = 0; i < channels_.size(); ++i) {
+    Channel& channel = channels_[i];
+    if (!channel.is_late) channel.value = data.sensordata[channel.address];
+    double measured = channel.setup.encoder.measure(channel.value);
+    if (channel.setup.noise_std > 0.0) {
+      measured += channel.setup.noise_std * channel.noise(static_cast<std::uint64_t>(k));
+    }
+    if (is_faulty(channel, sample.time_s)) measured = std::nan("");
+
+    if (std::isfinite(measured)) {
+      channel.last_good = measured;
+      channel.dropped_in_a_row = 0;
+    } else {
+      if (nan_policy_ == NanPolicy::stop) {
+        throw RunFailure(sample.time_s, "sensor " + channel.setup.name + " is not finite");
+      }
+      ++dropped_;
+      if (++channel.dropped_in_a_row > kDropsInARowAllowed) {
+        throw RunFailure(sample.time_s,
+                         "sensor " + channel.setup.name + " is not finite three times in a row");
+      }
+    }
+    sample.y(static_cast<Eigen::Index>(i)) = channel.last_good;
+  }
+}
+
+}  // namespace breakwater

@@ -1,0 +1,202 @@
+#include "sim/simulation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <mutex>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "sim/engine_guard.h"
+
+namespace breakwater {
+namespace {
+
+// mjcb_control is one pointer for the whole process. It is written once and finds the simulation
+// that steps on the calling thread here; it ignores data that is not that simulation's own.
+thread_local Simulation* stepping = nullptr;
+
+// Slack within which a command counts as being at its limit: rounding of the controller's own clip.
+constexpr double kLimitSlack = 1e-9;
+
+bool all_finite(const mjtNum* values, int count) {
+  return std::all_of(values, values + count, [](mjtNum v) { return std::isfinite(v); });
+}
+
+const char* warning_name(int warning) {
+  switch (warning) {
+    case mjWARN_INERTIA:
+      return "inertia matrix is nearly singular";
+    case mjWARN_CONTACTFULL:
+      return "contact buffer is full";
+    case mjWARN_CNSTRFULL:
+      return "constraint buffer is full";
+    case mjWARN_BADQPOS:
+      return "diverged: a position is not finite or huge";
+    case mjWARN_BADQVEL:
+      return "diverged: a velocity is not finite or huge";
+    case mjWARN_BADQACC:
+      return "diverged: an acceleration is not finite or huge";
+    case mjWARN_BADCTRL:
+      return "an actuator command is not finite or huge";
+    default:
+      return "the engine warned";
+  }
+}
+
+}  // namespace
+
+Simulation::Simulation(Model model, Controller& controller, const SensingSetup& sensing,
+                       int steps_per_sample)
+    : model_(std::move(model)),
+      data_(mj_makeData(model_.get())),
+      controller_(controller),
+      sensing_(model_, sensing),
+      steps_per_sample_(steps_per_sample) {
+  if (!data_) throw std::runtime_error("MuJoCo could not allocate a simulation");
+  if (steps_per_sample < 1) throw std::invalid_argument("simulation: needs 1 step per sample or more");
+  const double unlimited = std::numeric_limits<double>::infinity();
+  lower_limit_.setConstant(model_->nu, -unlimited);
+  upper_limit_.setConstant(model_->nu, unlimited);
+  for (int i = 0; i < model_->nu; ++i) {
+    if (model_->actuator_ctrllimited[i] == 0) continue;
+    lower_limit_(i) = model_->actuator_ctrlrange[2 * i];
+    upper_limit_(i) = model_->actuator_ctrlrange[2 * i + 1];
+  }
+  sample_.y = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(sensing_.size()));
+  qpos_.assign(static_cast<std::size_t>(model_->nq), 0.0);
+  qvel_.assign(static_cast<std::size_t>(model_->nv), 0.0);
+  command_.setZero(model_->nu);
+  actuation_.setZero(model_->nu);
+
+  static std::once_flag once;
+  std::call_once(once, [] { mjcb_control = &Simulation::control_callback; });
+}
+
+Simulation::~Simulation() = default;
+
+void Simulation::set_position(std::span<const double> qpos) {
+  if (qpos.size() != static_cast<std::size_t>(model_->nq)) {
+    throw std::invalid_argument(model_.file() + ": needs " + std::to_string(model_->nq) +
+                                " start positions, got " + std::to_string(qpos.size()));
+  }
+  std::copy(qpos.begin(), qpos.end(), data_->qpos);
+  std::fill_n(data_->qvel, model_->nv, 0.0);
+}
+
+void Simulation::set_collidable(int geom, bool collidable) {
+  model_.get()->geom_contype[geom] = collidable ? 1 : 0;
+  model_.get()->geom_conaffinity[geom] = collidable ? 1 : 0;
+}
+
+void Simulation::control_callback(const mjModel*, mjData* data) {
+  Simulation* simulation = stepping;
+  if (simulation == nullptr || data != simulation->data_.get() ||
+      simulation->thrown_in_callback_ != nullptr) {
+    return;
+  }
+  // No exception may cross the engine's C frames: it is kept, and rethrown after the step.
+  try {
+    if (std::exchange(simulation->step_begins_, false)) simulation->begin_step(*data);
+    simulation->act(*data);
+  } catch (...) {
+    simulation->thrown_in_callback_ = std::current_exception();
+  }
+}
+
+void Simulation::begin_step(const mjData& data) {
+  std::copy_n(data.qpos, qpos_.size(), qpos_.begin());
+  std::copy_n(data.qvel, qvel_.size(), qvel_.begin());
+  sampled_ = steps_ % steps_per_sample_ == 0;
+  if (!sampled_) return;
+
+  hash_.update(qpos_);
+  hash_.update(qvel_);
+  sample_.time_s = time_s_;
+  sensing_.take(steps_ / steps_per_sample_, data, sample_);
+  if (steps_ == 0) controller_.reset(sample_);
+  controller_.update(sample_, command_);
+  saturate();
+}
+
+void Simulation::saturate() {
+  saturated_ = false;
+  for (Eigen::Index i = 0; i < command_.size(); ++i) {
+    if (!std::isfinite(command_(i))) {
+      fail("command of actuator " + std::to_string(i + 1) + " is not finite");
+    }
+    const double slack = kLimitSlack * std::abs(command_(i));
+    saturated_ |= command_(i) <= lower_limit_(i) + slack || command_(i) >= upper_limit_(i) - slack;
+    actuation_(i) = std::clamp(command_(i), lower_limit_(i), upper_limit_(i));
+  }
+}
+
+void Simulation::act(mjData& data) const {
+  std::copy_n(actuation_.data(), actuation_.size(), data.ctrl);
+  if (forces_.empty()) return;
+  std::fill_n(data.xfrc_applied, static_cast<std::ptrdiff_t>(6) * model_->nbody, 0.0);
+  const double stage_time = time_s_ + (data.time - engine_time_at_step_s_);
+  for (const ExternalForce* force : forces_) force->apply(stage_time, *model_.get(), data);
+}
+
+// Fills the sensors, so that the first sample has them all. `stepping` is not set yet, so the
+// controller is not called.
+void Simulation::start() {
+  const std::string fatal = call_engine(
+      [](void* argument) {
+        auto* self = static_cast<Simulation*>(argument);
+        mj_forward(self->model_.get(), self->data_.get());
+      },
+      this);
+  if (!fatal.empty()) fail(fatal);
+  sensing_.reset(*data_);
+}
+
+void Simulation::step() {
+  mjData& data = *data_;
+  time_s_ = static_cast<double>(steps_) * timestep_s();
+  if (steps_ == 0) start();
+  engine_time_at_step_s_ = data.time;
+  step_begins_ = true;
+
+  Simulation* const outer = std::exchange(stepping, this);
+  const std::string fatal = call_engine(
+      [](void* argument) {
+        auto* self = static_cast<Simulation*>(argument);
+        mj_step(self->model_.get(), self->data_.get());
+      },
+      this);
+  stepping = outer;
+
+  if (thrown_in_callback_) std::rethrow_exception(std::exchange(thrown_in_callback_, nullptr));
+  if (!fatal.empty()) fail(fatal);
+  check_engine(engine_time_at_step_s_);
+  sensing_.after_step(data);
+  ++steps_;
+}
+
+void Simulation::check_engine(double time_before_s) {
+  for (int i = 0; i < mjNWARNING; ++i) {
+    if (data_->warning[i].number > 0) fail(warning_name(i));
+  }
+  if (!(data_->time > time_before_s)) fail("time does not advance");
+  if (!all_finite(data_->qpos, model_->nq) || !all_finite(data_->qvel, model_->nv)) {
+    fail("diverged: the state is not finite");
+  }
+}
+
+void Simulation::fail(const std::string& reason) const { throw RunFailure(time_s_, reason); }
+
+const double& Simulation::sensor(const std::string& name) const {
+  return data_->sensordata[model_->sensor_adr[model_.id(mjOBJ_SENSOR, name)]];
+}
+
+std::uint64_t Simulation::state_hash() const {
+  StateHash hash = hash_;
+  hash.update({data_->qpos, static_cast<std::size_t>(model_->nq)});
+  hash.update({data_->qvel, static_cast<std::size_t>(model_->nv)});
+  return hash.digest();
+}
+
+}  // namespace breakwater

@@ -1,0 +1,23 @@
+#include "world/hand.h"
+
+#include <algorithm>
+
+namespace breakwater {
+
+double Hand::target_rad(double time_s) const {
+  const double s = std::clamp((time_s - start_s) / rise_s, 0.0, 1.0);
+  return angle_rad * s * s * (3.0 - 2.0 * s);
+}
+
+double Hand::target_rate_rad_s(double time_s) const {
+  const double s = std::clamp((time_s - start_s) / rise_s, 0.0, 1.0);
+  return angle_rad * 6.0 * s * (1.0 - s) / rise_s;
+}
+
+double Hand::moment_Nm(double time_s, double turned_rad, double rate_rad_s) const {
+  if (!grips(time_s)) return 0.0;
+  return stiffness_Nm_rad * (target_rad(time_s) - turned_rad) +
+         damping_Nms_rad * (target_rate_rad_s(time_s) - rate_rad_s);
+}
+
+}  // namespace breakwater
