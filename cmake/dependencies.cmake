@@ -14,6 +14,10 @@ pkg_check_modules(urdfdom REQUIRED IMPORTED_TARGET urdfdom)
 pkg_check_modules(tinyxml2 REQUIRED IMPORTED_TARGET tinyxml2)
 pkg_check_modules(xxhash REQUIRED IMPORTED_TARGET libxxhash)
 pkg_check_modules(hdf5 REQUIRED IMPORTED_TARGET hdf5-serial)
+# The high-level library (dimension scales) has no pkg-config file.
+find_library(HDF5_HL_LIBRARY NAMES hdf5_serial_hl REQUIRED)
+add_library(hdf5_hl INTERFACE)
+target_link_libraries(hdf5_hl INTERFACE ${HDF5_HL_LIBRARY} PkgConfig::hdf5)
 
 find_path(RANDOM123_INCLUDE_DIR Random123/philox.h REQUIRED)
 add_library(random123 INTERFACE)

@@ -8,16 +8,18 @@ namespace {
 
 std::span<const double> view(const double& value) { return {&value, 1}; }
 
-template <typename Block>
-std::span<const double> view_block(const Block& block) {
-  return {block.data(), static_cast<std::size_t>(block.size())};
+std::span<const double> view(const Eigen::VectorXd& values) {
+  return {values.data(), static_cast<std::size_t>(values.size())};
 }
 
 }  // namespace
 
 ArmController::ArmController(const PlanarChain& chain, const AccelerationControlDesign& design,
                              ArmTask task)
-    : J_(3, chain.joints()),
+    : q_hat_(Eigen::VectorXd::Zero(chain.joints())),
+      dq_hat_(q_hat_),
+      d_hat_(q_hat_),
+      J_(3, chain.joints()),
       chain_(chain),
       acceleration_control_(design),
       task_(std::move(task)),
@@ -31,11 +33,11 @@ ArmController::ArmController(const PlanarChain& chain, const AccelerationControl
     throw std::invalid_argument("arm controller: the convert gain K_f must be positive");
   }
   publish({"q_hat_rad", "rad", "joint angles, IDOB estimate (Eq. 2.54)",
-           view_block(joints().q_hat())});
+           view(q_hat_)});
   publish({"dq_hat_rad_s", "rad/s", "joint velocities, IDOB estimate",
-           view_block(joints().dq_hat())});
+           view(dq_hat_)});
   publish({"d_hat_Nm", "N m", "disturbance torques, IDOB estimate, opposing motion (Eq. 2.53)",
-           view_block(joints().d_hat())});
+           view(d_hat_)});
   publish({"x_hat_m", "m", "tip x, from the estimated angles", view(X_hat_[0])});
   publish({"y_hat_m", "m", "tip y, from the estimated angles", view(X_hat_[1])});
   publish({"phi_hat_rad", "rad", "tip angle, from the estimated angles", view(X_hat_[2])});
@@ -43,7 +45,7 @@ ArmController::ArmController(const PlanarChain& chain, const AccelerationControl
   publish({"y_ref_m", "m", "tip y reference", view(X_ref_[1])});
   publish({"phi_ref_rad", "rad", "tip angle reference", view(X_ref_[2])});
   publish({"ddq_ref_rad_s2", "rad/s^2", "joint acceleration references",
-           view_block(acceleration_ref_)});
+           view(acceleration_ref_)});
 }
 
 void ArmController::reset(const Sample&) { acceleration_control_.reset(task_.start_angles_rad); }
@@ -52,8 +54,11 @@ void ArmController::update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u) {
   const Eigen::Index n = chain_.joints();
   force_control_ = y.time_s >= task_.force_control_from_s - half_period_s_;
   force_N_ = y.y(n);
-  X_hat_ = chain_.tip_pose(joints().q_hat());
-  chain_.tip_jacobian(joints().q_hat(), J_);
+  q_hat_ = joints().q_hat();
+  dq_hat_ = joints().dq_hat();
+  d_hat_ = joints().d_hat();
+  X_hat_ = chain_.tip_pose(q_hat_);
+  chain_.tip_jacobian(q_hat_, J_);
   X_ref_ = task_.start_pose;
   if (force_control_) X_ref_[0] = implicit_force_reference_m(task_, X_hat_[0], force_N_);
 

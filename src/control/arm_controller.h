@@ -51,7 +51,11 @@ class ArmController : public Controller {
   const AccelerationControl& joints() const { return acceleration_control_; }
   const PlanarChain& chain() const { return chain_; }
 
-  // This sample's, for decide().
+  // This sample's, for decide(). The observer is one sample ahead once it has seen the command,
+  // so what this sample's decision and log rest on is kept here.
+  Eigen::VectorXd q_hat_;
+  Eigen::VectorXd dq_hat_;
+  Eigen::VectorXd d_hat_;
   bool force_control_ = false;
   double force_N_ = 0.0;
   TipPose X_hat_ = TipPose::Zero();  // forward kinematics of q̂

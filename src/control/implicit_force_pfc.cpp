@@ -22,13 +22,13 @@ ImplicitForcePfc::ImplicitForcePfc(const PlanarChain& chain,
 
 void ImplicitForcePfc::decide(Eigen::Ref<Eigen::VectorXd> a) {
   if (force_control_ || positioning_ == Positioning::workspace) {
-    q_ref_ = joints().q_hat() + inverse_kinematics_.step(J_, X_ref_ - X_hat_);
+    q_ref_ = q_hat_ + inverse_kinematics_.step(J_, X_ref_ - X_hat_);
   } else {
     q_ref_ = task().start_angles_rad;
   }
   for (Eigen::Index i = 0; i < a.size(); ++i) {
     const double wanted = pfc_[static_cast<std::size_t>(i)].acceleration(
-        q_ref_(i), joints().q_hat()(i), joints().dq_hat()(i));
+        q_ref_(i), q_hat_(i), dq_hat_(i));
     a(i) = std::clamp(wanted, joints().lower_acceleration(i), joints().upper_acceleration(i));
   }
 }

@@ -27,7 +27,7 @@ void Hpfc::decide(Eigen::Ref<Eigen::VectorXd> a) {
   pseudo_inverse(J_, design_.singular_value_floor, J_plus_);
   TipPose position_error = task().start_pose - X_hat_;
   if (force_control_) position_error[0] = 0.0;
-  const TipPose velocity = J_ * joints().dq_hat();
+  const TipPose velocity = J_ * dq_hat_;
   a.noalias() = J_plus_ * (design_.k_p * position_error - 2.0 * std::sqrt(design_.k_p) * velocity);
   if (force_control_) {
     a += design_.k_f * (task().force_reference_N - force_N_) * J_.row(0).transpose();
@@ -42,8 +42,8 @@ Drac::Drac(const PlanarChain& chain, const AccelerationControlDesign& accelerati
 
 void Drac::decide(Eigen::Ref<Eigen::VectorXd> a) {
   pseudo_inverse(J_, design_.singular_value_floor, J_plus_);
-  const TipPose velocity = J_ * joints().dq_hat();
-  const TipPose bias = chain().tip_bias_acceleration(joints().q_hat(), joints().dq_hat());
+  const TipPose velocity = J_ * dq_hat_;
+  const TipPose bias = chain().tip_bias_acceleration(q_hat_, dq_hat_);
   a.noalias() = J_plus_ * (design_.k_p * (X_ref_ - X_hat_) -
                            2.0 * std::sqrt(design_.k_p) * velocity - bias);
 }

@@ -1,0 +1,97 @@
+#include "record/hdf5_log.h"
+
+#include <hdf5.h>
+#include <hdf5_hl.h>
+
+#include <algorithm>
+#include <array>
+#include <mutex>
+#include <stdexcept>
+
+namespace breakwater {
+namespace {
+
+constexpr hsize_t kChunkRows = 8192;
+
+// An HDF5 identifier that closes itself.
+class Handle {
+ public:
+  Handle(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close) {
+    if (id_ < 0) throw std::runtime_error("HDF5 error");
+  }
+  Handle(const Handle&) = delete;
+  Handle& operator=(const Handle&) = delete;
+  ~Handle() { close_(id_); }
+  operator hid_t() const { return id_; }  // NOLINT(google-explicit-constructor): as HDF5 takes it
+
+ private:
+  hid_t id_;
+  herr_t (*close_)(hid_t);
+};
+
+void require(herr_t status) {
+  if (status < 0) throw std::runtime_error("HDF5 error");
+}
+
+void write_text(hid_t object, const char* name, const std::string& text) {
+  const Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
+  require(H5Tset_size(type, std::max<std::size_t>(text.size(), 1)));
+  require(H5Tset_cset(type, H5T_CSET_UTF8));
+  const Handle space(H5Screate(H5S_SCALAR), H5Sclose);
+  const Handle attribute(H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+  require(H5Awrite(attribute, type, text.c_str()));
+}
+
+// A dataset of rows × width (or just rows, if width is 1), with unit and description.
+void write_dataset(hid_t group, const Signal& signal, const std::vector<double>& values,
+                   std::size_t width, int deflate_level) {
+  const std::array<hsize_t, 2> size = {values.size() / width, width};
+  const int rank = width == 1 ? 1 : 2;
+  const Handle space(H5Screate_simple(rank, size.data(), nullptr), H5Sclose);
+  const Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+  if (deflate_level > 0 && size[0] > 0) {
+    const std::array<hsize_t, 2> chunk = {std::min(size[0], kChunkRows), width};
+    require(H5Pset_chunk(properties, rank, chunk.data()));
+    require(H5Pset_shuffle(properties));
+    require(H5Pset_deflate(properties, static_cast<unsigned>(deflate_level)));
+  }
+  const Handle dataset(H5Dcreate2(group, signal.name.c_str(), H5T_IEEE_F64LE, space, H5P_DEFAULT,
+                                  properties, H5P_DEFAULT),
+                       H5Dclose);
+  require(H5Dwrite(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()));
+  write_text(dataset, "unit", signal.unit);
+  write_text(dataset, "description", signal.description);
+}
+
+void write_track(hid_t file, const Track& track, int deflate_level) {
+  const Handle group(
+      H5Gcreate2(file, track.name().c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);
+  const Signal time{"time_s", "s", "time of each row of this group", {}};
+  write_dataset(group, time, track.times(), 1, deflate_level);
+  const Handle scale(H5Dopen2(group, "time_s", H5P_DEFAULT), H5Dclose);
+  require(H5DSset_scale(scale, "time_s"));
+  for (std::size_t i = 0; i < track.signals(); ++i) {
+    const Signal& signal = track.signal(i);
+    write_dataset(group, signal, track.values(i), signal.values.size(), deflate_level);
+    const Handle dataset(H5Dopen2(group, signal.name.c_str(), H5P_DEFAULT), H5Dclose);
+    require(H5DSattach_scale(dataset, scale, 0));
+  }
+}
+
+}  // namespace
+
+void write_hdf5_log(const std::string& file, const std::vector<Track>& tracks, int deflate_level) {
+  // Debian's serial HDF5 is not built thread-safe.
+  static std::mutex writing;
+  const std::lock_guard lock(writing);
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  try {
+    const Handle handle(H5Fcreate(file.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose);
+    for (const Track& track : tracks) write_track(handle, track, deflate_level);
+    require(H5Fflush(handle, H5F_SCOPE_GLOBAL));
+  } catch (const std::runtime_error&) {
+    throw OutputError(file + ": cannot be written (is the disk full?)");
+  }
+}
+
+}  // namespace breakwater

@@ -1,0 +1,20 @@
+// log.h5: a run's tracks as HDF5.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "record/output_error.h"
+#include "record/track.h"
+
+namespace breakwater {
+
+/// Writes one group per track, named as the track, with its time base `time_s` and one dataset per
+/// signal: N, or N×width for a vector. Each dataset has the attributes `unit` and `description`,
+/// and has the time base attached as the scale of its first dimension.
+///
+/// `deflate_level` 0 writes plain data; 1 to 9 compress it. Throws OutputError if the file
+/// cannot be written. Thread-safe.
+void write_hdf5_log(const std::string& file, const std::vector<Track>& tracks, int deflate_level);
+
+}  // namespace breakwater

@@ -1,0 +1,40 @@
+// Everything that a run gives.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "record/track.h"
+
+namespace breakwater {
+
+/// One number that a run is judged by. One that does not apply to a run is not there.
+struct Metric {
+  std::string name;  ///< unit included: "peak_force_raw_N"
+  std::string unit;  ///< as people write it: "N"
+  double value;
+};
+
+/// Why a run did not reach its end.
+struct Failure {
+  double time_s;
+  std::string reason;
+};
+
+struct Recording {
+  std::vector<Track> tracks;
+  std::vector<Metric> metrics;  ///< empty if the run failed
+  std::optional<Failure> failure;
+  std::uint64_t state_hash = 0;
+  double simulated_s = 0.0;
+  std::int64_t dropped_samples = 0;
+
+  /// The track of that name. Throws std::out_of_range if there is none.
+  const Track& track(const std::string& name) const;
+  /// The value of a metric, or nothing if the run does not have it.
+  std::optional<double> metric(const std::string& name) const;
+};
+
+}  // namespace breakwater

@@ -1,0 +1,44 @@
+#include "record/text_outputs.h"
+
+#include <fmt/format.h>
+
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+namespace breakwater {
+
+void write_text_file(const std::string& file, const std::string& text) {
+  std::ofstream stream(file, std::ios::binary);
+  stream.write(text.data(), static_cast<std::streamsize>(text.size()));
+  stream.close();
+  if (!stream) throw OutputError(file + ": cannot be written (is the disk full?)");
+}
+
+void write_csv_log(const std::string& file, const Track& track) {
+  std::string text = "time_s";
+  for (std::size_t i = 0; i < track.signals(); ++i) {
+    const Signal& signal = track.signal(i);
+    if (signal.values.size() == 1) {
+      text += "," + signal.name;
+    } else {
+      for (std::size_t k = 1; k <= signal.values.size(); ++k) {
+        fmt::format_to(std::back_inserter(text), ",{}_{}", signal.name, k);
+      }
+    }
+  }
+  text += '\n';
+  for (std::size_t i = 0; i < track.rows(); ++i) {
+    fmt::format_to(std::back_inserter(text), "{}\n", fmt::join(track.row(i), ","));
+  }
+  write_text_file(file, text);
+}
+
+void write_metrics(const std::string& file, const std::vector<Metric>& metrics) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::object();
+  for (const Metric& metric : metrics) json[metric.name] = metric.value;
+  write_text_file(file, json.dump(2) + "\n");
+}
+
+}  // namespace breakwater

@@ -1,0 +1,199 @@
+#include "scenario/arm_push.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "scenario/run_loop.h"
+
+namespace breakwater {
+namespace {
+
+ArmRole push_role() {
+  ArmRole role;
+  role.starts_at_reference = true;
+  return role;
+}
+
+// The hand's force on the end of a link, perpendicular to it.
+class HandOnLink final : public ExternalForce {
+ public:
+  HandOnLink(const Hand& hand, const Model& model, const PlanarChain& chain,
+             const std::vector<double>& start_angles_rad, int link)
+      : hand_(hand),
+        joint_(model.id(mjOBJ_JOINT, chain.joint(link - 1).name)),
+        body_(model->jnt_bodyid[joint_]),
+        end_(model.id(mjOBJ_SITE, "link" + std::to_string(link) + "_end")) {
+    for (Eigen::Index i = 0; i < link; ++i) {
+      const int id = model.id(mjOBJ_JOINT, chain.joint(i).name);
+      senses_.push_back(chain.joint(i).sense);
+      qpos_.push_back(model->jnt_qposadr[id]);
+      dofs_.push_back(model->jnt_dofadr[id]);
+      gripped_angle_rad_ += senses_.back() * start_angles_rad[static_cast<std::size_t>(i)];
+    }
+  }
+
+  void apply(double time_s, const mjModel&, mjData& data) const override {
+    const double moment = moment_Nm(time_s, data.qpos, data.qvel);
+    if (moment == 0.0) return;
+    const mjtNum* anchor = data.xanchor + static_cast<std::ptrdiff_t>(3) * joint_;
+    const mjtNum* end = data.site_xpos + static_cast<std::ptrdiff_t>(3) * end_;
+    const mjtNum* center = data.xipos + static_cast<std::ptrdiff_t>(3) * body_;
+    const double arm_x = end[0] - anchor[0];
+    const double arm_y = end[1] - anchor[1];
+    const double per_metre = moment / (arm_x * arm_x + arm_y * arm_y);
+    const double force_x = -arm_y * per_metre;
+    const double force_y = arm_x * per_metre;
+    mjtNum* wrench = data.xfrc_applied + static_cast<std::ptrdiff_t>(6) * body_;
+    wrench[0] += force_x;
+    wrench[1] += force_y;
+    wrench[5] += (end[0] - center[0]) * force_y - (end[1] - center[1]) * force_x;
+  }
+
+  // How far the link is turned from where it was gripped.
+  double turned_rad(const mjtNum* qpos) const {
+    double angle = -gripped_angle_rad_;
+    for (std::size_t i = 0; i < qpos_.size(); ++i) angle += senses_[i] * qpos[qpos_[i]];
+    return angle;
+  }
+
+  double moment_Nm(double time_s, const mjtNum* qpos, const mjtNum* qvel) const {
+    double rate = 0.0;
+    for (std::size_t i = 0; i < dofs_.size(); ++i) rate += senses_[i] * qvel[dofs_[i]];
+    return hand_.moment_Nm(time_s, turned_rad(qpos), rate);
+  }
+
+ private:
+  Hand hand_;
+  int joint_;
+  int body_;
+  int end_;
+  std::vector<double> senses_;
+  std::vector<int> qpos_;
+  std::vector<int> dofs_;
+  double gripped_angle_rad_ = 0.0;
+};
+
+class PushMetrics {
+ public:
+  PushMetrics(const Hand& hand, const std::vector<double>& start_angles_rad,
+              const TipPose& start_pose, double settled_within_m)
+      : hand_(hand),
+        start_angles_(start_angles_rad),
+        release_offsets_(start_angles_rad.size(), 0.0),
+        start_pose_(start_pose),
+        settled_within_m_(settled_within_m) {}
+
+  void after_sample(double time_s, const ArmRig& rig, double turned_rad, bool saturated,
+                    double period_s) {
+    if (time_s < hand_.start_s) return;
+    if (saturated) saturated_s_ += period_s;
+    tip_error_m_ = (rig.tip() - start_pose_).head<2>().norm();
+    if (time_s < hand_.release_s()) {
+      max_push_rad_ = std::max(max_push_rad_, std::abs(turned_rad));
+      for (std::size_t i = 0; i < start_angles_.size(); ++i) {
+        release_offsets_[i] = rig.q()(static_cast<Eigen::Index>(i)) - start_angles_[i];
+      }
+      return;
+    }
+    for (std::size_t i = 0; i < start_angles_.size(); ++i) {
+      const double offset = rig.q()(static_cast<Eigen::Index>(i)) - start_angles_[i];
+      overshoot_rad_ = std::max(overshoot_rad_, -std::copysign(1.0, release_offsets_[i]) * offset);
+    }
+    peak_speed_rad_s_ = std::max(peak_speed_rad_s_, rig.dq().cwiseAbs().maxCoeff());
+    if (tip_error_m_ > settled_within_m_) unsettled_until_s_ = time_s + period_s;
+    last_s_ = time_s;
+  }
+
+  std::vector<Metric> metrics() const {
+    std::vector<Metric> list = {{"max_push_rad", "rad", max_push_rad_}};
+    if (last_s_ == 0.0) return list;  // it ended before the hand let go
+    list.push_back({"overshoot_rad", "rad", overshoot_rad_});
+    if (unsettled_until_s_ <= last_s_) {
+      list.push_back(
+          {"settling_time_s", "s", std::max(unsettled_until_s_ - hand_.release_s(), 0.0)});
+    }
+    list.push_back({"saturated_time_s", "s", saturated_s_});
+    list.push_back({"tip_error_m", "m", tip_error_m_});
+    list.push_back({"peak_speed_rad_s", "rad/s", peak_speed_rad_s_});
+    return list;
+  }
+
+ private:
+  Hand hand_;
+  std::vector<double> start_angles_;
+  std::vector<double> release_offsets_;
+  TipPose start_pose_;
+  double settled_within_m_;
+
+  double max_push_rad_ = 0.0;
+  double overshoot_rad_ = 0.0;
+  double saturated_s_ = 0.0;
+  double tip_error_m_ = 0.0;
+  double peak_speed_rad_s_ = 0.0;
+  double unsettled_until_s_ = 0.0;
+  double last_s_ = 0.0;
+};
+
+}  // namespace
+
+Fields ArmPush::fields() {
+  Fields fields;
+  arm_.bind(fields);
+  fields.count("push.link", link_, between(1, 100), "which link's end the hand pushes");
+  fields.number("push.angle_rad", hand_.angle_rad, any(),
+                "how far it turns the link's absolute angle [rad]");
+  fields.number("push.start_s", hand_.start_s, not_negative(), "when it grips [s]");
+  fields.number("push.rise_s", hand_.rise_s, positive(), "how long it takes to turn it [s]");
+  fields.number("push.hold_s", hand_.hold_s, not_negative(), "how long it holds it then [s]");
+  fields.number("push.stiffness_Nm_rad", hand_.stiffness_Nm_rad, positive(),
+                "of the hand, about the link's joint [N m/rad]");
+  fields.number("push.damping_Nms_rad", hand_.damping_Nms_rad, not_negative(),
+                "of the hand, about the link's joint [N m s/rad]");
+  fields.number("metrics.settled_within_m", settled_within_m_, positive(),
+                "settled: the tip stays this close to the start pose [m]");
+  return fields;
+}
+
+void ArmPush::check(const Config& config) {
+  check_arm(arm_, push_role(), config);
+  if (link_ > static_cast<int>(arm_.start_angles_rad.size())) {
+    config.fail("push.link", "the arm has only " + std::to_string(arm_.start_angles_rad.size()) +
+                                 " links");
+  }
+}
+
+Recording ArmPush::run(const RunControl& control) const {
+  ArmRig rig(arm_, push_role());
+  Simulation& sim = rig.simulation();
+  const HandOnLink hand(hand_, sim.model(), rig.chain(), arm_.start_angles_rad, link_);
+  sim.add(hand);
+  sim.set_collidable(sim.model().id(mjOBJ_GEOM, "wall"), false);
+
+  const std::int64_t steps = std::llround(arm_.run.duration_s / arm_.timestep_s);
+  double turned_rad = 0.0;
+  double moment_Nm = 0.0;
+  std::vector<Signal> signals = rig.signals();
+  signals.push_back({"push_turned_rad", "rad", "how far the pushed link is turned", {&turned_rad, 1}});
+  signals.push_back({"push_moment_Nm", "N m", "the hand's moment about its joint", {&moment_Nm, 1}});
+  Track log("control", std::move(signals),
+            static_cast<std::size_t>(steps / steps_per_sample(arm_) + 1));
+  PushMetrics metrics(hand_, arm_.start_angles_rad, start_pose(arm_), settled_within_m_);
+
+  Recording recording;
+  recording.failure = run_loop(steps, control, [&](std::int64_t) {
+    sim.step();
+    if (!sim.sampled()) return;
+    rig.observe();
+    turned_rad = hand.turned_rad(sim.qpos().data());
+    moment_Nm = hand.moment_Nm(sim.time_s(), sim.qpos().data(), sim.qvel().data());
+    metrics.after_sample(sim.time_s(), rig, turned_rad, sim.saturated(), arm_.control_period_s);
+    log.append(sim.time_s());
+  });
+
+  conclude(recording, sim);
+  if (!recording.failure) recording.metrics = metrics.metrics();
+  recording.tracks.push_back(std::move(log));
+  return recording;
+}
+
+}  // namespace breakwater

@@ -1,0 +1,120 @@
+// The arm, wired: what the arm's scenarios share.
+#pragma once
+
+#include <functional>
+#include <limits>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "control/arm_controller.h"
+#include "control/implicit_force_pfc.h"
+#include "control/workspace_control.h"
+#include "scenario/scenario.h"
+#include "sim/simulation.h"
+
+namespace breakwater {
+
+enum class ArmControllerKind { proposed, hpfc, drac };
+
+/// Keys that all arm scenarios have.
+struct ArmSettings {
+  std::string mjcf;
+  std::string urdf;
+  double timestep_s = 0.0;
+  Integrator integrator = Integrator::euler;
+  double control_period_s = 0.0;
+  RunSettings run;
+
+  std::vector<double> start_angles_rad;  ///< q_0^ref
+  ArmControllerKind controller = ArmControllerKind::proposed;
+  Positioning positioning = Positioning::joint;
+  std::vector<double> t_ref_s;
+  int coincidence_points = 0;
+  int basis_functions = 0;
+  std::vector<double> ik_weights;
+  double ik_damping = 0.0;
+  LmForm ik_form = LmForm::printed;
+  double k_position = 0.0;
+  double k_force = 0.0;
+  double singular_value_floor = 0.0;
+
+  std::vector<double> nominal_inertia_kgm2;
+  std::vector<std::vector<double>> observer_poles_rad_s;
+  ObserverFeed observer_feed = ObserverFeed::clipped;
+
+  double encoder_counts_per_turn = 0.0;
+  double angle_noise_rad = 0.0;
+  double force_noise_N = 0.0;
+  NanPolicy nan_policy = NanPolicy::stop;
+  SensorFault fault;
+
+  void bind(Fields& fields);
+};
+
+/// What differs between the arm's scenarios.
+struct ArmRole {
+  double force_control_from_s = std::numeric_limits<double>::infinity();
+  double force_reference_N = 0.0;
+  double convert_gain_N_m = 1.0;  ///< K_f
+  double force_filter_time_constant_s = 0.0;
+  bool starts_at_reference = false;  ///< at q_0^ref instead of keyframe "home"
+  std::function<void(Model&)> prepare_model;  ///< may be empty; called before the simulation is made
+};
+
+/// Checks what fields cannot: file names, sizes, periods, the design of controller and observer.
+/// Makes the model files' names absolute. Throws std::invalid_argument `ORIGIN: KEY: reason`.
+void check_arm(ArmSettings& settings, const ArmRole& role, const Config& config);
+
+/// Physics steps per control sample.
+int steps_per_sample(const ArmSettings& settings);
+
+/// Throws std::invalid_argument, blaming `key`, unless `time_s` is a whole multiple of `step_s`.
+void check_multiple(const Config& config, const std::string& key, double time_s, double step_s,
+                    const std::string& step_name);
+
+/// The tip's X at q_0^ref.
+TipPose start_pose(const ArmSettings& settings);
+
+/// The arm's plant, controller and simulation, and the truth about it for log and metrics.
+///
+/// The model must have, for each joint NAME of the URDF, a hinge NAME with the sensors NAME_pos
+/// and NAME_vel and, in the same order, one actuator; and the sensors tip_force, tip_touch and
+/// tip_vel.
+class ArmRig {
+ public:
+  ArmRig(const ArmSettings& settings, const ArmRole& role);
+
+  Simulation& simulation() { return *simulation_; }
+  const PlanarChain& chain() const { return chain_; }
+
+  /// Brings the truth below up to date with the simulation's last step.
+  void observe();
+  const Eigen::VectorXd& q() const { return q_; }
+  const Eigen::VectorXd& dq() const { return dq_; }
+  const TipPose& tip() const { return tip_; }
+  const double& contact_force_N() const { return *contact_force_; }
+  const double& filtered_force_N() const;
+  double tip_speed_x_m_s() const { return *tip_speed_x_; }
+
+  /// All that the log holds at the control rate: true, measured, estimated, commanded.
+  std::vector<Signal> signals() const;
+  /// The forces at the tip and the generalised positions, for the log at the physics rate.
+  std::vector<Signal> fine_signals() const;
+
+ private:
+  PlanarChain chain_;
+  std::unique_ptr<Controller> controller_;
+  std::unique_ptr<Simulation> simulation_;
+  Eigen::VectorXd q_;
+  Eigen::VectorXd dq_;
+  TipPose tip_;
+  double saturated_ = 0.0;
+  const double* contact_force_;
+  const double* force_sensor_;
+  const double* tip_speed_x_;
+  std::vector<const double*> q_sensors_;
+  std::vector<const double*> dq_sensors_;
+};
+
+}  // namespace breakwater

@@ -1,0 +1,90 @@
+// Scenario files and --set: where every value of a run comes from.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace breakwater {
+
+/// A TOML value as far as scenarios use them.
+struct ConfigValue {
+  using Array = std::vector<ConfigValue>;
+  std::variant<bool, std::int64_t, double, std::string, Array> data;
+};
+
+/// A value and where it was written.
+struct ConfigEntry {
+  ConfigValue value;
+  std::string origin;  ///< "FILE:LINE" or "--set"
+};
+
+/// The keys that one run is to use, dotted ("contact.stiffness_N_m"), with their origins.
+class Config {
+ public:
+  Config(std::string file, std::map<std::string, ConfigEntry> entries)
+      : file_(std::move(file)), entries_(std::move(entries)) {}
+
+  /// Applies one `key.path=value`; a value that is not TOML is taken as a string. Throws
+  /// std::invalid_argument if it is not of that form.
+  void set(const std::string& assignment);
+
+  /// Overwrites with all of `overrides`.
+  void apply(const std::map<std::string, ConfigEntry>& overrides);
+
+  const ConfigEntry* find(const std::string& key) const;
+  const std::map<std::string, ConfigEntry>& entries() const { return entries_; }
+
+  /// The file that a key names, found from where the key was written: the working folder for
+  /// --set, the scenario file's folder else (find_file). Throws as fail() if it is not there.
+  std::string find_file_of(const std::string& key, const std::string& name) const;
+
+  /// Throws std::invalid_argument `ORIGIN: KEY: MESSAGE`, the origin being the key's, or the file
+  /// where the key stands nowhere.
+  [[noreturn]] void fail(const std::string& key, const std::string& message) const;
+
+  /// Calls `body`; an std::invalid_argument that it throws is blamed on `key` as fail() does.
+  template <typename Body>
+  auto blame(const std::string& key, Body&& body) const {
+    try {
+      return std::forward<Body>(body)();
+    } catch (const std::invalid_argument& error) {
+      fail(key, error.what());
+    }
+  }
+
+ private:
+  std::string file_;
+  std::map<std::string, ConfigEntry> entries_;
+};
+
+/// A scenario file: its own keys, and the cases, which are tables of overrides `[case.NAME]`.
+class ScenarioFile {
+ public:
+  /// Throws std::invalid_argument `FILE[:LINE]: reason` if it cannot be read or parsed, or names
+  /// another scenario than `scenario`.
+  ScenarioFile(const std::string& file, const std::string& scenario);
+
+  /// In the file's order.
+  const std::vector<std::string>& cases() const { return cases_; }
+  const std::string& default_case() const { return default_case_; }
+
+  /// The file's keys with one case's on top. Throws std::invalid_argument if there is no such case.
+  Config config(const std::string& case_name) const;
+
+ private:
+  std::string file_;
+  std::map<std::string, ConfigEntry> entries_;
+  std::vector<std::string> cases_;
+  std::map<std::string, std::map<std::string, ConfigEntry>> overrides_;
+  std::string default_case_;
+};
+
+/// The candidate that `word` most likely was meant to be, as " (did you mean X?)"; else "".
+std::string did_you_mean(const std::string& word, const std::vector<std::string>& candidates);
+
+}  // namespace breakwater

@@ -1,0 +1,215 @@
+#include "scenario/fields.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <limits>
+
+namespace breakwater {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+using Error = std::optional<std::string>;
+
+std::string quoted(const std::string& text) {
+  std::string result = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') result += '\\';
+    result += c;
+  }
+  return result + '"';
+}
+
+std::string toml_key(const std::string& key) {
+  const bool is_bare = std::all_of(key.begin(), key.end(), [](unsigned char c) {
+    return std::isalnum(c) != 0 || c == '-' || c == '_';
+  });
+  return is_bare ? key : quoted(key);
+}
+
+std::string table_of(const std::string& key) { return key.substr(0, key.rfind('.')); }
+
+// Shortest text that reads back as the same double, and as a TOML float.
+std::string print_number(double value) {
+  std::string text = fmt::format("{}", value);
+  if (text.find_first_of(".en") == std::string::npos) text += ".0";
+  return text;
+}
+
+std::string describe(const ConfigValue& value) {
+  struct Visitor {
+    std::string operator()(bool b) const { return b ? "true" : "false"; }
+    std::string operator()(std::int64_t i) const { return std::to_string(i); }
+    std::string operator()(double d) const { return fmt::format("{}", d); }
+    std::string operator()(const std::string& s) const { return quoted(s); }
+    std::string operator()(const ConfigValue::Array&) const { return "an array"; }
+  };
+  return std::visit(Visitor{}, value.data);
+}
+
+Error read_number(const ConfigValue& value, const Range& range, double& target) {
+  if (const auto* integer = std::get_if<std::int64_t>(&value.data)) {
+    target = static_cast<double>(*integer);
+  } else if (const auto* real = std::get_if<double>(&value.data)) {
+    target = *real;
+  } else {
+    return "must be a number, is " + describe(value);
+  }
+  if (!std::isfinite(target)) return "must be finite, is " + describe(value);
+  if (!range.contains(target)) return "must be " + range.text + ", is " + describe(value);
+  return std::nullopt;
+}
+
+Error read_numbers(const ConfigValue& value, const Range& range, std::vector<double>& target) {
+  const auto* array = std::get_if<ConfigValue::Array>(&value.data);
+  if (array == nullptr) return "must be an array of numbers, is " + describe(value);
+  target.assign(array->size(), 0.0);
+  for (std::size_t i = 0; i < array->size(); ++i) {
+    if (Error error = read_number((*array)[i], range, target[i])) return error;
+  }
+  return std::nullopt;
+}
+
+template <typename Integer>
+Error read_count(const ConfigValue& value, const Range& range, Integer& target) {
+  const auto* integer = std::get_if<std::int64_t>(&value.data);
+  if (integer == nullptr) return "must be a whole number, is " + describe(value);
+  if (!range.contains(static_cast<double>(*integer)) || !std::in_range<Integer>(*integer)) {
+    return "must be " + range.text + ", is " + describe(value);
+  }
+  target = static_cast<Integer>(*integer);
+  return std::nullopt;
+}
+
+std::string print_numbers(const std::vector<double>& values) {
+  std::vector<std::string> texts;
+  for (const double value : values) texts.push_back(print_number(value));
+  return fmt::format("[{}]", fmt::join(texts, ", "));
+}
+
+}  // namespace
+
+Range any() { return {-kInfinity, kInfinity, true, "a number"}; }
+Range positive() { return {0.0, kInfinity, false, "positive"}; }
+Range not_negative() { return {0.0, kInfinity, true, "0 or more"}; }
+Range between(double lower, double upper) {
+  return {lower, upper, true, fmt::format("from {} to {}", lower, upper)};
+}
+
+void Fields::number(const std::string& key, double& target, const Range& range,
+                    const std::string& doc) {
+  fields_.push_back({key, doc,
+                     [&target, range](const ConfigValue& v) { return read_number(v, range, target); },
+                     [&target] { return print_number(target); }});
+}
+
+void Fields::count(const std::string& key, int& target, const Range& range,
+                   const std::string& doc) {
+  fields_.push_back({key, doc,
+                     [&target, range](const ConfigValue& v) { return read_count(v, range, target); },
+                     [&target] { return std::to_string(target); }});
+}
+
+void Fields::count(const std::string& key, std::uint64_t& target, const Range& range,
+                   const std::string& doc) {
+  fields_.push_back({key, doc,
+                     [&target, range](const ConfigValue& v) { return read_count(v, range, target); },
+                     [&target] { return std::to_string(target); }});
+}
+
+void Fields::text(const std::string& key, std::string& target, const std::string& doc) {
+  fields_.push_back({key, doc,
+                     [&target](const ConfigValue& v) -> Error {
+                       const auto* string = std::get_if<std::string>(&v.data);
+                       if (string == nullptr) return "must be a string, is " + describe(v);
+                       target = *string;
+                       return std::nullopt;
+                     },
+                     [&target] { return quoted(target); }});
+}
+
+void Fields::numbers(const std::string& key, std::vector<double>& target, const Range& range,
+                     const std::string& doc) {
+  fields_.push_back(
+      {key, doc,
+       [&target, range](const ConfigValue& v) { return read_numbers(v, range, target); },
+       [&target] { return print_numbers(target); }});
+}
+
+void Fields::number_groups(const std::string& key, std::vector<std::vector<double>>& target,
+                           const Range& range, const std::string& doc) {
+  fields_.push_back({key, doc,
+                     [&target, range](const ConfigValue& v) -> Error {
+                       const auto* array = std::get_if<ConfigValue::Array>(&v.data);
+                       if (array == nullptr) return "must be an array of arrays of numbers";
+                       target.assign(array->size(), {});
+                       for (std::size_t i = 0; i < array->size(); ++i) {
+                         if (Error e = read_numbers((*array)[i], range, target[i])) return e;
+                       }
+                       return std::nullopt;
+                     },
+                     [&target] {
+                       std::vector<std::string> groups;
+                       for (const auto& group : target) groups.push_back(print_numbers(group));
+                       return fmt::format("[{}]", fmt::join(groups, ", "));
+                     }});
+}
+
+void Fields::add_choice(const std::string& key, std::vector<std::string> names,
+                        std::function<void(std::size_t)> assign,
+                        std::function<std::string()> print, const std::string& doc) {
+  fields_.push_back(
+      {key, doc,
+       [names, assign = std::move(assign)](const ConfigValue& v) -> Error {
+         const auto* string = std::get_if<std::string>(&v.data);
+         const std::string options = fmt::format("{}", fmt::join(names, ", "));
+         if (string == nullptr) return "must be one of " + options + ", is " + describe(v);
+         const auto found = std::find(names.begin(), names.end(), *string);
+         if (found == names.end()) {
+           return "must be one of " + options + ", is " + quoted(*string) +
+                  did_you_mean(*string, names);
+         }
+         assign(static_cast<std::size_t>(found - names.begin()));
+         return std::nullopt;
+       },
+       [print = std::move(print)] { return quoted(print()); }});
+}
+
+void Fields::read(const Config& config) {
+  std::vector<std::string> keys;
+  for (const Field& field : fields_) keys.push_back(field.key);
+  for (const auto& [key, entry] : config.entries()) {
+    if (std::find(keys.begin(), keys.end(), key) == keys.end()) {
+      config.fail(key, "unknown key" + did_you_mean(key, keys));
+    }
+  }
+  for (Field& field : fields_) {
+    const ConfigEntry* entry = config.find(field.key);
+    if (entry == nullptr) config.fail(field.key, "is missing");
+    if (const Error error = field.read(entry->value)) config.fail(field.key, *error);
+  }
+}
+
+std::string Fields::print(const std::string& scenario, const std::string& case_name) const {
+  std::string text = fmt::format("scenario = {}\ndefault_case = {}\n", quoted(scenario),
+                                 quoted(case_name));
+  std::vector<std::string> tables;
+  for (const Field& field : fields_) {
+    const std::string table = table_of(field.key);
+    if (std::find(tables.begin(), tables.end(), table) == tables.end()) tables.push_back(table);
+  }
+  for (const std::string& table : tables) {
+    text += fmt::format("\n[{}]\n", table);
+    for (const Field& field : fields_) {
+      if (table_of(field.key) != table) continue;
+      text += fmt::format("# {}\n{} = {}\n", field.doc, field.key.substr(table.size() + 1),
+                          field.print());
+    }
+  }
+  return text + fmt::format("\n[case.{}]\n", toml_key(case_name));
+}
+
+}  // namespace breakwater

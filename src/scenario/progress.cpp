@@ -1,0 +1,69 @@
+#include "scenario/progress.h"
+
+#include <fmt/format.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+namespace breakwater {
+namespace {
+
+using Seconds = std::chrono::duration<double>;
+
+constexpr Seconds kRedrawInterval(0.1);
+constexpr Seconds kFirstEstimate(0.5);
+
+}  // namespace
+
+Progress::Progress(std::string what, std::size_t jobs, bool quiet)
+    : what_(std::move(what)),
+      done_(jobs, 0.0),
+      visible_(!quiet && isatty(STDERR_FILENO) != 0),
+      start_(std::chrono::steady_clock::now()),
+      drawn_() {}
+
+Progress::~Progress() { clear(); }
+
+void Progress::update(std::size_t job, double fraction_done) {
+  if (!visible_) return;
+  const std::lock_guard lock(mutex_);
+  done_[job] = fraction_done;
+  if (std::chrono::steady_clock::now() - drawn_ >= kRedrawInterval) draw();
+}
+
+void Progress::draw() {
+  drawn_ = std::chrono::steady_clock::now();
+  const double done = std::accumulate(done_.begin(), done_.end(), 0.0) /
+                      static_cast<double>(done_.size());
+  const double elapsed_s = Seconds(drawn_ - start_).count();
+  std::string line = fmt::format("\r\033[K{}: {:.0f} %", what_, 100.0 * done);
+  if (done_.size() > 1) {
+    line += fmt::format(", {} of {} runs", std::count(done_.begin(), done_.end(), 1.0),
+                        done_.size());
+  }
+  if (elapsed_s > kFirstEstimate.count() && done > 0.0) {
+    line += fmt::format(", {:.0f} s left", elapsed_s * (1.0 - done) / done);
+  }
+  std::fputs(line.c_str(), stderr);
+  std::fflush(stderr);
+}
+
+void Progress::clear() {
+  if (visible_) std::fputs("\r\033[K", stderr);
+}
+
+std::size_t output_width() {
+  winsize size{};
+  if (isatty(STDOUT_FILENO) != 0 && ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 &&
+      size.ws_col > 0) {
+    return size.ws_col;
+  }
+  return std::numeric_limits<std::size_t>::max();
+}
+
+}  // namespace breakwater

@@ -1,0 +1,39 @@
+// Progress on a terminal.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <mutex>
+#include <string>
+#include <vector>
+
+namespace breakwater {
+
+/// One line on stderr, rewritten in place: how much of some jobs is done, and how long it still
+/// takes. Silent unless stderr is a terminal. Thread-safe.
+class Progress {
+ public:
+  Progress(std::string what, std::size_t jobs, bool quiet);
+  ~Progress();
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+
+  void update(std::size_t job, double fraction_done);
+  void finish(std::size_t job) { update(job, 1.0); }
+
+ private:
+  void draw();
+  void clear();
+
+  std::string what_;
+  std::vector<double> done_;
+  bool visible_;
+  std::chrono::steady_clock::time_point start_;
+  std::chrono::steady_clock::time_point drawn_;
+  std::mutex mutex_;
+};
+
+/// The width of the terminal on stdout; very wide if stdout is none.
+std::size_t output_width();
+
+}  // namespace breakwater

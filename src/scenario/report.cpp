@@ -1,0 +1,107 @@
+#include "scenario/report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <optional>
+
+#include "scenario/printed_results.h"
+#include "scenario/table.h"
+
+namespace breakwater {
+namespace {
+
+constexpr const char* kLegend = "* outside of what counts as reproduced (data/reproduced.toml)\n";
+
+std::string format_value(double value) { return fmt::format("{:.5g}", value); }
+
+std::optional<PrintedValue> printed_value(const std::vector<PrintedValue>& values,
+                                          const std::string& metric) {
+  const auto found = std::find_if(values.begin(), values.end(),
+                                  [&](const PrintedValue& v) { return v.metric == metric; });
+  if (found == values.end()) return std::nullopt;
+  return *found;
+}
+
+std::optional<Metric> find_metric(const std::vector<Metric>& metrics, const std::string& name) {
+  const auto found = std::find_if(metrics.begin(), metrics.end(),
+                                  [&](const Metric& m) { return m.name == name; });
+  if (found == metrics.end()) return std::nullopt;
+  return *found;
+}
+
+// "+1.2 %"; a number whose class is a bound is near 0, where a ratio says nothing.
+std::string format_deviation(const PrintedValue& printed, double measured) {
+  std::string text = printed.bound
+                         ? fmt::format("{:+.1g}", measured - printed.printed)
+                         : fmt::format("{:+.1f} %", 100.0 * (measured / printed.printed - 1.0));
+  if (!printed.is_reproduced_by(measured)) text += " *";
+  return text;
+}
+
+}  // namespace
+
+std::string metrics_table(const std::string& scenario, const RunSummary& run) {
+  const std::vector<PrintedValue> printed = printed_values(scenario, run.case_name);
+  std::vector<std::string> header = {"metric", "value", "unit"};
+  if (!printed.empty()) header.insert(header.end(), {"printed", "deviation"});
+  Table table(header);
+  for (const Metric& metric : run.metrics) {
+    std::vector<std::string> row = {metric.name, format_value(metric.value), metric.unit};
+    if (const auto value = printed_value(printed, metric.name)) {
+      row.push_back(format_value(value->printed));
+      row.push_back(format_deviation(*value, metric.value));
+    }
+    table.add(row);
+  }
+  const std::string text = table.print(std::numeric_limits<std::size_t>::max());
+  return text.find(" *\n") != std::string::npos ? kLegend + text : text;
+}
+
+std::string comparison_table(const std::string& scenario, const std::vector<RunSummary>& runs,
+                             std::size_t width) {
+  std::vector<Metric> rows;  // the union of all runs' metrics, in their order
+  for (const RunSummary& run : runs) {
+    auto position = rows.begin();
+    for (const Metric& metric : run.metrics) {
+      const auto found = std::find_if(rows.begin(), rows.end(),
+                                      [&](const Metric& m) { return m.name == metric.name; });
+      position = found != rows.end() ? found + 1 : rows.insert(position, metric) + 1;
+    }
+  }
+  std::vector<std::vector<PrintedValue>> printed;
+  std::vector<std::string> header = {"metric", "unit"};
+  for (const RunSummary& run : runs) {
+    printed.push_back(printed_values(scenario, run.case_name));
+    header.push_back(run.case_name);
+  }
+
+  Table table(header);
+  for (const Metric& metric : rows) {
+    std::vector<std::string> values = {metric.name, metric.unit};
+    std::vector<std::string> printed_row = {"  printed", metric.unit};
+    std::vector<std::string> deviations = {"  deviation", ""};
+    bool any_printed = false;
+    for (std::size_t i = 0; i < runs.size(); ++i) {
+      const auto measured = find_metric(runs[i].metrics, metric.name);
+      const auto value = printed_value(printed[i], metric.name);
+      const std::string missing = runs[i].failure ? "failed" : "-";
+      values.push_back(measured ? format_value(measured->value) : missing);
+      printed_row.push_back(value ? format_value(value->printed) : "-");
+      deviations.push_back(value && measured ? format_deviation(*value, measured->value) : "-");
+      any_printed |= value.has_value();
+    }
+    table.add(values);
+    if (any_printed) {
+      table.add(printed_row);
+      table.add(deviations);
+    }
+  }
+  const std::string text = table.print(width);
+  return text.find(" *") != std::string::npos ? kLegend + text : text;
+}
+
+}  // namespace breakwater

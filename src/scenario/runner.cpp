@@ -1,0 +1,123 @@
+#include "scenario/runner.h"
+
+#include <fmt/format.h>
+#include <hdf5.h>
+#include <mujoco/mujoco.h>
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <chrono>
+#include <exception>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "record/hdf5_log.h"
+#include "record/run_folder.h"
+#include "record/text_outputs.h"
+#include "scenario/paths.h"
+#include "scenario/progress.h"
+#include "version.h"
+
+namespace breakwater {
+namespace {
+
+std::string manifest(const PreparedRun& run, const Recording& recording, double wall_s) {
+  nlohmann::ordered_json json;
+  json["scenario"] = run.scenario->name();
+  json["case"] = run.case_name;
+  json["seed"] = run.scenario->run_settings().seed;
+  json["status"] = recording.failure ? "failed" : "complete";
+  if (recording.failure) {
+    json["reason"] = recording.failure->reason;
+    json["time_s"] = recording.failure->time_s;
+  }
+  json["state_hash"] = fmt::format("{:016x}", recording.state_hash);
+  json["simulated_s"] = recording.simulated_s;
+  json["dropped_samples"] = recording.dropped_samples;
+  json["wall_time_s"] = wall_s;
+  json["breakwater"] = kVersion;
+  json["git_commit"] = kGitCommit;
+  json["versions"] = {
+      {"mujoco", mj_versionString()},
+      {"eigen", fmt::format("{}.{}.{}", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION,
+                            EIGEN_MINOR_VERSION)},
+      {"hdf5", fmt::format("{}.{}.{}", H5_VERS_MAJOR, H5_VERS_MINOR, H5_VERS_RELEASE)},
+      {"compiler", __VERSION__}};
+  return json.dump(2) + "\n";
+}
+
+RunSummary execute(const PreparedRun& run, RunFolder& folder, const RunOptions& options,
+                   const RunControl& control) {
+  const auto start = std::chrono::steady_clock::now();
+  const Recording recording = run.scenario->run(control);
+
+  const std::filesystem::path& path = folder.path();
+  write_text_file(path / "config.toml", run.config_text);
+  write_hdf5_log(path / "log.h5", recording.tracks, run.scenario->run_settings().compression);
+  if (options.csv) write_csv_log(path / "log.csv", recording.tracks.front());
+  if (!recording.failure) write_metrics(path / "metrics.json", recording.metrics);
+  const double wall_s =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  write_text_file(path / "manifest.json", manifest(run, recording, wall_s));
+  folder.commit();
+  return {run.case_name,     folder.target(),         recording.metrics,
+          recording.failure, recording.simulated_s, wall_s};
+}
+
+}  // namespace
+
+std::filesystem::path scenario_file(const std::string& scenario) {
+  return data_root() / "scenarios" / scenario / (scenario + ".toml");
+}
+
+PreparedRun prepare_run(const std::string& scenario, const ScenarioFile& file,
+                        const std::string& case_name, const std::vector<std::string>& sets) {
+  PreparedRun run{make_scenario(scenario), case_name, ""};
+  Config config = file.config(case_name);
+  for (const std::string& assignment : sets) config.set(assignment);
+  Fields fields = run.scenario->fields();
+  fields.read(config);
+  run.scenario->check(config);
+  run.config_text = fields.print(scenario, case_name);
+  return run;
+}
+
+std::vector<RunSummary> execute_runs(const std::vector<PreparedRun>& runs,
+                                     const std::vector<std::filesystem::path>& targets,
+                                     const RunOptions& options) {
+  std::vector<std::unique_ptr<RunFolder>> folders;
+  for (const auto& target : targets) folders.push_back(std::make_unique<RunFolder>(target));
+
+  std::vector<RunSummary> summaries(runs.size());
+  Progress progress(runs.front().scenario->name(), runs.size(), options.quiet);
+  std::atomic<std::size_t> next = 0;
+  std::exception_ptr error;
+  std::mutex error_mutex;
+  std::atomic<bool> give_up = false;
+
+  const auto work = [&] {
+    for (std::size_t i = next++; i < runs.size() && !give_up; i = next++) {
+      try {
+        const RunControl control{[&progress, i](double done) { progress.update(i, done); },
+                                 options.stop};
+        summaries[i] = execute(runs[i], *folders[i], options, control);
+        progress.finish(i);
+      } catch (...) {
+        const std::lock_guard lock(error_mutex);
+        if (!error) error = std::current_exception();
+        give_up = true;
+      }
+    }
+  };
+  {
+    const std::size_t cores = std::max(1U, std::thread::hardware_concurrency());
+    std::vector<std::jthread> threads;
+    for (std::size_t i = 1; i < std::min(cores, runs.size()); ++i) threads.emplace_back(work);
+    work();
+  }
+  if (error) std::rethrow_exception(error);
+  return summaries;
+}
+
+}  // namespace breakwater

@@ -1,0 +1,53 @@
+// From a scenario file to finished run folders.
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "record/recording.h"
+#include "scenario/scenario.h"
+
+namespace breakwater {
+
+/// One case, read and checked, that may be run.
+struct PreparedRun {
+  std::unique_ptr<Scenario> scenario;
+  std::string case_name;
+  std::string config_text;  ///< the effective configuration, as a scenario file
+};
+
+/// What is left of a run once its folder is written.
+struct RunSummary {
+  std::string case_name;
+  std::filesystem::path folder;
+  std::vector<Metric> metrics;
+  std::optional<Failure> failure;
+  double simulated_s = 0.0;
+  double wall_s = 0.0;
+};
+
+/// The scenario file that belongs to a scenario.
+std::filesystem::path scenario_file(const std::string& scenario);
+
+/// Reads and checks one case with `sets` (key=value) on top. Throws std::invalid_argument, one line.
+PreparedRun prepare_run(const std::string& scenario, const ScenarioFile& file,
+                        const std::string& case_name, const std::vector<std::string>& sets);
+
+struct RunOptions {
+  bool csv = false;
+  bool quiet = false;
+  const std::atomic<bool>* stop = nullptr;
+};
+
+/// Runs all of `runs`, on all cores, each into its folder of `folders`. Nothing runs unless all
+/// folders can be written. Throws std::invalid_argument, OutputError or Interrupted; a run that
+/// fails is in its summary.
+std::vector<RunSummary> execute_runs(const std::vector<PreparedRun>& runs,
+                                     const std::vector<std::filesystem::path>& folders,
+                                     const RunOptions& options);
+
+}  // namespace breakwater

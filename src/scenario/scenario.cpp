@@ -1,0 +1,40 @@
+#include "scenario/scenario.h"
+
+#include "scenario/arm_push.h"
+#include "scenario/arm_wall_contact.h"
+
+namespace breakwater {
+namespace {
+
+template <typename T>
+std::unique_ptr<Scenario> make() {
+  return std::make_unique<T>();
+}
+
+constexpr std::unique_ptr<Scenario> (*kMakers[])() = {make<ArmWallContact>, make<ArmPush>};
+
+}  // namespace
+
+void RunSettings::bind(Fields& fields) {
+  fields.number("run.duration_s", duration_s, positive(), "how long it is simulated [s]");
+  fields.count("run.seed", seed, not_negative(), "of all noise");
+  fields.count("record.compression", compression, between(0, 9),
+               "of log.h5, by deflate: 0 fastest, 9 smallest");
+}
+
+std::vector<std::string> scenario_names() {
+  std::vector<std::string> names;
+  for (const auto& maker : kMakers) names.push_back(maker()->name());
+  return names;
+}
+
+std::unique_ptr<Scenario> make_scenario(const std::string& name) {
+  for (const auto& maker : kMakers) {
+    auto scenario = maker();
+    if (scenario->name() == name) return scenario;
+  }
+  throw std::invalid_argument("there is no scenario \"" + name + "\"" +
+                              did_you_mean(name, scenario_names()));
+}
+
+}  // namespace breakwater
