@@ -78,12 +78,13 @@ void write_track(hid_t file, const Track& track, int deflate_level) {
   }
 }
 
+// Debian's serial HDF5 is not built thread-safe.
+std::mutex hdf5_in_use;
+
 }  // namespace
 
 void write_hdf5_log(const std::string& file, const std::vector<Track>& tracks, int deflate_level) {
-  // Debian's serial HDF5 is not built thread-safe.
-  static std::mutex writing;
-  const std::lock_guard lock(writing);
+  const std::lock_guard lock(hdf5_in_use);
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
   try {
     const Handle handle(H5Fcreate(file.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose);
@@ -91,6 +92,24 @@ void write_hdf5_log(const std::string& file, const std::vector<Track>& tracks, i
     require(H5Fflush(handle, H5F_SCOPE_GLOBAL));
   } catch (const std::runtime_error&) {
     throw OutputError(file + ": cannot be written (is the disk full?)");
+  }
+}
+
+LoggedSignal read_hdf5_signal(const std::string& file, const std::string& dataset) {
+  const std::lock_guard lock(hdf5_in_use);
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  try {
+    const Handle handle(H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
+    const Handle data(H5Dopen2(handle, dataset.c_str(), H5P_DEFAULT), H5Dclose);
+    const Handle space(H5Dget_space(data), H5Sclose);
+    std::array<hsize_t, 2> size = {0, 1};
+    if (H5Sget_simple_extent_ndims(space) > 2) throw std::runtime_error("HDF5 error");
+    require(H5Sget_simple_extent_dims(space, size.data(), nullptr));
+    LoggedSignal signal{size[0], size[1], std::vector<double>(size[0] * size[1])};
+    require(H5Dread(data, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, signal.values.data()));
+    return signal;
+  } catch (const std::runtime_error&) {
+    throw std::invalid_argument(file + ": is not a log, or has no " + dataset);
   }
 }
 

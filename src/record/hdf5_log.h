@@ -17,4 +17,17 @@ namespace breakwater {
 /// cannot be written. Thread-safe.
 void write_hdf5_log(const std::string& file, const std::vector<Track>& tracks, int deflate_level);
 
+/// A dataset of a log: rows × width values, row-major.
+struct LoggedSignal {
+  std::size_t rows = 0;
+  std::size_t width = 0;
+  std::vector<double> values;
+
+  const double* row(std::size_t i) const { return &values[i * width]; }
+};
+
+/// Reads one dataset, "control/qpos" for example. Throws std::invalid_argument if the file is no
+/// log or has no such dataset. Thread-safe.
+LoggedSignal read_hdf5_signal(const std::string& file, const std::string& dataset);
+
 }  // namespace breakwater

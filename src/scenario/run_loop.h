@@ -32,7 +32,7 @@ std::optional<Failure> run_loop(std::int64_t steps, const RunControl& control, S
 
 /// Fills in what every recording tells of its simulation.
 inline void conclude(Recording& recording, const Simulation& simulation) {
-  recording.simulated_s = static_cast<double>(simulation.steps()) * simulation.timestep_s();
+  recording.simulated_s = simulation.time_of(simulation.steps());
   recording.state_hash = simulation.state_hash();
   recording.dropped_samples = simulation.sensing().dropped();
 }

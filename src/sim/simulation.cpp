@@ -140,6 +140,12 @@ void Simulation::act(mjData& data) const {
   for (const ExternalForce* force : forces_) force->apply(stage_time, *model_.get(), data);
 }
 
+double Simulation::time_of(std::int64_t k) const {
+  const double rate = std::round(1.0 / timestep_s());
+  const bool is_whole = std::abs(rate * timestep_s() - 1.0) < 1e-12;
+  return is_whole ? static_cast<double>(k) / rate : static_cast<double>(k) * timestep_s();
+}
+
 // Fills the sensors, so that the first sample has them all. `stepping` is not set yet, so the
 // controller is not called.
 void Simulation::start() {
@@ -155,7 +161,7 @@ void Simulation::start() {
 
 void Simulation::step() {
   mjData& data = *data_;
-  time_s_ = static_cast<double>(steps_) * timestep_s();
+  time_s_ = time_of(steps_);
   if (steps_ == 0) start();
   engine_time_at_step_s_ = data.time;
   step_begins_ = true;

@@ -51,6 +51,9 @@ class Simulation {
   double timestep_s() const { return model_->opt.timestep; }
   /// The number of steps taken.
   std::int64_t steps() const { return steps_; }
+  /// When step number k begins: k/(1/timestep) where that is a whole number, so that times are as
+  /// round as they can be.
+  double time_of(std::int64_t k) const;
 
   double time_s() const { return time_s_; }
   /// Whether a sample was taken at this time.

@@ -1,0 +1,60 @@
+// A bare mj_step loop that replays a run of arm_wall_contact: the same model, the recorded torques,
+// the wall's switch, and nothing else. What the run costs beyond this is what Breakwater costs.
+//
+// Usage: bare_replay RUN_FOLDER
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <string>
+#include <toml++/toml.h>
+
+#include "record/hdf5_log.h"
+#include "scenario/paths.h"
+#include "sim/contact.h"
+#include "sim/model.h"
+
+using namespace breakwater;
+
+int main(int argc, char** argv) {
+  if (argc != 2) {
+    std::fputs("usage: bare_replay RUN_FOLDER\n", stderr);
+    return 2;
+  }
+  const std::string run = argv[1];
+  const toml::table config = toml::parse_file(run + "/config.toml");
+  const auto number = [&](const char* key) { return config.at_path(key).value<double>().value(); };
+  const LoggedSignal torque = read_hdf5_signal(run + "/log.h5", "control/torque_applied_Nm");
+  const LoggedSignal qpos = read_hdf5_signal(run + "/log.h5", "control/qpos");
+
+  const double timestep_s = number("physics.timestep_s");
+  Model model =
+      Model::load(find_file(config.at_path("model.mjcf").value<std::string>().value(), run).string());
+  model.set_physics(timestep_s, Integrator::euler);
+  const int wall = model.id(mjOBJ_GEOM, "wall");
+  mjModel& m = *model.get();
+  m.geom_pos[3 * wall] = 0.45 + number("wall.distance_m");
+  author_contact(model, model.id(mjOBJ_GEOM, "tip"), wall,
+                 {number("contact.stiffness_N_m"), number("contact.damping_Ns_m")});
+  m.geom_contype[wall] = m.geom_conaffinity[wall] = 0;
+
+  const auto steps = std::llround(number("run.duration_s") / timestep_s);
+  const auto steps_per_sample = std::llround(number("control.period_s") / timestep_s);
+  const auto solid = std::llround(number("wall.solid_from_s") / timestep_s);
+  mjData* d = mj_makeData(&m);
+  std::copy_n(qpos.row(0), m.nq, d->qpos);
+  for (long long k = 0; k < steps; ++k) {
+    if (k == solid) m.geom_contype[wall] = m.geom_conaffinity[wall] = 1;
+    if (k % steps_per_sample == 0) {
+      std::copy_n(torque.row(static_cast<std::size_t>(k / steps_per_sample)), m.nu, d->ctrl);
+    }
+    mj_step(&m, d);
+  }
+  // The replay must have been one: it ends where the run ended.
+  const double* last = qpos.row(qpos.rows - 1);
+  const double difference = std::abs(d->qpos[0] - last[0]);
+  std::printf("steps %lld, end differs by %.1e rad\n", steps, difference);
+  mj_deleteData(d);
+  return difference < 1e-3 ? 0 : 1;
+}

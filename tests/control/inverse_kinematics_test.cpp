@@ -1,0 +1,101 @@
+#include "control/inverse_kinematics.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <stdexcept>
+
+#include "support.h"
+
+namespace breakwater {
+namespace {
+
+PlanarChain chain_of(int n) {
+  std::vector<PlanarJoint> joints(static_cast<std::size_t>(n));
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    joints[i].offset_m = {i == 0 ? 0.0 : 0.2, 0.0};
+    joints[i].link_mass_kg = 1.0;
+  }
+  return {joints, {0.2, 0.0}, 0.0};
+}
+
+TEST(LmInverseKinematics, SolvesItsNormalEquations) {
+  // {Jᵀ W_e J + W_n} q̃ = Jᵀ W_e X_e + X_e, Eqs. 2.65 to 2.68: the residual, written out.
+  testing::Random random;
+  const LmDesign design;
+  LmInverseKinematics ik(design, 3);
+  const PlanarChain arm = chain_of(3);
+  for (int trial = 0; trial < 100; ++trial) {
+    TipJacobian J;
+    arm.tip_jacobian(random.vector(3, 3.0), J);
+    const TipPose X_e = 0.1 * random.vector(3);
+    const Eigen::Vector3d step = ik.step(J, X_e);
+    if (step.cwiseAbs().maxCoeff() >= design.step_limit_rad) continue;
+    const Eigen::Matrix3d W_e = design.weights.asDiagonal();
+    Eigen::Matrix3d W_n = X_e.cwiseAbs().asDiagonal();
+    W_n.diagonal().array() += design.damping;
+    const Eigen::Vector3d residual =
+        (J.transpose() * W_e * J + W_n) * step - (J.transpose() * W_e * X_e + X_e);
+    EXPECT_LT(residual.norm(), 1e-11) << trial;
+  }
+}
+
+// Repeats the step, as the position loop does, until the tip stands still.
+double error_after(LmInverseKinematics& ik, const PlanarChain& chain, Eigen::VectorXd q,
+                   const TipPose& goal, int iterations) {
+  TipJacobian J;
+  for (int i = 0; i < iterations; ++i) {
+    chain.tip_jacobian(q, J);
+    q += ik.step(J, goal - chain.tip_pose(q));
+  }
+  return (goal - chain.tip_pose(q)).norm();
+}
+
+TEST(LmInverseKinematics, ConvergesFromABentPosture) {
+  LmInverseKinematics ik({}, 3);
+  EXPECT_LT(error_after(ik, chain_of(3), Eigen::Vector3d(0.9, -1.8, 0.9), {0.5, 0.05, 0.1}, 50),
+            1e-9);
+}
+
+TEST(LmInverseKinematics, StaysFiniteAtTheStretchedPosture) {
+  // Singular: x cannot be reduced to first order. The step must be finite and must not be zero.
+  LmInverseKinematics ik({}, 3);
+  TipJacobian J;
+  chain_of(3).tip_jacobian(Eigen::Vector3d::Zero(), J);
+  const Eigen::VectorXd step = ik.step(J, TipPose(-0.15, 0.0, 0.0));
+  EXPECT_TRUE(step.allFinite());
+  EXPECT_GT(step.norm(), 1e-3);
+  EXPECT_LE(step.cwiseAbs().maxCoeff(), M_PI);
+}
+
+TEST(LmInverseKinematics, SugiharaServesAnyNumberOfJoints) {
+  LmDesign design;
+  design.form = LmForm::sugihara;
+  testing::Random random;
+  for (const int n : {2, 3, 4, 6}) {
+    const PlanarChain chain = chain_of(n);
+    const Eigen::VectorXd start = random.vector(n);
+    const TipPose goal = chain.tip_pose(start + 0.3 * random.vector(n));
+    LmInverseKinematics ik(design, n);
+    EXPECT_LT(error_after(ik, chain, start, goal, 300), 1e-6) << n;
+  }
+}
+
+TEST(LmInverseKinematics, LimitsEachStep) {
+  LmDesign design;
+  design.step_limit_rad = 0.01;
+  LmInverseKinematics ik(design, 3);
+  TipJacobian J;
+  chain_of(3).tip_jacobian(Eigen::Vector3d(0.9, -1.8, 0.9), J);
+  EXPECT_DOUBLE_EQ(ik.step(J, TipPose(0.5, 0.5, 0.5)).cwiseAbs().maxCoeff(), 0.01);
+}
+
+TEST(LmInverseKinematics, RefusesNonsense) {
+  EXPECT_THROW(LmInverseKinematics({}, 4), std::invalid_argument);
+  EXPECT_THROW(LmInverseKinematics({.weights = {1, 0, 1}}, 3), std::invalid_argument);
+  EXPECT_THROW(LmInverseKinematics({.damping = 0.0}, 3), std::invalid_argument);
+  EXPECT_THROW(LmInverseKinematics({.step_limit_rad = std::nan("")}, 3), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace breakwater

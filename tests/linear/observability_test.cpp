@@ -1,0 +1,49 @@
+#include "linear/observability.h"
+
+#include <gtest/gtest.h>
+
+#include "linear/state_space.h"
+#include "support.h"
+
+namespace breakwater {
+namespace {
+
+TEST(Observability, MatrixOfTheMotorIsThatOfEq214) {
+  const double c_over_J = 0.3, one_over_J = 2.0;
+  Eigen::Matrix3d A;
+  A << 0, 1, 0, 0, -c_over_J, -one_over_J, 0, 0, 0;
+  const Eigen::RowVector3d C(1, 0, 0);
+  Eigen::Matrix3d expected;
+  expected << 1, 0, 0, 0, 1, 0, 0, -c_over_J, -one_over_J;
+  EXPECT_EQ(observability_matrix(A, C), expected);
+  EXPECT_EQ(observability_rank(A, C), 3);
+}
+
+TEST(Observability, RankDoesNotDependOnUnitsOrPeriod) {
+  // The extended motor, sampled ever faster, with its disturbance in ever smaller units.
+  for (const double period_s : {1e-1, 1e-3, 1e-5}) {
+    for (const double J : {1e-6, 1.0, 1e6}) {
+      const StateSpace motor{(Eigen::Matrix2d() << 0, 1, 0, 0).finished(),
+                             Eigen::Vector2d(0, 1 / J), Eigen::RowVector2d(1, 0)};
+      const StateSpace extended = zero_order_hold(extend_by_input_disturbance(motor), period_s);
+      EXPECT_EQ(observability_rank(extended.A, extended.C), 3) << period_s << " " << J;
+    }
+  }
+}
+
+TEST(Observability, CountsWhatCannotBeSeen) {
+  // Two separate oscillators, of which only the first is measured.
+  Eigen::Matrix4d A = Eigen::Matrix4d::Zero();
+  A.topLeftCorner<2, 2>() << 0, 1, -4, 0;
+  A.bottomRightCorner<2, 2>() << 0, 1, -9, 0;
+  EXPECT_EQ(observability_rank(A, Eigen::RowVector4d(1, 0, 0, 0)), 2);
+  EXPECT_EQ(observability_rank(A, Eigen::RowVector4d(1, 0, 1, 0)), 4);
+  EXPECT_EQ(observability_rank(A, Eigen::RowVector4d::Zero()), 0);
+  // A position cannot be told from velocity alone.
+  EXPECT_EQ(observability_rank((Eigen::Matrix2d() << 0, 1, 0, 0).finished(),
+                               Eigen::RowVector2d(0, 1)),
+            1);
+}
+
+}  // namespace
+}  // namespace breakwater

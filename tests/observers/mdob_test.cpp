@@ -1,0 +1,64 @@
+#include "observers/mdob.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <stdexcept>
+
+namespace breakwater {
+namespace {
+
+TEST(Mdob, HeldStillItSeesTheTorqueThroughItsLowPass) {
+  // q = 0 under torque τ: the disturbance is τ, seen as τ (1 − e^{−g_w t}), exactly at samples.
+  const double T = 1e-3, g_w = 80.0, torque = 7.0;
+  Mdob observer({1.5, 300.0, g_w}, T);
+  observer.reset(0.0);
+  for (int k = 1; k <= 100; ++k) {
+    observer.update(torque, 0.0);
+    EXPECT_NEAR(observer.disturbance(), torque * -std::expm1(-g_w * k * T), 1e-12);
+  }
+}
+
+TEST(Mdob, SeesNothingOnItsOwnNominalPlant) {
+  // Free acceleration: τ = J q̈ needs no disturbance. In the limit of a short period the answer
+  // vanishes with it.
+  const double J = 0.8, torque = 2.0;
+  double previous = 1e300;
+  for (const double T : {1e-3, 1e-4, 1e-5}) {
+    Mdob observer({J, 1e4, 100.0}, T);
+    observer.reset(0.0);
+    double largest_late = 0.0;
+    const int steps = static_cast<int>(std::lround(0.3 / T));
+    for (int k = 1; k <= steps; ++k) {
+      const double t = k * T;
+      observer.update(torque, 0.5 * torque / J * t * t);
+      if (t > 0.2) largest_late = std::max(largest_late, std::abs(observer.disturbance()));
+    }
+    EXPECT_LT(largest_late, 0.5 * previous);
+    previous = largest_late;
+  }
+  EXPECT_LT(previous, 0.02 * torque);
+}
+
+TEST(Mdob, FindsAConstantDisturbanceWithTheSignOfEq253) {
+  // J q̈ = τ − d with τ = 0: the joint is pushed back, d̂ must come out positive.
+  const double T = 1e-4, J = 1.0, d = 10.0;
+  Mdob observer({J, 2000.0, 50.0}, T);
+  observer.reset(0.0);
+  for (int k = 1; k <= 10000; ++k) {
+    const double t = k * T;
+    observer.update(0.0, -0.5 * d / J * t * t);
+  }
+  EXPECT_NEAR(observer.disturbance(), d, 0.05);
+  EXPECT_NEAR(observer.velocity(), -d / J, 0.02);
+}
+
+TEST(Mdob, RefusesNonsense) {
+  EXPECT_THROW(Mdob({0.0, 1.0, 1.0}, 1e-3), std::invalid_argument);
+  EXPECT_THROW(Mdob({1.0, -1.0, 1.0}, 1e-3), std::invalid_argument);
+  EXPECT_THROW(Mdob({1.0, 1.0, std::nan("")}, 1e-3), std::invalid_argument);
+  EXPECT_THROW(Mdob({1.0, 1.0, 1.0}, 0.0), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace breakwater

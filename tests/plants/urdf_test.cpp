@@ -1,0 +1,110 @@
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <stdexcept>
+
+#include "plants/planar_chain.h"
+#include "support.h"
+
+namespace breakwater {
+namespace {
+
+// Writes a URDF, reads it, and returns the complaint without the folder; "" if there is none.
+std::string complaint(const std::string& text) {
+  const auto file = testing::temporary_path("arm.urdf");
+  std::ofstream(file) << text;
+  const testing::Removed removed(file);
+  try {
+    load_planar_chain(file.string());
+  } catch (const std::invalid_argument& error) {
+    const std::string what = error.what();
+    EXPECT_EQ(what.find('\n'), std::string::npos) << what;
+    EXPECT_TRUE(what.starts_with(file.string() + ":")) << what;
+    return what.substr(file.string().size());
+  }
+  return "";
+}
+
+std::string one_joint(const std::string& joint, const std::string& link =
+                                                    "<inertial><mass value='1'/><inertia ixx='1' "
+                                                    "ixy='0' ixz='0' iyy='1' iyz='0' izz='1'/>"
+                                                    "</inertial>") {
+  return "<?xml version='1.0'?>\n<robot name='r'>\n<link name='base'/>\n" + joint +
+         "\n<link name='arm'>" + link + "</link>\n</robot>\n";
+}
+
+const char* const kGoodJoint =
+    "<joint name='shoulder' type='revolute'><parent link='base'/><child link='arm'/>"
+    "<axis xyz='0 0 1'/><limit effort='1' velocity='1' lower='-1' upper='1'/></joint>";
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const auto at = text.find(from);
+  EXPECT_NE(at, std::string::npos);
+  return text.replace(at, from.size(), to);
+}
+
+TEST(Urdf, ReadsAGoodOne) { EXPECT_EQ(complaint(one_joint(kGoodJoint)), ""); }
+
+TEST(Urdf, NamesFileElementAndReason) {
+  EXPECT_TRUE(complaint(one_joint(replaced(
+                            kGoodJoint, "<limit effort='1' velocity='1' lower='-1' upper='1'/>", "")))
+                  .starts_with(":4: joint \"shoulder\": "));
+  EXPECT_EQ(complaint(one_joint(replaced(kGoodJoint, "effort='1'", "effort='0'"))),
+            ":4: joint \"shoulder\": its effort and velocity limits must be positive");
+  EXPECT_EQ(complaint(one_joint(replaced(kGoodJoint, "0 0 1", "0 1 0"))),
+            ":4: joint \"shoulder\": its axis is not ±z, so the chain is not planar");
+  EXPECT_EQ(complaint(one_joint(replaced(kGoodJoint, "<axis", "<origin rpy='0.1 0 0'/><axis"))),
+            ":4: joint \"shoulder\": its origin is rolled or pitched, so the chain is not planar");
+  EXPECT_EQ(complaint(one_joint(replaced(kGoodJoint, "revolute", "prismatic"))),
+            ":4: joint \"shoulder\": must be revolute or fixed");
+  EXPECT_EQ(complaint(one_joint(kGoodJoint, "")),
+            ":5: link \"arm\": is moved by a joint and needs an <inertial> with a mass");
+  EXPECT_TRUE(complaint(one_joint(replaced(kGoodJoint, "'arm'", "'leg'"))).starts_with(":"));
+  EXPECT_EQ(complaint("<robot name='r'>\n<link name='base'/>\n</robot>"),
+            ":1: has no revolute joint");
+}
+
+TEST(Urdf, RefusesABranch) {
+  std::string two = kGoodJoint;
+  two += "\n" + replaced(replaced(kGoodJoint, "shoulder", "other"), "'arm'", "'leg'") +
+         "\n<link name='leg'/>";
+  EXPECT_EQ(complaint(one_joint(two)),
+            ":3: link \"base\": has more than one child: only a chain can be used");
+}
+
+TEST(Urdf, RefusesWhatIsNoUrdf) {
+  EXPECT_TRUE(complaint("<robot name='r'>\n<link name='base'>\n").starts_with(":"));
+  EXPECT_TRUE(complaint("").starts_with(":"));
+  EXPECT_TRUE(complaint("<mujoco/>").starts_with(":"));
+  EXPECT_THROW(load_planar_chain("/no/such/file.urdf"), std::invalid_argument);
+}
+
+TEST(Urdf, LumpsFixedLinksAndTurnsFrames) {
+  // A link with a point mass fixed at its end, seen through a yawed joint with axis -z.
+  const PlanarChain chain = [] {
+    const auto file = testing::temporary_path("arm.urdf");
+    std::ofstream(file) << R"(<robot name="r">
+      <link name="base"/>
+      <joint name="j" type="revolute"><parent link="base"/><child link="a"/>
+        <origin xyz="1 0 5" rpy="0 0 1.5707963267948966"/><axis xyz="0 0 -1"/>
+        <limit effort="2" velocity="3" lower="-1" upper="1"/></joint>
+      <link name="a"><inertial><origin xyz="0.5 0 0"/><mass value="2"/>
+        <inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0.1"/></inertial></link>
+      <joint name="f" type="fixed"><parent link="a"/><child link="b"/><origin xyz="1 0 0"/></joint>
+      <link name="b"><inertial><mass value="2"/>
+        <inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/></inertial></link>
+      <joint name="g" type="fixed"><parent link="b"/><child link="t"/><origin xyz="1 0 0"/></joint>
+      <link name="t"/></robot>)";
+    const testing::Removed removed(file);
+    return load_planar_chain(file.string());
+  }();
+  const Eigen::VectorXd q = Eigen::VectorXd::Constant(1, 0.0);
+  EXPECT_TRUE(chain.tip_pose(q).isApprox(Eigen::Vector3d(1, 2, M_PI / 2), 1e-12));
+  // Inertia about the joint: 0.1 + 2·0.5² + 2·1².
+  EXPECT_NEAR(chain.mass_matrix(q)(0, 0), 2.6, 1e-12);
+  EXPECT_NEAR(chain.tip_pose(Eigen::VectorXd::Constant(1, M_PI / 2))[2], 0.0, 1e-12);
+}
+
+}  // namespace
+}  // namespace breakwater
