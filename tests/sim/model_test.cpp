@@ -1,0 +1,152 @@
+#include "sim/model.h"
+
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+#include <thread>
+#include <vector>
+
+#include "plants/planar_chain.h"
+#include "sim/small_models.h"
+
+namespace breakwater {
+namespace {
+
+using testing::model_of;
+
+std::string complaint(const std::string& mjcf) {
+  try {
+    model_of(mjcf);
+  } catch (const std::invalid_argument& error) {
+    const std::string what = error.what();
+    EXPECT_EQ(what.find('\n'), std::string::npos) << what;
+    return what.substr(what.find(".xml") + 4);
+  }
+  return "";
+}
+
+std::string with_body(const std::string& body, const std::string& option = "") {
+  return "<mujoco>" + option + "<worldbody><body name='b'>" + body +
+         "</body></worldbody></mujoco>";
+}
+
+const char* const kInertial = "<inertial pos='0 0 0' mass='1' diaginertia='1 1 1'/>";
+const char* const kHinge = "<joint name='j' type='hinge'/>";
+
+TEST(Model, RefusesWhatTheEngineTakes) {
+  const std::string good = with_body(std::string(kInertial) + kHinge);
+  EXPECT_EQ(complaint(good), "");
+  for (const char* timestep : {"0", "-1", "nan", "inf"}) {
+    EXPECT_NE(complaint(with_body(std::string(kInertial) + kHinge,
+                                  std::string("<option timestep='") + timestep + "'/>")),
+              "")
+        << timestep;
+  }
+  EXPECT_EQ(complaint(with_body("<inertial pos='0 0 0' mass='1e300' diaginertia='1 1 1'/>" +
+                                std::string(kHinge))),
+            ": body \"b\": mass is out of range");
+  EXPECT_NE(complaint(with_body(std::string(kInertial) + kHinge +
+                                "<geom name='g' size='1e300' mass='0'/>")),
+            "");
+  EXPECT_EQ(complaint(with_body(std::string(kInertial) +
+                                "<joint name='j' type='hinge' armature='-1'/>")),
+            ": joint \"j\": armature, damping and frictionloss must be finite and not negative");
+}
+
+TEST(Model, NamesTheLineOfAnError) {
+  EXPECT_TRUE(complaint("<mujoco>\n<worldbody>\n<bodie/>\n</worldbody>\n</mujoco>").starts_with(":3: "));
+  EXPECT_TRUE(complaint("<mujoco>\n<worldbody>\n").starts_with(":"));
+  EXPECT_THROW(Model::load("/no/such/model.xml"), std::invalid_argument);
+  EXPECT_THROW(Model::load("/"), std::invalid_argument);
+}
+
+TEST(Model, NamesWhatItDoesNotHave) {
+  const Model arm = Model::load(testing::source_file("models/arm.xml"));
+  EXPECT_GE(arm.id(mjOBJ_SENSOR, "tip_force"), 0);
+  try {
+    arm.id(mjOBJ_SENSOR, "tip_fource");
+    FAIL();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_TRUE(std::string(error.what()).ends_with("arm.xml: has no sensor named \"tip_fource\""))
+        << error.what();
+  }
+}
+
+TEST(Model, LoadsOnManyThreadsAtOnce) {
+  std::vector<std::jthread> threads;
+  for (int i = 0; i < 4; ++i) {
+    threads.emplace_back([] {
+      for (int k = 0; k < 5; ++k) Model::load(testing::source_file("models/arm.xml"));
+    });
+  }
+}
+
+TEST(Models, MotorAndCartHaveTheThesisParameters) {
+  const Model motor = Model::load(testing::source_file("models/motor.xml"));
+  const Model cart = Model::load(testing::source_file("models/cart.xml"));
+  for (const Model* model : {&motor, &cart}) {
+    mjData* data = mj_makeData(model->get());
+    mj_forward(model->get(), data);
+    EXPECT_EQ((*model)->nv, 1);
+    EXPECT_EQ((*model)->nu, 1);
+    EXPECT_NEAR(data->qM[0], model == &motor ? 1.0 : 0.625, 1e-12);
+    EXPECT_EQ((*model)->dof_damping[0], model == &motor ? 0.0 : 0.78);
+    EXPECT_NO_THROW(model->id(mjOBJ_KEY, "home"));
+    mj_deleteData(data);
+  }
+}
+
+// The URDF that the controllers read and the MJCF that is simulated are the same arm.
+TEST(Models, UrdfAndMjcfOfTheArmAgree) {
+  const PlanarChain chain = load_planar_chain(testing::source_file("models/arm.urdf"));
+  const Model model = Model::load(testing::source_file("models/arm.xml"));
+  ASSERT_EQ(model->nv, chain.joints());
+  mjData* data = mj_makeData(model.get());
+  const int tip = model.id(mjOBJ_SITE, "tip");
+  testing::Random random;
+  for (int trial = 0; trial < 200; ++trial) {
+    const Eigen::Vector3d q = random.vector(3, 3.0);
+    const Eigen::Vector3d dq = random.vector(3, 3.0);
+    std::copy_n(q.data(), 3, data->qpos);
+    std::copy_n(dq.data(), 3, data->qvel);
+    mj_forward(model.get(), data);
+
+    const TipPose X = chain.tip_pose(q);
+    EXPECT_NEAR(data->site_xpos[3 * tip], X[0], 1e-13);
+    EXPECT_NEAR(data->site_xpos[3 * tip + 1], X[1], 1e-13);
+
+    double J_position[9], J_rotation[9];
+    mj_jacSite(model.get(), data, J_position, J_rotation, tip);
+    TipJacobian J;
+    chain.tip_jacobian(q, J);
+    Eigen::Matrix3d M;
+    double dense[9];
+    mj_fullM(model.get(), dense, data->qM);
+    for (int j = 0; j < 3; ++j) {
+      EXPECT_NEAR(J_position[j], J(0, j), 1e-13);
+      EXPECT_NEAR(J_position[3 + j], J(1, j), 1e-13);
+      EXPECT_NEAR(J_rotation[6 + j], J(2, j), 1e-13);
+      for (int i = 0; i < 3; ++i) M(i, j) = dense[3 * i + j];
+      M(j, j) -= model->dof_armature[j];
+    }
+    EXPECT_LT((M - chain.mass_matrix(q)).cwiseAbs().maxCoeff(), 1e-13);
+  }
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_EQ(model->actuator_ctrlrange[2 * i + 1], chain.effort_limits_Nm()(i));
+    EXPECT_EQ(model->actuator_ctrlrange[2 * i], -chain.effort_limits_Nm()(i));
+  }
+  mj_deleteData(data);
+}
+
+// READINGS: the nominal inertia is close to the armature's multiples and the stretched links'.
+TEST(Models, TrueInertiaIsAboutHalfTheNominalAtTheFirstJoint) {
+  const PlanarChain chain = load_planar_chain(testing::source_file("models/arm.urdf"));
+  const Model model = Model::load(testing::source_file("models/arm.xml"));
+  const Eigen::MatrixXd M = chain.mass_matrix(Eigen::Vector3d::Zero());
+  EXPECT_NEAR(M(0, 0) + model->dof_armature[0], 1.05, 0.01);
+  EXPECT_NEAR(M(1, 1) + model->dof_armature[1], 0.87, 0.01);
+  EXPECT_NEAR(M(2, 2) + model->dof_armature[2], 0.82, 0.01);
+}
+
+}  // namespace
+}  // namespace breakwater

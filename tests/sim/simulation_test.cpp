@@ -1,0 +1,312 @@
+#include "sim/simulation.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <stdexcept>
+#include <thread>
+
+#include "sim/engine_guard.h"
+#include "sim/small_models.h"
+
+namespace breakwater {
+namespace {
+
+using testing::FunctionController;
+
+SensingSetup shaft() {
+  SensingSetup setup;
+  setup.channels = {{.name = "q", .sensor = "shaft_pos"}};
+  return setup;
+}
+
+Model motor(double timestep_s = 1e-3, Integrator integrator = Integrator::rk4) {
+  Model model = Model::load(testing::source_file("models/motor.xml"));
+  model.set_physics(timestep_s, integrator);
+  return model;
+}
+
+void run(Simulation& simulation, int steps) {
+  for (int k = 0; k < steps; ++k) simulation.step();
+}
+
+TEST(Simulation, Rk4IntegratesAHeldTorqueExactly) {
+  // J q̈ = τ(k) held: q(k+1) = q + T q̇ + T²/2 τ, to rounding.
+  const double T = 0.01;
+  FunctionController controller([k = 0](const Sample&, Eigen::Ref<Eigen::VectorXd> u) mutable {
+    u(0) = std::sin(0.7 * k++);
+  });
+  Simulation simulation(motor(1e-3), controller, shaft(), 10);
+  double q = 0, dq = 0;
+  for (int k = 0; k < 200; ++k) {
+    run(simulation, 10);
+    const double torque = std::sin(0.7 * k);
+    q += T * dq + T * T / 2 * torque;
+    dq += T * torque;
+    EXPECT_NEAR(simulation.data().qpos[0], q, 1e-13);
+    EXPECT_NEAR(simulation.data().qvel[0], dq, 1e-13);
+  }
+  EXPECT_EQ(controller.updates, 200);
+  EXPECT_EQ(controller.resets, 1);
+}
+
+TEST(Simulation, EulerDoesNot) {
+  FunctionController controller([](const Sample&, Eigen::Ref<Eigen::VectorXd> u) { u(0) = 1.0; });
+  Simulation simulation(motor(1e-3, Integrator::euler), controller, shaft(), 10);
+  run(simulation, 1000);
+  EXPECT_GT(std::abs(simulation.data().qpos[0] - 0.5), 1e-4);
+}
+
+TEST(Simulation, CartMovesAsMassAndFrictionSay) {
+  const double M = 0.625, C = 0.78, F = 2.0;
+  FunctionController controller([F](const Sample&, Eigen::Ref<Eigen::VectorXd> u) { u(0) = F; });
+  Model model = Model::load(testing::source_file("models/cart.xml"));
+  SensingSetup sensing;
+  sensing.channels = {{.name = "z", .sensor = "cart_pos"}};
+  Simulation simulation(std::move(model), controller, sensing, 10);
+  run(simulation, 3000);
+  const double t = 3.0;
+  EXPECT_NEAR(simulation.data().qvel[0], F / C * -std::expm1(-C / M * t), 1e-10);
+  EXPECT_NEAR(simulation.data().qpos[0], F / C * (t + M / C * std::expm1(-C / M * t)), 1e-10);
+}
+
+TEST(Simulation, ControllerIsCalledAtItsOwnRateWithFreshAngles) {
+  std::vector<double> times, angles;
+  FunctionController controller([&](const Sample& y, Eigen::Ref<Eigen::VectorXd> u) {
+    times.push_back(y.time_s);
+    angles.push_back(y.y(0));
+    u(0) = 2.0;
+  });
+  Simulation simulation(motor(1e-3), controller, shaft(), 4);
+  run(simulation, 41);
+  ASSERT_EQ(times.size(), 11U);
+  for (std::size_t k = 0; k < times.size(); ++k) {
+    EXPECT_DOUBLE_EQ(times[k], 0.004 * static_cast<double>(k));
+    EXPECT_NEAR(angles[k], times[k] * times[k], 1e-14);  // ½·2·t²: the angle of that very instant
+  }
+}
+
+TEST(Simulation, TellsOfTheStepsBeginning) {
+  FunctionController controller([](const Sample&, Eigen::Ref<Eigen::VectorXd> u) { u(0) = 2.0; });
+  Simulation simulation(motor(), controller, shaft(), 2);
+  run(simulation, 3);
+  EXPECT_DOUBLE_EQ(simulation.time_s(), 0.002);
+  EXPECT_TRUE(simulation.sampled());
+  EXPECT_NEAR(simulation.qpos()[0], 0.002 * 0.002, 1e-15);
+  EXPECT_NEAR(simulation.qvel()[0], 0.004, 1e-15);
+  EXPECT_EQ(simulation.sensor("shaft_pos"), simulation.qpos()[0]);
+  run(simulation, 1);
+  EXPECT_FALSE(simulation.sampled());
+}
+
+TEST(Simulation, SaturatesAndSaysSo) {
+  Model model = Model::load(testing::source_file("models/arm.xml"));
+  SensingSetup sensing;
+  sensing.channels = {{.name = "q1", .sensor = "joint1_pos"}};
+  double ask = 5.0;
+  FunctionController controller([&](const Sample&, Eigen::Ref<Eigen::VectorXd> u) {
+    u << ask, -ask, 0.0;
+  });
+  Simulation simulation(std::move(model), controller, sensing, 1);
+  simulation.set_collidable(simulation.model().id(mjOBJ_GEOM, "wall"), false);
+  simulation.step();
+  EXPECT_FALSE(simulation.saturated());
+  EXPECT_EQ(simulation.actuation()(0), 5.0);
+  ask = 100.0;
+  simulation.step();
+  EXPECT_TRUE(simulation.saturated());
+  EXPECT_EQ(simulation.command()(0), 100.0);
+  EXPECT_EQ(simulation.actuation()(0), 20.7360);
+  EXPECT_EQ(simulation.actuation()(1), -20.7360);
+  EXPECT_EQ(simulation.data().ctrl[0], 20.7360);
+  ask = 20.7360;
+  simulation.step();
+  EXPECT_TRUE(simulation.saturated());
+}
+
+TEST(Simulation, ForcesActInTheSameStep) {
+  class Wind final : public ExternalForce {
+   public:
+    void apply(double time_s, const mjModel& model, mjData& data) const override {
+      const int cart = mj_name2id(&model, mjOBJ_BODY, "cart");
+      data.xfrc_applied[6 * cart] += time_s < 0.5 ? 3.0 : 0.0;
+    }
+  };
+  FunctionController controller([](const Sample&, Eigen::Ref<Eigen::VectorXd> u) { u(0) = 0; });
+  SensingSetup sensing;
+  sensing.channels = {{.name = "z", .sensor = "cart_pos"}};
+  Model model = Model::load(testing::source_file("models/cart.xml"));
+  model.get()->dof_damping[0] = 0.0;
+  Simulation simulation(std::move(model), controller, sensing, 10);
+  const Wind wind;
+  simulation.add(wind);
+  simulation.step();
+  EXPECT_NEAR(simulation.data().qvel[0], 3.0 / 0.625 * 1e-3, 1e-15);
+  run(simulation, 999);
+  EXPECT_NEAR(simulation.data().qvel[0], 3.0 / 0.625 * 0.5, 0.01);
+}
+
+TEST(Simulation, HoldsASampleThroughTheEnginesFourStages) {
+  // With RK4 the callback runs four times a step; the controller must run once.
+  FunctionController controller([](const Sample&, Eigen::Ref<Eigen::VectorXd> u) { u(0) = 1; });
+  Simulation simulation(motor(1e-3, Integrator::rk4), controller, shaft(), 1);
+  run(simulation, 25);
+  EXPECT_EQ(controller.updates, 25);
+}
+
+TEST(Simulation, IgnoresOtherDataOfTheSameEngine) {
+  // A scratch copy stepped inside the control law, for a linearisation say.
+  const Model scratch_model = motor();
+  mjData* scratch = mj_makeData(scratch_model.get());
+  FunctionController controller([&](const Sample&, Eigen::Ref<Eigen::VectorXd> u) {
+    mj_forward(scratch_model.get(), scratch);
+    u(0) = 1;
+  });
+  Simulation simulation(motor(), controller, shaft(), 5);
+  run(simulation, 20);
+  EXPECT_EQ(controller.updates, 4);
+  mj_step(scratch_model.get(), scratch);
+  EXPECT_EQ(controller.updates, 4);
+  mj_deleteData(scratch);
+}
+
+// Expects the run to fail, and returns when and why.
+RunFailure failure_of(Simulation& simulation, int steps) {
+  try {
+    run(simulation, steps);
+  } catch (const RunFailure& failure) {
+    return failure;
+  }
+  ADD_FAILURE() << "the run did not fail";
+  return {0.0, ""};
+}
+
+TEST(Simulation, EndsOnAnEngineWarning) {
+  FunctionController controller([](const Sample& y, Eigen::Ref<Eigen::VectorXd> u) {
+    u(0) = 1e9 * std::exp(300.0 * y.time_s);
+  });
+  Simulation simulation(motor(), controller, shaft(), 1);
+  const RunFailure failure = failure_of(simulation, 1000);
+  EXPECT_GT(failure.time_s(), 0.0);
+  EXPECT_LT(failure.time_s(), 0.1);
+}
+
+TEST(Simulation, EndsOnACommandThatIsNoNumber) {
+  FunctionController controller([](const Sample& y, Eigen::Ref<Eigen::VectorXd> u) {
+    u(0) = y.time_s < 0.05 - 1e-9 ? 0.0 : std::nan("");
+  });
+  Simulation simulation(motor(), controller, shaft(), 1);
+  const RunFailure failure = failure_of(simulation, 1000);
+  EXPECT_DOUBLE_EQ(failure.time_s(), 0.05);
+  EXPECT_STREQ(failure.what(), "command of actuator 1 is not finite");
+}
+
+TEST(Simulation, PassesAControllersExceptionOn) {
+  FunctionController controller([](const Sample&, Eigen::Ref<Eigen::VectorXd>) {
+    throw std::logic_error("from the law");
+  });
+  Simulation simulation(motor(), controller, shaft(), 1);
+  EXPECT_THROW(simulation.step(), std::logic_error);
+}
+
+TEST(Simulation, FirstBrokenMeasurementEndsTheRun) {
+  FunctionController controller([](const Sample&, Eigen::Ref<Eigen::VectorXd> u) { u(0) = 1; });
+  SensingSetup setup = shaft();
+  setup.fault = {"q", 0.1, 1};
+  Simulation simulation(motor(), controller, setup, 10);
+  const RunFailure failure = failure_of(simulation, 1000);
+  EXPECT_DOUBLE_EQ(failure.time_s(), 0.1);
+  EXPECT_STREQ(failure.what(), "sensor q is not finite");
+}
+
+TEST(Simulation, DropsBrokenMeasurementsIfAsked) {
+  std::vector<double> seen;
+  FunctionController controller([&](const Sample& y, Eigen::Ref<Eigen::VectorXd> u) {
+    seen.push_back(y.y(0));
+    u(0) = 1;
+  });
+  SensingSetup setup = shaft();
+  setup.nan_policy = NanPolicy::drop;
+  setup.fault = {"q", 0.1, 2};
+  Simulation simulation(motor(), controller, setup, 10);
+  run(simulation, 200);
+  EXPECT_EQ(simulation.sensing().dropped(), 2);
+  EXPECT_EQ(seen[10], seen[9]);
+  EXPECT_EQ(seen[11], seen[9]);
+  EXPECT_GT(seen[12], seen[9]);
+
+  setup.fault.samples = 3;
+  FunctionController another([](const Sample&, Eigen::Ref<Eigen::VectorXd> u) { u(0) = 1; });
+  Simulation broken(motor(), another, setup, 10);
+  EXPECT_DOUBLE_EQ(failure_of(broken, 200).time_s(), 0.12);
+}
+
+TEST(Simulation, QuantisesAndAddsNoiseInThatOrder) {
+  FunctionController controller([](const Sample&, Eigen::Ref<Eigen::VectorXd> u) { u(0) = 1; });
+  SensingSetup setup = shaft();
+  setup.channels[0].encoder.quantum_rad = 0.01;
+  setup.channels[0].noise_std = 1e-4;
+  setup.seed = 5;
+  Simulation simulation(motor(), controller, setup, 1);
+  const Noise noise(5, "q");
+  for (int k = 0; k < 500; ++k) {
+    simulation.step();
+    const double quantised = 0.01 * std::round(simulation.qpos()[0] / 0.01);
+    EXPECT_DOUBLE_EQ(simulation.sample().y(0), quantised + 1e-4 * noise(k));
+  }
+}
+
+std::uint64_t hash_of_a_run(double torque) {
+  FunctionController controller([=](const Sample& y, Eigen::Ref<Eigen::VectorXd> u) {
+    u(0) = torque * std::cos(y.time_s) - y.y(0);
+  });
+  Simulation simulation(motor(), controller, shaft(), 5);
+  run(simulation, 2000);
+  return simulation.state_hash();
+}
+
+TEST(Simulation, SameRunSameHashOnAnyThread) {
+  const std::uint64_t expected = hash_of_a_run(1.0);
+  EXPECT_EQ(hash_of_a_run(1.0), expected);
+  EXPECT_NE(hash_of_a_run(1.0 + 1e-15), expected);
+  std::uint64_t hashes[4] = {};
+  {
+    std::vector<std::jthread> threads;
+    for (auto& hash : hashes) threads.emplace_back([&hash] { hash = hash_of_a_run(1.0); });
+  }
+  for (const auto hash : hashes) EXPECT_EQ(hash, expected);
+}
+
+TEST(Simulation, RefusesWhatDoesNotFit) {
+  FunctionController controller([](const Sample&, Eigen::Ref<Eigen::VectorXd>) {});
+  SensingSetup unknown = shaft();
+  unknown.channels[0].sensor = "shaft_angle";
+  EXPECT_THROW(Simulation(motor(), controller, unknown, 1), std::invalid_argument);
+  SensingSetup component = shaft();
+  component.channels[0].component = 1;
+  EXPECT_THROW(Simulation(motor(), controller, component, 1), std::invalid_argument);
+  SensingSetup fault = shaft();
+  fault.fault.channel = "p";
+  EXPECT_THROW(Simulation(motor(), controller, fault, 1), std::invalid_argument);
+  EXPECT_THROW(Simulation(motor(), controller, shaft(), 0), std::invalid_argument);
+  Simulation simulation(motor(), controller, shaft(), 1);
+  const double two[2] = {0, 0};
+  EXPECT_THROW(simulation.set_position(two), std::invalid_argument);
+}
+
+TEST(EngineGuard, ReturnsTheTextOfAFatalError) {
+  const std::string text = call_engine([](void*) { mju_error("out of stack"); }, nullptr);
+  EXPECT_EQ(text, "out of stack");
+  EXPECT_EQ(call_engine([](void*) {}, nullptr), "");
+}
+
+TEST(EngineGuard, FatalErrorsInsideAStepEndTheRun) {
+  FunctionController controller([](const Sample&, Eigen::Ref<Eigen::VectorXd> u) { u(0) = 1; });
+  Model model = motor();
+  model.get()->opt.integrator = 77;
+  Simulation simulation(std::move(model), controller, shaft(), 1);
+  EXPECT_STREQ(failure_of(simulation, 1).what(), "Invalid integrator");
+}
+
+}  // namespace
+}  // namespace breakwater

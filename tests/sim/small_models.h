@@ -1,0 +1,43 @@
+// Small models and controllers for the tests of sim/.
+#pragma once
+
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <string>
+
+#include "control/controller.h"
+#include "sim/model.h"
+#include "support.h"
+
+namespace breakwater::testing {
+
+/// Compiles a model given as text.
+inline Model model_of(const std::string& mjcf) {
+  const std::filesystem::path file = temporary_path("model.xml");
+  std::ofstream(file) << mjcf;
+  const Removed removed(file);
+  return Model::load(file.string());
+}
+
+/// A controller that is one function of the sample.
+class FunctionController final : public Controller {
+ public:
+  using Law = std::function<void(const Sample&, Eigen::Ref<Eigen::VectorXd>)>;
+  explicit FunctionController(Law law) : law_(std::move(law)) {}
+
+  void reset(const Sample&) override { ++resets; }
+  void update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u) override {
+    ++updates;
+    law_(y, u);
+  }
+  std::span<const Signal> signals() const override { return {}; }
+
+  int resets = 0;
+  int updates = 0;
+
+ private:
+  Law law_;
+};
+
+}  // namespace breakwater::testing
