@@ -1,5 +1,6 @@
 #include "record/hdf5_log.h"
 
+#include <fmt/core.h>
 #include <hdf5.h>
 #include <hdf5_hl.h>
 
@@ -93,6 +94,14 @@ void write_hdf5_log(const std::string& file, const std::vector<Track>& tracks, i
   } catch (const std::runtime_error&) {
     throw OutputError(file + ": cannot be written (is the disk full?)");
   }
+}
+
+std::string hdf5_version() {
+  unsigned major = 0;
+  unsigned minor = 0;
+  unsigned release = 0;
+  H5get_libversion(&major, &minor, &release);
+  return fmt::format("{}.{}.{}", major, minor, release);
 }
 
 LoggedSignal read_hdf5_signal(const std::string& file, const std::string& dataset) {

@@ -17,6 +17,9 @@ namespace breakwater {
 /// cannot be written. Thread-safe.
 void write_hdf5_log(const std::string& file, const std::vector<Track>& tracks, int deflate_level);
 
+/// The library's version, "1.10.8".
+std::string hdf5_version();
+
 /// A dataset of a log: rows × width values, row-major.
 struct LoggedSignal {
   std::size_t rows = 0;

@@ -14,11 +14,19 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 using Error = std::optional<std::string>;
 
+// A TOML basic string.
 std::string quoted(const std::string& text) {
   std::string result = "\"";
   for (const char c : text) {
-    if (c == '"' || c == '\\') result += '\\';
-    result += c;
+    if (c == '"' || c == '\\') {
+      result += {'\\', c};
+    } else if (c == '\n') {
+      result += "\\n";
+    } else if (std::iscntrl(static_cast<unsigned char>(c)) != 0) {
+      result += fmt::format("\\u{:04X}", static_cast<unsigned>(c));
+    } else {
+      result += c;
+    }
   }
   return result + '"';
 }

@@ -1,8 +1,6 @@
 #include "scenario/runner.h"
 
 #include <fmt/format.h>
-#include <hdf5.h>
-#include <mujoco/mujoco.h>
 
 #include <Eigen/Core>
 #include <algorithm>
@@ -17,6 +15,7 @@
 #include "record/text_outputs.h"
 #include "scenario/paths.h"
 #include "scenario/progress.h"
+#include "sim/engine_guard.h"
 #include "version.h"
 
 namespace breakwater {
@@ -39,13 +38,34 @@ std::string manifest(const PreparedRun& run, const Recording& recording, double 
   json["breakwater"] = kVersion;
   json["git_commit"] = kGitCommit;
   json["versions"] = {
-      {"mujoco", mj_versionString()},
+      {"mujoco", engine_version()},
       {"eigen", fmt::format("{}.{}.{}", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION,
                             EIGEN_MINOR_VERSION)},
-      {"hdf5", fmt::format("{}.{}.{}", H5_VERS_MAJOR, H5_VERS_MINOR, H5_VERS_RELEASE)},
+      {"hdf5", hdf5_version()},
       {"compiler", __VERSION__}};
   return json.dump(2) + "\n";
 }
+
+// Given back last first: the first one may have made parent folders for all, and can remove them
+// only when they are empty again.
+class RunFolders {
+ public:
+  RunFolders() = default;
+  // Delegates, so that the destructor runs if a later target is refused.
+  explicit RunFolders(const std::vector<std::filesystem::path>& targets) : RunFolders() {
+    for (const auto& target : targets) folders_.push_back(std::make_unique<RunFolder>(target));
+  }
+  ~RunFolders() {
+    while (!folders_.empty()) folders_.pop_back();
+  }
+  RunFolders(const RunFolders&) = delete;
+  RunFolders& operator=(const RunFolders&) = delete;
+
+  RunFolder& operator[](std::size_t i) { return *folders_[i]; }
+
+ private:
+  std::vector<std::unique_ptr<RunFolder>> folders_;
+};
 
 RunSummary execute(const PreparedRun& run, RunFolder& folder, const RunOptions& options,
                    const RunControl& control) {
@@ -86,9 +106,7 @@ PreparedRun prepare_run(const std::string& scenario, const ScenarioFile& file,
 std::vector<RunSummary> execute_runs(const std::vector<PreparedRun>& runs,
                                      const std::vector<std::filesystem::path>& targets,
                                      const RunOptions& options) {
-  std::vector<std::unique_ptr<RunFolder>> folders;
-  for (const auto& target : targets) folders.push_back(std::make_unique<RunFolder>(target));
-
+  RunFolders folders(targets);
   std::vector<RunSummary> summaries(runs.size());
   Progress progress(runs.front().scenario->name(), runs.size(), options.quiet);
   std::atomic<std::size_t> next = 0;
@@ -101,7 +119,7 @@ std::vector<RunSummary> execute_runs(const std::vector<PreparedRun>& runs,
       try {
         const RunControl control{[&progress, i](double done) { progress.update(i, done); },
                                  options.stop};
-        summaries[i] = execute(runs[i], *folders[i], options, control);
+        summaries[i] = execute(runs[i], folders[i], options, control);
         progress.finish(i);
       } catch (...) {
         const std::lock_guard lock(error_mutex);

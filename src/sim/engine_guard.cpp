@@ -49,6 +49,8 @@ std::string call_engine(void (*body)(void*), void* argument) {
   return state.error;
 }
 
+std::string engine_version() { return mj_versionString(); }
+
 std::string take_engine_warning() {
   std::string text = state.warning;
   state.warning[0] = '\0';

@@ -25,6 +25,9 @@ class RunFailure : public std::runtime_error {
 /// destructor matters when it calls the engine.
 std::string call_engine(void (*body)(void*), void* argument);
 
+/// "2.2.2".
+std::string engine_version();
+
 /// The engine's last warning on this thread since the last call; empty if there was none.
 std::string take_engine_warning();
 

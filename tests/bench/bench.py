@@ -1,0 +1,71 @@
+"""What a run of arm_wall_contact costs beyond a bare mj_step loop that replays it.
+
+Instructions are callgrind's, on a short run: they repeat exactly. Times are medians of pairs of
+whole 100 s runs, run in turn, so that a drifting machine shifts both.
+"""
+
+import pathlib
+import re
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+
+BIN = pathlib.Path(__file__).resolve().parents[2] / "build" / "bin"
+PAIRS = 5
+
+# The same experiment in a tenth of the time: wall, switch and impact come earlier.
+SHORT = ["--set", "run.duration_s=10", "wall.solid_from_s=4", "force.from_s=5",
+         "metrics.from_s=8", "metrics.to_s=10", "record.fine_from_s=4.9", "record.fine_to_s=8"]
+
+
+def run_command(folder, extra):
+    return [BIN / "arm_wall_contact", "--quiet", "--out", folder, *extra]
+
+
+def replay_command(folder):
+    return [BIN / "bare_replay", folder]
+
+
+def instructions(command):
+    out = subprocess.run(
+        ["valgrind", "--tool=callgrind", "--callgrind-out-file=/dev/null", *command],
+        check=True, capture_output=True, text=True).stderr
+    return int(re.search(r"Collected : (\d+)", out).group(1))
+
+
+def seconds(command):
+    start = time.perf_counter()
+    subprocess.run(command, check=True, capture_output=True)
+    return time.perf_counter() - start
+
+
+def main():
+    with tempfile.TemporaryDirectory() as folder:
+        run = pathlib.Path(folder) / "run"
+        print("instructions, 10 s with impact (callgrind, about two minutes) ...", flush=True)
+        subprocess.run(run_command(run, SHORT), check=True)
+        bare = instructions(replay_command(run))
+        ours = instructions(run_command(run, SHORT))
+        steps = 100_000
+        print(f"  bare mj_step loop   {bare / steps:10.0f} per physics step")
+        print(f"  run, logging on     {ours / steps:10.0f} per physics step")
+        print(f"  ratio               {ours / bare:10.3f}   (goal: at most 1.10)")
+
+        print(f"time, 100 s, {PAIRS} pairs ...", flush=True)
+        subprocess.run(run_command(run, []), check=True)
+        pairs = [(seconds(run_command(run, [])), seconds(replay_command(run)))
+                 for _ in range(PAIRS)]
+        ours_s = statistics.median(p[0] for p in pairs)
+        bare_s = statistics.median(p[1] for p in pairs)
+        ratio = statistics.median(p[0] / p[1] for p in pairs)
+        print(f"  bare mj_step loop   {bare_s:10.2f} s")
+        print(f"  run, logging on     {ours_s:10.2f} s")
+        print(f"  ratio               {ratio:10.3f}   (median of pairs; goal: at most 1.10)")
+        print(f"  real-time factor    {100 / ours_s:10.1f}   (one core; goal: at least 5)")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,60 @@
+#include "cli/program.h"
+
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <fstream>
+#include <sstream>
+#include <thread>
+
+#include "support.h"
+
+namespace breakwater::testing {
+namespace {
+
+std::string text_of(const std::filesystem::path& file) {
+  std::stringstream text;
+  text << std::ifstream(file).rdbuf();
+  return text.str();
+}
+
+}  // namespace
+
+ProgramResult run_program(const std::vector<std::string>& arguments,
+                          const std::filesystem::path& folder, double kill_after_s, int signal) {
+  const std::filesystem::path out = temporary_path("stdout");
+  const std::filesystem::path err = temporary_path("stderr");
+  const Removed removed_out(out);
+  const Removed removed_err(err);
+  const auto start = std::chrono::steady_clock::now();
+  const pid_t child = fork();
+  if (child == 0) {
+    if (chdir(folder.c_str()) != 0) _exit(126);
+    dup2(open("/dev/null", O_RDONLY), STDIN_FILENO);
+    dup2(open(out.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), STDOUT_FILENO);
+    dup2(open(err.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), STDERR_FILENO);
+    std::vector<char*> argv;
+    for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
+    argv.push_back(nullptr);
+    execv((std::string(BREAKWATER_BIN_DIR) + "/" + arguments[0]).c_str(), argv.data());
+    _exit(127);
+  }
+  if (kill_after_s > 0.0) {
+    std::this_thread::sleep_for(std::chrono::duration<double>(kill_after_s));
+    kill(child, signal);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  ProgramResult result;
+  result.status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  result.seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  result.out = text_of(out);
+  result.err = text_of(err);
+  return result;
+}
+
+}  // namespace breakwater::testing

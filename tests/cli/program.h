@@ -1,0 +1,23 @@
+// Runs one of our binaries as a user would, and sees what it does.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace breakwater::testing {
+
+struct ProgramResult {
+  int status = -1;  ///< exit status, or 128 + the signal that ended it
+  std::string out;
+  std::string err;
+  double seconds = 0.0;
+};
+
+/// Runs `arguments` (the first names a binary of build/bin) in `folder`. After `kill_after_s`, if
+/// positive, sends it `signal`.
+ProgramResult run_program(const std::vector<std::string>& arguments,
+                          const std::filesystem::path& folder, double kill_after_s = 0.0,
+                          int signal = 0);
+
+}  // namespace breakwater::testing

@@ -1,0 +1,112 @@
+// The rooms of src/ depend on each other one way, and keep their secrets.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <map>
+#include <regex>
+#include <set>
+
+#include "support.h"
+
+namespace breakwater {
+namespace {
+namespace fs = std::filesystem;
+
+struct Include {
+  std::string room;
+  std::string file;
+  std::string header;
+};
+
+std::vector<Include> all_includes() {
+  std::vector<Include> includes;
+  const fs::path src = testing::source_file("src");
+  const std::regex pattern("^\\s*#\\s*include\\s*[<\"]([^>\"]+)[>\"].*$");
+  for (const auto& entry : fs::recursive_directory_iterator(src)) {
+    const std::string extension = entry.path().extension().string();
+    if (extension != ".h" && extension != ".cpp") continue;
+    const fs::path relative = entry.path().lexically_relative(src);
+    std::ifstream stream(entry.path());
+    for (std::string line; std::getline(stream, line);) {
+      std::smatch match;
+      if (std::regex_match(line, match, pattern)) {
+        const bool in_room = relative.has_parent_path();
+        includes.push_back({in_room ? relative.begin()->string() : "", relative.string(), match[1]});
+      }
+    }
+  }
+  return includes;
+}
+
+TEST(House, RoomsDependOneWay) {
+  const std::map<std::string, std::set<std::string>> allowed = {
+      {"linear", {}},
+      {"signals", {}},
+      {"plants", {"linear"}},
+      {"observers", {"linear"}},
+      {"control", {"linear", "observers", "plants", "signals"}},
+      {"world", {"linear"}},
+      {"sim", {"linear", "observers", "plants", "signals", "control", "world"}},
+      {"record", {"signals"}},
+      {"render", {"linear", "signals", "world", "sim", "record"}},
+      {"scenario", {"linear", "observers", "plants", "signals", "control", "world", "sim", "record",
+                    "render"}}};
+  const std::vector<Include> includes = all_includes();
+  ASSERT_GT(includes.size(), 100U);
+  for (const Include& include : includes) {
+    if (include.room.empty()) continue;  // main of `breakwater`
+    ASSERT_TRUE(allowed.contains(include.room)) << include.file << ": a room without a rule";
+    const std::string target = include.header.substr(0, include.header.find('/'));
+    if (!allowed.contains(target) || target == include.room) continue;
+    EXPECT_TRUE(allowed.at(include.room).contains(target))
+        << include.file << " includes " << include.header;
+  }
+}
+
+// Which rooms may include a header that matches.
+void expect_only_in(const std::regex& header, const std::set<std::string>& rooms) {
+  for (const Include& include : all_includes()) {
+    if (!std::regex_search(include.header, header)) continue;
+    EXPECT_TRUE(rooms.contains(include.room)) << include.file << " includes " << include.header;
+  }
+}
+
+TEST(House, TheEngineIsKnownInSimAndRenderAlone) {
+  expect_only_in(std::regex("mujoco|mjdata|mjmodel"), {"sim", "render"});
+}
+
+TEST(House, OffscreenRenderingIsKnownInRenderAlone) {
+  expect_only_in(std::regex("osmesa|GL/|libav"), {"render"});
+}
+
+TEST(House, FileFormatsStayInTheirRooms) {
+  expect_only_in(std::regex("urdf|tinyxml|console_bridge"), {"plants"});
+  expect_only_in(std::regex("^hdf5"), {"record"});
+  expect_only_in(std::regex("toml\\+\\+|CLI/"), {"scenario"});
+  expect_only_in(std::regex("nlohmann"), {"record", "scenario"});
+}
+
+TEST(House, LowestRoomsKnowEigenAlone) {
+  for (const Include& include : all_includes()) {
+    if (include.room != "linear" && include.room != "signals") continue;
+    const bool is_standard = include.header.find('/') == std::string::npos &&
+                             include.header.find(".h") == std::string::npos;
+    EXPECT_TRUE(is_standard || include.header.starts_with("Eigen/") ||
+                include.header.starts_with("unsupported/Eigen/") ||
+                include.header.starts_with(include.room + "/"))
+        << include.file << " includes " << include.header;
+  }
+}
+
+TEST(House, EveryScenarioHasItsFolder) {
+  for (const auto& entry : fs::directory_iterator(testing::source_file("scenarios"))) {
+    if (!entry.is_directory()) continue;
+    const std::string name = entry.path().filename().string();
+    EXPECT_TRUE(fs::exists(entry.path() / (name + ".toml"))) << name;
+    EXPECT_TRUE(fs::exists(entry.path() / "main.cpp")) << name;
+  }
+}
+
+}  // namespace
+}  // namespace breakwater

@@ -1,0 +1,214 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <stdexcept>
+
+#include "record/hdf5_log.h"
+#include "record/recording.h"
+#include "record/run_folder.h"
+#include "record/text_outputs.h"
+#include "support.h"
+
+namespace breakwater {
+namespace {
+namespace fs = std::filesystem;
+
+std::string text_of(const fs::path& file) {
+  std::stringstream text;
+  text << std::ifstream(file).rdbuf();
+  return text.str();
+}
+
+// A track of one scalar and one vector signal, with values that need all their digits.
+class Recorded {
+ public:
+  Recorded() : track_("control", {{"force_N", "N", "a force", {&force_, 1}},
+                                  {"q_rad", "rad", "two angles", q_}}, 10) {
+    for (int k = 0; k < 5; ++k) {
+      force_ = std::sin(k) / 3;
+      q_[0] = 1e-300 * k;
+      q_[1] = -std::exp(k);
+      track_.append(0.001 * k);
+    }
+  }
+  const Track& track() const { return track_; }
+
+ private:
+  double force_ = 0;
+  double q_[2] = {0, 0};
+  Track track_;
+};
+
+TEST(Track, KeepsEveryRow) {
+  const Recorded recorded;
+  const Track& track = recorded.track();
+  ASSERT_EQ(track.rows(), 5U);
+  EXPECT_EQ(track.times()[3], 0.003);
+  EXPECT_EQ(track.values("force_N")[2], std::sin(2) / 3);
+  EXPECT_EQ(track.values("q_rad").size(), 10U);
+  EXPECT_EQ(track.values("q_rad")[2 * 4 + 1], -std::exp(4));
+  EXPECT_THROW(track.values("torque_Nm"), std::out_of_range);
+}
+
+TEST(Hdf5Log, GivesBackTheSameBits) {
+  const Recorded recorded;
+  const fs::path file = testing::temporary_path("log.h5");
+  const testing::Removed removed(file);
+  for (const int deflate_level : {0, 6}) {
+    write_hdf5_log(file, {recorded.track()}, deflate_level);
+    const LoggedSignal q = read_hdf5_signal(file, "control/q_rad");
+    EXPECT_EQ(q.rows, 5U);
+    EXPECT_EQ(q.width, 2U);
+    EXPECT_EQ(q.values, recorded.track().values("q_rad"));
+    EXPECT_EQ(read_hdf5_signal(file, "control/force_N").values,
+              recorded.track().values("force_N"));
+    EXPECT_EQ(read_hdf5_signal(file, "control/time_s").values, recorded.track().times());
+  }
+  EXPECT_THROW(read_hdf5_signal(file, "control/torque_Nm"), std::invalid_argument);
+  EXPECT_THROW(read_hdf5_signal("/etc/hostname", "control/q_rad"), std::invalid_argument);
+}
+
+TEST(Hdf5Log, TakesAnEmptyTrack) {
+  const double value = 0;
+  const Track track("control", {{"x_m", "m", "", {&value, 1}}}, 0);
+  const fs::path file = testing::temporary_path("log.h5");
+  const testing::Removed removed(file);
+  write_hdf5_log(file, {track}, 3);
+  EXPECT_EQ(read_hdf5_signal(file, "control/x_m").rows, 0U);
+}
+
+// The second reader: h5py, as a user would.
+TEST(Hdf5Log, IsReadableByH5py) {
+  const Recorded recorded;
+  const fs::path file = testing::temporary_path("log.h5");
+  const testing::Removed removed(file);
+  write_hdf5_log(file, {recorded.track()}, 0);
+  const std::string script =
+      "import h5py, sys, math; f = h5py.File(sys.argv[1]); c = f['control']; "
+      "assert c['q_rad'].shape == (5, 2); assert c['force_N'][2] == math.sin(2) / 3; "
+      "assert c['q_rad'].attrs['unit'] == 'rad' or c['q_rad'].attrs['unit'] == b'rad'; "
+      "assert c['force_N'].dims[0][0][3] == 0.003; "
+      "assert all('unit' in d.attrs and 'description' in d.attrs for d in c.values())";
+  const std::string command = "/usr/bin/python3 -c \"" + script + "\" " + file.string();
+  EXPECT_EQ(std::system(command.c_str()), 0);
+}
+
+TEST(Hdf5Log, SaysWhenItCannotWrite) {
+  const Recorded recorded;
+  try {
+    write_hdf5_log("/proc/log.h5", {recorded.track()}, 0);
+    FAIL();
+  } catch (const OutputError& error) {
+    EXPECT_TRUE(std::string(error.what()).starts_with("/proc/log.h5: ")) << error.what();
+  }
+}
+
+TEST(CsvLog, HasOneColumnPerValueAndAllDigits) {
+  const Recorded recorded;
+  const fs::path file = testing::temporary_path("log.csv");
+  const testing::Removed removed(file);
+  write_csv_log(file, recorded.track());
+  std::ifstream stream(file);
+  std::string header, row;
+  std::getline(stream, header);
+  EXPECT_EQ(header, "time_s,force_N,q_rad_1,q_rad_2");
+  for (int k = 0; k < 5; ++k) {
+    std::getline(stream, row);
+    double time, force, q1, q2;
+    ASSERT_EQ(std::sscanf(row.c_str(), "%lf,%lf,%lf,%lf", &time, &force, &q1, &q2), 4) << row;
+    EXPECT_EQ(force, std::sin(k) / 3);
+    EXPECT_EQ(q2, -std::exp(k));
+  }
+}
+
+TEST(Metrics, AreAFlatObjectOfNumbers) {
+  const fs::path file = testing::temporary_path("metrics.json");
+  const testing::Removed removed(file);
+  write_metrics(file, {{"peak_N", "N", 1.0 / 3}, {"count", "1", 2}});
+  const auto json = nlohmann::json::parse(text_of(file));
+  EXPECT_EQ(json["peak_N"].get<double>(), 1.0 / 3);
+  EXPECT_EQ(json["count"].get<double>(), 2);
+  EXPECT_EQ(json.size(), 2U);
+  write_metrics(file, {});
+  EXPECT_EQ(text_of(file), "{}\n");
+}
+
+class RunFolders : public ::testing::Test {
+ protected:
+  RunFolders() { fs::create_directories(base_); }
+
+  // As a run does: writes a manifest and one file, and commits.
+  void finish(RunFolder& folder, const std::string& content) {
+    write_text_file(folder.path() / "manifest.json", R"({"scenario": "s", "state_hash": "0"})");
+    write_text_file(folder.path() / "data", content);
+    folder.commit();
+  }
+  std::size_t entries() const {
+    return static_cast<std::size_t>(
+        std::distance(fs::directory_iterator(base_), fs::directory_iterator()));
+  }
+
+  fs::path base_ = testing::temporary_path("runs");
+  testing::Removed removed_{base_};
+};
+
+TEST_F(RunFolders, AreAbsentUntilWhole) {
+  const fs::path target = base_ / "deep" / "run";
+  {
+    RunFolder folder(target);
+    write_text_file(folder.path() / "data", "half");
+    EXPECT_FALSE(fs::exists(target));
+  }
+  EXPECT_EQ(entries(), 0U) << "an abandoned run left something behind";
+  {
+    RunFolder folder(target);
+    finish(folder, "whole");
+  }
+  EXPECT_EQ(text_of(target / "data"), "whole");
+}
+
+TEST_F(RunFolders, SwapOutAnEarlierRun) {
+  const fs::path target = base_ / "run/";
+  for (const char* content : {"first", "second"}) {
+    RunFolder folder(target);
+    finish(folder, content);
+  }
+  EXPECT_EQ(text_of(target / "data"), "second");
+  EXPECT_EQ(entries(), 1U);
+}
+
+TEST_F(RunFolders, LeaveOtherThingsAlone) {
+  fs::create_directory(base_ / "thesis");
+  write_text_file(base_ / "thesis" / "chapter1", "years of work");
+  write_text_file(base_ / "file", "");
+  EXPECT_THROW(RunFolder(base_ / "thesis"), std::invalid_argument);
+  EXPECT_THROW(RunFolder(base_ / "file"), std::invalid_argument);
+  EXPECT_THROW(RunFolder(base_ / "file" / "run"), std::invalid_argument);
+  // Somebody else's manifest.json does not make it a run.
+  write_text_file(base_ / "thesis" / "manifest.json", R"({"name": "a web page"})");
+  EXPECT_THROW(RunFolder(base_ / "thesis"), std::invalid_argument);
+  EXPECT_EQ(entries(), 2U);
+  fs::create_directory(base_ / "empty");
+  EXPECT_NO_THROW(RunFolder(base_ / "empty"));
+}
+
+TEST_F(RunFolders, SayWhenTheyCannotBeMade) {
+  EXPECT_THROW(RunFolder("/proc/run"), std::invalid_argument);
+  EXPECT_THROW(RunFolder("/"), std::invalid_argument);
+}
+
+TEST_F(RunFolders, ClearUpAfterAKilledRun) {
+  // No process has this number.
+  fs::create_directory(base_ / ".run.partial-2000000000");
+  fs::create_directory(base_ / (".run.partial-" + std::to_string(getppid())));
+  RunFolder folder(base_ / "run");
+  EXPECT_FALSE(fs::exists(base_ / ".run.partial-2000000000"));
+  EXPECT_TRUE(fs::exists(base_ / (".run.partial-" + std::to_string(getppid()))));
+}
+
+}  // namespace
+}  // namespace breakwater

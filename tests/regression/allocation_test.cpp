@@ -1,0 +1,92 @@
+// Nothing in the loop allocates after the first sample: malloc itself is counted.
+#include <dlfcn.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstdlib>
+
+#include "regression/run_case.h"
+
+namespace {
+
+std::atomic<long> allocations = 0;
+thread_local bool counting = false;
+
+}  // namespace
+
+// glibc's own entry points; operator new and Eigen both end in malloc.
+extern "C" {
+void* __libc_malloc(std::size_t size);             // NOLINT(bugprone-reserved-identifier)
+void* __libc_calloc(std::size_t n, std::size_t size);  // NOLINT(bugprone-reserved-identifier)
+void* __libc_realloc(void* p, std::size_t size);   // NOLINT(bugprone-reserved-identifier)
+void* __libc_memalign(std::size_t alignment, std::size_t size);  // NOLINT(bugprone-reserved-identifier)
+
+void* malloc(std::size_t size) {
+  if (counting) ++allocations;
+  return __libc_malloc(size);
+}
+void* calloc(std::size_t n, std::size_t size) {
+  if (counting) ++allocations;
+  return __libc_calloc(n, size);
+}
+void* realloc(void* p, std::size_t size) {
+  if (counting) ++allocations;
+  return __libc_realloc(p, size);
+}
+void* aligned_alloc(std::size_t alignment, std::size_t size) {
+  if (counting) ++allocations;
+  return __libc_memalign(alignment, size);
+}
+int posix_memalign(void** p, std::size_t alignment, std::size_t size) {
+  if (counting) ++allocations;
+  *p = __libc_memalign(alignment, size);
+  return *p == nullptr;
+}
+}
+
+namespace breakwater {
+namespace {
+
+// Counts from the second progress report (10000 steps in) to the last one, within the loop.
+long allocations_in_loop(const std::string& scenario, const std::string& case_name,
+                         const std::vector<std::string>& sets) {
+  allocations = 0;
+  long counted = 0;
+  int reports = 0;
+  RunControl control;
+  control.progress = [&](double) {
+    counted = allocations;
+    counting = ++reports >= 2;
+  };
+  const Recording run = testing::run_case(scenario, case_name, sets, control);
+  counting = false;
+  EXPECT_GT(reports, 10);
+  EXPECT_FALSE(run.failure);
+  return counted;
+}
+
+TEST(Allocation, CounterCounts) {
+  counting = true;
+  const long before = allocations;
+  void* volatile p = std::malloc(10);
+  counting = false;
+  std::free(p);
+  EXPECT_EQ(allocations, before + 1);
+}
+
+// Through the switch to force control, the impact, and the log at the physics rate.
+TEST(Allocation, WallContactLoopDoesNotAllocate) {
+  for (const char* name : {"proposed-2N", "hpfc-2N", "drac-2N"}) {
+    EXPECT_EQ(allocations_in_loop("arm_wall_contact", name,
+                                  {"run.duration_s=32", "sensor.angle_noise_rad=1e-6"}),
+              0)
+        << name;
+  }
+}
+
+TEST(Allocation, PushLoopDoesNotAllocate) {
+  EXPECT_EQ(allocations_in_loop("arm_push", "proposed-link2", {"run.duration_s=12"}), 0);
+}
+
+}  // namespace
+}  // namespace breakwater

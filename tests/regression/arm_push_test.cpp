@@ -1,0 +1,60 @@
+// The push experiment: how the arm comes back from a forced displacement.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "regression/run_case.h"
+
+namespace breakwater {
+namespace {
+
+using testing::run_case;
+
+TEST(Push, ProposedComesBackWithoutOvershoot) {
+  for (const char* name : {"proposed-link1", "proposed-link2", "proposed-link3"}) {
+    for (const char* angle : {"push.angle_rad=1.5707963267948966",
+                              "push.angle_rad=-1.5707963267948966"}) {
+      const Recording run = run_case("arm_push", name, {angle});
+      ASSERT_FALSE(run.failure);
+      EXPECT_NEAR(*run.metric("max_push_rad"), M_PI / 2, 0.02) << name << angle;
+      EXPECT_LE(*run.metric("overshoot_rad"), 0.05) << name << angle;
+      EXPECT_LT(*run.metric("settling_time_s"), 2.0) << name << angle;
+      EXPECT_GT(*run.metric("saturated_time_s"), 1.0) << name << angle;
+      EXPECT_LT(*run.metric("tip_error_m"), 0.01) << name << angle;
+    }
+  }
+}
+
+// What decides is the observer's feed, not the method: fed with what really acted, the
+// conventional controllers come back too; fed with what they asked for, they run away.
+TEST(Push, ConventionalControllersNeedTheClippedFeed) {
+  for (const char* name : {"hpfc-link1", "hpfc-link2", "hpfc-link3", "drac-link1", "drac-link2",
+                           "drac-link3"}) {
+    const Recording unclipped = run_case("arm_push", name);
+    const bool came_back = !unclipped.failure && unclipped.metric("settling_time_s").has_value();
+    EXPECT_FALSE(came_back) << name;
+    const Recording clipped = run_case("arm_push", name, {"observer.feed=clipped"});
+    ASSERT_FALSE(clipped.failure) << name;
+    ASSERT_TRUE(clipped.metric("settling_time_s")) << name;
+    EXPECT_LT(*clipped.metric("settling_time_s"), 4.0) << name;
+  }
+}
+
+// And the proposed method, fed unclipped, does not run away: PFC never asks for more than the
+// limit, so there is nothing to clip.
+TEST(Push, FeedDoesNotMatterToTheProposedMethod) {
+  const Recording clipped = run_case("arm_push", "proposed-link2");
+  const Recording unclipped =
+      run_case("arm_push", "proposed-link2", {"observer.feed=unclipped"});
+  EXPECT_NEAR(*unclipped.metric("overshoot_rad"), *clipped.metric("overshoot_rad"), 1e-6);
+  EXPECT_NEAR(*unclipped.metric("settling_time_s"), *clipped.metric("settling_time_s"), 1e-2);
+}
+
+TEST(Push, NoPushNoMotion) {
+  const Recording run = run_case("arm_push", "proposed-link1", {"push.angle_rad=0"});
+  EXPECT_LT(*run.metric("max_push_rad"), 1e-3);
+  EXPECT_LT(*run.metric("tip_error_m"), 1e-3);
+}
+
+}  // namespace
+}  // namespace breakwater

@@ -1,0 +1,220 @@
+#include "scenario/config.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <stdexcept>
+
+#include "scenario/fields.h"
+#include "scenario/printed_results.h"
+#include "scenario/table.h"
+#include "support.h"
+
+namespace breakwater {
+namespace {
+
+enum class Color { red, blue };
+
+struct Settings {
+  double speed = 0.0;
+  int steps = 0;
+  std::uint64_t seed = 0;
+  std::string name;
+  Color color = Color::red;
+  std::vector<double> gains;
+  std::vector<std::vector<double>> poles;
+
+  Fields fields() {
+    Fields fields;
+    fields.number("motion.speed_m_s", speed, positive(), "how fast");
+    fields.count("motion.steps", steps, between(1, 10), "how many");
+    fields.count("run.seed", seed, not_negative(), "of noise");
+    fields.text("run.name", name, "what it is called");
+    fields.choice("motion.color", color, {{"red", Color::red}, {"blue", Color::blue}}, "of it");
+    fields.numbers("motion.gains", gains, any(), "of each joint");
+    fields.number_groups("motion.poles", poles, any(), "of each joint");
+    return fields;
+  }
+};
+
+const char* const kText = R"(scenario = "test"
+default_case = "slow"
+[motion]
+speed_m_s = 2
+steps = 3
+color = "blue"
+gains = [1, 2.5]
+poles = [[-1, -2], [-3]]
+[run]
+seed = 4
+name = "a \"quoted\" name"
+[case.slow]
+[case."very-1.5"]
+motion.speed_m_s = 1.5
+[case.another]
+motion.color = "red"
+)";
+
+class ConfigTest : public ::testing::Test {
+ protected:
+  ScenarioFile file(const std::string& text = kText) {
+    std::ofstream(path_) << text;
+    return {path_.string(), "test"};
+  }
+
+  // Reads a case with assignments on top; returns the complaint without the file's name, or "".
+  std::string read(const std::string& case_name, const std::vector<std::string>& sets,
+                   const std::string& text = kText) {
+    try {
+      Config config = file(text).config(case_name);
+      for (const auto& set : sets) config.set(set);
+      settings_.fields().read(config);
+    } catch (const std::invalid_argument& error) {
+      std::string what = error.what();
+      EXPECT_EQ(what.find('\n'), std::string::npos) << what;
+      const auto at = what.find(path_.string());
+      return at == std::string::npos ? what : what.replace(at, path_.string().size(), "FILE");
+    }
+    return "";
+  }
+
+  std::filesystem::path path_ = testing::temporary_path("scenario.toml");
+  testing::Removed removed_{path_};
+  Settings settings_;
+};
+
+TEST_F(ConfigTest, ReadsTheDefaultCase) {
+  ASSERT_EQ(read("slow", {}), "");
+  EXPECT_EQ(settings_.speed, 2.0);
+  EXPECT_EQ(settings_.steps, 3);
+  EXPECT_EQ(settings_.seed, 4U);
+  EXPECT_EQ(settings_.name, "a \"quoted\" name");
+  EXPECT_EQ(settings_.color, Color::blue);
+  EXPECT_EQ(settings_.gains, (std::vector<double>{1, 2.5}));
+  EXPECT_EQ(settings_.poles, (std::vector<std::vector<double>>{{-1, -2}, {-3}}));
+}
+
+TEST_F(ConfigTest, CasesStandInTheFilesOrder) {
+  EXPECT_EQ(file().cases(), (std::vector<std::string>{"slow", "very-1.5", "another"}));
+  EXPECT_EQ(file().default_case(), "slow");
+}
+
+TEST_F(ConfigTest, FileIsBelowCaseIsBelowSet) {
+  ASSERT_EQ(read("very-1.5", {}), "");
+  EXPECT_EQ(settings_.speed, 1.5);
+  ASSERT_EQ(read("very-1.5", {"motion.speed_m_s=7", "motion.speed_m_s=8"}), "");
+  EXPECT_EQ(settings_.speed, 8.0);
+}
+
+TEST_F(ConfigTest, SetTakesTomlAndBareWords) {
+  ASSERT_EQ(read("slow", {"run.name=plain", "motion.color=red", "motion.gains=[3, 4]",
+                          "motion.speed_m_s=1e-2", "run.seed=0x10"}),
+            "");
+  EXPECT_EQ(settings_.name, "plain");
+  EXPECT_EQ(settings_.color, Color::red);
+  EXPECT_EQ(settings_.gains, (std::vector<double>{3, 4}));
+  EXPECT_EQ(settings_.speed, 0.01);
+  EXPECT_EQ(settings_.seed, 16U);
+  ASSERT_EQ(read("slow", {"run.name=\"quoted\"", "motion.color='blue'"}), "");
+  EXPECT_EQ(settings_.name, "quoted");
+}
+
+TEST_F(ConfigTest, SaysWhereAndWhatIsWrong) {
+  EXPECT_EQ(read("slow", {"motion.sped_m_s=1"}),
+            "--set: motion.sped_m_s: unknown key (did you mean motion.speed_m_s?)");
+  EXPECT_EQ(read("slow", {"motion.speed_m_s=-1"}),
+            "--set: motion.speed_m_s: must be positive, is -1");
+  EXPECT_EQ(read("slow", {"motion.speed_m_s=fast"}),
+            "--set: motion.speed_m_s: must be a number, is \"fast\"");
+  EXPECT_EQ(read("slow", {"motion.speed_m_s=nan"}),
+            "--set: motion.speed_m_s: must be finite, is nan");
+  EXPECT_EQ(read("slow", {"motion.steps=2.5"}),
+            "--set: motion.steps: must be a whole number, is 2.5");
+  EXPECT_EQ(read("slow", {"motion.steps=11"}), "--set: motion.steps: must be from 1 to 10, is 11");
+  EXPECT_EQ(read("slow", {"motion.color=blu"}),
+            "--set: motion.color: must be one of red, blue, is \"blu\" (did you mean blue?)");
+  EXPECT_EQ(read("slow", {"motion.gains=3"}),
+            "--set: motion.gains: must be an array of numbers, is 3");
+  EXPECT_EQ(read("slow", {"motion.gains=[1, \"x\"]"}),
+            "--set: motion.gains: must be a number, is \"x\"");
+  EXPECT_EQ(read("slow", {"run.name=true"}), "--set: run.name: must be a string, is true");
+  EXPECT_EQ(read("slow", {"motion.speed_m_s"}),
+            "--set: motion.speed_m_s: must be of the form key.path=value");
+  EXPECT_EQ(read("slow", {"motion.speed_m_s=1\nrun.seed=2"}),
+            "--set: motion.speed_m_s: must be a number, is \"1\\nrun.seed=2\"");
+  EXPECT_EQ(read("slo", {}), "--case: FILE has no case \"slo\" (did you mean slow?)");
+}
+
+TEST_F(ConfigTest, NamesTheFilesLine) {
+  std::string text = kText;
+  EXPECT_EQ(read("slow", {}, text.replace(text.find("= 2\n"), 3, "= -2")),
+            "FILE:4: motion.speed_m_s: must be positive, is -2");
+  text = kText;
+  EXPECT_EQ(read("slow", {}, text.replace(text.find("steps = 3"), 9, "stesp = 3")),
+            "FILE:5: motion.stesp: unknown key (did you mean motion.steps?)");
+  text = kText;
+  EXPECT_EQ(read("slow", {}, text.replace(text.find("steps = 3\n"), 10, "")),
+            "FILE: motion.steps: is missing");
+  text = kText;
+  EXPECT_EQ(read("another", {}, text.replace(text.find("\"red\""), 5, "\"rot\"")),
+            "FILE:16: motion.color: must be one of red, blue, is \"rot\" (did you mean red?)");
+  EXPECT_EQ(read("slow", {}, std::string(kText).substr(0, 60)).substr(0, 7), "FILE:4:");
+  EXPECT_EQ(read("slow", {}, "scenario = \"other\"\n"),
+            "FILE:1: scenario: is \"other\", not \"test\"");
+  EXPECT_EQ(read("slow", {}, "scenario = \"test\"\ndefault_case = \"slow\"\n"),
+            "FILE:2: default_case: there is no [case.slow]");
+  EXPECT_EQ(read("slow", {}, ""), "FILE: scenario: is missing");
+  EXPECT_THROW(ScenarioFile("/no/such/file.toml", "test"), std::invalid_argument);
+  EXPECT_THROW(ScenarioFile("/", "test"), std::invalid_argument);
+}
+
+TEST_F(ConfigTest, PrintsAFileThatReadsTheSame) {
+  ASSERT_EQ(read("very-1.5", {"motion.speed_m_s=0.1", "motion.gains=[1e-300, 3]"}), "");
+  const std::string printed = settings_.fields().print("test", "very-1.5");
+  Settings again;
+  const ScenarioFile copy = file(printed);
+  EXPECT_EQ(copy.cases(), (std::vector<std::string>{"very-1.5"}));
+  again.fields().read(copy.config(copy.default_case()));
+  EXPECT_EQ(again.fields().print("test", "very-1.5"), printed);
+  EXPECT_EQ(again.speed, 0.1);
+  EXPECT_EQ(again.gains, settings_.gains);
+  EXPECT_EQ(again.name, settings_.name);
+  EXPECT_EQ(again.poles, settings_.poles);
+}
+
+TEST(DidYouMean, GuessesWhatIsNearAndNothingElse) {
+  const std::vector<std::string> names = {"proposed-2N", "hpfc-2N", "drac-5N"};
+  EXPECT_EQ(did_you_mean("propsed-2N", names), " (did you mean proposed-2N?)");
+  EXPECT_EQ(did_you_mean("hpfc2N", names), " (did you mean hpfc-2N?)");
+  EXPECT_EQ(did_you_mean("something else", names), "");
+}
+
+TEST(PrintedValues, AreThoseOfTheThesis) {
+  const auto values = printed_values("arm_wall_contact", "proposed-2N");
+  ASSERT_EQ(values.size(), 3U);
+  for (const PrintedValue& value : values) {
+    if (value.metric == "peak_force_filtered_N") {
+      EXPECT_EQ(value.printed, 5.0152);
+      EXPECT_TRUE(value.is_reproduced_by(5.0152 * 1.34));
+      EXPECT_FALSE(value.is_reproduced_by(5.0152 * 1.36));
+    }
+    if (value.metric == "mean_force_error_N") {
+      EXPECT_EQ(value.printed, 0.0032);
+      EXPECT_TRUE(value.is_reproduced_by(-0.0049));
+      EXPECT_FALSE(value.is_reproduced_by(0.0051));
+    }
+  }
+  EXPECT_EQ(printed_values("arm_wall_contact", "tuned-5N").size(), 2U);
+  EXPECT_TRUE(printed_values("arm_push", "proposed-link1").empty());
+}
+
+TEST(Table, AlignsAndFolds) {
+  Table table({"name", "a", "bb"});
+  table.add({"first", "10", "2"});
+  table.add({"x", "", "333"});
+  EXPECT_EQ(table.print(80), "name    a   bb\nfirst  10    2\nx          333\n");
+  EXPECT_EQ(table.print(10), "name    a\nfirst  10\nx\n\nname    bb\nfirst    2\nx      333\n");
+}
+
+}  // namespace
+}  // namespace breakwater
