@@ -1,3 +1,5 @@
 #include "scenario/command_line.h"
 
-int main(int argc, char** argv) { return breakwater::scenario_main("arm_push", argc, argv); }
+int main(int argc, char** argv) {
+  return breakwater::scenario_main("arm_push", argc, argv);
+}

@@ -16,9 +16,9 @@ enum class ObserverFeed {
 };
 
 struct AccelerationControlDesign {
-  Eigen::VectorXd nominal_inertia_kgm2;  ///< diagonal of J_n, n
-  Eigen::VectorXd torque_limit_Nm;       ///< τ_limit, n (Eq. 2.81)
-  std::vector<PoleGroup> observer_poles; ///< [1/s], three per joint
+  Eigen::VectorXd nominal_inertia_kgm2;   ///< diagonal of J_n, n
+  Eigen::VectorXd torque_limit_Nm;        ///< τ_limit, n (Eq. 2.81)
+  std::vector<PoleGroup> observer_poles;  ///< [1/s], three per joint
   ObserverFeed feed = ObserverFeed::clipped;
   double period_s = 0.0;
 };

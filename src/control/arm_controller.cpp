@@ -6,7 +6,9 @@
 namespace breakwater {
 namespace {
 
-std::span<const double> view(const double& value) { return {&value, 1}; }
+std::span<const double> view(const double& value) {
+  return {&value, 1};
+}
 
 std::span<const double> view(const Eigen::VectorXd& values) {
   return {values.data(), static_cast<std::size_t>(values.size())};
@@ -32,10 +34,8 @@ ArmController::ArmController(const PlanarChain& chain, const AccelerationControl
   if (!(task_.convert_gain_N_m > 0.0)) {
     throw std::invalid_argument("arm controller: the convert gain K_f must be positive");
   }
-  publish({"q_hat_rad", "rad", "joint angles, IDOB estimate (Eq. 2.54)",
-           view(q_hat_)});
-  publish({"dq_hat_rad_s", "rad/s", "joint velocities, IDOB estimate",
-           view(dq_hat_)});
+  publish({"q_hat_rad", "rad", "joint angles, IDOB estimate (Eq. 2.54)", view(q_hat_)});
+  publish({"dq_hat_rad_s", "rad/s", "joint velocities, IDOB estimate", view(dq_hat_)});
   publish({"d_hat_Nm", "N m", "disturbance torques, IDOB estimate, opposing motion (Eq. 2.53)",
            view(d_hat_)});
   publish({"x_hat_m", "m", "tip x, from the estimated angles", view(X_hat_[0])});
@@ -44,11 +44,12 @@ ArmController::ArmController(const PlanarChain& chain, const AccelerationControl
   publish({"x_ref_m", "m", "tip x reference (Eq. 2.62 in force control)", view(X_ref_[0])});
   publish({"y_ref_m", "m", "tip y reference", view(X_ref_[1])});
   publish({"phi_ref_rad", "rad", "tip angle reference", view(X_ref_[2])});
-  publish({"ddq_ref_rad_s2", "rad/s^2", "joint acceleration references",
-           view(acceleration_ref_)});
+  publish({"ddq_ref_rad_s2", "rad/s^2", "joint acceleration references", view(acceleration_ref_)});
 }
 
-void ArmController::reset(const Sample&) { acceleration_control_.reset(task_.start_angles_rad); }
+void ArmController::reset(const Sample&) {
+  acceleration_control_.reset(task_.start_angles_rad);
+}
 
 void ArmController::update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u) {
   const Eigen::Index n = chain_.joints();

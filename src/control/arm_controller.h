@@ -16,8 +16,8 @@ struct ArmTask {
   TipPose start_pose = TipPose::Zero();  ///< X_0^ref; its y and φ are held in force control too
   Eigen::VectorXd start_angles_rad;      ///< q_0^ref: the posture, where the observer starts
   double force_control_from_s = std::numeric_limits<double>::infinity();
-  double force_reference_N = 0.0;        ///< F_x^ref, positive when the tip presses towards +x
-  double convert_gain_N_m = 1.0;         ///< K_f of the implicit force control
+  double force_reference_N = 0.0;  ///< F_x^ref, positive when the tip presses towards +x
+  double convert_gain_N_m = 1.0;   ///< K_f of the implicit force control
 };
 
 /// Implicit force control, x^ref = x + (F_x^ref − F_x)/K_f (Eqs. 2.60–2.62): a force error becomes

@@ -16,7 +16,9 @@ ImplicitForcePfc::ImplicitForcePfc(const PlanarChain& chain,
   if (static_cast<Eigen::Index>(pfc_.size()) != chain.joints()) {
     throw std::invalid_argument("implicit force PFC: needs one PFC per joint");
   }
-  publish({"q_ref_rad", "rad", "joint angle references (Eq. 2.63)",
+  publish({"q_ref_rad",
+           "rad",
+           "joint angle references (Eq. 2.63)",
            {q_ref_.data(), static_cast<std::size_t>(q_ref_.size())}});
 }
 
@@ -27,8 +29,8 @@ void ImplicitForcePfc::decide(Eigen::Ref<Eigen::VectorXd> a) {
     q_ref_ = task().start_angles_rad;
   }
   for (Eigen::Index i = 0; i < a.size(); ++i) {
-    const double wanted = pfc_[static_cast<std::size_t>(i)].acceleration(
-        q_ref_(i), q_hat_(i), dq_hat_(i));
+    const double wanted =
+        pfc_[static_cast<std::size_t>(i)].acceleration(q_ref_(i), q_hat_(i), dq_hat_(i));
     a(i) = std::clamp(wanted, joints().lower_acceleration(i), joints().upper_acceleration(i));
   }
 }

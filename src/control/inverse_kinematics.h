@@ -20,8 +20,8 @@ enum class LmForm {
 };
 
 struct LmDesign {
-  Eigen::Vector3d weights = {1e2, 1e2, 1e1};  ///< diagonal of W_e, for x, y, φ (Eq. 2.67)
-  double damping = 1e-8;                      ///< λ
+  Eigen::Vector3d weights = {1e2, 1e2, 1e1};    ///< diagonal of W_e, for x, y, φ (Eq. 2.67)
+  double damping = 1e-8;                        ///< λ
   double step_limit_rad = 3.14159265358979312;  ///< bound on each |q̃|
   LmForm form = LmForm::printed;
 };

@@ -25,8 +25,8 @@ void check(const PfcDesign& design) {
 std::vector<int> coincidence_points(const PfcDesign& design) {
   std::vector<int> points;
   for (int j = 1; j <= design.coincidence_points; ++j) {
-    const double samples = design.target_response_time_s /
-                           (design.period_s * (design.coincidence_points - j + 1));
+    const double samples =
+        design.target_response_time_s / (design.period_s * (design.coincidence_points - j + 1));
     points.push_back(static_cast<int>(std::floor(samples * (1.0 + 1e-12))));
     // A double integrator sampled as in Eq. 2.72 first answers after two samples.
     if (points.back() < 2 || (j > 1 && points[j - 1] <= points[j - 2])) {

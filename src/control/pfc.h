@@ -33,9 +33,9 @@ class Pfc {
     return k_p_ * (setpoint_rad - q_rad) - k_d_ * dq_rad_s;
   }
 
-  double k_p() const { return k_p_; }                     ///< [1/s²]
-  double k_d() const { return k_d_; }                     ///< [1/s]
-  double alpha() const { return alpha_; }                 ///< Eq. 2.75
+  double k_p() const { return k_p_; }                                     ///< [1/s²]
+  double k_d() const { return k_d_; }                                     ///< [1/s]
+  double alpha() const { return alpha_; }                                 ///< Eq. 2.75
   const std::vector<int>& coincidence_points() const { return points_; }  ///< h_j [samples]
 
  private:

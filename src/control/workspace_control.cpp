@@ -44,8 +44,8 @@ void Drac::decide(Eigen::Ref<Eigen::VectorXd> a) {
   pseudo_inverse(J_, design_.singular_value_floor, J_plus_);
   const TipPose velocity = J_ * dq_hat_;
   const TipPose bias = chain().tip_bias_acceleration(q_hat_, dq_hat_);
-  a.noalias() = J_plus_ * (design_.k_p * (X_ref_ - X_hat_) -
-                           2.0 * std::sqrt(design_.k_p) * velocity - bias);
+  a.noalias() =
+      J_plus_ * (design_.k_p * (X_ref_ - X_hat_) - 2.0 * std::sqrt(design_.k_p) * velocity - bias);
 }
 
 }  // namespace breakwater

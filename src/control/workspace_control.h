@@ -18,8 +18,8 @@ struct WorkspaceControlDesign {
 class Hpfc final : public ArmController {
  public:
   /// Throws std::invalid_argument if a gain is negative or as ArmController does.
-  Hpfc(const PlanarChain& chain, const AccelerationControlDesign& acceleration,
-       const ArmTask& task, const WorkspaceControlDesign& design);
+  Hpfc(const PlanarChain& chain, const AccelerationControlDesign& acceleration, const ArmTask& task,
+       const WorkspaceControlDesign& design);
 
  private:
   void decide(Eigen::Ref<Eigen::VectorXd> a) override;
@@ -34,8 +34,8 @@ class Hpfc final : public ArmController {
 class Drac final : public ArmController {
  public:
   /// Throws std::invalid_argument if a gain is negative or as ArmController does.
-  Drac(const PlanarChain& chain, const AccelerationControlDesign& acceleration,
-       const ArmTask& task, const WorkspaceControlDesign& design);
+  Drac(const PlanarChain& chain, const AccelerationControlDesign& acceleration, const ArmTask& task,
+       const WorkspaceControlDesign& design);
 
  private:
   void decide(Eigen::Ref<Eigen::VectorXd> a) override;

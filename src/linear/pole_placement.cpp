@@ -87,7 +87,8 @@ Eigen::MatrixXd place_observer_poles(const Eigen::MatrixXd& A, const Eigen::Matr
     throw std::invalid_argument(
         "pole placement: the poles cannot be placed so (not observable, or poles too close)");
   }
-  const Matrix scaled_V = column_scale.inverse().matrix().cast<Scalar>().asDiagonal() * V.transpose();
+  const Matrix scaled_V =
+      column_scale.inverse().matrix().cast<Scalar>().asDiagonal() * V.transpose();
   const Matrix H = row_scale.inverse().matrix().cast<Scalar>().asDiagonal() * lu.solve(scaled_V);
   return H.real().cast<double>();
 }

@@ -7,16 +7,15 @@
 
 namespace breakwater {
 
-Idob::Idob(const StateSpace& continuous_plant, const std::vector<PoleGroup>& poles,
-           double period_s)
+Idob::Idob(const StateSpace& continuous_plant, const std::vector<PoleGroup>& poles, double period_s)
     : states_(continuous_plant.states()) {
   const StateSpace extended =
       zero_order_hold(extend_by_input_disturbance(continuous_plant), period_s);
   const Eigen::Index rank = observability_rank(extended.A, extended.C);
   if (rank != extended.states()) {
     throw std::invalid_argument("IDOB: the extended plant is not observable (rank " +
-                                std::to_string(rank) + " of " +
-                                std::to_string(extended.states()) + ")");
+                                std::to_string(rank) + " of " + std::to_string(extended.states()) +
+                                ")");
   }
   observer_gain_ = place_observer_poles(extended.A, extended.C, sample_poles(poles, period_s));
   error_dynamics_ = extended.A - observer_gain_ * extended.C;

@@ -27,8 +27,7 @@ void Mdob::update(double held_torque, double angle) {
   velocity_ = derivative_memory_ * velocity_ + derivative_gain_ * (angle - angle_);
   angle_ = angle;
   filtered_torque_ += torque_gain_ * (held_torque - filtered_torque_);
-  filtered_momentum_ +=
-      momentum_weight_ * (momentum_gain_ * velocity_ - filtered_momentum_);
+  filtered_momentum_ += momentum_weight_ * (momentum_gain_ * velocity_ - filtered_momentum_);
 }
 
 }  // namespace breakwater

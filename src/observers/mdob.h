@@ -5,7 +5,7 @@ namespace breakwater {
 
 /// What an MDOB is designed with.
 struct MdobDesign {
-  double nominal_inertia = 1.0;       ///< J_n [kg m²], or a mass [kg] for a slide
+  double nominal_inertia = 1.0;        ///< J_n [kg m²], or a mass [kg] for a slide
   double derivative_cutoff_rad_s = 0;  ///< g_d of the pseudo-derivative
   double observer_cutoff_rad_s = 0;    ///< g_w of the observer's low-pass
 };

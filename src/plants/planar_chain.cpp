@@ -15,7 +15,9 @@ Eigen::Vector2d rotate(double angle_rad, const Eigen::Vector2d& v) {
 }
 
 // z × v
-Eigen::Vector2d perpendicular(const Eigen::Vector2d& v) { return {-v.y(), v.x()}; }
+Eigen::Vector2d perpendicular(const Eigen::Vector2d& v) {
+  return {-v.y(), v.x()};
+}
 
 void check(const PlanarJoint& joint) {
   const bool finite = joint.offset_m.allFinite() && std::isfinite(joint.yaw_rad) &&

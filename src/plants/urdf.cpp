@@ -68,8 +68,8 @@ class UrdfFile {
     if (const auto* robot = xml_.FirstChildElement("robot")) {
       for (auto* e = robot->FirstChildElement(); e != nullptr; e = e->NextSiblingElement()) {
         const char* name = e->Attribute("name");
-        const bool has_place = std::strcmp(e->Name(), "joint") == 0 ||
-                               std::strcmp(e->Name(), "link") == 0;
+        const bool has_place =
+            std::strcmp(e->Name(), "joint") == 0 || std::strcmp(e->Name(), "link") == 0;
         if (has_place && name != nullptr && names(complaint, name)) {
           fail(e->Name(), name, complaint);
         }
@@ -139,8 +139,7 @@ void lump(const UrdfFile& file, const urdf::Link& link, const PlanarFrame& frame
   }
   const double mass = carrier.link_mass_kg + inertial.mass;
   if (mass == 0.0) return;
-  const Eigen::Vector2d com =
-      frame.map({inertial.origin.position.x, inertial.origin.position.y});
+  const Eigen::Vector2d com = frame.map({inertial.origin.position.x, inertial.origin.position.y});
   const Eigen::Vector2d lumped_com =
       (carrier.link_mass_kg * carrier.link_com_m + inertial.mass * com) / mass;
   carrier.link_inertia_kgm2 +=

@@ -65,8 +65,8 @@ void write_dataset(hid_t group, const Signal& signal, const std::vector<double>&
 }
 
 void write_track(hid_t file, const Track& track, int deflate_level) {
-  const Handle group(
-      H5Gcreate2(file, track.name().c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);
+  const Handle group(H5Gcreate2(file, track.name().c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
+                     H5Gclose);
   const Signal time{"time_s", "s", "time of each row of this group", {}};
   write_dataset(group, time, track.times(), 1, deflate_level);
   const Handle scale(H5Dopen2(group, "time_s", H5P_DEFAULT), H5Dclose);

@@ -75,8 +75,8 @@ RunFolder::RunFolder(const fs::path& target) : target_(fs::absolute(target).lexi
     fs::create_directory(partial_);
   } catch (const fs::filesystem_error& error) {
     remove_empty(made_parents_);
-    throw std::invalid_argument(target.string() + ": cannot be made (" +
-                                error.code().message() + ")");
+    throw std::invalid_argument(target.string() + ": cannot be made (" + error.code().message() +
+                                ")");
   }
 }
 
@@ -90,8 +90,7 @@ RunFolder::~RunFolder() {
 void RunFolder::commit() {
   if (fs::exists(target_)) {
     if (renameat2(AT_FDCWD, partial_.c_str(), AT_FDCWD, target_.c_str(), RENAME_EXCHANGE) != 0) {
-      throw OutputError(target_.string() + ": cannot be replaced (" +
-                               std::strerror(errno) + ")");
+      throw OutputError(target_.string() + ": cannot be replaced (" + std::strerror(errno) + ")");
     }
     committed_ = true;
     std::error_code ignored;

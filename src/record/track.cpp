@@ -22,7 +22,9 @@ void Track::append(double time_s) {
   }
 }
 
-std::vector<double> Track::times() const { return columns(0, 1); }
+std::vector<double> Track::times() const {
+  return columns(0, 1);
+}
 
 std::vector<double> Track::values(std::size_t signal) const {
   return columns(offsets_[signal], signals_[signal].values.size());

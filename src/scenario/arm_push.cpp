@@ -157,8 +157,8 @@ Fields ArmPush::fields() {
 void ArmPush::check(const Config& config) {
   check_arm(arm_, push_role(), config);
   if (link_ > static_cast<int>(arm_.start_angles_rad.size())) {
-    config.fail("push.link", "the arm has only " + std::to_string(arm_.start_angles_rad.size()) +
-                                 " links");
+    config.fail("push.link",
+                "the arm has only " + std::to_string(arm_.start_angles_rad.size()) + " links");
   }
 }
 
@@ -173,8 +173,10 @@ Recording ArmPush::run(const RunControl& control) const {
   double turned_rad = 0.0;
   double moment_Nm = 0.0;
   std::vector<Signal> signals = rig.signals();
-  signals.push_back({"push_turned_rad", "rad", "how far the pushed link is turned", {&turned_rad, 1}});
-  signals.push_back({"push_moment_Nm", "N m", "the hand's moment about its joint", {&moment_Nm, 1}});
+  signals.push_back(
+      {"push_turned_rad", "rad", "how far the pushed link is turned", {&turned_rad, 1}});
+  signals.push_back(
+      {"push_moment_Nm", "N m", "the hand's moment about its joint", {&moment_Nm, 1}});
   Track log("control", std::move(signals),
             static_cast<std::size_t>(steps / steps_per_sample(arm_) + 1));
   PushMetrics metrics(hand_, arm_.start_angles_rad, start_pose(arm_), settled_within_m_);

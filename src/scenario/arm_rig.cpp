@@ -8,7 +8,9 @@
 namespace breakwater {
 namespace {
 
-std::span<const double> view(const double& value) { return {&value, 1}; }
+std::span<const double> view(const double& value) {
+  return {&value, 1};
+}
 
 template <typename Vector>
 std::span<const double> view_all(const Vector& values) {
@@ -16,8 +18,7 @@ std::span<const double> view_all(const Vector& values) {
 }
 
 Eigen::VectorXd to_eigen(const std::vector<double>& values) {
-  return Eigen::Map<const Eigen::VectorXd>(values.data(),
-                                           static_cast<Eigen::Index>(values.size()));
+  return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
 }
 
 AccelerationControlDesign acceleration_design(const ArmSettings& settings,
@@ -135,11 +136,10 @@ void ArmSettings::bind(Fields& fields) {
   fields.text("model.mjcf", mjcf, "the plant");
   fields.text("model.urdf", urdf, "what the controllers know of it");
   fields.number("physics.timestep_s", timestep_s, positive(), "the engine's step [s]");
-  fields.choice("physics.integrator", integrator,
-                {{"euler", Integrator::euler},
-                 {"rk4", Integrator::rk4},
-                 {"implicit", Integrator::implicit}},
-                "euler, rk4 or implicit");
+  fields.choice(
+      "physics.integrator", integrator,
+      {{"euler", Integrator::euler}, {"rk4", Integrator::rk4}, {"implicit", Integrator::implicit}},
+      "euler, rk4 or implicit");
   fields.number("control.period_s", control_period_s, positive(),
                 "T_s, of control and log; a multiple of the timestep [s]");
   run.bind(fields);
@@ -252,9 +252,9 @@ ArmRig::ArmRig(const ArmSettings& settings, const ArmRole& role)
           settings.start_angles_rad[static_cast<std::size_t>(i)];
     }
   }
-  simulation_ =
-      std::make_unique<Simulation>(std::move(model), *controller_,
-                                   sensing_setup(settings, role, chain_), steps_per_sample(settings));
+  simulation_ = std::make_unique<Simulation>(std::move(model), *controller_,
+                                             sensing_setup(settings, role, chain_),
+                                             steps_per_sample(settings));
   simulation_->set_position(qpos);
   contact_force_ = &simulation_->sensor("tip_touch");
   force_sensor_ = &simulation_->sensor("tip_force");

@@ -188,8 +188,7 @@ Recording ArmWallContact::run(const RunControl& control) const {
   const std::int64_t fine_from = step_at(fine_from_s_);
   const std::int64_t fine_to = std::min(step_at(fine_to_s_), steps);
 
-  Track log("control", rig.signals(),
-            static_cast<std::size_t>(steps / steps_per_sample(arm_) + 1));
+  Track log("control", rig.signals(), static_cast<std::size_t>(steps / steps_per_sample(arm_) + 1));
   Track fine("physics", rig.fine_signals(),
              static_cast<std::size_t>(std::max<std::int64_t>(fine_to - fine_from, 0)));
   WallContactMetrics metrics(force_from_s_, force_reference_N_, metrics_from_s_, metrics_to_s_,

@@ -1,4 +1,5 @@
-// Scenario arm_wall_contact: hybrid position/force control against a wall (thesis 2.4.3.2, 2.4.3.4).
+// Scenario arm_wall_contact: hybrid position/force control against a wall
+// (thesis 2.4.3.2, 2.4.3.4).
 #pragma once
 
 #include "scenario/arm_rig.h"

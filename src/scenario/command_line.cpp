@@ -123,10 +123,9 @@ int run_cases(const std::string& scenario, const ScenarioFile& file, const Argum
   }
 
   const std::uint64_t seed = runs.front().scenario->run_settings().seed;
-  const fs::path out =
-      arguments.out.empty()
-          ? fs::path("runs") / scenario / fmt::format("{}-seed{}", case_name, seed)
-          : fs::path(arguments.out);
+  const fs::path out = arguments.out.empty()
+                           ? fs::path("runs") / scenario / fmt::format("{}-seed{}", case_name, seed)
+                           : fs::path(arguments.out);
   std::vector<fs::path> folders;
   if (all) check_folder_of_runs(out);
   for (const std::string& name : cases) folders.push_back(all ? out / name : out);

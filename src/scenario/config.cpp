@@ -1,11 +1,11 @@
 #include "scenario/config.h"
 
+#include <toml++/toml.h>
 #include <algorithm>
 #include <filesystem>
 #include <numeric>
 #include <optional>
 #include <stdexcept>
-#include <toml++/toml.h>
 
 #include "scenario/paths.h"
 
@@ -55,8 +55,8 @@ toml::table parse(const std::string& file) {
     return toml::parse_file(file);
   } catch (const toml::parse_error& error) {
     if (error.source().begin.line == 0) throw std::invalid_argument(file + ": cannot be read");
-    throw std::invalid_argument(at_line(file, error.source()) + ": is not TOML: " +
-                                std::string(error.description()));
+    throw std::invalid_argument(at_line(file, error.source()) +
+                                ": is not TOML: " + std::string(error.description()));
   }
 }
 

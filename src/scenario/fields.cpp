@@ -38,7 +38,9 @@ std::string toml_key(const std::string& key) {
   return is_bare ? key : quoted(key);
 }
 
-std::string table_of(const std::string& key) { return key.substr(0, key.rfind('.')); }
+std::string table_of(const std::string& key) {
+  return key.substr(0, key.rfind('.'));
+}
 
 // Shortest text that reads back as the same double, and as a TOML float.
 std::string print_number(double value) {
@@ -100,32 +102,38 @@ std::string print_numbers(const std::vector<double>& values) {
 
 }  // namespace
 
-Range any() { return {-kInfinity, kInfinity, true, "a number"}; }
-Range positive() { return {0.0, kInfinity, false, "positive"}; }
-Range not_negative() { return {0.0, kInfinity, true, "0 or more"}; }
+Range any() {
+  return {-kInfinity, kInfinity, true, "a number"};
+}
+Range positive() {
+  return {0.0, kInfinity, false, "positive"};
+}
+Range not_negative() {
+  return {0.0, kInfinity, true, "0 or more"};
+}
 Range between(double lower, double upper) {
   return {lower, upper, true, fmt::format("from {} to {}", lower, upper)};
 }
 
 void Fields::number(const std::string& key, double& target, const Range& range,
                     const std::string& doc) {
-  fields_.push_back({key, doc,
-                     [&target, range](const ConfigValue& v) { return read_number(v, range, target); },
-                     [&target] { return print_number(target); }});
+  fields_.push_back(
+      {key, doc, [&target, range](const ConfigValue& v) { return read_number(v, range, target); },
+       [&target] { return print_number(target); }});
 }
 
 void Fields::count(const std::string& key, int& target, const Range& range,
                    const std::string& doc) {
-  fields_.push_back({key, doc,
-                     [&target, range](const ConfigValue& v) { return read_count(v, range, target); },
-                     [&target] { return std::to_string(target); }});
+  fields_.push_back(
+      {key, doc, [&target, range](const ConfigValue& v) { return read_count(v, range, target); },
+       [&target] { return std::to_string(target); }});
 }
 
 void Fields::count(const std::string& key, std::uint64_t& target, const Range& range,
                    const std::string& doc) {
-  fields_.push_back({key, doc,
-                     [&target, range](const ConfigValue& v) { return read_count(v, range, target); },
-                     [&target] { return std::to_string(target); }});
+  fields_.push_back(
+      {key, doc, [&target, range](const ConfigValue& v) { return read_count(v, range, target); },
+       [&target] { return std::to_string(target); }});
 }
 
 void Fields::text(const std::string& key, std::string& target, const std::string& doc) {
@@ -142,8 +150,7 @@ void Fields::text(const std::string& key, std::string& target, const std::string
 void Fields::numbers(const std::string& key, std::vector<double>& target, const Range& range,
                      const std::string& doc) {
   fields_.push_back(
-      {key, doc,
-       [&target, range](const ConfigValue& v) { return read_numbers(v, range, target); },
+      {key, doc, [&target, range](const ConfigValue& v) { return read_numbers(v, range, target); },
        [&target] { return print_numbers(target); }});
 }
 
@@ -167,23 +174,23 @@ void Fields::number_groups(const std::string& key, std::vector<std::vector<doubl
 }
 
 void Fields::add_choice(const std::string& key, std::vector<std::string> names,
-                        std::function<void(std::size_t)> assign,
-                        std::function<std::string()> print, const std::string& doc) {
-  fields_.push_back(
-      {key, doc,
-       [names, assign = std::move(assign)](const ConfigValue& v) -> Error {
-         const auto* string = std::get_if<std::string>(&v.data);
-         const std::string options = fmt::format("{}", fmt::join(names, ", "));
-         if (string == nullptr) return "must be one of " + options + ", is " + describe(v);
-         const auto found = std::find(names.begin(), names.end(), *string);
-         if (found == names.end()) {
-           return "must be one of " + options + ", is " + quoted(*string) +
-                  did_you_mean(*string, names);
-         }
-         assign(static_cast<std::size_t>(found - names.begin()));
-         return std::nullopt;
-       },
-       [print = std::move(print)] { return quoted(print()); }});
+                        std::function<void(std::size_t)> assign, std::function<std::string()> print,
+                        const std::string& doc) {
+  fields_.push_back({key, doc,
+                     [names, assign = std::move(assign)](const ConfigValue& v) -> Error {
+                       const auto* string = std::get_if<std::string>(&v.data);
+                       const std::string options = fmt::format("{}", fmt::join(names, ", "));
+                       if (string == nullptr)
+                         return "must be one of " + options + ", is " + describe(v);
+                       const auto found = std::find(names.begin(), names.end(), *string);
+                       if (found == names.end()) {
+                         return "must be one of " + options + ", is " + quoted(*string) +
+                                did_you_mean(*string, names);
+                       }
+                       assign(static_cast<std::size_t>(found - names.begin()));
+                       return std::nullopt;
+                     },
+                     [print = std::move(print)] { return quoted(print()); }});
 }
 
 void Fields::read(const Config& config) {
@@ -202,8 +209,8 @@ void Fields::read(const Config& config) {
 }
 
 std::string Fields::print(const std::string& scenario, const std::string& case_name) const {
-  std::string text = fmt::format("scenario = {}\ndefault_case = {}\n", quoted(scenario),
-                                 quoted(case_name));
+  std::string text =
+      fmt::format("scenario = {}\ndefault_case = {}\n", quoted(scenario), quoted(case_name));
   std::vector<std::string> tables;
   for (const Field& field : fields_) {
     const std::string table = table_of(field.key);

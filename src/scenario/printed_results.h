@@ -19,7 +19,6 @@ struct PrintedValue {
 
 /// The printed numbers of one case of a scenario: data/printed-results.toml as data/reproduced.toml
 /// maps it. Empty if the thesis prints none. Throws std::runtime_error if the files are damaged.
-std::vector<PrintedValue> printed_values(const std::string& scenario,
-                                         const std::string& case_name);
+std::vector<PrintedValue> printed_values(const std::string& scenario, const std::string& case_name);
 
 }  // namespace breakwater

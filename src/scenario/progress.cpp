@@ -27,7 +27,9 @@ Progress::Progress(std::string what, std::size_t jobs, bool quiet)
       start_(std::chrono::steady_clock::now()),
       drawn_() {}
 
-Progress::~Progress() { clear(); }
+Progress::~Progress() {
+  clear();
+}
 
 void Progress::update(std::size_t job, double fraction_done) {
   if (!visible_) return;
@@ -38,13 +40,13 @@ void Progress::update(std::size_t job, double fraction_done) {
 
 void Progress::draw() {
   drawn_ = std::chrono::steady_clock::now();
-  const double done = std::accumulate(done_.begin(), done_.end(), 0.0) /
-                      static_cast<double>(done_.size());
+  const double done =
+      std::accumulate(done_.begin(), done_.end(), 0.0) / static_cast<double>(done_.size());
   const double elapsed_s = Seconds(drawn_ - start_).count();
   std::string line = fmt::format("\r\033[K{}: {:.0f} %", what_, 100.0 * done);
   if (done_.size() > 1) {
-    line += fmt::format(", {} of {} runs", std::count(done_.begin(), done_.end(), 1.0),
-                        done_.size());
+    line +=
+        fmt::format(", {} of {} runs", std::count(done_.begin(), done_.end(), 1.0), done_.size());
   }
   if (elapsed_s > kFirstEstimate.count() && done > 0.0) {
     line += fmt::format(", {:.0f} s left", elapsed_s * (1.0 - done) / done);

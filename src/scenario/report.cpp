@@ -16,7 +16,9 @@ namespace {
 
 constexpr const char* kLegend = "* outside of what counts as reproduced (data/reproduced.toml)\n";
 
-std::string format_value(double value) { return fmt::format("{:.5g}", value); }
+std::string format_value(double value) {
+  return fmt::format("{:.5g}", value);
+}
 
 std::optional<PrintedValue> printed_value(const std::vector<PrintedValue>& values,
                                           const std::string& metric) {
@@ -27,8 +29,8 @@ std::optional<PrintedValue> printed_value(const std::vector<PrintedValue>& value
 }
 
 std::optional<Metric> find_metric(const std::vector<Metric>& metrics, const std::string& name) {
-  const auto found = std::find_if(metrics.begin(), metrics.end(),
-                                  [&](const Metric& m) { return m.name == name; });
+  const auto found =
+      std::find_if(metrics.begin(), metrics.end(), [&](const Metric& m) { return m.name == name; });
   if (found == metrics.end()) return std::nullopt;
   return *found;
 }

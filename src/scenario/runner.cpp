@@ -37,12 +37,11 @@ std::string manifest(const PreparedRun& run, const Recording& recording, double 
   json["wall_time_s"] = wall_s;
   json["breakwater"] = kVersion;
   json["git_commit"] = kGitCommit;
-  json["versions"] = {
-      {"mujoco", engine_version()},
-      {"eigen", fmt::format("{}.{}.{}", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION,
-                            EIGEN_MINOR_VERSION)},
-      {"hdf5", hdf5_version()},
-      {"compiler", __VERSION__}};
+  json["versions"] = {{"mujoco", engine_version()},
+                      {"eigen", fmt::format("{}.{}.{}", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION,
+                                            EIGEN_MINOR_VERSION)},
+                      {"hdf5", hdf5_version()},
+                      {"compiler", __VERSION__}};
   return json.dump(2) + "\n";
 }
 
@@ -81,7 +80,7 @@ RunSummary execute(const PreparedRun& run, RunFolder& folder, const RunOptions& 
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   write_text_file(path / "manifest.json", manifest(run, recording, wall_s));
   folder.commit();
-  return {run.case_name,     folder.target(),         recording.metrics,
+  return {run.case_name,     folder.target(),       recording.metrics,
           recording.failure, recording.simulated_s, wall_s};
 }
 

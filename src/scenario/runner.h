@@ -33,7 +33,8 @@ struct RunSummary {
 /// The scenario file that belongs to a scenario.
 std::filesystem::path scenario_file(const std::string& scenario);
 
-/// Reads and checks one case with `sets` (key=value) on top. Throws std::invalid_argument, one line.
+/// Reads and checks one case with `sets` (key=value) on top. Throws std::invalid_argument, one
+/// line.
 PreparedRun prepare_run(const std::string& scenario, const ScenarioFile& file,
                         const std::string& case_name, const std::vector<std::string>& sets);
 

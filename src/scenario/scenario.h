@@ -25,7 +25,7 @@ struct RunSettings {
 /// What the outside may see and stop of a running scenario.
 struct RunControl {
   std::function<void(double fraction_done)> progress;  ///< may be empty
-  const std::atomic<bool>* stop = nullptr;     ///< ends the run when it becomes true
+  const std::atomic<bool>* stop = nullptr;             ///< ends the run when it becomes true
 };
 
 /// Thrown by a run that was asked to stop.

@@ -7,8 +7,8 @@ namespace breakwater {
 
 /// What a user knows of a contact.
 struct ContactLaw {
-  double stiffness_N_m = 0.0;   ///< K: the static depth under a force F is F/K
-  double damping_Ns_m = 0.0;    ///< B: the force is K·depth + B·(speed of approach), never a pull
+  double stiffness_N_m = 0.0;  ///< K: the static depth under a force F is F/K
+  double damping_Ns_m = 0.0;   ///< B: the force is K·depth + B·(speed of approach), never a pull
 };
 
 /// Makes the contact of two frictionless geoms, of which at least one moves, obey `law`, by

@@ -26,7 +26,9 @@ void on_error(const char* message) {
   std::longjmp(*state.return_point, 1);
 }
 
-void on_warning(const char* message) { std::snprintf(state.warning, kTextSize, "%s", message); }
+void on_warning(const char* message) {
+  std::snprintf(state.warning, kTextSize, "%s", message);
+}
 
 void install_handlers() {
   static std::once_flag once;
@@ -49,7 +51,9 @@ std::string call_engine(void (*body)(void*), void* argument) {
   return state.error;
 }
 
-std::string engine_version() { return mj_versionString(); }
+std::string engine_version() {
+  return mj_versionString();
+}
 
 std::string take_engine_warning() {
   std::string text = state.warning;

@@ -118,7 +118,8 @@ Model Model::load(const std::string& mjcf_file) {
 
 int Model::id(mjtObj kind, const std::string& name) const {
   const int id = mj_name2id(model_.get(), kind, name.c_str());
-  if (id < 0) refuse(file_, std::string("has no ") + mju_type2Str(kind) + " named \"" + name + "\"");
+  if (id < 0)
+    refuse(file_, std::string("has no ") + mju_type2Str(kind) + " named \"" + name + "\"");
   return id;
 }
 

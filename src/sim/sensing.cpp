@@ -31,8 +31,8 @@ Sensing::Sensing(const Model& model, const SensingSetup& setup)
     check(channel);
     const int id = model.id(mjOBJ_SENSOR, channel.sensor);
     if (channel.component < 0 || channel.component >= model->sensor_dim[id]) {
-      throw std::invalid_argument(model.file() + ": sensor \"" + channel.sensor + "\" has no value " +
-                                  std::to_string(channel.component));
+      throw std::invalid_argument(model.file() + ": sensor \"" + channel.sensor +
+                                  "\" has no value " + std::to_string(channel.component));
     }
     const bool is_late = model->sensor_needstage[id] == mjSTAGE_ACC || channel.low_pass_s > 0.0;
     channels_.push_back({channel, model->sensor_adr[id] + channel.component, is_late,

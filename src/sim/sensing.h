@@ -22,12 +22,13 @@ namespace breakwater {
 /// touch and acceleration sensors, and all behind a low-pass, give the value of the physics step
 /// before: the engine computes them only at the end of a step.
 struct SensorChannel {
-  std::string name;    ///< how the user calls it: "q1", "force"
-  std::string sensor;  ///< name of the MJCF sensor
-  int component = 0;   ///< of the sensor's values
+  std::string name;         ///< how the user calls it: "q1", "force"
+  std::string sensor;       ///< name of the MJCF sensor
+  int component = 0;        ///< of the sensor's values
   double low_pass_s = 0.0;  ///< time constant [s]; 0: none
   Encoder encoder;
-  double noise_std = 0.0;  ///< standard deviation of white noise at each sample, in the value's unit
+  double noise_std =
+      0.0;  ///< standard deviation of white noise at each sample, in the value's unit
 };
 
 /// What to do when a sensor gives no number.

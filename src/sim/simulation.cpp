@@ -55,7 +55,8 @@ Simulation::Simulation(Model model, Controller& controller, const SensingSetup& 
       sensing_(model_, sensing),
       steps_per_sample_(steps_per_sample) {
   if (!data_) throw std::runtime_error("MuJoCo could not allocate a simulation");
-  if (steps_per_sample < 1) throw std::invalid_argument("simulation: needs 1 step per sample or more");
+  if (steps_per_sample < 1)
+    throw std::invalid_argument("simulation: needs 1 step per sample or more");
   const double unlimited = std::numeric_limits<double>::infinity();
   lower_limit_.setConstant(model_->nu, -unlimited);
   upper_limit_.setConstant(model_->nu, unlimited);
@@ -192,7 +193,9 @@ void Simulation::check_engine(double time_before_s) {
   }
 }
 
-void Simulation::fail(const std::string& reason) const { throw RunFailure(time_s_, reason); }
+void Simulation::fail(const std::string& reason) const {
+  throw RunFailure(time_s_, reason);
+}
 
 const double& Simulation::sensor(const std::string& name) const {
   return data_->sensordata[model_->sensor_adr[model_.id(mjOBJ_SENSOR, name)]];

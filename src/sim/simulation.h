@@ -20,7 +20,8 @@ namespace breakwater {
 
 /// One plant under one controller. The controller is called every `steps_per_sample` physics
 /// steps, through MuJoCo's mjcb_control; its command is saturated at the actuators' ctrlrange and
-/// held; an actuator without ctrlrange is not limited. All of it is deterministic: the same set-up gives the same bits on any thread.
+/// held; an actuator without ctrlrange is not limited. All of it is deterministic: the same set-up
+/// gives the same bits on any thread.
 ///
 /// After step(), what it tells is the step's beginning: state, samples and command of that time,
 /// and the sensors, forces included, that the engine computed for it.

@@ -4,9 +4,13 @@
 
 namespace breakwater {
 
-void StateHash::Delete::operator()(XXH3_state_s* state) const { XXH3_freeState(state); }
+void StateHash::Delete::operator()(XXH3_state_s* state) const {
+  XXH3_freeState(state);
+}
 
-StateHash::StateHash() : state_(XXH3_createState()) { XXH3_64bits_reset(state_.get()); }
+StateHash::StateHash() : state_(XXH3_createState()) {
+  XXH3_64bits_reset(state_.get());
+}
 
 StateHash::StateHash(const StateHash& other) : state_(XXH3_createState()) {
   XXH3_copyState(state_.get(), other.state_.get());
@@ -16,6 +20,8 @@ void StateHash::update(std::span<const double> values) {
   XXH3_64bits_update(state_.get(), values.data(), values.size_bytes());
 }
 
-std::uint64_t StateHash::digest() const { return XXH3_64bits_digest(state_.get()); }
+std::uint64_t StateHash::digest() const {
+  return XXH3_64bits_digest(state_.get());
+}
 
 }  // namespace breakwater

@@ -16,8 +16,7 @@ std::uint64_t fnv1a(std::string_view text) {
 
 }  // namespace
 
-Noise::Noise(std::uint64_t seed, std::string_view channel)
-    : seed_(seed), stream_(fnv1a(channel)) {}
+Noise::Noise(std::uint64_t seed, std::string_view channel) : seed_(seed), stream_(fnv1a(channel)) {}
 
 double Noise::operator()(std::uint64_t sample) const {
   using Generator = r123::Philox2x64;

@@ -4,11 +4,11 @@
 // Usage: bare_replay RUN_FOLDER
 #include <mujoco/mujoco.h>
 
+#include <toml++/toml.h>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <string>
-#include <toml++/toml.h>
 
 #include "record/hdf5_log.h"
 #include "scenario/paths.h"
@@ -29,8 +29,8 @@ int main(int argc, char** argv) {
   const LoggedSignal qpos = read_hdf5_signal(run + "/log.h5", "control/qpos");
 
   const double timestep_s = number("physics.timestep_s");
-  Model model =
-      Model::load(find_file(config.at_path("model.mjcf").value<std::string>().value(), run).string());
+  Model model = Model::load(
+      find_file(config.at_path("model.mjcf").value<std::string>().value(), run).string());
   model.set_physics(timestep_s, Integrator::euler);
   const int wall = model.id(mjOBJ_GEOM, "wall");
   mjModel& m = *model.get();

@@ -12,7 +12,7 @@ import sys
 import tempfile
 import time
 
-BIN = pathlib.Path(__file__).resolve().parents[2] / "build" / "bin"
+BUILD = pathlib.Path(__file__).resolve().parents[2] / "build"
 PAIRS = 5
 
 # The same experiment in a tenth of the time: wall, switch and impact come earlier.
@@ -21,11 +21,11 @@ SHORT = ["--set", "run.duration_s=10", "wall.solid_from_s=4", "force.from_s=5",
 
 
 def run_command(folder, extra):
-    return [BIN / "arm_wall_contact", "--quiet", "--out", folder, *extra]
+    return [BUILD / "bin" / "arm_wall_contact", "--quiet", "--out", folder, *extra]
 
 
 def replay_command(folder):
-    return [BIN / "bare_replay", folder]
+    return [BUILD / "tests" / "bare_replay", folder]
 
 
 def instructions(command):

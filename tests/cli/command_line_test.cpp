@@ -70,8 +70,8 @@ class CommandLine : public ::testing::Test {
 TEST_F(CommandLine, HelpSaysHow) {
   const ProgramResult help = wall({"--help"});
   EXPECT_EQ(help.status, 0);
-  for (const char* option : {"--case", "--config", "--set", "--seed", "--duration", "--out", "--csv",
-                             "--quiet", "--list-cases", "--print-config"}) {
+  for (const char* option : {"--case", "--config", "--set", "--seed", "--duration", "--out",
+                             "--csv", "--quiet", "--list-cases", "--print-config"}) {
     EXPECT_NE(help.out.find(option), std::string::npos) << option;
   }
   EXPECT_TRUE(help.err.empty());
@@ -109,8 +109,7 @@ TEST_F(CommandLine, ARunLeavesItsFolder) {
   EXPECT_EQ(manifest["versions"]["mujoco"], "2.2.2");
   // A run that ends before force control has nothing to say about it.
   EXPECT_TRUE(json(run + "/metrics.json").empty());
-  const LoggedSignal qpos =
-      read_hdf5_signal((folder_ / run / "log.h5").string(), "control/qpos");
+  const LoggedSignal qpos = read_hdf5_signal((folder_ / run / "log.h5").string(), "control/qpos");
   EXPECT_EQ(qpos.rows, 500U);
   EXPECT_EQ(qpos.width, 3U);
 }
@@ -160,7 +159,8 @@ TEST_F(CommandLine, FindsItsModelsFromAnyFolder) {
 
 TEST_F(CommandLine, TakesModelsFromTheUsersFolder) {
   copy_with("models/arm.xml", "heavy.xml", "mass=\"0.02\"", "mass=\"0.2\"");
-  EXPECT_EQ(wall({"--set", "model.mjcf=heavy.xml", "--duration", "0.5", "--out", "heavy"}).status, 0);
+  EXPECT_EQ(wall({"--set", "model.mjcf=heavy.xml", "--duration", "0.5", "--out", "heavy"}).status,
+            0);
   EXPECT_EQ(wall({"--duration", "0.5", "--out", "light"}).status, 0);
   EXPECT_NE(json("heavy/manifest.json")["state_hash"], json("light/manifest.json")["state_hash"]);
   // Its own config finds the model again from elsewhere.
@@ -181,19 +181,21 @@ struct Nonsense {
   std::string message;  // must be in the line
 };
 
-void PrintTo(const Nonsense& nonsense, std::ostream* out) { *out << nonsense.name; }
+void PrintTo(const Nonsense& nonsense, std::ostream* out) {
+  *out << nonsense.name;
+}
 
 class NonsenseIn : public CommandLine {
  protected:
   NonsenseIn() {
     copy_with("scenarios/arm_wall_contact/arm_wall_contact.toml", "typo.toml", "distance_m = 0.089",
               "distnce_m = 0.089");
-    copy_with("scenarios/arm_wall_contact/arm_wall_contact.toml", "text.toml",
-              "distance_m = 0.089", "distance_m = \"far\"");
+    copy_with("scenarios/arm_wall_contact/arm_wall_contact.toml", "text.toml", "distance_m = 0.089",
+              "distance_m = \"far\"");
     copy_with("scenarios/arm_wall_contact/arm_wall_contact.toml", "truncated.toml",
               "distance_m = 0.089", "distance_m = ");
-    std::string whole = read(testing::source_file(
-        "scenarios/arm_wall_contact/arm_wall_contact.toml"));
+    std::string whole =
+        read(testing::source_file("scenarios/arm_wall_contact/arm_wall_contact.toml"));
     write("half.toml", whole.substr(0, whole.find("distance_m")) + "[case.proposed-2N]\n");
     copy_with("models/arm.xml", "broken.xml", "<worldbody>", "<worldbody");
     copy_with("models/arm.xml", "odd.xml", "<joint name=\"joint2\"/>", "<joynt name=\"joint2\"/>");
@@ -229,28 +231,39 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(
         Nonsense{"UnknownOption", {"--caes", "all"}, "--caes"},
         Nonsense{"UnknownCase", {"--case", "propsed-2N"}, "(did you mean proposed-2N?)"},
-        Nonsense{"UnknownKey", {"--set", "contact.stifness_N_m=3"},
+        Nonsense{"UnknownKey",
+                 {"--set", "contact.stifness_N_m=3"},
                  "--set: contact.stifness_N_m: unknown key (did you mean contact.stiffness_N_m?)"},
         Nonsense{"UnknownKeyInFile", {"--config", "typo.toml"}, "wall.distnce_m: unknown key"},
-        Nonsense{"StringForNumber", {"--set", "wall.distance_m=far"},
+        Nonsense{"StringForNumber",
+                 {"--set", "wall.distance_m=far"},
                  "wall.distance_m: must be a number"},
-        Nonsense{"StringForNumberInFile", {"--config", "text.toml"},
+        Nonsense{"StringForNumberInFile",
+                 {"--config", "text.toml"},
                  "wall.distance_m: must be a number, is \"far\""},
-        Nonsense{"NegativeTimestep", {"--set", "physics.timestep_s=-1e-4"},
+        Nonsense{"NegativeTimestep",
+                 {"--set", "physics.timestep_s=-1e-4"},
                  "physics.timestep_s: must be positive"},
-        Nonsense{"PeriodNoMultiple", {"--set", "control.period_s=0.00105"},
+        Nonsense{"PeriodNoMultiple",
+                 {"--set", "control.period_s=0.00105"},
                  "control.period_s: must be a whole multiple of physics.timestep_s"},
-        Nonsense{"PeriodBelowTimestep", {"--set", "control.period_s=1e-5"},
+        Nonsense{"PeriodBelowTimestep",
+                 {"--set", "control.period_s=1e-5"},
                  "control.period_s: must be a whole multiple"},
-        Nonsense{"NanGain", {"--set", "controller.k_position=nan"},
+        Nonsense{"NanGain",
+                 {"--set", "controller.k_position=nan"},
                  "controller.k_position: must be finite"},
-        Nonsense{"NanInArray", {"--set", "controller.t_ref_s=[1,nan,1]"},
+        Nonsense{"NanInArray",
+                 {"--set", "controller.t_ref_s=[1,nan,1]"},
                  "controller.t_ref_s: must be finite"},
-        Nonsense{"TooFewJoints", {"--set", "controller.t_ref_s=[1,1]"},
+        Nonsense{"TooFewJoints",
+                 {"--set", "controller.t_ref_s=[1,1]"},
                  "controller.t_ref_s: must have one entry for each of the URDF's 3 joints"},
-        Nonsense{"ResponseTooShort", {"--set", "controller.t_ref_s=[1,1,0.002]"},
+        Nonsense{"ResponseTooShort",
+                 {"--set", "controller.t_ref_s=[1,1,0.002]"},
                  "controller.t_ref_s: PFC"},
-        Nonsense{"UnstablePole", {"--set", "observer.poles_rad_s=[[0,-1,-2],[-1,-2,-3],[-1,-2,-3]]"},
+        Nonsense{"UnstablePole",
+                 {"--set", "observer.poles_rad_s=[[0,-1,-2],[-1,-2,-3],[-1,-2,-3]]"},
                  "observer.poles_rad_s: pole placement"},
         Nonsense{"NegativeSeed", {"--seed", "-1"}, "run.seed: must be 0 or more"},
         Nonsense{"SeedNoNumber", {"--seed", "x"}, "run.seed: must be a whole number"},
@@ -259,26 +272,30 @@ INSTANTIATE_TEST_SUITE_P(
         Nonsense{"ConfigIsFolder", {"--config", "thesis"}, "thesis: cannot be read"},
         Nonsense{"TruncatedToml", {"--config", "truncated.toml"}, "truncated.toml:"},
         Nonsense{"HalfAToml", {"--config", "half.toml"}, "is missing"},
-        Nonsense{"MissingModel", {"--set", "model.mjcf=missing.xml"},
+        Nonsense{"MissingModel",
+                 {"--set", "model.mjcf=missing.xml"},
                  "--set: model.mjcf: there is no file"},
         Nonsense{"BrokenMjcf", {"--set", "model.mjcf=broken.xml"}, "broken.xml:"},
         Nonsense{"OddMjcf", {"--set", "model.mjcf=odd.xml"}, "odd.xml:"},
-        Nonsense{"NegativeMjcfTimestep", {"--set", "model.mjcf=negative.xml"},
+        Nonsense{"NegativeMjcfTimestep",
+                 {"--set", "model.mjcf=negative.xml"},
                  "negative.xml: option timestep must be positive"},
-        Nonsense{"MjcfWithoutSensor", {"--set", "model.mjcf=no_sensor.xml"},
+        Nonsense{"MjcfWithoutSensor",
+                 {"--set", "model.mjcf=no_sensor.xml"},
                  "no_sensor.xml: has no sensor named \"tip_force\""},
-        Nonsense{"UrdfWithoutLimit", {"--set", "model.urdf=no_limit.urdf"},
-                 "joint \"joint3\": "},
+        Nonsense{"UrdfWithoutLimit", {"--set", "model.urdf=no_limit.urdf"}, "joint \"joint3\": "},
         Nonsense{"UrdfIsMjcf", {"--set", "model.urdf=odd.xml"}, "odd.xml:"},
         Nonsense{"UnknownFault", {"--set", "fault.sensor=q9"}, "fault.sensor: sensor fault"},
         Nonsense{"OutHoldsSomethingElse", {"--out", "thesis"}, "thesis: holds something"},
         Nonsense{"OutIsFile", {"--out", "file"}, "file: is a file"},
         Nonsense{"OutBelowFile", {"--out", "file/run"}, "file/run: cannot be made"},
         Nonsense{"OutUnwritable", {"--out", "/proc/run"}, "/proc/run: cannot be made"},
-        Nonsense{"AllIntoSomethingElse", {"--case", "all", "--out", "thesis"},
+        Nonsense{"AllIntoSomethingElse",
+                 {"--case", "all", "--out", "thesis"},
                  "thesis: holds something"},
         Nonsense{"SetWithoutValue", {"--set", "wall.distance_m"}, "must be of the form"},
-        Nonsense{"WallTooLate", {"--set", "wall.solid_from_s=31"},
+        Nonsense{"WallTooLate",
+                 {"--set", "wall.solid_from_s=31"},
                  "wall.solid_from_s: must not be after force.from_s"}),
     [](const auto& param) { return param.param.name; });
 
@@ -312,11 +329,10 @@ TEST_F(CommandLine, UmbrellaRefusesNonsense) {
 // ---- runs that fail ----------------------------------------------------------------------------
 
 TEST_F(CommandLine, ABrokenSensorEndsTheRun) {
-  const ProgramResult result = wall({"--duration", "1", "--set", "fault.sensor=force",
-                                     "fault.at_s=0.2345", "--out", "run"});
+  const ProgramResult result =
+      wall({"--duration", "1", "--set", "fault.sensor=force", "fault.at_s=0.2345", "--out", "run"});
   EXPECT_EQ(result.status, 3);
-  EXPECT_NE(result.err.find("failed at t = 0.235 s: sensor force is not finite"),
-            std::string::npos)
+  EXPECT_NE(result.err.find("failed at t = 0.235 s: sensor force is not finite"), std::string::npos)
       << result.err;
   const auto manifest = json("run/manifest.json");
   EXPECT_EQ(manifest["status"], "failed");

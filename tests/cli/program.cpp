@@ -37,7 +37,8 @@ ProgramResult run_program(const std::vector<std::string>& arguments,
     dup2(open(out.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), STDOUT_FILENO);
     dup2(open(err.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), STDERR_FILENO);
     std::vector<char*> argv;
-    for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
+    for (const std::string& argument : arguments)
+      argv.push_back(const_cast<char*>(argument.c_str()));
     argv.push_back(nullptr);
     execv((std::string(BREAKWATER_BIN_DIR) + "/" + arguments[0]).c_str(), argv.data());
     _exit(127);
@@ -50,8 +51,7 @@ ProgramResult run_program(const std::vector<std::string>& arguments,
   waitpid(child, &status, 0);
   ProgramResult result;
   result.status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-  result.seconds =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   result.out = text_of(out);
   result.err = text_of(err);
   return result;

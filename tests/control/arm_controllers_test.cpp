@@ -18,8 +18,8 @@ class ArmControllers : public ::testing::Test {
   ArmControllers() : chain_(load_planar_chain(testing::source_file("models/arm.urdf"))) {
     acceleration_.nominal_inertia_kgm2 = Eigen::Vector3d(2.6683, 1.6772, 0.8155);
     acceleration_.torque_limit_Nm = chain_.effort_limits_Nm();
-    acceleration_.observer_poles = {{-40.0, -43.0, -46.0}, {-41.0, -44.0, -47.0},
-                                    {-42.0, -45.0, -48.0}};
+    acceleration_.observer_poles = {
+        {-40.0, -43.0, -46.0}, {-41.0, -44.0, -47.0}, {-42.0, -45.0, -48.0}};
     acceleration_.period_s = 1e-3;
     const double bend = std::acos(0.625);
     task_.start_angles_rad = Eigen::Vector3d(bend, -2 * bend, bend);
@@ -87,10 +87,9 @@ TEST_F(ArmControllers, HpfcFollowsEqs289To291) {
     const bool force_control = time_s > 1.0;
     const Eigen::Matrix3d S = Eigen::Vector3d(force_control ? 0 : 1, 1, 1).asDiagonal();
     const Eigen::Vector3d F_error(force_control ? 2.0 - 0.5 : 0.0, 0, 0);
-    const Eigen::Vector3d expected =
-        J_plus * (30.0 * S * (task_.start_pose - chain_.tip_pose(q)) -
-                  2 * std::sqrt(30.0) * (J * dq)) +
-        40.0 * J.transpose() * F_error;
+    const Eigen::Vector3d expected = J_plus * (30.0 * S * (task_.start_pose - chain_.tip_pose(q)) -
+                                               2 * std::sqrt(30.0) * (J * dq)) +
+                                     40.0 * J.transpose() * F_error;
     EXPECT_TRUE(signal(hpfc, "ddq_ref_rad_s2").isApprox(expected, 1e-9)) << time_s;
   }
 }

@@ -97,12 +97,12 @@ TEST(Pfc, Eq287IsTheBackwardDifferenceOfTheContinuousLoop) {
   // s² + k_d s + k_p with s = (1 − z⁻¹)/T, times T² z².
   const Pfc pfc({1.0, T_s, 3, 3});
   const Eigen::Vector3d denominator = eq287_denominator(pfc);
-  for (const std::complex<double> z : {std::complex<double>(0.3, 0.7), {1.0, 0.0}, {-1.2, 0.1},
-                                       {0.997, 0.0}, {2.0, -3.0}}) {
+  for (const std::complex<double> z :
+       {std::complex<double>(0.3, 0.7), {1.0, 0.0}, {-1.2, 0.1}, {0.997, 0.0}, {2.0, -3.0}}) {
     const std::complex<double> s = (1.0 - 1.0 / z) / T_s;
-    const std::complex<double> expected =
-        T_s * T_s * z * z * (s * s + pfc.k_d() * s + pfc.k_p());
-    const std::complex<double> printed = denominator(0) * z * z + denominator(1) * z + denominator(2);
+    const std::complex<double> expected = T_s * T_s * z * z * (s * s + pfc.k_d() * s + pfc.k_p());
+    const std::complex<double> printed =
+        denominator(0) * z * z + denominator(1) * z + denominator(2);
     EXPECT_LT(std::abs(printed - expected), 1e-12);
   }
 }

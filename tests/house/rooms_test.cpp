@@ -32,7 +32,8 @@ std::vector<Include> all_includes() {
       std::smatch match;
       if (std::regex_match(line, match, pattern)) {
         const bool in_room = relative.has_parent_path();
-        includes.push_back({in_room ? relative.begin()->string() : "", relative.string(), match[1]});
+        includes.push_back(
+            {in_room ? relative.begin()->string() : "", relative.string(), match[1]});
       }
     }
   }
@@ -50,8 +51,9 @@ TEST(House, RoomsDependOneWay) {
       {"sim", {"linear", "observers", "plants", "signals", "control", "world"}},
       {"record", {"signals"}},
       {"render", {"linear", "signals", "world", "sim", "record"}},
-      {"scenario", {"linear", "observers", "plants", "signals", "control", "world", "sim", "record",
-                    "render"}}};
+      {"scenario",
+       {"linear", "observers", "plants", "signals", "control", "world", "sim", "record",
+        "render"}}};
   const std::vector<Include> includes = all_includes();
   ASSERT_GT(includes.size(), 100U);
   for (const Include& include : includes) {

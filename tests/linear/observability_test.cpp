@@ -40,9 +40,9 @@ TEST(Observability, CountsWhatCannotBeSeen) {
   EXPECT_EQ(observability_rank(A, Eigen::RowVector4d(1, 0, 1, 0)), 4);
   EXPECT_EQ(observability_rank(A, Eigen::RowVector4d::Zero()), 0);
   // A position cannot be told from velocity alone.
-  EXPECT_EQ(observability_rank((Eigen::Matrix2d() << 0, 1, 0, 0).finished(),
-                               Eigen::RowVector2d(0, 1)),
-            1);
+  EXPECT_EQ(
+      observability_rank((Eigen::Matrix2d() << 0, 1, 0, 0).finished(), Eigen::RowVector2d(0, 1)),
+      1);
 }
 
 }  // namespace

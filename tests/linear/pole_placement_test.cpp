@@ -37,8 +37,7 @@ TEST(PolePlacement, PlacesRandomMultiOutputPlants) {
   for (int trial = 0; trial < 50; ++trial) {
     const Eigen::MatrixXd A = random.matrix(6, 6);
     const Eigen::MatrixXd C = random.matrix(2, 6);
-    const std::vector<PoleGroup> groups = {{-2.0, {-3.0, 1.5}, {-3.0, -1.5}},
-                                           {-2.5, -3.5, -5.0}};
+    const std::vector<PoleGroup> groups = {{-2.0, {-3.0, 1.5}, {-3.0, -1.5}}, {-2.5, -3.5, -5.0}};
     const Eigen::MatrixXd H = place_observer_poles(A, C, groups);
     PoleGroup all = groups[0];
     all.insert(all.end(), groups[1].begin(), groups[1].end());
@@ -70,16 +69,16 @@ TEST(PolePlacement, FeedbackIsTheDual) {
 TEST(PolePlacement, SamplesPoles) {
   const auto sampled = sample_poles({{-40.0, {-3.0, 2.0}}}, 0.01);
   EXPECT_EQ(sampled[0][0], std::exp(-0.4));
-  EXPECT_LT(std::abs(sampled[0][1] - std::exp(-0.03) * std::complex<double>(std::cos(0.02),
-                                                                            std::sin(0.02))),
+  EXPECT_LT(std::abs(sampled[0][1] -
+                     std::exp(-0.03) * std::complex<double>(std::cos(0.02), std::sin(0.02))),
             1e-15);
 }
 
 TEST(PolePlacement, RefusesWhatCannotBePlaced) {
   const Eigen::Matrix2d A = (Eigen::Matrix2d() << 0, 1, 0, 0).finished();
   const Eigen::RowVector2d C(1, 0);
-  EXPECT_THROW(place_observer_poles(A, C, {{-1.0}}), std::invalid_argument);             // too few
-  EXPECT_THROW(place_observer_poles(A, C, {{-1.0}, {-2.0}}), std::invalid_argument);     // groups
+  EXPECT_THROW(place_observer_poles(A, C, {{-1.0}}), std::invalid_argument);          // too few
+  EXPECT_THROW(place_observer_poles(A, C, {{-1.0}, {-2.0}}), std::invalid_argument);  // groups
   EXPECT_THROW(place_observer_poles(A, C, {{{-1.0, 1.0}, -2.0}}), std::invalid_argument);  // pair
   EXPECT_THROW(place_observer_poles(A, C, {{0.0, -2.0}}), std::invalid_argument);  // A's own
   EXPECT_THROW(place_observer_poles(A, C, {{std::nan(""), -2.0}}), std::invalid_argument);

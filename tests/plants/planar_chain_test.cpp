@@ -35,10 +35,10 @@ RandomChain random_chain(testing::Random& random, int n) {
     joint.link_inertia_kgm2 = random.uniform(0.01, 1);
     joints.push_back(joint);
     // KDL: a fixed frame up to the joint, then the joint with its link's inertia.
-    kdl.addSegment(KDL::Segment(
-        KDL::Joint(KDL::Joint::None),
-        KDL::Frame(KDL::Rotation::RotZ(joint.yaw_rad),
-                   KDL::Vector(joint.offset_m.x(), joint.offset_m.y(), 0))));
+    kdl.addSegment(
+        KDL::Segment(KDL::Joint(KDL::Joint::None),
+                     KDL::Frame(KDL::Rotation::RotZ(joint.yaw_rad),
+                                KDL::Vector(joint.offset_m.x(), joint.offset_m.y(), 0))));
     const KDL::RotationalInertia inertia(0.1, 0.1, joint.link_inertia_kgm2);
     kdl.addSegment(KDL::Segment(
         KDL::Joint(KDL::Vector(0, 0, 0), KDL::Vector(0, 0, joint.sense), KDL::Joint::RotAxis),
@@ -49,9 +49,9 @@ RandomChain random_chain(testing::Random& random, int n) {
   }
   const Eigen::Vector2d tip = random.vector(2);
   const double tip_yaw = random.uniform(-3, 3);
-  kdl.addSegment(KDL::Segment(KDL::Joint(KDL::Joint::None),
-                              KDL::Frame(KDL::Rotation::RotZ(tip_yaw),
-                                         KDL::Vector(tip.x(), tip.y(), 0))));
+  kdl.addSegment(
+      KDL::Segment(KDL::Joint(KDL::Joint::None),
+                   KDL::Frame(KDL::Rotation::RotZ(tip_yaw), KDL::Vector(tip.x(), tip.y(), 0))));
   return {PlanarChain(joints, tip, tip_yaw), kdl};
 }
 

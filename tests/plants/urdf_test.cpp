@@ -44,12 +44,15 @@ std::string replaced(std::string text, const std::string& from, const std::strin
   return text.replace(at, from.size(), to);
 }
 
-TEST(Urdf, ReadsAGoodOne) { EXPECT_EQ(complaint(one_joint(kGoodJoint)), ""); }
+TEST(Urdf, ReadsAGoodOne) {
+  EXPECT_EQ(complaint(one_joint(kGoodJoint)), "");
+}
 
 TEST(Urdf, NamesFileElementAndReason) {
-  EXPECT_TRUE(complaint(one_joint(replaced(
-                            kGoodJoint, "<limit effort='1' velocity='1' lower='-1' upper='1'/>", "")))
-                  .starts_with(":4: joint \"shoulder\": "));
+  EXPECT_TRUE(
+      complaint(one_joint(replaced(kGoodJoint,
+                                   "<limit effort='1' velocity='1' lower='-1' upper='1'/>", "")))
+          .starts_with(":4: joint \"shoulder\": "));
   EXPECT_EQ(complaint(one_joint(replaced(kGoodJoint, "effort='1'", "effort='0'"))),
             ":4: joint \"shoulder\": its effort and velocity limits must be positive");
   EXPECT_EQ(complaint(one_joint(replaced(kGoodJoint, "0 0 1", "0 1 0"))),

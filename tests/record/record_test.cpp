@@ -26,8 +26,10 @@ std::string text_of(const fs::path& file) {
 // A track of one scalar and one vector signal, with values that need all their digits.
 class Recorded {
  public:
-  Recorded() : track_("control", {{"force_N", "N", "a force", {&force_, 1}},
-                                  {"q_rad", "rad", "two angles", q_}}, 10) {
+  Recorded()
+      : track_("control",
+               {{"force_N", "N", "a force", {&force_, 1}}, {"q_rad", "rad", "two angles", q_}},
+               10) {
     for (int k = 0; k < 5; ++k) {
       force_ = std::sin(k) / 3;
       q_[0] = 1e-300 * k;
@@ -64,8 +66,7 @@ TEST(Hdf5Log, GivesBackTheSameBits) {
     EXPECT_EQ(q.rows, 5U);
     EXPECT_EQ(q.width, 2U);
     EXPECT_EQ(q.values, recorded.track().values("q_rad"));
-    EXPECT_EQ(read_hdf5_signal(file, "control/force_N").values,
-              recorded.track().values("force_N"));
+    EXPECT_EQ(read_hdf5_signal(file, "control/force_N").values, recorded.track().values("force_N"));
     EXPECT_EQ(read_hdf5_signal(file, "control/time_s").values, recorded.track().times());
   }
   EXPECT_THROW(read_hdf5_signal(file, "control/torque_Nm"), std::invalid_argument);

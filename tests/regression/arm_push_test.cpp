@@ -12,8 +12,8 @@ using testing::run_case;
 
 TEST(Push, ProposedComesBackWithoutOvershoot) {
   for (const char* name : {"proposed-link1", "proposed-link2", "proposed-link3"}) {
-    for (const char* angle : {"push.angle_rad=1.5707963267948966",
-                              "push.angle_rad=-1.5707963267948966"}) {
+    for (const char* angle :
+         {"push.angle_rad=1.5707963267948966", "push.angle_rad=-1.5707963267948966"}) {
       const Recording run = run_case("arm_push", name, {angle});
       ASSERT_FALSE(run.failure);
       EXPECT_NEAR(*run.metric("max_push_rad"), M_PI / 2, 0.02) << name << angle;
@@ -28,8 +28,8 @@ TEST(Push, ProposedComesBackWithoutOvershoot) {
 // What decides is the observer's feed, not the method: fed with what really acted, the
 // conventional controllers come back too; fed with what they asked for, they run away.
 TEST(Push, ConventionalControllersNeedTheClippedFeed) {
-  for (const char* name : {"hpfc-link1", "hpfc-link2", "hpfc-link3", "drac-link1", "drac-link2",
-                           "drac-link3"}) {
+  for (const char* name :
+       {"hpfc-link1", "hpfc-link2", "hpfc-link3", "drac-link1", "drac-link2", "drac-link3"}) {
     const Recording unclipped = run_case("arm_push", name);
     const bool came_back = !unclipped.failure && unclipped.metric("settling_time_s").has_value();
     EXPECT_FALSE(came_back) << name;
@@ -44,8 +44,7 @@ TEST(Push, ConventionalControllersNeedTheClippedFeed) {
 // limit, so there is nothing to clip.
 TEST(Push, FeedDoesNotMatterToTheProposedMethod) {
   const Recording clipped = run_case("arm_push", "proposed-link2");
-  const Recording unclipped =
-      run_case("arm_push", "proposed-link2", {"observer.feed=unclipped"});
+  const Recording unclipped = run_case("arm_push", "proposed-link2", {"observer.feed=unclipped"});
   EXPECT_NEAR(*unclipped.metric("overshoot_rad"), *clipped.metric("overshoot_rad"), 1e-6);
   EXPECT_NEAR(*unclipped.metric("settling_time_s"), *clipped.metric("settling_time_s"), 1e-2);
 }

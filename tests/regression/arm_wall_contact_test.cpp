@@ -97,8 +97,7 @@ TEST(WallContact, TuningDoesWhatTheThesisSays) {
 
 TEST(WallContact, AnotherIntegratorGivesTheSameImpact) {
   const Recording euler = run_case(kScenario, "proposed-2N", kImpactOnly);
-  const Recording rk4 =
-      run_case(kScenario, "proposed-2N", impact_with({"physics.integrator=rk4"}));
+  const Recording rk4 = run_case(kScenario, "proposed-2N", impact_with({"physics.integrator=rk4"}));
   EXPECT_NEAR(*rk4.metric("peak_force_filtered_N"), *euler.metric("peak_force_filtered_N"),
               0.01 * *euler.metric("peak_force_filtered_N"));
   EXPECT_NEAR(*rk4.metric("free_motion_time_s"), *euler.metric("free_motion_time_s"), 2e-3);
@@ -149,10 +148,10 @@ TEST(WallContact, ALoadCellAsASlideGivesTheSamePeaks) {
 
   for (const char* name : {"proposed-2N", "proposed-5N"}) {
     const Recording chain = run_case(kScenario, name, kImpactOnly);
-    const Recording cell = run_case(
-        kScenario, name,
-        impact_with({"model.mjcf=" + file.string(), "contact.stiffness_N_m=1e6",
-                     "contact.damping_Ns_m=200"}));
+    const Recording cell =
+        run_case(kScenario, name,
+                 impact_with({"model.mjcf=" + file.string(), "contact.stiffness_N_m=1e6",
+                              "contact.damping_Ns_m=200"}));
     ASSERT_FALSE(cell.failure) << cell.failure->reason;
     const auto peak = [](const Recording& run, const char* signal) {
       const auto values = run.track("physics").values(signal);
@@ -172,8 +171,7 @@ TEST(WallContact, LogHoldsTheRawPeak) {
 }
 
 TEST(WallContact, NeverTouchedHasNoImpact) {
-  const Recording run =
-      run_case(kScenario, "proposed-2N", impact_with({"wall.distance_m=0.2"}));
+  const Recording run = run_case(kScenario, "proposed-2N", impact_with({"wall.distance_m=0.2"}));
   EXPECT_FALSE(run.failure);
   EXPECT_FALSE(run.metric("peak_force_raw_N"));
   EXPECT_FALSE(run.metric("free_motion_time_s"));

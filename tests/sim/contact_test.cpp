@@ -29,7 +29,8 @@ Model ball_and_wall(double mass, double armature) {
 
 class Ball {
  public:
-  Ball(double mass, double armature, const ContactLaw& law) : model_(ball_and_wall(mass, armature)) {
+  Ball(double mass, double armature, const ContactLaw& law)
+      : model_(ball_and_wall(mass, armature)) {
     author_contact(model_, model_.id(mjOBJ_GEOM, "ball"), model_.id(mjOBJ_GEOM, "wall"), law);
     data_ = mj_makeData(model_.get());
   }

@@ -26,8 +26,7 @@ std::string complaint(const std::string& mjcf) {
 }
 
 std::string with_body(const std::string& body, const std::string& option = "") {
-  return "<mujoco>" + option + "<worldbody><body name='b'>" + body +
-         "</body></worldbody></mujoco>";
+  return "<mujoco>" + option + "<worldbody><body name='b'>" + body + "</body></worldbody></mujoco>";
 }
 
 const char* const kInertial = "<inertial pos='0 0 0' mass='1' diaginertia='1 1 1'/>";
@@ -48,13 +47,14 @@ TEST(Model, RefusesWhatTheEngineTakes) {
   EXPECT_NE(complaint(with_body(std::string(kInertial) + kHinge +
                                 "<geom name='g' size='1e300' mass='0'/>")),
             "");
-  EXPECT_EQ(complaint(with_body(std::string(kInertial) +
-                                "<joint name='j' type='hinge' armature='-1'/>")),
-            ": joint \"j\": armature, damping and frictionloss must be finite and not negative");
+  EXPECT_EQ(
+      complaint(with_body(std::string(kInertial) + "<joint name='j' type='hinge' armature='-1'/>")),
+      ": joint \"j\": armature, damping and frictionloss must be finite and not negative");
 }
 
 TEST(Model, NamesTheLineOfAnError) {
-  EXPECT_TRUE(complaint("<mujoco>\n<worldbody>\n<bodie/>\n</worldbody>\n</mujoco>").starts_with(":3: "));
+  EXPECT_TRUE(
+      complaint("<mujoco>\n<worldbody>\n<bodie/>\n</worldbody>\n</mujoco>").starts_with(":3: "));
   EXPECT_TRUE(complaint("<mujoco>\n<worldbody>\n").starts_with(":"));
   EXPECT_THROW(Model::load("/no/such/model.xml"), std::invalid_argument);
   EXPECT_THROW(Model::load("/"), std::invalid_argument);

@@ -104,9 +104,8 @@ TEST(Simulation, SaturatesAndSaysSo) {
   SensingSetup sensing;
   sensing.channels = {{.name = "q1", .sensor = "joint1_pos"}};
   double ask = 5.0;
-  FunctionController controller([&](const Sample&, Eigen::Ref<Eigen::VectorXd> u) {
-    u << ask, -ask, 0.0;
-  });
+  FunctionController controller(
+      [&](const Sample&, Eigen::Ref<Eigen::VectorXd> u) { u << ask, -ask, 0.0; });
   Simulation simulation(std::move(model), controller, sensing, 1);
   simulation.set_collidable(simulation.model().id(mjOBJ_GEOM, "wall"), false);
   simulation.step();
@@ -202,9 +201,8 @@ TEST(Simulation, EndsOnACommandThatIsNoNumber) {
 }
 
 TEST(Simulation, PassesAControllersExceptionOn) {
-  FunctionController controller([](const Sample&, Eigen::Ref<Eigen::VectorXd>) {
-    throw std::logic_error("from the law");
-  });
+  FunctionController controller(
+      [](const Sample&, Eigen::Ref<Eigen::VectorXd>) { throw std::logic_error("from the law"); });
   Simulation simulation(motor(), controller, shaft(), 1);
   EXPECT_THROW(simulation.step(), std::logic_error);
 }
