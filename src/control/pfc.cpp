@@ -45,7 +45,10 @@ Eigen::MatrixXd basis_responses(const std::vector<int>& points, int bases, doubl
     for (int i = 0; i < h; ++i) {
       const double response = (h - 1 - i) * period_s * period_s;
       double basis = 1.0;
-      for (int l = 0; l < bases; ++l, basis *= i * period_s) y_b(j, l) += response * basis;
+      for (int l = 0; l < bases; ++l) {
+        y_b(j, l) += response * basis;
+        basis *= i * period_s;
+      }
     }
   }
   return y_b;
@@ -53,7 +56,7 @@ Eigen::MatrixXd basis_responses(const std::vector<int>& points, int bases, doubl
 
 }  // namespace
 
-Pfc::Pfc(const PfcDesign& design) : alpha_(0.0) {
+Pfc::Pfc(const PfcDesign& design) {
   check(design);
   alpha_ = std::exp(-3.0 * design.period_s / design.target_response_time_s);
   points_ = breakwater::coincidence_points(design);

@@ -39,7 +39,7 @@ class Pfc {
   const std::vector<int>& coincidence_points() const { return points_; }  ///< h_j [samples]
 
  private:
-  double alpha_;
+  double alpha_ = 0.0;
   std::vector<int> points_;
   double k_p_ = 0.0;
   double k_d_ = 0.0;

@@ -66,7 +66,7 @@ class UrdfFile {
   // Points at the joint or link that urdfdom's message names, if it names one.
   [[noreturn]] void fail_with(const std::string& complaint) const {
     if (const auto* robot = xml_.FirstChildElement("robot")) {
-      for (auto* e = robot->FirstChildElement(); e != nullptr; e = e->NextSiblingElement()) {
+      for (const auto* e = robot->FirstChildElement(); e != nullptr; e = e->NextSiblingElement()) {
         const char* name = e->Attribute("name");
         const bool has_place =
             std::strcmp(e->Name(), "joint") == 0 || std::strcmp(e->Name(), "link") == 0;
@@ -87,7 +87,7 @@ class UrdfFile {
   int line_of(const char* element, const std::string& name) const {
     const auto* robot = xml_.FirstChildElement("robot");
     if (robot == nullptr) return 1;
-    for (auto* e = robot->FirstChildElement(element); e != nullptr;
+    for (const auto* e = robot->FirstChildElement(element); e != nullptr;
          e = e->NextSiblingElement(element)) {
       if (e->Attribute("name", name.c_str()) != nullptr) return e->GetLineNum();
     }

@@ -7,7 +7,7 @@
 namespace breakwater {
 
 Track::Track(std::string name, std::vector<Signal> signals, std::size_t expected_rows)
-    : name_(std::move(name)), signals_(std::move(signals)), width_(1) {
+    : name_(std::move(name)), signals_(std::move(signals)) {
   for (const Signal& signal : signals_) {
     offsets_.push_back(width_);
     width_ += signal.values.size();

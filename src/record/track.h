@@ -40,7 +40,7 @@ class Track {
   std::string name_;
   std::vector<Signal> signals_;
   std::vector<std::size_t> offsets_;  // of each signal in a row
-  std::size_t width_;                 // of a row
+  std::size_t width_ = 1;             // of a row
   std::vector<double> rows_;
 };
 

@@ -1,7 +1,7 @@
 #include "scenario/command_line.h"
 
 #include <fmt/core.h>
-#include <signal.h>
+#include <csignal>
 
 #include <CLI/CLI.hpp>
 #include <atomic>

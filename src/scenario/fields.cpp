@@ -173,7 +173,7 @@ void Fields::number_groups(const std::string& key, std::vector<std::vector<doubl
                      }});
 }
 
-void Fields::add_choice(const std::string& key, std::vector<std::string> names,
+void Fields::add_choice(const std::string& key, const std::vector<std::string>& names,
                         std::function<void(std::size_t)> assign, std::function<std::string()> print,
                         const std::string& doc) {
   fields_.push_back({key, doc,

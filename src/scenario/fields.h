@@ -48,7 +48,7 @@ class Fields {
     std::vector<std::string> names;
     for (const auto& option : options) names.push_back(option.first);
     add_choice(
-        key, std::move(names), [options, &target](std::size_t i) { target = options[i].second; },
+        key, names, [options, &target](std::size_t i) { target = options[i].second; },
         [options, &target] {
           for (const auto& [name, value] : options) {
             if (value == target) return name;
@@ -74,7 +74,7 @@ class Fields {
     std::function<std::string()> print;
   };
 
-  void add_choice(const std::string& key, std::vector<std::string> names,
+  void add_choice(const std::string& key, const std::vector<std::string>& names,
                   std::function<void(std::size_t)> assign, std::function<std::string()> print,
                   const std::string& doc);
 

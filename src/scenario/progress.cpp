@@ -24,8 +24,7 @@ Progress::Progress(std::string what, std::size_t jobs, bool quiet)
     : what_(std::move(what)),
       done_(jobs, 0.0),
       visible_(!quiet && isatty(STDERR_FILENO) != 0),
-      start_(std::chrono::steady_clock::now()),
-      drawn_() {}
+      start_(std::chrono::steady_clock::now()) {}
 
 Progress::~Progress() {
   clear();
@@ -55,7 +54,7 @@ void Progress::draw() {
   std::fflush(stderr);
 }
 
-void Progress::clear() {
+void Progress::clear() const {
   if (visible_) std::fputs("\r\033[K", stderr);
 }
 

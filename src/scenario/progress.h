@@ -23,7 +23,7 @@ class Progress {
 
  private:
   void draw();
-  void clear();
+  void clear() const;
 
   std::string what_;
   std::vector<double> done_;

@@ -44,11 +44,11 @@ struct RunOptions {
   const std::atomic<bool>* stop = nullptr;
 };
 
-/// Runs all of `runs`, on all cores, each into its folder of `folders`. Nothing runs unless all
-/// folders can be written. Throws std::invalid_argument, OutputError or Interrupted; a run that
+/// Runs all of `runs`, on all cores, each into its folder of `targets`. Nothing runs unless all
+/// of them can be written. Throws std::invalid_argument, OutputError or Interrupted; a run that
 /// fails is in its summary.
 std::vector<RunSummary> execute_runs(const std::vector<PreparedRun>& runs,
-                                     const std::vector<std::filesystem::path>& folders,
+                                     const std::vector<std::filesystem::path>& targets,
                                      const RunOptions& options);
 
 }  // namespace breakwater

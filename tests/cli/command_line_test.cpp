@@ -1,6 +1,6 @@
 // The binaries as users call them: help, cases, nonsense, failures, what is left behind.
 #include <gtest/gtest.h>
-#include <signal.h>
+#include <csignal>
 
 #include <algorithm>
 #include <array>

@@ -75,13 +75,13 @@ TEST(AccelerationControl, AccelerationLimitsKeepTheTorqueWithin) {
 TEST(AccelerationControl, ClippedFeedDoesNotWindUpUnclippedDoes) {
   // A joint held fast while ten times its torque limit is asked for.
   const Eigen::Vector2d a(100.0, 200.0);
-  double d_hat[2];
+  double d_hat[2] = {0.0, 0.0};
   for (const ObserverFeed feed : {ObserverFeed::clipped, ObserverFeed::unclipped}) {
     AccelerationControlDesign d = design();
     d.feed = feed;
     AccelerationControl control(d);
     control.reset(Eigen::Vector2d(0, 0));
-    Eigen::VectorXd torque(2);
+    Eigen::VectorXd torque = Eigen::VectorXd::Zero(2);
     for (int k = 0; k < 1000; ++k) control.command(a, Eigen::Vector2d(0, 0), torque);
     d_hat[feed == ObserverFeed::unclipped] = control.d_hat()(0);
   }

@@ -16,11 +16,10 @@ thread_local bool counting = false;
 
 // glibc's own entry points; operator new and Eigen both end in malloc.
 extern "C" {
-void* __libc_malloc(std::size_t size);                 // NOLINT(bugprone-reserved-identifier)
-void* __libc_calloc(std::size_t n, std::size_t size);  // NOLINT(bugprone-reserved-identifier)
-void* __libc_realloc(void* p, std::size_t size);       // NOLINT(bugprone-reserved-identifier)
-void* __libc_memalign(std::size_t alignment,
-                      std::size_t size);  // NOLINT(bugprone-reserved-identifier)
+void* __libc_malloc(std::size_t size);
+void* __libc_calloc(std::size_t n, std::size_t size);
+void* __libc_realloc(void* p, std::size_t size);
+void* __libc_memalign(std::size_t alignment, std::size_t size);
 
 void* malloc(std::size_t size) {
   if (counting) ++allocations;
