@@ -4,18 +4,6 @@
 #include <utility>
 
 namespace breakwater {
-namespace {
-
-std::span<const double> view(const double& value) {
-  return {&value, 1};
-}
-
-std::span<const double> view(const Eigen::VectorXd& values) {
-  return {values.data(), static_cast<std::size_t>(values.size())};
-}
-
-}  // namespace
-
 ArmController::ArmController(const PlanarChain& chain, const AccelerationControlDesign& design,
                              ArmTask task)
     : q_hat_(Eigen::VectorXd::Zero(chain.joints())),

@@ -169,16 +169,16 @@ Recording ArmPush::run(const RunControl& control) const {
   sim.add(hand);
   sim.set_collidable(sim.model().id(mjOBJ_GEOM, "wall"), false);
 
-  const std::int64_t steps = std::llround(arm_.run.duration_s / arm_.timestep_s);
+  const std::int64_t steps = arm_.physics.step_at(arm_.run.duration_s);
   double turned_rad = 0.0;
   double moment_Nm = 0.0;
   std::vector<Signal> signals = rig.signals();
   signals.push_back(
-      {"push_turned_rad", "rad", "how far the pushed link is turned", {&turned_rad, 1}});
+      {"push_turned_rad", "rad", "how far the pushed link is turned", view(turned_rad)});
   signals.push_back(
-      {"push_moment_Nm", "N m", "the hand's moment about its joint", {&moment_Nm, 1}});
+      {"push_moment_Nm", "N m", "the hand's moment about its joint", view(moment_Nm)});
   Track log("control", std::move(signals),
-            static_cast<std::size_t>(steps / steps_per_sample(arm_) + 1));
+            static_cast<std::size_t>(steps / arm_.physics.steps_per_sample() + 1));
   PushMetrics metrics(hand_, arm_.start_angles_rad, start_pose(arm_), settled_within_m_);
 
   Recording recording;
@@ -188,7 +188,8 @@ Recording ArmPush::run(const RunControl& control) const {
     rig.observe();
     turned_rad = hand.turned_rad(sim.qpos().data());
     moment_Nm = hand.moment_Nm(sim.time_s(), sim.qpos().data(), sim.qvel().data());
-    metrics.after_sample(sim.time_s(), rig, turned_rad, sim.saturated(), arm_.control_period_s);
+    metrics.after_sample(sim.time_s(), rig, turned_rad, sim.saturated(),
+                         arm_.physics.control_period_s);
     log.append(sim.time_s());
   });
 

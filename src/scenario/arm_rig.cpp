@@ -8,15 +8,6 @@
 namespace breakwater {
 namespace {
 
-std::span<const double> view(const double& value) {
-  return {&value, 1};
-}
-
-template <typename Vector>
-std::span<const double> view_all(const Vector& values) {
-  return {values.data(), static_cast<std::size_t>(values.size())};
-}
-
 Eigen::VectorXd to_eigen(const std::vector<double>& values) {
   return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
 }
@@ -30,14 +21,14 @@ AccelerationControlDesign acceleration_design(const ArmSettings& settings,
     design.observer_poles.emplace_back(group.begin(), group.end());
   }
   design.feed = settings.observer_feed;
-  design.period_s = settings.control_period_s;
+  design.period_s = settings.physics.control_period_s;
   return design;
 }
 
 std::vector<PfcDesign> pfc_designs(const ArmSettings& settings) {
   std::vector<PfcDesign> designs;
   for (const double t_ref_s : settings.t_ref_s) {
-    designs.push_back({t_ref_s, settings.control_period_s, settings.coincidence_points,
+    designs.push_back({t_ref_s, settings.physics.control_period_s, settings.coincidence_points,
                        settings.basis_functions});
   }
   return designs;
@@ -96,9 +87,7 @@ SensingSetup sensing_setup(const ArmSettings& settings, const ArmRole& role,
                             .sensor = "tip_force",
                             .low_pass_s = role.force_filter_time_constant_s,
                             .noise_std = settings.force_noise_N});
-  setup.nan_policy = settings.nan_policy;
-  setup.fault = settings.fault;
-  if (setup.fault.channel == "none") setup.fault.channel.clear();
+  settings.faults.apply(setup);
   setup.seed = settings.run.seed;
   return setup;
 }
@@ -128,20 +117,10 @@ TipPose start_pose(const ArmSettings& settings) {
   return load_planar_chain(settings.urdf).tip_pose(to_eigen(settings.start_angles_rad));
 }
 
-int steps_per_sample(const ArmSettings& settings) {
-  return static_cast<int>(std::lround(settings.control_period_s / settings.timestep_s));
-}
-
 void ArmSettings::bind(Fields& fields) {
   fields.text("model.mjcf", mjcf, "the plant");
   fields.text("model.urdf", urdf, "what the controllers know of it");
-  fields.number("physics.timestep_s", timestep_s, positive(), "the engine's step [s]");
-  fields.choice(
-      "physics.integrator", integrator,
-      {{"euler", Integrator::euler}, {"rk4", Integrator::rk4}, {"implicit", Integrator::implicit}},
-      "euler, rk4 or implicit");
-  fields.number("control.period_s", control_period_s, positive(),
-                "T_s, of control and log; a multiple of the timestep [s]");
+  physics.bind(fields);
   run.bind(fields);
   fields.numbers("task.start_angles_rad", start_angles_rad, any(),
                  "q_0^ref, the start posture; its tip pose is X_0^ref [rad]");
@@ -184,27 +163,13 @@ void ArmSettings::bind(Fields& fields) {
                 "standard deviation of white noise on each angle sample [rad]");
   fields.number("sensor.force_noise_N", force_noise_N, not_negative(),
                 "standard deviation of white noise on each force sample [N]");
-  fields.choice("sensor.nan_policy", nan_policy,
-                {{"stop", NanPolicy::stop}, {"drop", NanPolicy::drop}},
-                "a measurement that is no number: stop the run, or drop it");
-  fields.text("fault.sensor", fault.channel, "none, or the channel to break: q1, q2, ..., force");
-  fields.number("fault.at_s", fault.at_s, not_negative(), "when it breaks [s]");
-  fields.count("fault.samples", fault.samples, between(1, 1e9), "for how many samples");
-}
-
-void check_multiple(const Config& config, const std::string& key, double time_s, double step_s,
-                    const std::string& step_name) {
-  const double steps = time_s / step_s;
-  if (std::abs(steps - std::round(steps)) > 1e-6 || (time_s > 0.0 && std::round(steps) < 1.0)) {
-    config.fail(key, "must be a whole multiple of " + step_name);
-  }
+  faults.bind(fields, "q1, q2, ..., force");
 }
 
 void check_arm(ArmSettings& settings, const ArmRole& role, const Config& config) {
   settings.mjcf = config.find_file_of("model.mjcf", settings.mjcf);
   settings.urdf = config.find_file_of("model.urdf", settings.urdf);
-  check_multiple(config, "control.period_s", settings.control_period_s, settings.timestep_s,
-                 "physics.timestep_s");
+  settings.physics.check(config);
   if (settings.ik_weights.size() != 3) {
     config.fail("controller.ik_weights", "must have 3 numbers, for x, y and phi");
   }
@@ -240,7 +205,7 @@ ArmRig::ArmRig(const ArmSettings& settings, const ArmRole& role)
       dq_(q_),
       tip_(TipPose::Zero()) {
   Model model = Model::load(settings.mjcf);
-  model.set_physics(settings.timestep_s, settings.integrator);
+  model.set_physics(settings.physics.timestep_s, settings.physics.integrator);
   if (role.prepare_model) role.prepare_model(model);
   const int home = model.id(mjOBJ_KEY, "home");
   std::vector<double> qpos(model->key_qpos + static_cast<std::ptrdiff_t>(home) * model->nq,
@@ -254,7 +219,7 @@ ArmRig::ArmRig(const ArmSettings& settings, const ArmRole& role)
   }
   simulation_ = std::make_unique<Simulation>(std::move(model), *controller_,
                                              sensing_setup(settings, role, chain_),
-                                             steps_per_sample(settings));
+                                             settings.physics.steps_per_sample());
   simulation_->set_position(qpos);
   contact_force_ = &simulation_->sensor("tip_touch");
   force_sensor_ = &simulation_->sensor("tip_force");
@@ -281,19 +246,19 @@ void ArmRig::observe() {
 std::vector<Signal> ArmRig::signals() const {
   const auto n = static_cast<std::size_t>(chain_.joints());
   const Simulation& sim = *simulation_;
-  const std::span<const double> measured = view_all(sim.sample().y);
+  const std::span<const double> measured = view(sim.sample().y);
   std::vector<Signal> signals = {
       {"qpos", "rad", "the engine's generalised positions", sim.qpos()},
-      {"q_true_rad", "rad", "joint angles, true", view_all(q_)},
-      {"dq_true_rad_s", "rad/s", "joint velocities, true", view_all(dq_)},
+      {"q_true_rad", "rad", "joint angles, true", view(q_)},
+      {"dq_true_rad_s", "rad/s", "joint velocities, true", view(dq_)},
       {"x_true_m", "m", "tip x, true", view(tip_[0])},
       {"y_true_m", "m", "tip y, true", view(tip_[1])},
       {"phi_true_rad", "rad", "tip angle, true", view(tip_[2])},
       {"force_true_N", "N", "normal contact force, true", view(*contact_force_)},
       {"q_measured_rad", "rad", "joint angles as sampled", measured.first(n)},
       {"force_measured_N", "N", "filtered force as sampled", measured.subspan(n, 1)},
-      {"torque_command_Nm", "N m", "joint torques asked for", view_all(sim.command())},
-      {"torque_applied_Nm", "N m", "joint torques after saturation", view_all(sim.actuation())},
+      {"torque_command_Nm", "N m", "joint torques asked for", view(sim.command())},
+      {"torque_applied_Nm", "N m", "joint torques after saturation", view(sim.actuation())},
       {"saturated", "1", "1 where any torque is at its limit", view(saturated_)}};
   for (const Signal& signal : controller_->signals()) signals.push_back(signal);
   return signals;

@@ -21,9 +21,7 @@ enum class ArmControllerKind { proposed, hpfc, drac };
 struct ArmSettings {
   std::string mjcf;
   std::string urdf;
-  double timestep_s = 0.0;
-  Integrator integrator = Integrator::euler;
-  double control_period_s = 0.0;
+  PhysicsSettings physics;
   RunSettings run;
 
   std::vector<double> start_angles_rad;  ///< q_0^ref
@@ -46,8 +44,7 @@ struct ArmSettings {
   double encoder_counts_per_turn = 0.0;
   double angle_noise_rad = 0.0;
   double force_noise_N = 0.0;
-  NanPolicy nan_policy = NanPolicy::stop;
-  SensorFault fault;
+  FaultSettings faults;
 
   void bind(Fields& fields);
 };
@@ -66,13 +63,6 @@ struct ArmRole {
 /// Checks what fields cannot: file names, sizes, periods, the design of controller and observer.
 /// Makes the model files' names absolute. Throws std::invalid_argument `ORIGIN: KEY: reason`.
 void check_arm(ArmSettings& settings, const ArmRole& role, const Config& config);
-
-/// Physics steps per control sample.
-int steps_per_sample(const ArmSettings& settings);
-
-/// Throws std::invalid_argument, blaming `key`, unless `time_s` is a whole multiple of `step_s`.
-void check_multiple(const Config& config, const std::string& key, double time_s, double step_s,
-                    const std::string& step_name);
 
 /// The tip's X at q_0^ref.
 TipPose start_pose(const ArmSettings& settings);

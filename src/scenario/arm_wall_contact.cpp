@@ -179,20 +179,18 @@ Recording ArmWallContact::run(const RunControl& control) const {
   const int wall = sim.model().id(mjOBJ_GEOM, "wall");
   sim.set_collidable(wall, false);
 
-  const double step_s = arm_.timestep_s;
-  const auto step_at = [step_s](double time_s) {
-    return static_cast<std::int64_t>(std::llround(time_s / step_s));
-  };
-  const std::int64_t steps = step_at(arm_.run.duration_s);
-  const std::int64_t solid_step = step_at(wall_solid_from_s_);
-  const std::int64_t fine_from = step_at(fine_from_s_);
-  const std::int64_t fine_to = std::min(step_at(fine_to_s_), steps);
+  const PhysicsSettings& physics = arm_.physics;
+  const std::int64_t steps = physics.step_at(arm_.run.duration_s);
+  const std::int64_t solid_step = physics.step_at(wall_solid_from_s_);
+  const std::int64_t fine_from = physics.step_at(fine_from_s_);
+  const std::int64_t fine_to = std::min(physics.step_at(fine_to_s_), steps);
 
-  Track log("control", rig.signals(), static_cast<std::size_t>(steps / steps_per_sample(arm_) + 1));
+  Track log("control", rig.signals(),
+            static_cast<std::size_t>(steps / physics.steps_per_sample() + 1));
   Track fine("physics", rig.fine_signals(),
              static_cast<std::size_t>(std::max<std::int64_t>(fine_to - fine_from, 0)));
   WallContactMetrics metrics(force_from_s_, force_reference_N_, metrics_from_s_, metrics_to_s_,
-                             step_s);
+                             physics.timestep_s);
 
   Recording recording;
   recording.failure = run_loop(steps, control, [&](std::int64_t k) {
@@ -201,7 +199,7 @@ Recording ArmWallContact::run(const RunControl& control) const {
     metrics.after_step(sim.time_s(), rig);
     if (sim.sampled()) {
       rig.observe();
-      metrics.after_sample(sim.time_s(), rig, start, sim.saturated(), arm_.control_period_s);
+      metrics.after_sample(sim.time_s(), rig, start, sim.saturated(), physics.control_period_s);
       log.append(sim.time_s());
     }
     if (k >= fine_from && k < fine_to) fine.append(sim.time_s());

@@ -15,13 +15,6 @@ constexpr std::unique_ptr<Scenario> (*kMakers[])() = {make<ArmWallContact>, make
 
 }  // namespace
 
-void RunSettings::bind(Fields& fields) {
-  fields.number("run.duration_s", duration_s, positive(), "how long it is simulated [s]");
-  fields.count("run.seed", seed, not_negative(), "of all noise");
-  fields.count("record.compression", compression, between(0, 9),
-               "of log.h5, by deflate: 0 fastest, 9 smallest");
-}
-
 std::vector<std::string> scenario_names() {
   std::vector<std::string> names;
   for (const auto& maker : kMakers) names.push_back(maker()->name());

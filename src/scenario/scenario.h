@@ -9,18 +9,9 @@
 #include <vector>
 
 #include "record/recording.h"
-#include "scenario/fields.h"
+#include "scenario/settings.h"
 
 namespace breakwater {
-
-/// The keys that all scenarios have.
-struct RunSettings {
-  double duration_s = 0.0;
-  std::uint64_t seed = 1;
-  int compression = 0;  ///< deflate level of log.h5
-
-  void bind(Fields& fields);
-};
 
 /// What the outside may see and stop of a running scenario.
 struct RunControl {

@@ -1,6 +1,7 @@
 // A named quantity that something publishes for the log.
 #pragma once
 
+#include <Eigen/Core>
 #include <span>
 #include <string>
 
@@ -14,5 +15,14 @@ struct Signal {
   std::string description;  ///< one line, with the equation where there is one
   std::span<const double> values;
 };
+
+/// What a Signal sees of its owner's quantity.
+inline std::span<const double> view(const double& value) {
+  return {&value, 1};
+}
+template <typename Derived>
+std::span<const double> view(const Eigen::PlainObjectBase<Derived>& values) {
+  return {values.data(), static_cast<std::size_t>(values.size())};
+}
 
 }  // namespace breakwater

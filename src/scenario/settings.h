@@ -1,0 +1,53 @@
+// Settings that scenarios share.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "scenario/fields.h"
+#include "sim/model.h"
+#include "sim/sensing.h"
+
+namespace breakwater {
+
+/// The keys that all scenarios have.
+struct RunSettings {
+  double duration_s = 0.0;
+  std::uint64_t seed = 1;
+  int compression = 0;  ///< deflate level of log.h5
+
+  void bind(Fields& fields);
+};
+
+/// The engine's step and the control period.
+struct PhysicsSettings {
+  double timestep_s = 0.0;
+  Integrator integrator = Integrator::euler;
+  double control_period_s = 0.0;
+
+  void bind(Fields& fields);
+  /// Throws std::invalid_argument `ORIGIN: KEY: reason` unless the control period is a whole
+  /// multiple of the timestep.
+  void check(const Config& config) const;
+
+  /// Physics steps per control sample.
+  int steps_per_sample() const;
+  /// The number of the physics step that begins at `time_s`.
+  std::int64_t step_at(double time_s) const;
+};
+
+/// What happens to measurements that are no numbers, and how to make some.
+struct FaultSettings {
+  NanPolicy nan_policy = NanPolicy::stop;
+  SensorFault fault;
+
+  /// `channels` says which there are: "q1, q2, ..., force".
+  void bind(Fields& fields, const std::string& channels);
+  void apply(SensingSetup& setup) const;
+};
+
+/// Throws std::invalid_argument, blaming `key`, unless `time_s` is a whole multiple of `step_s`.
+void check_multiple(const Config& config, const std::string& key, double time_s, double step_s,
+                    const std::string& step_name);
+
+}  // namespace breakwater
