@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -341,6 +342,27 @@ TEST_F(CommandLine, ABrokenSensorEndsTheRun) {
   EXPECT_FALSE(fs::exists(folder_ / "run/metrics.json"));
   // Its log is readable, up to the sample before.
   EXPECT_EQ(read_hdf5_signal((folder_ / "run/log.h5").string(), "control/time_s").rows, 235U);
+}
+
+// DRAC cancels its Jacobian's rate by J̇q̇ and feeds its observer what it asks for, not what the
+// drives give: sampled ten times too slowly, it runs away.
+TEST_F(CommandLine, ARunThatDivergesSaysWhenAndWhat) {
+  const ProgramResult result = wall(
+      {"--case", "drac-2N", "--set", "control.period_s=0.02", "--duration", "30", "--out", "run"});
+  EXPECT_EQ(result.status, 3);
+  const auto manifest = json("run/manifest.json");
+  EXPECT_EQ(manifest["status"], "failed");
+  EXPECT_EQ(manifest["reason"], "command of actuator 1 is not finite");
+  const double time_s = manifest["time_s"];
+  std::ostringstream time_text;
+  time_text << time_s;
+  EXPECT_NE(result.err.find("failed at t = " + time_text.str() + " s: "), std::string::npos)
+      << result.err;
+  EXPECT_FALSE(fs::exists(folder_ / "run/metrics.json"));
+  const auto torque =
+      read_hdf5_signal((folder_ / "run/log.h5").string(), "control/torque_command_Nm");
+  EXPECT_EQ(torque.rows, static_cast<std::size_t>(std::lround(time_s / 0.02)));
+  EXPECT_GT(*std::max_element(torque.values.begin(), torque.values.end()), 1e3);
 }
 
 TEST_F(CommandLine, ADroppedSampleIsCounted) {
