@@ -1,4 +1,5 @@
-# Everything comes from Debian packages; `./dev setup` installs them.
+# Everything comes from Debian packages; `./dev setup` installs them. An installed Breakwater finds
+# them by this same file.
 find_package(Threads REQUIRED)
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(fmt REQUIRED)
@@ -16,9 +17,9 @@ pkg_check_modules(xxhash REQUIRED IMPORTED_TARGET libxxhash)
 pkg_check_modules(hdf5 REQUIRED IMPORTED_TARGET hdf5-serial)
 # The high-level library (dimension scales) has no pkg-config file.
 find_library(HDF5_HL_LIBRARY NAMES hdf5_serial_hl REQUIRED)
-add_library(hdf5_hl INTERFACE)
-target_link_libraries(hdf5_hl INTERFACE ${HDF5_HL_LIBRARY} PkgConfig::hdf5)
+add_library(hdf5::hl INTERFACE IMPORTED)
+target_link_libraries(hdf5::hl INTERFACE ${HDF5_HL_LIBRARY} PkgConfig::hdf5)
 
 find_path(RANDOM123_INCLUDE_DIR Random123/philox.h REQUIRED)
-add_library(random123 INTERFACE)
-target_include_directories(random123 SYSTEM INTERFACE ${RANDOM123_INCLUDE_DIR})
+add_library(random123::random123 INTERFACE IMPORTED)
+target_include_directories(random123::random123 SYSTEM INTERFACE ${RANDOM123_INCLUDE_DIR})

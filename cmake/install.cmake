@@ -1,0 +1,19 @@
+# `cmake --install build --prefix DIR`: binaries, the data they find from their own place, and the
+# rooms as Breakwater::NAME for find_package(Breakwater).
+include(CMakePackageConfigHelpers)
+
+get_property(rooms GLOBAL PROPERTY BREAKWATER_ROOMS)
+install(TARGETS ${rooms} EXPORT BreakwaterTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+install(TARGETS breakwater ${BREAKWATER_SCENARIOS} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+install(DIRECTORY src/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/breakwater
+  FILES_MATCHING PATTERN "*.h")
+install(DIRECTORY models data scenarios DESTINATION ${CMAKE_INSTALL_DATADIR}/breakwater
+  FILES_MATCHING PATTERN "*.xml" PATTERN "*.urdf" PATTERN "*.toml")
+
+set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/Breakwater)
+install(EXPORT BreakwaterTargets NAMESPACE Breakwater:: DESTINATION ${package_dir})
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/BreakwaterConfigVersion.cmake
+  COMPATIBILITY SameMinorVersion)
+install(FILES cmake/BreakwaterConfig.cmake cmake/dependencies.cmake
+              ${PROJECT_BINARY_DIR}/BreakwaterConfigVersion.cmake
+  DESTINATION ${package_dir})
