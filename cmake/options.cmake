@@ -13,6 +13,9 @@ target_compile_features(breakwater_options INTERFACE cxx_std_20)
 target_compile_options(breakwater_options INTERFACE -ffp-contract=off)
 target_compile_options(breakwater_options INTERFACE
   $<BUILD_INTERFACE:-Wall;-Wextra;-Wpedantic;-Wshadow;-Wconversion;-Wno-sign-conversion;-Werror>)
+# Eigen can then be told to stop where it allocates (the allocation tests do).
+target_compile_definitions(breakwater_options INTERFACE
+  $<BUILD_INTERFACE:$<$<CONFIG:Debug>:EIGEN_RUNTIME_NO_MALLOC>>)
 # Members left out of a designated initialiser take their defaults: that is what they are for.
 target_compile_options(breakwater_options INTERFACE
   $<BUILD_INTERFACE:-Wno-missing-field-initializers>)

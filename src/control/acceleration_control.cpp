@@ -30,12 +30,12 @@ AccelerationControl::AccelerationControl(const AccelerationControlDesign& design
       torque_limit_(design.torque_limit_Nm),
       feed_(design.feed),
       observer_(nominal_plant(design), design.observer_poles, design.period_s),
-      fed_torque_(Eigen::VectorXd::Zero(nominal_inertia_.size())) {}
+      fed_torque_(Eigen::VectorXd::Zero(nominal_inertia_.size())),
+      start_(Eigen::VectorXd::Zero(2 * nominal_inertia_.size())) {}
 
 void AccelerationControl::reset(const Eigen::Ref<const Eigen::VectorXd>& q_rad) {
-  Eigen::VectorXd state = Eigen::VectorXd::Zero(2 * joints());
-  state.head(joints()) = q_rad;
-  observer_.reset(state);
+  start_.head(joints()) = q_rad;
+  observer_.reset(start_);
 }
 
 double AccelerationControl::lower_acceleration(Eigen::Index joint) const {

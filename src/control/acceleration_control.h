@@ -59,6 +59,7 @@ class AccelerationControl {
   ObserverFeed feed_;
   Idob observer_;
   Eigen::VectorXd fed_torque_;
+  Eigen::VectorXd start_;  // [q; 0]
 };
 
 }  // namespace breakwater
