@@ -34,13 +34,15 @@ void require(herr_t status) {
   if (status < 0) throw std::runtime_error("HDF5 error");
 }
 
+// Of variable length: h5py then gives a str, and not bytes.
 void write_text(hid_t object, const char* name, const std::string& text) {
   const Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
-  require(H5Tset_size(type, std::max<std::size_t>(text.size(), 1)));
+  require(H5Tset_size(type, H5T_VARIABLE));
   require(H5Tset_cset(type, H5T_CSET_UTF8));
   const Handle space(H5Screate(H5S_SCALAR), H5Sclose);
   const Handle attribute(H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
-  require(H5Awrite(attribute, type, text.c_str()));
+  const char* const value = text.c_str();
+  require(H5Awrite(attribute, type, &value));
 }
 
 // A dataset of rows × width (or just rows, if width is 1), with unit and description.
