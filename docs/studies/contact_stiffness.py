@@ -189,9 +189,6 @@ def measure(runner):
     yield runner.all([("distance", c, 1000, 10.0, IMPACT_s, {"wall.distance_m": d})
                       for c in CASES for d in (0.087, 0.091)])
     yield runner.starts("start, B = 10", brackets, lambda K: 10.0)
-    # What the limit cycle comes from: the force filter's lag?
-    yield runner.starts("start, filter 0.01 s", {case: (1000.0, None) for case in CASES[:3]},
-                        changed={"force.filter_time_constant_s": 0.01})
 
 
 def plot(rows):

@@ -67,7 +67,7 @@ TEST_P(EachController, PeakOfAShortBlowGrowsAsTheRootOfTheStiffness) {
     if (stiffness == 1e8) {
       const double root_mass = peak / *run.metric("impact_velocity_m_s") / std::sqrt(stiffness);
       const double mass = root_mass * root_mass;
-      EXPECT_GT(mass, 70.0);
+      EXPECT_GT(mass, 72.0);
       EXPECT_LT(mass, 110.0);
     }
   }
@@ -97,28 +97,25 @@ struct Start {
 
 class EachStart : public ::testing::TestWithParam<Start> {};
 
-// The page's criterion on the force error; above the start a run may also end as not finite.
+// Seen from 50 to 100 s. 5 % of the reference lies between what still decays and what goes on.
 TEST_P(EachStart, SettlesBelowAndDoesNotAbove) {
   const Start& start = GetParam();
   const double reference_N = std::string(start.name).ends_with("5N") ? 5.0 : 2.0;
-  for (const double stiffness : {1000.0, start.settles_N_m}) {
-    const Recording run = run_with(start.name, stiffness, "100");
-    ASSERT_FALSE(run.failure);
-    EXPECT_LT(*run.metric("std_force_error_N"), 0.05 * reference_N) << stiffness;
-    EXPECT_NEAR(*run.metric("mean_force_error_N"), 0.0, 0.01 * reference_N) << stiffness;
-  }
+  const Recording settled = run_with(start.name, start.settles_N_m, "100");
+  ASSERT_FALSE(settled.failure);
+  EXPECT_LT(*settled.metric("std_force_error_N"), 0.05 * reference_N);
+  EXPECT_NEAR(*settled.metric("mean_force_error_N"), 0.0, 0.01 * reference_N);
   const Recording run = run_with(start.name, start.does_not_N_m, "100");
-  if (!run.failure) {
-    EXPECT_GT(*run.metric("std_force_error_N"), 0.05 * reference_N);
-  }
+  ASSERT_FALSE(run.failure);
+  EXPECT_GT(*run.metric("std_force_error_N"), 0.05 * reference_N);
 }
 
-// Margins of a few per cent around the starts of the page.
+// Just below and just above the starts of the page.
 INSTANTIATE_TEST_SUITE_P(
     ContactStiffness, EachStart,
-    ::testing::Values(Start{"proposed-2N", 2000.0, 5000.0}, Start{"hpfc-2N", 2000.0, 5000.0},
-                      Start{"drac-2N", 1000.0, 2000.0}, Start{"proposed-5N", 5000.0, 10000.0},
-                      Start{"hpfc-5N", 5000.0, 10000.0}, Start{"drac-5N", 2000.0, 5000.0}),
+    ::testing::Values(Start{"proposed-2N", 3160.0, 3540.0}, Start{"hpfc-2N", 3160.0, 3970.0},
+                      Start{"drac-2N", 1410.0, 1680.0}, Start{"proposed-5N", 5000.0, 5450.0},
+                      Start{"hpfc-5N", 5950.0, 7070.0}, Start{"drac-5N", 2000.0, 2240.0}),
     [](const auto& param) {
       std::string name = param.param.name;
       name.erase(name.find('-'), 1);
