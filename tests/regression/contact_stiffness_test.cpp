@@ -1,0 +1,126 @@
+// How the impact depends on the contact's stiffness, and where the contact starts to bounce: a
+// coarse version of docs/studies/contact-stiffness.md.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "regression/run_case.h"
+
+namespace breakwater {
+namespace {
+
+constexpr const char* kScenario = "arm_wall_contact";
+
+// B grows as the root of K: a constant damping ratio through 10 N s/m at 1000 N/m.
+double damping_Ns_m(double stiffness_N_m) {
+  return 10.0 * std::sqrt(stiffness_N_m / 1000.0);
+}
+
+Recording run_with(const std::string& name, double stiffness_N_m, const std::string& duration_s,
+                   std::vector<std::string> sets = {}) {
+  sets.push_back("contact.stiffness_N_m=" + std::to_string(stiffness_N_m));
+  sets.push_back("contact.damping_Ns_m=" + std::to_string(damping_Ns_m(stiffness_N_m)));
+  sets.push_back("run.duration_s=" + duration_s);
+  return testing::run_case(kScenario, name, sets);
+}
+
+class EachController : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(EachController, StifferContactHitsHarderButNeverBeyondProportion) {
+  double stiffness = 200.0;
+  Recording softer = run_with(GetParam(), stiffness, "31.5");
+  ASSERT_FALSE(softer.failure);
+  while (stiffness < 1e5) {
+    stiffness *= 5.0;
+    Recording stiffer = run_with(GetParam(), stiffness, "31.5");
+    ASSERT_FALSE(stiffer.failure);
+    const double growth = *stiffer.metric("peak_force_raw_N") / *softer.metric("peak_force_raw_N");
+    EXPECT_GT(growth, 1.0) << stiffness;
+    EXPECT_LT(growth, 5.0) << stiffness;
+    EXPECT_GT(*stiffer.metric("peak_force_filtered_N"), *softer.metric("peak_force_filtered_N"));
+    // The wall is not felt before it is touched.
+    EXPECT_NEAR(*stiffer.metric("free_motion_time_s"), *softer.metric("free_motion_time_s"), 1e-9);
+    softer = std::move(stiffer);
+  }
+}
+
+// A blow that is over before the controller knows of it: the peak of a mass on a spring and a
+// damper is sqrt(K m) v exp(-pi zeta / 2) for a small damping ratio zeta = B / (2 sqrt(K m)). The
+// mass follows from the peaks at two stiffnesses, so growth by sqrt(10) a decade is what is tested,
+// and that the mass is one the arm can have: between 76 kg, which the stretch of joints gives with
+// all of them free to recoil in the nominal pose, less the damping, and 110 kg, with y and phi
+// held.
+TEST_P(EachController, PeakOfAShortBlowGrowsAsTheRootOfTheStiffness) {
+  double previous = 0.0, error = 1.0;
+  for (const double stiffness : {1e5, 1e6, 1e7, 1e8}) {
+    const Recording run = run_with(GetParam(), stiffness, "31.3", {"physics.timestep_s=2.5e-5"});
+    ASSERT_FALSE(run.failure);
+    const double peak = *run.metric("peak_force_raw_N");
+    if (previous > 0.0) {
+      const double from_root = std::abs(peak / previous / std::sqrt(10.0) - 1.0);
+      EXPECT_LT(from_root, error) << stiffness;
+      error = from_root;
+    }
+    previous = peak;
+    if (stiffness == 1e8) {
+      const double root_mass = peak / *run.metric("impact_velocity_m_s") / std::sqrt(stiffness);
+      const double mass = root_mass * root_mass;
+      EXPECT_GT(mass, 72.0);
+      EXPECT_LT(mass, 110.0);
+    }
+  }
+  EXPECT_LT(error, 0.10);
+}
+
+TEST_P(EachController, HalfTheTimestepGivesTheSamePeaks) {
+  const Recording coarse = run_with(GetParam(), 1e5, "31.5");
+  const Recording fine = run_with(GetParam(), 1e5, "31.5", {"physics.timestep_s=5e-5"});
+  for (const char* peak : {"peak_force_raw_N", "peak_force_filtered_N"}) {
+    EXPECT_NEAR(*fine.metric(peak), *coarse.metric(peak), 0.005 * *coarse.metric(peak)) << peak;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(ContactStiffness, EachController,
+                         ::testing::Values("proposed-2N", "hpfc-2N", "drac-2N"),
+                         [](const auto& param) {
+                           const std::string name = param.param;
+                           return name.substr(0, name.find('-'));
+                         });
+
+struct Start {
+  const char* name;
+  double settles_N_m;
+  double does_not_N_m;
+};
+
+class EachStart : public ::testing::TestWithParam<Start> {};
+
+// Seen from 50 to 100 s. 5 % of the reference lies between what still decays and what goes on.
+TEST_P(EachStart, SettlesBelowAndDoesNotAbove) {
+  const Start& start = GetParam();
+  const double reference_N = std::string(start.name).ends_with("5N") ? 5.0 : 2.0;
+  const Recording settled = run_with(start.name, start.settles_N_m, "100");
+  ASSERT_FALSE(settled.failure);
+  EXPECT_LT(*settled.metric("std_force_error_N"), 0.05 * reference_N);
+  EXPECT_NEAR(*settled.metric("mean_force_error_N"), 0.0, 0.01 * reference_N);
+  const Recording run = run_with(start.name, start.does_not_N_m, "100");
+  ASSERT_FALSE(run.failure);
+  EXPECT_GT(*run.metric("std_force_error_N"), 0.05 * reference_N);
+}
+
+// Just below and just above the starts of the page.
+INSTANTIATE_TEST_SUITE_P(
+    ContactStiffness, EachStart,
+    ::testing::Values(Start{"proposed-2N", 3160.0, 3540.0}, Start{"hpfc-2N", 3160.0, 3970.0},
+                      Start{"drac-2N", 1410.0, 1680.0}, Start{"proposed-5N", 5000.0, 5450.0},
+                      Start{"hpfc-5N", 5950.0, 7070.0}, Start{"drac-5N", 2000.0, 2240.0}),
+    [](const auto& param) {
+      std::string name = param.param.name;
+      name.erase(name.find('-'), 1);
+      return name;
+    });
+
+}  // namespace
+}  // namespace breakwater
