@@ -7,6 +7,8 @@
 namespace breakwater {
 namespace {
 
+constexpr double kMostSamples = 1e6;  // of the last coincidence point
+
 void check(const PfcDesign& design) {
   const bool times_fit = std::isfinite(design.target_response_time_s) &&
                          design.target_response_time_s > 0.0 && std::isfinite(design.period_s) &&
@@ -27,6 +29,9 @@ std::vector<int> coincidence_points(const PfcDesign& design) {
   for (int j = 1; j <= design.coincidence_points; ++j) {
     const double samples =
         design.target_response_time_s / (design.period_s * (design.coincidence_points - j + 1));
+    if (samples > kMostSamples) {
+      throw std::invalid_argument("PFC: the target response time is too long for the period");
+    }
     points.push_back(static_cast<int>(std::floor(samples * (1.0 + 1e-12))));
     // A double integrator sampled as in Eq. 2.72 first answers after two samples.
     if (points.back() < 2 || (j > 1 && points[j - 1] <= points[j - 2])) {

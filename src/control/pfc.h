@@ -7,7 +7,7 @@ namespace breakwater {
 
 /// What a PFC is designed with.
 struct PfcDesign {
-  double target_response_time_s = 1.0;  ///< T_ref, when the error has fallen to 5 %
+  double target_response_time_s = 1.0;  ///< T_ref: the reference's error is 5 % then
   double period_s = 1e-3;               ///< T_s
   int coincidence_points = 3;           ///< n
   int basis_functions = 3;              ///< 1 step, 2 and ramp, 3 and parabola; at most n

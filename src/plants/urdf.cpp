@@ -137,6 +137,13 @@ void lump(const UrdfFile& file, const urdf::Link& link, const PlanarFrame& frame
       inertial.izz < 0.0) {
     file.fail("link", link.name, "its mass and izz must be finite and not negative");
   }
+  double roll = 0.0;
+  double pitch = 0.0;
+  double yaw = 0.0;
+  inertial.origin.rotation.getRPY(roll, pitch, yaw);
+  if (std::abs(roll) > kAngleTolerance || std::abs(pitch) > kAngleTolerance) {
+    file.fail("link", link.name, "its inertial frame is rolled or pitched, so izz is not its own");
+  }
   const double mass = carrier.link_mass_kg + inertial.mass;
   if (mass == 0.0) return;
   const Eigen::Vector2d com = frame.map({inertial.origin.position.x, inertial.origin.position.y});

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "scenario/push_metrics.h"
 #include "scenario/run_loop.h"
 
 namespace breakwater {
@@ -73,67 +74,6 @@ class HandOnLink final : public ExternalForce {
   double gripped_angle_rad_ = 0.0;
 };
 
-class PushMetrics {
- public:
-  PushMetrics(const Hand& hand, const std::vector<double>& start_angles_rad,
-              const TipPose& start_pose, double settled_within_m)
-      : hand_(hand),
-        start_angles_(start_angles_rad),
-        release_offsets_(start_angles_rad.size(), 0.0),
-        start_pose_(start_pose),
-        settled_within_m_(settled_within_m) {}
-
-  void after_sample(double time_s, const ArmRig& rig, double turned_rad, bool saturated,
-                    double period_s) {
-    if (time_s < hand_.start_s) return;
-    if (saturated) saturated_s_ += period_s;
-    tip_error_m_ = (rig.tip() - start_pose_).head<2>().norm();
-    if (time_s < hand_.release_s()) {
-      max_push_rad_ = std::max(max_push_rad_, std::abs(turned_rad));
-      for (std::size_t i = 0; i < start_angles_.size(); ++i) {
-        release_offsets_[i] = rig.q()(static_cast<Eigen::Index>(i)) - start_angles_[i];
-      }
-      return;
-    }
-    for (std::size_t i = 0; i < start_angles_.size(); ++i) {
-      const double offset = rig.q()(static_cast<Eigen::Index>(i)) - start_angles_[i];
-      overshoot_rad_ = std::max(overshoot_rad_, -std::copysign(1.0, release_offsets_[i]) * offset);
-    }
-    peak_speed_rad_s_ = std::max(peak_speed_rad_s_, rig.dq().cwiseAbs().maxCoeff());
-    if (tip_error_m_ > settled_within_m_) unsettled_until_s_ = time_s + period_s;
-    last_s_ = time_s;
-  }
-
-  std::vector<Metric> metrics() const {
-    std::vector<Metric> list = {{"max_push_rad", "rad", max_push_rad_}};
-    if (last_s_ == 0.0) return list;  // it ended before the hand let go
-    list.push_back({"overshoot_rad", "rad", overshoot_rad_});
-    if (unsettled_until_s_ <= last_s_) {
-      list.push_back(
-          {"settling_time_s", "s", std::max(unsettled_until_s_ - hand_.release_s(), 0.0)});
-    }
-    list.push_back({"saturated_time_s", "s", saturated_s_});
-    list.push_back({"tip_error_m", "m", tip_error_m_});
-    list.push_back({"peak_speed_rad_s", "rad/s", peak_speed_rad_s_});
-    return list;
-  }
-
- private:
-  Hand hand_;
-  std::vector<double> start_angles_;
-  std::vector<double> release_offsets_;
-  TipPose start_pose_;
-  double settled_within_m_;
-
-  double max_push_rad_ = 0.0;
-  double overshoot_rad_ = 0.0;
-  double saturated_s_ = 0.0;
-  double tip_error_m_ = 0.0;
-  double peak_speed_rad_s_ = 0.0;
-  double unsettled_until_s_ = 0.0;
-  double last_s_ = 0.0;
-};
-
 }  // namespace
 
 Fields ArmPush::fields() {
@@ -160,6 +100,8 @@ void ArmPush::check(const Config& config) {
     config.fail("push.link",
                 "the arm has only " + std::to_string(arm_.start_angles_rad.size()) + " links");
   }
+  const ArmRig rig(arm_, push_role());
+  HandOnLink(hand_, rig.simulation().model(), rig.chain(), arm_.start_angles_rad, link_);
 }
 
 Recording ArmPush::run(const RunControl& control) const {
@@ -179,7 +121,12 @@ Recording ArmPush::run(const RunControl& control) const {
       {"push_moment_Nm", "N m", "the hand's moment about its joint", view(moment_Nm)});
   Track log("control", std::move(signals),
             static_cast<std::size_t>(steps / arm_.physics.steps_per_sample() + 1));
-  PushMetrics metrics(hand_, arm_.start_angles_rad, start_pose(arm_), settled_within_m_);
+  PushMetrics metrics({.grip_s = hand_.start_s,
+                       .release_s = hand_.release_s(),
+                       .start_angles_rad = arm_.start_angles_rad,
+                       .start_pose = start_pose(arm_),
+                       .settled_within_m = settled_within_m_,
+                       .period_s = arm_.physics.control_period_s});
 
   Recording recording;
   recording.failure = run_loop(steps, control, [&](std::int64_t) {
@@ -188,8 +135,7 @@ Recording ArmPush::run(const RunControl& control) const {
     rig.observe();
     turned_rad = hand.turned_rad(sim.qpos().data());
     moment_Nm = hand.moment_Nm(sim.time_s(), sim.qpos().data(), sim.qvel().data());
-    metrics.after_sample(sim.time_s(), rig, turned_rad, sim.saturated(),
-                         arm_.physics.control_period_s);
+    metrics.after_sample(sim.time_s(), rig.q(), rig.dq(), rig.tip(), turned_rad, sim.saturated());
     log.append(sim.time_s());
   });
 

@@ -108,6 +108,18 @@ void check_actuators(const Model& model, const PlanarChain& chain) {
       throw std::invalid_argument(place + "actuator " + std::to_string(i + 1) +
                                   " must drive the hinge \"" + name + "\"");
     }
+    // The controllers limit their torque by the URDF, and the plant by the MJCF.
+    const double effort = chain.joint(i).effort_limit_Nm;
+    const mjtNum* range = model->actuator_ctrlrange + static_cast<std::ptrdiff_t>(2) * i;
+    const bool has_its_limits = model->actuator_gear[static_cast<std::ptrdiff_t>(6) * i] == 1.0 &&
+                                model->actuator_ctrllimited[i] != 0 &&
+                                std::abs(range[0] + effort) <= 1e-9 * effort &&
+                                std::abs(range[1] - effort) <= 1e-9 * effort;
+    if (!has_its_limits) {
+      throw std::invalid_argument(place + "actuator " + std::to_string(i + 1) +
+                                  " must have gear 1 and the ctrlrange ±" + std::to_string(effort) +
+                                  " N m of the URDF's \"" + name + "\"");
+    }
   }
 }
 
@@ -118,8 +130,8 @@ TipPose start_pose(const ArmSettings& settings) {
 }
 
 void ArmSettings::bind(Fields& fields) {
-  fields.text("model.mjcf", mjcf, "the plant");
-  fields.text("model.urdf", urdf, "what the controllers know of it");
+  fields.file("model.mjcf", mjcf, "the plant");
+  fields.file("model.urdf", urdf, "what the controllers know of it");
   physics.bind(fields);
   run.bind(fields);
   fields.numbers("task.start_angles_rad", start_angles_rad, any(),
@@ -157,7 +169,7 @@ void ArmSettings::bind(Fields& fields) {
   fields.choice("observer.feed", observer_feed,
                 {{"clipped", ObserverFeed::clipped}, {"unclipped", ObserverFeed::unclipped}},
                 "the torque that the observer sees: after (clipped) or before saturation");
-  fields.number("sensor.encoder_counts_per_turn", encoder_counts_per_turn, not_negative(),
+  fields.number("sensor.encoder_counts_per_turn", encoder_counts_per_turn, between(0, 1e12),
                 "of each joint; 0: no quantisation");
   fields.number("sensor.angle_noise_rad", angle_noise_rad, not_negative(),
                 "standard deviation of white noise on each angle sample [rad]");
@@ -169,7 +181,7 @@ void ArmSettings::bind(Fields& fields) {
 void check_arm(ArmSettings& settings, const ArmRole& role, const Config& config) {
   settings.mjcf = config.find_file_of("model.mjcf", settings.mjcf);
   settings.urdf = config.find_file_of("model.urdf", settings.urdf);
-  settings.physics.check(config);
+  settings.physics.check(config, settings.run);
   if (settings.ik_weights.size() != 3) {
     config.fail("controller.ik_weights", "must have 3 numbers, for x, y and phi");
   }
@@ -192,10 +204,10 @@ void check_arm(ArmSettings& settings, const ArmRole& role, const Config& config)
   });
   config.blame("controller.ik_form",
                [&] { LmInverseKinematics ik(lm_design(settings), chain.joints()); });
-  Model model = Model::load(settings.mjcf);
-  check_actuators(model, chain);
-  if (role.prepare_model) role.prepare_model(model);
-  config.blame("fault.sensor", [&] { Sensing(model, sensing_setup(settings, role, chain)); });
+  check_actuators(Model::load(settings.mjcf), chain);
+  const std::vector<SensorChannel> channels = sensing_setup(settings, role, chain).channels;
+  settings.faults.check(config, channels);
+  ArmRig rig(settings, role);  // or what the model lacks is said
 }
 
 ArmRig::ArmRig(const ArmSettings& settings, const ArmRole& role)

@@ -74,9 +74,13 @@ TipPose start_pose(const ArmSettings& settings);
 /// tip_vel.
 class ArmRig {
  public:
+  /// Throws std::invalid_argument if a model lacks something.
   ArmRig(const ArmSettings& settings, const ArmRole& role);
+  ArmRig(const ArmRig&) = delete;
+  ArmRig& operator=(const ArmRig&) = delete;
 
   Simulation& simulation() { return *simulation_; }
+  const Simulation& simulation() const { return *simulation_; }
   const PlanarChain& chain() const { return chain_; }
 
   /// Brings the truth below up to date with the simulation's last step.

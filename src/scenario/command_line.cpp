@@ -23,6 +23,7 @@ namespace {
 enum Status { kSuccess = 0, kDefect = 1, kUsage = 2, kRunFailed = 3, kInterrupted = 130 };
 
 constexpr const char* kAll = "all";
+constexpr const char* kTooLong = "run.duration_s: the log of so long a run does not fit in memory";
 
 std::atomic<bool> interrupted = false;
 static_assert(std::atomic<bool>::is_always_lock_free, "used in a signal handler");
@@ -108,6 +109,7 @@ void report_failures(const std::string& scenario, const std::vector<RunSummary>&
 }
 
 int run_cases(const std::string& scenario, const ScenarioFile& file, const Arguments& arguments) {
+  stop_on_signals();
   const bool all = arguments.case_name == kAll;
   const std::string case_name =
       arguments.case_name.empty() ? file.default_case() : arguments.case_name;
@@ -117,8 +119,11 @@ int run_cases(const std::string& scenario, const ScenarioFile& file, const Argum
   for (const std::string& name : cases) {
     runs.push_back(prepare_run(scenario, file, name, all_sets(arguments)));
   }
+  if (arguments.print_config && all) {
+    throw std::invalid_argument("--print-config: prints one case, not all");
+  }
   if (arguments.print_config) {
-    for (const PreparedRun& run : runs) fmt::print("{}", run.config_text);
+    fmt::print("{}", runs.front().config_text);
     return kSuccess;
   }
 
@@ -130,7 +135,6 @@ int run_cases(const std::string& scenario, const ScenarioFile& file, const Argum
   if (all) check_folder_of_runs(out);
   for (const std::string& name : cases) folders.push_back(all ? out / name : out);
 
-  stop_on_signals();
   const std::vector<RunSummary> summaries =
       execute_runs(runs, folders, {arguments.csv, arguments.quiet, &interrupted});
 
@@ -162,8 +166,21 @@ int guarded(const std::string& program, Body&& body) {
   } catch (const OutputError& error) {
     fmt::print(stderr, "{}\n", error.what());
     return kUsage;
-  } catch (const Interrupted&) {
-    fmt::print(stderr, "{}: interrupted; nothing is left behind\n", program);
+  } catch (const fs::filesystem_error& error) {
+    fmt::print(stderr, "{}: {}\n", error.path1().string(), error.code().message());
+    return kUsage;
+  } catch (const std::length_error&) {
+    fmt::print(stderr, "{}\n", kTooLong);
+    return kUsage;
+  } catch (const std::bad_alloc&) {
+    fmt::print(stderr, "{}\n", kTooLong);
+    return kUsage;
+  } catch (const Interrupted& stop) {
+    const std::size_t kept = stop.finished_runs();
+    fmt::print(stderr, "{}: interrupted; {}\n", program,
+               kept == 0
+                   ? "nothing is left behind"
+                   : fmt::format("{} finished run{} kept", kept, kept == 1 ? " is" : "s are"));
     return kInterrupted;
   } catch (const std::exception& error) {
     fmt::print(stderr, "{}: this is a defect of Breakwater: {}\n", program, error.what());
@@ -208,7 +225,7 @@ int scenario_main(const std::string& scenario, int argc, const char* const* argv
 }
 
 int breakwater_main(int argc, const char* const* argv) {
-  if (argc >= 3 && std::string(argv[1]) == "run") {
+  if (argc >= 3 && std::string(argv[1]) == "run" && argv[2][0] != '-') {
     return guarded("breakwater", [&] {
       const std::string scenario = make_scenario(argv[2])->name();
       return scenario_main(scenario, argc - 2, argv + 2);

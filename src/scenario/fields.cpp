@@ -7,6 +7,8 @@
 #include <cmath>
 #include <limits>
 
+#include "scenario/paths.h"
+
 namespace breakwater {
 namespace {
 
@@ -15,7 +17,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 using Error = std::optional<std::string>;
 
 // A TOML basic string.
-std::string quoted(const std::string& text) {
+std::string toml_string(const std::string& text) {
   std::string result = "\"";
   for (const char c : text) {
     if (c == '"' || c == '\\') {
@@ -35,7 +37,7 @@ std::string toml_key(const std::string& key) {
   const bool is_bare = std::all_of(key.begin(), key.end(), [](unsigned char c) {
     return std::isalnum(c) != 0 || c == '-' || c == '_';
   });
-  return is_bare ? key : quoted(key);
+  return is_bare ? key : toml_string(key);
 }
 
 std::string table_of(const std::string& key) {
@@ -54,7 +56,7 @@ std::string describe(const ConfigValue& value) {
     std::string operator()(bool b) const { return b ? "true" : "false"; }
     std::string operator()(std::int64_t i) const { return std::to_string(i); }
     std::string operator()(double d) const { return fmt::format("{}", d); }
-    std::string operator()(const std::string& s) const { return quoted(s); }
+    std::string operator()(const std::string& s) const { return toml_string(s); }
     std::string operator()(const ConfigValue::Array&) const { return "an array"; }
   };
   return std::visit(Visitor{}, value.data);
@@ -80,6 +82,13 @@ Error read_numbers(const ConfigValue& value, const Range& range, std::vector<dou
   for (std::size_t i = 0; i < array->size(); ++i) {
     if (Error error = read_number((*array)[i], range, target[i])) return error;
   }
+  return std::nullopt;
+}
+
+Error read_text(const ConfigValue& value, std::string& target) {
+  const auto* text = std::get_if<std::string>(&value.data);
+  if (text == nullptr) return "must be a string, is " + describe(value);
+  target = *text;
   return std::nullopt;
 }
 
@@ -137,14 +146,13 @@ void Fields::count(const std::string& key, std::uint64_t& target, const Range& r
 }
 
 void Fields::text(const std::string& key, std::string& target, const std::string& doc) {
-  fields_.push_back({key, doc,
-                     [&target](const ConfigValue& v) -> Error {
-                       const auto* string = std::get_if<std::string>(&v.data);
-                       if (string == nullptr) return "must be a string, is " + describe(v);
-                       target = *string;
-                       return std::nullopt;
-                     },
-                     [&target] { return quoted(target); }});
+  fields_.push_back({key, doc, [&target](const ConfigValue& v) { return read_text(v, target); },
+                     [&target] { return toml_string(target); }});
+}
+
+void Fields::file(const std::string& key, std::string& target, const std::string& doc) {
+  fields_.push_back({key, doc, [&target](const ConfigValue& v) { return read_text(v, target); },
+                     [&target] { return toml_string(portable_path(target)); }});
 }
 
 void Fields::numbers(const std::string& key, std::vector<double>& target, const Range& range,
@@ -184,13 +192,13 @@ void Fields::add_choice(const std::string& key, const std::vector<std::string>& 
                          return "must be one of " + options + ", is " + describe(v);
                        const auto found = std::find(names.begin(), names.end(), *string);
                        if (found == names.end()) {
-                         return "must be one of " + options + ", is " + quoted(*string) +
+                         return "must be one of " + options + ", is " + toml_string(*string) +
                                 did_you_mean(*string, names);
                        }
                        assign(static_cast<std::size_t>(found - names.begin()));
                        return std::nullopt;
                      },
-                     [print = std::move(print)] { return quoted(print()); }});
+                     [print = std::move(print)] { return toml_string(print()); }});
 }
 
 void Fields::read(const Config& config) {
@@ -209,8 +217,8 @@ void Fields::read(const Config& config) {
 }
 
 std::string Fields::print(const std::string& scenario, const std::string& case_name) const {
-  std::string text =
-      fmt::format("scenario = {}\ndefault_case = {}\n", quoted(scenario), quoted(case_name));
+  std::string text = fmt::format("scenario = {}\ndefault_case = {}\n", toml_string(scenario),
+                                 toml_string(case_name));
   std::vector<std::string> tables;
   for (const Field& field : fields_) {
     const std::string table = table_of(field.key);

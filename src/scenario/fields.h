@@ -37,6 +37,8 @@ class Fields {
   void count(const std::string& key, std::uint64_t& target, const Range& range,
              const std::string& doc);
   void text(const std::string& key, std::string& target, const std::string& doc);
+  /// A file's name; one of Breakwater's own is printed so that any installation finds it.
+  void file(const std::string& key, std::string& target, const std::string& doc);
   void numbers(const std::string& key, std::vector<double>& target, const Range& range,
                const std::string& doc);
   void number_groups(const std::string& key, std::vector<std::vector<double>>& target,

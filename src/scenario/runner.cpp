@@ -133,7 +133,13 @@ std::vector<RunSummary> execute_runs(const std::vector<PreparedRun>& runs,
     for (std::size_t i = 1; i < std::min(cores, runs.size()); ++i) threads.emplace_back(work);
     work();
   }
-  if (error) std::rethrow_exception(error);
+  try {
+    if (error) std::rethrow_exception(error);
+  } catch (const Interrupted&) {
+    throw Interrupted(static_cast<std::size_t>(
+        std::count_if(summaries.begin(), summaries.end(),
+                      [](const RunSummary& run) { return !run.folder.empty(); })));
+  }
   return summaries;
 }
 

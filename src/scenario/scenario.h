@@ -19,10 +19,16 @@ struct RunControl {
   const std::atomic<bool>* stop = nullptr;             ///< ends the run when it becomes true
 };
 
-/// Thrown by a run that was asked to stop.
+/// Thrown by a run that was asked to stop; `finished_runs` were complete by then and are kept.
 class Interrupted : public std::runtime_error {
  public:
-  Interrupted() : std::runtime_error("interrupted") {}
+  explicit Interrupted(std::size_t finished_runs = 0)
+      : std::runtime_error("interrupted"), finished_runs_(finished_runs) {}
+
+  std::size_t finished_runs() const { return finished_runs_; }
+
+ private:
+  std::size_t finished_runs_;
 };
 
 /// An experiment: settings, and the run that they define. run() depends on nothing else.

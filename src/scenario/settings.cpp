@@ -1,8 +1,16 @@
 #include "scenario/settings.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace breakwater {
+namespace {
+
+constexpr double kMostSteps = 1e11;
+constexpr double kMostStepsPerSample = 1e6;
+constexpr const char* kNoFault = "none";
+
+}  // namespace
 
 void RunSettings::bind(Fields& fields) {
   fields.number("run.duration_s", duration_s, positive(), "how long it is simulated [s]");
@@ -21,7 +29,16 @@ void PhysicsSettings::bind(Fields& fields) {
                 "T_s, of control and log; a multiple of the timestep [s]");
 }
 
-void PhysicsSettings::check(const Config& config) const {
+void PhysicsSettings::check(const Config& config, const RunSettings& run) const {
+  if (run.duration_s / timestep_s > kMostSteps) {
+    config.fail("run.duration_s", "is too long for so short a physics.timestep_s");
+  }
+  if (std::llround(run.duration_s / timestep_s) < 1) {
+    config.fail("run.duration_s", "must be at least one physics.timestep_s");
+  }
+  if (control_period_s / timestep_s > kMostStepsPerSample) {
+    config.fail("control.period_s", "is too long for so short a physics.timestep_s");
+  }
   check_multiple(config, "control.period_s", control_period_s, timestep_s, "physics.timestep_s");
 }
 
@@ -33,6 +50,13 @@ std::int64_t PhysicsSettings::step_at(double time_s) const {
   return std::llround(time_s / timestep_s);
 }
 
+double PhysicsSettings::sample_time_s(double time_s) const {
+  const double samples = std::round(time_s / control_period_s);
+  const double rate = std::round(1.0 / control_period_s);
+  const bool is_whole = std::abs(rate * control_period_s - 1.0) < 1e-12;
+  return is_whole ? samples / rate : samples * control_period_s;
+}
+
 void FaultSettings::bind(Fields& fields, const std::string& channels) {
   fields.choice("sensor.nan_policy", nan_policy,
                 {{"stop", NanPolicy::stop}, {"drop", NanPolicy::drop}},
@@ -42,10 +66,18 @@ void FaultSettings::bind(Fields& fields, const std::string& channels) {
   fields.count("fault.samples", fault.samples, between(1, 1e9), "for how many samples");
 }
 
+void FaultSettings::check(const Config& config, const std::vector<SensorChannel>& channels) const {
+  std::vector<std::string> names = {kNoFault};
+  for (const SensorChannel& channel : channels) names.push_back(channel.name);
+  if (std::find(names.begin(), names.end(), fault.channel) != names.end()) return;
+  config.fail("fault.sensor",
+              "there is no channel \"" + fault.channel + "\"" + did_you_mean(fault.channel, names));
+}
+
 void FaultSettings::apply(SensingSetup& setup) const {
   setup.nan_policy = nan_policy;
   setup.fault = fault;
-  if (setup.fault.channel == "none") setup.fault.channel.clear();
+  if (setup.fault.channel == kNoFault) setup.fault.channel.clear();
 }
 
 void check_multiple(const Config& config, const std::string& key, double time_s, double step_s,

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "scenario/fields.h"
 #include "sim/model.h"
@@ -27,13 +28,15 @@ struct PhysicsSettings {
 
   void bind(Fields& fields);
   /// Throws std::invalid_argument `ORIGIN: KEY: reason` unless the control period is a whole
-  /// multiple of the timestep.
-  void check(const Config& config) const;
+  /// multiple of the timestep, and the run has at least one step and no absurd number of them.
+  void check(const Config& config, const RunSettings& run) const;
 
   /// Physics steps per control sample.
   int steps_per_sample() const;
   /// The number of the physics step that begins at `time_s`.
   std::int64_t step_at(double time_s) const;
+  /// The sampling instant nearest to `time_s` [s]: what begins then begins with a sample.
+  double sample_time_s(double time_s) const;
 };
 
 /// What happens to measurements that are no numbers, and how to make some.
@@ -43,6 +46,8 @@ struct FaultSettings {
 
   /// `channels` says which there are: "q1, q2, ..., force".
   void bind(Fields& fields, const std::string& channels);
+  /// Throws std::invalid_argument, blaming fault.sensor, if there is no such channel.
+  void check(const Config& config, const std::vector<SensorChannel>& channels) const;
   void apply(SensingSetup& setup) const;
 };
 

@@ -17,11 +17,27 @@ void author_contact(Model& model, int geom1, int geom2, const ContactLaw& law) {
     throw std::invalid_argument("contact: needs a stiffness > 0 and a damping >= 0");
   }
   mjModel& m = *model.get();
+  for (int pair = 0; pair < m.npair; ++pair) {
+    for (const int geom : {m.pair_geom1[pair], m.pair_geom2[pair]}) {
+      if (geom == geom1 || geom == geom2) {
+        throw std::invalid_argument(model.file() + ": a <pair> of a geom whose contact is given " +
+                                    "by stiffness and damping would override it");
+      }
+    }
+  }
+  if (m.geom_priority[geom1] != m.geom_priority[geom2]) {
+    throw std::invalid_argument(model.file() + ": a contact given by stiffness and damping needs " +
+                                "geoms of the same priority");
+  }
   double invweight = 0.0;
   for (const int geom : {geom1, geom2}) {
     if (m.geom_condim[geom] != 1) {
       throw std::invalid_argument(model.file() + ": a contact given by stiffness and damping " +
                                   "needs geoms with condim=\"1\"");
+    }
+    if (m.geom_margin[geom] != 0.0 || m.geom_gap[geom] != 0.0) {
+      throw std::invalid_argument(model.file() + ": a contact given by stiffness and damping " +
+                                  "needs geoms without margin and gap");
     }
     invweight += m.body_invweight0[2 * m.geom_bodyid[geom]];
   }

@@ -21,7 +21,8 @@ struct ContactLaw {
 /// acts as an added mass d/((1−d) w), which a small d = 0.001 makes negligible.
 ///
 /// Throws std::invalid_argument if K is not positive, B is negative, a geom has friction
-/// dimensions (condim other than 1), or neither body can move.
+/// dimensions (condim other than 1), a margin or a gap, their priorities differ, a <pair> names one
+/// of them, or neither body can move.
 void author_contact(Model& model, int geom1, int geom2, const ContactLaw& law);
 
 }  // namespace breakwater

@@ -185,7 +185,10 @@ void Simulation::step() {
 
 void Simulation::check_engine(double time_before_s) {
   for (int i = 0; i < mjNWARNING; ++i) {
-    if (data_->warning[i].number > 0) fail(warning_name(i));
+    if (data_->warning[i].number > 0) {
+      const std::string text = take_engine_warning();
+      fail(warning_name(i) + (text.empty() ? "" : std::string(" (") + text + ")"));
+    }
   }
   if (!(data_->time > time_before_s)) fail("time does not advance");
   if (!all_finite(data_->qpos, model_->nq) || !all_finite(data_->qvel, model_->nv)) {

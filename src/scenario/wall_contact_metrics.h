@@ -1,0 +1,67 @@
+// What a strike against the wall is judged by.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "plants/planar_chain.h"
+#include "record/recording.h"
+
+namespace breakwater {
+
+/// Which part of a run is judged.
+struct WallContactWindow {
+  double force_from_s = 0.0;  ///< the switch to force control: everything counts from here
+  double reference_N = 0.0;
+  double error_from_s = 0.0;  ///< the force error's window ...
+  double error_to_s = 0.0;    ///< ... and its end, not included
+  double step_s = 0.0;
+  double period_s = 0.0;
+  TipPose start_pose = TipPose::Zero();
+};
+
+/// Gathers the metrics of arm_wall_contact, step by step:
+///  - free_motion_time_s: from the switch to the first contact;
+///  - peak_force_raw_N, peak_force_filtered_N: of the contact force and of the force behind the
+///    sensor's low-pass, at the physics rate;
+///  - mean_force_error_N, std_force_error_N: of reference − filtered force in the window;
+///  - impact_velocity_m_s: the tip's x speed at the first contact;
+///  - contact_impulse_Ns: of the contact force over the first 200 ms of contact;
+///  - bounce_count: contact onsets after the first;
+///  - saturated_time_s: how long any command was at its limit;
+///  - max_posture_error_rad, max_y_error_m: largest deviation from the start pose.
+/// One that does not apply (no contact, a run that ends too early) is absent.
+class WallContactMetrics {
+ public:
+  explicit WallContactMetrics(const WallContactWindow& window) : window_(window) {}
+
+  /// To be called at every physics step, with the values at its beginning.
+  void after_step(double time_s, double force_N, double filtered_N, double tip_speed_x_m_s);
+  /// To be called at every sample.
+  void after_sample(double time_s, const TipPose& tip, bool saturated);
+
+  std::vector<Metric> metrics(double simulated_s) const;
+
+ private:
+  bool counts(double time_s) const { return time_s >= window_.force_from_s - 0.5 * window_.step_s; }
+  void follow_contact(double time_s, double force_N, double tip_speed_x_m_s);
+  void follow_error(double error_N);
+
+  WallContactWindow window_;
+  std::optional<double> first_contact_s_;
+  bool touched_ = false;
+  int onsets_ = 0;
+  double impact_velocity_m_s_ = 0.0;
+  double impulse_Ns_ = 0.0;
+  double peak_raw_N_ = 0.0;
+  double peak_filtered_N_ = 0.0;
+  std::int64_t errors_ = 0;
+  double mean_error_N_ = 0.0;
+  double squared_deviation_ = 0.0;
+  double saturated_s_ = 0.0;
+  double max_y_error_m_ = 0.0;
+  double max_posture_error_rad_ = 0.0;
+};
+
+}  // namespace breakwater
