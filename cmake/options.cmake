@@ -29,7 +29,7 @@ endif()
 if(BREAKWATER_SANITIZER STREQUAL "address")
   # Instrumented, GCC 12 takes libstdc++'s own std::regex for uninitialised.
   target_compile_options(breakwater_options INTERFACE -Wno-maybe-uninitialized)
-  target_compile_options(breakwater_options INTERFACE -fsanitize=address,undefined
+  target_compile_options(breakwater_options INTERFACE -fsanitize=address,undefined,float-cast-overflow
     -fno-sanitize-recover=all -fno-omit-frame-pointer)
   target_link_options(breakwater_options INTERFACE -fsanitize=address,undefined)
 elseif(BREAKWATER_SANITIZER STREQUAL "thread")

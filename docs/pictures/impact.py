@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Draws docs/pictures/impact.png from the runs of `arm_wall_contact --case all`.
 
     docs/pictures/impact.py [FOLDER_OF_RUNS] [PICTURE]

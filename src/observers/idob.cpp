@@ -9,6 +9,13 @@ namespace breakwater {
 
 Idob::Idob(const StateSpace& continuous_plant, const std::vector<PoleGroup>& poles, double period_s)
     : states_(continuous_plant.states()) {
+  for (const PoleGroup& group : poles) {
+    for (const std::complex<double>& pole : group) {
+      if (!(pole.real() < 0.0)) {
+        throw std::invalid_argument("IDOB: the poles must lie left of the imaginary axis");
+      }
+    }
+  }
   const StateSpace extended =
       zero_order_hold(extend_by_input_disturbance(continuous_plant), period_s);
   const Eigen::Index rank = observability_rank(extended.A, extended.C);

@@ -25,8 +25,9 @@ namespace breakwater {
 /// Used once a sample: read the estimate, decide the input, then update(u, y).
 class Idob {
  public:
-  /// `poles` [1/s]: one group per output, n + m poles in all. Throws std::invalid_argument if the
-  /// extended plant is not observable (with its rank) or the poles cannot be placed.
+  /// `poles` [1/s]: one group per output, n + m poles in all, each stable. Throws
+  /// std::invalid_argument if the extended plant is not observable (with its rank) or the poles
+  /// cannot be placed.
   Idob(const StateSpace& continuous_plant, const std::vector<PoleGroup>& poles, double period_s);
 
   /// Starts from state `x` (n) and no disturbance.

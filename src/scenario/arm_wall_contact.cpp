@@ -69,6 +69,9 @@ void ArmWallContact::check(const Config& config) {
   if (metrics_to_s_ <= metrics_from_s_) {
     config.fail("metrics.to_s", "must be after metrics.from_s");
   }
+  if (fine_to_s_ < fine_from_s_) {
+    config.fail("record.fine_to_s", "must not be before record.fine_from_s");
+  }
   if (metrics_from_s_ < force_from_s_) {
     config.fail("metrics.from_s", "must not be before force.from_s");
   }

@@ -122,7 +122,11 @@ std::string Config::find_file_of(const std::string& key, const std::string& name
   const std::filesystem::path folder =
       is_set ? std::filesystem::path() : std::filesystem::path(file_).parent_path();
   const std::filesystem::path file = find_file(name, folder);
-  if (!std::filesystem::is_regular_file(file)) fail(key, "there is no file " + file.string());
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(file, error)) {
+    const std::string place = folder.empty() ? "the working folder" : folder.string();
+    fail(key, "there is no file " + name + " in " + place + " or " + data_root().string());
+  }
   return file.string();
 }
 

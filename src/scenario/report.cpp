@@ -15,6 +15,14 @@ namespace breakwater {
 namespace {
 
 constexpr const char* kLegend = "* outside of what counts as reproduced (data/reproduced.toml)\n";
+constexpr const char* kChanged =
+    "its settings are not those of the case: not compared with printed values\n";
+
+// What the thesis prints for a run's case, if the run is that case.
+std::vector<PrintedValue> printed_for(const std::string& scenario, const RunSummary& run) {
+  if (!run.is_as_shipped) return {};
+  return printed_values(scenario, run.case_name);
+}
 
 std::string format_value(double value) {
   return fmt::format("{:.5g}", value);
@@ -47,7 +55,7 @@ std::string format_deviation(const PrintedValue& printed, double measured) {
 }  // namespace
 
 std::string metrics_table(const std::string& scenario, const RunSummary& run) {
-  const std::vector<PrintedValue> printed = printed_values(scenario, run.case_name);
+  const std::vector<PrintedValue> printed = printed_for(scenario, run);
   std::vector<std::string> header = {"metric", "value", "unit"};
   if (!printed.empty()) header.insert(header.end(), {"printed", "deviation"});
   Table table(header);
@@ -59,7 +67,10 @@ std::string metrics_table(const std::string& scenario, const RunSummary& run) {
     }
     table.add(row);
   }
-  const std::string text = table.print(std::numeric_limits<std::size_t>::max());
+  std::string text = table.print(std::numeric_limits<std::size_t>::max());
+  if (run.metrics.empty()) text = "no metric applies to so short a run\n";
+  if (!run.is_as_shipped && !printed_values(scenario, run.case_name).empty())
+    text = kChanged + text;
   return text.find(" *\n") != std::string::npos ? kLegend + text : text;
 }
 
@@ -77,7 +88,7 @@ std::string comparison_table(const std::string& scenario, const std::vector<RunS
   std::vector<std::vector<PrintedValue>> printed;
   std::vector<std::string> header = {"metric", "unit"};
   for (const RunSummary& run : runs) {
-    printed.push_back(printed_values(scenario, run.case_name));
+    printed.push_back(printed_for(scenario, run));
     header.push_back(run.case_name);
   }
 
@@ -102,7 +113,11 @@ std::string comparison_table(const std::string& scenario, const std::vector<RunS
       table.add(deviations);
     }
   }
-  const std::string text = table.print(width);
+  std::string text = table.print(width);
+  const bool any_changed = std::any_of(runs.begin(), runs.end(), [&](const RunSummary& run) {
+    return !run.is_as_shipped && !printed_values(scenario, run.case_name).empty();
+  });
+  if (any_changed) text = kChanged + text;
   return text.find(" *") != std::string::npos ? kLegend + text : text;
 }
 

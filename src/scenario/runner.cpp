@@ -80,8 +80,31 @@ RunSummary execute(const PreparedRun& run, RunFolder& folder, const RunOptions& 
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   write_text_file(path / "manifest.json", manifest(run, recording, wall_s));
   folder.commit();
-  return {run.case_name,     folder.target(),       recording.metrics,
-          recording.failure, recording.simulated_s, wall_s};
+  return {run.case_name,
+          folder.target(),
+          recording.metrics,
+          run.is_as_shipped,
+          recording.failure,
+          recording.simulated_s,
+          wall_s};
+}
+
+// The configuration of the project's own case of that name, with the seed and the compression of
+// `scenario`; empty if there is none.
+std::string shipped_config(const Scenario& scenario, const std::string& case_name) {
+  const ScenarioFile file(scenario_file(scenario.name()).string(), scenario.name());
+  if (std::find(file.cases().begin(), file.cases().end(), case_name) == file.cases().end()) {
+    return "";
+  }
+  Config config = file.config(case_name);
+  const RunSettings& settings = scenario.run_settings();
+  config.set(fmt::format("run.seed={}", settings.seed));
+  config.set(fmt::format("record.compression={}", settings.compression));
+  const auto shipped = make_scenario(scenario.name());
+  Fields fields = shipped->fields();
+  fields.read(config);
+  shipped->check(config);
+  return fields.print(scenario.name(), case_name);
 }
 
 }  // namespace
@@ -92,13 +115,16 @@ std::filesystem::path scenario_file(const std::string& scenario) {
 
 PreparedRun prepare_run(const std::string& scenario, const ScenarioFile& file,
                         const std::string& case_name, const std::vector<std::string>& sets) {
-  PreparedRun run{make_scenario(scenario), case_name, ""};
+  PreparedRun run;
+  run.scenario = make_scenario(scenario);
+  run.case_name = case_name;
   Config config = file.config(case_name);
   for (const std::string& assignment : sets) config.set(assignment);
   Fields fields = run.scenario->fields();
   fields.read(config);
   run.scenario->check(config);
   run.config_text = fields.print(scenario, case_name);
+  run.is_as_shipped = shipped_config(*run.scenario, case_name) == run.config_text;
   return run;
 }
 

@@ -17,7 +17,8 @@ namespace breakwater {
 struct PreparedRun {
   std::unique_ptr<Scenario> scenario;
   std::string case_name;
-  std::string config_text;  ///< the effective configuration, as a scenario file
+  std::string config_text;    ///< the effective configuration, as a scenario file
+  bool is_as_shipped = true;  ///< the project's own case, but for seed and compression
 };
 
 /// What is left of a run once its folder is written.
@@ -25,6 +26,7 @@ struct RunSummary {
   std::string case_name;
   std::filesystem::path folder;
   std::vector<Metric> metrics;
+  bool is_as_shipped = true;  ///< so that a comparison with printed values means something
   std::optional<Failure> failure;
   double simulated_s = 0.0;
   double wall_s = 0.0;

@@ -138,18 +138,27 @@ TEST_F(CommandLine, ConfigOfARunGivesTheSameBits) {
   EXPECT_NE(json("a/manifest.json")["state_hash"], json("b/manifest.json")["state_hash"]);
 }
 
+// Early enough to have the impact, and the contact's solver, in a short run.
+const std::vector<std::string> kEarlyImpact = {"--set", "run.duration_s=6", "wall.solid_from_s=4",
+                                               "force.from_s=4.5", "metrics.from_s=5"};
+
 TEST_F(CommandLine, AllCasesOnTwoThreadsGiveTheBitsOfOne) {
-  const ProgramResult all = wall({"--case", "all", "--duration", "1", "--out", "all"});
+  const auto early = [this](std::vector<std::string> arguments) {
+    arguments.insert(arguments.end(), kEarlyImpact.begin(), kEarlyImpact.end());
+    return wall(arguments);
+  };
+  const ProgramResult all = early({"--case", "all", "--out", "all"});
   EXPECT_EQ(all.status, 0) << all.err;
   EXPECT_NE(all.out.find("tuned-5N"), std::string::npos);
   for (const char* name : {"proposed-2N", "hpfc-5N", "tuned-2N"}) {
-    EXPECT_EQ(wall({"--case", name, "--duration", "1", "--out", "one"}).status, 0);
+    EXPECT_EQ(early({"--case", name, "--out", "one"}).status, 0);
+    EXPECT_TRUE(json("one/metrics.json").contains("peak_force_raw_N")) << name;
     EXPECT_EQ(json("one/manifest.json")["state_hash"],
               json(std::string("all/") + name + "/manifest.json")["state_hash"])
         << name;
   }
   // Again into the same folder: replaced.
-  EXPECT_EQ(wall({"--case", "all", "--duration", "1", "--out", "all"}).status, 0);
+  EXPECT_EQ(early({"--case", "all", "--out", "all"}).status, 0);
 }
 
 TEST_F(CommandLine, FindsItsModelsFromAnyFolder) {
@@ -202,6 +211,11 @@ class NonsenseIn : public CommandLine {
     copy_with("models/arm.xml", "odd.xml", "<joint name=\"joint2\"/>", "<joynt name=\"joint2\"/>");
     copy_with("models/arm.xml", "negative.xml", "timestep=\"0.0001\"", "timestep=\"-1\"");
     copy_with("models/arm.xml", "no_sensor.xml", "name=\"tip_force\"", "name=\"tip_farce\"");
+    copy_with("models/arm.xml", "weak.xml", "ctrlrange=\"-20.7360 20.7360\"", "ctrlrange=\"-5 5\"");
+    copy_with("models/arm.xml", "geared.xml", "<motor name=\"motor1\"",
+              "<motor name=\"motor1\" gear=\"2\"");
+    copy_with("models/arm.xml", "pair.xml", "<actuator>",
+              "<contact><pair geom1=\"tip\" geom2=\"wall\"/></contact><actuator>");
     copy_with("models/arm.urdf", "no_limit.urdf",
               "<limit lower=\"-6.283\" upper=\"6.283\" effort=\"12.6720\" "
               "velocity=\"3.14159265358979\"/>",
@@ -265,7 +279,7 @@ INSTANTIATE_TEST_SUITE_P(
                  "controller.t_ref_s: PFC"},
         Nonsense{"UnstablePole",
                  {"--set", "observer.poles_rad_s=[[0,-1,-2],[-1,-2,-3],[-1,-2,-3]]"},
-                 "observer.poles_rad_s: pole placement"},
+                 "observer.poles_rad_s: IDOB: the poles must lie left"},
         Nonsense{"NegativeSeed", {"--seed", "-1"}, "run.seed: must be 0 or more"},
         Nonsense{"SeedNoNumber", {"--seed", "x"}, "run.seed: must be a whole number"},
         Nonsense{"ZeroDuration", {"--duration", "0"}, "run.duration_s: must be positive"},
@@ -286,7 +300,28 @@ INSTANTIATE_TEST_SUITE_P(
                  "no_sensor.xml: has no sensor named \"tip_force\""},
         Nonsense{"UrdfWithoutLimit", {"--set", "model.urdf=no_limit.urdf"}, "joint \"joint3\": "},
         Nonsense{"UrdfIsMjcf", {"--set", "model.urdf=odd.xml"}, "odd.xml:"},
-        Nonsense{"UnknownFault", {"--set", "fault.sensor=q9"}, "fault.sensor: sensor fault"},
+        Nonsense{"UnknownFault",
+                 {"--set", "fault.sensor=q9"},
+                 "--set: fault.sensor: there is no channel \"q9\" (did you mean q1?)"},
+        Nonsense{
+            "OtherTorqueLimits", {"--set", "model.mjcf=weak.xml"}, "weak.xml: actuator 1 must"},
+        Nonsense{"Geared", {"--set", "model.mjcf=geared.xml"}, "geared.xml: actuator 1 must"},
+        Nonsense{"OverridingPair", {"--set", "model.mjcf=pair.xml"}, "pair.xml: a <pair>"},
+        Nonsense{"NoStep", {"--duration", "1e-9"}, "run.duration_s: must be at least one"},
+        Nonsense{"EndlessRun", {"--duration", "1e300"}, "run.duration_s: is too long"},
+        Nonsense{"LogBeyondMemory", {"--duration", "1e7"}, "run.duration_s: the log of so long"},
+        Nonsense{"SlowController", {"--set", "control.period_s=1e9"}, "control.period_s: is too"},
+        Nonsense{"EndlessResponse",
+                 {"--set", "controller.t_ref_s=[1e9,1,1]"},
+                 "controller.t_ref_s: PFC: the target response time is too long"},
+        Nonsense{"LongName", {"--config", std::string(300, 'x')}, "File name too long"},
+        Nonsense{"PrintAll", {"--case", "all", "--print-config"}, "--print-config: prints one"},
+        Nonsense{"WindowBackwards",
+                 {"--set", "record.fine_from_s=5", "record.fine_to_s=1"},
+                 "record.fine_to_s: must not be before"},
+        Nonsense{"WindowTooEarly",
+                 {"--set", "metrics.from_s=1"},
+                 "metrics.from_s: must not be before force.from_s"},
         Nonsense{"OutHoldsSomethingElse", {"--out", "thesis"}, "thesis: holds something"},
         Nonsense{"OutIsFile", {"--out", "file"}, "file: is a file"},
         Nonsense{"OutBelowFile", {"--out", "file/run"}, "file/run: cannot be made"},

@@ -203,12 +203,36 @@ TEST_F(RunFolders, SayWhenTheyCannotBeMade) {
 }
 
 TEST_F(RunFolders, ClearUpAfterAKilledRun) {
-  // No process has this number.
-  fs::create_directory(base_ / ".run.partial-2000000000");
-  fs::create_directory(base_ / (".run.partial-" + std::to_string(getppid())));
+  // A partial folder of this host, as one that is open now tells; no process has this number.
+  std::string prefix;
+  {
+    const RunFolder folder(base_ / "run");
+    prefix = folder.path().string();
+    prefix.erase(prefix.rfind('-') + 1);
+  }
+  const fs::path dead = prefix + "2000000000";
+  const fs::path alive = prefix + std::to_string(getppid());
+  const fs::path own = prefix + std::to_string(getpid());  // the number of a process of old
+  const fs::path elsewhere = base_ / ".run.partial-anotherhost-2000000000";
+  for (const fs::path& folder : {dead, alive, own, elsewhere}) fs::create_directory(folder);
+  std::ofstream(own / "metrics.json") << "{}";
   RunFolder folder(base_ / "run");
-  EXPECT_FALSE(fs::exists(base_ / ".run.partial-2000000000"));
-  EXPECT_TRUE(fs::exists(base_ / (".run.partial-" + std::to_string(getppid()))));
+  EXPECT_FALSE(fs::exists(dead));
+  EXPECT_TRUE(fs::exists(alive));
+  EXPECT_TRUE(fs::exists(elsewhere));
+  EXPECT_EQ(folder.path(), own);
+  EXPECT_TRUE(fs::is_empty(own));
+}
+
+TEST_F(RunFolders, LeaveAloneWhatAppearedMeanwhile) {
+  {
+    RunFolder folder(base_ / "run");
+    fs::create_directory(base_ / "run");
+    std::ofstream(base_ / "run" / "thesis.txt") << "precious";
+    EXPECT_THROW(folder.commit(), OutputError);
+  }
+  EXPECT_TRUE(fs::exists(base_ / "run" / "thesis.txt"));
+  EXPECT_EQ(std::distance(fs::directory_iterator(base_), fs::directory_iterator()), 1);
 }
 
 }  // namespace

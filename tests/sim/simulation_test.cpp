@@ -188,6 +188,10 @@ TEST(Simulation, EndsOnAnEngineWarning) {
   const RunFailure failure = failure_of(simulation, 1000);
   EXPECT_GT(failure.time_s(), 0.0);
   EXPECT_LT(failure.time_s(), 0.1);
+  const std::string reason = failure.what();
+  EXPECT_TRUE(reason.starts_with("diverged: ") || reason.starts_with("an actuator command"))
+      << reason;
+  EXPECT_NE(reason.find("Time = "), std::string::npos) << reason;  // the engine's own words
 }
 
 TEST(Simulation, EndsOnACommandThatIsNoNumber) {
