@@ -162,6 +162,11 @@ void ArmPush::check(const Config& config) {
   }
 }
 
+void ArmPush::prepare_scene(Model& model) const {
+  constexpr int kHiddenGroup = 5;
+  for (const int part : model.geoms_named("wall")) model.get()->geom_group[part] = kHiddenGroup;
+}
+
 Recording ArmPush::run(const RunControl& control) const {
   ArmRig rig(arm_, push_role());
   Simulation& sim = rig.simulation();
