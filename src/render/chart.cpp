@@ -19,6 +19,7 @@ constexpr Colour kMark{0.45, 0.47, 0.50, 1.0};
 constexpr std::array<Colour, 4> kPalette = {
     {{0.835, 0.369, 0.0}, {0.0, 0.447, 0.698}, {0.0, 0.62, 0.451}, {0.8, 0.475, 0.655}}};
 constexpr double kTextUnits = 15.0;
+constexpr double kLegendGap = 2.4;  // between its entries, in text sizes
 
 // A step of 1, 2 or 5 times a power of ten that divides `span` into at most `parts`.
 double nice_step(double span, double parts) {
@@ -105,6 +106,13 @@ void Chart::draw_frame(const std::string& title) {
   }
   plot_ = {label_width + 1.2 * size, 2.1 * size, 0.0, 0.0};
   plot_.width = width - plot_.left - 1.4 * size;
+  // The legend stands beside the title if there is room, else below it.
+  double legend_line = 1.45 * size;
+  const double legend = legend_width(size);
+  if (legend > 0.0 && canvas.text_width(title, size, true) + legend > plot_.width) {
+    legend_line += 1.35 * size;
+    plot_.top += 1.35 * size;
+  }
   plot_.height = height - plot_.top - 2.0 * size;
 
   canvas.fill({0.0, 0.0, width, height}, kPaper);
@@ -124,18 +132,30 @@ void Chart::draw_frame(const std::string& title) {
                 Align::center);
   }
 
-  // The legend, from the right, on the title's line.
+  draw_legend(legend_line);
+}
+
+double Chart::legend_width(double size) const {
+  double width = 0.0;
+  for (const ChartLine& line : lines_) {
+    if (!line.label.empty()) width += frame_->text_width(line.label, size) + kLegendGap * size;
+  }
+  return width;
+}
+
+void Chart::draw_legend(double baseline) {
+  const double size = kTextUnits * unit_px_;
   double x = plot_.right();
   for (std::size_t i = lines_.size(); i-- > 0;) {
     if (lines_[i].label.empty()) continue;
-    const double text = canvas.text_width(lines_[i].label, size);
-    canvas.text({x, 1.45 * size}, lines_[i].label, size, kInk, Align::right);
-    const double y = std::round(1.1 * size) + 0.5;
+    const double text = frame_->text_width(lines_[i].label, size);
+    frame_->text({x, baseline}, lines_[i].label, size, kInk, Align::right);
+    const double y = std::round(baseline - 0.35 * size) + 0.5;
     const std::vector<double> dashes =
         lines_[i].dashed ? std::vector{0.35 * size, 0.25 * size} : std::vector<double>{};
-    canvas.line({{x - text - 1.7 * size, y}, {x - text - 0.4 * size, y}}, colour(i), 2.4 * unit_px_,
-                dashes);
-    x -= text + 2.4 * size;
+    frame_->line({{x - text - 1.7 * size, y}, {x - text - 0.4 * size, y}}, colour(i),
+                 2.4 * unit_px_, dashes);
+    x -= text + kLegendGap * size;
   }
 }
 

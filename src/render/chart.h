@@ -47,6 +47,8 @@ class Chart {
 
  private:
   void draw_frame(const std::string& title);
+  double legend_width(double text_size) const;
+  void draw_legend(double baseline);
   std::vector<Point> trace(const ChartLine& line, double now_s) const;
 
   std::vector<ChartLine> lines_;

@@ -24,11 +24,6 @@ std::size_t pixel_bytes(int width, int height) {
   return 4 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
 }
 
-// How many decimals times need that are this far apart.
-int decimals(double step_s) {
-  return step_s >= 0.02 ? 2 : 3;
-}
-
 std::string speed_text(double speed) {
   if (std::abs(speed - 1.0) < 1e-9) return "";
   return speed < 1.0 ? fmt::format("{:.3g}\u00d7 slower", 1.0 / speed)
@@ -198,7 +193,7 @@ void Picture::draw_caption(Canvas& canvas, const PictureRun& run, const Panel& p
   const double margin = std::round(kMargin * unit);
   const double size = 20.0 * unit;
   const double small = 17.0 * unit;
-  const std::string time = fmt::format("t = {:.{}f} s", time_s, decimals(style_.speed / 30.0));
+  const std::string time = fmt::format("t = {:.{}f} s", time_s, style_.time_decimals);
   const std::string speed = speed_text(style_.speed);
   const std::string second = speed.empty() ? time : time + "   " + speed;
   // Digits take the same room, so the box stands still.
@@ -246,8 +241,10 @@ const std::uint8_t* Picture::draw(double time_s) {
   }
   if (!style_.title.empty() && runs_.size() == 1) {
     const double unit = unit_px(style_.width, style_.height);
-    canvas.text({kMargin * unit, panels_.front().area.bottom() - kMargin * unit}, style_.title,
-                17.0 * unit, kInk, Align::left, false, true);
+    const bool is_left = style_.chart_right || !style_.chart_bottom;
+    const double margin = kMargin * unit;
+    canvas.text({is_left ? margin : style_.width - margin, panels_.front().area.bottom() - margin},
+                style_.title, 17.0 * unit, kInk, is_left ? Align::left : Align::right, false, true);
   }
   return pixels->data();
 }

@@ -43,12 +43,13 @@ struct PictureStyle {
   int width = 1280;
   int height = 720;
   Look look;
-  std::string title;        ///< at the lower left
+  std::string title;        ///< in the lower corner that the chart leaves
   std::string chart_title;  ///< a chart is drawn if the run has lines
   bool chart_right = true;  ///< in which corner of a wide picture
   bool chart_bottom = true;
   ChartRange chart_range;
-  double speed = 1.0;    ///< 0.1: "10 × slower"
+  double speed = 1.0;  ///< 0.1: "10 × slower"
+  int time_decimals = 3;
   bool captions = true;  ///< case, time and speed
 };
 

@@ -110,7 +110,8 @@ VideoFile::VideoFile(const std::filesystem::path& file, const VideoFormat& forma
   s.encoder = avcodec_alloc_context3(codec);
   s.frame = av_frame_alloc();
   s.packet = av_packet_alloc();
-  avformat_alloc_output_context2(&s.container, nullptr, "mp4", nullptr);
+  // By its name the file is opened a second time, to put the index in front.
+  avformat_alloc_output_context2(&s.container, nullptr, "mp4", partial_.c_str());
   if (s.encoder == nullptr || s.frame == nullptr || s.packet == nullptr || s.container == nullptr) {
     throw RenderError("video: no memory for the encoder");
   }

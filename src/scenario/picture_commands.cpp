@@ -128,6 +128,7 @@ int video(const PictureArguments& arguments) {
   stage.style.width = size.width;
   stage.style.height = size.height;
   stage.style.look = read_look(arguments.look, kFullLook);
+  stage.style.time_decimals = window.speed / fps < 0.01 ? 3 : 2;
   const fs::path file =
       arguments.out.empty() ? runs.front().folder() / "video.mp4" : fs::path(arguments.out);
 

@@ -73,7 +73,7 @@ ShotList read_shot_list(const std::string& file) {
   shots.arrows.resize(count_tables(config, "arrow"));
   shots.lines.resize(count_tables(config, "line"));
   Fields fields;
-  fields.text("title", shots.title, "at the lower left");
+  fields.text("title", shots.title, "in a lower corner");
   fields.text("camera", shots.camera, "one of the model's; empty: one that shows all of it");
   fields.number("video.from_s", shots.from_s, not_negative(), "[s]");
   fields.number("video.to_s", shots.to_s, positive(), "[s]");

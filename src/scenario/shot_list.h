@@ -40,7 +40,7 @@ struct ShotLine {
 enum class Corner { top_left, top_right, bottom_left, bottom_right };
 
 struct ShotList {
-  std::string title;
+  std::string title;   ///< in the lower corner that the chart leaves
   std::string camera;  ///< empty: all of the model
   double from_s = 0.0;
   double to_s = 0.0;  ///< beyond the run's end: its end
