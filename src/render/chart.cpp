@@ -127,7 +127,7 @@ void Chart::draw_frame(const std::string& title) {
     const double x = std::round(place(t, 0.0).x) + 0.5;
     canvas.line({{x, plot_.top}, {x, plot_.bottom()}}, kGrid, 1.0);
     const double half = 0.5 * canvas.text_width(tick_text(t, instants) + " s", size);
-    canvas.text({std::min(x, width - half - 2.0), plot_.bottom() + 1.3 * size},
+    canvas.text({std::min(x, width - half - 0.4 * size), plot_.bottom() + 1.3 * size},
                 tick_text(t, instants) + (t == instants.back() ? " s" : ""), size, kInk,
                 Align::center);
   }

@@ -163,8 +163,7 @@ void ArmPush::check(const Config& config) {
 }
 
 void ArmPush::prepare_scene(Model& model) const {
-  constexpr int kHiddenGroup = 5;
-  for (const int part : model.geoms_named("wall")) model.get()->geom_group[part] = kHiddenGroup;
+  show_geoms(model, "wall_", false);
 }
 
 Recording ArmPush::run(const RunControl& control) const {

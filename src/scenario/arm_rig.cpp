@@ -198,6 +198,15 @@ void check_arm(ArmSettings& settings, const ArmRole& role, const Config& config)
   config.blame("fault.sensor", [&] { Sensing(model, sensing_setup(settings, role, chain)); });
 }
 
+void show_geoms(Model& model, const std::string& prefix, bool visible) {
+  // The groups of MJCF: 0 to 2 are drawn, 3 to 5 are not.
+  constexpr int kShown = 2;
+  constexpr int kHidden = 5;
+  for (const int geom : model.geoms_named(prefix)) {
+    model.get()->geom_group[geom] = visible ? kShown : kHidden;
+  }
+}
+
 ArmRig::ArmRig(const ArmSettings& settings, const ArmRole& role)
     : chain_(load_planar_chain(settings.urdf)),
       controller_(make_controller(settings, role, chain_)),

@@ -178,6 +178,10 @@ void ArmWallContact::prepare_scene(Model& model) const {
   role().prepare_model(model);
 }
 
+void ArmWallContact::animate_scene(Model& model, double time_s) const {
+  show_geoms(model, "wall_", time_s >= wall_solid_from_s_);
+}
+
 Recording ArmWallContact::run(const RunControl& control) const {
   ArmRig rig(arm_, role());
   Simulation& sim = rig.simulation();

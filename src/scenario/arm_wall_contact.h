@@ -21,6 +21,7 @@ class ArmWallContact final : public Scenario {
   const RunSettings& run_settings() const override { return arm_.run; }
   Recording run(const RunControl& control) const override;
   void prepare_scene(Model& model) const override;
+  void animate_scene(Model& model, double time_s) const override;
 
  private:
   ArmRole role() const;

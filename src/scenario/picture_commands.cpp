@@ -217,7 +217,7 @@ int strip(const PictureArguments& arguments) {
   Window window = choose_window(runs, shots, {});
   Stage stage = set_stage(runs, shots, arguments, window);
   const std::vector<ChartLine> lines = std::exchange(stage.runs.front().lines, {});
-  const Size size = read_size(arguments.size, {560, 420});
+  const Size size = read_size(arguments.size, {560, 320});
   stage.style.width = size.width;
   stage.style.height = size.height;
   stage.style.look = read_look(arguments.look, kPrintLook);
@@ -299,7 +299,7 @@ void describe_still(CLI::App& app, PictureArguments& arguments) {
 
 void describe_strip(CLI::App& app, PictureArguments& arguments) {
   app.add_option("RUN", arguments.runs, "the folder of a finished run")->required()->expected(1);
-  describe_common(app, arguments, "of each of its pictures (default: 560x420)",
+  describe_common(app, arguments, "of each of its pictures (default: 560x320)",
                   "fast, full, or print (default)");
   app.add_option("--out", arguments.out, "the file (default: RUN/strip.png)")->type_name("FILE");
 }
