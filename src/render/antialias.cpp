@@ -41,16 +41,18 @@ std::uint32_t blend(const std::uint8_t* a, const std::uint8_t* b, float share_of
 struct End {
   int distance;
   float difference;
+  bool found;  // else the picture or the reach ended first
 };
 
 End follow(const std::uint8_t* luma, const Edge& edge, std::ptrdiff_t step, int room) {
-  End end{0, 0.0F};
+  End end{0, 0.0F, false};
   const int reach = std::min(room, kReach);
   while (end.distance < reach) {
     luma += step;
     ++end.distance;
     end.difference = 0.5F * static_cast<float>(luma[0] + luma[edge.across]) - edge.middle;
-    if (std::abs(end.difference) >= edge.gradient) break;
+    end.found = std::abs(end.difference) >= edge.gradient;
+    if (end.found) break;
   }
   return end;
 }
@@ -95,7 +97,7 @@ float share(const std::uint8_t* luma, std::ptrdiff_t width, int x, int y, int he
   // The line between the ends covers this pixel only if the nearer end turns the other way.
   float along_edge = 0.0F;
   const bool below_middle = static_cast<float>(c) < edge.middle;
-  if ((nearer.difference < 0.0F) != below_middle) {
+  if (nearer.found && (nearer.difference < 0.0F) != below_middle) {
     along_edge = 0.5F - static_cast<float>(nearer.distance) /
                             static_cast<float>(back.distance + forth.distance);
   }
