@@ -14,7 +14,7 @@ constexpr std::uint8_t kSmallestContrast = 16;
 // Steps below this share of the local maximum are none either; FXAA's 1/8.
 constexpr int kRelativeContrast = 8;
 // How far an edge is followed to each side.
-constexpr int kReach = 24;
+constexpr int kReach = 16;
 // How much single bright or dark pixels are dimmed.
 constexpr float kSubpixel = 0.5F;
 

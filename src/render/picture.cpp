@@ -37,6 +37,18 @@ double Picture::unit_px(double width, double height) {
   return fits >= 0.85 ? fits : std::max(fits, std::min(0.85, width / 380.0));
 }
 
+ArrowNow arrow_at(const ArrowTrack& track, double time_s) {
+  Eigen::Vector3d value = Eigen::Vector3d::Constant(track.components.front().at(time_s));
+  if (track.components.size() == 3) {
+    for (int k = 0; k < 3; ++k) value[k] = track.components[static_cast<std::size_t>(k)].at(time_s);
+  }
+  const Eigen::Vector3d force = value.cwiseProduct(track.along);
+  ArrowNow now{track.arrow, force.norm()};
+  now.arrow.vector_m = track.metres_per_unit * force;
+  if (force.isZero(0.0)) now.arrow.contact_mark_m = 0.0;
+  return now;
+}
+
 Picture::Picture(std::vector<PictureRun>& runs, const PictureStyle& style)
     : runs_(runs),
       style_(style),
@@ -106,18 +118,10 @@ void Picture::draw_scene(PictureRun& run, Panel& panel, double time_s) {
   panel.view->pose(qpos_);
 
   panel.arrows.clear();
-  panel.numbers.clear();
+  std::vector<SceneArrow> arrows;
   for (const ArrowTrack& track : run.arrows) {
-    Eigen::Vector3d value = Eigen::Vector3d::Constant(track.components.front().at(time));
-    if (track.components.size() == 3) {
-      for (int k = 0; k < 3; ++k) value[k] = track.components[static_cast<std::size_t>(k)].at(time);
-    }
-    const Eigen::Vector3d force = value.cwiseProduct(track.along);
-    SceneArrow arrow = track.arrow;
-    arrow.vector_m = track.metres_per_unit * force;
-    if (force.isZero(0.0)) arrow.contact_mark_m = 0.0;
-    panel.arrows.push_back(arrow);
-    panel.numbers.push_back(force.norm());
+    panel.arrows.push_back(arrow_at(track, time));
+    arrows.push_back(panel.arrows.back().arrow);
   }
 
   const int samples = style_.look.samples;
@@ -125,7 +129,7 @@ void Picture::draw_scene(PictureRun& run, Panel& panel, double time_s) {
                             samples * (style_.height - static_cast<int>(panel.area.bottom())),
                             samples * static_cast<int>(panel.area.width),
                             samples * static_cast<int>(panel.area.height)};
-  panel.view->draw(viewport, panel.arrows);
+  panel.view->draw(viewport, arrows);
 }
 
 // Mesa leaves 0 in the fourth byte where nothing is drawn.
@@ -175,14 +179,15 @@ void Picture::draw_arrow_numbers(Canvas& canvas, const PictureRun& run, const Pa
   // The view is drawn with more samples a pixel than the canvas has.
   const double samples = style_.look.samples;
   for (std::size_t i = 0; i < panel.arrows.size(); ++i) {
-    const SceneArrow& arrow = panel.arrows[i];
+    const SceneArrow& arrow = panel.arrows[i].arrow;
+    const double value = panel.arrows[i].number;
     if (run.arrows[i].unit.empty() || arrow.vector_m.norm() < kShortestArrow_m) continue;
     const auto end = panel.view->end_of(arrow);
     if (!end) continue;
     const Point at = {panel.area.left + end->x / samples,
                       panel.area.top + end->y / samples - 14.0 * unit};
-    const std::string number = fmt::format("{:.{}f} {}", panel.numbers[i],
-                                           panel.numbers[i] < 99.95 ? 1 : 0, run.arrows[i].unit);
+    const std::string number =
+        fmt::format("{:.{}f} {}", value, value < 99.95 ? 1 : 0, run.arrows[i].unit);
     canvas.text(at, number, 19.0 * unit, arrow.colour, Align::center, true, true);
   }
 }

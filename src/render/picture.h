@@ -27,6 +27,13 @@ struct ArrowTrack {
   std::string unit;  ///< of the number beside it; empty: no number
 };
 
+/// What an arrow is at that time, and the number beside it.
+struct ArrowNow {
+  SceneArrow arrow;
+  double number = 0.0;
+};
+ArrowNow arrow_at(const ArrowTrack& track, double time_s);
+
 /// All that is drawn of one run.
 struct PictureRun {
   Model model;
@@ -78,8 +85,7 @@ class Picture {
     Rectangle chart_area;
     std::unique_ptr<SceneView> view;
     std::unique_ptr<Chart> chart;
-    std::vector<SceneArrow> arrows;  // of the picture last drawn
-    std::vector<double> numbers;     // beside them
+    std::vector<ArrowNow> arrows;  // of the picture last drawn
   };
 
   void lay_out();

@@ -1,6 +1,7 @@
 #include "scenario/picture_commands.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
@@ -116,6 +117,20 @@ void report(const PictureArguments& arguments, const std::string& what, const fs
   if (!arguments.quiet) fmt::print("{}: {}\n", what, file.string());
 }
 
+// Beside its name first: a picture is there whole, or as it was before.
+void write_png(const fs::path& file, const Canvas& canvas) {
+  const fs::path partial =
+      file.parent_path() / fmt::format(".{}.partial-{}", file.filename().string(), getpid());
+  try {
+    write_text_file(partial.string(), canvas.png());
+    fs::rename(partial, file);
+  } catch (const std::exception&) {
+    std::error_code ignored;
+    fs::remove(partial, ignored);
+    throw OutputError(file.string() + ": cannot be written (is the disk full?)");
+  }
+}
+
 int video(const PictureArguments& arguments) {
   const auto begin = std::chrono::steady_clock::now();
   const std::deque<FinishedRun> runs = open_runs(arguments.runs);
@@ -183,7 +198,7 @@ int still(const PictureArguments& arguments) {
   warn_if_slow(picture.offscreen());
   Canvas canvas(size.width, size.height);
   std::copy_n(picture.draw(arguments.at_s), 4 * size.width * size.height, canvas.pixels());
-  write_text_file(file.string(), canvas.png());
+  write_png(file, canvas);
   report(arguments, "still", file);
   return kSuccess;
 }
@@ -258,7 +273,7 @@ int strip(const PictureArguments& arguments) {
     }
     chart.draw(page, 0, size.height + caption, window.to_s);
   }
-  write_text_file(file.string(), page.png());
+  write_png(file, page);
   report(arguments, fmt::format("strip of {}", count), file);
   return kSuccess;
 }

@@ -36,7 +36,9 @@ int main(int argc, char** argv) {
     const auto row = static_cast<std::size_t>((time_s - run.times_s.front()) * per_s);
     run.animate(run.model, time_s);
     view.pose({run.qpos.row(row), run.qpos.width});
-    view.draw({0, 0, shots.width, shots.height}, {});
+    std::vector<SceneArrow> arrows;
+    for (const ArrowTrack& track : run.arrows) arrows.push_back(arrow_at(track, time_s).arrow);
+    view.draw({0, 0, shots.width, shots.height}, arrows);
     offscreen.finish();
   }
   std::printf("frames %ld\n", frames);
