@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <utility>
 
@@ -159,36 +160,31 @@ void Chart::draw_legend(double baseline) {
   }
 }
 
-// At most a few points for every column of pixels: the least and the greatest value in it.
+// For every column of pixels, the first, the lowest, the highest and the last point in it, in their
+// order: the same picture as all points give.
 std::vector<Point> Chart::trace(const ChartLine& line, double now_s) const {
-  std::vector<Point> points;
   const std::vector<double>& times = line.series.times_s;
-  const auto first = static_cast<std::size_t>(
-      std::lower_bound(times.begin(), times.end(), range_.from_s) - times.begin());
-  double column = -1.0;
-  double lowest = 0.0;
-  double highest = 0.0;
-  double last = 0.0;
-  const auto close = [&] {
-    if (column < 0.0) return;
-    const bool rises = last > 0.5 * (lowest + highest);
-    points.push_back({column, place(0.0, rises ? lowest : highest).y});
-    points.push_back({column, place(0.0, rises ? highest : lowest).y});
+  const std::vector<double>& values = line.series.values;
+  const auto index_after = [&](auto bound, double time_s) {
+    return static_cast<std::size_t>(bound(times.begin(), times.end(), time_s) - times.begin());
   };
-  points.push_back(place(range_.from_s, line.series.at(range_.from_s)));
-  for (std::size_t i = first; i < times.size() && times[i] <= now_s; ++i) {
-    const double x = std::floor(place(times[i], 0.0).x) + 0.5;
-    last = line.series.values[i];
-    if (x > column) {
-      close();
-      column = x;
-      lowest = highest = last;
-    } else {
-      lowest = std::min(lowest, last);
-      highest = std::max(highest, last);
+  const auto lower = [](auto begin, auto end, double t) { return std::lower_bound(begin, end, t); };
+  const auto upper = [](auto begin, auto end, double t) { return std::upper_bound(begin, end, t); };
+  const std::size_t end = index_after(upper, now_s);
+  std::vector<Point> points = {place(range_.from_s, line.series.at(range_.from_s))};
+  for (std::size_t i = index_after(lower, range_.from_s); i < end;) {
+    const double column = std::floor(place(times[i], 0.0).x);
+    std::array<std::size_t, 4> kept = {i, i, i, i};
+    for (; i < end && std::floor(place(times[i], 0.0).x) == column; ++i) {
+      if (values[i] < values[kept[1]]) kept[1] = i;
+      if (values[i] > values[kept[2]]) kept[2] = i;
+      kept[3] = i;
     }
+    std::sort(kept.begin(), kept.end());
+    const auto* const last = std::unique(kept.begin(), kept.end());
+    std::transform(kept.cbegin(), last, std::back_inserter(points),
+                   [&](std::size_t k) { return place(times[k], values[k]); });
   }
-  close();
   points.push_back(place(now_s, line.series.at(now_s)));
   return points;
 }
