@@ -23,3 +23,8 @@ target_link_libraries(hdf5::hl INTERFACE ${HDF5_HL_LIBRARY} PkgConfig::hdf5)
 find_path(RANDOM123_INCLUDE_DIR Random123/philox.h REQUIRED)
 add_library(random123::random123 INTERFACE IMPORTED)
 target_include_directories(random123::random123 SYSTEM INTERFACE ${RANDOM123_INCLUDE_DIR})
+
+# Pictures. Mesa's OSMesa is not linked: render/ loads it when the first picture is drawn.
+pkg_check_modules(osmesa REQUIRED IMPORTED_TARGET osmesa)
+pkg_check_modules(cairo REQUIRED IMPORTED_TARGET cairo)
+pkg_check_modules(ffmpeg REQUIRED IMPORTED_TARGET libavformat libavcodec libswscale libavutil)

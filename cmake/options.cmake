@@ -23,6 +23,8 @@ target_compile_options(breakwater_options INTERFACE
 # and in Eigen's vectorised copies of small matrices.
 target_compile_options(breakwater_options INTERFACE
   $<BUILD_INTERFACE:$<$<CXX_COMPILER_ID:GNU>:-Wno-restrict;-Wno-stringop-overflow>>)
+# A program loads only what it uses: those that only simulate, no encoder.
+target_link_options(breakwater_options INTERFACE $<BUILD_INTERFACE:-Wl,--as-needed>)
 if(BREAKWATER_NATIVE)
   target_compile_options(breakwater_options INTERFACE -march=native)
 endif()

@@ -104,6 +104,10 @@ void ArmPush::check(const Config& config) {
   HandOnLink(hand_, rig.simulation().model(), rig.chain(), arm_.start_angles_rad, link_);
 }
 
+void ArmPush::prepare_scene(Model& model) const {
+  show_geoms(model, "wall_", false);
+}
+
 Recording ArmPush::run(const RunControl& control) const {
   ArmRig rig(arm_, push_role());
   Simulation& sim = rig.simulation();

@@ -19,6 +19,7 @@ class ArmPush final : public Scenario {
   void check(const Config& config) override;
   const RunSettings& run_settings() const override { return arm_.run; }
   Recording run(const RunControl& control) const override;
+  void prepare_scene(Model& model) const override;
 
  private:
   ArmSettings arm_;

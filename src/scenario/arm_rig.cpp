@@ -210,6 +210,15 @@ void check_arm(ArmSettings& settings, const ArmRole& role, const Config& config)
   ArmRig rig(settings, role);  // or what the model lacks is said
 }
 
+void show_geoms(Model& model, const std::string& prefix, bool visible) {
+  // The groups of MJCF: 0 to 2 are drawn, 3 to 5 are not.
+  constexpr int kShown = 2;
+  constexpr int kHidden = 5;
+  for (const int geom : model.geoms_named(prefix)) {
+    model.get()->geom_group[geom] = visible ? kShown : kHidden;
+  }
+}
+
 ArmRig::ArmRig(const ArmSettings& settings, const ArmRole& role)
     : chain_(load_planar_chain(settings.urdf)),
       controller_(make_controller(settings, role, chain_)),

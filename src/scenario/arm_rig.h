@@ -67,6 +67,9 @@ void check_arm(ArmSettings& settings, const ArmRole& role, const Config& config)
 /// The tip's X at q_0^ref.
 TipPose start_pose(const ArmSettings& settings);
 
+/// Shows the geoms whose names begin so in pictures, or hides them; they must be for the eye alone.
+void show_geoms(Model& model, const std::string& prefix, bool visible);
+
 /// The arm's plant, controller and simulation, and the truth about it for log and metrics.
 ///
 /// The model must have, for each joint NAME of the URDF, a hinge NAME with the sensors NAME_pos

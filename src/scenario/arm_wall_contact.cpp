@@ -16,6 +16,8 @@ void place_wall(Model& model, double face_x_m, const ContactLaw& law) {
   if (model->geom_type[wall] != mjGEOM_PLANE || model->geom_bodyid[wall] != 0) {
     throw std::invalid_argument(model.file() + ": geom \"wall\" must be a plane of the world body");
   }
+  const double moved_m = face_x_m - model->geom_pos[3 * wall];
+  for (const int part : model.geoms_named("wall")) model.get()->geom_pos[3 * part] += moved_m;
   model.get()->geom_pos[3 * wall] = face_x_m;
   author_contact(model, tip, wall, law);
 }
@@ -75,6 +77,14 @@ void ArmWallContact::check(const Config& config) {
   if (metrics_from_s_ < force_from_s_) {
     config.fail("metrics.from_s", "must not be before force.from_s");
   }
+}
+
+void ArmWallContact::prepare_scene(Model& model) const {
+  role().prepare_model(model);
+}
+
+void ArmWallContact::animate_scene(Model& model, double time_s) const {
+  show_geoms(model, "wall_", time_s >= wall_solid_from_s_);
 }
 
 Recording ArmWallContact::run(const RunControl& control) const {

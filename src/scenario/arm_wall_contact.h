@@ -20,6 +20,8 @@ class ArmWallContact final : public Scenario {
   void check(const Config& config) override;
   const RunSettings& run_settings() const override { return arm_.run; }
   Recording run(const RunControl& control) const override;
+  void prepare_scene(Model& model) const override;
+  void animate_scene(Model& model, double time_s) const override;
 
  private:
   ArmRole role() const;

@@ -1,40 +1,24 @@
 #include "scenario/command_line.h"
 
 #include <fmt/core.h>
-#include <csignal>
-
 #include <CLI/CLI.hpp>
-#include <atomic>
 #include <cstdio>
 #include <filesystem>
 #include <stdexcept>
 
-#include "record/output_error.h"
 #include "record/run_folder.h"
+#include "scenario/program.h"
 #include "scenario/progress.h"
 #include "scenario/report.h"
 #include "scenario/runner.h"
+#include "scenario/video_later.h"
 #include "version.h"
 
 namespace breakwater {
 namespace fs = std::filesystem;
 namespace {
 
-enum Status { kSuccess = 0, kDefect = 1, kUsage = 2, kRunFailed = 3, kInterrupted = 130 };
-
 constexpr const char* kAll = "all";
-constexpr const char* kTooLong = "run.duration_s: the log of so long a run does not fit in memory";
-
-std::atomic<bool> interrupted = false;
-static_assert(std::atomic<bool>::is_always_lock_free, "used in a signal handler");
-
-void stop_on_signals() {
-  struct sigaction action = {};
-  action.sa_handler = [](int) { interrupted = true; };
-  action.sa_flags = SA_RESETHAND;  // a second one ends the process at once
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
-}
 
 struct Arguments {
   std::string case_name;
@@ -43,6 +27,8 @@ struct Arguments {
   std::string seed;
   std::string duration;
   std::string out;
+  CLI::Option* video = nullptr;
+  std::string video_file;
   bool csv = false;
   bool quiet = false;
   bool list_cases = false;
@@ -66,6 +52,11 @@ void describe(CLI::App& app, Arguments& arguments) {
                  "the run's folder; with --case all, the folder of the runs' folders\n"
                  "(default: runs/SCENARIO/CASE-seedN)")
       ->type_name("DIR");
+  arguments.video = app.add_option("--video", arguments.video_file,
+                                   "make a video of the run as well: video.mp4 in its folder, or\n"
+                                   "this file (breakwater video makes one later)")
+                        ->type_name("FILE")
+                        ->expected(0, 1);
   app.add_flag("--csv", arguments.csv, "write log.csv as well");
   app.add_flag("--quiet", arguments.quiet, "print errors only");
   app.add_flag("--list-cases", arguments.list_cases, "print the cases, one a line, and exit");
@@ -108,6 +99,18 @@ void report_failures(const std::string& scenario, const std::vector<RunSummary>&
   }
 }
 
+// Returns 0, or the status to exit with because of a video that failed.
+int make_videos(const std::vector<RunSummary>& runs, const Arguments& arguments) {
+  if (arguments.video->count() == 0) return kSuccess;
+  int status = kSuccess;
+  for (const RunSummary& run : runs) {
+    const int made = make_video(run.folder, arguments.video_file, arguments.quiet);
+    if (made == kInterrupted) return kInterrupted;
+    if (made != kSuccess) status = kLaterOutputFailed;
+  }
+  return status;
+}
+
 int run_cases(const std::string& scenario, const ScenarioFile& file, const Arguments& arguments) {
   stop_on_signals();
   const bool all = arguments.case_name == kAll;
@@ -127,6 +130,10 @@ int run_cases(const std::string& scenario, const ScenarioFile& file, const Argum
     return kSuccess;
   }
 
+  if (runs.size() > 1 && !arguments.video_file.empty()) {
+    throw std::invalid_argument("--video: one file cannot hold the videos of several runs");
+  }
+
   const std::uint64_t seed = runs.front().scenario->run_settings().seed;
   const fs::path out = arguments.out.empty()
                            ? fs::path("runs") / scenario / fmt::format("{}-seed{}", case_name, seed)
@@ -136,9 +143,10 @@ int run_cases(const std::string& scenario, const ScenarioFile& file, const Argum
   for (const std::string& name : cases) folders.push_back(all ? out / name : out);
 
   const std::vector<RunSummary> summaries =
-      execute_runs(runs, folders, {arguments.csv, arguments.quiet, &interrupted});
+      execute_runs(runs, folders, {arguments.csv, arguments.quiet, &interrupted()});
 
   report_failures(scenario, summaries);
+  const int video_status = make_videos(summaries, arguments);
   const bool failed = std::any_of(summaries.begin(), summaries.end(),
                                   [](const RunSummary& run) { return run.failure.has_value(); });
   if (!arguments.quiet) {
@@ -152,56 +160,7 @@ int run_cases(const std::string& scenario, const ScenarioFile& file, const Argum
                  metrics_table(scenario, run));
     }
   }
-  return failed ? kRunFailed : kSuccess;
-}
-
-// Everything that can go wrong becomes one line and a status.
-template <typename Body>
-int guarded(const std::string& program, Body&& body) {
-  try {
-    return body();
-  } catch (const std::invalid_argument& error) {
-    fmt::print(stderr, "{}\n", error.what());
-    return kUsage;
-  } catch (const OutputError& error) {
-    fmt::print(stderr, "{}\n", error.what());
-    return kUsage;
-  } catch (const fs::filesystem_error& error) {
-    fmt::print(stderr, "{}: {}\n", error.path1().string(), error.code().message());
-    return kUsage;
-  } catch (const std::length_error&) {
-    fmt::print(stderr, "{}\n", kTooLong);
-    return kUsage;
-  } catch (const std::bad_alloc&) {
-    fmt::print(stderr, "{}\n", kTooLong);
-    return kUsage;
-  } catch (const Interrupted& stop) {
-    const std::size_t kept = stop.finished_runs();
-    fmt::print(stderr, "{}: interrupted; {}\n", program,
-               kept == 0
-                   ? "nothing is left behind"
-                   : fmt::format("{} finished run{} kept", kept, kept == 1 ? " is" : "s are"));
-    return kInterrupted;
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "{}: this is a defect of Breakwater: {}\n", program, error.what());
-    return kDefect;
-  }
-}
-
-// Returns the status to exit with, or nothing if the arguments were taken.
-std::optional<int> parse(CLI::App& app, int argc, const char* const* argv) {
-  try {
-    app.parse(argc, argv);
-    return std::nullopt;
-  } catch (const CLI::CallForHelp&) {
-    fmt::print("{}", app.help());
-  } catch (const CLI::CallForVersion& version) {
-    fmt::print("{}\n", version.what());
-  } catch (const CLI::ParseError& error) {
-    fmt::print(stderr, "{}: {} (see --help)\n", app.get_name(), error.what());
-    return kUsage;
-  }
-  return kSuccess;
+  return failed ? static_cast<int>(kRunFailed) : video_status;
 }
 
 }  // namespace
@@ -221,32 +180,6 @@ int scenario_main(const std::string& scenario, int argc, const char* const* argv
       return static_cast<int>(kSuccess);
     }
     return run_cases(scenario, file, arguments);
-  });
-}
-
-int breakwater_main(int argc, const char* const* argv) {
-  if (argc >= 3 && std::string(argv[1]) == "run" && argv[2][0] != '-') {
-    return guarded("breakwater", [&] {
-      const std::string scenario = make_scenario(argv[2])->name();
-      return scenario_main(scenario, argc - 2, argv + 2);
-    });
-  }
-  return guarded("breakwater", [&] {
-    CLI::App app("Breakwater: a testbed for robust model-based motion control.", "breakwater");
-    app.require_subcommand(1);
-    app.set_version_flag("--version", std::string(kVersion) + " (" + kGitCommit + ")");
-    const CLI::App* list = app.add_subcommand("list", "print the scenarios and what they study");
-    std::string scenario;
-    CLI::App* run = app.add_subcommand(
-        "run", "run a scenario, the same as its own binary: breakwater run NAME [OPTION...]");
-    run->add_option("NAME", scenario, "which scenario (breakwater list)")->required();
-    if (const auto status = parse(app, argc, argv)) return *status;
-    if (list->parsed()) {
-      for (const std::string& name : scenario_names()) {
-        fmt::print("{:<20}{}\n", name, make_scenario(name)->summary());
-      }
-    }
-    return static_cast<int>(kSuccess);
   });
 }
 

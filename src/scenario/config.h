@@ -62,6 +62,10 @@ class Config {
   std::map<std::string, ConfigEntry> entries_;
 };
 
+/// All keys of a TOML file, those of the tables `[[name]]` as name.1.key, name.2.key, …. Throws
+/// std::invalid_argument `FILE[:LINE]: reason` if it cannot be read or parsed.
+Config read_config(const std::string& file);
+
 /// A scenario file: its own keys, and the cases, which are tables of overrides `[case.NAME]`.
 class ScenarioFile {
  public:

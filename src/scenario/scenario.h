@@ -10,6 +10,7 @@
 
 #include "record/recording.h"
 #include "scenario/settings.h"
+#include "sim/model.h"
 
 namespace breakwater {
 
@@ -53,6 +54,12 @@ class Scenario {
 
   /// Runs it. Failures of the run are in the recording; throws Interrupted if asked to stop.
   virtual Recording run(const RunControl& control) const = 0;
+
+  /// Makes of the file `model.mjcf` the plant as it looks in a run's pictures: a wall at its place,
+  /// say. The settings are read.
+  virtual void prepare_scene(Model&) const {}
+  /// What moves in the pictures besides the plant's qpos: a water surface's heights, say.
+  virtual void animate_scene(Model&, double /*time_s*/) const {}
 };
 
 /// The names of all scenarios, in the order in which they are listed.

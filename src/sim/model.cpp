@@ -123,6 +123,15 @@ int Model::id(mjtObj kind, const std::string& name) const {
   return id;
 }
 
+std::vector<int> Model::geoms_named(const std::string& prefix) const {
+  std::vector<int> geoms;
+  for (int i = 0; i < model_->ngeom; ++i) {
+    const char* name = mj_id2name(model_.get(), mjOBJ_GEOM, i);
+    if (name != nullptr && std::string(name).starts_with(prefix)) geoms.push_back(i);
+  }
+  return geoms;
+}
+
 void Model::set_physics(double timestep_s, Integrator integrator) {
   check_timestep(timestep_s, file_);
   model_->opt.timestep = timestep_s;

@@ -5,6 +5,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace breakwater {
 
@@ -26,6 +27,9 @@ class Model {
 
   /// The id of a named element. Throws std::invalid_argument `FILE: has no KIND named "NAME"`.
   int id(mjtObj kind, const std::string& name) const;
+
+  /// The geoms whose names begin so.
+  std::vector<int> geoms_named(const std::string& prefix) const;
 
   /// Replaces the model's own timestep [s] and integrator. Throws std::invalid_argument unless the
   /// timestep is positive and finite.

@@ -1,9 +1,12 @@
-"""What a run of arm_wall_contact costs beyond a bare mj_step loop that replays it.
+"""What a run of arm_wall_contact costs beyond a bare mj_step loop that replays it, and what its video
+costs beyond a bare mjr_render loop over the same frames.
 
 Instructions are callgrind's, on a short run: they repeat exactly. Times are medians of pairs of
-whole 100 s runs, run in turn, so that a drifting machine shifts both.
+whole 100 s runs, run in turn, so that a drifting machine shifts both. Videos are compared by the
+processors' time of all their processes: it hardly depends on who else uses the machine.
 """
 
+import os
 import pathlib
 import re
 import statistics
@@ -14,6 +17,7 @@ import time
 
 BUILD = pathlib.Path(__file__).resolve().parents[2] / "build"
 PAIRS = 5
+VIDEO_PAIRS = 3
 
 # The same experiment in a tenth of the time: wall, switch and impact come earlier.
 SHORT = ["--set", "run.duration_s=10", "wall.solid_from_s=4", "force.from_s=5",
@@ -41,6 +45,38 @@ def seconds(command):
     return time.perf_counter() - start
 
 
+def cpu_and_wall_seconds(command):
+    """Of a command and all the processes that it made."""
+    start = time.perf_counter()
+    process = subprocess.Popen(command, stdout=subprocess.DEVNULL)
+    _, status, usage = os.wait4(process.pid, 0)
+    if status != 0:
+        sys.exit(f"{command[0]} failed")
+    return usage.ru_utime + usage.ru_stime, time.perf_counter() - start
+
+
+def bench_videos(run):
+    frames = 900
+    cores = os.cpu_count()
+    print(f"video, {frames} frames of 1280x720 with impact, {VIDEO_PAIRS} pairs ...", flush=True)
+    for look, goal in (("full", 20), ("fast", 32)):
+        video = [BUILD / "bin" / "breakwater", "video", run, "--quiet", "--look", look,
+                 "--from", "29.9", "--to", "31.4", "--speed", "0.05"]
+        bare = [BUILD / "tests" / "bare_render", run, look, str(frames)]
+        pairs = [(cpu_and_wall_seconds(video), cpu_and_wall_seconds(bare))
+                 for _ in range(VIDEO_PAIRS)]
+        rate = frames / statistics.median(ours[1] for ours, _ in pairs)
+        ours_ms = 1e3 / frames * statistics.median(ours[0] for ours, _ in pairs)
+        bare_ms = 1e3 / frames * statistics.median(theirs[0] for _, theirs in pairs)
+        ratio = statistics.median(ours[0] / theirs[0] for ours, theirs in pairs)
+        print(f"  {look}: end to end   {rate:9.1f} frames/s (goal on 2 cores: at least {goal})")
+        print(f"        bare loop    {bare_ms:9.1f} ms of a core per frame")
+        print(f"        video        {ours_ms:9.1f} ms of a core per frame, "
+              f"{1e3 * cores / ours_ms:.0f} frames/s if {cores} cores are free")
+        print(f"        ratio        {ratio:9.3f}" +
+              ("   (goal: at most 1.25)" if look == "full" else ""))
+
+
 def main():
     with tempfile.TemporaryDirectory() as folder:
         run = pathlib.Path(folder) / "run"
@@ -64,6 +100,8 @@ def main():
         print(f"  run, logging on     {ours_s:10.2f} s")
         print(f"  ratio               {ratio:10.3f}   (median of pairs; goal: at most 1.10)")
         print(f"  real-time factor    {100 / ours_s:10.1f}   (one core; goal: at least 5)")
+
+        bench_videos(run)
     return 0
 
 

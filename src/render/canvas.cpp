@@ -1,0 +1,142 @@
+#include "render/canvas.h"
+
+#include <cmath>
+#include <numbers>
+
+namespace breakwater {
+namespace {
+
+constexpr const char* kFont = "DejaVu Sans";
+constexpr Colour kHalo{1.0, 1.0, 1.0, 0.8};
+
+std::size_t bytes(int width, int height) {
+  return 4 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+}
+
+cairo_status_t append(void* text, const unsigned char* data, unsigned int length) {
+  static_cast<std::string*>(text)->append(reinterpret_cast<const char*>(data), length);
+  return CAIRO_STATUS_SUCCESS;
+}
+
+}  // namespace
+
+Canvas::Canvas(int width, int height)
+    : own_(bytes(width, height), 255),
+      pixels_(own_.data()),
+      width_(width),
+      height_(height),
+      surface_(cairo_image_surface_create_for_data(pixels_, CAIRO_FORMAT_RGB24, width, height,
+                                                   4 * width)),
+      cairo_(cairo_create(surface_.get())) {}
+
+Canvas::Canvas(std::uint8_t* pixels, int width, int height)
+    : pixels_(pixels),
+      width_(width),
+      height_(height),
+      surface_(cairo_image_surface_create_for_data(pixels_, CAIRO_FORMAT_RGB24, width, height,
+                                                   4 * width)),
+      cairo_(cairo_create(surface_.get())) {}
+
+void Canvas::set(const Colour& c) {
+  cairo_set_source_rgba(cairo_.get(), c.red, c.green, c.blue, c.alpha);
+}
+
+void Canvas::fill(const Rectangle& area, const Colour& colour, double corner_radius) {
+  cairo_t* const c = cairo_.get();
+  const double r = corner_radius;
+  const double quarter = std::numbers::pi / 2.0;
+  cairo_new_path(c);
+  if (r > 0.0) {
+    cairo_arc(c, area.right() - r, area.top + r, r, -quarter, 0.0);
+    cairo_arc(c, area.right() - r, area.bottom() - r, r, 0.0, quarter);
+    cairo_arc(c, area.left + r, area.bottom() - r, r, quarter, 2.0 * quarter);
+    cairo_arc(c, area.left + r, area.top + r, r, 2.0 * quarter, 3.0 * quarter);
+    cairo_close_path(c);
+  } else {
+    cairo_rectangle(c, area.left, area.top, area.width, area.height);
+  }
+  set(colour);
+  cairo_fill(c);
+}
+
+void Canvas::line(const std::vector<Point>& points, const Colour& colour, double width,
+                  const std::vector<double>& dashes) {
+  cairo_t* const c = cairo_.get();
+  cairo_new_path(c);
+  for (const Point& p : points) cairo_line_to(c, p.x, p.y);
+  set(colour);
+  cairo_set_line_width(c, width);
+  cairo_set_line_join(c, CAIRO_LINE_JOIN_BEVEL);
+  cairo_set_dash(c, dashes.data(), static_cast<int>(dashes.size()), 0.0);
+  cairo_stroke(c);
+}
+
+void Canvas::dot(const Point& center, double radius, const Colour& colour) {
+  cairo_new_path(cairo_.get());
+  cairo_arc(cairo_.get(), center.x, center.y, radius, 0.0, 2.0 * std::numbers::pi);
+  set(colour);
+  cairo_fill(cairo_.get());
+}
+
+void Canvas::use_font(double size, bool bold) {
+  cairo_select_font_face(cairo_.get(), kFont, CAIRO_FONT_SLANT_NORMAL,
+                         bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
+  cairo_set_font_size(cairo_.get(), size);
+}
+
+double Canvas::text_width(const std::string& text, double size, bool bold) {
+  use_font(size, bold);
+  cairo_text_extents_t extents;
+  cairo_text_extents(cairo_.get(), text.c_str(), &extents);
+  return extents.x_advance;
+}
+
+void Canvas::text(const Point& at, const std::string& text, double size, const Colour& colour,
+                  Align align, bool bold, bool halo) {
+  cairo_t* const c = cairo_.get();
+  use_font(size, bold);
+  double x = at.x;
+  if (align != Align::left) {
+    x -= text_width(text, size, bold) * (align == Align::center ? 0.5 : 1.0);
+  }
+  cairo_new_path(c);
+  // Whole pixels, so that moving digits do not shimmer.
+  cairo_move_to(c, std::round(x), std::round(at.y));
+  if (halo) {
+    cairo_text_path(c, text.c_str());
+    set(kHalo);
+    cairo_set_line_width(c, 0.25 * size);
+    cairo_set_line_join(c, CAIRO_LINE_JOIN_ROUND);
+    cairo_set_dash(c, nullptr, 0, 0.0);
+    cairo_stroke(c);
+    cairo_move_to(c, std::round(x), std::round(at.y));
+  }
+  set(colour);
+  cairo_show_text(c, text.c_str());
+}
+
+void Canvas::clip(const Rectangle& area) {
+  cairo_save(cairo_.get());
+  cairo_new_path(cairo_.get());
+  cairo_rectangle(cairo_.get(), area.left, area.top, area.width, area.height);
+  cairo_clip(cairo_.get());
+}
+
+void Canvas::unclip() {
+  cairo_restore(cairo_.get());
+}
+
+void Canvas::paste(const Canvas& other, int left, int top) {
+  cairo_surface_mark_dirty(other.surface_.get());
+  cairo_set_source_surface(cairo_.get(), other.surface_.get(), left, top);
+  cairo_paint(cairo_.get());
+}
+
+std::string Canvas::png() const {
+  std::string file;
+  cairo_surface_mark_dirty(surface_.get());
+  cairo_surface_write_to_png_stream(surface_.get(), append, &file);
+  return file;
+}
+
+}  // namespace breakwater

@@ -1,0 +1,87 @@
+// Text and lines on top of a picture.
+#pragma once
+
+#include <cairo.h>
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace breakwater {
+
+struct Colour {
+  double red = 0.0;
+  double green = 0.0;
+  double blue = 0.0;
+  double alpha = 1.0;
+};
+
+/// In pixels from the left and the top.
+struct Point {
+  double x = 0.0;
+  double y = 0.0;
+};
+
+struct Rectangle {
+  double left = 0.0;
+  double top = 0.0;
+  double width = 0.0;
+  double height = 0.0;
+
+  double right() const { return left + width; }
+  double bottom() const { return top + height; }
+};
+
+enum class Align { left, center, right };
+
+/// Draws with Cairo on a picture of 4 bytes a pixel (blue, green, red, unused), rows from the top.
+class Canvas {
+ public:
+  /// On a picture of its own, white.
+  Canvas(int width, int height);
+  /// On a picture that outlives it.
+  Canvas(std::uint8_t* pixels, int width, int height);
+
+  int width() const { return width_; }
+  int height() const { return height_; }
+  std::uint8_t* pixels() { return pixels_; }
+
+  void fill(const Rectangle& area, const Colour& colour, double corner_radius = 0.0);
+  void line(const std::vector<Point>& points, const Colour& colour, double width,
+            const std::vector<double>& dashes = {});
+  void dot(const Point& center, double radius, const Colour& colour);
+
+  /// Text with its baseline at `at.y`; `halo`: a light rim, for text on a picture.
+  void text(const Point& at, const std::string& text, double size, const Colour& colour,
+            Align align = Align::left, bool bold = false, bool halo = false);
+  double text_width(const std::string& text, double size, bool bold = false);
+
+  /// Everything drawn until unclip() stays inside of `area`.
+  void clip(const Rectangle& area);
+  void unclip();
+
+  /// Another canvas' picture with its top left corner at a whole pixel.
+  void paste(const Canvas& other, int left, int top);
+
+  /// As a PNG file's bytes.
+  std::string png() const;
+
+ private:
+  struct Delete {
+    void operator()(cairo_surface_t* surface) const { cairo_surface_destroy(surface); }
+    void operator()(cairo_t* cairo) const { cairo_destroy(cairo); }
+  };
+
+  void use_font(double size, bool bold);
+  void set(const Colour& colour);
+
+  std::vector<std::uint8_t> own_;
+  std::uint8_t* pixels_;
+  int width_;
+  int height_;
+  std::unique_ptr<cairo_surface_t, Delete> surface_;
+  std::unique_ptr<cairo_t, Delete> cairo_;
+};
+
+}  // namespace breakwater

@@ -1,0 +1,296 @@
+#include "render/frame_farm.h"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <condition_variable>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <exception>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "render/render_error.h"
+
+namespace breakwater {
+namespace {
+
+// So many frames are drawn or wait to be encoded, for each process.
+constexpr std::size_t kSlotsPerProcess = 4;
+// So many frames a process is given at a time: it never waits for the next one.
+constexpr std::size_t kOrdersPerProcess = 2;
+constexpr int kPollMs = 200;
+
+struct Order {
+  std::size_t frame;
+  std::size_t slot;
+};
+
+// Small enough to go through a pipe in one piece.
+struct Answer {
+  std::size_t frame;
+  std::array<char, 400> error;  // empty: the frame is drawn
+};
+static_assert(sizeof(Answer) <= 512, "POSIX' PIPE_BUF");
+
+bool read_all(int file, void* data, std::size_t size) {
+  ssize_t got = 0;
+  do {
+    got = read(file, data, size);
+  } while (got < 0 && errno == EINTR);
+  return got == static_cast<ssize_t>(size);
+}
+
+bool write_all(int file, const void* data, std::size_t size) {
+  ssize_t put = 0;
+  do {
+    put = write(file, data, size);
+  } while (put < 0 && errno == EINTR);
+  return put == static_cast<ssize_t>(size);
+}
+
+// Memory that children and parent share: the frames.
+class SharedMemory {
+ public:
+  explicit SharedMemory(std::size_t bytes)
+      : bytes_(bytes),
+        data_(mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0)) {
+    if (data_ == MAP_FAILED) throw RenderError("video: no memory for the frames");
+  }
+  SharedMemory(const SharedMemory&) = delete;
+  SharedMemory& operator=(const SharedMemory&) = delete;
+  ~SharedMemory() { munmap(data_, bytes_); }
+
+  std::uint8_t* data() const { return static_cast<std::uint8_t*>(data_); }
+
+ private:
+  std::size_t bytes_;
+  void* data_;
+};
+
+struct Child {
+  pid_t pid = -1;
+  int orders = -1;   // written by the parent
+  int answers = -1;  // read by the parent
+  std::size_t pending = 0;
+};
+
+[[noreturn]] void work(std::size_t number, int orders, int answers, const FrameFarm& farm,
+                       std::uint8_t* slots, const std::function<DrawFrame(std::size_t)>& start) {
+  Answer answer{};
+  int status = EXIT_SUCCESS;
+  try {
+    // This process is one of as many as there are cores.
+    setenv("LP_NUM_THREADS", "0", 1);
+    const DrawFrame draw = start(number);
+    for (Order order{}; read_all(orders, &order, sizeof(order));) {
+      draw(order.frame, slots + order.slot * farm.frame_bytes);
+      answer.frame = order.frame;
+      if (!write_all(answers, &answer, sizeof(answer))) break;
+    }
+  } catch (const std::exception& error) {
+    std::snprintf(answer.error.data(), answer.error.size(), "%s", error.what());
+    write_all(answers, &answer, sizeof(answer));
+    status = EXIT_FAILURE;
+  }
+  _exit(status);  // what the parent has open and registered is the parent's
+}
+
+// The child processes; none outlives it.
+class Children {
+ public:
+  Children(const FrameFarm& farm, std::uint8_t* slots,
+           const std::function<DrawFrame(std::size_t)>& start) {
+    const auto count = std::max<std::size_t>(1, std::min<std::size_t>(farm.processes, farm.frames));
+    for (std::size_t i = 0; i < count; ++i) {
+      std::array<int, 2> orders{};
+      std::array<int, 2> answers{};
+      if (pipe2(orders.data(), O_CLOEXEC) != 0) fail();
+      if (pipe2(answers.data(), O_CLOEXEC) != 0) {
+        close(orders[0]);
+        close(orders[1]);
+        fail();
+      }
+      const pid_t parent = getpid();
+      const pid_t pid = fork();
+      if (pid == 0) {
+        // A child ends with its parent, and leaves it to the parent to be interrupted.
+        prctl(PR_SET_PDEATHSIG, SIGKILL);
+        if (getppid() != parent) _exit(EXIT_FAILURE);
+        std::signal(SIGINT, SIG_IGN);
+        std::signal(SIGTERM, SIG_DFL);
+        for (const Child& sibling : children_) {
+          close(sibling.orders);
+          close(sibling.answers);
+        }
+        close(orders[1]);
+        close(answers[0]);
+        work(i, orders[0], answers[1], farm, slots, start);
+      }
+      close(orders[0]);
+      close(answers[1]);
+      children_.push_back({pid, orders[1], answers[0], 0});
+      if (pid < 0) fail();
+    }
+  }
+  Children(const Children&) = delete;
+  Children& operator=(const Children&) = delete;
+  ~Children() { end(); }
+
+  std::vector<Child>& all() { return children_; }
+
+  // A child's end without an answer.
+  std::string cause_of_death(Child& child) {
+    int status = 0;
+    waitpid(child.pid, &status, 0);
+    child.pid = -1;
+    return WIFSIGNALED(status) ? "signal " + std::to_string(WTERMSIG(status))
+                               : "status " + std::to_string(WEXITSTATUS(status));
+  }
+
+ private:
+  [[noreturn]] void fail() {
+    const std::string reason = std::strerror(errno);
+    end();
+    throw RenderError("video: no process can be made to draw it (" + reason + ")");
+  }
+
+  void end() {
+    for (Child& child : children_) {
+      if (child.orders >= 0) close(child.orders);
+      if (child.answers >= 0) close(child.answers);
+      if (child.pid > 0) {
+        kill(child.pid, SIGKILL);
+        waitpid(child.pid, nullptr, 0);
+      }
+    }
+    children_.clear();
+  }
+
+  std::vector<Child> children_;
+};
+
+// Hands drawn frames on in their order, on its own thread.
+class Taker {
+ public:
+  Taker(const FrameFarm& farm, const std::uint8_t* slots, std::size_t slot_count,
+        const std::function<void(const std::uint8_t*)>& take)
+      : drawn_(farm.frames, false),
+        thread_([this, &farm, slots, slot_count, &take](const std::stop_token& stop) {
+          for (std::size_t k = 0; k < farm.frames; ++k) {
+            {
+              std::unique_lock lock(mutex_);
+              if (!changed_.wait(lock, stop, [&] { return drawn_[k]; })) return;
+            }
+            try {
+              take(slots + (k % slot_count) * farm.frame_bytes);
+            } catch (...) {
+              const std::lock_guard lock(mutex_);
+              error_ = std::current_exception();
+              changed_.notify_all();
+              return;
+            }
+            const std::lock_guard lock(mutex_);
+            ++taken_;
+            changed_.notify_all();
+          }
+        }) {}
+
+  void add(std::size_t frame) {
+    const std::lock_guard lock(mutex_);
+    drawn_[frame] = true;
+    changed_.notify_all();
+  }
+
+  // How many were taken. Throws what `take` threw.
+  std::size_t taken() {
+    const std::lock_guard lock(mutex_);
+    if (error_) std::rethrow_exception(error_);
+    return taken_;
+  }
+
+  // Until more than `count` were taken, `take` threw, or some time has passed.
+  void wait_beyond(std::size_t count) {
+    std::unique_lock lock(mutex_);
+    changed_.wait_for(lock, std::chrono::milliseconds(kPollMs),
+                      [&] { return taken_ > count || error_ != nullptr; });
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable_any changed_;
+  std::vector<bool> drawn_;
+  std::size_t taken_ = 0;
+  std::exception_ptr error_;
+  std::jthread thread_;  // last: it uses the others
+};
+
+}  // namespace
+
+void draw_frames(const FrameFarm& farm, const std::function<DrawFrame(std::size_t)>& start,
+                 const std::function<void(const std::uint8_t* frame)>& take) {
+  const std::size_t slot_count = kSlotsPerProcess * std::max(1U, farm.processes);
+  const SharedMemory slots(slot_count * farm.frame_bytes);
+  std::signal(SIGPIPE, SIG_IGN);  // a child that died is noticed by its answers' end
+  Children children(farm, slots.data(), start);
+  Taker taker(farm, slots.data(), slot_count, take);
+
+  std::size_t ordered = 0;
+  for (std::size_t taken = 0; taken < farm.frames; taken = taker.taken()) {
+    if (farm.stop != nullptr && *farm.stop) throw Stopped();
+    if (farm.progress) {
+      farm.progress(static_cast<double>(taken) / static_cast<double>(farm.frames));
+    }
+    std::size_t pending = 0;
+    for (std::size_t round = 0; round < kOrdersPerProcess; ++round) {
+      for (Child& child : children.all()) {
+        const bool has_room = ordered < farm.frames && ordered < taken + slot_count;
+        if (!has_room || child.pending > round) continue;
+        const Order order{ordered, ordered % slot_count};
+        if (!write_all(child.orders, &order, sizeof(order))) continue;  // died: see below
+        ++child.pending;
+        ++ordered;
+      }
+    }
+    std::vector<pollfd> answers;
+    for (const Child& child : children.all()) {
+      answers.push_back({child.answers, POLLIN, 0});
+      pending += child.pending;
+    }
+    if (pending == 0 && ordered == farm.frames) {
+      taker.wait_beyond(taken);  // all is drawn; the rest is encoding
+      continue;
+    }
+    if (pending == 0) {
+      taker.wait_beyond(taken);  // no slot is free
+    }
+    if (poll(answers.data(), answers.size(), pending == 0 ? 0 : kPollMs) <= 0) continue;
+    for (std::size_t i = 0; i < answers.size(); ++i) {
+      if (answers[i].revents == 0) continue;
+      Child& child = children.all()[i];
+      Answer answer{};
+      if (!read_all(child.answers, &answer, sizeof(answer))) {
+        throw RenderError("video: a process that drew it ended (" + children.cause_of_death(child) +
+                          ")");
+      }
+      if (answer.error[0] != '\0') throw RenderError(answer.error.data());
+      --child.pending;
+      taker.add(answer.frame);
+    }
+  }
+}
+
+}  // namespace breakwater

@@ -1,0 +1,257 @@
+#include "render/picture.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+
+namespace breakwater {
+namespace {
+
+constexpr Colour kInk{0.10, 0.12, 0.15, 1.0};
+constexpr Colour kBox{1.0, 1.0, 1.0, 0.82};
+constexpr Colour kGap{0.25, 0.27, 0.30, 1.0};
+constexpr double kMargin = 14.0;  // in units, of boxes from the border
+// Above and below the scene, where nothing is drawn: blue, green, red.
+constexpr std::array<double, 3> kTop = {224.0, 212.0, 200.0};
+constexpr std::array<double, 3> kBottom = {246.0, 243.0, 240.0};
+// A number too short to read is not written: its arrow is shorter than this.
+constexpr double kShortestArrow_m = 0.004;
+
+std::size_t pixel_bytes(int width, int height) {
+  return 4 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+}
+
+std::string speed_text(double speed) {
+  if (std::abs(speed - 1.0) < 1e-9) return "";
+  return speed < 1.0 ? fmt::format("{:.3g}\u00d7 slower", 1.0 / speed)
+                     : fmt::format("{:.3g}\u00d7 faster", speed);
+}
+
+}  // namespace
+
+double Picture::unit_px(double width, double height) {
+  const double fits = std::min(width / 900.0, height / 720.0);
+  return fits >= 0.85 ? fits : std::max(fits, std::min(0.85, width / 380.0));
+}
+
+ArrowNow arrow_at(const ArrowTrack& track, double time_s) {
+  Eigen::Vector3d value = Eigen::Vector3d::Constant(track.components.front().at(time_s));
+  if (track.components.size() == 3) {
+    for (int k = 0; k < 3; ++k) value[k] = track.components[static_cast<std::size_t>(k)].at(time_s);
+  }
+  const Eigen::Vector3d force = value.cwiseProduct(track.along);
+  ArrowNow now{track.arrow, force.norm()};
+  now.arrow.vector_m = track.metres_per_unit * force;
+  if (force.isZero(0.0)) now.arrow.contact_mark_m = 0.0;
+  return now;
+}
+
+Picture::Picture(std::vector<PictureRun>& runs, const PictureStyle& style)
+    : runs_(runs),
+      style_(style),
+      offscreen_(style.width * style.look.samples, style.height * style.look.samples),
+      panels_(runs.size()) {
+  if (style_.look.samples > 1) pixels_.resize(pixel_bytes(style_.width, style_.height));
+  lay_out();
+  for (std::size_t i = 0; i < runs_.size(); ++i) {
+    Panel& panel = panels_[i];
+    panel.view = std::make_unique<SceneView>(runs_[i].model, runs_[i].camera, style_.look);
+    if (panel.chart_area.width > 0.0) {
+      panel.chart = std::make_unique<Chart>(style_.chart_title, runs_[i].lines, style_.chart_range,
+                                            static_cast<int>(panel.chart_area.width),
+                                            static_cast<int>(panel.chart_area.height),
+                                            unit_px(panel.area.width, style_.height));
+    }
+  }
+}
+
+// One to three runs stand in a row, four in a square. The chart of a wide picture is in a corner
+// of it, that of a narrow one below.
+void Picture::lay_out() {
+  const std::size_t count = panels_.size();
+  const std::size_t columns = count == 4 ? 2 : count;
+  const std::size_t rows = count == 4 ? 2 : 1;
+  const auto edge = [](int size, std::size_t part, std::size_t parts) {
+    return std::round(static_cast<double>(size) * static_cast<double>(part) /
+                      static_cast<double>(parts));
+  };
+  for (std::size_t i = 0; i < count; ++i) {
+    Panel& panel = panels_[i];
+    const std::size_t column = i % columns;
+    const std::size_t row = i / columns;
+    panel.area.left = edge(style_.width, column, columns);
+    panel.area.top = edge(style_.height, row, rows);
+    panel.area.width = edge(style_.width, column + 1, columns) - panel.area.left;
+    panel.area.height = edge(style_.height, row + 1, rows) - panel.area.top;
+    if (runs_[i].lines.empty()) continue;
+    Rectangle& chart = panel.chart_area;
+    if (panel.area.width < panel.area.height) {
+      chart = panel.area;
+      chart.height = std::round(std::min(0.38 * panel.area.height, 0.62 * panel.area.width));
+      chart.top = panel.area.bottom() - chart.height;
+      panel.area.height -= chart.height;
+    } else {
+      const double unit = unit_px(panel.area.width, panel.area.height);
+      const double margin = std::round(kMargin * unit);
+      chart.width = std::round(std::min(460.0 * unit, 0.52 * panel.area.width));
+      chart.height = std::round(std::min(220.0 * unit, 0.36 * panel.area.height));
+      chart.left =
+          style_.chart_right ? panel.area.right() - chart.width - margin : panel.area.left + margin;
+      chart.top = style_.chart_bottom ? panel.area.bottom() - chart.height - margin
+                                      : panel.area.top + margin;
+    }
+  }
+}
+
+void Picture::draw_scene(PictureRun& run, Panel& panel, double time_s) {
+  const std::vector<double>& times = run.times_s;
+  const double time = std::clamp(time_s, times.front(), times.back());
+  const auto after = std::upper_bound(times.begin(), times.end() - 1, time);
+  const auto i = static_cast<std::size_t>(std::max<std::ptrdiff_t>(after - times.begin(), 1));
+  const double part = (time - times[i - 1]) / (times[i] - times[i - 1]);
+  interpolate_qpos(*run.model.get(), {run.qpos.row(i - 1), run.qpos.width},
+                   {run.qpos.row(i), run.qpos.width}, part, qpos_);
+  if (run.animate) run.animate(run.model, time);
+  panel.view->pose(qpos_);
+
+  panel.arrows.clear();
+  std::vector<SceneArrow> arrows;
+  for (const ArrowTrack& track : run.arrows) {
+    panel.arrows.push_back(arrow_at(track, time));
+    arrows.push_back(panel.arrows.back().arrow);
+  }
+
+  const int samples = style_.look.samples;
+  const mjrRect viewport = {samples * static_cast<int>(panel.area.left),
+                            samples * (style_.height - static_cast<int>(panel.area.bottom())),
+                            samples * static_cast<int>(panel.area.width),
+                            samples * static_cast<int>(panel.area.height)};
+  panel.view->draw(viewport, arrows);
+}
+
+// Mesa leaves 0 in the fourth byte where nothing is drawn.
+void Picture::fill_background() {
+  std::vector<std::uint8_t>& pixels = offscreen_.pixels();
+  const auto width = static_cast<std::size_t>(offscreen_.width());
+  const auto height = static_cast<std::size_t>(offscreen_.height());
+  for (std::size_t y = 0; y < height; ++y) {
+    const double part = static_cast<double>(y) / static_cast<double>(height);
+    std::array<std::uint8_t, 4> colour = {0, 0, 0, 255};
+    for (std::size_t k = 0; k < 3; ++k) {
+      colour[k] = static_cast<std::uint8_t>(std::lround(kTop[k] + part * (kBottom[k] - kTop[k])));
+    }
+    std::uint32_t sky = 0;
+    std::memcpy(&sky, colour.data(), sizeof(sky));
+    std::uint8_t* const row = pixels.data() + 4 * width * y;
+    for (std::size_t x = 0; x < width; ++x) {
+      std::uint32_t pixel = 0;
+      std::memcpy(&pixel, row + 4 * x, sizeof(pixel));
+      pixel = (pixel >> 24U) == 0 ? sky : pixel;
+      std::memcpy(row + 4 * x, &pixel, sizeof(pixel));
+    }
+  }
+}
+
+// Averages the samples of each pixel.
+void Picture::shrink() {
+  const auto samples = static_cast<std::size_t>(style_.look.samples);
+  const auto width = static_cast<std::size_t>(style_.width);
+  const std::vector<std::uint8_t>& fine = offscreen_.pixels();
+  const std::size_t stride = 4 * samples * width;
+  for (std::size_t pixel = 0; pixel < pixels_.size() / 4; ++pixel) {
+    const std::size_t corner = (pixel / width) * samples * stride + 4 * samples * (pixel % width);
+    std::array<std::size_t, 4> sum{};
+    for (std::size_t y = 0; y < samples; ++y) {
+      for (std::size_t k = 0; k < 4 * samples; ++k) sum[k % 4] += fine[corner + y * stride + k];
+    }
+    for (std::size_t k = 0; k < 4; ++k) {
+      pixels_[4 * pixel + k] =
+          static_cast<std::uint8_t>((sum[k] + samples * samples / 2) / (samples * samples));
+    }
+  }
+}
+
+void Picture::draw_arrow_numbers(Canvas& canvas, const PictureRun& run, const Panel& panel) const {
+  const double unit = unit_px(panel.area.width, style_.height);
+  // The view is drawn with more samples a pixel than the canvas has.
+  const double samples = style_.look.samples;
+  for (std::size_t i = 0; i < panel.arrows.size(); ++i) {
+    const SceneArrow& arrow = panel.arrows[i].arrow;
+    const double value = panel.arrows[i].number;
+    if (run.arrows[i].unit.empty() || arrow.vector_m.norm() < kShortestArrow_m) continue;
+    const auto end = panel.view->end_of(arrow);
+    if (!end) continue;
+    const Point at = {panel.area.left + end->x / samples,
+                      panel.area.top + end->y / samples - 14.0 * unit};
+    const std::string number =
+        fmt::format("{:.{}f} {}", value, value < 99.95 ? 1 : 0, run.arrows[i].unit);
+    canvas.text(at, number, 19.0 * unit, arrow.colour, Align::center, true, true);
+  }
+}
+
+void Picture::draw_caption(Canvas& canvas, const PictureRun& run, const Panel& panel,
+                           double time_s) const {
+  const double unit = unit_px(panel.area.width, style_.height);
+  const double margin = std::round(kMargin * unit);
+  const double size = 20.0 * unit;
+  const double small = 17.0 * unit;
+  const std::string time = fmt::format("t = {:.{}f} s", time_s, style_.time_decimals);
+  const std::string speed = speed_text(style_.speed);
+  const std::string second = speed.empty() ? time : time + "   " + speed;
+  // Digits take the same room, so the box stands still.
+  const double width =
+      std::max(canvas.text_width(run.caption, size, true), canvas.text_width(second, small));
+  canvas.clip(panel.area);
+  canvas.fill({panel.area.left + margin, panel.area.top + margin, width + 1.4 * size, 3.1 * size},
+              kBox, 0.4 * size);
+  const double x = panel.area.left + margin + 0.7 * size;
+  canvas.text({x, panel.area.top + margin + 1.25 * size}, run.caption, size, kInk, Align::left,
+              true);
+  canvas.text({x, panel.area.top + margin + 2.5 * size}, second, small, kInk);
+  canvas.unclip();
+}
+
+const std::uint8_t* Picture::draw(double time_s) {
+  for (std::size_t i = 0; i < runs_.size(); ++i) draw_scene(runs_[i], panels_[i], time_s);
+  offscreen_.finish();
+  fill_background();
+  std::vector<std::uint8_t>* pixels = &offscreen_.pixels();
+  if (style_.look.samples > 1) {
+    shrink();
+    pixels = &pixels_;
+  } else {
+    smoother_.smooth(*pixels, style_.width, style_.height);
+  }
+
+  Canvas canvas(pixels->data(), style_.width, style_.height);
+  for (std::size_t i = 0; i < runs_.size(); ++i) {
+    Panel& panel = panels_[i];
+    draw_arrow_numbers(canvas, runs_[i], panel);
+    if (style_.captions) draw_caption(canvas, runs_[i], panel, time_s);
+    if (panel.chart) {
+      const Rectangle& area = panel.chart_area;
+      panel.chart->draw(canvas, static_cast<int>(area.left), static_cast<int>(area.top), time_s);
+    }
+    if (panel.area.left > 0.0) {
+      canvas.fill({panel.area.left - 1.0, panel.area.top, 2.0,
+                   std::max(panel.area.height, panel.chart_area.bottom() - panel.area.top)},
+                  kGap);
+    }
+    if (panel.area.top > 0.0) {
+      canvas.fill({panel.area.left, panel.area.top - 1.0, panel.area.width, 2.0}, kGap);
+    }
+  }
+  if (!style_.title.empty() && runs_.size() == 1) {
+    const double unit = unit_px(style_.width, style_.height);
+    const bool is_left = style_.chart_right || !style_.chart_bottom;
+    const double margin = kMargin * unit;
+    canvas.text({is_left ? margin : style_.width - margin, panels_.front().area.bottom() - margin},
+                style_.title, 17.0 * unit, kInk, is_left ? Align::left : Align::right, false, true);
+  }
+  return pixels->data();
+}
+
+}  // namespace breakwater

@@ -1,0 +1,107 @@
+// A whole picture: one run or several side by side, with arrows, captions and charts.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "record/hdf5_log.h"
+#include "record/series.h"
+#include "render/antialias.h"
+#include "render/canvas.h"
+#include "render/chart.h"
+#include "render/look.h"
+#include "render/offscreen.h"
+#include "render/scene_view.h"
+#include "sim/model.h"
+
+namespace breakwater {
+
+/// An arrow over time, from the log.
+struct ArrowTrack {
+  SceneArrow arrow;                ///< its vector is set from the rest
+  std::vector<Series> components;  ///< one, or three
+  Eigen::Vector3d along = Eigen::Vector3d::UnitX();
+  double metres_per_unit = 1.0;
+  std::string unit;  ///< of the number beside it; empty: no number
+};
+
+/// What an arrow is at that time, and the number beside it.
+struct ArrowNow {
+  SceneArrow arrow;
+  double number = 0.0;
+};
+ArrowNow arrow_at(const ArrowTrack& track, double time_s);
+
+/// All that is drawn of one run.
+struct PictureRun {
+  Model model;
+  std::function<void(Model&, double time_s)> animate;  ///< may be empty
+  int camera = -1;                                     ///< a camera_id()
+  std::vector<double> times_s;
+  LoggedSignal qpos;  ///< one row for each time
+  std::vector<ArrowTrack> arrows;
+  std::vector<ChartLine> lines;
+  std::string caption;
+};
+
+struct PictureStyle {
+  int width = 1280;
+  int height = 720;
+  Look look;
+  std::string title;        ///< in the lower corner that the chart leaves
+  std::string chart_title;  ///< a chart is drawn if the run has lines
+  bool chart_right = true;  ///< in which corner of a wide picture
+  bool chart_bottom = true;
+  ChartRange chart_range;
+  double speed = 1.0;  ///< 0.1: "10 × slower"
+  int time_decimals = 3;
+  bool captions = true;  ///< case, time and speed
+};
+
+/// Draws pictures of up to four runs at any time of theirs. It holds an OpenGL context, so it stays
+/// on its thread.
+class Picture {
+ public:
+  /// The runs outlive it, and their models are its own meanwhile. Throws RenderError.
+  Picture(std::vector<PictureRun>& runs, const PictureStyle& style);
+
+  /// The picture at that time: 4 bytes a pixel (blue, green, red, unused), rows from the top.
+  /// Beyond a run's end it stands still. Valid until the next.
+  const std::uint8_t* draw(double time_s);
+
+  const Offscreen& offscreen() const { return offscreen_; }
+  /// Where a run's chart is; width 0: it has none.
+  const Rectangle& chart_area(std::size_t run) const { return panels_[run].chart_area; }
+  const Chart& chart(std::size_t run) const { return *panels_[run].chart; }
+
+  /// The height that text and lines follow in a picture of this size: 1 at 1280x720.
+  static double unit_px(double width, double height);
+
+ private:
+  struct Panel {
+    Rectangle area;  // of the scene, in whole pixels
+    Rectangle chart_area;
+    std::unique_ptr<SceneView> view;
+    std::unique_ptr<Chart> chart;
+    std::vector<ArrowNow> arrows;  // of the picture last drawn
+  };
+
+  void lay_out();
+  void draw_scene(PictureRun& run, Panel& panel, double time_s);
+  void draw_arrow_numbers(Canvas& canvas, const PictureRun& run, const Panel& panel) const;
+  void draw_caption(Canvas& canvas, const PictureRun& run, const Panel& panel, double time_s) const;
+  void fill_background();
+  void shrink();
+
+  std::vector<PictureRun>& runs_;
+  PictureStyle style_;
+  Offscreen offscreen_;
+  EdgeSmoother smoother_;
+  std::vector<std::uint8_t> pixels_;
+  std::vector<Panel> panels_;
+  std::vector<double> qpos_;
+};
+
+}  // namespace breakwater

@@ -1,0 +1,188 @@
+#include "render/scene_view.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include "render/render_error.h"
+#include "sim/engine_guard.h"
+
+namespace breakwater {
+namespace {
+
+constexpr int kMaxGeoms = 2000;
+// What is framed at this width to height stays in sight when a picture is narrower.
+constexpr double kFramedAspect = 4.0 / 3.0;
+constexpr double kArrowRadius_m = 0.006;
+constexpr float kGlow = 0.45F;  // arrows are seen in shadow too
+// Groups that are drawn: bodies and what is for the eye; what is only for the physics is in 3 to 5.
+constexpr int kShownGroups = 3;
+
+Eigen::Map<const Eigen::Vector3d> vector(const mjtNum* values) {
+  return Eigen::Map<const Eigen::Vector3d>(values);
+}
+
+struct ContextCall {
+  const mjModel* model;
+  mjrContext* context;
+};
+
+}  // namespace
+
+int camera_id(const Model& model, const std::string& name) {
+  if (name.empty()) return -1;
+  const int id = mj_name2id(model.get(), mjOBJ_CAMERA, name.c_str());
+  if (id >= 0) return id;
+  std::string names;
+  for (int i = 0; i < model->ncam; ++i) {
+    const char* other = mj_id2name(model.get(), mjOBJ_CAMERA, i);
+    if (other != nullptr) names += (names.empty() ? "" : ", ") + std::string(other);
+  }
+  throw std::invalid_argument(model.file() + ": has no camera \"" + name + "\", but " +
+                              (names.empty() ? "none at all" : names));
+}
+
+void interpolate_qpos(const mjModel& model, std::span<const double> first,
+                      std::span<const double> second, double part, std::vector<double>& qpos) {
+  qpos.assign(first.begin(), first.end());
+  std::vector<double> way(static_cast<std::size_t>(model.nv));
+  mj_differentiatePos(&model, way.data(), 1.0, first.data(), second.data());
+  mj_integratePos(&model, qpos.data(), way.data(), part);
+}
+
+SceneView::SceneView(Model& model, int camera, const Look& look) : model_(model) {
+  mjModel& m = *model_.get();
+  mjv_defaultCamera(&camera_);
+  if (camera >= 0) {
+    camera_.type = mjCAMERA_FIXED;
+    camera_.fixedcamid = camera;
+  } else {
+    mjv_defaultFreeCamera(&m, &camera_);
+  }
+  m.vis.quality.shadowsize = look.shadow_map;
+  m.vis.quality.offsamples = 0;  // drawn into the window's buffer, which Mesa has in our memory
+  m.vis.global.offwidth = m.vis.global.offheight = 1;
+  data_.reset(mj_makeData(&m));
+  if (!data_) throw RenderError("pictures: no memory for the scene");
+
+  mjv_defaultOption(&options_);
+  for (int i = 0; i < mjNGROUP; ++i) {
+    options_.geomgroup[i] = i < kShownGroups ? 1 : 0;
+    options_.sitegroup[i] = 0;
+  }
+  mjv_defaultScene(&scene_);
+  mjr_defaultContext(&context_);
+  ContextCall call{&m, &context_};
+  const std::string fatal = call_engine(
+      [](void* argument) {
+        auto* c = static_cast<ContextCall*>(argument);
+        mjr_makeContext(c->model, c->context, mjFONTSCALE_100);
+      },
+      &call);
+  if (!fatal.empty()) throw RenderError("pictures need OpenGL: " + fatal);
+  mjv_makeScene(&m, &scene_, kMaxGeoms);
+  scene_.flags[mjRND_SHADOW] = look.shadows ? 1 : 0;
+  scene_.flags[mjRND_SKYBOX] = look.sky ? 1 : 0;
+  scene_.flags[mjRND_REFLECTION] = look.reflections ? 1 : 0;
+  mjr_setBuffer(mjFB_WINDOW, &context_);
+  uploaded_heights_.assign(m.hfield_data, m.hfield_data + m.nhfielddata);
+}
+
+SceneView::~SceneView() {
+  mjv_freeScene(&scene_);
+  mjr_freeContext(&context_);
+}
+
+void SceneView::pose(std::span<const double> qpos) {
+  mjModel& m = *model_.get();
+  std::copy(qpos.begin(), qpos.end(), data_->qpos);
+  // Positions only: forces are the log's business.
+  mj_kinematics(&m, data_.get());
+  mj_comPos(&m, data_.get());
+  mj_camlight(&m, data_.get());
+  mj_tendon(&m, data_.get());
+  upload_height_fields();
+}
+
+void SceneView::upload_height_fields() {
+  const mjModel& m = *model_.get();
+  if (std::equal(uploaded_heights_.begin(), uploaded_heights_.end(), m.hfield_data)) return;
+  uploaded_heights_.assign(m.hfield_data, m.hfield_data + m.nhfielddata);
+  for (int i = 0; i < m.nhfield; ++i) mjr_uploadHField(&m, &context_, i);
+}
+
+SceneView::Segment SceneView::place(const SceneArrow& arrow) const {
+  const Eigen::Vector3d site =
+      vector(data_->site_xpos + static_cast<std::ptrdiff_t>(3) * arrow.site);
+  Eigen::Vector3d reach = arrow.vector_m;
+  if (arrow.in_site_frame) {
+    using RowMajor = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+    reach =
+        Eigen::Map<const RowMajor>(data_->site_xmat + static_cast<std::ptrdiff_t>(9) * arrow.site) *
+        reach;
+  }
+  const Eigen::Vector3d from = site + arrow.offset_m;
+  return {from, from + reach};
+}
+
+void SceneView::add(const SceneArrow& arrow) {
+  const auto add_geom = [&](auto&& shape) {
+    if (scene_.ngeom >= scene_.maxgeom) return;
+    mjvGeom& geom = scene_.geoms[scene_.ngeom++];
+    const std::array<float, 4> rgba = {
+        static_cast<float>(arrow.colour.red), static_cast<float>(arrow.colour.green),
+        static_cast<float>(arrow.colour.blue), static_cast<float>(arrow.colour.alpha)};
+    mjv_initGeom(&geom, mjGEOM_SPHERE, nullptr, nullptr, nullptr, rgba.data());
+    shape(geom);
+    geom.category = mjCAT_DECOR;
+    geom.emission = kGlow;
+  };
+  const Segment segment = place(arrow);
+  if ((segment.to - segment.from).norm() > 1e-4) {
+    add_geom([&](mjvGeom& geom) {
+      mjv_makeConnector(&geom, mjGEOM_ARROW, kArrowRadius_m, segment.from.x(), segment.from.y(),
+                        segment.from.z(), segment.to.x(), segment.to.y(), segment.to.z());
+    });
+  }
+  if (arrow.contact_mark_m > 0.0) {
+    const Eigen::Vector3d at = segment.from - arrow.offset_m;
+    add_geom([&](mjvGeom& geom) {
+      std::fill_n(geom.size, 3, static_cast<float>(arrow.contact_mark_m));
+      for (int i = 0; i < 3; ++i) geom.pos[i] = static_cast<float>(at[i]);
+    });
+  }
+}
+
+void SceneView::draw(const mjrRect& viewport, const std::vector<SceneArrow>& arrows) {
+  viewport_ = viewport;
+  mjv_updateScene(model_.get(), data_.get(), &options_, nullptr, &camera_, mjCAT_ALL, &scene_);
+  const double aspect = static_cast<double>(viewport.width) / viewport.height;
+  if (aspect < kFramedAspect) {
+    const auto taller = static_cast<float>(kFramedAspect / aspect);
+    for (mjvGLCamera& camera : scene_.camera) {
+      camera.frustum_bottom *= taller;
+      camera.frustum_top *= taller;
+    }
+  }
+  for (const SceneArrow& arrow : arrows) add(arrow);
+  mjr_render(viewport, &scene_, &context_);
+}
+
+std::optional<Point> SceneView::end_of(const SceneArrow& arrow) const {
+  const mjvGLCamera camera = mjv_averageCamera(&scene_.camera[0], &scene_.camera[1]);
+  const Eigen::Vector3d eye = Eigen::Map<const Eigen::Vector3f>(camera.pos).cast<double>();
+  const Eigen::Vector3d forward = Eigen::Map<const Eigen::Vector3f>(camera.forward).cast<double>();
+  const Eigen::Vector3d up = Eigen::Map<const Eigen::Vector3f>(camera.up).cast<double>();
+  const Eigen::Vector3d ray = place(arrow).to - eye;
+  const double depth = ray.dot(forward);
+  if (depth <= camera.frustum_near) return std::nullopt;
+  const double half_height = 0.5 * (camera.frustum_top - camera.frustum_bottom);
+  const double per_pixel = 0.5 * viewport_.height * camera.frustum_near / (half_height * depth);
+  return Point{0.5 * viewport_.width + per_pixel * ray.dot(forward.cross(up)),
+               0.5 * viewport_.height - per_pixel * ray.dot(up)};
+}
+
+}  // namespace breakwater

@@ -1,0 +1,79 @@
+// One run's plant, drawn at one instant after the other.
+#pragma once
+
+#include <mujoco/mujoco.h>
+
+#include <Eigen/Core>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "render/canvas.h"
+#include "render/look.h"
+#include "sim/model.h"
+
+namespace breakwater {
+
+/// An arrow in the scene: a force, say.
+struct SceneArrow {
+  int site = 0;                                        ///< where it starts
+  Eigen::Vector3d offset_m = Eigen::Vector3d::Zero();  ///< of its start from the site, world
+  Eigen::Vector3d vector_m = Eigen::Vector3d::Zero();  ///< how far it reaches
+  bool in_site_frame = false;                          ///< the vector; else it is the world's
+  double contact_mark_m = 0.0;  ///< radius of a ball at the site itself; 0: none
+  Colour colour;
+};
+
+/// The positions between two logged ones, each joint on its shortest way: part 0 is the first.
+void interpolate_qpos(const mjModel& model, std::span<const double> first,
+                      std::span<const double> second, double part, std::vector<double>& qpos);
+
+/// The number of the model's camera of that name; −1 for none, one that shows all of it, if the
+/// name is empty. Throws std::invalid_argument that lists the cameras if there is none of that
+/// name.
+int camera_id(const Model& model, const std::string& name);
+
+/// Draws a model into the OpenGL context that was current when it was made.
+class SceneView {
+ public:
+  /// The model outlives it; `camera` is a camera_id(). Throws RenderError.
+  SceneView(Model& model, int camera, const Look& look);
+  ~SceneView();
+  SceneView(const SceneView&) = delete;
+  SceneView& operator=(const SceneView&) = delete;
+
+  /// Poses the plant. Height fields that changed since are taken over.
+  void pose(std::span<const double> qpos);
+  /// Draws it into a part of the picture, given in pixels from the left and the bottom.
+  void draw(const mjrRect& viewport, const std::vector<SceneArrow>& arrows);
+  /// Where an arrow's end is in the part of the picture last drawn, in pixels from that part's
+  /// left and top; nothing if it is behind the camera. Valid after draw().
+  std::optional<Point> end_of(const SceneArrow& arrow) const;
+
+ private:
+  struct Delete {
+    void operator()(mjData* data) const { mj_deleteData(data); }
+  };
+
+  struct Segment {
+    Eigen::Vector3d from;
+    Eigen::Vector3d to;
+  };
+  Segment place(const SceneArrow& arrow) const;
+  void add(const SceneArrow& arrow);
+  void upload_height_fields();
+
+  Model& model_;
+  std::unique_ptr<mjData, Delete> data_;
+  mjvScene scene_;
+  mjrContext context_;
+  mjvCamera camera_;
+  mjvOption options_;
+  mjrRect viewport_{};
+  std::vector<float> uploaded_heights_;
+};
+
+}  // namespace breakwater

@@ -1,0 +1,215 @@
+#include "render/video_file.h"
+
+#include <unistd.h>
+
+extern "C" {
+#include <libavcodec/avcodec.h>
+#include <libavformat/avformat.h>
+#include <libavutil/opt.h>
+#include <libswscale/swscale.h>
+}
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <string>
+#include <system_error>
+
+#include "record/output_error.h"
+#include "render/render_error.h"
+
+namespace breakwater {
+namespace {
+
+// Quick enough to keep up with drawing; x264's own quality scale, where 18 looks like the original.
+constexpr const char* kPreset = "superfast";
+constexpr const char* kQuality = "19";
+// One: more change the file's bits, and the other cores draw.
+constexpr int kThreads = 1;
+
+struct Planes {
+  std::array<std::uint8_t*, 4> data{};
+  std::array<int, 4> stride{};
+};
+
+Planes planes(std::uint8_t* frame, int width, int height) {
+  const std::ptrdiff_t luma = static_cast<std::ptrdiff_t>(width) * height;
+  return {{frame, frame + luma, frame + luma + luma / 4, nullptr},
+          {width, width / 2, width / 2, 0}};
+}
+
+}  // namespace
+
+std::size_t yuv420p_bytes(int width, int height) {
+  return static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * 3 / 2;
+}
+
+struct ColourConverter::Scaler {
+  SwsContext* context = nullptr;
+
+  Scaler() = default;
+  Scaler(const Scaler&) = delete;
+  Scaler& operator=(const Scaler&) = delete;
+  ~Scaler() { sws_freeContext(context); }
+};
+
+ColourConverter::ColourConverter(int width, int height)
+    : scaler_(std::make_unique<Scaler>()), width_(width), height_(height) {
+  scaler_->context =
+      sws_getContext(width, height, AV_PIX_FMT_BGR0, width, height, AV_PIX_FMT_YUV420P,
+                     SWS_FAST_BILINEAR, nullptr, nullptr, nullptr);
+  if (scaler_->context == nullptr) throw RenderError("video: FFmpeg cannot convert the colours");
+  const int* rec709 = sws_getCoefficients(SWS_CS_ITU709);
+  constexpr int kUnity = 1 << 16;
+  sws_setColorspaceDetails(scaler_->context, rec709, 1, rec709, 0, 0, kUnity, kUnity);
+}
+
+ColourConverter::~ColourConverter() = default;
+
+void ColourConverter::convert(const std::uint8_t* pixels, std::uint8_t* frame) {
+  const std::array<const std::uint8_t*, 4> source = {pixels, nullptr, nullptr, nullptr};
+  const std::array<int, 4> stride = {4 * width_, 0, 0, 0};
+  const Planes target = planes(frame, width_, height_);
+  sws_scale(scaler_->context, source.data(), stride.data(), 0, height_, target.data.data(),
+            target.stride.data());
+}
+
+struct VideoFile::Streams {
+  AVFormatContext* container = nullptr;
+  AVCodecContext* encoder = nullptr;
+  AVStream* stream = nullptr;
+  AVFrame* frame = nullptr;
+  AVPacket* packet = nullptr;
+
+  Streams() = default;
+  Streams(const Streams&) = delete;
+  Streams& operator=(const Streams&) = delete;
+  ~Streams() {
+    av_packet_free(&packet);
+    av_frame_free(&frame);
+    avcodec_free_context(&encoder);
+    if (container != nullptr) {
+      avio_closep(&container->pb);
+      avformat_free_context(container);
+    }
+  }
+};
+
+VideoFile::VideoFile(const std::filesystem::path& file, const VideoFormat& format)
+    : file_(file),
+      partial_(file.parent_path() /
+               ("." + file.filename().string() + ".partial-" + std::to_string(getpid()))),
+      format_(format),
+      streams_(std::make_unique<Streams>()) {
+  av_log_set_level(AV_LOG_QUIET);
+  Streams& s = *streams_;
+  const AVCodec* codec = avcodec_find_encoder_by_name(format.encoder.c_str());
+  if (codec == nullptr) {
+    throw RenderError("video: FFmpeg's libraries have no encoder " + format.encoder);
+  }
+  s.encoder = avcodec_alloc_context3(codec);
+  s.frame = av_frame_alloc();
+  s.packet = av_packet_alloc();
+  // By its name the file is opened a second time, to put the index in front.
+  avformat_alloc_output_context2(&s.container, nullptr, "mp4", partial_.c_str());
+  if (s.encoder == nullptr || s.frame == nullptr || s.packet == nullptr || s.container == nullptr) {
+    throw RenderError("video: no memory for the encoder");
+  }
+  AVCodecContext& e = *s.encoder;
+  e.width = format.width;
+  e.height = format.height;
+  e.pix_fmt = AV_PIX_FMT_YUV420P;
+  e.time_base = {1, format.fps};
+  e.framerate = {format.fps, 1};
+  e.gop_size = 2 * format.fps;
+  e.thread_count = kThreads;
+  e.color_range = AVCOL_RANGE_MPEG;
+  e.colorspace = AVCOL_SPC_BT709;
+  e.color_primaries = AVCOL_PRI_BT709;
+  e.color_trc = AVCOL_TRC_BT709;
+  e.flags |= AV_CODEC_FLAG_GLOBAL_HEADER;
+  av_opt_set(e.priv_data, "preset", kPreset, 0);
+  av_opt_set(e.priv_data, "crf", kQuality, 0);
+  if (avcodec_open2(&e, codec, nullptr) < 0) {
+    throw RenderError("video: the encoder " + format.encoder + " does not take " +
+                      std::to_string(format.width) + "x" + std::to_string(format.height) + " at " +
+                      std::to_string(format.fps) + " frames/s");
+  }
+  s.stream = avformat_new_stream(s.container, nullptr);
+  if (s.stream == nullptr) throw RenderError("video: no memory for the encoder");
+  s.stream->time_base = e.time_base;
+  s.stream->avg_frame_rate = e.framerate;
+  if (avcodec_parameters_from_context(s.stream->codecpar, &e) < 0) {
+    throw RenderError("video: no memory for the encoder");
+  }
+  s.frame->format = e.pix_fmt;
+  s.frame->width = e.width;
+  s.frame->height = e.height;
+
+  try {
+    check(avio_open(&s.container->pb, partial_.c_str(), AVIO_FLAG_WRITE));
+    AVDictionary* options = nullptr;
+    av_dict_set(&options, "movflags", "+faststart", 0);
+    const int status = avformat_write_header(s.container, &options);
+    av_dict_free(&options);
+    check(status);
+  } catch (...) {
+    std::error_code ignored;
+    std::filesystem::remove(partial_, ignored);
+    throw;
+  }
+}
+
+VideoFile::~VideoFile() {
+  streams_.reset();
+  std::error_code ignored;
+  std::filesystem::remove(partial_, ignored);
+}
+
+void VideoFile::check(int status) const {
+  if (status >= 0) return;
+  std::array<char, AV_ERROR_MAX_STRING_SIZE> reason{};
+  av_strerror(status, reason.data(), reason.size());
+  throw OutputError(file_.string() + ": cannot be written (" + reason.data() + ")");
+}
+
+// A null frame asks for what the encoder still holds.
+void VideoFile::encode(const void* frame) {
+  Streams& s = *streams_;
+  check(avcodec_send_frame(s.encoder, static_cast<const AVFrame*>(frame)));
+  for (;;) {
+    const int status = avcodec_receive_packet(s.encoder, s.packet);
+    if (status == AVERROR(EAGAIN) || status == AVERROR_EOF) return;
+    check(status);
+    s.packet->duration = 1;
+    av_packet_rescale_ts(s.packet, s.encoder->time_base, s.stream->time_base);
+    s.packet->stream_index = s.stream->index;
+    check(av_interleaved_write_frame(s.container, s.packet));
+  }
+}
+
+void VideoFile::append(const std::uint8_t* frame) {
+  AVFrame& f = *streams_->frame;
+  // The encoder only reads, and copies what it keeps.
+  const Planes source = planes(const_cast<std::uint8_t*>(frame), format_.width, format_.height);
+  for (std::size_t i = 0; i < 3; ++i) {
+    f.data[i] = source.data[i];
+    f.linesize[i] = source.stride[i];
+  }
+  f.pts = frames_++;
+  encode(&f);
+}
+
+void VideoFile::finish() {
+  Streams& s = *streams_;
+  encode(nullptr);
+  check(av_write_trailer(s.container));
+  avio_flush(s.container->pb);
+  check(s.container->pb->error);
+  check(avio_closep(&s.container->pb));
+  std::error_code error;
+  std::filesystem::rename(partial_, file_, error);
+  if (error) throw OutputError(file_.string() + ": cannot be written (" + error.message() + ")");
+}
+
+}  // namespace breakwater

@@ -1,0 +1,69 @@
+// An MP4 file that grows frame by frame.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace breakwater {
+
+struct VideoFormat {
+  int width = 1280;  ///< even
+  int height = 720;  ///< even
+  int fps = 30;
+  std::string encoder = "libx264";
+};
+
+/// Bytes of one frame as the encoder takes it: planes Y, U, V, the latter two of half the size.
+std::size_t yuv420p_bytes(int width, int height);
+
+/// Converts pictures to the encoder's colours (Rec. 709, limited range).
+class ColourConverter {
+ public:
+  ColourConverter(int width, int height);
+  ~ColourConverter();
+  ColourConverter(const ColourConverter&) = delete;
+  ColourConverter& operator=(const ColourConverter&) = delete;
+
+  /// From 4 bytes a pixel (blue, green, red, unused) to yuv420p_bytes().
+  void convert(const std::uint8_t* pixels, std::uint8_t* frame);
+
+ private:
+  struct Scaler;
+  std::unique_ptr<Scaler> scaler_;
+  int width_;
+  int height_;
+};
+
+/// Writes H.264 in MP4 that browsers play before they have all of it (faststart). Frame k is shown
+/// at k/fps. Written beside its name, which it takes when finish() is done; without that nothing
+/// is left.
+class VideoFile {
+ public:
+  /// Throws RenderError if FFmpeg's libraries lack the encoder, OutputError if the file cannot be
+  /// made.
+  VideoFile(const std::filesystem::path& file, const VideoFormat& format);
+  ~VideoFile();
+  VideoFile(const VideoFile&) = delete;
+  VideoFile& operator=(const VideoFile&) = delete;
+
+  /// Appends a frame of yuv420p_bytes(). Throws OutputError if the disk is full.
+  void append(const std::uint8_t* frame);
+  void finish();
+
+ private:
+  struct Streams;
+
+  void encode(const void* frame);
+  void check(int status) const;
+
+  std::filesystem::path file_;
+  std::filesystem::path partial_;
+  VideoFormat format_;
+  std::int64_t frames_ = 0;
+  std::unique_ptr<Streams> streams_;
+};
+
+}  // namespace breakwater

@@ -1,0 +1,123 @@
+#include "scenario/finished_run.h"
+
+#include <fmt/core.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <stdexcept>
+
+#include "record/run_folder.h"
+
+namespace breakwater {
+namespace {
+
+std::optional<double> number_of(const ConfigEntry* entry) {
+  if (entry == nullptr) return std::nullopt;
+  if (const auto* integer = std::get_if<std::int64_t>(&entry->value.data)) {
+    return static_cast<double>(*integer);
+  }
+  if (const auto* real = std::get_if<double>(&entry->value.data)) return *real;
+  return std::nullopt;
+}
+
+std::vector<Series> columns(const std::vector<double>& times_s, const LoggedSignal& signal) {
+  std::vector<Series> all(signal.width, Series{times_s, std::vector<double>(signal.rows)});
+  for (std::size_t i = 0; i < signal.rows; ++i) {
+    for (std::size_t k = 0; k < signal.width; ++k) all[k].values[i] = signal.row(i)[k];
+  }
+  return all;
+}
+
+}  // namespace
+
+FinishedRun::FinishedRun(const std::filesystem::path& folder) : folder_(folder) {
+  for (const char* file : {"manifest.json", "config.toml", "log.h5"}) {
+    if (!std::filesystem::is_regular_file(folder_ / file)) {
+      throw std::invalid_argument(folder_.string() + ": is not a finished run: it has no " + file);
+    }
+  }
+  if (!is_run_folder(folder_)) {
+    throw std::invalid_argument((folder_ / "manifest.json").string() + ": is not a run's manifest");
+  }
+  std::ifstream stream(folder_ / "manifest.json");
+  const auto manifest = nlohmann::json::parse(stream);
+  case_name_ = manifest.value("case", "");
+  scenario_ = make_scenario(manifest.value("scenario", ""));
+
+  const ScenarioFile file((folder_ / "config.toml").string(), scenario_->name());
+  config_ = std::make_unique<Config>(file.config(case_name_));
+  Fields fields = scenario_->fields();
+  fields.read(*config_);
+  scenario_->check(*config_);
+
+  times_s_ = read_hdf5_signal(log_file(), "control/time_s").values;
+  qpos_ = read_hdf5_signal(log_file(), "control/qpos");
+  if (times_s_.size() < 2 || qpos_.rows != times_s_.size()) {
+    throw std::invalid_argument(log_file() + ": is too short to show anything");
+  }
+}
+
+Model FinishedRun::load_scene() const {
+  const ConfigEntry* entry = config_->find("model.mjcf");
+  const auto* name = entry != nullptr ? std::get_if<std::string>(&entry->value.data) : nullptr;
+  if (name == nullptr) config_->fail("model.mjcf", "is missing: there is nothing to draw");
+  Model model = Model::load(config_->find_file_of("model.mjcf", *name));
+  if (static_cast<std::size_t>(model->nq) != qpos_.width) {
+    throw std::invalid_argument(log_file() + ": its qpos has " + std::to_string(qpos_.width) +
+                                " values, but " + model.file() + " has " +
+                                std::to_string(model->nq));
+  }
+  scenario_->prepare_scene(model);
+  return model;
+}
+
+std::vector<Series> FinishedRun::vector_signal(const std::string& name) const {
+  const LoggedSignal logged = read_hdf5_signal(log_file(), "control/" + name);
+  if (logged.rows != times_s_.size()) {
+    throw std::invalid_argument(log_file() + ": control/" + name + " is incomplete");
+  }
+  return columns(times_s_, logged);
+}
+
+Series FinishedRun::signal(const std::string& name) const {
+  const std::size_t bracket = name.find('[');
+  std::vector<Series> all = vector_signal(name.substr(0, bracket));
+  std::size_t index = 1;
+  if (bracket != std::string::npos) {
+    index = std::strtoul(name.c_str() + bracket + 1, nullptr, 10);
+  }
+  if (index < 1 || index > all.size() || (bracket == std::string::npos && all.size() > 1)) {
+    throw std::invalid_argument(log_file() + ": " + name + ": the signal has " +
+                                std::to_string(all.size()) + " values; say which: NAME[1]");
+  }
+  return std::move(all[index - 1]);
+}
+
+Series FinishedRun::value(const std::string& key_or_signal) const {
+  if (const auto number = number_of(config_->find(key_or_signal))) {
+    return {{times_s_.front(), end_s()}, {*number, *number}};
+  }
+  return signal(key_or_signal);
+}
+
+std::string FinishedRun::fill_in(const std::string& text) const {
+  std::string filled = text;
+  for (std::size_t open = filled.find('{'); open != std::string::npos; open = filled.find('{')) {
+    const std::size_t end = filled.find('}', open);
+    const std::string key = filled.substr(open + 1, end - open - 1);
+    const ConfigEntry* entry = config_->find(key);
+    std::string value;
+    if (const auto number = number_of(entry)) {
+      value = fmt::format("{:g}", *number);
+    } else if (entry != nullptr && std::holds_alternative<std::string>(entry->value.data)) {
+      value = std::get<std::string>(entry->value.data);
+    } else {
+      config_->fail(key, "is no number or text that \"" + text + "\" could name");
+    }
+    filled.replace(open, end == std::string::npos ? end : end - open + 1, value);
+  }
+  return filled;
+}
+
+}  // namespace breakwater

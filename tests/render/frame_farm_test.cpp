@@ -1,0 +1,167 @@
+// Frames from several processes: all of them, in order, whatever happens to a process.
+#include "render/frame_farm.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+#include <csignal>
+
+#include <cstring>
+#include <filesystem>
+#include <set>
+#include <thread>
+#include <vector>
+
+#include "record/output_error.h"
+#include "render/render_error.h"
+#include "render/video_file.h"
+#include "support.h"
+
+namespace breakwater {
+namespace {
+
+struct Frame {
+  std::size_t number;
+  pid_t process;
+};
+
+FrameFarm farm_of(std::size_t frames, unsigned processes) {
+  FrameFarm farm;
+  farm.frames = frames;
+  farm.frame_bytes = sizeof(Frame);
+  farm.processes = processes;
+  return farm;
+}
+
+void write_frame(std::size_t number, std::uint8_t* memory) {
+  const Frame frame{number, getpid()};
+  std::memcpy(memory, &frame, sizeof(frame));
+}
+
+TEST(FrameFarm, GivesAllFramesInOrderFromAllProcesses) {
+  std::vector<std::size_t> numbers;
+  std::set<pid_t> processes;
+  draw_frames(
+      farm_of(300, 3),
+      [](std::size_t) -> DrawFrame {
+        return [](std::size_t number, std::uint8_t* memory) {
+          usleep(static_cast<useconds_t>(200 * (number % 7)));  // they finish out of order
+          write_frame(number, memory);
+        };
+      },
+      [&](const std::uint8_t* memory) {
+        Frame frame{};
+        std::memcpy(&frame, memory, sizeof(frame));
+        numbers.push_back(frame.number);
+        processes.insert(frame.process);
+      });
+  ASSERT_EQ(numbers.size(), 300U);
+  for (std::size_t i = 0; i < numbers.size(); ++i) EXPECT_EQ(numbers[i], i);
+  EXPECT_EQ(processes.size(), 3U);
+  EXPECT_FALSE(processes.contains(getpid()));
+}
+
+TEST(FrameFarm, ASlowTakerLosesNothing) {
+  std::size_t taken = 0;
+  draw_frames(
+      farm_of(60, 2), [](std::size_t) -> DrawFrame { return write_frame; },
+      [&](const std::uint8_t* memory) {
+        usleep(3000);
+        Frame frame{};
+        std::memcpy(&frame, memory, sizeof(frame));
+        EXPECT_EQ(frame.number, taken++);
+      });
+  EXPECT_EQ(taken, 60U);
+}
+
+TEST(FrameFarm, AProcessesErrorArrivesWithItsWords) {
+  try {
+    draw_frames(
+        farm_of(20, 2),
+        [](std::size_t) -> DrawFrame {
+          return [](std::size_t number, std::uint8_t*) {
+            if (number == 7) throw std::runtime_error("the seventh does not work");
+          };
+        },
+        [](const std::uint8_t*) {});
+    FAIL();
+  } catch (const RenderError& error) {
+    EXPECT_STREQ(error.what(), "the seventh does not work");
+  }
+}
+
+TEST(FrameFarm, ACrashIsAnErrorToo) {
+  try {
+    draw_frames(
+        farm_of(20, 2),
+        [](std::size_t) -> DrawFrame {
+          return [](std::size_t number, std::uint8_t*) {
+            if (number == 5) kill(getpid(), SIGKILL);
+          };
+        },
+        [](const std::uint8_t*) {});
+    FAIL();
+  } catch (const RenderError& error) {
+    EXPECT_NE(std::string(error.what()).find("signal 9"), std::string::npos) << error.what();
+  }
+}
+
+TEST(FrameFarm, ATakersErrorEndsIt) {
+  EXPECT_THROW(draw_frames(
+                   farm_of(1000, 2), [](std::size_t) -> DrawFrame { return write_frame; },
+                   [](const std::uint8_t*) { throw OutputError("the disk is full"); }),
+               OutputError);
+}
+
+TEST(FrameFarm, StopsWhenAsked) {
+  std::atomic<bool> stop = false;
+  FrameFarm farm = farm_of(1000000, 2);
+  farm.stop = &stop;
+  EXPECT_THROW(draw_frames(
+                   farm, [](std::size_t) -> DrawFrame { return write_frame; },
+                   [&](const std::uint8_t*) { stop = true; }),
+               Stopped);
+}
+
+TEST(VideoFile, AMissingEncoderIsSaidByName) {
+  const auto file = testing::temporary_path("none.mp4");
+  try {
+    VideoFile video(file, {.width = 64, .height = 64, .fps = 30, .encoder = "libx999"});
+    FAIL();
+  } catch (const RenderError& error) {
+    EXPECT_STREQ(error.what(), "video: FFmpeg's libraries have no encoder libx999");
+  }
+  EXPECT_FALSE(std::filesystem::exists(file));
+}
+
+TEST(VideoFile, WithoutItsEndNothingIsLeft) {
+  const auto folder = testing::temporary_path("video");
+  const testing::Removed removed(folder);
+  std::filesystem::create_directories(folder);
+  {
+    VideoFile video(folder / "a.mp4", {.width = 64, .height = 64, .fps = 30});
+    const std::vector<std::uint8_t> frame(yuv420p_bytes(64, 64), 128);
+    video.append(frame.data());
+    EXPECT_FALSE(std::filesystem::is_empty(folder));
+  }
+  EXPECT_TRUE(std::filesystem::is_empty(folder));
+}
+
+TEST(VideoFile, AFolderThatIsNotThereIsRefused) {
+  EXPECT_THROW(VideoFile("/no/such/folder/a.mp4", {}), OutputError);
+}
+
+TEST(ColourConverter, GivesTheGreysOfTheStandard) {
+  // Rec. 709, limited range: Y = 16 + 219·grey, U = V = 128.
+  constexpr int kSide = 64;
+  ColourConverter converter(kSide, kSide);
+  std::vector<std::uint8_t> frame(yuv420p_bytes(kSide, kSide));
+  for (const int grey : {0, 100, 255}) {
+    const std::vector<std::uint8_t> pixels(4 * kSide * kSide, static_cast<std::uint8_t>(grey));
+    converter.convert(pixels.data(), frame.data());
+    EXPECT_NEAR(frame[kSide * kSide / 2], 16.0 + 219.0 * grey / 255.0, 1.0);
+    EXPECT_NEAR(frame[kSide * kSide + 10], 128, 1);
+  }
+}
+
+}  // namespace
+}  // namespace breakwater

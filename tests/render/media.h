@@ -1,0 +1,86 @@
+// What tests learn of pictures and videos, by programs and libraries that are not ours.
+#pragma once
+
+#include <cairo.h>
+
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace breakwater::testing {
+
+/// What a command prints.
+inline std::string output_of(const std::string& command) {
+  FILE* pipe = popen(command.c_str(), "r");
+  if (pipe == nullptr) throw std::runtime_error(command);
+  std::string text;
+  std::array<char, 4096> buffer{};
+  while (const std::size_t n = fread(buffer.data(), 1, buffer.size(), pipe)) {
+    text.append(buffer.data(), n);
+  }
+  if (pclose(pipe) != 0) throw std::runtime_error(command + " failed");
+  return text;
+}
+
+/// One property of a video's stream, by ffprobe.
+inline std::string probe(const std::filesystem::path& video, const std::string& property) {
+  std::string text = output_of(
+      "ffprobe -v error -count_frames -select_streams v:0 -of csv=p=0 "
+      "-show_entries stream=" +
+      property + " " + video.string());
+  while (!text.empty() && (text.back() == '\n' || text.back() == ',')) text.pop_back();
+  return text;
+}
+
+/// When each of a video's frames is shown [s], by ffprobe.
+inline std::vector<double> frame_times_s(const std::filesystem::path& video) {
+  std::stringstream lines(
+      output_of("ffprobe -v error -select_streams v:0 -of csv=p=0 -show_entries "
+                "frame=best_effort_timestamp_time " +
+                video.string()));
+  std::vector<double> times;
+  for (std::string line; std::getline(lines, line);) {
+    if (!line.empty()) times.push_back(std::strtod(line.c_str(), nullptr));
+  }
+  return times;
+}
+
+/// A PNG file's pixels: blue, green, red, unused.
+struct Png {
+  int width = 0;
+  int height = 0;
+  std::vector<unsigned char> pixels;
+
+  explicit Png(const std::filesystem::path& file) {
+    cairo_surface_t* image = cairo_image_surface_create_from_png(file.c_str());
+    if (cairo_surface_status(image) != CAIRO_STATUS_SUCCESS) {
+      cairo_surface_destroy(image);
+      throw std::runtime_error(file.string() + " is no PNG");
+    }
+    width = cairo_image_surface_get_width(image);
+    height = cairo_image_surface_get_height(image);
+    const unsigned char* data = cairo_image_surface_get_data(image);
+    const int stride = cairo_image_surface_get_stride(image);
+    for (int y = 0; y < height; ++y) {
+      pixels.insert(pixels.end(), data + y * stride, data + y * stride + 4 * width);
+    }
+    cairo_surface_destroy(image);
+  }
+};
+
+/// Mean absolute difference of two pictures' colours, of 255.
+inline double mean_difference(const Png& a, const Png& b) {
+  if (a.width != b.width || a.height != b.height) return 255.0;
+  double sum = 0.0;
+  for (std::size_t i = 0; i < a.pixels.size(); ++i) {
+    if (i % 4 != 3) sum += std::abs(a.pixels[i] - b.pixels[i]);
+  }
+  return sum / (0.75 * static_cast<double>(a.pixels.size()));
+}
+
+}  // namespace breakwater::testing

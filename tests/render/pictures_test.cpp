@@ -1,0 +1,403 @@
+// Pictures and videos of runs, as users make them: right, repeatable, and harmless when they fail.
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <csignal>
+
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "cli/program.h"
+#include "render/media.h"
+#include "scenario/staging.h"
+#include "support.h"
+
+namespace breakwater {
+namespace {
+namespace fs = std::filesystem;
+using testing::Png;
+using testing::probe;
+using testing::ProgramResult;
+using testing::run_program;
+
+// The wall experiment in 6 s: contact at about 5.53 s.
+const std::vector<std::string> kShortWall = {"arm_wall_contact",
+                                             "--quiet",
+                                             "--duration",
+                                             "6",
+                                             "--set",
+                                             "wall.solid_from_s=4",
+                                             "force.from_s=5",
+                                             "metrics.from_s=5.5",
+                                             "metrics.to_s=6",
+                                             "record.fine_from_s=5",
+                                             "record.fine_to_s=6"};
+
+int lines_of(const std::string& text) {
+  return static_cast<int>(std::count(text.begin(), text.end(), '\n'));
+}
+
+class Pictures : public ::testing::Test {
+ protected:
+  Pictures() { fs::create_directories(folder_); }
+
+  ProgramResult run(const std::vector<std::string>& arguments) {
+    return run_program(arguments, folder_);
+  }
+  ProgramResult breakwater(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), "breakwater");
+    return run(arguments);
+  }
+
+  // A run of the wall experiment in folder NAME.
+  void wall(const std::string& name, const std::string& case_name = "proposed-2N") {
+    std::vector<std::string> arguments = kShortWall;
+    arguments.insert(arguments.begin() + 1, {"--case", case_name, "--out", name});
+    const ProgramResult result = run(arguments);
+    ASSERT_EQ(result.status, 0) << result.err;
+  }
+  // Half a second of arm_push: quick.
+  void push(const std::string& name) {
+    const ProgramResult result = run({"arm_push", "--quiet", "--duration", "0.5", "--out", name});
+    ASSERT_EQ(result.status, 0) << result.err;
+  }
+
+  std::string read(const fs::path& file) const {
+    std::stringstream text;
+    text << std::ifstream(folder_ / file).rdbuf();
+    return text.str();
+  }
+  nlohmann::json json(const fs::path& file) const { return nlohmann::json::parse(read(file)); }
+  std::vector<std::string> entries(const fs::path& folder) const {
+    std::vector<std::string> names;
+    for (const auto& entry : fs::directory_iterator(folder_ / folder)) {
+      names.push_back(entry.path().filename().string());
+    }
+    std::sort(names.begin(), names.end());
+    return names;
+  }
+
+  // A video must fail with this status and one line that holds `text`, and leave the run as it was.
+  void expect_failure(const ProgramResult& result, int status, const std::string& text,
+                      const std::vector<std::string>& before, const fs::path& folder) {
+    EXPECT_EQ(result.status, status) << result.err;
+    EXPECT_EQ(lines_of(result.err), 1) << result.err;
+    EXPECT_NE(result.err.find(text), std::string::npos) << result.err;
+    EXPECT_EQ(entries(folder), before);
+  }
+
+  fs::path folder_ = testing::temporary_path("pictures");
+  testing::Removed removed_{folder_};
+};
+
+const std::vector<std::string> kRunFiles = {"config.toml", "log.h5", "manifest.json",
+                                            "metrics.json"};
+
+TEST_F(Pictures, AVideoHasExactlyWhatWasAskedFor) {
+  wall("run");
+  const ProgramResult result =
+      breakwater({"video", "run", "--from", "5.4", "--to", "5.7", "--speed", "0.1", "--fps", "30",
+                  "--size", "320x180", "--look", "fast"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_TRUE(result.err.empty()) << "progress belongs on a terminal: " << result.err;
+  const fs::path video = folder_ / "run" / "video.mp4";
+  EXPECT_EQ(probe(video, "codec_name"), "h264");
+  EXPECT_EQ(probe(video, "pix_fmt"), "yuv420p");
+  EXPECT_EQ(probe(video, "width"), "320");
+  EXPECT_EQ(probe(video, "height"), "180");
+  EXPECT_EQ(probe(video, "nb_read_frames"), "90");  // 0.3 s / 0.1 · 30
+  EXPECT_EQ(probe(video, "r_frame_rate"), "30/1");
+  EXPECT_NEAR(std::stod(probe(video, "duration")), 3.0, 1.0 / 30.0);
+  const std::vector<double> times = testing::frame_times_s(video);
+  ASSERT_EQ(times.size(), 90U);
+  for (std::size_t k = 0; k < times.size(); ++k) {
+    EXPECT_NEAR(times[k], static_cast<double>(k) / 30.0, 1e-5) << "drift at frame " << k;
+  }
+  // A browser plays it before it has all: the index is in front.
+  const std::string bytes = read("run/video.mp4");
+  EXPECT_LT(bytes.find("moov"), bytes.find("mdat"));
+  std::vector<std::string> files = kRunFiles;
+  files.emplace_back("video.mp4");
+  EXPECT_EQ(entries("run"), files);
+
+  // The same frames again, and an odd number of them.
+  ASSERT_EQ(breakwater({"video", "run", "--from", "5.4", "--to", "5.7", "--speed", "0.1", "--fps",
+                        "30", "--size", "320x180", "--look", "fast", "--out", "again.mp4"})
+                .status,
+            0);
+  EXPECT_TRUE(read("again.mp4") == bytes) << "the same run gives other frames";
+  ASSERT_EQ(breakwater({"video", "run", "--from", "5.4", "--to", "5.51", "--speed", "1", "--fps",
+                        "25", "--size", "64x64", "--look", "fast", "--out", "short.mp4"})
+                .status,
+            0);
+  EXPECT_EQ(probe(folder_ / "short.mp4", "nb_read_frames"), "3");  // round(2.75)
+}
+
+TEST_F(Pictures, AVideoChangesNothingOfTheRun) {
+  push("plain");
+  const ProgramResult result = run({"arm_push", "--duration", "0.5", "--video", "--out", "filmed"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_EQ(json("plain/manifest.json")["state_hash"], json("filmed/manifest.json")["state_hash"]);
+  EXPECT_EQ(read("plain/config.toml"), read("filmed/config.toml"));
+  // The shot list's window begins after this run's end, so all of it is shown.
+  EXPECT_EQ(probe(folder_ / "filmed/video.mp4", "nb_read_frames"), "15");
+  EXPECT_EQ(probe(folder_ / "filmed/video.mp4", "width"), "1280");
+  // The table of metrics is still the last thing.
+  EXPECT_LT(result.out.find("video"), result.out.find("results: "));
+
+  EXPECT_EQ(run({"arm_push", "--quiet", "--duration", "0.2", "--video=here.mp4", "--out", "other"})
+                .status,
+            0);
+  EXPECT_TRUE(fs::exists(folder_ / "here.mp4"));
+  EXPECT_FALSE(fs::exists(folder_ / "other/video.mp4"));
+  EXPECT_EQ(run({"arm_push", "--case", "all", "--duration", "0.2", "--video=x.mp4"}).status, 2);
+}
+
+TEST_F(Pictures, WithoutOpenGLTheRunStays) {
+  std::ofstream(folder_ / "libOSMesa.so.8") << "no library";
+  setenv("LD_LIBRARY_PATH", folder_.c_str(), 1);
+  const ProgramResult result =
+      run({"arm_push", "--quiet", "--duration", "0.2", "--video", "--out", "run"});
+  unsetenv("LD_LIBRARY_PATH");
+  expect_failure(result, 4, "pictures need OpenGL", kRunFiles, "run");
+}
+
+TEST_F(Pictures, OnAFullDiskTheRunStays) {
+  push("run");
+  // Files end at 8 kB, without a signal.
+  rlimit before{};
+  getrlimit(RLIMIT_FSIZE, &before);
+  const rlimit small{8192, before.rlim_max};
+  std::signal(SIGXFSZ, SIG_IGN);
+  setrlimit(RLIMIT_FSIZE, &small);
+  const ProgramResult video = breakwater({"video", "run", "--size", "640x360"});
+  const ProgramResult still = breakwater({"still", "run", "--at", "0.1", "--look", "fast"});
+  setrlimit(RLIMIT_FSIZE, &before);
+  expect_failure(video, 4, "video.mp4: cannot be written", kRunFiles, "run");
+  EXPECT_EQ(still.status, 4) << still.err;
+  EXPECT_EQ(lines_of(still.err), 1) << still.err;
+  EXPECT_EQ(entries("run"), kRunFiles);
+}
+
+TEST_F(Pictures, NonsenseIsRefusedInOneLine) {
+  push("run");
+  const std::vector<std::pair<std::vector<std::string>, std::string>> cases = {
+      {{"video", "run", "--camera", "nowhere"}, "has no camera \"nowhere\", but front"},
+      {{"still", "run", "--at", "0.1", "--camera", "nowhere"}, "has no camera"},
+      {{"video", "run", "--size", "321x180"}, "must be even"},
+      {{"video", "run", "--size", "big"}, "must be of the form"},
+      {{"video", "run", "--from", "3", "--to", "4"}, "the log lasts from"},
+      {{"video", "run", "--from", "0.3", "--to", "0.1"}, "must rise"},
+      {{"video", "run", "--speed", "1000"}, "no frame at all"},
+      {{"video", "run", "--look", "nice"}, "fast, full or print"},
+      {{"video", "run", "run", "run", "run", "run"}, "room for 4"},
+      {{"video", "run", "--fps", "0"}, "--fps"},
+      {{"video"}, "RUN is required"},
+      {{"still", "run"}, "--at is required"},
+      {{"still", "run", "--at", "7"}, "the log ends at 0.5 s"},
+      {{"strip", "run"}, "none of the shot list's moments"},
+      {{"video", "nowhere"}, "is not a finished run"}};
+  for (const auto& [arguments, text] : cases) {
+    expect_failure(breakwater(arguments), 2, text, kRunFiles, "run");
+  }
+  for (const char* file : {"log.h5", "config.toml", "manifest.json"}) {
+    fs::rename(folder_ / "run" / file, folder_ / "aside");
+    const ProgramResult result = breakwater({"video", "run"});
+    EXPECT_EQ(result.status, 2);
+    EXPECT_EQ(lines_of(result.err), 1) << result.err;
+    EXPECT_NE(result.err.find(std::string("it has no ") + file), std::string::npos) << result.err;
+    fs::rename(folder_ / "aside", folder_ / "run" / file);
+  }
+  fs::resize_file(folder_ / "run/log.h5", 3000);
+  const ProgramResult result = breakwater({"video", "run"});
+  EXPECT_EQ(result.status, 2);
+  EXPECT_EQ(lines_of(result.err), 1) << result.err;
+}
+
+TEST_F(Pictures, AnInterruptedVideoLeavesNothing) {
+  wall("run");
+  const ProgramResult result =
+      run_program({"breakwater", "video", "run", "--from", "0", "--to", "6", "--speed", "0.01"},
+                  folder_, 1.5, SIGINT);
+  expect_failure(result, 130, "interrupted", kRunFiles, "run");
+}
+
+TEST_F(Pictures, ASlowRendererIsSaid) {
+  push("run");
+  setenv("GALLIUM_DRIVER", "softpipe", 1);
+  const ProgramResult result = breakwater(
+      {"still", "run", "--at", "0.1", "--look", "fast", "--size", "128x96", "--out", "s.png"});
+  unsetenv("GALLIUM_DRIVER");
+  EXPECT_EQ(result.status, 0);
+  EXPECT_EQ(lines_of(result.err), 1);
+  EXPECT_NE(result.err.find("not by llvmpipe"), std::string::npos) << result.err;
+}
+
+TEST_F(Pictures, RunsStandSideBySide) {
+  wall("a");
+  wall("b", "drac-2N");
+  ASSERT_EQ(breakwater({"video", "a", "b", "a", "--from", "5.5", "--to", "5.55", "--speed", "0.1",
+                        "--size", "640x360", "--look", "fast"})
+                .status,
+            0);
+  EXPECT_EQ(probe(folder_ / "a/video.mp4", "width"), "640");
+  EXPECT_EQ(probe(folder_ / "a/video.mp4", "nb_read_frames"), "15");
+  // The first and the third are the same run: the same thirds of the picture.
+  ASSERT_EQ(breakwater({"still", "a", "b", "a", "--at", "5.6", "--size", "720x360", "--look",
+                        "fast", "--out", "s.png"})
+                .status,
+            0);
+  const Png png(folder_ / "s.png");
+  ASSERT_EQ(png.width, 720);
+  const auto difference = [&](int column_a, int column_b) {
+    double sum = 0.0;
+    for (int y = 0; y < png.height; ++y) {
+      for (int i = 4 * 4; i < 4 * (240 - 4); ++i) {  // but for the lines between
+        const auto row = static_cast<std::size_t>(4 * y * png.width);
+        sum += std::abs(png.pixels[row + static_cast<std::size_t>(4 * column_a + i)] -
+                        png.pixels[row + static_cast<std::size_t>(4 * column_b + i)]);
+      }
+    }
+    return sum / (4.0 * 232 * png.height);
+  };
+  EXPECT_LT(difference(0, 480), 0.05);
+  EXPECT_GT(difference(0, 240), 0.5);
+}
+
+// Pixels of the tip's red right of the middle, as a range of columns.
+struct Columns {
+  int first = 100000;
+  int last = -1;
+};
+
+Columns red_columns(const std::uint8_t* pixels, int width, int height) {
+  Columns columns;
+  for (int i = 0; i < width * height; ++i) {
+    const std::uint8_t* p = pixels + static_cast<std::ptrdiff_t>(4 * i);
+    if (p[2] > p[1] + 90 && p[2] > p[0] + 90) {
+      columns.first = std::min(columns.first, i % width);
+      columns.last = std::max(columns.last, i % width);
+    }
+  }
+  return columns;
+}
+
+TEST_F(Pictures, TheTipTouchesTheWallInTheImpactStill) {
+  wall("run");
+  const FinishedRun run(folder_ / "run");
+  ShotList shots = shot_list("arm_wall_contact");
+  const auto impact = std::find_if(shots.moments.begin(), shots.moments.end(),
+                                   [](const ShotMoment& m) { return m.caption == "impact"; });
+  ASSERT_NE(impact, shots.moments.end());
+  ShotMoment moment = *impact;
+  moment.at_s = 5.0;  // this run's force control begins earlier
+  const auto impact_s = time_of(moment, run);
+  ASSERT_TRUE(impact_s);
+  EXPECT_NEAR(*impact_s, 5.0 + json("run/metrics.json")["free_motion_time_s"].get<double>(), 1e-3);
+
+  shots.arrows.clear();  // the tip is the one red thing then
+  shots.lines.clear();
+  std::vector<PictureRun> runs;
+  runs.push_back(stage(run, shots, "top"));
+  const Model& model = runs.front().model;
+  const PictureStyle style{.width = 1280, .height = 720, .look = kFastLook, .captions = false};
+
+  // Where the camera, which looks straight down, sees the wall's face at the tip's height.
+  const int camera = runs.front().camera;
+  const double face_x = 0.45 + 0.089;
+  const double per_m = 360.0 / (model->cam_pos[3 * camera + 2] *
+                                std::tan(0.5 * model->cam_fovy[camera] * 3.14159265358979 / 180));
+  const double face_px = 640.0 + per_m * (face_x - model->cam_pos[3 * camera]);
+
+  Picture picture(runs, style);
+  const Columns touching = red_columns(picture.draw(*impact_s), 1280, 720);
+  EXPECT_NEAR(touching.last + 1, face_px, 3.0);
+  const Columns before = red_columns(picture.draw(*impact_s - 0.1), 1280, 720);
+  EXPECT_LT(before.last + 1, face_px - 0.012 * per_m);  // at 0.19 m/s
+}
+
+TEST_F(Pictures, TheChartEndsWhereTheLogSays) {
+  wall("run");
+  const FinishedRun run(folder_ / "run");
+  const ShotList shots = shot_list("arm_wall_contact");
+  std::vector<PictureRun> runs;
+  runs.push_back(stage(run, shots, ""));
+  PictureStyle style{.width = 1280, .height = 720, .look = kFastLook};
+  style.chart_range = {5.4, 6.0, 0.0, 10.0};
+  Picture picture(runs, style);
+  const LoggedSignal times = read_hdf5_signal((folder_ / "run/log.h5").string(), "control/time_s");
+  const LoggedSignal force =
+      read_hdf5_signal((folder_ / "run/log.h5").string(), "control/force_true_N");
+  int charged = 0;
+  for (const std::size_t row : {5450U, 5560U, 5600U, 5900U}) {
+    const double time_s = times.values[row];
+    const std::uint8_t* pixels = picture.draw(time_s);
+    const Point dot = picture.chart(0).place(time_s, force.values[row]);
+    const Rectangle& area = picture.chart_area(0);
+    const int x = static_cast<int>(std::lround(area.left + dot.x - 0.5));
+    const int y = static_cast<int>(std::lround(area.top + dot.y - 0.5));
+    const Colour colour = Chart::colour(0);
+    for (int dy = -2; dy <= 2; ++dy) {
+      const std::uint8_t* p = pixels + static_cast<std::ptrdiff_t>(4 * ((y + dy) * 1280 + x));
+      EXPECT_NEAR(p[2], 255.0 * colour.red, 3.0) << time_s;
+      EXPECT_NEAR(p[1], 255.0 * colour.green, 3.0) << time_s;
+    }
+    charged += force.values[row] > 1.0 ? 1 : 0;
+  }
+  EXPECT_GT(charged, 0) << "the test looks at no contact";
+}
+
+TEST_F(Pictures, AScenarioWithoutAShotListIsDrawnToo) {
+  push("run");
+  const ShotList shots = shot_list("no_such_scenario");
+  std::deque<FinishedRun> finished;
+  finished.emplace_back(folder_ / "run");
+  const Window window = choose_window(finished, shots, {});
+  EXPECT_DOUBLE_EQ(window.from_s, 0.0);
+  EXPECT_NEAR(window.to_s, 0.5, 1e-9);
+  EXPECT_EQ(window.frames(30), 15U);
+  std::vector<PictureRun> runs;
+  runs.push_back(stage(finished.front(), shots, ""));
+  Picture picture(runs, {.width = 320, .height = 240, .look = kFastLook});
+  const std::uint8_t* pixels = picture.draw(0.2);
+  // The arm is in sight: its orange caps are.
+  int orange = 0;
+  for (int i = 0; i < 320 * 240; ++i) {
+    const std::uint8_t* p = pixels + static_cast<std::ptrdiff_t>(4 * i);
+    orange += p[2] > 180 && p[0] < 90 && p[1] > 90 && p[1] < 190 ? 1 : 0;
+  }
+  EXPECT_GT(orange, 20);
+}
+
+TEST_F(Pictures, ShotListsAreCheckedLikeScenarioFiles) {
+  std::stringstream text;
+  text << std::ifstream(testing::source_file("renders/arm_wall_contact.toml")).rdbuf();
+  const std::vector<std::array<std::string, 3>> cases = {
+      {"speed = 0.1", "speed = 0.0", "video.speed: must be positive"},
+      {"unit = \"N\"", "unti = \"N\"", "arrow.1.unti: unknown key (did you mean arrow.1.unit?)"},
+      {"along = [-1.0, 0.0, 0.0]", "along = [-1.0]", "arrow.1.along: must have 3 numbers"},
+      {"width = 1280", "width = 1281", "video.width: must be even"},
+      {"to_s = 31.5", "to_s = 1.5", "video.to_s: must be after"}};
+  for (const auto& [from, to, message] : cases) {
+    std::string copy = text.str();
+    const auto at = copy.find(from);
+    ASSERT_NE(at, std::string::npos) << from;
+    const auto line = 1 + std::count(copy.begin(), copy.begin() + static_cast<long>(at), '\n');
+    const fs::path file = folder_ / "shots.toml";
+    std::ofstream(file) << copy.replace(at, from.size(), to);
+    try {
+      read_shot_list(file.string());
+      FAIL() << to;
+    } catch (const std::invalid_argument& error) {
+      EXPECT_EQ(std::string(error.what())
+                    .find(file.string() + ":" + std::to_string(line) + ": " + message),
+                0U)
+          << error.what();
+    }
+  }
+}
+
+}  // namespace
+}  // namespace breakwater

@@ -1,0 +1,168 @@
+// The scene: what is drawn is where geometry says.
+#include "render/scene_view.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <array>
+#include <fstream>
+
+#include "render/offscreen.h"
+#include "render/picture.h"
+#include "support.h"
+
+namespace breakwater {
+namespace {
+
+constexpr int kWidth = 320;
+constexpr int kHeight = 240;
+constexpr Colour kRed{1.0, 0.0, 0.0, 1.0};
+
+Model load(const std::string& mjcf) {
+  const auto file = testing::temporary_path("scene.xml");
+  const testing::Removed removed(file);
+  std::ofstream(file) << mjcf;
+  return Model::load(file.string());
+}
+
+// A ball on a free joint, seen by a camera that looks along -z from 2 m with 60 degrees.
+Model ball() {
+  return load(R"(<mujoco><worldbody>
+    <light pos="0 0 3"/>
+    <camera name="above" pos="0 0 2" xyaxes="1 0 0 0 1 0" fovy="60"/>
+    <body name="ball"><freejoint/>
+      <geom type="sphere" size="0.05" mass="1" rgba="0 0 1 1"/><site name="middle"/>
+      <site name="side" pos="0.2 0 0"/></body>
+    </worldbody></mujoco>)");
+}
+
+// The mean place of the pixels for which blue or red dominates.
+Point centre(const std::vector<std::uint8_t>& pixels, bool red) {
+  double x = 0.0;
+  double y = 0.0;
+  int count = 0;
+  for (int i = 0; i < kWidth * kHeight; ++i) {
+    const std::uint8_t* p = &pixels[static_cast<std::size_t>(4 * i)];
+    if (red ? p[2] > p[0] + 60 : p[0] > p[2] + 60) {
+      x += i % kWidth + 0.5;
+      y += i / kWidth + 0.5;
+      ++count;
+    }
+  }
+  EXPECT_GT(count, 0);
+  return {x / count, y / count};
+}
+
+TEST(SceneView, APinholeCameraSeesTheBallWhereItIs) {
+  Model model = ball();
+  Offscreen offscreen(kWidth, kHeight);
+  ASSERT_TRUE(offscreen.is_fast()) << offscreen.renderer();
+  SceneView view(model, camera_id(model, "above"), kFastLook);
+  for (const auto& at : {std::array{0.0, 0.0}, std::array{0.6, 0.3}, std::array{-0.5, -0.7}}) {
+    view.pose(std::array{at[0], at[1], 0.0, 1.0, 0.0, 0.0, 0.0});
+    view.draw({0, 0, kWidth, kHeight}, {});
+    offscreen.finish();
+    const Point seen = centre(offscreen.pixels(), false);
+    const double per_m = 0.5 * kHeight / (2.0 * std::tan(0.5 * 60.0 * 3.14159265358979 / 180.0));
+    EXPECT_NEAR(seen.x, 0.5 * kWidth + per_m * at[0], 1.0);
+    EXPECT_NEAR(seen.y, 0.5 * kHeight - per_m * at[1], 1.0);
+  }
+}
+
+TEST(SceneView, KnowsWhereAnArrowEnds) {
+  Model model = ball();
+  Offscreen offscreen(kWidth, kHeight);
+  SceneView view(model, camera_id(model, "above"), kFastLook);
+  // Turned by 90 degrees about z: the site's x axis is the world's y axis.
+  view.pose(std::array{0.1, 0.0, 0.0, std::sqrt(0.5), 0.0, 0.0, std::sqrt(0.5)});
+  SceneArrow arrow;
+  arrow.site = model.id(mjOBJ_SITE, "side");
+  arrow.in_site_frame = true;
+  arrow.vector_m = {0.3, 0.0, 0.0};
+  arrow.colour = kRed;
+  view.draw({0, 0, kWidth, kHeight}, {arrow});
+  offscreen.finish();
+  const Point seen = centre(offscreen.pixels(), true);
+  const auto end = view.end_of(arrow);
+  ASSERT_TRUE(end);
+  const double per_m = 0.5 * kHeight / (2.0 * std::tan(0.5 * 60.0 * 3.14159265358979 / 180.0));
+  EXPECT_NEAR(end->x, 0.5 * kWidth + per_m * 0.1, 0.1);
+  EXPECT_NEAR(end->y, 0.5 * kHeight - per_m * 0.5, 0.1);
+  // The arrow itself lies between the site, 0.2 m up, and its end, 0.5 m up.
+  EXPECT_NEAR(seen.x, end->x, 1.5);
+  EXPECT_GT(seen.y, end->y + 0.1 * per_m);
+  EXPECT_LT(seen.y, end->y + 0.25 * per_m);
+}
+
+TEST(SceneView, AnUnknownCameraIsRefusedByName) {
+  const Model model = ball();
+  EXPECT_EQ(camera_id(model, ""), -1);
+  try {
+    camera_id(model, "below");
+    FAIL();
+  } catch (const std::invalid_argument& error) {
+    const std::string what = error.what();
+    EXPECT_NE(what.find("has no camera \"below\", but above"), std::string::npos) << what;
+  }
+}
+
+TEST(InterpolateQpos, TurnsTheShortestWay) {
+  const Model model = ball();
+  const Eigen::Quaterniond a(Eigen::AngleAxisd(0.4, Eigen::Vector3d(1, 2, 3).normalized()));
+  Eigen::Quaterniond b(Eigen::AngleAxisd(1.3, Eigen::Vector3d(-1, 0.5, 1).normalized()));
+  b.coeffs() *= -1.0;  // the same rotation
+  const std::array<double, 7> first = {1, 2, 3, a.w(), a.x(), a.y(), a.z()};
+  const std::array<double, 7> second = {2, 0, 3, b.w(), b.x(), b.y(), b.z()};
+  std::vector<double> qpos;
+  interpolate_qpos(*model.get(), first, second, 0.3, qpos);
+  EXPECT_NEAR(qpos[0], 1.3, 1e-12);
+  EXPECT_NEAR(qpos[1], 1.4, 1e-12);
+  const Eigen::Quaterniond expected = a.slerp(0.3, b);
+  const Eigen::Quaterniond turned(qpos[3], qpos[4], qpos[5], qpos[6]);
+  EXPECT_LT(expected.angularDistance(turned), 1e-9);
+}
+
+// What moves besides qpos: a height field whose heights a scenario changes.
+TEST(Picture, ShowsWhatTheScenarioMoves) {
+  const auto run = [](bool moves) {
+    PictureRun staged{.model = load(R"(<mujoco><asset>
+      <hfield name="water" nrow="2" ncol="2" size="1 1 0.5 0.1"/></asset><worldbody>
+      <light pos="0 0 3"/><camera name="side" pos="0 -4 0.2" xyaxes="1 0 0 0 0 1" fovy="40"/>
+      <geom type="hfield" hfield="water" rgba="0 0.3 1 1"/>
+      <body><joint type="slide"/><geom type="sphere" size="0.01" mass="1"/></body>
+      </worldbody></mujoco>)")};
+    staged.camera = 0;
+    staged.times_s = {0.0, 1.0};
+    staged.qpos = {2, 1, {0.0, 0.0}};
+    if (moves) {
+      staged.animate = [](Model& model, double time_s) {
+        std::fill_n(model.get()->hfield_data, 4, static_cast<float>(time_s));
+      };
+    }
+    return staged;
+  };
+  const auto blue_rows = [](const std::uint8_t* pixels) {
+    int rows = 0;
+    for (int y = 0; y < kHeight; ++y) {
+      const std::uint8_t* p = pixels + 4 * (y * kWidth + kWidth / 2);
+      rows += p[0] > p[2] + 60 ? 1 : 0;
+    }
+    return rows;
+  };
+  PictureStyle style{.width = kWidth, .height = kHeight, .look = kFastLook, .captions = false};
+  for (const bool moves : {false, true}) {
+    std::vector<PictureRun> runs;
+    runs.push_back(run(moves));
+    Picture picture(runs, style);
+    const int before = blue_rows(picture.draw(0.0));
+    const int after = blue_rows(picture.draw(1.0));
+    if (moves) {
+      EXPECT_GT(after, before + 15) << "the surface rises by half a metre";
+    } else {
+      EXPECT_EQ(after, before);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace breakwater
