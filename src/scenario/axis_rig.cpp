@@ -12,7 +12,7 @@ namespace breakwater {
 namespace {
 
 Encoder encoder(const AxisSettings& settings) {
-  return {.quantum_rad = settings.quantum(), .phase_rad = settings.encoder_phase};
+  return {.quantum = settings.quantum(), .phase = settings.encoder_phase};
 }
 
 Model load_model(const AxisSettings& settings) {
@@ -105,7 +105,7 @@ void AxisSettings::bind(Fields& fields) {
                   not_negative(), "one count; 0: not quantised [" + u.position + "]");
   }
   fields.number("encoder." + key("phase", u.position_suffix), encoder_phase, any(),
-                "where between two counts the start lies [" + u.position + "]");
+                "how far the start lies from the middle between two edges [" + u.position + "]");
   fields.number("noise." + key("std", u.position_suffix), noise_std, not_negative(),
                 "standard deviation of the measurement's white noise [" + u.position + "]");
   fields.number("noise." + key("input_std", u.force_suffix), input_noise_std, not_negative(),

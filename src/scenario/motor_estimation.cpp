@@ -78,7 +78,8 @@ Recording MotorEstimation::run(const RunControl& control) const {
   SettlingTime settling(start_s, settled_within_ * std::abs(disturbance_.amplitude));
 
   Recording recording;
-  recording.failure = run_loop(steps, control, [&](std::int64_t) {
+  // One step more than the duration has, so that the sample at its end is there.
+  recording.failure = run_loop(steps + 1, control, [&](std::int64_t) {
     rig.step();
     if (!sim.sampled()) return;
     const double t = sim.time_s();
