@@ -8,15 +8,6 @@
 #include "scenario/run_loop.h"
 
 namespace breakwater {
-namespace {
-
-void add(std::vector<Metric>& metrics, const std::string& name, const std::string& unit,
-         const std::optional<double>& value) {
-  if (value) metrics.push_back({name, unit, *value});
-}
-
-}  // namespace
-
 Fields MotorEstimation::fields() {
   Fields fields;
   axis_.bind(fields);

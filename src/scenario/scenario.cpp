@@ -2,6 +2,7 @@
 
 #include "scenario/arm_push.h"
 #include "scenario/arm_wall_contact.h"
+#include "scenario/cart_estimation.h"
 #include "scenario/motor_estimation.h"
 
 namespace breakwater {
@@ -13,7 +14,7 @@ std::unique_ptr<Scenario> make() {
 }
 
 constexpr std::unique_ptr<Scenario> (*kMakers[])() = {make<ArmWallContact>, make<ArmPush>,
-                                                      make<MotorEstimation>};
+                                                      make<CartEstimation>, make<MotorEstimation>};
 
 }  // namespace
 

@@ -1,0 +1,137 @@
+#include "scenario/cart_estimation.h"
+
+#include <cmath>
+#include <utility>
+
+#include "control/disturbance_cancelling_pd.h"
+#include "record/window_metrics.h"
+#include "scenario/run_loop.h"
+
+namespace breakwater {
+namespace {
+
+constexpr double kSettledWithin = 0.05;  // of the step
+
+}  // namespace
+
+Fields CartEstimation::fields() {
+  Fields fields;
+  axis_.bind(fields);
+  estimator_.bind(fields);
+  fields.number("observer.gamma", estimator_.gamma, between(1, 100),
+                "fakfd: the factor of all states (Eq. 4.6)");
+  fields.number("observer.gamma_d", estimator_.gamma_d, between(1, 100),
+                "fakfd: that of the disturbance and its derivatives, on top (Eq. 4.7)");
+  fields.number("controller.kp", k_p_, not_negative(), "K_p [N/m]");
+  fields.number("controller.kd", k_d_, not_negative(), "K_d [N s/m]");
+  fields.number("task.reference_m", reference_m_, any(), "y_ref [m]");
+  fields.number("task.reference_from_s", reference_from_s_, not_negative(),
+                "when it is stepped to [s]");
+  fields.choice("disturbance.kind", kind_,
+                {{"step", Kind::step},
+                 {"ramp", Kind::ramp},
+                 {"sine", Kind::sine},
+                 {"high_sine", Kind::high_sine}},
+                "step, ramp, sine or high_sine: (a) to (d) of Table 4.3");
+  const auto bind = [&fields](const std::string& name, Disturbance& d, const std::string& unit) {
+    fields.number("disturbance." + name + "_N" + unit, d.amplitude, any(),
+                  unit.empty() ? "its amplitude [N]" : "its slope [N/s]");
+    if (d.kind == DisturbanceKind::sine) {
+      fields.number("disturbance." + name + "_rad_s", d.frequency_rad_s, positive(),
+                    "its frequency [rad/s]");
+    }
+    fields.number("disturbance." + name + "_start_s", d.start_s, not_negative(),
+                  "when it begins [s]");
+  };
+  bind("step", step_, "");
+  bind("ramp", ramp_, "_s");
+  bind("sine", sine_, "");
+  bind("high_sine", high_sine_, "");
+  fields.number("metrics.from_s", from_s_, not_negative(), "the errors' window begins [s]");
+  fields.number("metrics.to_s", to_s_, not_negative(), "the errors' window ends [s]");
+  fields.number("metrics.noise_from_s", noise_from_s_, not_negative(),
+                "the noise's window begins [s]");
+  fields.number("metrics.noise_to_s", noise_to_s_, not_negative(), "the noise's window ends [s]");
+  return fields;
+}
+
+EstimatorTask CartEstimation::task() const {
+  return {axis_.nominal_plant(), axis_.physics.control_period_s, axis_.sensor_error(),
+          axis_.pulses_per_revolution()};
+}
+
+Disturbance CartEstimation::disturbance() const {
+  switch (kind_) {
+    case Kind::step:
+      return step_;
+    case Kind::ramp:
+      return ramp_;
+    case Kind::sine:
+      return sine_;
+    case Kind::high_sine:
+      return high_sine_;
+  }
+  return {};
+}
+
+void CartEstimation::check(const Config& config) {
+  check_axis(axis_, config);
+  config.blame("observer.name", [&] { make_estimator(estimator_, task()); });
+  if (to_s_ <= from_s_) config.fail("metrics.to_s", "must be later than metrics.from_s");
+  if (noise_to_s_ <= noise_from_s_) {
+    config.fail("metrics.noise_to_s", "must be later than metrics.noise_from_s");
+  }
+}
+
+Recording CartEstimation::run(const RunControl& control) const {
+  DisturbanceCancellingPd controller(make_estimator(estimator_, task()),
+                                     {.k_p = k_p_,
+                                      .k_d = k_d_,
+                                      .reference = reference_m_,
+                                      .reference_from_s = reference_from_s_,
+                                      .force_limit = axis_.force_limit(),
+                                      .period_s = axis_.physics.control_period_s,
+                                      .units = axis_.axis.units});
+  const Disturbance force = disturbance();
+  AxisRig rig(axis_, {.force = force}, controller);
+  Simulation& sim = rig.simulation();
+  const std::int64_t steps = axis_.physics.step_at(axis_.run.duration_s);
+  Track log("control", rig.signals(),
+            static_cast<std::size_t>(steps / axis_.physics.steps_per_sample() + 1));
+
+  const TimeWindow window{from_s_, to_s_};
+  WindowStatistics error(window), truth(window), position_error(window);
+  WindowStatistics noise(TimeWindow{noise_from_s_, noise_to_s_});
+  SettlingTime settling(force.start_s, kSettledWithin * std::abs(force.amplitude));
+
+  Recording recording;
+  // One step more than the duration has, so that the sample at its end is there.
+  recording.failure = run_loop(steps + 1, control, [&](std::int64_t) {
+    rig.step();
+    if (!sim.sampled()) return;
+    const double t = sim.time_s();
+    const double d_error = controller.disturbance() - rig.disturbance();
+    error.add(t, d_error);
+    truth.add(t, rig.disturbance());
+    position_error.add(t, controller.reference() - sim.qpos()[0]);
+    noise.add(t, d_error);
+    settling.add(t, d_error);
+    log.append(t);
+  });
+
+  conclude(recording, sim);
+  if (!recording.failure) {
+    std::vector<Metric>& metrics = recording.metrics;
+    if (truth.rms().value_or(0.0) > 0.0) {
+      add(metrics, "relative_rmse_disturbance", "1", *error.rms() / *truth.rms());
+    }
+    if (kind_ == Kind::step) add(metrics, "settling_time_5pct_s", "s", settling.value());
+    add(metrics, "max_noise_N", "N", noise.peak_deviation());
+    add(metrics, "rms_noise_N", "N", noise.deviation());
+    add(metrics, "steady_state_error_m", "m", position_error.mean());
+  }
+  recording.tracks.push_back(std::move(log));
+  return recording;
+}
+
+}  // namespace breakwater
