@@ -39,15 +39,6 @@ class WindowStatistics {
   std::optional<double> smallest() const { return if_any(smallest_); }
   /// The largest |value|.
   std::optional<double> peak() const { return if_any(std::max(largest_, -smallest_)); }
-  /// Standard deviation, and the largest |value − mean|.
-  std::optional<double> deviation() const {
-    if (count_ == 0) return std::nullopt;
-    return std::sqrt(std::max(*rms() * *rms() - *mean() * *mean(), 0.0));
-  }
-  std::optional<double> peak_deviation() const {
-    if (count_ == 0) return std::nullopt;
-    return std::max(largest_ - *mean(), *mean() - smallest_);
-  }
 
  private:
   std::optional<double> if_any(double value) const {

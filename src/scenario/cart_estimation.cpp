@@ -12,6 +12,12 @@ namespace {
 
 constexpr double kSettledWithin = 0.05;  // of the step
 
+// The same cart, without noise.
+AxisSettings without_noise(AxisSettings settings) {
+  settings.noise_std = settings.input_noise_std = 0.0;
+  return settings;
+}
+
 }  // namespace
 
 Fields CartEstimation::fields() {
@@ -84,19 +90,26 @@ void CartEstimation::check(const Config& config) {
 }
 
 Recording CartEstimation::run(const RunControl& control) const {
-  DisturbanceCancellingPd controller(make_estimator(estimator_, task()),
-                                     {.k_p = k_p_,
-                                      .k_d = k_d_,
-                                      .reference = reference_m_,
-                                      .reference_from_s = reference_from_s_,
-                                      .force_limit = axis_.force_limit(),
-                                      .period_s = axis_.physics.control_period_s,
-                                      .units = axis_.axis.units});
+  const DisturbanceCancellingPdDesign design{.k_p = k_p_,
+                                             .k_d = k_d_,
+                                             .reference = reference_m_,
+                                             .reference_from_s = reference_from_s_,
+                                             .force_limit = axis_.force_limit(),
+                                             .period_s = axis_.physics.control_period_s,
+                                             .units = axis_.axis.units};
   const Disturbance force = disturbance();
+  DisturbanceCancellingPd controller(make_estimator(estimator_, task()), design);
   AxisRig rig(axis_, {.force = force}, controller);
+  // Beside it, the run as it would be without noise: what differs is what the noise does.
+  DisturbanceCancellingPd quiet_controller(make_estimator(estimator_, task()), design);
+  AxisRig quiet_rig(without_noise(axis_), {.force = force}, quiet_controller);
+  double noise_N = 0.0;
   Simulation& sim = rig.simulation();
   const std::int64_t steps = axis_.physics.step_at(axis_.run.duration_s);
-  Track log("control", rig.signals(),
+  std::vector<Signal> signals = rig.signals();
+  signals.push_back(
+      {"d_hat_noise_N", "N", "what the noise adds to the estimated disturbance", view(noise_N)});
+  Track log("control", std::move(signals),
             static_cast<std::size_t>(steps / axis_.physics.steps_per_sample() + 1));
 
   const TimeWindow window{from_s_, to_s_};
@@ -108,13 +121,15 @@ Recording CartEstimation::run(const RunControl& control) const {
   // One step more than the duration has, so that the sample at its end is there.
   recording.failure = run_loop(steps + 1, control, [&](std::int64_t) {
     rig.step();
+    quiet_rig.step();
     if (!sim.sampled()) return;
     const double t = sim.time_s();
     const double d_error = controller.disturbance() - rig.disturbance();
     error.add(t, d_error);
     truth.add(t, rig.disturbance());
     position_error.add(t, controller.reference() - sim.qpos()[0]);
-    noise.add(t, d_error);
+    noise_N = controller.disturbance() - quiet_controller.disturbance();
+    noise.add(t, noise_N);
     settling.add(t, d_error);
     log.append(t);
   });
@@ -126,8 +141,8 @@ Recording CartEstimation::run(const RunControl& control) const {
       add(metrics, "relative_rmse_disturbance", "1", *error.rms() / *truth.rms());
     }
     if (kind_ == Kind::step) add(metrics, "settling_time_5pct_s", "s", settling.value());
-    add(metrics, "max_noise_N", "N", noise.peak_deviation());
-    add(metrics, "rms_noise_N", "N", noise.deviation());
+    add(metrics, "max_noise_N", "N", noise.peak());
+    add(metrics, "rms_noise_N", "N", noise.rms());
     add(metrics, "steady_state_error_m", "m", position_error.mean());
   }
   recording.tracks.push_back(std::move(log));
