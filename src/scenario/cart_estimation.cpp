@@ -24,10 +24,7 @@ Fields CartEstimation::fields() {
   Fields fields;
   axis_.bind(fields);
   estimator_.bind(fields);
-  fields.number("observer.gamma", estimator_.gamma, between(1, 100),
-                "fakfd: the factor of all states (Eq. 4.6)");
-  fields.number("observer.gamma_d", estimator_.gamma_d, between(1, 100),
-                "fakfd: that of the disturbance and its derivatives, on top (Eq. 4.7)");
+  estimator_.bind_gamma(fields);
   fields.number("controller.kp", k_p_, not_negative(), "K_p [N/m]");
   fields.number("controller.kd", k_d_, not_negative(), "K_d [N s/m]");
   fields.number("task.reference_m", reference_m_, any(), "y_ref [m]");

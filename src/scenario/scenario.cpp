@@ -3,6 +3,7 @@
 #include "scenario/arm_push.h"
 #include "scenario/arm_wall_contact.h"
 #include "scenario/cart_estimation.h"
+#include "scenario/cart_position.h"
 #include "scenario/motor_estimation.h"
 
 namespace breakwater {
@@ -14,7 +15,8 @@ std::unique_ptr<Scenario> make() {
 }
 
 constexpr std::unique_ptr<Scenario> (*kMakers[])() = {make<ArmWallContact>, make<ArmPush>,
-                                                      make<CartEstimation>, make<MotorEstimation>};
+                                                      make<CartEstimation>, make<CartPosition>,
+                                                      make<MotorEstimation>};
 
 }  // namespace
 
