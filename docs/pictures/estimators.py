@@ -107,7 +107,7 @@ def poles(folder):
     axes[0].set(xlabel="t [s]", ylabel="λ(k)")
     angle = [2 * math.pi * i / 400 for i in range(401)]
     axes[1].plot([math.cos(a) for a in angle], [math.sin(a) for a in angle], "k", linewidth=0.5)
-    axes[1].set(xlabel="Re", ylabel="Im", xlim=(0.6, 1.02), ylim=(-0.2, 0.2),
+    axes[1].set(xlabel="Re", ylabel="Im", xlim=(0.97, 1.002), ylim=(-0.015, 0.015),
                 title="discrete poles, every sample")
     for axis in axes:
         axis.grid(alpha=0.3)
