@@ -17,6 +17,12 @@ struct Metric {
   double value;
 };
 
+/// Appends a metric, if it applies.
+inline void add(std::vector<Metric>& metrics, const std::string& name, const std::string& unit,
+                const std::optional<double>& value) {
+  if (value) metrics.push_back({name, unit, *value});
+}
+
 /// Why a run did not reach its end.
 struct Failure {
   double time_s;

@@ -2,18 +2,41 @@
 #pragma once
 
 #include <cmath>
+#include <numbers>
 
 namespace breakwater {
 
-/// An incremental encoder that rounds to its nearest count: y = Δ·round((q + φ)/Δ) − φ.
-struct Encoder {
-  double quantum_rad = 0.0;  ///< Δ, one count; 0 means no quantisation
-  double phase_rad = 0.0;    ///< φ, where between two counts the angle 0 lies
+/// What an encoder calls 0.
+enum class EncoderOrigin {
+  counted,  ///< where it starts: it counts edges from there, y = Δ·(round((q + φ)/Δ) − round(φ/Δ))
+  calibrated  ///< q = 0, known to a fraction of a count: y = Δ·round((q + φ)/Δ) − φ
+};
 
-  double measure(double angle_rad) const {
-    if (quantum_rad == 0.0) return angle_rad;
-    return quantum_rad * std::round((angle_rad + phase_rad) / quantum_rad) - phase_rad;
+/// An encoder that rounds to its nearest count. Counted, it reads 0 at q = 0 wherever between two
+/// edges that lies, as an incremental encoder does. Calibrated, φ decides whether q = 0 lies on a
+/// count or between two, and a loop that holds q at 0 between two counts hunts for ever.
+struct Encoder {
+  double quantum = 0.0;  ///< Δ, one count, in the angle's unit; 0 means no quantisation
+  double phase = 0.0;    ///< φ, how far q = 0 lies from the middle between two edges
+  EncoderOrigin origin = EncoderOrigin::counted;
+
+  double measure(double q) const {
+    if (quantum == 0.0) return q;
+    const double counts = std::round((q + phase) / quantum);
+    if (origin == EncoderOrigin::calibrated) return quantum * counts - phase;
+    return quantum * (counts - std::round(phase / quantum));
   }
+};
+
+/// An encoder's counts for one revolution of what is measured (b_reso of Eq. 4.23).
+struct EncoderCounts {
+  double bits = 0.0;            ///< n: 2ⁿ pulses per revolution of the encoder's own shaft
+  double multiplication = 1.0;  ///< edges counted per pulse
+  double gear_ratio = 1.0;      ///< revolutions of the encoder's shaft per revolution
+
+  double pulses_per_revolution() const { return std::exp2(bits) * multiplication * gear_ratio; }
+  /// Q_max = 2π/b_reso (Eq. 4.23).
+  double quantum_rad() const { return 2.0 * std::numbers::pi / pulses_per_revolution(); }
 };
 
 }  // namespace breakwater
