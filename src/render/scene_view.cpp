@@ -145,6 +145,7 @@ void SceneView::add(const SceneArrow& arrow) {
     add_geom([&](mjvGeom& geom) {
       mjv_makeConnector(&geom, mjGEOM_ARROW, kArrowRadius_m, segment.from.x(), segment.from.y(),
                         segment.from.z(), segment.to.x(), segment.to.y(), segment.to.z());
+      geom.size[2] *= 2.0F;  // MuJoCo 2.2 draws half of what it is told
     });
   }
   if (arrow.contact_mark_m > 0.0) {
