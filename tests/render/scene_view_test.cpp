@@ -83,8 +83,9 @@ TEST(SceneView, KnowsWhereAnArrowEnds) {
   view.draw({0, 0, kWidth, kHeight}, {arrow});
   offscreen.finish();
   const Point seen = centre(offscreen.pixels(), true);
-  const auto end = view.end_of(arrow);
-  ASSERT_TRUE(end);
+  const auto ends = view.ends_of(arrow);
+  ASSERT_TRUE(ends);
+  const Point* const end = &ends->to;
   const double per_m = 0.5 * kHeight / (2.0 * std::tan(0.5 * 60.0 * 3.14159265358979 / 180.0));
   EXPECT_NEAR(end->x, 0.5 * kWidth + per_m * 0.1, 0.1);
   EXPECT_NEAR(end->y, 0.5 * kHeight - per_m * 0.5, 0.1);
