@@ -35,9 +35,9 @@ double nice_step(double span, double parts) {
 std::vector<double> ticks(double from, double to, double parts) {
   const double step = nice_step(to - from, parts);
   std::vector<double> values;
-  for (double k = std::ceil(from / step - 1e-6); k * step <= to + 1e-6 * step; k += 1.0) {
-    values.push_back(k * step);
-  }
+  const auto first = std::llround(std::ceil(from / step - 1e-6));
+  const auto last = std::llround(std::floor(to / step + 1e-6));
+  for (auto k = first; k <= last; ++k) values.push_back(static_cast<double>(k) * step);
   return values;
 }
 
@@ -76,8 +76,8 @@ Colour Chart::colour(std::size_t line) {
   return kPalette[line % kPalette.size()];
 }
 
-Chart::Chart(std::string title, std::vector<ChartLine> lines, const ChartRange& range, int width,
-             int height, double unit_px)
+Chart::Chart(const std::string& title, std::vector<ChartLine> lines, const ChartRange& range,
+             int width, int height, double unit_px)
     : lines_(std::move(lines)),
       range_(range),
       unit_px_(unit_px),

@@ -31,7 +31,7 @@ ChartRange chart_range(const std::vector<ChartLine>& lines, double from_s, doubl
 class Chart {
  public:
   /// `unit_px`: the height that text and line widths follow, 1/720 of a picture of usual size.
-  Chart(std::string title, std::vector<ChartLine> lines, const ChartRange& range, int width,
+  Chart(const std::string& title, std::vector<ChartLine> lines, const ChartRange& range, int width,
         int height, double unit_px);
 
   /// Draws it at a corner: all axes, the lines up to `now_s`, a dot on the first line's end.

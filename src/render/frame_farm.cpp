@@ -153,7 +153,7 @@ class Children {
   std::vector<Child>& all() { return children_; }
 
   // A child's end without an answer.
-  std::string cause_of_death(Child& child) {
+  static std::string cause_of_death(Child& child) {
     int status = 0;
     waitpid(child.pid, &status, 0);
     child.pid = -1;
@@ -283,8 +283,8 @@ void draw_frames(const FrameFarm& farm, const std::function<DrawFrame(std::size_
       Child& child = children.all()[i];
       Answer answer{};
       if (!read_all(child.answers, &answer, sizeof(answer))) {
-        throw RenderError("video: a process that drew it ended (" + children.cause_of_death(child) +
-                          ")");
+        throw RenderError("video: a process that drew it ended (" +
+                          Children::cause_of_death(child) + ")");
       }
       if (answer.error[0] != '\0') throw RenderError(answer.error.data());
       --child.pending;

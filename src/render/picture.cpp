@@ -182,13 +182,20 @@ void Picture::draw_arrow_numbers(Canvas& canvas, const PictureRun& run, const Pa
     const SceneArrow& arrow = panel.arrows[i].arrow;
     const double value = panel.arrows[i].number;
     if (run.arrows[i].unit.empty() || arrow.vector_m.norm() < kShortestArrow_m) continue;
-    const auto end = panel.view->end_of(arrow);
-    if (!end) continue;
-    const Point at = {panel.area.left + end->x / samples,
-                      panel.area.top + end->y / samples - 14.0 * unit};
+    const auto ends = panel.view->ends_of(arrow);
+    if (!ends) continue;
     const std::string number =
         fmt::format("{:.{}f} {}", value, value < 99.95 ? 1 : 0, run.arrows[i].unit);
-    canvas.text(at, number, 19.0 * unit, arrow.colour, Align::center, true, true);
+    // Beyond the tip, in the arrow's direction.
+    const double size = 19.0 * unit;
+    const double x = ends->to.x - ends->from.x;
+    const double y = ends->to.y - ends->from.y;
+    const double length = std::max(std::hypot(x, y), 1.0);
+    const double half = 0.5 * canvas.text_width(number, size, true) + 0.5 * size;
+    const Point at = {
+        panel.area.left + ends->to.x / samples + half * x / length,
+        panel.area.top + ends->to.y / samples + 0.9 * size * y / length + 0.36 * size};
+    canvas.text(at, number, size, arrow.colour, Align::center, true, true);
   }
 }
 

@@ -145,6 +145,7 @@ void SceneView::add(const SceneArrow& arrow) {
     add_geom([&](mjvGeom& geom) {
       mjv_makeConnector(&geom, mjGEOM_ARROW, kArrowRadius_m, segment.from.x(), segment.from.y(),
                         segment.from.z(), segment.to.x(), segment.to.y(), segment.to.z());
+      geom.size[2] *= 2.0F;  // MuJoCo 2.2 draws half of what it is told
     });
   }
   if (arrow.contact_mark_m > 0.0) {
@@ -171,12 +172,21 @@ void SceneView::draw(const mjrRect& viewport, const std::vector<SceneArrow>& arr
   mjr_render(viewport, &scene_, &context_);
 }
 
-std::optional<Point> SceneView::end_of(const SceneArrow& arrow) const {
+std::optional<SceneView::Ends> SceneView::ends_of(const SceneArrow& arrow) const {
+  const Segment segment = place(arrow);
+  const auto from = project(segment.from);
+  const auto to = project(segment.to);
+  if (!from || !to) return std::nullopt;
+  return Ends{*from, *to};
+}
+
+// As OpenGL does, by the camera's frustum.
+std::optional<Point> SceneView::project(const Eigen::Vector3d& point) const {
   const mjvGLCamera camera = mjv_averageCamera(&scene_.camera[0], &scene_.camera[1]);
   const Eigen::Vector3d eye = Eigen::Map<const Eigen::Vector3f>(camera.pos).cast<double>();
   const Eigen::Vector3d forward = Eigen::Map<const Eigen::Vector3f>(camera.forward).cast<double>();
   const Eigen::Vector3d up = Eigen::Map<const Eigen::Vector3f>(camera.up).cast<double>();
-  const Eigen::Vector3d ray = place(arrow).to - eye;
+  const Eigen::Vector3d ray = point - eye;
   const double depth = ray.dot(forward);
   if (depth <= camera.frustum_near) return std::nullopt;
   const double half_height = 0.5 * (camera.frustum_top - camera.frustum_bottom);

@@ -49,9 +49,13 @@ class SceneView {
   void pose(std::span<const double> qpos);
   /// Draws it into a part of the picture, given in pixels from the left and the bottom.
   void draw(const mjrRect& viewport, const std::vector<SceneArrow>& arrows);
-  /// Where an arrow's end is in the part of the picture last drawn, in pixels from that part's
-  /// left and top; nothing if it is behind the camera. Valid after draw().
-  std::optional<Point> end_of(const SceneArrow& arrow) const;
+  /// Where an arrow is in the part of the picture last drawn, in pixels from that part's left and
+  /// top; nothing if it is behind the camera. Valid after draw().
+  struct Ends {
+    Point from;
+    Point to;
+  };
+  std::optional<Ends> ends_of(const SceneArrow& arrow) const;
 
  private:
   struct Delete {
@@ -63,6 +67,7 @@ class SceneView {
     Eigen::Vector3d to;
   };
   Segment place(const SceneArrow& arrow) const;
+  std::optional<Point> project(const Eigen::Vector3d& point) const;
   void add(const SceneArrow& arrow);
   void upload_height_fields();
 

@@ -1,11 +1,11 @@
 // Every scenario's shot list against a run of its scenario.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 
 #include "cli/program.h"
 #include "render/media.h"
+#include "scenario/scenario.h"
 #include "scenario/shot_list.h"
 #include "support.h"
 
@@ -15,21 +15,14 @@ namespace fs = std::filesystem;
 using testing::ProgramResult;
 using testing::run_program;
 
-std::vector<std::string> shot_lists() {
-  std::vector<std::string> names;
-  for (const auto& entry : fs::directory_iterator(testing::source_file("renders"))) {
-    if (entry.path().extension() == ".toml") names.push_back(entry.path().stem().string());
-  }
-  std::sort(names.begin(), names.end());
-  return names;
-}
-
 class ShotLists : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(ShotLists, FitARunOfTheirScenario) {
   const fs::path folder = testing::temporary_path("shots_" + GetParam());
   const testing::Removed removed(folder);
   fs::create_directories(folder);
+  ASSERT_TRUE(fs::exists(testing::source_file("renders/" + GetParam() + ".toml")))
+      << "every scenario has a shot list";
   const ShotList shots = shot_list(GetParam());
 
   // The default case, as far as the shot list goes.
@@ -58,7 +51,7 @@ TEST_P(ShotLists, FitARunOfTheirScenario) {
   EXPECT_LT(png.width, 320 * count + 20 * count);
 }
 
-INSTANTIATE_TEST_SUITE_P(All, ShotLists, ::testing::ValuesIn(shot_lists()),
+INSTANTIATE_TEST_SUITE_P(All, ShotLists, ::testing::ValuesIn(scenario_names()),
                          [](const auto& list) { return list.param; });
 
 // Colours that differ from the gallery's by more than this are another picture; other versions of
