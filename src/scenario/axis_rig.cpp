@@ -96,8 +96,8 @@ void AxisSettings::bind(Fields& fields) {
   fields.number("drive." + key("resolution", u.force_suffix), drive_resolution, not_negative(),
                 "one step of the PWM; 0: not quantised [" + u.force + "]");
   if (axis.counts_pulses) {
-    fields.number("encoder.bits", encoder_bits, between(0, 60),
-                  "n: 2^n pulses per revolution; 0: not quantised");
+    fields.count("encoder.bits", encoder_bits, between(0, 60),
+                 "n: 2^n pulses per revolution; 0: not quantised");
     fields.number("encoder.multiplication", encoder_multiplication, positive(),
                   "edges counted per pulse");
     fields.number("encoder.gear_ratio", encoder_gear_ratio, positive(),
@@ -122,15 +122,18 @@ void AxisSettings::bind(Fields& fields) {
 
 double AxisSettings::pulses_per_revolution() const {
   if (!axis.counts_pulses) return encoder_resolution > 0.0 ? 1.0 / encoder_resolution : 0.0;
-  if (encoder_bits == 0.0) return 0.0;
-  return EncoderCounts{encoder_bits, encoder_multiplication, encoder_gear_ratio}
+  if (encoder_bits == 0) return 0.0;
+  return EncoderCounts{static_cast<double>(encoder_bits), encoder_multiplication,
+                       encoder_gear_ratio}
       .pulses_per_revolution();
 }
 
 double AxisSettings::quantum() const {
   if (!axis.counts_pulses) return encoder_resolution;
-  if (encoder_bits == 0.0) return 0.0;
-  return EncoderCounts{encoder_bits, encoder_multiplication, encoder_gear_ratio}.quantum_rad();
+  if (encoder_bits == 0) return 0.0;
+  return EncoderCounts{static_cast<double>(encoder_bits), encoder_multiplication,
+                       encoder_gear_ratio}
+      .quantum_rad();
 }
 
 double AxisSettings::force_limit() const {

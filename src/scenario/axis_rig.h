@@ -51,7 +51,7 @@ struct AxisSettings {
   double drive_limit = 0.0;       ///< 0: none
   double drive_resolution = 0.0;  ///< of the PWM; 0: not quantised
 
-  double encoder_bits = 0.0;  ///< 0: not quantised
+  int encoder_bits = 0;  ///< 0: not quantised
   double encoder_multiplication = 1.0;
   double encoder_gear_ratio = 1.0;
   double encoder_resolution = 0.0;  ///< instead of pulses; 0: not quantised
