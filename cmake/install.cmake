@@ -7,7 +7,7 @@ install(TARGETS ${rooms} EXPORT BreakwaterTargets ARCHIVE DESTINATION ${CMAKE_IN
 install(TARGETS breakwater ${BREAKWATER_SCENARIOS} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(DIRECTORY src/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/breakwater
   FILES_MATCHING PATTERN "*.h")
-install(DIRECTORY models data scenarios DESTINATION ${CMAKE_INSTALL_DATADIR}/breakwater
+install(DIRECTORY models data scenarios renders DESTINATION ${CMAKE_INSTALL_DATADIR}/breakwater
   FILES_MATCHING PATTERN "*.xml" PATTERN "*.urdf" PATTERN "*.toml")
 
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/Breakwater)
