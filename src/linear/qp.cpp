@@ -15,6 +15,7 @@ namespace breakwater {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr int kChangesPerRow = 20;  // far more than any working set is changed
 
 }  // namespace
 
@@ -82,10 +83,11 @@ QpStatus QpFactors::examine(const QpInput& input) {
                                                             : QpStatus::infeasible;
 }
 
-std::unique_ptr<QpSolver> make_qp_solver(QpSolverKind kind, const QpModel& model,
-                                         int max_iterations) {
-  if (kind == QpSolverKind::hildreth) return std::make_unique<HildrethQp>(model, max_iterations);
-  return std::make_unique<ActiveSetQp>(model, max_iterations);
+std::unique_ptr<QpSolver> make_qp_solver(QpSolverKind kind, const QpModel& model, int max_sweeps) {
+  if (kind == QpSolverKind::hildreth) return std::make_unique<HildrethQp>(model, max_sweeps);
+  if (max_sweeps < 1) throw std::invalid_argument("quadratic program: the cap must be positive");
+  const auto size = static_cast<int>(model.H.rows() + model.Omega.rows());
+  return std::make_unique<ActiveSetQp>(model, 100 + kChangesPerRow * size);
 }
 
 }  // namespace breakwater

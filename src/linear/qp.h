@@ -73,11 +73,10 @@ class QpSolver {
 
 enum class QpSolverKind { hildreth, active_set };
 
-/// A solver by its kind. `max_iterations` is Hildreth's cap in sweeps; the active-set solver, which
-/// ends by itself, takes it as a cap in changes of the working set. Throws std::invalid_argument if
-/// H is not symmetric positive definite, shapes do not fit, or the cap is not positive.
-std::unique_ptr<QpSolver> make_qp_solver(QpSolverKind kind, const QpModel& model,
-                                         int max_iterations);
+/// A solver by its kind. `max_sweeps` is Hildreth's cap; the active-set solver, which ends by
+/// itself, has a cap of its own that is never reached but by a defect. Throws std::invalid_argument
+/// if H is not symmetric positive definite, shapes do not fit, or the cap is not positive.
+std::unique_ptr<QpSolver> make_qp_solver(QpSolverKind kind, const QpModel& model, int max_sweeps);
 
 /// What solvers share: a model with what follows from it alone.
 struct QpFactors {

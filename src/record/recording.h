@@ -17,6 +17,12 @@ struct Metric {
   double value;
 };
 
+/// Adds a metric, if there is a value.
+inline void add_metric(std::vector<Metric>& metrics, const std::string& name,
+                       const std::string& unit, const std::optional<double>& value) {
+  if (value) metrics.push_back({name, unit, *value});
+}
+
 /// Why a run did not reach its end.
 struct Failure {
   double time_s;

@@ -2,6 +2,8 @@
 
 #include "scenario/arm_push.h"
 #include "scenario/arm_wall_contact.h"
+#include "scenario/cart_constrained.h"
+#include "scenario/cart_offset_free.h"
 #include "scenario/motor_estimation.h"
 
 namespace breakwater {
@@ -13,7 +15,8 @@ std::unique_ptr<Scenario> make() {
 }
 
 constexpr std::unique_ptr<Scenario> (*kMakers[])() = {make<ArmWallContact>, make<ArmPush>,
-                                                      make<MotorEstimation>};
+                                                      make<MotorEstimation>, make<CartOffsetFree>,
+                                                      make<CartConstrained>};
 
 }  // namespace
 
