@@ -25,6 +25,12 @@ class CartConstrained final : public Scenario {
   std::string summary() const override {
     return "limits of a cart's input and velocity under disturbance and mass error";
   }
+  Matrix matrix() const override {
+    return {"condition",
+            {"A", "B", "C", "D", "E"},
+            {"max_input_N", "max_speed_m_s", "final_position_m", "input_violation_time_s",
+             "speed_violation_time_s"}};
+  }
   Fields fields() override;
   void check(const Config& config) override;
   const RunSettings& run_settings() const override { return axis_.run; }
