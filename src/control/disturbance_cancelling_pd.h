@@ -40,6 +40,7 @@ class DisturbanceCancellingPd final : public Controller {
   void update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u) override;
   std::span<const Signal> signals() const override { return signals_; }
 
+  double reference() const { return reference_; }
   double position() const { return estimator_->state()(0); }
   double velocity() const { return estimator_->state()(1); }
   double disturbance() const { return estimator_->disturbance()(0); }

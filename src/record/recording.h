@@ -17,9 +17,9 @@ struct Metric {
   double value;
 };
 
-/// Adds a metric, if there is a value.
-inline void add_metric(std::vector<Metric>& metrics, const std::string& name,
-                       const std::string& unit, const std::optional<double>& value) {
+/// Appends a metric, if it applies.
+inline void add(std::vector<Metric>& metrics, const std::string& name, const std::string& unit,
+                const std::optional<double>& value) {
   if (value) metrics.push_back({name, unit, *value});
 }
 

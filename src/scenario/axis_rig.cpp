@@ -12,7 +12,9 @@ namespace breakwater {
 namespace {
 
 Encoder encoder(const AxisSettings& settings) {
-  return {.quantum = settings.quantum(), .phase = settings.encoder_phase};
+  return {.quantum = settings.quantum(),
+          .phase = settings.encoder_phase,
+          .origin = settings.encoder_origin};
 }
 
 Model load_model(const AxisSettings& settings) {
@@ -110,6 +112,9 @@ void AxisSettings::bind(Fields& fields) {
   }
   fields.number("encoder." + key("phase", u.position_suffix), encoder_phase, any(),
                 "how far the start lies from the middle between two edges [" + u.position + "]");
+  fields.choice("encoder.origin", encoder_origin,
+                {{"counted", EncoderOrigin::counted}, {"calibrated", EncoderOrigin::calibrated}},
+                "what it calls 0: where it starts (counted), or the true 0 (calibrated)");
   fields.number("noise." + key("std", u.position_suffix), noise_std, not_negative(),
                 "standard deviation of the measurement's white noise [" + u.position + "]");
   fields.number("noise." + key("input_std", u.force_suffix), input_noise_std, not_negative(),

@@ -61,6 +61,7 @@ struct AxisSettings {
   double encoder_gear_ratio = 1.0;
   double encoder_resolution = 0.0;  ///< instead of pulses; 0: not quantised
   double encoder_phase = 0.0;
+  EncoderOrigin encoder_origin = EncoderOrigin::counted;
   double noise_std = 0.0;        ///< of the measurement
   double input_noise_std = 0.0;  ///< of a force that is drawn at each control sample
   int delay_samples = 0;

@@ -86,14 +86,14 @@ Recording CartOffsetFree::run(const RunControl& control) const {
   conclude(recording, sim);
   if (!recording.failure) {
     std::vector<Metric>& metrics = recording.metrics;
-    add_metric(metrics, "steady_state_error_m", "m", error.mean());
-    add_metric(metrics, "true_position_error_m", "m", true_error.mean());
-    add_metric(metrics, "settling_time_s", "s", settling.value());
-    add_metric(metrics, "max_speed_m_s", "m/s", speed.peak());
-    add_metric(metrics, "max_input_N", "N", input.peak());
-    add_metric(metrics, "max_position_m", "m", position.largest());
-    add_metric(metrics, "mean_disturbance_estimate_N", "N", d_hat.mean());
-    add_metric(metrics, "rms_disturbance_error_N", "N", d_error.rms());
+    add(metrics, "steady_state_error_m", "m", error.mean());
+    add(metrics, "true_position_error_m", "m", true_error.mean());
+    add(metrics, "settling_time_s", "s", settling.value());
+    add(metrics, "max_speed_m_s", "m/s", speed.peak());
+    add(metrics, "max_input_N", "N", input.peak());
+    add(metrics, "max_position_m", "m", position.largest());
+    add(metrics, "mean_disturbance_estimate_N", "N", d_hat.mean());
+    add(metrics, "rms_disturbance_error_N", "N", d_error.rms());
     add_qp_metrics(controller.lmpc().statistics(), metrics);
   }
   recording.tracks.push_back(std::move(log));

@@ -110,6 +110,13 @@ void EstimatorSettings::bind(Fields& fields) {
   fields.number("observer.lambda_max", lambda_max, between(0, 1), "vfakfd, qvff");
 }
 
+void EstimatorSettings::bind_gamma(Fields& fields) {
+  fields.number("observer.gamma", gamma, between(1, 100),
+                "fakfd: the factor of all states (Eq. 4.6)");
+  fields.number("observer.gamma_d", gamma_d, between(1, 100),
+                "fakfd: that of the disturbance and its derivatives, on top (Eq. 4.7)");
+}
+
 std::unique_ptr<DisturbanceEstimator> make_estimator(const EstimatorSettings& settings,
                                                      const EstimatorTask& task) {
   switch (settings.kind) {

@@ -33,6 +33,8 @@ struct EstimatorSettings {
   double lambda_max = 0.0;
 
   void bind(Fields& fields);
+  /// observer.gamma and observer.gamma_d, where a scenario does not name gamma otherwise.
+  void bind_gamma(Fields& fields);
 };
 
 /// What an estimator is made for.

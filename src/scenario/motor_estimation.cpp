@@ -87,14 +87,14 @@ Recording MotorEstimation::run(const RunControl& control) const {
   conclude(recording, sim);
   if (!recording.failure) {
     std::vector<Metric>& metrics = recording.metrics;
-    add_metric(metrics, "rmse_velocity_rad_s", "rad/s", velocity_error.rms());
-    add_metric(metrics, "rmse_position_rad", "rad", position_error.rms());
-    add_metric(metrics, "rmse_disturbance_Nm", "N m", disturbance_error.rms());
-    add_metric(metrics, "peak_position_rad", "rad", position.peak());
+    add(metrics, "rmse_velocity_rad_s", "rad/s", velocity_error.rms());
+    add(metrics, "rmse_position_rad", "rad", position_error.rms());
+    add(metrics, "rmse_disturbance_Nm", "N m", disturbance_error.rms());
+    add(metrics, "peak_position_rad", "rad", position.peak());
     if (disturbance_.kind == DisturbanceKind::step) {
-      add_metric(metrics, "disturbance_settling_time_s", "s", settling.value());
+      add(metrics, "disturbance_settling_time_s", "s", settling.value());
     }
-    add_metric(metrics, "transient_rmse_disturbance_Nm", "N m", transient_error.rms());
+    add(metrics, "transient_rmse_disturbance_Nm", "N m", transient_error.rms());
   }
   recording.tracks.push_back(std::move(log));
   return recording;

@@ -14,8 +14,8 @@ constexpr int kDropsInARowAllowed = 2;
 void check(const SensorChannel& channel) {
   const bool fits = std::isfinite(channel.low_pass_s) && channel.low_pass_s >= 0.0 &&
                     std::isfinite(channel.noise_std) && channel.noise_std >= 0.0 &&
-                    std::isfinite(channel.encoder.quantum) &&
-                    channel.encoder.quantum >= 0.0 && std::isfinite(channel.encoder.phase);
+                    std::isfinite(channel.encoder.quantum) && channel.encoder.quantum >= 0.0 &&
+                    std::isfinite(channel.encoder.phase);
   if (!fits) {
     throw std::invalid_argument("sensor channel \"" + channel.name +
                                 "\": filter, quantum and noise must be finite and not negative");

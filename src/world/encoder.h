@@ -6,17 +6,25 @@
 
 namespace breakwater {
 
-/// An incremental encoder: it counts the edges that it passes from where it starts,
-///     y = Δ·(round((q + φ)/Δ) − round(φ/Δ)),
-/// so that it reads 0 at q = 0 wherever between two edges that lies. (Subtracting φ instead of whole
-/// counts would give it a knowledge of φ that it cannot have.)
+/// What an encoder calls 0.
+enum class EncoderOrigin {
+  counted,  ///< where it starts: it counts edges from there, y = Δ·(round((q + φ)/Δ) − round(φ/Δ))
+  calibrated  ///< q = 0, known to a fraction of a count: y = Δ·round((q + φ)/Δ) − φ
+};
+
+/// An encoder that rounds to its nearest count. Counted, it reads 0 at q = 0 wherever between two
+/// edges that lies, as an incremental encoder does. Calibrated, φ decides whether q = 0 lies on a
+/// count or between two, and a loop that holds q at 0 between two counts hunts for ever.
 struct Encoder {
   double quantum = 0.0;  ///< Δ, one count, in the angle's unit; 0 means no quantisation
   double phase = 0.0;    ///< φ, how far q = 0 lies from the middle between two edges
+  EncoderOrigin origin = EncoderOrigin::counted;
 
   double measure(double q) const {
     if (quantum == 0.0) return q;
-    return quantum * (std::round((q + phase) / quantum) - std::round(phase / quantum));
+    const double counts = std::round((q + phase) / quantum);
+    if (origin == EncoderOrigin::calibrated) return quantum * counts - phase;
+    return quantum * (counts - std::round(phase / quantum));
   }
 };
 

@@ -35,6 +35,17 @@ TEST(Encoder, CountsFromWhereItStarts) {
   EXPECT_DOUBLE_EQ(early.measure(0.0201), 0.1);
 }
 
+TEST(Encoder, CalibratedItIsWithinHalfACountAtAnyPhase) {
+  for (const double phase : {0.0, 0.013, -0.04}) {
+    const Encoder encoder{0.1, phase, EncoderOrigin::calibrated};
+    for (double angle = -2.0; angle < 2.0; angle += 0.00317) {
+      EXPECT_LE(std::abs(encoder.measure(angle) - angle), 0.05 + 1e-12);
+      const double counts = (encoder.measure(angle) + phase) / 0.1;
+      EXPECT_NEAR(counts, std::round(counts), 1e-9);
+    }
+  }
+}
+
 TEST(Encoder, CountsPerRevolutionAreThoseOfEquation423) {
   const EncoderCounts counts{8, 4, 50};
   EXPECT_EQ(counts.pulses_per_revolution(), 256 * 4 * 50);

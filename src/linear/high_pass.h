@@ -1,0 +1,23 @@
+// Second-order Butterworth high-pass filter.
+#pragma once
+
+namespace breakwater {
+
+/// s²/(s² + √2 ω_c s + ω_c²), sampled by the bilinear transform with ω_c kept in place.
+class HighPass {
+ public:
+  /// Throws std::invalid_argument unless the cut-off lies between 0 and half the sampling
+  /// frequency.
+  HighPass(double cutoff_Hz, double period_s);
+
+  double update(double input);
+
+ private:
+  double gain_;
+  double feedback1_;
+  double feedback2_;
+  double memory1_ = 0.0;  // transposed direct form II
+  double memory2_ = 0.0;
+};
+
+}  // namespace breakwater
