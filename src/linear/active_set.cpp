@@ -69,7 +69,7 @@ void ActiveSetQp::solve(const QpInput& input, QpSolution& solution) {
 
 // From the working set as it is.
 void ActiveSetQp::attempt(const QpInput& input, QpSolution& solution) {
-  z_free_.noalias() = -(factors_.H_inverse * input.g);
+  z_free_.noalias() = -factors_.H_inverse * input.g;
   solution.status = search(input, solution);
   finish(input, solution);
   if (solution.status == QpStatus::solved && !(solution.kkt_residual <= kSolvedBelow)) {

@@ -1,6 +1,7 @@
 // Random quadratic programs of the sizes that the cart's controllers have.
 #pragma once
 
+#include <cmath>
 #include <limits>
 
 #include "linear/qp.h"
