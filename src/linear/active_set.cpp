@@ -102,17 +102,17 @@ void ActiveSetQp::refactor() {
 QpStatus ActiveSetQp::search(const QpInput& input, QpSolution& solution) {
   make_dual_feasible(input);
   for (;;) {
-    place(input, solution);
+    place(solution);
     Violation violation = worst_violation(input);
     if (violation.row >= 0 && violation.amount < kDoubtfulViolation) {
       hold_bounds(input);
-      place(input, solution);
+      place(solution);
       violation = worst_violation(input);
     }
     if (violation.row < 0) return QpStatus::solved;
     const QpStatus status = drive_to_bound(input, violation, solution);
     if (status != QpStatus::solved) {
-      place(input, solution);
+      place(solution);
       return status;
     }
   }
@@ -147,20 +147,12 @@ void ActiveSetQp::solve_multipliers(const QpInput& input) {
 }
 
 // z and the rows' values from the multipliers.
-void ActiveSetQp::place(const QpInput& input, QpSolution& solution) {
+void ActiveSetQp::place(QpSolution& solution) {
   solution.z = z_free_;
   for (Eigen::Index j = 0; j < active(); ++j) {
     solution.z -= mu_(j) * factors_.step.col(working_set_[static_cast<std::size_t>(j)]);
   }
-  evaluate(input, solution);
-}
-
-void ActiveSetQp::evaluate(const QpInput& input, const QpSolution& solution) {
-  values_.noalias() = factors_.model.Omega * solution.z;
-  for (Eigen::Index j = 0; j < active(); ++j) {
-    const Eigen::Index row = working_set_[static_cast<std::size_t>(j)];
-    values_(row) -= input.softness(row) * mu_(j);
-  }
+  values_.noalias() = factors_.columns * solution.z;
 }
 
 ActiveSetQp::Violation ActiveSetQp::worst_violation(const QpInput& input) const {
@@ -260,7 +252,7 @@ void ActiveSetQp::finish(const QpInput& input, QpSolution& solution) {
       // A multiplier of the wrong sign by rounding is none.
       if (side(row) * mu_(j) > 0.0) solution.mu(row) = mu_(j);
     }
-    solution.kkt_residual = kkt_residual(factors_.model, input, solution, gradient_);
+    solution.kkt_residual = kkt_residual(factors_.model, input, solution, values_, gradient_);
   };
   measure();
   if (solution.status != QpStatus::solved) return;
@@ -274,14 +266,14 @@ void ActiveSetQp::finish(const QpInput& input, QpSolution& solution) {
 void ActiveSetQp::hold_bounds(const QpInput& input) {
   for (Eigen::Index j = 0; j < active(); ++j) {
     const Eigen::Index row = working_set_[static_cast<std::size_t>(j)];
-    correction_(j) = values_(row) - (side(row) > 0.0 ? input.upper(row) : input.lower(row));
+    const double bound = side(row) > 0.0 ? input.upper(row) : input.lower(row);
+    correction_(j) = values_(row) - input.softness(row) * mu_(j) - bound;
   }
   factor_solve(correction_);
   mu_.head(active()) += correction_.head(active());
 }
 
 void ActiveSetQp::refine(const QpInput& input, QpSolution& solution) {
-  evaluate(input, solution);
   hold_bounds(input);
   // z as it must be for these multipliers, by the true gradient.
   gradient_ = input.g;
@@ -291,6 +283,7 @@ void ActiveSetQp::refine(const QpInput& input, QpSolution& solution) {
     gradient_ += mu_(j) * factors_.model.Omega.row(row).transpose();
   }
   solution.z.noalias() -= factors_.H_inverse * gradient_;
+  values_.noalias() = factors_.columns * solution.z;
 }
 
 void ActiveSetQp::factor_solve(Eigen::VectorXd& x) const {

@@ -50,8 +50,7 @@ class ActiveSetQp final : public QpSolver {
   QpStatus search(const QpInput& input, QpSolution& solution);
   void make_dual_feasible(const QpInput& input);
   void solve_multipliers(const QpInput& input);
-  void place(const QpInput& input, QpSolution& solution);
-  void evaluate(const QpInput& input, const QpSolution& solution);
+  void place(QpSolution& solution);
   Violation worst_violation(const QpInput& input) const;
   QpStatus drive_to_bound(const QpInput& input, Violation violation, QpSolution& solution);
   double pivot_towards(Eigen::Index row);
@@ -82,7 +81,7 @@ class ActiveSetQp final : public QpSolver {
   Eigen::VectorXd correction_;
 
   Eigen::VectorXd z_free_;    // −H⁻¹ g, n
-  Eigen::VectorXd values_;    // Ω z, less the softness of active rows, m
+  Eigen::VectorXd values_;    // Ω z, m
   Eigen::VectorXd gradient_;  // n
   Eigen::VectorXd residual_;  // n
 };

@@ -46,7 +46,7 @@ void HildrethQp::solve(const QpInput& input, QpSolution& solution) {
       (input.lower.array() > -std::numeric_limits<double>::infinity()).select(lambda_lower_, 0.0);
   z_free_.noalias() = -factors_.H_inverse * input.g;
   solution.mu = lambda_upper_ - lambda_lower_;
-  values_.noalias() = factors_.model.Omega * z_free_;
+  values_.noalias() = factors_.columns * z_free_;
   values_.noalias() -= factors_.gram * solution.mu;
 
   solution.status = QpStatus::iteration_cap;
@@ -61,7 +61,8 @@ void HildrethQp::solve(const QpInput& input, QpSolution& solution) {
   solution.mu = lambda_upper_ - lambda_lower_;
   solution.z = z_free_;
   solution.z.noalias() -= factors_.step * solution.mu;
-  solution.kkt_residual = kkt_residual(factors_.model, input, solution, gradient_);
+  values_.noalias() = factors_.columns * solution.z;
+  solution.kkt_residual = kkt_residual(factors_.model, input, solution, values_, gradient_);
 }
 
 double HildrethQp::sweep(const QpInput& input) {

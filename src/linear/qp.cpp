@@ -29,24 +29,25 @@ QpSolution::QpSolution(Eigen::Index n, Eigen::Index m)
     : z(Eigen::VectorXd::Zero(n)), mu(Eigen::VectorXd::Zero(m)) {}
 
 double kkt_residual(const QpModel& model, const QpInput& input, const QpSolution& solution,
-                    Eigen::VectorXd& gradient) {
+                    const Eigen::VectorXd& values, Eigen::VectorXd& gradient) {
   const double scale =
       std::max({1.0, input.g.lpNorm<Eigen::Infinity>(), solution.mu.lpNorm<Eigen::Infinity>()});
   gradient = input.g;
   gradient.noalias() += model.H * solution.z;
   double residual = 0.0;
-  for (Eigen::Index i = 0; i < model.Omega.rows(); ++i) {
+  bool is_finite = true;
+  for (Eigen::Index i = 0; i < values.size(); ++i) {
     const double mu = solution.mu(i);
-    const double value = model.Omega.row(i).dot(solution.z) - input.softness(i) * mu;
-    if (!std::isfinite(value)) return kInfinity;
-    residual = std::max({residual, value - input.upper(i), input.lower(i) - value});
-    if (mu != 0.0) {
-      const double slack = mu > 0.0 ? input.upper(i) - value : value - input.lower(i);
-      residual = std::max(residual, std::abs(mu * slack) / scale);
-      gradient += mu * model.Omega.row(i).transpose();
-    }
+    const double value = values(i) - input.softness(i) * mu;
+    const double above = value - input.upper(i);
+    const double below = input.lower(i) - value;
+    is_finite &= std::abs(value) < kInfinity;
+    residual = std::max(residual, std::max(above, below));
+    if (mu == 0.0) continue;
+    residual = std::max(residual, std::abs(mu * (mu > 0.0 ? above : below)) / scale);
+    gradient += mu * model.Omega.row(i).transpose();
   }
-  if (!gradient.allFinite()) return kInfinity;
+  if (!is_finite || !gradient.allFinite()) return kInfinity;
   return std::max(residual, gradient.lpNorm<Eigen::Infinity>() / scale);
 }
 
@@ -61,6 +62,7 @@ QpFactors::QpFactors(QpModel qp) : model(std::move(qp)) {
   if (!is_positive_definite(model.H)) {
     throw std::invalid_argument("quadratic program: H must be symmetric positive definite");
   }
+  columns = model.Omega;
   const Eigen::LLT<Eigen::MatrixXd> llt(model.H);
   const Eigen::MatrixXd inverse = llt.solve(Eigen::MatrixXd::Identity(n, n));
   H_inverse = 0.5 * (inverse + inverse.transpose());
@@ -71,16 +73,19 @@ QpFactors::QpFactors(QpModel qp) : model(std::move(qp)) {
 }
 
 QpStatus QpFactors::examine(const QpInput& input) {
-  // x − x is 0 unless x is infinite or NaN.
-  if (!input.g.allFinite() || !input.softness.allFinite() ||
-      !(input.softness.array() >= 0.0).all()) {
-    return QpStatus::not_finite;
+  bool is_finite = true;
+  bool is_possible = true;
+  for (Eigen::Index j = 0; j < input.g.size(); ++j) is_finite &= std::abs(input.g(j)) < kInfinity;
+  for (Eigen::Index i = 0; i < input.lower.size(); ++i) {
+    // Comparisons with NaN are false.
+    is_finite &= input.lower(i) < kInfinity;
+    is_finite &= input.upper(i) > -kInfinity;
+    is_finite &= input.softness(i) >= 0.0;
+    is_finite &= input.softness(i) < kInfinity;
+    is_possible &= input.lower(i) <= input.upper(i);
   }
-  if (!(input.lower.array() < kInfinity).all() || !(input.upper.array() > -kInfinity).all()) {
-    return QpStatus::not_finite;
-  }
-  return (input.lower.array() <= input.upper.array()).all() ? QpStatus::solved
-                                                            : QpStatus::infeasible;
+  if (!is_finite) return QpStatus::not_finite;
+  return is_possible ? QpStatus::solved : QpStatus::infeasible;
 }
 
 std::unique_ptr<QpSolver> make_qp_solver(QpSolverKind kind, const QpModel& model, int max_sweeps) {

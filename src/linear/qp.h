@@ -49,10 +49,10 @@ struct QpSolution {
 
 /// The largest of: ‖H z + g + Ωᵀ μ‖∞/γ; what z violates any row by; and |μ_i|·(distance from the
 /// bound that its sign means)/γ. γ = max(1, ‖g‖∞, ‖μ‖∞). 0 means optimal. Infinite if anything is
-/// not finite or a multiplier's bound is infinite. `gradient` is room to work in (n); allocates
-/// nothing.
+/// not finite or a multiplier's bound is infinite. `values` is Ω z, `gradient` room to work in (n);
+/// allocates nothing.
 double kkt_residual(const QpModel& model, const QpInput& input, const QpSolution& solution,
-                    Eigen::VectorXd& gradient);
+                    const Eigen::VectorXd& values, Eigen::VectorXd& gradient);
 
 /// A solver remembers its last solution and starts from it.
 class QpSolver {
@@ -81,6 +81,7 @@ std::unique_ptr<QpSolver> make_qp_solver(QpSolverKind kind, const QpModel& model
 /// What solvers share: a model with what follows from it alone.
 struct QpFactors {
   QpModel model;
+  Eigen::MatrixXd columns;    ///< Ω again, by columns: faster to multiply where n is small
   Eigen::MatrixXd H_inverse;  ///< n×n
   Eigen::MatrixXd step;       ///< H⁻¹ Ωᵀ, n×m: how z answers to a row's multiplier
   Eigen::MatrixXd gram;       ///< Ω H⁻¹ Ωᵀ, m×m: how the rows do
