@@ -66,7 +66,9 @@ class KalmanEstimator : public DisturbanceEstimator {
     extended_state_.setZero(A_.rows());
     predicted_ = extended_state_;
     gain_.setZero(A_.rows(), C_.rows());
-    gain_transposed_ = gain_.transpose();
+    slope_ = gain_;
+    output_cross_.setZero(C_.rows(), A_.rows());
+    solved_ = output_cross_;
     innovation_.setZero(C_.rows());
     output_covariance_ = R_;
     work_ = initial_covariance_;
@@ -95,31 +97,31 @@ class KalmanEstimator : public DisturbanceEstimator {
 
   /// C̅ P, and from it C̅ P C̅ᵀ.
   void see_covariance() {
-    gain_transposed_.noalias() = C_ * covariance_;
-    output_covariance_.noalias() = gain_transposed_ * C_.transpose();
+    output_cross_.noalias() = C_ * covariance_;
+    output_covariance_.noalias() = output_cross_ * C_.transpose();
   }
 
   /// D = C̅ P C̅ᵀ + R, K = P C̅ᵀ D⁻¹, x̄(k|k) and P(k|k) (Eqs. 4.13, 4.14, 4.16, 4.17). The
-  /// covariance in Joseph's form, (I − K C̅) P (I − K C̅)ᵀ + K R Kᵀ, which stays positive definite.
+  /// covariance in Joseph's form, which stays positive definite where (I − K C̅) P does not:
+  ///     (I − K C̅) P (I − K C̅)ᵀ + K R Kᵀ = M + (K R − M C̅ᵀ) Kᵀ   with   M = P − K (C̅ P).
   void correct(const OutputCovariance& R) {
     if constexpr (p == 1) {
-      gain_transposed_ /= output_covariance_(0, 0) + R(0, 0);
+      gain_ = output_cross_.transpose() / (output_covariance_(0, 0) + R(0, 0));
     } else {
       output_covariance_ += R;
       factor_.compute(output_covariance_);
-      factor_.solveInPlace(gain_transposed_);
+      solved_ = output_cross_;
+      factor_.solveInPlace(solved_);
+      gain_ = solved_.transpose();
     }
-    gain_ = gain_transposed_.transpose();
     extended_state_.noalias() += gain_ * innovation_;
 
-    contraction_.setIdentity(A_.rows(), A_.rows());
-    contraction_.noalias() -= gain_ * C_;
-    work_.noalias() = contraction_ * covariance_;
-    covariance_.noalias() = work_ * contraction_.transpose();
-    gain_times_R_.noalias() = gain_ * R;
-    covariance_.noalias() += gain_times_R_ * gain_transposed_;
-    work_ = covariance_.transpose();
-    covariance_ = 0.5 * (covariance_ + work_);
+    work_ = covariance_;
+    work_.noalias() -= gain_ * output_cross_;  // M
+    slope_.noalias() = gain_ * R;
+    slope_.noalias() -= work_ * C_.transpose();
+    work_.noalias() += slope_ * gain_.transpose();
+    covariance_ = 0.5 * (work_ + work_.transpose());
   }
 
   Eigen::Index plant_states_;
@@ -140,9 +142,9 @@ class KalmanEstimator : public DisturbanceEstimator {
 
  private:
   Eigen::Matrix<double, N, 1> predicted_;
-  Eigen::Matrix<double, p, N> gain_transposed_;
-  Eigen::Matrix<double, N, p> gain_times_R_;
-  Covariance contraction_;  // I − K C̅
+  Eigen::Matrix<double, p, N> output_cross_;  // C̅ P(k|k−1)
+  Eigen::Matrix<double, p, N> solved_;        // D⁻¹ C̅ P(k|k−1) = Kᵀ
+  Eigen::Matrix<double, N, p> slope_;         // K R − M C̅ᵀ
   Covariance work_;
   Eigen::LLT<OutputCovariance> factor_;
   std::vector<Signal> signals_;

@@ -103,5 +103,17 @@ TEST(Allocation, PredictiveControlLoopDoesNotAllocate) {
   EXPECT_EQ(allocations_in_loop("cart_constrained", "lqr-obs-kfd", {"run.duration_s=120"}), 0);
 }
 
+TEST(Allocation, EstimatorsDoNotAllocate) {
+  for (const char* name : {"mdob", "idob", "kfd", "fakfd-095", "vfakfd", "qvff", "stf"}) {
+    EXPECT_EQ(
+        allocations_in_loop("motor_estimation", name,
+                            {"run.duration_s=120", "disturbance.start_s=15", "noise.std_rad=1e-4",
+                             "noise.input_std_Nm=0.1", "sensor.delay_samples=1"}),
+        0)
+        << name;
+  }
+  EXPECT_EQ(allocations_in_loop("cart_position", "order2-gamma", {"run.duration_s=120"}), 0);
+}
+
 }  // namespace
 }  // namespace breakwater

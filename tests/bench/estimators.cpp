@@ -1,0 +1,101 @@
+// What one update of an estimator costs: the median of repeated runs, in nanoseconds.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <ctime>
+#include <vector>
+
+#include "observers/fakfd.h"
+#include "observers/idob_estimator.h"
+#include "observers/kfd.h"
+#include "observers/qvff.h"
+#include "observers/stf.h"
+#include "observers/vfakfd.h"
+#include "plants/damped_inertia.h"
+
+using namespace breakwater;
+
+namespace {
+
+constexpr double kPeriod = 1e-3;
+constexpr double kQuantum = 1e-3;
+constexpr int kUpdates = 1'000'000;
+constexpr int kRuns = 9;
+
+// Two masses with a spring and a damper between them, both positions measured, the first pushed.
+StateSpace two_masses() {
+  StateSpace plant{Eigen::MatrixXd::Zero(4, 4), Eigen::MatrixXd::Zero(4, 1),
+                   Eigen::MatrixXd::Zero(2, 4)};
+  plant.A.topRightCorner(2, 2).setIdentity();
+  plant.A.row(2) << -50, 50, -1, 1;
+  plant.A.row(3) << 50, -50, 1, -1;
+  plant.B(2) = 1.0;
+  plant.C.leftCols(2).setIdentity();
+  return plant;
+}
+
+// This thread's own time: what else runs on the machine does not count.
+double thread_time_ns() {
+  timespec time{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return 1e9 * static_cast<double>(time.tv_sec) + static_cast<double>(time.tv_nsec);
+}
+
+double nanoseconds_per_update(DisturbanceEstimator& estimator, Eigen::Index outputs) {
+  std::vector<double> times;
+  Eigen::VectorXd u = Eigen::VectorXd::Zero(1), y = Eigen::VectorXd::Zero(outputs);
+  for (int run = 0; run < kRuns; ++run) {
+    estimator.reset(Eigen::VectorXd::Zero(estimator.state().size()));
+    const double start = thread_time_ns();
+    for (int k = 0; k < kUpdates; ++k) {
+      y(0) = kQuantum * (k % 7 - 3);
+      u(0) = estimator.disturbance()(0);  // a loop: one update waits for the last
+      estimator.update(u, y);
+    }
+    times.push_back((thread_time_ns() - start) / kUpdates);
+  }
+  std::sort(times.begin(), times.end());
+  return times[kRuns / 2];
+}
+
+void report(const char* name, DisturbanceEstimator& estimator, Eigen::Index outputs) {
+  std::printf("  %-34s %6.1f ns\n", name, nanoseconds_per_update(estimator, outputs));
+}
+
+SensorError sensor(Eigen::Index outputs) {
+  return {Eigen::VectorXd::Constant(outputs, kQuantum), Eigen::VectorXd::Zero(outputs)};
+}
+
+template <int N, int p>
+void report_filters(const StateSpace& continuous) {
+  const ExtendedPlant plant =
+      extend_by_disturbance_model(zero_order_hold(continuous, kPeriod), 0, kPeriod);
+  const KalmanDesign design{plant, input_noise(plant, 1e-2), Eigen::MatrixXd::Identity(p, p) * 1e-4,
+                            Eigen::MatrixXd::Identity(N, N) * 1e-4};
+  Kfd<N, 1, p> kfd(design);
+  Fakfd<N, 1, p> fakfd(design, scalar_gamma(plant, 1.05));
+  Vfakfd<N, 1, p> vfakfd(variable_forgetting_design(plant, 1e-8),
+                         {Eigen::VectorXd::Constant(p, 0.25), Eigen::VectorXd::Zero(p)});
+  Vfakfd<N, 1, p> qvff(variable_forgetting_design(plant, kQvffInitialCovariance),
+                       qvff_design(sensor(p)));
+  Stf<N, 1, p> stf(stf_design(plant, sensor(p), kPeriod), sensor(p));
+  Kfd<> dynamic(design);
+  std::printf("%d states, %d output%s\n", N, p, p == 1 ? "" : "s");
+  report("KFD (and DKF)", kfd, p);
+  report("FAKFD", fakfd, p);
+  report("VFAKFD", vfakfd, p);
+  report("QVFF", qvff, p);
+  report("STF", stf, p);
+  report("KFD, sizes known only at run time", dynamic, p);
+}
+
+}  // namespace
+
+int main() {
+  report_filters<3, 1>(damped_inertia(1.0, 0.0));
+  report_filters<5, 2>(two_masses());
+  IdobEstimator idob(damped_inertia(1.0, 0.0), {{-10.0, -20.0, -30.0}}, kPeriod);
+  std::puts("3 states, 1 output");
+  report("IDOB, sizes known at run time", idob, 1);
+  return 0;
+}

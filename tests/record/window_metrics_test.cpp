@@ -1,0 +1,42 @@
+#include "record/window_metrics.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace breakwater {
+namespace {
+
+TEST(WindowStatistics, CountsWhatFallsIntoItsWindowBothEndsIncluded) {
+  WindowStatistics statistics({1.0, 3.0});
+  for (int t = 0; t <= 4; ++t) statistics.add(t, t == 0 || t == 4 ? 100.0 : t - 4.0);  // −3 −2 −1
+  EXPECT_DOUBLE_EQ(*statistics.mean(), -2.0);
+  EXPECT_DOUBLE_EQ(*statistics.rms(), std::sqrt(14.0 / 3.0));
+  EXPECT_EQ(*statistics.largest(), -1.0);
+  EXPECT_EQ(*statistics.smallest(), -3.0);
+  EXPECT_EQ(*statistics.peak(), 3.0);
+}
+
+TEST(WindowStatistics, OfNothingAreNothing) {
+  WindowStatistics statistics({1.0, 3.0});
+  statistics.add(0.5, 1.0);
+  EXPECT_FALSE(statistics.mean());
+  EXPECT_FALSE(statistics.rms());
+  EXPECT_FALSE(statistics.peak());
+}
+
+TEST(SettlingTime, IsFromTheStartToTheLastEntryIntoTheBand) {
+  SettlingTime settling(1.0, 0.5);
+  const double errors[] = {9.0, 9.0, 0.4, 0.6, 0.5, -0.1, 0.0};  // at 0 … 6 s
+  for (int t = 0; t < 7; ++t) settling.add(t, errors[t]);
+  EXPECT_EQ(*settling.value(), 3.0);  // in the band from 4 s on
+  settling.add(7.0, 0.7);
+  EXPECT_FALSE(settling.value());  // and out of it again
+}
+
+TEST(SettlingTime, WithoutAnySampleIsNothing) {
+  EXPECT_FALSE(SettlingTime(1.0, 0.5).value());
+}
+
+}  // namespace
+}  // namespace breakwater

@@ -1,0 +1,287 @@
+// Tables 4.8 and 4.9, and the two estimators that go past them.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "regression/run_case.h"
+
+namespace breakwater {
+namespace {
+
+using Sets = std::vector<std::string>;
+
+constexpr int kPhases = 20;
+constexpr int kSeeds = 20;
+
+Sets operator+(Sets a, const Sets& b) {
+  a.insert(a.end(), b.begin(), b.end());
+  return a;
+}
+
+std::string text(double value) {
+  std::ostringstream stream;
+  stream.precision(17);
+  stream << value;
+  return stream.str();
+}
+
+// A cell of Table 4.8. The physics step is the control period, which RK4 integrates exactly too.
+Sets cell(const std::string& period_s, int bits) {
+  return {"control.period_s=" + period_s, "physics.timestep_s=" + period_s,
+          "encoder.bits=" + std::to_string(bits)};
+}
+
+// A row of Table 4.9.
+Sets white_noise(const std::string& std_rad) {
+  return {"encoder.bits=48",    "control.period_s=1e-3", "noise.std_rad=" + std_rad,
+          "observer.alpha=100", "run.duration_s=30",     "metrics.from_s=15",
+          "metrics.to_s=30"};
+}
+
+double metric(const std::string& case_name, const Sets& sets,
+              const std::string& name = "rmse_velocity_rad_s") {
+  const Recording run = testing::run_case("motor_estimation", case_name, sets);
+  EXPECT_FALSE(run.failure) << case_name;
+  return run.metric(name).value_or(NAN);
+}
+
+double median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  const std::size_t middle = values.size() / 2;
+  return values.size() % 2 == 1 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
+}
+
+struct Medians {
+  double velocity;
+  double peak;
+  double transient;
+};
+
+// Over encoder phases that divide one count evenly.
+Medians over_phases(const std::string& case_name, const Sets& sets, int bits) {
+  const double quantum = 2.0 * M_PI / std::exp2(bits);
+  std::vector<double> velocity, peak, transient;
+  for (int i = 0; i < kPhases; ++i) {
+    const double phase = quantum * ((i + 0.5) / kPhases - 0.5);
+    const Recording run = testing::run_case("motor_estimation", case_name,
+                                            sets + Sets{"encoder.phase_rad=" + text(phase)});
+    EXPECT_FALSE(run.failure) << case_name;
+    velocity.push_back(run.metric("rmse_velocity_rad_s").value_or(NAN));
+    peak.push_back(run.metric("peak_position_rad").value_or(NAN));
+    transient.push_back(run.metric("transient_rmse_disturbance_Nm").value_or(NAN));
+  }
+  return {median(velocity), median(peak), median(transient)};
+}
+
+double over_seeds(const std::string& case_name, const Sets& sets) {
+  std::vector<double> values;
+  for (int seed = 1; seed <= kSeeds; ++seed) {
+    values.push_back(metric(case_name, sets + Sets{"run.seed=" + std::to_string(seed)}));
+  }
+  return median(values);
+}
+
+// With 48 bits nothing is random: what remains of the error is the filters' own, and rounding.
+TEST(MotorEstimation, DeterministicCellsOfTable48) {
+  EXPECT_NEAR(metric("kfd", cell("1e-2", 48)), 1.0105, 0.002);
+  EXPECT_NEAR(metric("kfd", cell("1e-3", 48)), 0.4615, 0.001);
+  EXPECT_NEAR(metric("fakfd-0998", cell("1e-2", 48)), 66.004, 0.05);
+  EXPECT_NEAR(metric("fakfd-0998", cell("1e-3", 48)), 6.913, 0.015);
+  EXPECT_NEAR(metric("fakfd-095", cell("1e-2", 48)), 0.0511, 0.0005);
+  for (const char* period : {"1e-2", "1e-3"}) {
+    EXPECT_LT(metric("idob", cell(period, 48)), 1e-12);
+    EXPECT_LT(metric("dkf", cell(period, 48)), 1e-12);
+  }
+  EXPECT_LT(metric("fakfd-095", cell("1e-3", 48)), 1e-12);
+  EXPECT_LT(metric("vfakfd", cell("1e-2", 48)), 2e-10);
+  EXPECT_LT(metric("vfakfd", cell("1e-3", 48)), 2e-12);
+}
+
+// The same from a physics step that is a tenth of the control period.
+TEST(MotorEstimation, ThePhysicsStepDoesNotMatter) {
+  for (const char* name : {"kfd", "fakfd-095", "vfakfd"}) {
+    const double coarse = metric(name, cell("1e-2", 12));
+    const double fine = metric(name, {"control.period_s=1e-2", "encoder.bits=12"});
+    EXPECT_NEAR(fine, coarse, 1e-3 * coarse) << name;
+  }
+  // Not so with Euler's method, which integrates a double integrator to first order.
+  EXPECT_GT(metric("idob", cell("1e-3", 48) + Sets{"physics.integrator=euler"}), 1e-6);
+}
+
+struct Row {
+  const char* period_s;
+  int bits;
+  double idob, dkf, vfakfd;  // measured with another implementation, at one phase
+};
+constexpr Row kRows[] = {
+    {"1e-2", 4, 0.96, 0.83, 0.14},        {"1e-2", 8, 0.062, 0.064, 4.2e-3},
+    {"1e-2", 12, 5.4e-3, 5.9e-3, 2.5e-4}, {"1e-3", 4, 1.11, 1.21, 0.084},
+    {"1e-3", 8, 0.065, 0.094, 3.4e-3},    {"1e-3", 12, 5.5e-3, 8.3e-3, 1.2e-4}};
+
+class QuantisedRow : public ::testing::TestWithParam<Row> {};
+
+// What Table 4.8 says of the quantised rows: the order of the methods.
+TEST_P(QuantisedRow, HasTheOrderOfTable48) {
+  const Row& row = GetParam();
+  const Sets sets = cell(row.period_s, row.bits);
+  const double idob = over_phases("idob", sets, row.bits).velocity;
+  const double dkf = over_phases("dkf", sets, row.bits).velocity;
+  const double fakfd_095 = over_phases("fakfd-095", sets, row.bits).velocity;
+  const double fakfd_0998 = metric("fakfd-0998", sets);
+  const double vfakfd = over_phases("vfakfd", sets, row.bits).velocity;
+  const auto within_factor_2 = [](double value, double of) {
+    return value < 2.0 * of && value > 0.5 * of;
+  };
+  EXPECT_TRUE(within_factor_2(idob, row.idob)) << idob;
+  EXPECT_TRUE(within_factor_2(dkf, row.dkf)) << dkf;
+  EXPECT_TRUE(within_factor_2(vfakfd, row.vfakfd)) << vfakfd;
+  const auto [lowest, highest] = std::minmax({idob, dkf, fakfd_095});
+  EXPECT_LT(vfakfd, lowest);
+  EXPECT_LT(highest, fakfd_0998);
+}
+
+// With an encoder whose 0 is the true 0 the loop hunts about the reference whenever that lies
+// between two counts. There QVFF and STF are better than VFAKFD in every row; STF ties in one.
+TEST_P(QuantisedRow, QvffAndStfBeatVfakfdBehindACalibratedEncoder) {
+  const Row& row = GetParam();
+  const Sets sets = cell(row.period_s, row.bits) + Sets{"encoder.origin=calibrated"};
+  const Medians vfakfd = over_phases("vfakfd", sets, row.bits);
+  const Medians qvff = over_phases("qvff", sets, row.bits);
+  const Medians stf = over_phases("stf", sets, row.bits);
+  const bool ties = std::string(row.period_s) == "1e-3" && row.bits == 12;
+  EXPECT_LT(qvff.velocity, vfakfd.velocity);
+  EXPECT_LT(stf.velocity, (ties ? 1.05 : 1.0) * vfakfd.velocity);
+  EXPECT_LT(qvff.peak, vfakfd.peak);
+  EXPECT_LT(stf.peak, qvff.peak);
+  EXPECT_LT(qvff.transient, vfakfd.transient);
+  EXPECT_LT(stf.transient, qvff.transient);
+}
+
+// With one that counts from where it starts, all three end within one count, where nothing is
+// measured any more. The faster ones get there first, so what is left of the error depends on how
+// long the shaft has been creeping; only the transients tell them apart.
+TEST_P(QuantisedRow, QvffAndStfHaveTheBetterTransientsBehindACountingEncoder) {
+  const Row& row = GetParam();
+  const Sets sets = cell(row.period_s, row.bits);
+  const Medians vfakfd = over_phases("vfakfd", sets, row.bits);
+  const Medians qvff = over_phases("qvff", sets, row.bits);
+  const Medians stf = over_phases("stf", sets, row.bits);
+  EXPECT_LT(qvff.velocity, 1.3 * vfakfd.velocity);
+  EXPECT_LT(stf.velocity, 1.7 * vfakfd.velocity);
+  EXPECT_LT(qvff.peak, vfakfd.peak);
+  EXPECT_LT(stf.peak, qvff.peak);
+  EXPECT_LT(qvff.transient, vfakfd.transient);
+  EXPECT_LT(stf.transient, qvff.transient);
+}
+
+INSTANTIATE_TEST_SUITE_P(MotorEstimation, QuantisedRow, ::testing::ValuesIn(kRows),
+                         [](const auto& row) {
+                           return std::string(row.param.period_s[3] == '2' ? "T10ms" : "T1ms") +
+                                  "_n" + std::to_string(row.param.bits);
+                         });
+
+TEST(MotorEstimation, QvffAndStfBeatVfakfdWithoutQuantisation) {
+  for (const char* period : {"1e-2", "1e-3"}) {
+    const double vfakfd = metric("vfakfd", cell(period, 48));
+    EXPECT_LT(metric("qvff", cell(period, 48)), vfakfd);
+    EXPECT_LT(metric("stf", cell(period, 48)), vfakfd);
+  }
+}
+
+class WhiteNoise : public ::testing::TestWithParam<bool> {};  // whether σ is the larger one
+
+TEST_P(WhiteNoise, GivesTable49) {
+  const bool large = GetParam();
+  const Sets sets = white_noise(large ? "0.1" : "0.01");
+  const auto expect_near = [](double value, double expected, double part) {
+    EXPECT_NEAR(value, expected, part * expected);
+  };
+  expect_near(over_seeds("kfd", sets), large ? 0.142 : 0.141, 0.05);
+  expect_near(over_seeds("fakfd-095", sets), large ? 1.52 : 0.152, 0.05);
+  expect_near(over_seeds("fakfd-0998", sets), large ? 0.0119 : 0.00119, 0.05);
+  expect_near(metric("mdob", sets), large ? 141.4 : 14.14, 0.02);  // √2 σ/T_s
+  const double vfakfd = over_seeds("vfakfd", sets);
+  EXPECT_GT(vfakfd, large ? 5e-4 : 7.5e-4);
+  EXPECT_LT(vfakfd, large ? 9e-4 : 9.5e-4);
+}
+
+INSTANTIATE_TEST_SUITE_P(MotorEstimation, WhiteNoise, ::testing::Bool(),
+                         [](const auto& row) { return row.param ? "sigma_0_1" : "sigma_0_01"; });
+
+// Where the adaptive ones lose against a plain observer: a disturbance that moves (a sine of 1
+// rad/s behind a coarse encoder), a small one, a wrong inertia, and the transient of any.
+TEST(MotorEstimation, WhereVfakfdQvffAndStfLoseAgainstIdob) {
+  const Sets sine = cell("1e-3", 8) + Sets{"disturbance.kind=sine"};
+  for (const char* name : {"vfakfd", "qvff", "stf"}) {
+    EXPECT_GT(metric(name, sine), 1.5 * metric("idob", sine)) << name;
+  }
+  const Sets small = cell("1e-3", 12) + Sets{"disturbance.amplitude_Nm=0.1"};
+  for (const char* name : {"vfakfd", "qvff", "stf"}) {
+    EXPECT_GT(metric(name, small, "peak_position_rad"), metric("idob", small, "peak_position_rad"));
+  }
+  EXPECT_GT(metric("vfakfd", small), metric("idob", small));
+  const Sets heavier = cell("1e-2", 8) + Sets{"plant.inertia_ratio=1.5"};
+  const char* transient = "transient_rmse_disturbance_Nm";
+  for (const char* name : {"vfakfd", "qvff", "stf"}) {
+    EXPECT_GT(metric(name, heavier, transient), metric("idob", heavier, transient)) << name;
+  }
+  EXPECT_GT(metric("vfakfd", heavier), 3.0 * metric("idob", heavier));
+}
+
+// Fixed factors (4.3.4): the smaller λ, the faster and the noisier. VFAKFD escapes.
+TEST(MotorEstimation, FixedFactorsTradeNoiseForSpeedAndAVariableOneDoesNot) {
+  const Sets sets = white_noise("0.1");
+  double noise = 0.0;
+  for (const char* lambda : {"0.998", "0.98", "0.95", "0.90", "0.80"}) {
+    const double noisier =
+        metric("fakfd-095", sets + Sets{"observer.lambda=" + std::string(lambda)});
+    EXPECT_GT(noisier, noise) << lambda;
+    noise = noisier;
+  }
+  const Recording variable = testing::run_case("motor_estimation", "vfakfd", sets);
+  const Recording fixed =
+      testing::run_case("motor_estimation", "fakfd-095", sets + Sets{"observer.lambda=0.98"});
+  EXPECT_LT(*variable.metric("rmse_velocity_rad_s"), 0.1 * *fixed.metric("rmse_velocity_rad_s"));
+
+  // Its poles: at rest near 1, where the fixed factor keeps them well inside (Figs 4.40–4.43).
+  const auto slowest_at_end = [](const Recording& run) {
+    const auto re = run.track("control").values("poles_discrete_re");
+    return std::vector<double>(re.end() - 3, re.end());
+  };
+  const auto magnitude = [](const std::vector<double>& poles) {
+    return *std::min_element(poles.begin(), poles.end());
+  };
+  EXPECT_GT(magnitude(slowest_at_end(variable)), 0.999);
+  EXPECT_LT(magnitude(slowest_at_end(fixed)), 0.99);
+  // And λ(k) has been at its lower bound when the disturbance came, and is near 1 at the end.
+  const auto lambda = variable.track("control").values("lambda");
+  EXPECT_LT(*std::min_element(lambda.begin(), lambda.end()), 0.95);
+  EXPECT_GT(lambda.back(), 0.99);
+}
+
+TEST(MotorEstimation, IdobKeepsItsPolesWhateverHappens) {
+  const Recording run = testing::run_case("motor_estimation", "idob", cell("1e-2", 8));
+  const auto re = run.track("control").values("poles_continuous_re_rad_s");
+  for (std::size_t i = 0; i < re.size(); i += 3) {
+    EXPECT_NEAR(re[i], -30.0, 1e-5);
+    EXPECT_NEAR(re[i + 1], -20.0, 1e-5);
+    EXPECT_NEAR(re[i + 2], -10.0, 1e-5);
+  }
+}
+
+TEST(MotorEstimation, NoDisturbanceNoMotion) {
+  EXPECT_EQ(metric("vfakfd", cell("1e-3", 12) + Sets{"disturbance.kind=none"}, "peak_position_rad"),
+            0.0);
+}
+
+TEST(MotorEstimation, DelayCosts) {
+  const Sets sets = cell("1e-2", 12);
+  const double fresh = metric("idob", sets, "peak_position_rad");
+  const double old = metric("idob", sets + Sets{"sensor.delay_samples=2"}, "peak_position_rad");
+  EXPECT_GT(old, fresh);
+}
+
+}  // namespace
+}  // namespace breakwater
