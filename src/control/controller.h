@@ -3,11 +3,18 @@
 
 #include <Eigen/Core>
 #include <span>
+#include <stdexcept>
 
 #include "signals/sample.h"
 #include "signals/signal.h"
 
 namespace breakwater {
+
+/// Thrown by a controller that cannot go on: it ends the run as failed.
+class ControlFailure : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
 
 /// A sampled-data control law. It knows nothing of the simulator: it gets what its sensors gave at
 /// its own sampling instant, and writes a command. It owns its observer.
@@ -22,7 +29,7 @@ class Controller {
   virtual void reset(const Sample& first) = 0;
 
   /// One sampling instant: `y` is what was measured, `u` the command until the next one, before
-  /// the plant's own saturation. Allocates nothing.
+  /// the plant's own saturation. Allocates nothing. May throw ControlFailure.
   virtual void update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u) = 0;
 
   /// What it lets others see. The views stay valid as long as the controller lives.

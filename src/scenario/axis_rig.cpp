@@ -40,6 +40,10 @@ SensingSetup sensing_setup(const AxisSettings& settings, const Disturbance& outp
                             .encoder = encoder(settings),
                             .noise_std = settings.noise_std,
                             .delay_samples = settings.delay_samples});
+  if (settings.senses_true_state) {
+    setup.channels.push_back({.name = "true position", .sensor = settings.axis.position_sensor});
+    setup.channels.push_back({.name = "true velocity", .sensor = settings.axis.velocity_sensor});
+  }
   settings.faults.apply(setup);
   setup.seed = settings.run.seed;
   return setup;
@@ -194,6 +198,8 @@ AxisRig::AxisRig(const AxisSettings& settings, const AxisDisturbances& disturban
                                              steps_per_sample_);
   simulation_->set_pwm(0, Pwm{settings.drive_resolution});
   simulation_->add(*force_);
+  simulation_->set_position({&settings.start_position, 1});
+  simulation_->set_velocity({&settings.start_velocity, 1});
   position_ = &simulation_->sensor(settings.axis.position_sensor);
   velocity_ = &simulation_->sensor(settings.axis.velocity_sensor);
 }
@@ -223,7 +229,7 @@ std::vector<Signal> AxisRig::signals() const {
       {"d_true_" + units_.force_suffix, units_.force, "disturbance, which opposes the drive, true",
        view(disturbance_)},
       {"position_measured_" + units_.position_suffix, units_.position, "position as sampled",
-       view(sim.sample().y)},
+       view(sim.sample().y).first(1)},
       {"command_" + units_.force_suffix, units_.force, "what the controller asks for",
        view(sim.command())},
       {"applied_" + units_.force_suffix, units_.force, "what the drive does, saturated and rounded",

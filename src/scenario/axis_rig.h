@@ -42,6 +42,11 @@ struct AxisSettings {
   PhysicsSettings physics;
   RunSettings run;
 
+  // Not keys of all: where it starts, and whether the controller also gets the true state.
+  double start_position = 0.0;
+  double start_velocity = 0.0;
+  bool senses_true_state = false;  ///< samples are [measured position; position; velocity]
+
   double inertia_ratio = 1.0;     ///< of the plant to its model file
   double viscous_friction = 0.0;  ///< of the plant
   double coulomb_friction = 0.0;

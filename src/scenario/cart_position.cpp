@@ -15,8 +15,12 @@ Fields CartPosition::fields() {
   axis_.bind(fields);
   estimator_.bind(fields);
   estimator_.bind_gamma(fields);
+  fields.choice("controller.name", controller_,
+                {{"pd", CartPositionController::pd}, {"mpc", CartPositionController::mpc}},
+                "pd (Eq. 4.10) or mpc");
   fields.number("controller.kp", k_p_, not_negative(), "K_p [N/m]");
   fields.number("controller.kd", k_d_, not_negative(), "K_d [N s/m]");
+  mpc_.bind(fields);
   fields.number("task.reference_m", reference_m_, any(), "y_ref [m]");
   fields.number("task.reference_from_s", reference_from_s_, not_negative(),
                 "when it is stepped to [s]");
@@ -29,29 +33,39 @@ Fields CartPosition::fields() {
   return fields;
 }
 
-EstimatorTask CartPosition::task() const {
-  return {axis_.nominal_plant(), axis_.physics.control_period_s, axis_.sensor_error(),
-          axis_.pulses_per_revolution()};
+std::unique_ptr<Controller> CartPosition::make_controller(
+    std::unique_ptr<DisturbanceEstimator> estimator) const {
+  if (controller_ == CartPositionController::mpc) {
+    PredictiveControlDesign design =
+        mpc_.design(axis_.nominal_plant(), axis_.physics.control_period_s);
+    design.reference = {reference_m_, reference_from_s_};
+    return std::make_unique<PredictiveControl>(std::move(estimator), design);
+  }
+  return std::make_unique<DisturbanceCancellingPd>(
+      std::move(estimator),
+      DisturbanceCancellingPdDesign{.k_p = k_p_,
+                                    .k_d = k_d_,
+                                    .reference = reference_m_,
+                                    .reference_from_s = reference_from_s_,
+                                    .force_limit = axis_.force_limit(),
+                                    .period_s = axis_.physics.control_period_s,
+                                    .units = axis_.axis.units});
 }
 
 void CartPosition::check(const Config& config) {
   check_axis(axis_, config);
-  config.blame("observer.name", [&] { make_estimator(estimator_, task()); });
+  config.blame("observer.name", [&] { make_cart_estimator(estimator_, axis_); });
+  mpc_.check(axis_, config);
   config.blame("metrics.high_pass_Hz",
                [&] { HighPass(high_pass_Hz_, axis_.physics.control_period_s); });
   if (to_s_ <= from_s_) config.fail("metrics.to_s", "must be later than metrics.from_s");
 }
 
 Recording CartPosition::run(const RunControl& control) const {
-  DisturbanceCancellingPd controller(make_estimator(estimator_, task()),
-                                     {.k_p = k_p_,
-                                      .k_d = k_d_,
-                                      .reference = reference_m_,
-                                      .reference_from_s = reference_from_s_,
-                                      .force_limit = axis_.force_limit(),
-                                      .period_s = axis_.physics.control_period_s,
-                                      .units = axis_.axis.units});
-  AxisRig rig(axis_, {}, controller);
+  auto estimator = make_cart_estimator(estimator_, axis_);
+  const DisturbanceEstimator& estimates = *estimator;
+  const std::unique_ptr<Controller> controller = make_controller(std::move(estimator));
+  AxisRig rig(axis_, {}, *controller);
   Simulation& sim = rig.simulation();
   const std::int64_t steps = axis_.physics.step_at(axis_.run.duration_s);
 
@@ -64,7 +78,9 @@ Recording CartPosition::run(const RunControl& control) const {
             static_cast<std::size_t>(steps / axis_.physics.steps_per_sample() + 1));
 
   const TimeWindow window{from_s_, to_s_};
-  WindowStatistics error(window), noise(TimeWindow{});
+  WindowStatistics error(window), input_step(window), noise(TimeWindow{}), position(TimeWindow{});
+  const StepReference reference{reference_m_, reference_from_s_};
+  double last_input = 0.0;
   SettlingTime settling(reference_from_s_, settled_within_ * std::abs(reference_m_));
 
   Recording recording;
@@ -73,10 +89,15 @@ Recording CartPosition::run(const RunControl& control) const {
     rig.step();
     if (!sim.sampled()) return;
     const double t = sim.time_s();
-    high_passed_N = high_pass.update(controller.disturbance());
-    error.add(t, controller.reference() - sim.qpos()[0]);
+    high_passed_N = high_pass.update(estimates.disturbance()(0));
+    const double missing = reference.at(t) - sim.qpos()[0];
+    const double input = sim.actuation()(0);
+    error.add(t, missing);
     noise.add(t, high_passed_N);
-    settling.add(t, controller.reference() - sim.qpos()[0]);
+    settling.add(t, missing);
+    position.add(t, sim.qpos()[0]);
+    input_step.add(t, input - last_input);
+    last_input = input;
     log.append(t);
   });
 
@@ -86,6 +107,11 @@ Recording CartPosition::run(const RunControl& control) const {
     add(metrics, "steady_state_error_m", "m", error.mean());
     add(metrics, "settling_time_s", "s", settling.value());
     add(metrics, "rms_highpass_disturbance_N", "N", noise.rms());
+    add(metrics, "rms_input_step_N", "N", input_step.rms());
+    add(metrics, "max_position_m", "m", position.largest());
+    if (const auto* mpc = dynamic_cast<const PredictiveControl*>(controller.get())) {
+      add_qp_metrics(mpc->lmpc().statistics(), metrics);
+    }
   }
   recording.tracks.push_back(std::move(log));
   return recording;

@@ -1,16 +1,18 @@
 // Scenario cart_position: position control of a cart with real friction, drive and encoder (thesis
-// 4.2.5).
+// 2.3.4 and 4.2.5).
 #pragma once
 
-#include "scenario/axis_rig.h"
-#include "scenario/estimator_settings.h"
+#include "scenario/cart_mpc.h"
 #include "scenario/scenario.h"
 
 namespace breakwater {
 
+enum class CartPositionController { pd, mpc };
+
 /// A cart with Coulomb and viscous friction, a drive of finite pulse-width resolution and an
-/// encoder goes to a position under PD control with disturbance cancellation (Eq. 4.10). What the
-/// estimator must find is the friction, as the nominal model does not know it.
+/// encoder goes to a position under PD control with disturbance cancellation (Eq. 4.10), or under
+/// predictive control. What the estimator must find is the friction, as the nominal model does not
+/// know it.
 class CartPosition final : public Scenario {
  public:
   std::string name() const override { return "cart_position"; }
@@ -23,10 +25,13 @@ class CartPosition final : public Scenario {
   Recording run(const RunControl& control) const override;
 
  private:
-  EstimatorTask task() const;
+  std::unique_ptr<Controller> make_controller(
+      std::unique_ptr<DisturbanceEstimator> estimator) const;
 
   AxisSettings axis_{cart_axis()};
   EstimatorSettings estimator_;
+  CartMpcSettings mpc_;
+  CartPositionController controller_ = CartPositionController::pd;
   double k_p_ = 0.0;
   double k_d_ = 0.0;
   double reference_m_ = 0.0;

@@ -32,6 +32,7 @@ struct Arguments {
   bool csv = false;
   bool quiet = false;
   bool list_cases = false;
+  bool matrix = false;
   bool print_config = false;
 };
 
@@ -60,6 +61,9 @@ void describe(CLI::App& app, Arguments& arguments) {
   app.add_flag("--csv", arguments.csv, "write log.csv as well");
   app.add_flag("--quiet", arguments.quiet, "print errors only");
   app.add_flag("--list-cases", arguments.list_cases, "print the cases, one a line, and exit");
+  app.add_flag("--matrix", arguments.matrix,
+               "run every case under every condition, on all cores, and print one table a metric\n"
+               "(scenarios that have conditions)");
   app.add_flag("--print-config", arguments.print_config,
                "print the effective configuration, as a scenario file, and exit");
   app.set_version_flag("--version", std::string(kVersion) + " (" + kGitCommit + ")");
@@ -163,6 +167,45 @@ int run_cases(const std::string& scenario, const ScenarioFile& file, const Argum
   return failed ? static_cast<int>(kRunFailed) : video_status;
 }
 
+// All cases for each value of one key, each into OUT/VALUE/CASE.
+int run_matrix(const std::string& scenario, const ScenarioFile& file, const Arguments& arguments) {
+  stop_on_signals();
+  const Matrix matrix = make_scenario(scenario)->matrix();
+  if (matrix.key.empty()) {
+    throw std::invalid_argument(scenario + ": --matrix: this scenario has no conditions");
+  }
+  if (!arguments.case_name.empty()) {
+    throw std::invalid_argument(scenario + ": --matrix: runs all cases, so leave --case out");
+  }
+  std::vector<PreparedRun> runs;
+  std::vector<std::string> places;
+  for (const std::string& value : matrix.values) {
+    std::vector<std::string> sets = all_sets(arguments);
+    sets.push_back(matrix.key + "=" + value);
+    for (const std::string& name : file.cases()) {
+      runs.push_back(prepare_run(scenario, file, name, sets));
+      places.push_back(value + "/" + name);
+    }
+  }
+  const std::uint64_t seed = runs.front().scenario->run_settings().seed;
+  const fs::path out = arguments.out.empty()
+                           ? fs::path("runs") / scenario / fmt::format("matrix-seed{}", seed)
+                           : fs::path(arguments.out);
+  for (const std::string& value : matrix.values) check_folder_of_runs(out / value);
+  std::vector<fs::path> folders;
+  for (const std::string& place : places) folders.push_back(out / place);
+
+  const std::vector<RunSummary> summaries =
+      execute_runs(runs, folders, {arguments.csv, arguments.quiet, &interrupted()});
+  report_failures(scenario, summaries);
+  if (!arguments.quiet) {
+    fmt::print("results: {}\n\n{}", out.string(), matrix_tables(matrix, summaries, output_width()));
+  }
+  const bool failed = std::any_of(summaries.begin(), summaries.end(),
+                                  [](const RunSummary& run) { return run.failure.has_value(); });
+  return failed ? kRunFailed : kSuccess;
+}
+
 }  // namespace
 
 int scenario_main(const std::string& scenario, int argc, const char* const* argv) {
@@ -179,7 +222,8 @@ int scenario_main(const std::string& scenario, int argc, const char* const* argv
       for (const std::string& name : file.cases()) fmt::print("{}\n", name);
       return static_cast<int>(kSuccess);
     }
-    return run_cases(scenario, file, arguments);
+    return arguments.matrix ? run_matrix(scenario, file, arguments)
+                            : run_cases(scenario, file, arguments);
   });
 }
 

@@ -8,11 +8,16 @@
 #include "observers/kfd.h"
 #include "observers/mdob_estimator.h"
 #include "observers/qvff.h"
+#include "observers/state_observer.h"
 #include "observers/stf.h"
 #include "observers/vfakfd.h"
 
 namespace breakwater {
 namespace {
+
+PoleGroup pole_group(const EstimatorSettings& settings) {
+  return {settings.poles_rad_s.begin(), settings.poles_rad_s.end()};
+}
 
 ExtendedPlant extended_plant(const EstimatorSettings& settings, const EstimatorTask& task) {
   return extend_by_disturbance_model(zero_order_hold(task.continuous_plant, task.period_s),
@@ -73,21 +78,23 @@ VfakfdDesign vfakfd_design(const EstimatorSettings& settings, const EstimatorTas
 
 void EstimatorSettings::bind(Fields& fields) {
   fields.choice("observer.name", kind,
-                {{"mdob", EstimatorKind::mdob},
+                {{"state_observer", EstimatorKind::state_observer},
+                 {"mdob", EstimatorKind::mdob},
                  {"idob", EstimatorKind::idob},
                  {"kfd", EstimatorKind::kfd},
                  {"fakfd", EstimatorKind::fakfd},
                  {"vfakfd", EstimatorKind::vfakfd},
                  {"qvff", EstimatorKind::qvff},
                  {"stf", EstimatorKind::stf}},
-                "mdob, idob, kfd, fakfd, vfakfd, qvff or stf");
+                "state_observer (no disturbance), mdob, idob, kfd, fakfd, vfakfd, qvff or stf");
   fields.count("observer.disturbance_order", disturbance_order, between(0, 2),
                "Kalman filters: the disturbance is a step (0), ramp (1) or parabola (2)");
   fields.number("observer.derivative_cutoff_rad_s", derivative_cutoff_rad_s, not_negative(),
                 "mdob: g_d of the pseudo-derivative; 0: the raw difference [rad/s]");
   fields.number("observer.low_pass_cutoff_rad_s", observer_cutoff_rad_s, positive(),
                 "mdob: g_w [rad/s]");
-  fields.numbers("observer.poles_rad_s", poles_rad_s, any(), "idob: continuous poles [1/s]");
+  fields.numbers("observer.poles_rad_s", poles_rad_s, any(),
+                 "idob, state_observer: continuous poles [1/s]");
   fields.choice("observer.process_noise_on", process_noise_on,
                 {{"input", ProcessNoise::input},
                  {"all", ProcessNoise::all},
@@ -116,11 +123,12 @@ std::unique_ptr<DisturbanceEstimator> make_estimator(const EstimatorSettings& se
     case EstimatorKind::mdob:
       return std::make_unique<MdobEstimator>(mdob_design(settings, task.continuous_plant),
                                              task.period_s);
-    case EstimatorKind::idob: {
-      const PoleGroup poles(settings.poles_rad_s.begin(), settings.poles_rad_s.end());
-      return std::make_unique<IdobEstimator>(task.continuous_plant, std::vector<PoleGroup>{poles},
-                                             task.period_s);
-    }
+    case EstimatorKind::state_observer:
+      return std::make_unique<StateObserver>(
+          task.continuous_plant, std::vector<PoleGroup>{pole_group(settings)}, task.period_s);
+    case EstimatorKind::idob:
+      return std::make_unique<IdobEstimator>(
+          task.continuous_plant, std::vector<PoleGroup>{pole_group(settings)}, task.period_s);
     case EstimatorKind::kfd:
       return std::make_unique<Kfd<>>(kalman_design(settings, task));
     case EstimatorKind::fakfd: {

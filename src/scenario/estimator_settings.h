@@ -12,7 +12,7 @@
 
 namespace breakwater {
 
-enum class EstimatorKind { mdob, idob, kfd, fakfd, vfakfd, qvff, stf };
+enum class EstimatorKind { state_observer, mdob, idob, kfd, fakfd, vfakfd, qvff, stf };
 enum class ProcessNoise { input, all, disturbance };
 
 /// Keys `observer.…`. Each estimator uses those that it has; the others are read and left alone.

@@ -40,8 +40,10 @@ std::string toml_key(const std::string& key) {
   return is_bare ? key : toml_string(key);
 }
 
+// "" for a key of the root.
 std::string table_of(const std::string& key) {
-  return key.substr(0, key.rfind('.'));
+  const std::size_t dot = key.rfind('.');
+  return dot == std::string::npos ? "" : key.substr(0, dot);
 }
 
 // Shortest text that reads back as the same double, and as a TOML float.
@@ -145,6 +147,17 @@ void Fields::count(const std::string& key, std::uint64_t& target, const Range& r
        [&target] { return std::to_string(target); }});
 }
 
+void Fields::flag(const std::string& key, bool& target, const std::string& doc) {
+  fields_.push_back({key, doc,
+                     [&target](const ConfigValue& v) -> Error {
+                       const auto* flag = std::get_if<bool>(&v.data);
+                       if (flag == nullptr) return "must be true or false, is " + describe(v);
+                       target = *flag;
+                       return std::nullopt;
+                     },
+                     [&target] { return std::string(target ? "true" : "false"); }});
+}
+
 void Fields::text(const std::string& key, std::string& target, const std::string& doc) {
   fields_.push_back({key, doc, [&target](const ConfigValue& v) { return read_text(v, target); },
                      [&target] { return toml_string(target); }});
@@ -219,17 +232,17 @@ void Fields::read(const Config& config) {
 std::string Fields::print(const std::string& scenario, const std::string& case_name) const {
   std::string text = fmt::format("scenario = {}\ndefault_case = {}\n", toml_string(scenario),
                                  toml_string(case_name));
-  std::vector<std::string> tables;
+  std::vector<std::string> tables = {""};  // the root's keys come first
   for (const Field& field : fields_) {
     const std::string table = table_of(field.key);
     if (std::find(tables.begin(), tables.end(), table) == tables.end()) tables.push_back(table);
   }
   for (const std::string& table : tables) {
-    text += fmt::format("\n[{}]\n", table);
+    if (!table.empty()) text += fmt::format("\n[{}]\n", table);
     for (const Field& field : fields_) {
       if (table_of(field.key) != table) continue;
-      text += fmt::format("# {}\n{} = {}\n", field.doc, field.key.substr(table.size() + 1),
-                          field.print());
+      const std::string name = table.empty() ? field.key : field.key.substr(table.size() + 1);
+      text += fmt::format("# {}\n{} = {}\n", field.doc, name, field.print());
     }
   }
   return text + fmt::format("\n[case.{}]\n", toml_key(case_name));

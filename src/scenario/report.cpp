@@ -74,6 +74,30 @@ std::string metrics_table(const std::string& scenario, const RunSummary& run) {
   return text.find(" *\n") != std::string::npos ? kLegend + text : text;
 }
 
+std::string matrix_tables(const Matrix& matrix, const std::vector<RunSummary>& runs,
+                          std::size_t width) {
+  const std::size_t cases = runs.size() / matrix.values.size();
+  std::string text;
+  for (const std::string& name : matrix.metrics) {
+    std::vector<std::string> header = {name + " by " + matrix.key};
+    header.insert(header.end(), matrix.values.begin(), matrix.values.end());
+    Table table(header);
+    for (std::size_t i = 0; i < cases; ++i) {
+      std::vector<std::string> row = {runs[i].case_name};
+      for (std::size_t j = 0; j < matrix.values.size(); ++j) {
+        const RunSummary& run = runs[j * cases + i];
+        const auto metric = find_metric(run.metrics, name);
+        const std::string missing = run.failure ? "failed" : "-";
+        row.push_back(metric ? format_value(metric->value) : missing);
+      }
+      table.add(row);
+    }
+    if (!text.empty()) text += '\n';
+    text += table.print(width);
+  }
+  return text;
+}
+
 std::string comparison_table(const std::string& scenario, const std::vector<RunSummary>& runs,
                              std::size_t width) {
   std::vector<Metric> rows;  // the union of all runs' metrics, in their order

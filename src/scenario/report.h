@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "scenario/runner.h"
+#include "scenario/scenario.h"
 
 namespace breakwater {
 
@@ -16,5 +17,10 @@ std::string metrics_table(const std::string& scenario, const RunSummary& run);
 /// reproduced is marked.
 std::string comparison_table(const std::string& scenario, const std::vector<RunSummary>& runs,
                              std::size_t width);
+
+/// One table for each of the matrix' metrics: cases down, values across. `runs` are those of the
+/// first value, then those of the second, ….
+std::string matrix_tables(const Matrix& matrix, const std::vector<RunSummary>& runs,
+                          std::size_t width);
 
 }  // namespace breakwater

@@ -2,7 +2,9 @@
 
 #include "scenario/arm_push.h"
 #include "scenario/arm_wall_contact.h"
+#include "scenario/cart_constrained.h"
 #include "scenario/cart_estimation.h"
+#include "scenario/cart_offset_free.h"
 #include "scenario/cart_position.h"
 #include "scenario/motor_estimation.h"
 
@@ -14,9 +16,9 @@ std::unique_ptr<Scenario> make() {
   return std::make_unique<T>();
 }
 
-constexpr std::unique_ptr<Scenario> (*kMakers[])() = {make<ArmWallContact>, make<ArmPush>,
-                                                      make<CartEstimation>, make<CartPosition>,
-                                                      make<MotorEstimation>};
+constexpr std::unique_ptr<Scenario> (*kMakers[])() = {
+    make<ArmWallContact>,  make<ArmPush>,        make<CartPosition>,   make<CartOffsetFree>,
+    make<CartConstrained>, make<CartEstimation>, make<MotorEstimation>};
 
 }  // namespace
 

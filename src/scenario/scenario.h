@@ -32,6 +32,13 @@ class Interrupted : public std::runtime_error {
   std::size_t finished_runs_;
 };
 
+/// A table of all cases over the values of one key.
+struct Matrix {
+  std::string key;                   ///< empty: there is none
+  std::vector<std::string> values;   ///< of the key
+  std::vector<std::string> metrics;  ///< one table each
+};
+
 /// An experiment: settings, and the run that they define. run() depends on nothing else.
 class Scenario {
  public:
@@ -43,6 +50,9 @@ class Scenario {
   virtual std::string name() const = 0;
   /// One line: what it studies.
   virtual std::string summary() const = 0;
+
+  /// What --matrix runs and prints.
+  virtual Matrix matrix() const { return {}; }
 
   /// Its keys, bound to its settings.
   virtual Fields fields() = 0;

@@ -87,6 +87,14 @@ void Simulation::set_position(std::span<const double> qpos) {
   std::fill_n(data_->qvel, model_->nv, 0.0);
 }
 
+void Simulation::set_velocity(std::span<const double> qvel) {
+  if (qvel.size() != static_cast<std::size_t>(model_->nv)) {
+    throw std::invalid_argument(model_.file() + ": needs " + std::to_string(model_->nv) +
+                                " start velocities, got " + std::to_string(qvel.size()));
+  }
+  std::copy(qvel.begin(), qvel.end(), data_->qvel);
+}
+
 void Simulation::set_collidable(int geom, bool collidable) {
   model_.get()->geom_contype[geom] = collidable ? 1 : 0;
   model_.get()->geom_conaffinity[geom] = collidable ? 1 : 0;
@@ -118,7 +126,11 @@ void Simulation::begin_step(const mjData& data) {
   sample_.time_s = time_s_;
   sensing_.take(steps_ / steps_per_sample_, data, sample_);
   if (steps_ == 0) controller_.reset(sample_);
-  controller_.update(sample_, command_);
+  try {
+    controller_.update(sample_, command_);
+  } catch (const ControlFailure& failure) {
+    fail(failure.what());
+  }
   saturate();
 }
 

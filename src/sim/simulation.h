@@ -45,6 +45,9 @@ class Simulation {
   /// Puts the plant at rest at `qpos`.
   void set_position(std::span<const double> qpos);
 
+  /// Sets it moving; after set_position().
+  void set_velocity(std::span<const double> qvel);
+
   /// Makes a geom collide with those whose contype has bit 1, or with nothing.
   void set_collidable(int geom, bool collidable);
 

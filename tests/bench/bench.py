@@ -3,7 +3,8 @@ costs beyond a bare mjr_render loop over the same frames.
 
 Instructions are callgrind's, on a short run: they repeat exactly. Times are medians of pairs of
 whole 100 s runs, run in turn, so that a drifting machine shifts both. Videos are compared by the
-processors' time of all their processes: it hardly depends on who else uses the machine.
+processors' time of all their processes: it hardly depends on who else uses the machine. Then what
+the solvers of quadratic programs take.
 """
 
 import os
@@ -102,6 +103,8 @@ def main():
         print(f"  real-time factor    {100 / ours_s:10.1f}   (one core; goal: at least 5)")
 
         bench_videos(run)
+    print("quadratic programs ...", flush=True)
+    subprocess.run([BUILD / "tests" / "qp_bench"], check=True)
     return 0
 
 

@@ -98,6 +98,21 @@ TEST(Allocation, PushLoopDoesNotAllocate) {
   EXPECT_EQ(allocations_in_loop("arm_push", "proposed-link2", {"run.duration_s=12"}), 0);
 }
 
+// Through active limits, the disturbance, and problems that must be softened.
+TEST(Allocation, PredictiveControlLoopDoesNotAllocate) {
+  for (const char* solver : {"solver.name=active_set", "solver.name=hildreth"}) {
+    EXPECT_EQ(allocations_in_loop("cart_constrained", "proposed-idob",
+                                  {"condition=C", "run.duration_s=120", "disturbance.start_s=15",
+                                   "constraint.velocity_m_s=0.3", solver}),
+              0);
+    EXPECT_EQ(allocations_in_loop("cart_offset_free", "proposed-kfd",
+                                  {"run.duration_s=120", "reference.start_s=15",
+                                   "constraint.position_m=0.5", solver}),
+              0);
+  }
+  EXPECT_EQ(allocations_in_loop("cart_constrained", "lqr-obs-kfd", {"run.duration_s=120"}), 0);
+}
+
 TEST(Allocation, EstimatorsDoNotAllocate) {
   for (const char* name : {"mdob", "idob", "kfd", "fakfd-095", "vfakfd", "qvff", "stf"}) {
     EXPECT_EQ(

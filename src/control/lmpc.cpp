@@ -1,0 +1,210 @@
+#include "control/lmpc.h"
+
+#include <time.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include "control/controller.h"
+#include "linear/riccati.h"
+
+namespace breakwater {
+namespace {
+
+void check_weight(const Eigen::MatrixXd& weight, Eigen::Index size, const std::string& name) {
+  if (weight.rows() != size || weight.cols() != size || !is_positive_semidefinite(weight)) {
+    throw std::invalid_argument("predictive control: " + name + " must be " + std::to_string(size) +
+                                "×" + std::to_string(size) +
+                                ", symmetric and positive semidefinite");
+  }
+}
+
+// What this thread has had of the processor: other load does not count.
+double thread_time_s() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+// U = C_1 u + C_2 ΔU, of which C_1 is the first block column of C_2.
+Eigen::MatrixXd sums(int steps, Eigen::Index inputs) {
+  Eigen::MatrixXd C2 = Eigen::MatrixXd::Zero(steps * inputs, steps * inputs);
+  for (int i = 0; i < steps; ++i) {
+    for (int j = 0; j <= i; ++j) C2.block(i * inputs, j * inputs, inputs, inputs).setIdentity();
+  }
+  return C2;
+}
+
+}  // namespace
+
+Lmpc::Lmpc(const LmpcDesign& design)
+    : design_(design),
+      prediction_(predict(design.A, design.B, design.prediction_steps, design.control_steps)),
+      solver_(make_qp_solver(design.solver, make_model(), design.max_iterations)),
+      input_(solver_->model().H.rows(), solver_->model().Omega.rows()),
+      solution_(solver_->model().H.rows(), solver_->model().Omega.rows()),
+      free_(Eigen::VectorXd::Zero(prediction_.Psi.rows())),
+      change_(Eigen::VectorXd::Zero(inputs())) {
+  if (design.on_infeasible == OnInfeasible::soften && !(design.softness > 0.0)) {
+    throw std::invalid_argument("predictive control: the softness must be positive");
+  }
+}
+
+QpModel Lmpc::make_model() {
+  const Eigen::Index n = states();
+  const Eigen::Index m = inputs();
+  const int N_p = design_.prediction_steps;
+  const int N_u = design_.control_steps;
+  if (design_.S.size() == 0) design_.S = Eigen::MatrixXd::Zero(m, m);
+  check_weight(design_.Q, n, "Q");
+  check_weight(design_.Q_last, n, "the last Q");
+  check_weight(design_.R, m, "R");
+  check_weight(design_.S, m, "S");
+
+  from_reference_ = prediction_.Theta.transpose();
+  for (int i = 0; i < N_p; ++i) {
+    const Eigen::MatrixXd& weight = i + 1 < N_p ? design_.Q : design_.Q_last;
+    from_reference_.middleCols(i * n, n) *= weight;
+  }
+  const Eigen::MatrixXd C2 = sums(N_u, m);
+  Eigen::MatrixXd weighted = C2.transpose();
+  Eigen::MatrixXd H = from_reference_ * prediction_.Theta;
+  for (int i = 0; i < N_u; ++i) {
+    weighted.middleCols(i * m, m) *= design_.S;
+    H.block(i * m, i * m, m, m) += design_.R;
+  }
+  H += weighted * C2;
+  from_state_ = from_reference_ * prediction_.Psi;
+  from_input_ = from_reference_ * prediction_.Gamma + weighted * C2.leftCols(m);
+
+  add_rows(RowKind::change, design_.change_bounds, m, 0, N_u - 1);
+  add_rows(RowKind::input, design_.input_bounds, m, 0, N_u - 1);
+  add_rows(RowKind::state, design_.state_bounds, n, 1, N_p);
+  QpModel model{0.5 * (H + H.transpose()), QpModel::RowMajor(rows_.size(), N_u * m)};
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    auto row = model.Omega.row(static_cast<Eigen::Index>(i));
+    switch (rows_[i].kind) {
+      case RowKind::change:
+        row = Eigen::RowVectorXd::Unit(N_u * m, rows_[i].component);
+        break;
+      case RowKind::input:
+        row = C2.row(rows_[i].component);
+        break;
+      case RowKind::state:
+        row = prediction_.Theta.row(rows_[i].component);
+        break;
+    }
+  }
+  return model;
+}
+
+void Lmpc::add_rows(RowKind kind, const std::vector<PredictedBound>& bounds, Eigen::Index width,
+                    int first_step, int last_step) {
+  for (std::size_t b = 0; b < bounds.size(); ++b) {
+    const PredictedBound& bound = bounds[b];
+    if (bound.component < 0 || bound.component >= width) {
+      throw std::invalid_argument(
+          "predictive control: a bound is on a component that is not there");
+    }
+    if (!(bound.lower <= bound.upper)) {
+      throw std::invalid_argument("predictive control: a lower bound is above its upper bound");
+    }
+    for (const int step : bound.steps) {
+      if (step < first_step || step > last_step) {
+        throw std::invalid_argument("predictive control: a bound is on step " +
+                                    std::to_string(step) + ", which is not from " +
+                                    std::to_string(first_step) + " to " +
+                                    std::to_string(last_step));
+      }
+      rows_.push_back(
+          {kind, (step - first_step) * width + bound.component, bound.lower, bound.upper, b});
+    }
+  }
+}
+
+void Lmpc::reset() {
+  solver_->reset();
+  statistics_ = {};
+}
+
+const Eigen::VectorXd& Lmpc::optimise(const Eigen::Ref<const Eigen::VectorXd>& x,
+                                      const Eigen::Ref<const Eigen::VectorXd>& last_input,
+                                      const Eigen::Ref<const Eigen::VectorXd>& reference,
+                                      const Eigen::Ref<const Eigen::VectorXd>& reserved) {
+  free_.noalias() = prediction_.Psi * x;
+  free_.noalias() += prediction_.Gamma * last_input;
+  input_.g.noalias() = from_state_ * x;
+  input_.g.noalias() += from_input_ * last_input;
+  input_.g.noalias() -= from_reference_ * reference;
+  set_bounds(last_input, reserved);
+  input_.softness.setZero();
+
+  solve();
+  if (solution_.status != QpStatus::solved) ++statistics_.unsolved;
+  if (solution_.status == QpStatus::infeasible && design_.on_infeasible == OnInfeasible::soften) {
+    ++statistics_.softened;
+    for (std::size_t bound = 0; bound < design_.state_bounds.size(); ++bound) {
+      for (std::size_t i = 0; i < rows_.size(); ++i) {
+        if (rows_[i].kind == RowKind::state && rows_[i].bound == bound) {
+          input_.softness(static_cast<Eigen::Index>(i)) = design_.softness;
+        }
+      }
+      solve();
+      if (solution_.status != QpStatus::infeasible) break;
+    }
+  }
+  if (solution_.status == QpStatus::infeasible) {
+    throw ControlFailure("no input satisfies the constraints");
+  }
+  if (solution_.status == QpStatus::not_finite) {
+    throw ControlFailure("the state that the predictive controller was given is not finite");
+  }
+  change_ = solution_.z.head(inputs());
+  return change_;
+}
+
+bool Lmpc::inputs_are_feasible(const Eigen::Ref<const Eigen::VectorXd>& last_input) const {
+  LmpcDesign inputs_alone = design_;
+  inputs_alone.state_bounds.clear();
+  inputs_alone.solver = QpSolverKind::active_set;
+  inputs_alone.on_infeasible = OnInfeasible::stop;
+  Lmpc lmpc(inputs_alone);
+  try {
+    lmpc.optimise(Eigen::VectorXd::Zero(states()), last_input, Eigen::VectorXd::Zero(free_.size()),
+                  Eigen::VectorXd::Zero(inputs()));
+  } catch (const ControlFailure&) {
+    return false;
+  }
+  return true;
+}
+
+void Lmpc::set_bounds(const Eigen::Ref<const Eigen::VectorXd>& last_input,
+                      const Eigen::Ref<const Eigen::VectorXd>& reserved) {
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    const Row& row = rows_[i];
+    double already = 0.0;  // what the row's quantity is without ΔU
+    if (row.kind == RowKind::input) {
+      const Eigen::Index input = row.component % inputs();
+      already = last_input(input) + reserved(input);
+    } else if (row.kind == RowKind::state) {
+      already = free_(row.component);
+    }
+    input_.lower(static_cast<Eigen::Index>(i)) = row.lower - already;
+    input_.upper(static_cast<Eigen::Index>(i)) = row.upper - already;
+  }
+}
+
+void Lmpc::solve() {
+  const double start_s = thread_time_s();
+  solver_->solve(input_, solution_);
+  const double elapsed_s = thread_time_s() - start_s;
+  ++statistics_.solves;
+  statistics_.iterations += solution_.iterations;
+  statistics_.most_iterations = std::max(statistics_.most_iterations, solution_.iterations);
+  statistics_.time_s += elapsed_s;
+  statistics_.longest_s = std::max(statistics_.longest_s, elapsed_s);
+}
+
+}  // namespace breakwater

@@ -1,0 +1,44 @@
+#include "control/lqr_control.h"
+
+#include <stdexcept>
+#include <utility>
+
+namespace breakwater {
+
+LqrControl::LqrControl(std::unique_ptr<DisturbanceEstimator> estimator, Eigen::RowVectorXd K,
+                       Eigen::VectorXd start_state, bool uses_true_state)
+    : estimator_(std::move(estimator)),
+      K_(std::move(K)),
+      start_state_(std::move(start_state)),
+      uses_true_state_(uses_true_state),
+      held_input_(Eigen::VectorXd::Zero(1)) {
+  if (K_.size() != estimator_->state().size() || start_state_.size() != K_.size() ||
+      estimator_->disturbance().size() != 1) {
+    throw std::invalid_argument("LQR: estimator and gain must be of one plant");
+  }
+  const auto part = [](const DisturbanceEstimator::View& values, Eigen::Index i) {
+    return view(*(values.data() + i));
+  };
+  signals_ = {{"position_hat_m", "m", "position, estimated", part(estimator_->state(), 0)},
+              {"velocity_hat_m_s", "m/s", "velocity, estimated", part(estimator_->state(), 1)},
+              {"d_hat_N", "N", "disturbance, estimated", part(estimator_->disturbance(), 0)}};
+  for (const Signal& signal : estimator_->signals()) signals_.push_back(signal);
+}
+
+void LqrControl::reset(const Sample&) {
+  estimator_->reset(start_state_);
+  held_input_.setZero();
+}
+
+void LqrControl::update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u) {
+  estimator_->update(held_input_, y.y.head<1>());
+  if (uses_true_state_) {
+    u.noalias() = -K_ * y.y.segment(1, K_.size());
+  } else {
+    u.noalias() = -K_ * estimator_->state();
+    u += estimator_->disturbance();
+  }
+  held_input_ = u;
+}
+
+}  // namespace breakwater

@@ -1,0 +1,38 @@
+// The linear quadratic regulator, with or without an estimator: thesis 2.3.7's baselines.
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <vector>
+
+#include "control/controller.h"
+#include "observers/disturbance_estimator.h"
+
+namespace breakwater {
+
+/// u(k) = −K x̂(k) + d̂(k), or u(k) = −K x(k) with the true state and no estimate of d.
+///
+/// Expects samples whose first entry is the measured position, followed by the true state (n).
+class LqrControl final : public Controller {
+ public:
+  /// The estimator runs along in either case, so that a log has its estimates. `K` is 1×n; the
+  /// estimator starts at `start_state` (n). Throws std::invalid_argument if they do not fit.
+  LqrControl(std::unique_ptr<DisturbanceEstimator> estimator, Eigen::RowVectorXd K,
+             Eigen::VectorXd start_state, bool uses_true_state);
+
+  void reset(const Sample& first) override;
+  void update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u) override;
+  std::span<const Signal> signals() const override { return signals_; }
+
+  const DisturbanceEstimator& estimator() const { return *estimator_; }
+
+ private:
+  std::unique_ptr<DisturbanceEstimator> estimator_;
+  Eigen::RowVectorXd K_;
+  Eigen::VectorXd start_state_;
+  bool uses_true_state_;
+  Eigen::VectorXd held_input_;
+  std::vector<Signal> signals_;
+};
+
+}  // namespace breakwater

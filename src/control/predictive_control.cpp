@@ -1,0 +1,89 @@
+#include "control/predictive_control.h"
+
+#include <stdexcept>
+#include <utility>
+
+namespace breakwater {
+
+ExtendedModel extend_by_constant_disturbance(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B) {
+  const Eigen::Index n = A.rows();
+  const Eigen::Index m = B.cols();
+  ExtendedModel extended{Eigen::MatrixXd::Identity(n + m, n + m), Eigen::MatrixXd::Zero(n + m, m)};
+  extended.A.topLeftCorner(n, n) = A;
+  extended.A.topRightCorner(n, m) = -B;
+  extended.B.topRows(n) = B;
+  return extended;
+}
+
+PredictiveControl::PredictiveControl(std::unique_ptr<DisturbanceEstimator> estimator,
+                                     const PredictiveControlDesign& design)
+    : estimator_(std::move(estimator)),
+      design_(design),
+      lmpc_(design.lmpc),
+      plant_states_(estimator_->state().size()),
+      predicted_state_(Eigen::VectorXd::Zero(lmpc_.states())),
+      trajectory_(Eigen::VectorXd::Zero(lmpc_.states() * lmpc_.prediction_steps())),
+      reserved_(Eigen::VectorXd::Zero(1)),
+      planned_input_(Eigen::VectorXd::Zero(1)),
+      held_input_(Eigen::VectorXd::Zero(1)) {
+  const Eigen::Index disturbances =
+      design.disturbance_use == DisturbanceUse::predict ? estimator_->disturbance().size() : 0;
+  if (lmpc_.inputs() != 1 || estimator_->disturbance().size() != 1 ||
+      lmpc_.states() != plant_states_ + disturbances ||
+      design.start_state.size() != plant_states_) {
+    throw std::invalid_argument("predictive control: estimator and model must be of one plant");
+  }
+  if (design.samples_per_move < 1) {
+    throw std::invalid_argument("predictive control: needs at least one sample per move");
+  }
+  const auto part = [](const DisturbanceEstimator::View& values, Eigen::Index i) {
+    return view(*(values.data() + i));
+  };
+  signals_ = {{"reference_m", "m", "r", view(reference_)},
+              {"position_hat_m", "m", "position, estimated", part(estimator_->state(), 0)},
+              {"velocity_hat_m_s", "m/s", "velocity, estimated", part(estimator_->state(), 1)},
+              {"d_hat_N", "N", "disturbance, estimated", part(estimator_->disturbance(), 0)},
+              {"u_mpc_N", "N", "input of the optimisation (Eq. 2.42)", view(planned_input_)},
+              {"qp_iterations", "1", "sweeps or changes of the last solve", view(iterations_)},
+              {"qp_status", "1", "0 solved, 1 iteration cap, 2 infeasible", view(status_)},
+              {"qp_kkt_residual", "1", "of the last solve", view(kkt_residual_)}};
+  for (const Signal& signal : estimator_->signals()) signals_.push_back(signal);
+}
+
+void PredictiveControl::reset(const Sample&) {
+  estimator_->reset(design_.start_state);
+  lmpc_.reset();
+  planned_input_.setZero();
+  held_input_.setZero();
+  samples_to_move_ = 0;
+}
+
+void PredictiveControl::update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u) {
+  estimator_->update(held_input_, y.y.head<1>());
+  reference_ = design_.reference.at(y.time_s);
+  const bool cancels = design_.disturbance_use == DisturbanceUse::cancel ||
+                       design_.disturbance_use == DisturbanceUse::cancel_within_bounds;
+  if (samples_to_move_ == 0) {
+    samples_to_move_ = design_.samples_per_move;
+    predicted_state_.head(plant_states_) = estimator_->state();
+    if (design_.disturbance_use == DisturbanceUse::predict) {
+      predicted_state_.tail(1) = estimator_->disturbance();
+    }
+    if (design_.disturbance_use == DisturbanceUse::cancel_within_bounds) {
+      reserved_ = estimator_->disturbance();
+    }
+    for (int i = 0; i < lmpc_.prediction_steps(); ++i) {
+      trajectory_(i * lmpc_.states()) = reference_;
+    }
+    planned_input_ += lmpc_.optimise(predicted_state_, planned_input_, trajectory_, reserved_);
+    iterations_ = lmpc_.solution().iterations;
+    status_ = static_cast<double>(lmpc_.solution().status);
+    kkt_residual_ = lmpc_.solution().kkt_residual;
+  }
+  --samples_to_move_;
+  held_input_ = planned_input_;
+  if (cancels) held_input_ += estimator_->disturbance();
+  u = held_input_;
+}
+
+}  // namespace breakwater

@@ -1,0 +1,83 @@
+// Predictive control with an estimator inside: the thesis' controllers of 2.3 and 3.3.
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <vector>
+
+#include "control/controller.h"
+#include "control/lmpc.h"
+#include "observers/disturbance_estimator.h"
+
+namespace breakwater {
+
+/// What the controller does with the estimated disturbance.
+enum class DisturbanceUse {
+  none,     ///< nothing
+  predict,  ///< it is a state of the prediction model (Eqs. 2.46–2.48): the proposed method
+  cancel,   ///< ũ = u + d̂ (Eq. 2.45); u alone is bounded
+  cancel_within_bounds  ///< the same, and u_low − d̂ ≤ u ≤ u_upp − d̂: the second remedy of 2.3.4
+};
+
+/// A reference for the position that steps from 0.
+struct StepReference {
+  double value = 0.0;
+  double from_s = 0.0;
+
+  double at(double time_s) const { return time_s >= from_s ? value : 0.0; }
+};
+
+struct PredictiveControlDesign {
+  LmpcDesign lmpc;  ///< its A and B are the extended model's with DisturbanceUse::predict
+  DisturbanceUse disturbance_use = DisturbanceUse::predict;
+  int samples_per_move = 1;  ///< the estimator runs at every sample, the optimisation at every …th
+  StepReference reference;
+  Eigen::VectorXd start_state;  ///< x̂(0), n
+};
+
+/// The model that predicts with a constant disturbance as a state: A̅ = [A −B; 0 I], B̅ = [B; 0]
+/// (Eq. 2.46).
+struct ExtendedModel {
+  Eigen::MatrixXd A;
+  Eigen::MatrixXd B;
+};
+ExtendedModel extend_by_constant_disturbance(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B);
+
+/// One input, of which an estimator knows state and disturbance, and linear predictive control.
+///
+/// The tracked state is [position; …], its reference (r, 0, …, 0) over the whole horizon. The
+/// estimator is told of the input that is asked for.
+///
+/// Expects samples whose first entry is the measured position.
+class PredictiveControl final : public Controller {
+ public:
+  /// Throws std::invalid_argument if the estimator, the model and the design do not fit.
+  PredictiveControl(std::unique_ptr<DisturbanceEstimator> estimator,
+                    const PredictiveControlDesign& design);
+
+  void reset(const Sample& first) override;
+  void update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u) override;
+  std::span<const Signal> signals() const override { return signals_; }
+
+  const DisturbanceEstimator& estimator() const { return *estimator_; }
+  const Lmpc& lmpc() const { return lmpc_; }
+
+ private:
+  std::unique_ptr<DisturbanceEstimator> estimator_;
+  PredictiveControlDesign design_;
+  Lmpc lmpc_;
+  Eigen::Index plant_states_;
+  int samples_to_move_ = 0;
+  double reference_ = 0.0;
+  Eigen::VectorXd predicted_state_;  // x̂, or x̄
+  Eigen::VectorXd trajectory_;       // T_ref
+  Eigen::VectorXd reserved_;
+  Eigen::VectorXd planned_input_;  // u of the optimisation
+  Eigen::VectorXd held_input_;     // what is asked for
+  double iterations_ = 0.0;
+  double status_ = 0.0;
+  double kkt_residual_ = 0.0;
+  std::vector<Signal> signals_;
+};
+
+}  // namespace breakwater

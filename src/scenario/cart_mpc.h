@@ -1,0 +1,71 @@
+// Predictive control of the cart: the keys and metrics that its scenarios share.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "control/predictive_control.h"
+#include "linear/riccati.h"
+#include "record/recording.h"
+#include "scenario/axis_rig.h"
+#include "scenario/estimator_settings.h"
+#include "scenario/fields.h"
+
+namespace breakwater {
+
+enum class LastWeight { factor, riccati };
+enum class SoftenFirst { position, velocity };
+
+/// Keys `controller.…`, `constraint.…` and `solver.…` of predictive control.
+struct CartMpcSettings {
+  DisturbanceUse disturbance_use = DisturbanceUse::predict;
+  double period_s = 0.0;
+  int prediction_steps = 0;
+  int control_steps = 0;
+  double q_position = 0.0;
+  double q_velocity = 0.0;
+  double q_disturbance = 0.0;
+  LastWeight last_weight = LastWeight::factor;
+  double last_factor = 1.0;
+  double r = 0.0;
+
+  double position_lower_m = 0.0;
+  double position_upper_m = 0.0;
+  int position_steps = 0;
+  double velocity_m_s = 0.0;
+  int velocity_steps = 0;
+  double input_lower_N = 0.0;
+  double input_upper_N = 0.0;
+  int input_steps = 0;
+  double change_N = 0.0;
+  int change_steps = 0;
+
+  QpSolverKind solver = QpSolverKind::active_set;
+  int max_iterations = 0;
+  OnInfeasible on_infeasible = OnInfeasible::soften;
+  SoftenFirst soften_first = SoftenFirst::position;
+  double softness = 0.0;
+
+  void bind(Fields& fields);
+
+  /// What fields cannot check, but the estimator. Throws std::invalid_argument `ORIGIN: KEY:
+  /// reason`.
+  void check(const AxisSettings& axis, const Config& config) const;
+
+  /// Weights on position and velocity, and the regulator that they and r define.
+  Eigen::MatrixXd state_weight() const;
+  LqrDesign regulator(const StateSpace& nominal_plant) const;
+
+  /// The controller on a nominal plant, with estimates at every `sample_s`.
+  PredictiveControlDesign design(const StateSpace& nominal_plant, double sample_s) const;
+};
+
+/// The estimator of a cart scenario.
+std::unique_ptr<DisturbanceEstimator> make_cart_estimator(const EstimatorSettings& settings,
+                                                          const AxisSettings& axis);
+
+/// qp_iterations_mean, qp_iterations_max, qp_unsolved_count, qp_softened_count, qp_time_mean_us,
+/// qp_time_max_us.
+void add_qp_metrics(const QpStatistics& statistics, std::vector<Metric>& metrics);
+
+}  // namespace breakwater

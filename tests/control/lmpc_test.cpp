@@ -1,0 +1,272 @@
+// Linear predictive control: against the regulator, its optimality conditions and its bounds.
+#include "control/lmpc.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <cmath>
+#include <functional>
+#include <numeric>
+
+#include "control/controller.h"
+#include "control/predictive_control.h"
+#include "linear/riccati.h"
+#include "plants/damped_inertia.h"
+#include "support.h"
+
+namespace breakwater {
+namespace {
+
+const Eigen::MatrixXd kOne = Eigen::MatrixXd::Ones(1, 1);
+const Eigen::VectorXd kNothing = Eigen::VectorXd::Zero(1);
+
+StateSpace cart(double period_s) {
+  return zero_order_hold(damped_inertia(0.625, 0.78), period_s);
+}
+
+std::vector<int> steps(int first, int last) {
+  std::vector<int> list(static_cast<std::size_t>(last - first + 1));
+  std::iota(list.begin(), list.end(), first);
+  return list;
+}
+
+LmpcDesign cart_design(int prediction_steps, int control_steps, double period_s = 0.05) {
+  const StateSpace plant = cart(period_s);
+  LmpcDesign design;
+  design.A = plant.A;
+  design.B = plant.B;
+  design.prediction_steps = prediction_steps;
+  design.control_steps = control_steps;
+  design.Q = Eigen::Vector2d(10.0, 1.0).asDiagonal();
+  design.Q_last = design.Q;
+  design.R = 0.1 * kOne;
+  design.max_iterations = 60;
+  design.softness = 1e-6;
+  return design;
+}
+
+TEST(Lmpc, WithTheRiccatiPenaltyItIsTheRegulator) {
+  testing::Random random;
+  for (const int horizon : {1, 2, 5, 20, 114}) {
+    LmpcDesign design = cart_design(horizon, horizon);
+    const LqrDesign lqr = dlqr(design.A, design.B, design.Q, 0.3 * kOne);
+    design.Q_last = lqr.P;
+    design.R = 0.0 * kOne;
+    design.S = 0.3 * kOne;
+    Lmpc lmpc(design);
+    for (int k = 0; k < 5; ++k) {
+      const Eigen::VectorXd x = random.vector(2);
+      const Eigen::VectorXd last_input = random.vector(1);
+      const Eigen::VectorXd reference = Eigen::VectorXd::Zero(2 * horizon);
+      const double u = (last_input + lmpc.optimise(x, last_input, reference, kNothing))(0);
+      EXPECT_NEAR(u, -(lqr.K * x)(0), 1e-9) << horizon;
+    }
+  }
+}
+
+// The thesis' form weighs the input's change. Seen with the last input as a state it is a regulator
+// too, but only with the Riccati solution of that larger plant.
+TEST(Lmpc, LongHorizonInChangesIsTheRegulatorOfTheLargerPlant) {
+  LmpcDesign design = cart_design(400, 400);
+  Eigen::MatrixXd A = Eigen::Matrix3d::Identity();
+  A.topLeftCorner(2, 2) = design.A;
+  A.topRightCorner(2, 1) = design.B;
+  Eigen::MatrixXd B(3, 1);
+  B << design.B, 1.0;
+  Eigen::MatrixXd Q = Eigen::Matrix3d::Zero();
+  Q.topLeftCorner(2, 2) = design.Q;
+  const LqrDesign lqr = dlqr(A, B, Q, design.R);
+  Lmpc lmpc(design);
+  const Eigen::Vector3d state(0.4, -0.2, 0.7);
+  const double change =
+      lmpc.optimise(state.head(2), state.tail(1), Eigen::VectorXd::Zero(800), kNothing)(0);
+  EXPECT_NEAR(change, -(lqr.K * state)(0), 1e-9);
+}
+
+// The cost summed along the plant, against which ΔU must be a minimum.
+double cost(const LmpcDesign& design, Eigen::VectorXd x, double u, const Eigen::VectorXd& reference,
+            const Eigen::VectorXd& changes) {
+  double sum = 0.0;
+  for (int i = 0; i < design.prediction_steps; ++i) {
+    if (i < design.control_steps) {
+      u += changes(i);
+      sum += design.R(0, 0) * changes(i) * changes(i);
+    }
+    x = design.A * x + design.B * u;
+    const Eigen::VectorXd error = reference.segment(2 * i, 2) - x;
+    sum += error.dot((i + 1 < design.prediction_steps ? design.Q : design.Q_last) * error);
+  }
+  return sum;
+}
+
+TEST(Lmpc, MinimisesTheCostAlongATrajectory) {
+  testing::Random random;
+  LmpcDesign design = cart_design(20, 5);
+  design.Q_last = 3.0 * design.Q;
+  Lmpc lmpc(design);
+  const Eigen::VectorXd x = random.vector(2);
+  const Eigen::VectorXd last_input = random.vector(1);
+  const Eigen::VectorXd reference = random.vector(40);
+  lmpc.optimise(x, last_input, reference, kNothing);
+  const Eigen::VectorXd best = lmpc.solution().z;
+  const double lowest = cost(design, x, last_input(0), reference, best);
+  for (Eigen::Index i = 0; i < 5; ++i) {
+    const Eigen::VectorXd step = 1e-3 * Eigen::VectorXd::Unit(5, i);
+    const double more = cost(design, x, last_input(0), reference, best + step);
+    const double less = cost(design, x, last_input(0), reference, best - step);
+    EXPECT_GT(more, lowest);
+    EXPECT_GT(less, lowest);
+    EXPECT_NEAR(more - less, 0.0, 1e-9) << "the gradient is 0";
+  }
+}
+
+// A run under active input limits satisfies the optimality conditions at every step.
+TEST(Lmpc, SatisfiesOptimalityAtEveryStepOfARun) {
+  LmpcDesign design = cart_design(40, 40);
+  design.change_bounds = {{0, -0.5, 0.5, steps(0, 39)}};
+  design.input_bounds = {{0, -2.0, 2.0, steps(0, 39)}};
+  design.state_bounds = {{1, -0.6, 0.6, steps(1, 40)}};
+  Lmpc lmpc(design);
+  Eigen::VectorXd x = Eigen::Vector2d(-2.0, 0.0);
+  Eigen::VectorXd u = kNothing;
+  int at_limit = 0;
+  int at_speed = 0;
+  Eigen::VectorXd gradient;
+  for (int k = 0; k < 200; ++k) {
+    u += lmpc.optimise(x, u, Eigen::VectorXd::Zero(80), kNothing);
+    ASSERT_EQ(lmpc.solution().status, QpStatus::solved);
+    ASSERT_LE(kkt_residual(lmpc.qp_model(), lmpc.qp_input(), lmpc.solution(),
+                           lmpc.qp_model().Omega * lmpc.solution().z, gradient),
+              1e-8);
+    ASSERT_LE(std::abs(u(0)), 2.0 + 1e-8);
+    x = design.A * x + design.B * u;
+    ASSERT_LE(std::abs(x(1)), 0.6 + 1e-8);
+    at_limit += std::abs(u(0)) > 1.999 ? 1 : 0;
+    at_speed += std::abs(x(1)) > 0.599 ? 1 : 0;
+  }
+  EXPECT_GT(at_limit + at_speed, 10);
+  EXPECT_LT(x.norm(), 1e-3);
+  EXPECT_EQ(lmpc.statistics().unsolved, 0);
+}
+
+TEST(Lmpc, DisturbanceWeightChangesNothing) {
+  const StateSpace plant = cart(0.1);
+  const ExtendedModel extended = extend_by_constant_disturbance(plant.A, plant.B);
+  const auto changes = [&](double q_disturbance) {
+    LmpcDesign design = cart_design(20, 5, 0.1);
+    design.A = extended.A;
+    design.B = extended.B;
+    design.Q = Eigen::Vector3d(100.0, 10.0, q_disturbance).asDiagonal();
+    design.Q_last = 3.0 * design.Q;
+    Lmpc lmpc(design);
+    return lmpc.optimise(Eigen::Vector3d(0.3, -0.1, 1.7), 0.4 * kOne.col(0),
+                         Eigen::VectorXd::Zero(60), kNothing)(0);
+  };
+  EXPECT_NEAR(changes(0.0), changes(1e6), 1e-9);
+  EXPECT_NE(changes(0.0), 0.0);
+}
+
+TEST(Lmpc, ReservedInputMovesTheBounds) {
+  LmpcDesign design = cart_design(10, 3);
+  design.input_bounds = {{0, -1.0, 1.0, steps(0, 2)}};
+  Lmpc lmpc(design);
+  const Eigen::VectorXd reference = Eigen::VectorXd::Constant(20, 50.0);
+  EXPECT_NEAR(lmpc.optimise(Eigen::Vector2d::Zero(), kNothing, reference, kNothing)(0), 1.0, 1e-9);
+  EXPECT_NEAR(lmpc.optimise(Eigen::Vector2d::Zero(), kNothing, reference,
+                            Eigen::VectorXd::Constant(1, 0.75))(0),
+              0.25, 1e-9);
+}
+
+LmpcDesign impossible_design() {
+  // From 1 m/s no input of 1 N gets below 0.5 m/s, or keeps the position below 0, at the next step.
+  LmpcDesign design = cart_design(10, 10);
+  design.input_bounds = {{0, -1.0, 1.0, steps(0, 9)}};
+  design.state_bounds = {{1, -0.5, 0.5, steps(1, 10)}, {0, -9.0, 0.0, steps(1, 10)}};
+  return design;
+}
+
+TEST(Lmpc, SoftensStateBoundsInTheirOrderButNeverInputs) {
+  LmpcDesign design = impossible_design();
+  Lmpc lmpc(design);
+  const Eigen::VectorXd reference = Eigen::VectorXd::Zero(20);
+  const double change = lmpc.optimise(Eigen::Vector2d(-5.0, 1.0), kNothing, reference, kNothing)(0);
+  EXPECT_EQ(lmpc.solution().status, QpStatus::solved);
+  EXPECT_NEAR(change, -1.0, 1e-6) << "as hard as the input may brake";
+  EXPECT_EQ(lmpc.statistics().unsolved, 1);
+  EXPECT_EQ(lmpc.statistics().softened, 1);
+  EXPECT_EQ(lmpc.statistics().solves, 2) << "the velocity's bounds sufficed";
+  const Eigen::VectorXd softness = lmpc.qp_input().softness;
+  EXPECT_GT(softness.segment(10, 10).minCoeff(), 0.0);
+  EXPECT_EQ(softness.tail(10).maxCoeff(), 0.0);
+
+  lmpc.optimise(Eigen::Vector2d(0.1, 1.0), kNothing, reference, kNothing);
+  EXPECT_EQ(lmpc.statistics().softened, 2);
+  EXPECT_GT(lmpc.qp_input().softness.tail(10).minCoeff(), 0.0) << "here both had to";
+  EXPECT_EQ(lmpc.qp_input().softness.head(10).maxCoeff(), 0.0) << "inputs never";
+  Eigen::VectorXd u = kNothing;
+  for (Eigen::Index i = 0; i < 10; ++i) {
+    u += lmpc.solution().z.segment(i, 1);
+    EXPECT_LE(std::abs(u(0)), 1.0 + 1e-8);
+  }
+
+  lmpc.optimise(Eigen::Vector2d(-5.0, 0.1), kNothing, reference, kNothing);
+  EXPECT_EQ(lmpc.statistics().softened, 2) << "possible again, and hard again";
+}
+
+TEST(Lmpc, StopsWhenToldTo) {
+  LmpcDesign design = impossible_design();
+  design.on_infeasible = OnInfeasible::stop;
+  Lmpc lmpc(design);
+  EXPECT_THROW(
+      lmpc.optimise(Eigen::Vector2d(-5.0, 1.0), kNothing, Eigen::VectorXd::Zero(20), kNothing),
+      ControlFailure);
+}
+
+TEST(Lmpc, NoNumberIsAFailure) {
+  for (const QpSolverKind solver : {QpSolverKind::active_set, QpSolverKind::hildreth}) {
+    LmpcDesign design = impossible_design();
+    design.solver = solver;
+    Lmpc lmpc(design);
+    EXPECT_THROW(
+        lmpc.optimise(Eigen::Vector2d(NAN, 0.0), kNothing, Eigen::VectorXd::Zero(20), kNothing),
+        ControlFailure);
+  }
+}
+
+TEST(Lmpc, KnowsAnEmptyInputSet) {
+  LmpcDesign design = cart_design(10, 3);
+  design.change_bounds = {{0, -0.1, 0.1, steps(0, 2)}};
+  design.input_bounds = {{0, 1.0, 2.0, steps(0, 2)}};
+  EXPECT_FALSE(Lmpc(design).inputs_are_feasible(kNothing));
+  EXPECT_TRUE(Lmpc(design).inputs_are_feasible(kOne.col(0)));
+}
+
+TEST(Lmpc, RefusesNonsense) {
+  const auto refuses = [](const std::function<void(LmpcDesign&)>& spoil) {
+    LmpcDesign design = cart_design(10, 3);
+    spoil(design);
+    EXPECT_THROW(Lmpc{design}, std::invalid_argument);
+  };
+  refuses([](LmpcDesign& d) { d.prediction_steps = 0; });
+  refuses([](LmpcDesign& d) { d.control_steps = 0; });
+  refuses([](LmpcDesign& d) { d.control_steps = 11; });
+  refuses([](LmpcDesign& d) { d.R = -kOne; });
+  refuses([](LmpcDesign& d) { d.R = NAN * kOne; });
+  refuses([](LmpcDesign& d) { d.Q = -d.Q; });
+  refuses([](LmpcDesign& d) { d.Q_last = Eigen::MatrixXd::Identity(3, 3); });
+  refuses([](LmpcDesign& d) {
+    d.Q = d.Q_last = Eigen::Matrix2d::Zero();
+    d.R = 0.0 * kOne;
+  });
+  refuses([](LmpcDesign& d) { d.input_bounds = {{0, 1.0, -1.0, {0}}}; });
+  refuses([](LmpcDesign& d) { d.input_bounds = {{0, NAN, 1.0, {0}}}; });
+  refuses([](LmpcDesign& d) { d.input_bounds = {{1, -1.0, 1.0, {0}}}; });
+  refuses([](LmpcDesign& d) { d.input_bounds = {{0, -1.0, 1.0, {3}}}; });
+  refuses([](LmpcDesign& d) { d.state_bounds = {{0, -1.0, 1.0, {0}}}; });
+  refuses([](LmpcDesign& d) { d.state_bounds = {{2, -1.0, 1.0, {1}}}; });
+  refuses([](LmpcDesign& d) { d.max_iterations = 0; });
+  refuses([](LmpcDesign& d) { d.softness = 0.0; });
+}
+
+}  // namespace
+}  // namespace breakwater
