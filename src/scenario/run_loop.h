@@ -9,14 +9,15 @@
 
 namespace breakwater {
 
-/// Calls `step(k)` for k = 0 … steps − 1; reports progress and obeys a request to stop now and
-/// then. Returns the failure if a step throws RunFailure.
+/// Calls `step(k)` for k = 0 … steps − 1; reports progress and obeys a request to stop at the
+/// start, after the first step (from which on nothing allocates), and now and then. Returns the
+/// failure if a step throws RunFailure.
 template <typename Step>
 std::optional<Failure> run_loop(std::int64_t steps, const RunControl& control, Step&& step) {
   constexpr std::int64_t kStepsBetweenReports = 10000;
   try {
     for (std::int64_t k = 0; k < steps; ++k) {
-      if (k % kStepsBetweenReports == 0) {
+      if (k % kStepsBetweenReports == 0 || k == 1) {
         if (control.stop != nullptr && *control.stop) throw Interrupted();
         if (control.progress) {
           control.progress(static_cast<double>(k) / static_cast<double>(steps));
