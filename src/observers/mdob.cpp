@@ -11,8 +11,13 @@ Mdob::Mdob(const MdobDesign& design, double period_s) {
   if (!(design.nominal_inertia > 0.0 && g_d > 0.0 && g_w > 0.0 && period_s > 0.0)) {
     throw std::invalid_argument("MDOB: inertia, cut-offs and sampling period must be positive");
   }
-  derivative_memory_ = 1.0 / (1.0 + g_d * period_s);
-  derivative_gain_ = g_d * derivative_memory_;
+  if (std::isinf(g_d)) {
+    derivative_memory_ = 0.0;
+    derivative_gain_ = 1.0 / period_s;
+  } else {
+    derivative_memory_ = 1.0 / (1.0 + g_d * period_s);
+    derivative_gain_ = g_d * derivative_memory_;
+  }
   torque_gain_ = -std::expm1(-g_w * period_s);
   momentum_weight_ = g_w * period_s / (1.0 + g_w * period_s);
   momentum_gain_ = g_w * design.nominal_inertia;

@@ -5,9 +5,10 @@ namespace breakwater {
 
 /// What an MDOB is designed with.
 struct MdobDesign {
-  double nominal_inertia = 1.0;        ///< J_n [kg m²], or a mass [kg] for a slide
-  double derivative_cutoff_rad_s = 0;  ///< g_d of the pseudo-derivative
-  double observer_cutoff_rad_s = 0;    ///< g_w of the observer's low-pass
+  double nominal_inertia = 1.0;  ///< J_n [kg m²], or a mass [kg] for a slide
+  double derivative_cutoff_rad_s =
+      0;                             ///< g_d of the pseudo-derivative; infinity: the raw difference
+  double observer_cutoff_rad_s = 0;  ///< g_w of the observer's low-pass
 };
 
 /// Estimates the disturbance of one joint from its angle and torque (Eq. 2.6):
@@ -29,10 +30,15 @@ class Mdob {
   void reset(double angle);
   void update(double held_torque, double angle);
 
+  double angle() const { return angle_; }        ///< as measured
   double velocity() const { return velocity_; }  ///< G_d(s) q
   double disturbance() const {
     return filtered_torque_ + filtered_momentum_ - momentum_gain_ * velocity_;
   }
+
+  /// The sampled poles of its two filters.
+  double derivative_pole() const { return derivative_memory_; }
+  double low_pass_pole() const { return 1.0 - momentum_weight_; }
 
  private:
   double derivative_gain_;    // g_d/(1 + g_d T_s)

@@ -80,7 +80,7 @@ SensingSetup sensing_setup(const ArmSettings& settings, const ArmRole& role,
   for (Eigen::Index i = 0; i < chain.joints(); ++i) {
     setup.channels.push_back({.name = "q" + std::to_string(i + 1),
                               .sensor = chain.joint(i).name + "_pos",
-                              .encoder = {.quantum_rad = quantum_rad},
+                              .encoder = {.quantum = quantum_rad},
                               .noise_std = settings.angle_noise_rad});
   }
   setup.channels.push_back({.name = "force",

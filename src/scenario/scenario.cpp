@@ -2,6 +2,7 @@
 
 #include "scenario/arm_push.h"
 #include "scenario/arm_wall_contact.h"
+#include "scenario/motor_estimation.h"
 
 namespace breakwater {
 namespace {
@@ -11,7 +12,8 @@ std::unique_ptr<Scenario> make() {
   return std::make_unique<T>();
 }
 
-constexpr std::unique_ptr<Scenario> (*kMakers[])() = {make<ArmWallContact>, make<ArmPush>};
+constexpr std::unique_ptr<Scenario> (*kMakers[])() = {make<ArmWallContact>, make<ArmPush>,
+                                                      make<MotorEstimation>};
 
 }  // namespace
 

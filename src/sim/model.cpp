@@ -139,4 +139,28 @@ void Model::set_physics(double timestep_s, Integrator integrator) {
   }
 }
 
+void Model::scale_inertia(double ratio) {
+  if (!(std::isfinite(ratio) && ratio > 0.0)) {
+    throw std::invalid_argument(file_ + ": the ratio of inertias must be positive and finite");
+  }
+  mjModel& m = *model_;
+  for (int i = 0; i < m.nbody; ++i) m.body_mass[i] *= ratio;
+  for (int i = 0; i < 3 * m.nbody; ++i) m.body_inertia[i] *= ratio;
+  // What the engine derives from them.
+  const std::unique_ptr<mjData, void (*)(mjData*)> data(mj_makeData(&m), mj_deleteData);
+  if (!data) throw std::runtime_error("MuJoCo could not allocate a simulation");
+  mj_setConst(&m, data.get());
+}
+
+void Model::limit_actuator(int actuator, double limit) {
+  if (!(limit > 0.0)) {
+    throw std::invalid_argument(file_ + ": an actuator's limit must be positive");
+  }
+  mjModel& m = *model_;
+  m.actuator_ctrllimited[actuator] = std::isfinite(limit) ? 1 : 0;
+  if (!std::isfinite(limit)) return;
+  m.actuator_ctrlrange[2 * actuator] = -limit;
+  m.actuator_ctrlrange[2 * actuator + 1] = limit;
+}
+
 }  // namespace breakwater

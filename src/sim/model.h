@@ -31,6 +31,14 @@ class Model {
   /// timestep is positive and finite.
   void set_physics(double timestep_s, Integrator integrator);
 
+  /// Multiplies every body's mass and inertia. Throws std::invalid_argument unless the ratio is
+  /// positive and finite.
+  void scale_inertia(double ratio);
+
+  /// Limits an actuator's command to ±limit; infinity: not at all. Throws std::invalid_argument
+  /// unless the limit is positive.
+  void limit_actuator(int actuator, double limit);
+
  private:
   struct Delete {
     void operator()(mjModel* model) const { mj_deleteModel(model); }

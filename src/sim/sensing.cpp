@@ -14,8 +14,8 @@ constexpr int kDropsInARowAllowed = 2;
 void check(const SensorChannel& channel) {
   const bool fits = std::isfinite(channel.low_pass_s) && channel.low_pass_s >= 0.0 &&
                     std::isfinite(channel.noise_std) && channel.noise_std >= 0.0 &&
-                    std::isfinite(channel.encoder.quantum_rad) &&
-                    channel.encoder.quantum_rad >= 0.0 && std::isfinite(channel.encoder.phase_rad);
+                    std::isfinite(channel.encoder.quantum) &&
+                    channel.encoder.quantum >= 0.0 && std::isfinite(channel.encoder.phase);
   if (!fits) {
     throw std::invalid_argument("sensor channel \"" + channel.name +
                                 "\": filter, quantum and noise must be finite and not negative");
@@ -36,7 +36,8 @@ Sensing::Sensing(const Model& model, const SensingSetup& setup)
     }
     const bool is_late = model->sensor_needstage[id] == mjSTAGE_ACC || channel.low_pass_s > 0.0;
     channels_.push_back({channel, model->sensor_adr[id] + channel.component, is_late,
-                         LowPass(channel.low_pass_s, step_s_), Noise(setup.seed, channel.name)});
+                         LowPass(channel.low_pass_s, step_s_), Noise(setup.seed, channel.name),
+                         DelayLine(channel.delay_samples)});
   }
   const bool fault_has_channel =
       fault_.channel.empty() ||
@@ -74,10 +75,12 @@ void Sensing::take(std::int64_t k, const mjData& data, Sample& sample) {
   for (std::size_t i = 0; i < channels_.size(); ++i) {
     Channel& channel = channels_[i];
     if (!channel.is_late) channel.value = data.sensordata[channel.address];
-    double measured = channel.setup.encoder.measure(channel.value);
+    const double disturbed = channel.value + channel.setup.disturbance.value(sample.time_s);
+    double measured = channel.setup.encoder.measure(disturbed);
     if (channel.setup.noise_std > 0.0) {
       measured += channel.setup.noise_std * channel.noise(static_cast<std::uint64_t>(k));
     }
+    measured = channel.delay.update(measured);
     if (is_faulty(channel, sample.time_s)) measured = std::nan("");
 
     if (std::isfinite(measured)) {

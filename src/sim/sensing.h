@@ -9,6 +9,8 @@
 
 #include "signals/sample.h"
 #include "sim/model.h"
+#include "world/delay_line.h"
+#include "world/disturbance.h"
 #include "world/encoder.h"
 #include "world/low_pass.h"
 #include "world/noise.h"
@@ -16,7 +18,7 @@
 namespace breakwater {
 
 /// One entry of a sample: which MuJoCo sensor it reads and what happens to the value on its way:
-/// true → low-pass (analogue, at every physics step) → quantise → noise → hold.
+/// true → low-pass (analogue, at every physics step) → disturb → quantise → noise → delay → hold.
 ///
 /// Position and velocity sensors without a low-pass are read fresh at the sampling instant. Force,
 /// touch and acceleration sensors, and all behind a low-pass, give the value of the physics step
@@ -26,9 +28,11 @@ struct SensorChannel {
   std::string sensor;       ///< name of the MJCF sensor
   int component = 0;        ///< of the sensor's values
   double low_pass_s = 0.0;  ///< time constant [s]; 0: none
+  Disturbance disturbance;  ///< added at each sample (an output disturbance), in the value's unit
   Encoder encoder;
   double noise_std =
       0.0;  ///< standard deviation of white noise at each sample, in the value's unit
+  int delay_samples = 0;
 };
 
 /// What to do when a sensor gives no number.
@@ -80,6 +84,7 @@ class Sensing {
     bool is_late;  // known only after the step
     LowPass filter;
     Noise noise;
+    DelayLine delay;
     double value = 0.0;
     double last_good = 0.0;
     int dropped_in_a_row = 0;

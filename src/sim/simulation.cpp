@@ -65,6 +65,7 @@ Simulation::Simulation(Model model, Controller& controller, const SensingSetup& 
     lower_limit_(i) = model_->actuator_ctrlrange[2 * i];
     upper_limit_(i) = model_->actuator_ctrlrange[2 * i + 1];
   }
+  pwm_.resize(static_cast<std::size_t>(model_->nu));
   sample_.y = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(sensing_.size()));
   qpos_.assign(static_cast<std::size_t>(model_->nq), 0.0);
   qvel_.assign(static_cast<std::size_t>(model_->nv), 0.0);
@@ -129,7 +130,8 @@ void Simulation::saturate() {
     }
     const double slack = kLimitSlack * std::abs(command_(i));
     saturated_ |= command_(i) <= lower_limit_(i) + slack || command_(i) >= upper_limit_(i) - slack;
-    actuation_(i) = std::clamp(command_(i), lower_limit_(i), upper_limit_(i));
+    actuation_(i) = pwm_[static_cast<std::size_t>(i)].output(
+        std::clamp(command_(i), lower_limit_(i), upper_limit_(i)));
   }
 }
 

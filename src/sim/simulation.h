@@ -15,6 +15,7 @@
 #include "sim/model.h"
 #include "sim/sensing.h"
 #include "sim/state_hash.h"
+#include "world/pwm.h"
 
 namespace breakwater {
 
@@ -34,6 +35,9 @@ class Simulation {
   ~Simulation();
   Simulation(const Simulation&) = delete;
   Simulation& operator=(const Simulation&) = delete;
+
+  /// Makes an actuator round its command, once saturated.
+  void set_pwm(int actuator, const Pwm& pwm) { pwm_[static_cast<std::size_t>(actuator)] = pwm; }
 
   /// Adds a force from outside, which outlives the simulation.
   void add(const ExternalForce& force) { forces_.push_back(&force); }
@@ -62,7 +66,7 @@ class Simulation {
   std::span<const double> qpos() const { return qpos_; }
   std::span<const double> qvel() const { return qvel_; }
   const Sample& sample() const { return sample_; }
-  /// What the controller asked for, and what the actuators did after saturation.
+  /// What the controller asked for, and what the actuators did after saturation and rounding.
   const Eigen::VectorXd& command() const { return command_; }
   const Eigen::VectorXd& actuation() const { return actuation_; }
   /// Whether any command was at or beyond its limit.
@@ -106,6 +110,7 @@ class Simulation {
   std::vector<double> qvel_;
   Eigen::VectorXd lower_limit_;
   Eigen::VectorXd upper_limit_;
+  std::vector<Pwm> pwm_;
   Eigen::VectorXd command_;
   Eigen::VectorXd actuation_;
   std::exception_ptr thrown_in_callback_;

@@ -45,7 +45,7 @@ TEST(House, RoomsDependOneWay) {
       {"linear", {}},
       {"signals", {}},
       {"plants", {"linear"}},
-      {"observers", {"linear"}},
+      {"observers", {"linear", "signals"}},
       {"control", {"linear", "observers", "plants", "signals"}},
       {"world", {"linear"}},
       {"sim", {"linear", "observers", "plants", "signals", "control", "world"}},

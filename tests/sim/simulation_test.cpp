@@ -242,7 +242,7 @@ TEST(Simulation, DropsBrokenMeasurementsIfAsked) {
 TEST(Simulation, QuantisesAndAddsNoiseInThatOrder) {
   FunctionController controller([](const Sample&, Eigen::Ref<Eigen::VectorXd> u) { u(0) = 1; });
   SensingSetup setup = shaft();
-  setup.channels[0].encoder.quantum_rad = 0.01;
+  setup.channels[0].encoder.quantum = 0.01;
   setup.channels[0].noise_std = 1e-4;
   setup.seed = 5;
   Simulation simulation(motor(), controller, setup, 1);

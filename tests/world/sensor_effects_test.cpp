@@ -17,16 +17,29 @@ TEST(Encoder, RoundsToTheNearestCount) {
   EXPECT_EQ(Encoder{}.measure(0.1234), 0.1234);
 }
 
-TEST(Encoder, ErrorIsWithinHalfACountAtAnyPhase) {
-  for (const double phase : {0.0, 0.013, -0.04}) {
+TEST(Encoder, CountsFromWhereItStarts) {
+  for (const double phase : {0.0, 0.013, -0.04, 0.37}) {
     const Encoder encoder{0.1, phase};
+    EXPECT_EQ(encoder.measure(0.0), 0.0);
     for (double angle = -2.0; angle < 2.0; angle += 0.00317) {
-      EXPECT_LE(std::abs(encoder.measure(angle) - angle), 0.05 + 1e-12);
-      // All its values are whole counts apart.
-      const double counts = (encoder.measure(angle) + phase) / 0.1;
-      EXPECT_NEAR(counts, std::round(counts), 1e-9);
+      const double counts = encoder.measure(angle) / 0.1;
+      EXPECT_NEAR(counts, std::round(counts), 1e-9);  // whole counts
+      // Half a count of rounding, and where between two edges it started.
+      const double start = phase - 0.1 * std::round(phase / 0.1);
+      EXPECT_LE(std::abs(encoder.measure(angle) - angle - start), 0.05 + 1e-12);
     }
   }
+  // The phase moves the edges: the first one up is passed Δ/2 − φ away.
+  const Encoder early{0.1, 0.03};
+  EXPECT_EQ(early.measure(0.0199), 0.0);
+  EXPECT_DOUBLE_EQ(early.measure(0.0201), 0.1);
+}
+
+TEST(Encoder, CountsPerRevolutionAreThoseOfEquation423) {
+  const EncoderCounts counts{8, 4, 50};
+  EXPECT_EQ(counts.pulses_per_revolution(), 256 * 4 * 50);
+  EXPECT_DOUBLE_EQ(counts.quantum_rad(), 2 * M_PI / (256 * 4 * 50));
+  EXPECT_DOUBLE_EQ((EncoderCounts{8}.quantum_rad()), 0.02454369260617026);  // the thesis' 0.0245
 }
 
 TEST(LowPass, StepResponseHasItsClosedForm) {

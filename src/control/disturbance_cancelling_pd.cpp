@@ -1,0 +1,49 @@
+#include "control/disturbance_cancelling_pd.h"
+
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+namespace breakwater {
+
+DisturbanceCancellingPd::DisturbanceCancellingPd(std::unique_ptr<DisturbanceEstimator> estimator,
+                                                 const DisturbanceCancellingPdDesign& design)
+    : estimator_(std::move(estimator)),
+      design_(design),
+      poles_(*estimator_, design.period_s),
+      held_input_(Eigen::VectorXd::Zero(1)) {
+  if (estimator_->state().size() != 2 || estimator_->disturbance().size() != 1) {
+    throw std::invalid_argument("PD control: needs an estimator of one axis");
+  }
+  if (!(design.force_limit > 0.0)) {
+    throw std::invalid_argument("PD control: the force limit must be positive");
+  }
+  const AxisUnits& units = design_.units;
+  const auto part = [](const DisturbanceEstimator::View& values, Eigen::Index i) {
+    return view(*(values.data() + i));
+  };
+  signals_ = {{"reference_" + units.position_suffix, units.position, "y_ref", view(reference_)},
+              {"position_hat_" + units.position_suffix, units.position, "position, estimated",
+               part(estimator_->state(), 0)},
+              {"velocity_hat_" + units.velocity_suffix, units.velocity, "velocity, estimated",
+               part(estimator_->state(), 1)},
+              {"d_hat_" + units.force_suffix, units.force, "disturbance, estimated",
+               part(estimator_->disturbance(), 0)}};
+  for (const Signal& signal : estimator_->signals()) signals_.push_back(signal);
+  for (const Signal& signal : poles_.signals()) signals_.push_back(signal);
+}
+
+void DisturbanceCancellingPd::reset(const Sample&) {
+  estimator_->reset(Eigen::VectorXd::Zero(2));
+  held_input_.setZero();
+}
+
+void DisturbanceCancellingPd::update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u) {
+  estimator_->update(held_input_, y.y);
+  poles_.update();
+  reference_ = y.time_s >= design_.reference_from_s ? design_.reference : 0.0;
+  u(0) = design_.k_p * (reference_ - position()) - design_.k_d * velocity() + disturbance();
+  held_input_(0) = std::clamp(u(0), -design_.force_limit, design_.force_limit);
+}
+
+}  // namespace breakwater

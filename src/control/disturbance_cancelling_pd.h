@@ -1,0 +1,56 @@
+// PD control with disturbance cancellation: thesis 4.2.4, 4.2.5 and 4.3.2.
+#pragma once
+
+#include <Eigen/Core>
+#include <limits>
+#include <memory>
+#include <vector>
+
+#include "control/controller.h"
+#include "observers/disturbance_estimator.h"
+#include "observers/observer_poles.h"
+#include "signals/axis_units.h"
+
+namespace breakwater {
+
+struct DisturbanceCancellingPdDesign {
+  double k_p = 0.0;        ///< K_p, force per position
+  double k_d = 0.0;        ///< K_d, force per velocity
+  double reference = 0.0;  ///< y_ref, from `reference_from_s` on; 0 before
+  double reference_from_s = 0.0;
+  double force_limit = std::numeric_limits<double>::infinity();  ///< of the drive
+  double period_s = 0.0;                                         ///< T_s
+  AxisUnits units;
+};
+
+/// One axis with the state fed back that an estimator gives:
+///     u(k) = K_p (y_ref − ŷ(k)) − K_d v̂(k) + d̂(k)   (Eqs. 4.10, 4.22).
+/// The estimates are those of the same sample. The estimator is told of u as the drive's limit
+/// clips it; what else the drive does to it, the estimator must find.
+///
+/// Expects one measurement, the position, of a plant at rest at 0.
+class DisturbanceCancellingPd final : public Controller {
+ public:
+  /// Throws std::invalid_argument unless period and limit are positive and the estimator is one of
+  /// a single axis.
+  DisturbanceCancellingPd(std::unique_ptr<DisturbanceEstimator> estimator,
+                          const DisturbanceCancellingPdDesign& design);
+
+  void reset(const Sample& first) override;
+  void update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u) override;
+  std::span<const Signal> signals() const override { return signals_; }
+
+  double position() const { return estimator_->state()(0); }
+  double velocity() const { return estimator_->state()(1); }
+  double disturbance() const { return estimator_->disturbance()(0); }
+
+ private:
+  std::unique_ptr<DisturbanceEstimator> estimator_;
+  DisturbanceCancellingPdDesign design_;
+  ObserverPoles poles_;
+  double reference_ = 0.0;
+  Eigen::VectorXd held_input_;
+  std::vector<Signal> signals_;
+};
+
+}  // namespace breakwater

@@ -1,0 +1,91 @@
+#include "linear/hildreth.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+namespace breakwater {
+namespace {
+
+constexpr double kTolerance = 1e-8;  // of the largest move of a multiplier in a sweep
+
+}  // namespace
+
+HildrethQp::HildrethQp(const QpModel& model, int max_sweeps)
+    : factors_(model),
+      max_sweeps_(max_sweeps),
+      lambda_upper_(Eigen::VectorXd::Zero(factors_.rows())),
+      lambda_lower_(lambda_upper_),
+      values_(lambda_upper_),
+      z_free_(Eigen::VectorXd::Zero(factors_.variables())),
+      gradient_(z_free_) {
+  if (max_sweeps < 1) throw std::invalid_argument("Hildreth: needs a cap of at least 1 sweep");
+}
+
+void HildrethQp::reset() {
+  lambda_upper_.setZero();
+  lambda_lower_.setZero();
+}
+
+void HildrethQp::solve(const QpInput& input, QpSolution& solution) {
+  solution.iterations = 0;
+  solution.status = QpFactors::examine(input);
+  if (solution.status == QpStatus::not_finite) {
+    reset();
+    solution.z.setZero();
+    solution.mu.setZero();
+    solution.kkt_residual = std::numeric_limits<double>::infinity();
+    return;
+  }
+  const bool empty = solution.status == QpStatus::infeasible;
+  // A bound that has become infinite holds nothing.
+  lambda_upper_ =
+      (input.upper.array() < std::numeric_limits<double>::infinity()).select(lambda_upper_, 0.0);
+  lambda_lower_ =
+      (input.lower.array() > -std::numeric_limits<double>::infinity()).select(lambda_lower_, 0.0);
+  z_free_.noalias() = -factors_.H_inverse * input.g;
+  solution.mu = lambda_upper_ - lambda_lower_;
+  values_.noalias() = factors_.model.Omega * z_free_;
+  values_.noalias() -= factors_.gram * solution.mu;
+
+  solution.status = QpStatus::iteration_cap;
+  while (solution.iterations < max_sweeps_) {
+    ++solution.iterations;
+    if (sweep(input) <= kTolerance) {
+      solution.status = QpStatus::solved;
+      break;
+    }
+  }
+  if (empty) solution.status = QpStatus::infeasible;
+  solution.mu = lambda_upper_ - lambda_lower_;
+  solution.z = z_free_;
+  solution.z.noalias() -= factors_.step * solution.mu;
+  solution.kkt_residual = kkt_residual(factors_.model, input, solution, gradient_);
+}
+
+double HildrethQp::sweep(const QpInput& input) {
+  double largest = 0.0;
+  for (Eigen::Index i = 0; i < factors_.rows(); ++i) {
+    largest = std::max(largest, move(i, lambda_upper_(i), 1.0, values_(i) - input.upper(i), input));
+    largest =
+        std::max(largest, move(i, lambda_lower_(i), -1.0, input.lower(i) - values_(i), input));
+  }
+  return largest;
+}
+
+// How far the multiplier of one side of a row has moved.
+double HildrethQp::move(Eigen::Index row, double& multiplier, double sign, double violation,
+                        const QpInput& input) {
+  if (multiplier == 0.0 && violation <= 0.0) return 0.0;
+  const double soft = input.softness(row);
+  const double diagonal = factors_.gram(row, row) + soft;
+  if (diagonal <= 0.0) return 0.0;  // a row of zeros: nothing can be done about it
+  const double moved = std::max(-multiplier, (violation - soft * multiplier) / diagonal);
+  if (moved == 0.0) return 0.0;
+  multiplier += moved;
+  values_.noalias() -= (sign * moved) * factors_.gram.col(row);
+  return std::abs(moved);
+}
+
+}  // namespace breakwater

@@ -1,0 +1,100 @@
+// Quadratic programs: what every solver is given and gives back.
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+
+namespace breakwater {
+
+/// The problem, of n variables and m rows:
+///     minimise ½ zᵀ H z + gᵀ z   subject to   lower ≤ Ω z ≤ upper.
+/// H and Ω stay, as in linear predictive control, where g and the bounds change at every sample:
+/// a solver factors them once.
+struct QpModel {
+  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+  Eigen::MatrixXd H;  ///< n×n, symmetric positive definite
+  RowMajor Omega;     ///< m×n; a row has two sides, so Ω ΔU ≤ ω of the thesis has 2 m rows
+};
+
+/// What changes from solve to solve.
+struct QpInput {
+  Eigen::VectorXd g;      ///< n
+  Eigen::VectorXd lower;  ///< m; −∞ where there is no bound
+  Eigen::VectorXd upper;  ///< m; +∞ where there is none
+  /// m, ≥ 0. 0: a hard row. s > 0: the row may give way by s·μ, which costs ½ s μ² (a quadratic
+  /// penalty of weight 1/s on its violation), where μ is its multiplier.
+  Eigen::VectorXd softness;
+
+  /// All zeros, and no bounds.
+  QpInput(Eigen::Index n, Eigen::Index m);
+};
+
+enum class QpStatus {
+  solved,         ///< by the solver's own measure; kkt_residual says how well
+  iteration_cap,  ///< gave up: z may violate rows
+  infeasible,     ///< no z satisfies all rows; z violates some
+  not_finite      ///< an input is NaN, or infinite where it may not be; z is 0
+};
+
+struct QpSolution {
+  Eigen::VectorXd z;   ///< n
+  Eigen::VectorXd mu;  ///< m, multipliers: > 0 at an upper, < 0 at a lower bound, 0 between
+  QpStatus status = QpStatus::not_finite;
+  int iterations = 0;
+  double kkt_residual = 0.0;  ///< of z and μ, by kkt_residual()
+
+  QpSolution(Eigen::Index n, Eigen::Index m);
+};
+
+/// The largest of: ‖H z + g + Ωᵀ μ‖∞/γ; what z violates any row by; and |μ_i|·(distance from the
+/// bound that its sign means)/γ. γ = max(1, ‖g‖∞, ‖μ‖∞). 0 means optimal. Infinite if anything is
+/// not finite or a multiplier's bound is infinite. `gradient` is room to work in (n); allocates
+/// nothing.
+double kkt_residual(const QpModel& model, const QpInput& input, const QpSolution& solution,
+                    Eigen::VectorXd& gradient);
+
+/// A solver remembers its last solution and starts from it.
+class QpSolver {
+ public:
+  QpSolver() = default;
+  QpSolver(const QpSolver&) = delete;
+  QpSolver& operator=(const QpSolver&) = delete;
+  virtual ~QpSolver() = default;
+
+  /// Solves one problem. The vectors must have the model's sizes. Allocates nothing.
+  virtual void solve(const QpInput& input, QpSolution& solution) = 0;
+
+  /// Forgets the last solution: the next solve starts cold.
+  virtual void reset() = 0;
+
+  virtual const QpModel& model() const = 0;
+};
+
+enum class QpSolverKind { hildreth, active_set };
+
+/// A solver by its kind. `max_iterations` is Hildreth's cap in sweeps; the active-set solver, which
+/// ends by itself, takes it as a cap in changes of the working set. Throws std::invalid_argument if
+/// H is not symmetric positive definite, shapes do not fit, or the cap is not positive.
+std::unique_ptr<QpSolver> make_qp_solver(QpSolverKind kind, const QpModel& model,
+                                         int max_iterations);
+
+/// What solvers share: a model with what follows from it alone.
+struct QpFactors {
+  QpModel model;
+  Eigen::MatrixXd H_inverse;  ///< n×n
+  Eigen::MatrixXd step;       ///< H⁻¹ Ωᵀ, n×m: how z answers to a row's multiplier
+  Eigen::MatrixXd gram;       ///< Ω H⁻¹ Ωᵀ, m×m: how the rows do
+
+  /// Throws std::invalid_argument as make_qp_solver.
+  explicit QpFactors(QpModel model);
+
+  Eigen::Index variables() const { return model.H.rows(); }
+  Eigen::Index rows() const { return model.Omega.rows(); }
+
+  /// What is wrong with an input before anything is solved, or `solved` if nothing is: not_finite,
+  /// or infeasible where a lower bound is above its upper one.
+  static QpStatus examine(const QpInput& input);
+};
+
+}  // namespace breakwater

@@ -1,0 +1,46 @@
+// What every disturbance estimator is.
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+
+#include "signals/signal.h"
+
+namespace breakwater {
+
+/// Estimates the state x (n) of a plant and the disturbance d (m) that opposes its inputs,
+///     x(k+1) = A x(k) + B (u(k) − d(k)),   y(k) = C x(k) + noise,
+/// from what it was given and what was measured. Used once a sample: update(), then read.
+class DisturbanceEstimator {
+ public:
+  using Vector = Eigen::Ref<const Eigen::VectorXd>;
+  using View = Eigen::Map<const Eigen::VectorXd>;
+
+  DisturbanceEstimator() = default;
+  DisturbanceEstimator(const DisturbanceEstimator&) = delete;
+  DisturbanceEstimator& operator=(const DisturbanceEstimator&) = delete;
+  virtual ~DisturbanceEstimator() = default;
+
+  /// Starts from state `x` (n) and no disturbance.
+  virtual void reset(const Vector& x) = 0;
+
+  /// One sample: `held_input` (m) is what acted since the last sample, `y` (p) what is measured
+  /// now. Nothing acted before the first sample after a reset: its input is ignored. Allocates
+  /// nothing.
+  virtual void update(const Vector& held_input, const Vector& y) = 0;
+
+  /// x̂ and d̂ of this sample, at addresses that do not change.
+  virtual View state() const = 0;
+  virtual View disturbance() const = 0;
+
+  /// What it lets others see: the innovation, the forgetting factor λ(k), … The views stay valid
+  /// as long as the estimator lives.
+  virtual std::span<const Signal> signals() const = 0;
+
+  /// How many poles it has, and writes the matrix whose eigenvalues they are: A̅ − K(k) C̅ of this
+  /// sample (thesis 4.3.4). Allocates nothing.
+  virtual Eigen::Index poles() const = 0;
+  virtual void pole_matrix(Eigen::Ref<Eigen::MatrixXd> F) const = 0;
+};
+
+}  // namespace breakwater

@@ -1,0 +1,43 @@
+#include "observers/disturbance_model.h"
+
+#include <stdexcept>
+#include <string>
+
+#include "linear/observability.h"
+
+namespace breakwater {
+
+ExtendedPlant extend_by_disturbance_model(const StateSpace& sampled_plant, int order,
+                                          double period_s) {
+  check(sampled_plant);
+  if (order < 0 || order > 2) {
+    throw std::invalid_argument("disturbance model: the order must be 0, 1 or 2");
+  }
+  if (!(period_s > 0.0)) {
+    throw std::invalid_argument("disturbance model: the sampling period must be positive");
+  }
+  const Eigen::Index n = sampled_plant.states();
+  const Eigen::Index m = sampled_plant.inputs();
+  const Eigen::Index p = sampled_plant.outputs();
+  const Eigen::Index size = n + m * (order + 1);
+  StateSpace extended{Eigen::MatrixXd::Identity(size, size), Eigen::MatrixXd::Zero(size, m),
+                      Eigen::MatrixXd::Zero(p, size)};
+  extended.A.topLeftCorner(n, n) = sampled_plant.A;
+  extended.A.block(0, n, n, m) = -sampled_plant.B;
+  for (int derivative = 0; derivative < order; ++derivative) {
+    extended.A.block(n + m * derivative, n + m * (derivative + 1), m, m)
+        .diagonal()
+        .setConstant(period_s);
+  }
+  extended.B.topRows(n) = sampled_plant.B;
+  extended.C.leftCols(n) = sampled_plant.C;
+
+  const Eigen::Index rank = observability_rank(extended.A, extended.C);
+  if (rank != size) {
+    throw std::invalid_argument("disturbance model: the extended plant is not observable (rank " +
+                                std::to_string(rank) + " of " + std::to_string(size) + ")");
+  }
+  return {extended, n, order};
+}
+
+}  // namespace breakwater

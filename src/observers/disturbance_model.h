@@ -1,0 +1,29 @@
+// Disturbance models of order 0, 1 and 2: thesis 4.2.2.
+#pragma once
+
+#include "linear/state_space.h"
+
+namespace breakwater {
+
+/// A sampled plant extended by a model of what disturbs its inputs: x̄ = [x; d; ḋ; d̈], of which the
+/// derivatives are there as far as the model's order goes.
+struct ExtendedPlant {
+  StateSpace sampled;         ///< A̅, B̅, C̅
+  Eigen::Index plant_states;  ///< n, of x
+  int order;                  ///< of the disturbance model: 0 step, 1 ramp, 2 parabola
+
+  Eigen::Index states() const { return sampled.states(); }    ///< n + m (order + 1)
+  Eigen::Index inputs() const { return sampled.inputs(); }    ///< m, which also d has
+  Eigen::Index outputs() const { return sampled.outputs(); }  ///< p
+};
+
+/// Extends a sampled plant x(k+1) = A_d x + B_d u by a chain of sums for each input's disturbance
+/// (Eqs. 3.3 and 3.4, 4.1 and 4.2, 4.3 and 4.4):
+///     A̅ = [A_d −B_d 0; 0 I T_s·I; 0 0 I],  B̅ = [B_d; 0; 0],  C̅ = [C_d 0 0]      (order 1).
+///
+/// Throws std::invalid_argument if the order is not 0, 1 or 2, the period is not positive, or the
+/// extended plant is not observable (with its rank).
+ExtendedPlant extend_by_disturbance_model(const StateSpace& sampled_plant, int order,
+                                          double period_s);
+
+}  // namespace breakwater

@@ -1,0 +1,49 @@
+// Kalman filter with disturbance estimation that forgets at a fixed rate (FAKFD): thesis 4.2.3.
+#pragma once
+
+#include "observers/kalman_estimator.h"
+
+namespace breakwater {
+
+/// Γ = γ·I: all states forget (Eq. 4.6). λ = 1/γ.
+inline Eigen::VectorXd scalar_gamma(const ExtendedPlant& plant, double gamma) {
+  return Eigen::VectorXd::Constant(plant.states(), gamma);
+}
+
+/// Γ = diag(I, γ_d): only the disturbance and its derivatives forget (Eq. 4.7).
+inline Eigen::VectorXd diagonal_gamma(const ExtendedPlant& plant, double gamma_d) {
+  Eigen::VectorXd gamma = Eigen::VectorXd::Constant(plant.states(), gamma_d);
+  gamma.head(plant.plant_states).setOnes();
+  return gamma;
+}
+
+/// The KFD whose covariance is inflated after each measurement,
+///     P(k|k) = √Γ (I − K C̅) P(k|k−1) √Γ.
+/// With Γ = γ·I this is Eq. 4.18. With a diagonal Γ the printed {Γ − K C̅} P and Γ (I − K C̅) P are
+/// not symmetric, hence no covariances; the symmetric form gives the printed noise of Table 4.5.
+template <int N = Eigen::Dynamic, int m = Eigen::Dynamic, int p = Eigen::Dynamic>
+class Fakfd final : public KalmanEstimator<N, m, p> {
+ public:
+  /// `gamma` is the diagonal of Γ (N). Throws std::invalid_argument unless all of it is ≥ 1.
+  Fakfd(const KalmanDesign& design, const Eigen::VectorXd& gamma)
+      : KalmanEstimator<N, m, p>(design) {
+    if (gamma.size() != design.plant.states() || !gamma.allFinite() || !(gamma.minCoeff() >= 1.0)) {
+      throw std::invalid_argument("FAKFD: needs one factor gamma >= 1 for each extended state");
+    }
+    const Eigen::VectorXd root = gamma.cwiseSqrt();
+    inflation_ = root * root.transpose();
+    this->lambda_ = 1.0 / gamma.maxCoeff();
+  }
+
+  void update(const DisturbanceEstimator::Vector& held_input,
+              const DisturbanceEstimator::Vector& y) override {
+    this->predict(held_input, y);
+    this->correct(this->R_);
+    this->covariance_ = this->covariance_.cwiseProduct(inflation_);
+  }
+
+ private:
+  Eigen::Matrix<double, N, N> inflation_;  // √γ_i √γ_j
+};
+
+}  // namespace breakwater

@@ -1,0 +1,151 @@
+// The Kalman recursion that all Kalman filters with disturbance estimation share.
+#pragma once
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <stdexcept>
+#include <vector>
+
+#include "observers/disturbance_estimator.h"
+#include "observers/kalman_design.h"
+
+namespace breakwater {
+
+/// The Kalman filter of an extended plant (Eqs. 4.11–4.17), in two halves, between which a filter
+/// that adapts looks at the innovation. Sizes N (of x̄), m and p are fixed at compile time or not.
+template <int N = Eigen::Dynamic, int m = Eigen::Dynamic, int p = Eigen::Dynamic>
+class KalmanEstimator : public DisturbanceEstimator {
+ public:
+  void reset(const Vector& x) final {
+    extended_state_.setZero();
+    extended_state_.head(x.size()) = x;
+    covariance_ = initial_covariance_;
+    gain_.setZero();
+    innovation_.setZero();
+    has_prior_ = true;
+  }
+
+  View state() const final { return {extended_state_.data(), plant_states_}; }
+  View disturbance() const final { return {extended_state_.data() + plant_states_, B_.cols()}; }
+  std::span<const Signal> signals() const final { return signals_; }
+
+  Eigen::Index poles() const final { return A_.rows(); }
+  void pole_matrix(Eigen::Ref<Eigen::MatrixXd> F) const final {
+    F = A_;
+    F.noalias() -= gain_ * C_;
+  }
+
+  /// x̄(k|k), P(k|k), K(k), ê(k) and λ(k): by how much P was divided, to forget, at this sample.
+  const auto& extended_state() const { return extended_state_; }
+  const auto& P() const { return covariance_; }
+  const auto& K() const { return gain_; }
+  const auto& innovation() const { return innovation_; }
+  double lambda() const { return lambda_; }
+
+ protected:
+  using Outputs = Eigen::Matrix<double, p, 1>;
+  using OutputCovariance = Eigen::Matrix<double, p, p>;
+  using Covariance = Eigen::Matrix<double, N, N>;
+
+  /// Throws std::invalid_argument if the design is none, or of other sizes than N, m and p.
+  explicit KalmanEstimator(const KalmanDesign& design) : plant_states_(design.plant.plant_states) {
+    check(design);
+    const auto fits = [](int fixed, Eigen::Index size) {
+      return fixed == Eigen::Dynamic || fixed == size;
+    };
+    if (!fits(N, design.plant.states()) || !fits(m, design.plant.inputs()) ||
+        !fits(p, design.plant.outputs())) {
+      throw std::invalid_argument("Kalman filter: made for a plant of another size");
+    }
+    A_ = design.plant.sampled.A;
+    B_ = design.plant.sampled.B;
+    C_ = design.plant.sampled.C;
+    Q_ = design.Q;
+    R_ = design.R;
+    initial_covariance_ = design.P0;
+    extended_state_.setZero(A_.rows());
+    predicted_ = extended_state_;
+    gain_.setZero(A_.rows(), C_.rows());
+    gain_transposed_ = gain_.transpose();
+    innovation_.setZero(C_.rows());
+    output_covariance_ = R_;
+    work_ = initial_covariance_;
+    signals_ = {{"innovation", "1", "e = y - C x(k|k-1) (Eq. 4.15), in the output's unit",
+                 view(innovation_)},
+                {"lambda", "1", "forgetting factor: by how much P was divided", view(lambda_)}};
+    reset(Eigen::VectorXd::Zero(plant_states_));
+  }
+
+  /// x̄(k|k−1), P(k|k−1) (Eqs. 4.11, 4.12), ê(k) (Eq. 4.15) and C̅ P(k|k−1) C̅ᵀ.
+  void predict(const Vector& held_input, const Vector& y) {
+    if (!has_prior_) {
+      predicted_.noalias() = A_ * extended_state_;
+      predicted_.noalias() +=
+          B_ * Eigen::Map<const Eigen::Matrix<double, m, 1>>(held_input.data(), held_input.size());
+      extended_state_ = predicted_;
+      work_.noalias() = A_ * covariance_;
+      covariance_.noalias() = work_ * A_.transpose();
+      covariance_ += Q_;
+    }
+    has_prior_ = false;
+    innovation_ = Eigen::Map<const Outputs>(y.data(), y.size());
+    innovation_.noalias() -= C_ * extended_state_;
+    see_covariance();
+  }
+
+  /// C̅ P, and from it C̅ P C̅ᵀ.
+  void see_covariance() {
+    gain_transposed_.noalias() = C_ * covariance_;
+    output_covariance_.noalias() = gain_transposed_ * C_.transpose();
+  }
+
+  /// D = C̅ P C̅ᵀ + R, K = P C̅ᵀ D⁻¹, x̄(k|k) and P(k|k) (Eqs. 4.13, 4.14, 4.16, 4.17). The
+  /// covariance in Joseph's form, (I − K C̅) P (I − K C̅)ᵀ + K R Kᵀ, which stays positive definite.
+  void correct(const OutputCovariance& R) {
+    if constexpr (p == 1) {
+      gain_transposed_ /= output_covariance_(0, 0) + R(0, 0);
+    } else {
+      output_covariance_ += R;
+      factor_.compute(output_covariance_);
+      factor_.solveInPlace(gain_transposed_);
+    }
+    gain_ = gain_transposed_.transpose();
+    extended_state_.noalias() += gain_ * innovation_;
+
+    contraction_.setIdentity(A_.rows(), A_.rows());
+    contraction_.noalias() -= gain_ * C_;
+    work_.noalias() = contraction_ * covariance_;
+    covariance_.noalias() = work_ * contraction_.transpose();
+    gain_times_R_.noalias() = gain_ * R;
+    covariance_.noalias() += gain_times_R_ * gain_transposed_;
+    work_ = covariance_.transpose();
+    covariance_ = 0.5 * (covariance_ + work_);
+  }
+
+  Eigen::Index plant_states_;
+  bool has_prior_ = true;  // no sample since the reset: P0 is this sample's P(k|k−1)
+  Covariance A_;
+  Eigen::Matrix<double, N, m> B_;
+  Eigen::Matrix<double, p, N> C_;
+  Covariance Q_;
+  OutputCovariance R_;
+  Covariance initial_covariance_;
+
+  Eigen::Matrix<double, N, 1> extended_state_;
+  Covariance covariance_;
+  Eigen::Matrix<double, N, p> gain_;
+  Outputs innovation_;
+  OutputCovariance output_covariance_;
+  double lambda_ = 1.0;
+
+ private:
+  Eigen::Matrix<double, N, 1> predicted_;
+  Eigen::Matrix<double, p, N> gain_transposed_;
+  Eigen::Matrix<double, N, p> gain_times_R_;
+  Covariance contraction_;  // I − K C̅
+  Covariance work_;
+  Eigen::LLT<OutputCovariance> factor_;
+  std::vector<Signal> signals_;
+};
+
+}  // namespace breakwater

@@ -1,0 +1,23 @@
+// Kalman filter with disturbance estimation (KFD), and the disturbance Kalman filter (DKF): thesis
+// 3.2 and 4.2.2.
+#pragma once
+
+#include "observers/kalman_estimator.h"
+
+namespace breakwater {
+
+/// The plain Kalman filter of the extended plant, Eqs. 3.7–3.11. Which process noise it is designed
+/// with makes it the KFD (input_noise or uniform_noise) or the DKF (disturbance_noise).
+template <int N = Eigen::Dynamic, int m = Eigen::Dynamic, int p = Eigen::Dynamic>
+class Kfd final : public KalmanEstimator<N, m, p> {
+ public:
+  explicit Kfd(const KalmanDesign& design) : KalmanEstimator<N, m, p>(design) {}
+
+  void update(const DisturbanceEstimator::Vector& held_input,
+              const DisturbanceEstimator::Vector& y) override {
+    this->predict(held_input, y);
+    this->correct(this->R_);
+  }
+};
+
+}  // namespace breakwater

@@ -1,0 +1,53 @@
+#include "observers/observer_poles.h"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <limits>
+#include <stdexcept>
+#include <utility>
+
+namespace breakwater {
+
+ObserverPoles::ObserverPoles(const DisturbanceEstimator& estimator, double period_s)
+    : estimator_(estimator),
+      period_s_(period_s),
+      matrix_(Eigen::MatrixXd::Zero(estimator.poles(), estimator.poles())),
+      solver_(estimator.poles()),
+      discrete_(Eigen::VectorXcd::Zero(estimator.poles())),
+      continuous_(discrete_),
+      discrete_real_(discrete_.real()),
+      discrete_imaginary_(discrete_real_),
+      continuous_real_(discrete_real_),
+      continuous_imaginary_(discrete_real_),
+      signals_(
+          {{"poles_discrete_re", "1", "eigenvalues of A - K C: real part", view(discrete_real_)},
+           {"poles_discrete_im", "1", "their imaginary part", view(discrete_imaginary_)},
+           {"poles_continuous_re_rad_s", "rad/s", "ln(p_d)/T_s: real part", view(continuous_real_)},
+           {"poles_continuous_im_rad_s", "rad/s", "their imaginary part",
+            view(continuous_imaginary_)}}) {
+  if (!(period_s > 0.0)) {
+    throw std::invalid_argument("observer poles: the sampling period must be positive");
+  }
+}
+
+void ObserverPoles::update() {
+  estimator_.pole_matrix(matrix_);
+  solver_.compute(matrix_, false);
+  discrete_ = solver_.eigenvalues();
+  std::sort(discrete_.begin(), discrete_.end(), [](const auto& a, const auto& b) {
+    return std::pair(a.real(), a.imag()) < std::pair(b.real(), b.imag());
+  });
+  for (Eigen::Index i = 0; i < discrete_.size(); ++i) {
+    // A pole at 0 has no continuous one; the smallest number stands for it.
+    const bool is_zero = std::abs(discrete_(i)) < std::numeric_limits<double>::min();
+    const std::complex<double> p = is_zero ? std::numeric_limits<double>::min() : discrete_(i);
+    continuous_(i) = std::log(p) / period_s_;
+  }
+  discrete_real_ = discrete_.real();
+  discrete_imaginary_ = discrete_.imag();
+  continuous_real_ = continuous_.real();
+  continuous_imaginary_ = continuous_.imag();
+}
+
+}  // namespace breakwater

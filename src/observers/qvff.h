@@ -1,0 +1,26 @@
+// Quantisation-aware variable forgetting factor (QVFF): the VFAKFD, told what its sensor cannot
+// see.
+#pragma once
+
+#include "observers/sensor_error.h"
+#include "observers/vfakfd.h"
+
+namespace breakwater {
+
+/// The VFAKFD's λ(k) reacts to ê², whether it comes from a disturbance or from the encoder. Its α
+/// = 1/(b_reso T_s) wakes it up at ê² ≈ 0.2 α, which is 3 to 45 counts, depending on resolution and
+/// period. QVFF takes out of ê what the sensor's own error explains, and then reacts to little:
+///     |ê| → max(0, |ê| − 0.75 Δ − 4.5 σ),   α = max(Δ², (3 σ)², α_floor),   P0 = 1e-4·I.
+/// 0.75 Δ is more than the ±Δ/2 by which a measurement is rounded, and leaves Δ/4 for the error of
+/// the prediction; 4.5 σ is passed by 7 samples in a million.
+/// docs/methods/disturbance-kalman-filters.md has the derivation and where it loses.
+///
+/// Throws std::invalid_argument as check(SensorError) does.
+VfakfdDesign qvff_design(const SensorError& error);
+
+/// The VFAKFD's Kalman design: Q = 0 and P0 = p0·I; R is not used.
+KalmanDesign variable_forgetting_design(const ExtendedPlant& plant, double p0);
+
+constexpr double kQvffInitialCovariance = 1e-4;
+
+}  // namespace breakwater

@@ -1,0 +1,84 @@
+// Numbers that a run is judged by, gathered sample by sample.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <optional>
+
+namespace breakwater {
+
+/// An interval of time, both ends included.
+struct TimeWindow {
+  double from_s = 0.0;
+  double to_s = std::numeric_limits<double>::infinity();
+
+  bool contains(double time_s) const { return time_s >= from_s && time_s <= to_s; }
+};
+
+/// Mean, root mean square and extremes of what falls into a window. Nothing, if nothing does.
+class WindowStatistics {
+ public:
+  explicit WindowStatistics(const TimeWindow& window) : window_(window) {}
+
+  void add(double time_s, double value) {
+    if (!window_.contains(time_s)) return;
+    ++count_;
+    sum_ += value;
+    sum_of_squares_ += value * value;
+    largest_ = std::max(largest_, value);
+    smallest_ = std::min(smallest_, value);
+  }
+
+  std::optional<double> mean() const { return if_any(sum_ / static_cast<double>(count_)); }
+  std::optional<double> rms() const {
+    return if_any(std::sqrt(sum_of_squares_ / static_cast<double>(count_)));
+  }
+  std::optional<double> largest() const { return if_any(largest_); }
+  std::optional<double> smallest() const { return if_any(smallest_); }
+  /// The largest |value|.
+  std::optional<double> peak() const { return if_any(std::max(largest_, -smallest_)); }
+
+ private:
+  std::optional<double> if_any(double value) const {
+    if (count_ == 0) return std::nullopt;
+    return value;
+  }
+
+  TimeWindow window_;
+  std::int64_t count_ = 0;
+  double sum_ = 0.0;
+  double sum_of_squares_ = 0.0;
+  double largest_ = -std::numeric_limits<double>::infinity();
+  double smallest_ = std::numeric_limits<double>::infinity();
+};
+
+/// How long an error takes from `start_s` on until it stays within ±band.
+class SettlingTime {
+ public:
+  SettlingTime(double start_s, double band) : start_s_(start_s), band_(band) {}
+
+  void add(double time_s, double error) {
+    if (time_s < start_s_) return;
+    ++count_;
+    const bool is_inside = std::abs(error) <= band_;
+    if (is_inside && !settled_) settled_at_s_ = time_s;
+    settled_ = is_inside;
+  }
+
+  /// Nothing, if the error ends outside of the band or nothing was added.
+  std::optional<double> value() const {
+    if (count_ == 0 || !settled_) return std::nullopt;
+    return settled_at_s_ - start_s_;
+  }
+
+ private:
+  double start_s_;
+  double band_;
+  std::int64_t count_ = 0;
+  bool settled_ = false;
+  double settled_at_s_ = 0.0;
+};
+
+}  // namespace breakwater

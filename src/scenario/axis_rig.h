@@ -1,0 +1,124 @@
+// One axis, the motor or the cart, wired: what their scenarios share.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "control/controller.h"
+#include "linear/state_space.h"
+#include "observers/sensor_error.h"
+#include "scenario/scenario.h"
+#include "signals/axis_units.h"
+#include "sim/simulation.h"
+#include "world/disturbance.h"
+
+namespace breakwater {
+
+/// Which axis, by the names in its model.
+struct Axis {
+  std::string joint;
+  std::string actuator;
+  std::string position_sensor;
+  std::string velocity_sensor;
+  std::string channel;          ///< what the position's sensor channel is called
+  bool counts_pulses;           ///< its encoder is given by pulses per revolution
+  std::string inertia_name;     ///< "inertia", "mass"
+  std::string inertia_suffix;   ///< "kgm2"
+  std::string friction_suffix;  ///< of a viscous friction: "Nms_rad"
+  AxisUnits units;
+};
+
+/// models/motor.xml and models/cart.xml.
+Axis motor_axis();
+Axis cart_axis();
+
+/// Keys that all scenarios on one axis have.
+struct AxisSettings {
+  explicit AxisSettings(Axis which) : axis(std::move(which)) {}
+
+  Axis axis;
+  std::string mjcf;
+  PhysicsSettings physics;
+  RunSettings run;
+
+  double inertia_ratio = 1.0;     ///< of the plant to its model file
+  double viscous_friction = 0.0;  ///< of the plant
+  double coulomb_friction = 0.0;
+  double nominal_inertia = 0.0;  ///< what controller and observer believe
+  double nominal_friction = 0.0;
+
+  double drive_limit = 0.0;       ///< 0: none
+  double drive_resolution = 0.0;  ///< of the PWM; 0: not quantised
+
+  double encoder_bits = 0.0;  ///< 0: not quantised
+  double encoder_multiplication = 1.0;
+  double encoder_gear_ratio = 1.0;
+  double encoder_resolution = 0.0;  ///< instead of pulses; 0: not quantised
+  double encoder_phase = 0.0;
+  double noise_std = 0.0;        ///< of the measurement
+  double input_noise_std = 0.0;  ///< of a force that is drawn at each control sample
+  int delay_samples = 0;
+  FaultSettings faults;
+
+  void bind(Fields& fields);
+
+  double quantum() const;                ///< Δ of the encoder; 0: not quantised
+  double pulses_per_revolution() const;  ///< b_reso, or counts per metre; 0: not quantised
+  double force_limit() const;            ///< of the drive; infinity: none
+  StateSpace nominal_plant() const;      ///< continuous
+  SensorError sensor_error() const;      ///< as a data sheet would tell it
+};
+
+/// What acts on the axis besides its drive and friction.
+struct AxisDisturbances {
+  Disturbance force;     ///< d, which opposes the drive
+  Disturbance position;  ///< d_o, added to what is measured
+};
+
+/// Checks what fields cannot: the model file and its names, periods. Makes the file's name
+/// absolute. Throws std::invalid_argument `ORIGIN: KEY: reason`.
+void check_axis(AxisSettings& settings, const Config& config);
+
+/// The plant of one axis under a controller, and the truth about it for log and metrics.
+class AxisRig {
+ public:
+  /// The controller outlives the rig.
+  AxisRig(const AxisSettings& settings, const AxisDisturbances& disturbances,
+          Controller& controller);
+  ~AxisRig();
+  AxisRig(const AxisRig&) = delete;
+  AxisRig& operator=(const AxisRig&) = delete;
+
+  /// One physics step. What acts on the axis is held over it, so that a disturbance that begins at
+  /// a step begins there exactly, whatever the integrator.
+  void step();
+
+  Simulation& simulation() { return *simulation_; }
+  /// Of the last step's beginning.
+  double position() const { return *position_; }
+  double velocity() const { return *velocity_; }
+  double disturbance() const { return disturbance_; }  ///< d, without noise and friction
+
+  /// All that the log holds at the control rate: true, measured, estimated, commanded.
+  std::vector<Signal> signals() const;
+
+ private:
+  class HeldForce;
+
+  AxisUnits units_;
+  AxisDisturbances disturbances_;
+  Noise input_noise_;
+  double input_noise_std_;
+  int steps_per_sample_;
+  Controller& controller_;
+  std::unique_ptr<HeldForce> force_;
+  std::unique_ptr<Simulation> simulation_;
+  const double* position_;
+  const double* velocity_;
+  double disturbance_ = 0.0;
+  double input_noise_value_ = 0.0;
+  double saturated_ = 0.0;
+};
+
+}  // namespace breakwater

@@ -1,0 +1,112 @@
+#include "scenario/motor_estimation.h"
+
+#include <cmath>
+#include <utility>
+
+#include "control/disturbance_cancelling_pd.h"
+#include "record/window_metrics.h"
+#include "scenario/run_loop.h"
+
+namespace breakwater {
+namespace {
+
+void add(std::vector<Metric>& metrics, const std::string& name, const std::string& unit,
+         const std::optional<double>& value) {
+  if (value) metrics.push_back({name, unit, *value});
+}
+
+}  // namespace
+
+Fields MotorEstimation::fields() {
+  Fields fields;
+  axis_.bind(fields);
+  estimator_.bind(fields);
+  fields.number("observer.lambda", lambda_, between(0.01, 1),
+                "fakfd: the forgetting factor of all states, 1/gamma");
+  fields.number("controller.kp", k_p_, not_negative(), "K_p [N m/rad]");
+  fields.number("controller.kd", k_d_, not_negative(), "K_d [N m s/rad]");
+  fields.choice("disturbance.kind", disturbance_.kind,
+                {{"none", DisturbanceKind::none},
+                 {"step", DisturbanceKind::step},
+                 {"ramp", DisturbanceKind::ramp},
+                 {"sine", DisturbanceKind::sine}},
+                "none, step, ramp or sine");
+  fields.number("disturbance.amplitude_Nm", disturbance_.amplitude, any(),
+                "of a step or sine [N m]; of a ramp [N m/s]");
+  fields.number("disturbance.frequency_rad_s", disturbance_.frequency_rad_s, any(),
+                "of a sine [rad/s]");
+  fields.number("disturbance.start_s", disturbance_.start_s, not_negative(), "when it begins [s]");
+  fields.number("metrics.from_s", from_s_, not_negative(),
+                "the errors' window begins, and the transient's ends [s]");
+  fields.number("metrics.to_s", to_s_, not_negative(), "the errors' window ends [s]");
+  fields.number("metrics.settled_within", settled_within_, positive(),
+                "settled: the estimate stays this close to the disturbance, over its amplitude");
+  return fields;
+}
+
+EstimatorTask MotorEstimation::task() const {
+  return {axis_.nominal_plant(), axis_.physics.control_period_s, axis_.sensor_error(),
+          axis_.pulses_per_revolution()};
+}
+
+void MotorEstimation::check(const Config& config) {
+  check_axis(axis_, config);
+  estimator_.gamma = 1.0 / lambda_;
+  config.blame("observer.name", [&] { make_estimator(estimator_, task()); });
+  if (to_s_ <= from_s_) config.fail("metrics.to_s", "must be later than metrics.from_s");
+}
+
+Recording MotorEstimation::run(const RunControl& control) const {
+  DisturbanceCancellingPd controller(make_estimator(estimator_, task()),
+                                     {.k_p = k_p_,
+                                      .k_d = k_d_,
+                                      .force_limit = axis_.force_limit(),
+                                      .period_s = axis_.physics.control_period_s,
+                                      .units = axis_.axis.units});
+  AxisRig rig(axis_, {.force = disturbance_}, controller);
+  Simulation& sim = rig.simulation();
+  const std::int64_t steps = axis_.physics.step_at(axis_.run.duration_s);
+  Track log("control", rig.signals(),
+            static_cast<std::size_t>(steps / axis_.physics.steps_per_sample() + 1));
+
+  const double start_s = disturbance_.start_s;
+  const TimeWindow window{from_s_, to_s_};
+  const TimeWindow transient{start_s, from_s_};
+  WindowStatistics velocity_error(window), position_error(window), disturbance_error(window);
+  WindowStatistics transient_error(transient);
+  WindowStatistics position(TimeWindow{}), lambda(window);
+  SettlingTime settling(start_s, settled_within_ * std::abs(disturbance_.amplitude));
+
+  Recording recording;
+  // One step more than the duration has, so that the sample at its end is there.
+  recording.failure = run_loop(steps + 1, control, [&](std::int64_t) {
+    rig.step();
+    if (!sim.sampled()) return;
+    const double t = sim.time_s();
+    const double d_error = controller.disturbance() - rig.disturbance();
+    velocity_error.add(t, controller.velocity() - sim.qvel()[0]);
+    position_error.add(t, controller.position() - sim.qpos()[0]);
+    disturbance_error.add(t, d_error);
+    transient_error.add(t, d_error);
+    position.add(t, sim.qpos()[0]);
+    settling.add(t, d_error);
+    log.append(t);
+  });
+
+  conclude(recording, sim);
+  if (!recording.failure) {
+    std::vector<Metric>& metrics = recording.metrics;
+    add(metrics, "rmse_velocity_rad_s", "rad/s", velocity_error.rms());
+    add(metrics, "rmse_position_rad", "rad", position_error.rms());
+    add(metrics, "rmse_disturbance_Nm", "N m", disturbance_error.rms());
+    add(metrics, "peak_position_rad", "rad", position.peak());
+    if (disturbance_.kind == DisturbanceKind::step) {
+      add(metrics, "disturbance_settling_time_s", "s", settling.value());
+    }
+    add(metrics, "transient_rmse_disturbance_Nm", "N m", transient_error.rms());
+  }
+  recording.tracks.push_back(std::move(log));
+  return recording;
+}
+
+}  // namespace breakwater

@@ -1,0 +1,23 @@
+#include "world/disturbance.h"
+
+#include <cmath>
+
+namespace breakwater {
+
+double Disturbance::value(double time_s) const {
+  const double elapsed_s = time_s - start_s;
+  if (elapsed_s < 0.0) return 0.0;
+  switch (kind) {
+    case DisturbanceKind::none:
+      return 0.0;
+    case DisturbanceKind::step:
+      return amplitude;
+    case DisturbanceKind::ramp:
+      return amplitude * elapsed_s;
+    case DisturbanceKind::sine:
+      return amplitude * std::sin(frequency_rad_s * elapsed_s);
+  }
+  return 0.0;
+}
+
+}  // namespace breakwater

@@ -1,0 +1,337 @@
+// The two quadratic programming solvers, against optimality conditions and each other.
+#include "linear/qp.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+
+#include <cmath>
+#include <limits>
+
+#include "linear/active_set.h"
+#include "linear/hildreth.h"
+#include "linear/random_qp.h"
+
+namespace breakwater {
+namespace {
+
+using testing::kQpSizes;
+using testing::make_infeasible;
+using testing::QpSize;
+using testing::Random;
+using testing::random_feasible_input;
+using testing::random_qp_model;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+// minimise ½|z|² − z·(1, 1), z ≤ (½, 2).
+QpModel unit_model() {
+  return {Eigen::MatrixXd::Identity(2, 2), Eigen::MatrixXd::Identity(2, 2)};
+}
+
+class BothSolvers : public ::testing::TestWithParam<QpSolverKind> {
+ protected:
+  static std::unique_ptr<QpSolver> make(const QpModel& model, int cap = 10000) {
+    return make_qp_solver(GetParam(), model, cap);
+  }
+};
+INSTANTIATE_TEST_SUITE_P(Qp, BothSolvers,
+                         ::testing::Values(QpSolverKind::hildreth, QpSolverKind::active_set));
+
+TEST_P(BothSolvers, SolveByHand) {
+  const auto solver = make(unit_model());
+  QpInput input(2, 2);
+  input.g << -1.0, -1.0;
+  input.upper << 0.5, 2.0;
+  QpSolution solution(2, 2);
+  solver->solve(input, solution);
+  EXPECT_EQ(solution.status, QpStatus::solved);
+  EXPECT_NEAR(solution.z(0), 0.5, 1e-12);
+  EXPECT_NEAR(solution.z(1), 1.0, 1e-12);
+  EXPECT_NEAR(solution.mu(0), 0.5, 1e-12);
+  EXPECT_EQ(solution.mu(1), 0.0);
+  EXPECT_LT(solution.kkt_residual, 1e-12);
+
+  // The other side of a row has a multiplier of the other sign.
+  input.lower << 1.5, -kInfinity;
+  input.upper << 2.0, kInfinity;
+  solver->solve(input, solution);
+  EXPECT_NEAR(solution.z(0), 1.5, 1e-12);
+  EXPECT_NEAR(solution.mu(0), -0.5, 1e-12);
+}
+
+TEST_P(BothSolvers, UnconstrainedIsNewton) {
+  Random random;
+  QpModel model = random_qp_model(random, kQpSizes[0]);
+  const auto solver = make(model);
+  QpInput input(5, 30);
+  input.g = random.vector(5);
+  QpSolution solution(5, 30);
+  solver->solve(input, solution);
+  EXPECT_EQ(solution.status, QpStatus::solved);
+  EXPECT_LT((model.H * solution.z + input.g).norm(), 1e-12);
+  EXPECT_EQ(solution.mu.norm(), 0.0);
+}
+
+TEST_P(BothSolvers, NothingThatIsNoNumberIsSolved) {
+  Random random;
+  const QpModel model = random_qp_model(random, kQpSizes[0]);
+  const QpInput good = random_feasible_input(random, model);
+  const auto solver = make(model);
+  QpSolution solution(5, 30);
+  const auto expect_refused = [&](const QpInput& bad) {
+    solver->solve(good, solution);  // warm
+    solver->solve(bad, solution);
+    EXPECT_EQ(solution.status, QpStatus::not_finite);
+    EXPECT_EQ(solution.z.norm(), 0.0);
+    EXPECT_EQ(solution.kkt_residual, kInfinity);
+  };
+  for (const double bad : {kNan, kInfinity, -kInfinity}) {
+    for (Eigen::Index i = 0; i < 5; ++i) {
+      QpInput input = good;
+      input.g(i) = bad;
+      expect_refused(input);
+    }
+  }
+  for (Eigen::Index i = 0; i < 30; ++i) {
+    QpInput input = good;
+    input.lower(i) = kNan;
+    expect_refused(input);
+    input = good;
+    input.upper(i) = kNan;
+    expect_refused(input);
+    input = good;
+    input.softness(i) = kNan;
+    expect_refused(input);
+    input = good;
+    input.lower(i) = kInfinity;
+    expect_refused(input);
+    input = good;
+    input.upper(i) = -kInfinity;
+    expect_refused(input);
+    input = good;
+    input.softness(i) = -1.0;
+    expect_refused(input);
+  }
+  solver->solve(good, solution);
+  EXPECT_NE(solution.status, QpStatus::not_finite) << "must recover";
+}
+
+TEST_P(BothSolvers, CrossedBoundsAreInfeasible) {
+  const auto solver = make(unit_model());
+  QpInput input(2, 2);
+  input.lower << 1.0, 0.0;
+  input.upper << 0.5, 1.0;
+  QpSolution solution(2, 2);
+  solver->solve(input, solution);
+  EXPECT_EQ(solution.status, QpStatus::infeasible);
+  EXPECT_GT(solution.kkt_residual, 0.1);
+}
+
+TEST_P(BothSolvers, RefuseWhatIsNoProblem) {
+  const Eigen::MatrixXd eye = Eigen::MatrixXd::Identity(2, 2);
+  EXPECT_THROW(make({-eye, eye}), std::invalid_argument);
+  EXPECT_THROW(make({Eigen::MatrixXd::Zero(2, 2), eye}), std::invalid_argument);
+  EXPECT_THROW(make({eye, Eigen::MatrixXd::Identity(3, 3)}), std::invalid_argument);
+  EXPECT_THROW(make({Eigen::MatrixXd(), Eigen::MatrixXd()}), std::invalid_argument);
+  EXPECT_THROW(make({kNan * eye, eye}), std::invalid_argument);
+  EXPECT_THROW(make({eye, kNan * eye}), std::invalid_argument);
+  EXPECT_THROW(make({eye + Eigen::MatrixXd::Ones(2, 2).triangularView<Eigen::Upper>() * eye, eye}),
+               std::invalid_argument)
+      << "not symmetric";
+  EXPECT_THROW(make({eye, eye}, 0), std::invalid_argument);
+}
+
+TEST_P(BothSolvers, SoftRowIsAQuadraticPenalty) {
+  // minimise ½ z² + ½ v²/s with v = z − 1 ≥ 0 wanted: from z = 0 the row z ≥ 1 gives way.
+  QpModel model{Eigen::MatrixXd::Identity(1, 1), Eigen::MatrixXd::Identity(1, 1)};
+  const auto solver = make(model);
+  QpInput input(1, 1);
+  input.lower << 1.0;
+  QpSolution solution(1, 1);
+  for (const double softness : {0.0, 0.25, 4.0}) {
+    input.softness << softness;
+    solver->solve(input, solution);
+    EXPECT_EQ(solution.status, QpStatus::solved);
+    EXPECT_NEAR(solution.z(0), 1.0 / (1.0 + softness), 1e-9) << softness;
+  }
+}
+
+TEST(Hildreth, CapIsToldAndItsAnswerViolates) {
+  // Two rows that nearly contradict each other make coordinate ascent slow.
+  QpModel model{Eigen::MatrixXd::Identity(2, 2), QpModel::RowMajor(2, 2)};
+  model.Omega << 1.0, 0.05, -1.0, 0.05;
+  QpInput input(2, 2);
+  input.g << -1.0, -1.0;
+  input.upper << -1.0, 0.9;
+  HildrethQp hildreth(model, 3);
+  QpSolution solution(2, 2);
+  hildreth.solve(input, solution);
+  EXPECT_EQ(solution.status, QpStatus::iteration_cap);
+  EXPECT_EQ(solution.iterations, 3);
+  EXPECT_GT((model.Omega * solution.z - input.upper).maxCoeff(), 1e-3);
+  EXPECT_GT(solution.kkt_residual, 1e-3);
+
+  ActiveSetQp exact(model, 100);
+  exact.solve(input, solution);
+  EXPECT_EQ(solution.status, QpStatus::solved);
+  EXPECT_LT(solution.kkt_residual, 1e-12);
+}
+
+// The textbook's loop: every row's residual summed anew, cold, one-sided rows.
+Eigen::VectorXd textbook_hildreth(const QpModel& model, const QpInput& input, int sweeps) {
+  const Eigen::Index m = model.Omega.rows();
+  QpModel::RowMajor sides(2 * m, model.H.rows());
+  Eigen::VectorXd bound(2 * m);
+  for (Eigen::Index i = 0; i < m; ++i) {
+    sides.row(2 * i) = model.Omega.row(i);
+    sides.row(2 * i + 1) = -model.Omega.row(i);
+    bound(2 * i) = input.upper(i);
+    bound(2 * i + 1) = -input.lower(i);
+  }
+  const Eigen::MatrixXd H_inverse = model.H.inverse();
+  const Eigen::MatrixXd P = sides * H_inverse * sides.transpose();
+  const Eigen::VectorXd d = bound + sides * H_inverse * input.g;
+  Eigen::VectorXd lambda = Eigen::VectorXd::Zero(2 * m);
+  for (int k = 0; k < sweeps; ++k) {
+    for (Eigen::Index i = 0; i < 2 * m; ++i) {
+      const double w = P.row(i).dot(lambda) - P(i, i) * lambda(i) + d(i);
+      lambda(i) = std::max(0.0, -w / P(i, i));
+    }
+  }
+  return -H_inverse * (input.g + sides.transpose() * lambda);
+}
+
+TEST(Hildreth, IncrementalResidualsAreTheTextbooksAlgorithm) {
+  Random random;
+  for (int k = 0; k < 50; ++k) {
+    const QpModel model = random_qp_model(random, kQpSizes[k % 3]);
+    const QpInput input = random_feasible_input(random, model);
+    QpSolution solution(model.H.rows(), model.Omega.rows());
+    HildrethQp hildreth(model, 7);
+    hildreth.solve(input, solution);
+    if (solution.status != QpStatus::iteration_cap) continue;
+    const Eigen::VectorXd expected = textbook_hildreth(model, input, 7);
+    EXPECT_LT((solution.z - expected).norm(), 1e-9 * (1.0 + expected.norm())) << k;
+  }
+}
+
+TEST(Hildreth, AgreesWithTheExactSolverWhereItConverges) {
+  Random random;
+  int converged = 0;
+  for (int k = 0; k < 300; ++k) {
+    const QpModel model = random_qp_model(random, kQpSizes[k % 3]);
+    const QpInput input = random_feasible_input(random, model);
+    QpSolution hildreth(model.H.rows(), model.Omega.rows());
+    QpSolution exact = hildreth;
+    HildrethQp(model, 20000).solve(input, hildreth);
+    ActiveSetQp(model, 1000).solve(input, exact);
+    ASSERT_EQ(exact.status, QpStatus::solved);
+    if (hildreth.status != QpStatus::solved) continue;
+    ++converged;
+    EXPECT_LT((hildreth.z - exact.z).norm(), 1e-3 * (1.0 + exact.z.norm())) << k;
+  }
+  EXPECT_GT(converged, 200);
+}
+
+// What is wrong with a solution, from the definition alone and not by kkt_residual().
+double optimality_error(const QpModel& model, const QpInput& input, const QpSolution& s) {
+  const double scale = std::max({1.0, input.g.cwiseAbs().maxCoeff(), s.mu.cwiseAbs().maxCoeff()});
+  const Eigen::VectorXd values = model.Omega * s.z - input.softness.cwiseProduct(s.mu);
+  double error = (model.H * s.z + input.g + model.Omega.transpose() * s.mu).cwiseAbs().maxCoeff();
+  error /= scale;
+  for (Eigen::Index i = 0; i < values.size(); ++i) {
+    error = std::max({error, values(i) - input.upper(i), input.lower(i) - values(i)});
+    if (s.mu(i) > 0.0) error = std::max(error, s.mu(i) * (input.upper(i) - values(i)) / scale);
+    if (s.mu(i) < 0.0) error = std::max(error, -s.mu(i) * (values(i) - input.lower(i)) / scale);
+  }
+  return error;
+}
+
+// Every feasible one solved to 1e-8, from cold and along a sequence that drifts.
+void solve_random_problems(const QpSize& size, int models, int inputs, unsigned seed) {
+  Random random(seed);
+  int changes = 0;
+  for (int k = 0; k < models; ++k) {
+    const QpModel model = random_qp_model(random, size);
+    ActiveSetQp solver(model, 10000);
+    QpInput input = random_feasible_input(random, model);
+    QpSolution solution(size.variables, size.rows);
+    for (int i = 0; i < inputs; ++i) {
+      solver.solve(input, solution);
+      ASSERT_EQ(solution.status, QpStatus::solved) << k << " " << i;
+      ASSERT_LE(solution.kkt_residual, 1e-8) << k << " " << i;
+      ASSERT_LE(optimality_error(model, input, solution), 1e-8) << k << " " << i;
+      changes += solution.iterations;
+      if (i % 8 == 7) {
+        input = random_feasible_input(random, model);
+      } else {
+        input.g += 0.1 * random.vector(size.variables, input.g.cwiseAbs().maxCoeff());
+      }
+    }
+  }
+  EXPECT_GT(changes, models * inputs / 4) << "the constraints hardly mattered";
+}
+
+TEST(ActiveSet, SolvesRandomProblems) {
+  for (const QpSize& size : {kQpSizes[0], kQpSizes[1], kQpSizes[2]}) {
+    solve_random_problems(size, 100, 40, 7);
+  }
+  solve_random_problems(kQpSizes[3], 2, 16, 7);
+}
+
+TEST(ActiveSet, EveryInfeasibleProblemIsReported) {
+  Random random;
+  for (int k = 0; k < 1200; ++k) {
+    const QpSize& size = k % 100 == 99 ? kQpSizes[3] : kQpSizes[k % 3];
+    QpModel model = random_qp_model(random, size);
+    const QpInput feasible = random_feasible_input(random, model);
+    QpInput input = feasible;
+    make_infeasible(random, model, input, std::pow(10.0, random.uniform(-6.0, 1.0)));
+    ActiveSetQp solver(model, 10000);
+    QpSolution solution(size.variables, size.rows);
+    QpInput without_last = input;
+    without_last.lower(size.rows - 1) = -kInfinity;
+    without_last.upper(size.rows - 1) = kInfinity;
+    solver.solve(without_last, solution);
+    EXPECT_EQ(solution.status, QpStatus::solved) << k;
+    solver.solve(input, solution);  // warm
+    EXPECT_EQ(solution.status, QpStatus::infeasible) << k;
+    // Softening one of the rows that contradict each other makes it solvable.
+    input.softness(size.rows - 1) = 0.1;
+    solver.solve(input, solution);
+    EXPECT_EQ(solution.status, QpStatus::solved) << k;
+    EXPECT_LE(optimality_error(model, input, solution), 1e-8) << k;
+  }
+}
+
+TEST(ActiveSet, WarmAndColdAgree) {
+  Random random;
+  for (const QpSize& size : kQpSizes) {
+    const QpModel model = random_qp_model(random, size);
+    ActiveSetQp warm(model, 10000);
+    QpSolution from_warm(size.variables, size.rows);
+    QpSolution from_cold = from_warm;
+    for (int i = 0; i < 10; ++i) {
+      const QpInput input = random_feasible_input(random, model);
+      warm.solve(input, from_warm);
+      ActiveSetQp(model, 10000).solve(input, from_cold);
+      EXPECT_LT((from_warm.z - from_cold.z).norm(), 1e-7 * (1.0 + from_cold.z.norm()));
+      warm.solve(input, from_cold);
+      EXPECT_EQ(from_cold.iterations, 0) << "already at the solution";
+    }
+  }
+}
+
+TEST(ActiveSet, CapIsTold) {
+  Random random;
+  const QpModel model = random_qp_model(random, kQpSizes[3]);
+  const QpInput input = random_feasible_input(random, model);
+  QpSolution solution(114, 228);
+  ActiveSetQp(model, 2).solve(input, solution);
+  EXPECT_EQ(solution.status, QpStatus::iteration_cap);
+}
+
+}  // namespace
+}  // namespace breakwater

@@ -1,0 +1,125 @@
+// The Riccati equation against closed forms, its residual and SciPy.
+#include "linear/riccati.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <cmath>
+
+#include "linear/state_space.h"
+#include "python.h"
+#include "support.h"
+
+namespace breakwater {
+namespace {
+
+using testing::Random;
+
+const Eigen::MatrixXd kOne = Eigen::MatrixXd::Ones(1, 1);
+
+TEST(Riccati, ScalarClosedForm) {
+  // P² b² = (a² − 1) r P + q b² P + q r ... solved for a = 1: P = (q + √(q² + 4 q r))/2.
+  for (const double q : {1e-3, 1.0, 50.0}) {
+    const Eigen::MatrixXd P = solve_dare(kOne, kOne, q * kOne, 2.0 * kOne);
+    EXPECT_NEAR(P(0, 0), 0.5 * (q + std::sqrt(q * q + 8.0 * q)), 1e-12 * (1.0 + q));
+  }
+}
+
+TEST(Riccati, StableAndFreeCostsNothing) {
+  const Eigen::MatrixXd P = solve_dare(0.5 * kOne, kOne, 0.0 * kOne, kOne);
+  EXPECT_EQ(P(0, 0), 0.0);
+}
+
+double relative_residual(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B,
+                         const Eigen::MatrixXd& Q, const Eigen::MatrixXd& R,
+                         const Eigen::MatrixXd& P) {
+  const Eigen::MatrixXd PBtA = B.transpose() * P * A;
+  const Eigen::MatrixXd S = R + B.transpose() * P * B;
+  return (A.transpose() * P * A - PBtA.transpose() * S.llt().solve(PBtA) + Q - P).norm() / P.norm();
+}
+
+TEST(Riccati, ResidualAndStabilityOfRandomPlants) {
+  Random random;
+  for (int k = 0; k < 200; ++k) {
+    const Eigen::Index n = 1 + k % 6;
+    const Eigen::Index m = 1 + k % 2;
+    const Eigen::MatrixXd A = 1.5 * random.matrix(n, n);
+    const Eigen::MatrixXd B = random.matrix(n, m);
+    const Eigen::MatrixXd root = random.matrix(n, n);
+    const Eigen::MatrixXd Q = root * root.transpose();
+    const Eigen::MatrixXd R = (0.1 + k % 3) * Eigen::MatrixXd::Identity(m, m);
+    const LqrDesign design = dlqr(A, B, Q, R);
+    EXPECT_LT(relative_residual(A, B, Q, R, design.P), 1e-10) << k;
+    EXPECT_LT((A - B * design.K).eigenvalues().cwiseAbs().maxCoeff(), 1.0) << k;
+    EXPECT_LT((design.P - design.P.transpose()).norm(), 1e-12 * design.P.norm()) << k;
+  }
+}
+
+// The cost that P predicts is the cost of the closed loop, summed.
+TEST(Riccati, PredictsTheCost) {
+  const StateSpace cart =
+      zero_order_hold({(Eigen::Matrix2d() << 0.0, 1.0, 0.0, -0.78 / 0.625).finished(),
+                       Eigen::Vector2d(0.0, 1.0 / 0.625), Eigen::RowVector2d(1.0, 0.0)},
+                      0.01);
+  const LqrDesign design = dlqr(cart.A, cart.B, Eigen::Matrix2d::Identity(), kOne);
+  Eigen::VectorXd x = Eigen::Vector2d(0.1, 0.1);
+  const double predicted = x.dot(design.P * x);
+  double cost = 0.0;
+  for (int k = 0; k < 5000; ++k) {
+    const Eigen::VectorXd u = -design.K * x;
+    cost += x.squaredNorm() + u.squaredNorm();
+    x = cart.A * x + cart.B * u;
+  }
+  EXPECT_NEAR(cost, predicted, 1e-10 * predicted);
+}
+
+TEST(Riccati, AgreesWithScipy) {
+  Random random(3);
+  std::ostringstream problems;
+  problems.precision(17);
+  std::vector<Eigen::MatrixXd> ours;
+  for (int k = 0; k < 100; ++k) {
+    const Eigen::Index n = 1 + k % 5;
+    const Eigen::Index m = 1 + k % 2;
+    const Eigen::MatrixXd root = random.matrix(n, n);
+    const Eigen::MatrixXd A = 1.2 * random.matrix(n, n);
+    const Eigen::MatrixXd B = random.matrix(n, m);
+    const Eigen::MatrixXd Q = root * root.transpose();
+    const Eigen::MatrixXd R = random.uniform(0.01, 10.0) * Eigen::MatrixXd::Identity(m, m);
+    problems << n << ' ' << m << '\n' << A << '\n' << B << '\n' << Q << '\n' << R << '\n';
+    const LqrDesign design = dlqr(A, B, Q, R);
+    ours.push_back(design.P);
+    ours.push_back(design.K);
+  }
+  const std::vector<double> theirs = testing::run_python("linear/scipy_riccati.py", problems.str());
+  std::size_t at = 0;
+  for (const Eigen::MatrixXd& matrix : ours) {
+    ASSERT_LE(at + static_cast<std::size_t>(matrix.size()), theirs.size());
+    for (Eigen::Index i = 0; i < matrix.rows(); ++i) {
+      for (Eigen::Index j = 0; j < matrix.cols(); ++j) {
+        EXPECT_NEAR(matrix(i, j), theirs[at++], 1e-8 * (1.0 + matrix.norm()));
+      }
+    }
+  }
+  EXPECT_EQ(at, theirs.size());
+}
+
+TEST(Riccati, RefusesNonsense) {
+  const Eigen::MatrixXd two = Eigen::MatrixXd::Identity(2, 2);
+  EXPECT_THROW(solve_dare(kOne, kOne, kOne, -kOne), std::invalid_argument);
+  EXPECT_THROW(solve_dare(kOne, kOne, kOne, 0.0 * kOne), std::invalid_argument);
+  EXPECT_THROW(solve_dare(kOne, kOne, -kOne, kOne), std::invalid_argument);
+  EXPECT_THROW(solve_dare(two, kOne, two, kOne), std::invalid_argument);
+  EXPECT_THROW(solve_dare(NAN * kOne, kOne, kOne, kOne), std::invalid_argument);
+  EXPECT_THROW(solve_dare(2.0 * kOne, 0.0 * kOne, kOne, kOne), std::invalid_argument)
+      << "not stabilisable";
+  EXPECT_THROW(solve_dare(kOne, 0.0 * kOne, kOne, kOne), std::invalid_argument)
+      << "a disturbance that nothing controls";
+  Eigen::MatrixXd skew = two;
+  skew(0, 1) = 0.5;
+  EXPECT_THROW(solve_dare(two, two, skew, two), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace breakwater
