@@ -136,6 +136,17 @@ void Fields::count(const std::string& key, std::uint64_t& target, const Range& r
        [&target] { return std::to_string(target); }});
 }
 
+void Fields::flag(const std::string& key, bool& target, const std::string& doc) {
+  fields_.push_back({key, doc,
+                     [&target](const ConfigValue& v) -> Error {
+                       const bool* value = std::get_if<bool>(&v.data);
+                       if (value == nullptr) return "must be true or false, is " + describe(v);
+                       target = *value;
+                       return std::nullopt;
+                     },
+                     [&target] { return std::string(target ? "true" : "false"); }});
+}
+
 void Fields::text(const std::string& key, std::string& target, const std::string& doc) {
   fields_.push_back({key, doc,
                      [&target](const ConfigValue& v) -> Error {

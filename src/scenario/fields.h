@@ -36,6 +36,7 @@ class Fields {
   void count(const std::string& key, int& target, const Range& range, const std::string& doc);
   void count(const std::string& key, std::uint64_t& target, const Range& range,
              const std::string& doc);
+  void flag(const std::string& key, bool& target, const std::string& doc);
   void text(const std::string& key, std::string& target, const std::string& doc);
   void numbers(const std::string& key, std::vector<double>& target, const Range& range,
                const std::string& doc);

@@ -93,8 +93,7 @@ std::filesystem::path scenario_file(const std::string& scenario) {
 PreparedRun prepare_run(const std::string& scenario, const ScenarioFile& file,
                         const std::string& case_name, const std::vector<std::string>& sets) {
   PreparedRun run{make_scenario(scenario), case_name, ""};
-  Config config = file.config(case_name);
-  for (const std::string& assignment : sets) config.set(assignment);
+  const Config config = file.config(case_name, sets);
   Fields fields = run.scenario->fields();
   fields.read(config);
   run.scenario->check(config);

@@ -3,6 +3,7 @@
 #include "scenario/arm_push.h"
 #include "scenario/arm_wall_contact.h"
 #include "scenario/motor_estimation.h"
+#include "scenario/quadrotor_waves.h"
 
 namespace breakwater {
 namespace {
@@ -13,7 +14,7 @@ std::unique_ptr<Scenario> make() {
 }
 
 constexpr std::unique_ptr<Scenario> (*kMakers[])() = {make<ArmWallContact>, make<ArmPush>,
-                                                      make<MotorEstimation>};
+                                                      make<MotorEstimation>, make<QuadrotorWaves>};
 
 }  // namespace
 
