@@ -66,7 +66,7 @@ Eigen::Vector4d Backstepping::wrench(const Eigen::Matrix<double, 12, 1>& motion,
   }
   const double U_z =
       f.z() / away_from_zero(attitude.cos_roll * attitude.cos_pitch, kSmallestCosine);
-  const double divisor = away_from_zero(U_z, design_.thrust_floor_N);
+  const double divisor = std::max(U_z, design_.thrust_floor_N);
   const double limit = design_.tilt_limit_rad;
   const Eigen::Vector3d attitude_reference(
       design_.reference(3) + std::clamp(-f.y() / divisor, -limit, limit),

@@ -42,7 +42,8 @@ struct BacksteppingDesign {
 ///     θ_ref = sat(f_x/U_z),  φ_ref = sat(−f_y/U_z)                             (for Eq. 3.26),
 ///     τ = I a on φ, θ, ψ,
 /// G as the nominal plant has it, F a known force from outside. The printed U_x divides by
-/// U_z u_x, which is singular at hover.
+/// U_z u_x, which is singular at hover. In the divisors U_z is at least the floor: its mean must
+/// carry the weight, and the vehicle cannot turn as fast as a noisy U_z changes its sign.
 class Backstepping {
  public:
   Backstepping(const QuadrotorModel& nominal, const BacksteppingDesign& design)

@@ -343,7 +343,7 @@ Fields QuadrotorWaves::fields() {
   fields.number("controller.position_clamp_m", position_clamp_m_, not_negative(),
                 "position errors are held below it; 0: no clamp [m]");
   fields.number("controller.thrust_floor_N", thrust_floor_N_, positive(),
-                "least |U_z| in divisors [N]");
+                "least U_z in divisors [N]");
   fields.number("metrics.window_s", window_s_, positive(), "the metrics' window: the last … [s]");
   return fields;
 }
