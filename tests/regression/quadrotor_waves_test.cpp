@@ -59,7 +59,8 @@ TEST(QuadrotorWaves, ResonatorHoldsStation) {
             0.7 * metric(resonator, "vertical_force_rmse_of_zero_N"));
   for (const char* name : {"ukf-second-tuned", "ukf-zero-tuned"}) {
     const Recording rival = run_case("quadrotor_waves", name);
-    for (const char* what : {"tracking_rmse_m", "vertical_force_rmse_N", "thrust_rms_N"}) {
+    for (const char* what :
+         {"tracking_rmse_m", "vertical_force_rmse_N", "horizontal_force_rmse_N"}) {
       EXPECT_LT(metric(resonator, what), metric(rival, what)) << name << " " << what;
     }
   }
