@@ -115,6 +115,14 @@ int make_videos(const std::vector<RunSummary>& runs, const Arguments& arguments)
   return status;
 }
 
+void print_warnings(const std::string& scenario, const std::vector<PreparedRun>& runs) {
+  for (const PreparedRun& run : runs) {
+    for (const std::string& warning : run.scenario->warnings()) {
+      fmt::print(stderr, "{} {}: warning: {}\n", scenario, run.case_name, warning);
+    }
+  }
+}
+
 int run_cases(const std::string& scenario, const ScenarioFile& file, const Arguments& arguments) {
   stop_on_signals();
   const bool all = arguments.case_name == kAll;
@@ -146,6 +154,7 @@ int run_cases(const std::string& scenario, const ScenarioFile& file, const Argum
   if (all) check_folder_of_runs(out);
   for (const std::string& name : cases) folders.push_back(all ? out / name : out);
 
+  if (!arguments.quiet) print_warnings(scenario, runs);
   const std::vector<RunSummary> summaries =
       execute_runs(runs, folders, {arguments.csv, arguments.quiet, &interrupted()});
 

@@ -187,13 +187,26 @@ ScenarioFile::ScenarioFile(const std::string& file, const std::string& scenario)
     throw std::invalid_argument(default_origin + ": default_case: there is no [case." +
                                 default_case_ + "]" + did_you_mean(default_case_, cases_));
   }
+  if (const toml::table* readings = table["readings"].as_table()) {
+    for (const auto& [key, node] : *readings) {
+      const toml::table* keys = node.as_table();
+      const std::string name_of_reading(key.str());
+      if (keys == nullptr) {
+        throw std::invalid_argument(at_line(file, node.source()) + ": readings." + name_of_reading +
+                                    ": must be a table");
+      }
+      flatten(*keys, file, "", readings_[name_of_reading]);
+    }
+    table.erase("readings");
+  }
   table.erase("scenario");
   table.erase("default_case");
   table.erase("case");
   flatten(table, file, "", entries_);
 }
 
-Config ScenarioFile::config(const std::string& case_name) const {
+Config ScenarioFile::config(const std::string& case_name,
+                            const std::vector<std::string>& sets) const {
   const auto found = overrides_.find(case_name);
   if (found == overrides_.end()) {
     throw std::invalid_argument("--case: " + file_ + " has no case \"" + case_name + "\"" +
@@ -201,7 +214,29 @@ Config ScenarioFile::config(const std::string& case_name) const {
   }
   Config config(file_, entries_);
   config.apply(found->second);
+  Config with_sets = config;
+  for (const std::string& assignment : sets) with_sets.set(assignment);
+  if (readings_.empty()) return with_sets;
+
+  // Which reading is known only now; the sets then go on top of it.
+  config.apply(reading(with_sets));
+  for (const std::string& assignment : sets) config.set(assignment);
+  config.remove("reading");
   return config;
+}
+
+const Entries& ScenarioFile::reading(const Config& config) const {
+  const ConfigEntry* entry = config.find("reading");
+  if (entry == nullptr) config.fail("reading", "is missing");
+  std::vector<std::string> names;
+  for (const auto& [name, keys] : readings_) names.push_back(name);
+  const auto* name = std::get_if<std::string>(&entry->value.data);
+  if (name == nullptr) config.fail("reading", "must be a string");
+  const auto found = readings_.find(*name);
+  if (found == readings_.end()) {
+    config.fail("reading", "there is no [readings." + *name + "]" + did_you_mean(*name, names));
+  }
+  return found->second;
 }
 
 }  // namespace breakwater

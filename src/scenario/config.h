@@ -36,6 +36,8 @@ class Config {
   /// Overwrites with all of `overrides`.
   void apply(const std::map<std::string, ConfigEntry>& overrides);
 
+  void remove(const std::string& key) { entries_.erase(key); }
+
   const ConfigEntry* find(const std::string& key) const;
   const std::map<std::string, ConfigEntry>& entries() const { return entries_; }
 
@@ -66,7 +68,9 @@ class Config {
 /// std::invalid_argument `FILE[:LINE]: reason` if it cannot be read or parsed.
 Config read_config(const std::string& file);
 
-/// A scenario file: its own keys, and the cases, which are tables of overrides `[case.NAME]`.
+/// A scenario file: its own keys; the cases, which are tables of overrides `[case.NAME]`; and,
+/// where it has them, readings: sets of keys `[readings.NAME]`, of which the root key `reading`
+/// picks one.
 class ScenarioFile {
  public:
   /// Throws std::invalid_argument `FILE[:LINE]: reason` if it cannot be read or parsed, or names
@@ -77,14 +81,18 @@ class ScenarioFile {
   const std::vector<std::string>& cases() const { return cases_; }
   const std::string& default_case() const { return default_case_; }
 
-  /// The file's keys with one case's on top. Throws std::invalid_argument if there is no such case.
-  Config config(const std::string& case_name) const;
+  /// The file's keys with one case's, then the reading's, then `sets` (key=value) on top. Throws
+  /// std::invalid_argument if there is no such case or reading, or a set is malformed.
+  Config config(const std::string& case_name, const std::vector<std::string>& sets = {}) const;
 
  private:
+  const std::map<std::string, ConfigEntry>& reading(const Config& config) const;
+
   std::string file_;
   std::map<std::string, ConfigEntry> entries_;
   std::vector<std::string> cases_;
   std::map<std::string, std::map<std::string, ConfigEntry>> overrides_;
+  std::map<std::string, std::map<std::string, ConfigEntry>> readings_;
   std::string default_case_;
 };
 

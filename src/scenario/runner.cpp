@@ -96,10 +96,10 @@ std::string shipped_config(const Scenario& scenario, const std::string& case_nam
   if (std::find(file.cases().begin(), file.cases().end(), case_name) == file.cases().end()) {
     return "";
   }
-  Config config = file.config(case_name);
   const RunSettings& settings = scenario.run_settings();
-  config.set(fmt::format("run.seed={}", settings.seed));
-  config.set(fmt::format("record.compression={}", settings.compression));
+  const Config config =
+      file.config(case_name, {fmt::format("run.seed={}", settings.seed),
+                              fmt::format("record.compression={}", settings.compression)});
   const auto shipped = make_scenario(scenario.name());
   Fields fields = shipped->fields();
   fields.read(config);
@@ -118,8 +118,7 @@ PreparedRun prepare_run(const std::string& scenario, const ScenarioFile& file,
   PreparedRun run;
   run.scenario = make_scenario(scenario);
   run.case_name = case_name;
-  Config config = file.config(case_name);
-  for (const std::string& assignment : sets) config.set(assignment);
+  const Config config = file.config(case_name, sets);
   Fields fields = run.scenario->fields();
   fields.read(config);
   run.scenario->check(config);

@@ -7,6 +7,7 @@
 #include "scenario/cart_offset_free.h"
 #include "scenario/cart_position.h"
 #include "scenario/motor_estimation.h"
+#include "scenario/quadrotor_waves.h"
 
 namespace breakwater {
 namespace {
@@ -17,8 +18,8 @@ std::unique_ptr<Scenario> make() {
 }
 
 constexpr std::unique_ptr<Scenario> (*kMakers[])() = {
-    make<ArmWallContact>,  make<ArmPush>,        make<CartPosition>,   make<CartOffsetFree>,
-    make<CartConstrained>, make<CartEstimation>, make<MotorEstimation>};
+    make<ArmWallContact>,  make<ArmPush>,        make<CartPosition>,    make<CartOffsetFree>,
+    make<CartConstrained>, make<CartEstimation>, make<MotorEstimation>, make<QuadrotorWaves>};
 
 }  // namespace
 

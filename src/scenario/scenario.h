@@ -62,6 +62,9 @@ class Scenario {
   /// Settings that all scenarios have; valid once read.
   virtual const RunSettings& run_settings() const = 0;
 
+  /// What a user should know before a run with these settings, one line each.
+  virtual std::vector<std::string> warnings() const { return {}; }
+
   /// Runs it. Failures of the run are in the recording; throws Interrupted if asked to stop.
   virtual Recording run(const RunControl& control) const = 0;
 

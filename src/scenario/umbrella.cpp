@@ -10,6 +10,7 @@
 #include "scenario/command_line.h"
 #include "scenario/picture_commands.h"
 #include "scenario/program.h"
+#include "scenario/waves_report.h"
 #include "version.h"
 
 namespace breakwater {
@@ -46,9 +47,20 @@ int breakwater_main(int argc, const char* const* argv) {
     CLI::App* run = app.add_subcommand(
         "run", "run a scenario, the same as its own binary: breakwater run NAME [OPTION...]");
     run->add_option("NAME", scenario, "which scenario (breakwater list)")->required();
+    SeaState sea;
+    sea.significant_height_m = 2.0;
+    CLI::App* waves = app.add_subcommand("waves", "check a sea's spectrum and its water");
+    waves->add_option("--height", sea.significant_height_m, "H_s [m]")->capture_default_str();
+    waves->add_option("--period", sea.peak_period_s, "T_p [s]")->capture_default_str();
+    waves->add_option("--gamma", sea.gamma, "peak enhancement")->capture_default_str();
+    waves->add_option("--depth", sea.water_depth_m, "of the bottom; 0: deep water [m]")
+        ->capture_default_str();
+    waves->add_option("--components", sea.components, "of the realisation")->capture_default_str();
+    waves->add_option("--seed", sea.seed, "of the realisation")->capture_default_str();
     for (const auto& [name, summary] : picture_commands()) app.add_subcommand(name, summary);
     if (argc >= 2 && argv[1][0] != '-') refuse_unknown_command(app, argv[1]);
     if (const auto status = parse(app, argc, argv)) return *status;
+    if (waves->parsed()) fmt::print("{}", waves_report(sea));
     if (list->parsed()) {
       for (const std::string& name : scenario_names()) {
         fmt::print("{:<20}{}\n", name, make_scenario(name)->summary());

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <stdexcept>
 
+#include "plants/quadrotor.h"
 #include "sim/engine_guard.h"
 
 namespace breakwater {
@@ -34,6 +36,11 @@ Sensing::Sensing(const Model& model, const SensingSetup& setup)
       throw std::invalid_argument(model.file() + ": sensor \"" + channel.sensor +
                                   "\" has no value " + std::to_string(channel.component));
     }
+    if (channel.reading != Reading::component &&
+        (model->sensor_dim[id] != 4 || channel.component != 0)) {
+      throw std::invalid_argument(model.file() + ": sensor \"" + channel.sensor +
+                                  "\" is no quaternion");
+    }
     const bool is_late = model->sensor_needstage[id] == mjSTAGE_ACC || channel.low_pass_s > 0.0;
     channels_.push_back({channel, model->sensor_adr[id] + channel.component, is_late,
                          LowPass(channel.low_pass_s, step_s_), Noise(setup.seed, channel.name),
@@ -48,9 +55,20 @@ Sensing::Sensing(const Model& model, const SensingSetup& setup)
   }
 }
 
+double Sensing::Channel::read(const mjData& data) const {
+  const mjtNum* values = data.sensordata + address;
+  if (setup.reading == Reading::component) return *values;
+  const Eigen::Vector3d angles = roll_pitch_yaw(Eigen::Map<const Eigen::Vector4d>(values));
+  const double angle = setup.reading == Reading::roll    ? angles(0)
+                       : setup.reading == Reading::pitch ? angles(1)
+                                                         : angles(2);
+  const double turn = 2.0 * std::numbers::pi;
+  return angle + turn * std::round((value - angle) / turn);
+}
+
 void Sensing::reset(const mjData& data) {
   for (Channel& channel : channels_) {
-    channel.value = data.sensordata[channel.address];
+    channel.value = channel.read(data);
     channel.last_good = channel.value;
     channel.filter.reset(channel.value);
   }
@@ -58,7 +76,7 @@ void Sensing::reset(const mjData& data) {
 
 void Sensing::after_step(const mjData& data) {
   for (Channel& channel : channels_) {
-    if (channel.is_late) channel.value = channel.filter.update(data.sensordata[channel.address]);
+    if (channel.is_late) channel.value = channel.filter.update(channel.read(data));
   }
 }
 
@@ -74,7 +92,7 @@ bool Sensing::is_faulty(const Channel& channel, double time_s) {
 void Sensing::take(std::int64_t k, const mjData& data, Sample& sample) {
   for (std::size_t i = 0; i < channels_.size(); ++i) {
     Channel& channel = channels_[i];
-    if (!channel.is_late) channel.value = data.sensordata[channel.address];
+    if (!channel.is_late) channel.value = channel.read(data);
     const double disturbed = channel.value + channel.setup.disturbance.value(sample.time_s);
     double measured = channel.setup.encoder.measure(disturbed);
     if (channel.setup.noise_std > 0.0) {

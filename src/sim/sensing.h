@@ -17,6 +17,14 @@
 
 namespace breakwater {
 
+/// What a channel makes of its sensor's values.
+enum class Reading {
+  component,  ///< one of them
+  roll,       ///< angles of a frame quaternion, continuous over whole turns
+  pitch,
+  yaw
+};
+
 /// One entry of a sample: which MuJoCo sensor it reads and what happens to the value on its way:
 /// true → low-pass (analogue, at every physics step) → disturb → quantise → noise → delay → hold.
 ///
@@ -24,9 +32,10 @@ namespace breakwater {
 /// touch and acceleration sensors, and all behind a low-pass, give the value of the physics step
 /// before: the engine computes them only at the end of a step.
 struct SensorChannel {
-  std::string name;         ///< how the user calls it: "q1", "force"
-  std::string sensor;       ///< name of the MJCF sensor
-  int component = 0;        ///< of the sensor's values
+  std::string name;    ///< how the user calls it: "q1", "force"
+  std::string sensor;  ///< name of the MJCF sensor
+  int component = 0;   ///< of the sensor's values
+  Reading reading = Reading::component;
   double low_pass_s = 0.0;  ///< time constant [s]; 0: none
   Disturbance disturbance;  ///< added at each sample (an output disturbance), in the value's unit
   Encoder encoder;
@@ -79,6 +88,9 @@ class Sensing {
 
  private:
   struct Channel {
+    // The sensor's value now.
+    double read(const mjData& data) const;
+
     SensorChannel setup;
     int address;   // in sensordata
     bool is_late;  // known only after the step

@@ -3,6 +3,7 @@
 #include <Random123/philox.h>
 
 #include <Random123/boxmuller.hpp>
+#include <Random123/uniform.hpp>
 
 namespace breakwater {
 namespace {
@@ -18,12 +19,21 @@ std::uint64_t fnv1a(std::string_view text) {
 
 Noise::Noise(std::uint64_t seed, std::string_view channel) : seed_(seed), stream_(fnv1a(channel)) {}
 
-double Noise::operator()(std::uint64_t sample) const {
+Noise::Bits Noise::bits(std::uint64_t sample) const {
   using Generator = r123::Philox2x64;
   const Generator::ctr_type counter = {{sample, stream_}};
   const Generator::key_type key = {{seed_}};
-  const Generator::ctr_type bits = Generator()(counter, key);
-  return r123::boxmuller(bits[0], bits[1]).x;
+  const Generator::ctr_type drawn = Generator()(counter, key);
+  return {drawn[0], drawn[1]};
+}
+
+double Noise::operator()(std::uint64_t sample) const {
+  const Bits drawn = bits(sample);
+  return r123::boxmuller(drawn.first, drawn.second).x;
+}
+
+double Noise::uniform(std::uint64_t sample) const {
+  return r123::u01<double>(bits(sample).first);
 }
 
 }  // namespace breakwater

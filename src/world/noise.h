@@ -16,7 +16,15 @@ class Noise {
   /// The standard normal deviate of one sample.
   double operator()(std::uint64_t sample) const;
 
+  /// A deviate of one sample that is uniform in (0, 1), drawn from the same bits.
+  double uniform(std::uint64_t sample) const;
+
  private:
+  struct Bits {
+    std::uint64_t first, second;
+  };
+  Bits bits(std::uint64_t sample) const;
+
   std::uint64_t seed_;
   std::uint64_t stream_;
 };

@@ -125,5 +125,15 @@ TEST(Allocation, EstimatorsDoNotAllocate) {
   EXPECT_EQ(allocations_in_loop("cart_position", "order2-gamma", {"run.duration_s=120"}), 0);
 }
 
+// The loop reports every 10 s, so the first of it is counted too.
+TEST(Allocation, QuadrotorLoopDoesNotAllocate) {
+  for (const char* name : {"resonator", "ukf-second", "ekf-second", "ukf-none"}) {
+    EXPECT_EQ(allocations_in_loop("quadrotor_waves", name,
+                                  {"run.duration_s=111", "estimator.wave_frequency=estimated"}),
+              0)
+        << name;
+  }
+}
+
 }  // namespace
 }  // namespace breakwater

@@ -1,0 +1,95 @@
+// Backstepping control of the quadrotor: thesis 3.4.2.1.
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/LU>
+#include <array>
+#include <memory>
+#include <numbers>
+
+#include "control/controller.h"
+#include "control/quadrotor_estimator.h"
+#include "plants/quadrotor.h"
+
+namespace breakwater {
+
+/// α_1 … α_12: first of x, y, z, φ, θ, ψ, then of their rates.
+using BacksteppingGains = Eigen::Matrix<double, 12, 1>;
+
+/// As printed in 3.4.3.1.
+BacksteppingGains printed_gains();
+/// The DLQR that gives them: the axes with linear friction, zero-order hold of `period_s`, the
+/// printed weights but `weight_z` for z. It is 1e4 that gives the printed gains; the printed 1e3
+/// gives α_3 = 0.994.
+BacksteppingGains dlqr_gains(const QuadrotorParameters& parameters, double period_s,
+                             double weight_z = 1e4);
+/// DLQR, with α = 1 for x and y and 6 for φ and θ, which are stable on the physical plant.
+BacksteppingGains retuned_gains(const QuadrotorParameters& parameters, double period_s);
+
+struct BacksteppingDesign {
+  BacksteppingGains alpha = BacksteppingGains::Ones();
+  Vector6d reference = Vector6d::Zero();  ///< ζ_ref, at rest [m, rad]
+  double position_clamp_m = 0.0;          ///< |Z_1| of x, y, z is held below it; 0: no clamp
+  double thrust_floor_N = 0.5;            ///< |U_z| in divisors is at least this
+  double tilt_limit_rad = std::numbers::pi / 4.0;
+};
+
+/// The control law. On each axis, with Z_1 = ref − q and Z_2 = q̇ − α Z_1 (Eqs. 3.17, 3.22), the
+/// acceleration
+///     a = Z_1 − α (Z_2 + α Z_1) − α' Z_2                                       (from Eq. 3.25)
+/// makes V̇ = −α Z_1² − α' Z_2² for V = (Z_1² + Z_2²)/2. From it
+///     U_z = (m a_z + G_z(ζ) − F_z)/(cos φ cos θ),   f = m a + G(ζ) − F on x and y,
+///     θ_ref = sat(f_x/U_z),  φ_ref = sat(−f_y/U_z)                             (for Eq. 3.26),
+///     τ = I a on φ, θ, ψ,
+/// G as the nominal plant has it, F a known force from outside. The printed U_x divides by
+/// U_z u_x, which is singular at hover. In the divisors U_z is at least the floor: its mean must
+/// carry the weight, and the vehicle cannot turn as fast as a noisy U_z changes its sign.
+class Backstepping {
+ public:
+  Backstepping(const QuadrotorModel& nominal, const BacksteppingDesign& design)
+      : nominal_(nominal), design_(design) {}
+
+  /// U = [U_z, τ_φ, τ_θ, τ_ψ] for motion [ζ; ζ̇] and a force from outside [N].
+  Eigen::Vector4d wrench(const Eigen::Matrix<double, 12, 1>& motion,
+                         const Eigen::Vector3d& force) const;
+
+  const BacksteppingDesign& design() const { return design_; }
+  const QuadrotorModel& nominal() const { return nominal_; }
+
+ private:
+  QuadrotorModel nominal_;
+  BacksteppingDesign design_;
+};
+
+/// The largest real part of the poles of plant and control law, linearised at rest at the
+/// reference, with the state known and no sampling [1/s].
+double slowest_pole(const Backstepping& law, const QuadrotorModel& plant);
+
+/// Backstepping fed by an estimator: u, the thrusts [N], from y = [x y z φ θ ψ].
+class QuadrotorController final : public Controller {
+ public:
+  /// `compensates`: whether it takes the estimated disturbance off, T − d̂, or feeds the estimated
+  /// world force forward.
+  QuadrotorController(const Backstepping& law, std::unique_ptr<QuadrotorEstimator> estimator,
+                      bool compensates);
+
+  void reset(const Sample& first) override;
+  void update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u) override;
+  std::span<const Signal> signals() const override { return signals_; }
+
+  const QuadrotorEstimator& estimator() const { return *estimator_; }
+
+ private:
+  Backstepping law_;
+  std::unique_ptr<QuadrotorEstimator> estimator_;
+  bool compensates_;
+  Eigen::PartialPivLU<Eigen::Matrix4d> to_thrusts_;
+  Eigen::Vector4d held_thrusts_ = Eigen::Vector4d::Zero();
+  Eigen::Matrix<double, 12, 1> motion_ = Eigen::Matrix<double, 12, 1>::Zero();
+  Eigen::Vector4d thrust_disturbance_ = Eigen::Vector4d::Zero();
+  Eigen::Vector3d force_ = Eigen::Vector3d::Zero();
+  double wave_frequency_rad_s_ = 0.0;
+  std::array<Signal, 4> signals_;
+};
+
+}  // namespace breakwater

@@ -1,0 +1,231 @@
+#include "control/quadrotor_estimator.h"
+
+#include <stdexcept>
+
+#include "observers/ekf.h"
+#include "observers/ukf.h"
+#include "observers/wave_frequency.h"
+
+namespace breakwater {
+namespace {
+
+double square(double value) {
+  return value * value;
+}
+
+// R_ukf = diag(V_m, V_m, V_m, V_p, V_p, V_p).
+Eigen::Matrix<double, 6, 6> measurement_covariance(const QuadrotorEstimatorDesign& design) {
+  Vector6d r;
+  r << Eigen::Vector3d::Constant(square(design.position_std_m)),
+      Eigen::Vector3d::Constant(square(design.angle_std_rad));
+  return r.asDiagonal();
+}
+
+// P_0 of 3.4.3.1 for [ζ, ζ̇].
+Eigen::Matrix<double, 12, 1> first_variances() {
+  Eigen::Matrix<double, 12, 1> p;
+  p << Eigen::Vector3d::Constant(0.1), Eigen::Vector3d::Constant(0.01),
+      Eigen::Vector3d::Constant(10.0), Eigen::Vector3d::Constant(1.0);
+  return p;
+}
+
+// P_0 and Q_ukf of 3.4.3.1, or the tuned Q, of [ζ, ζ̇, d, ḋ, d̈] as far as there is one.
+template <int N>
+NonlinearKalmanDesign<N, 6> thruster_design(const QuadrotorEstimatorDesign& design) {
+  const double delta = design.period_s;
+  Eigen::Matrix<double, 24, 1> p, q;
+  p << first_variances(), Eigen::Vector4d::Constant(1.0), Eigen::Vector4d::Constant(10.0),
+      Eigen::Vector4d::Constant(100.0);
+  q.setZero();
+  switch (design.noise) {
+    case ProcessNoiseSource::printed: {
+      q << Eigen::Vector3d::Constant(1e-2), Eigen::Vector3d::Constant(1e-3),
+          Eigen::Vector3d::Constant(1.0), Eigen::Vector3d::Constant(0.1),
+          Eigen::Vector4d::Constant(5e5), Eigen::Vector4d::Constant(1e6 / delta),
+          Eigen::Vector4d::Constant(1e6 / square(delta));
+      if (design.noise_mode == ProcessNoiseMode::delta) q *= delta;
+      if (design.noise_mode == ProcessNoiseMode::delta_squared) q *= square(delta);
+      break;
+    }
+    case ProcessNoiseSource::tuned:
+      q.segment<3>(6).setConstant(square(design.velocity_std_m_s));
+      q.segment<3>(9).setConstant(square(design.rate_std_rad_s));
+      if (N > 12) q.segment<4>(N - 4).setConstant(square(design.disturbance_std));
+      break;
+    case ProcessNoiseSource::input:
+      break;
+  }
+  NonlinearKalmanDesign<N, 6> kalman;
+  kalman.Q = q.head<N>().asDiagonal();
+  kalman.R = measurement_covariance(design);
+  kalman.P0 = p.head<N>().asDiagonal();
+  return kalman;
+}
+
+template <typename Filter>
+class FilterEstimator : public QuadrotorEstimator {
+ public:
+  template <typename... Arguments>
+  explicit FilterEstimator(Arguments&&... arguments)
+      : filter_(std::forward<Arguments>(arguments)...) {}
+
+  void reset(const Vector6d& pose) override {
+    typename Filter::State x = Filter::State::Zero();
+    x.template head<6>() = pose;
+    filter_.reset(x);
+    motion_ = x.template head<12>();
+    has_prior_ = true;
+  }
+
+  void update(const Eigen::Vector4d& held_thrusts, const Vector6d& pose) override {
+    if (!has_prior_) filter_.predict(held_thrusts);
+    has_prior_ = false;
+    filter_.correct(pose);
+    motion_ = filter_.x().template head<12>();
+  }
+
+  const Motion& motion() const override { return motion_; }
+  MotionCovariance motion_covariance() const override {
+    return filter_.P().template topLeftCorner<12, 12>();
+  }
+
+ protected:
+  Filter filter_;
+
+ private:
+  Motion motion_ = Motion::Zero();
+  bool has_prior_ = true;
+};
+
+template <typename Filter>
+class ThrusterEstimator final : public FilterEstimator<Filter> {
+ public:
+  using FilterEstimator<Filter>::FilterEstimator;
+
+  Eigen::Vector4d thrust_disturbance() const override {
+    if constexpr (Filter::N > 12) return this->filter_.x().template segment<4>(12);
+    return Eigen::Vector4d::Zero();
+  }
+  Eigen::Vector3d force() const override {
+    return thrust_disturbance().sum() *
+           AttitudeTrig(this->motion().template segment<3>(3)).thrust_axis();
+  }
+  bool models_world_force() const override { return false; }
+  bool models_disturbance() const override { return Filter::N > 12; }
+};
+
+class ResonatorEstimator final : public FilterEstimator<Ukf<WaveResonators, 6>> {
+ public:
+  ResonatorEstimator(const QuadrotorEstimatorDesign& design, const QuadrotorModel& model,
+                     const WaveResonators& process, const NonlinearKalmanDesign<24, 6>& kalman)
+      : FilterEstimator(process, kalman),
+        tracks_(design.estimates_wave_frequency),
+        guess_rad_s_(design.wave_frequency_rad_s),
+        parameters_(model.parameters()),
+        frequency_(frequency_design(design, model), design.wave_frequency_rad_s) {}
+
+  void reset(const Vector6d& pose) override {
+    FilterEstimator::reset(pose);
+    frequency_.reset(pose(2));
+    if (tracks_) assume(guess_rad_s_);
+  }
+
+  void update(const Eigen::Vector4d& held_thrusts, const Vector6d& pose) override {
+    if (tracks_) {
+      const double up = AttitudeTrig(motion().segment<3>(3)).thrust_axis().z();
+      frequency_.update(held_thrusts.sum() * up - parameters_.net_weight_N(), pose(2));
+      assume(frequency_.omega_rad_s());
+    }
+    FilterEstimator::update(held_thrusts, pose);
+  }
+
+  Eigen::Vector4d thrust_disturbance() const override { return Eigen::Vector4d::Zero(); }
+  Eigen::Vector3d force() const override {
+    return filter_.x().segment<3>(12) + filter_.x().segment<3>(15);
+  }
+  bool models_world_force() const override { return true; }
+  bool models_disturbance() const override { return true; }
+  double wave_frequency_rad_s() const override {
+    return tracks_ ? frequency_.omega_rad_s() : guess_rad_s_;
+  }
+
+ private:
+  static WaveFrequencyDesign frequency_design(const QuadrotorEstimatorDesign& design,
+                                              const QuadrotorModel& model) {
+    WaveFrequencyDesign f;
+    f.mass_kg = model.parameters().mass_kg;
+    f.damping = design.resonator.damping;
+    f.force_std_N = design.resonator.force_std_N;
+    f.bias_std_N = design.resonator.bias_std_N;
+    f.velocity_std_m_s = design.resonator.velocity_std_m_s;
+    f.position_std_m = design.position_std_m;
+    f.period_s = design.period_s;
+    return f;
+  }
+
+  void assume(double omega_rad_s) {
+    filter_.process().set_frequency(omega_rad_s);
+    filter_.set_process_noise(filter_.process().Q());
+  }
+
+  bool tracks_;
+  double guess_rad_s_;
+  QuadrotorParameters parameters_;
+  WaveFrequency frequency_;
+};
+
+template <int Order>
+std::unique_ptr<QuadrotorEstimator> make_thruster_estimator(const QuadrotorEstimatorDesign& design,
+                                                            const QuadrotorModel& model) {
+  using Process = ThrusterDisturbance<Order>;
+  const Process process(model, design.period_s);
+  const auto kalman = thruster_design<Process::kStates>(design);
+  if (design.filter == QuadrotorFilter::ukf) {
+    return std::make_unique<ThrusterEstimator<Ukf<Process, 6>>>(process, kalman);
+  }
+  return std::make_unique<ThrusterEstimator<Ekf<Process, 6>>>(
+      process, kalman, design.noise == ProcessNoiseSource::input ? design.input_noise : 0.0);
+}
+
+std::unique_ptr<QuadrotorEstimator> make_resonator(const QuadrotorEstimatorDesign& design,
+                                                   const QuadrotorModel& model) {
+  const WaveResonators process(model, design.resonator, design.wave_frequency_rad_s,
+                               design.period_s);
+  NonlinearKalmanDesign<24, 6> kalman;
+  kalman.Q = process.Q();
+  kalman.R = measurement_covariance(design);
+  const double force = square(design.resonator.force_std_N);
+  Eigen::Matrix<double, 24, 1> p;
+  p << first_variances(), Eigen::Vector3d::Constant(force), Eigen::Vector3d::Constant(force),
+      Eigen::Vector3d::Constant(square(0.05)), Eigen::Vector3d::Constant(force);
+  kalman.P0 = p.asDiagonal();
+  return std::make_unique<ResonatorEstimator>(design, model, process, kalman);
+}
+
+}  // namespace
+
+std::unique_ptr<QuadrotorEstimator> make_quadrotor_estimator(const QuadrotorEstimatorDesign& design,
+                                                             const QuadrotorModel& model) {
+  if (!(design.position_std_m > 0.0 && design.angle_std_rad > 0.0)) {
+    throw std::invalid_argument("quadrotor estimator: the noise's deviations must be positive");
+  }
+  if (design.noise == ProcessNoiseSource::input && design.filter != QuadrotorFilter::ekf) {
+    throw std::invalid_argument("quadrotor estimator: process noise by the input needs the EKF");
+  }
+  switch (design.order) {
+    case DisturbanceOrder::none:
+      return make_thruster_estimator<-1>(design, model);
+    case DisturbanceOrder::zero:
+      return make_thruster_estimator<0>(design, model);
+    case DisturbanceOrder::second:
+      return make_thruster_estimator<2>(design, model);
+    case DisturbanceOrder::resonator:
+      if (design.filter != QuadrotorFilter::ukf) {
+        throw std::invalid_argument("quadrotor estimator: the resonators need the UKF");
+      }
+      return make_resonator(design, model);
+  }
+  throw std::logic_error("unknown disturbance model");
+}
+
+}  // namespace breakwater

@@ -1,0 +1,75 @@
+// What the extended and the unscented Kalman filters share.
+#pragma once
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <stdexcept>
+
+#include "linear/riccati.h"
+#include "observers/process.h"
+
+namespace breakwater {
+
+/// Covariances: Q what the process adds at each sample, R of the measurement's noise, P0 of the
+/// first estimate.
+template <int N, int p>
+struct NonlinearKalmanDesign {
+  Eigen::Matrix<double, N, N> Q;
+  Eigen::Matrix<double, p, p> R;
+  Eigen::Matrix<double, N, N> P0;
+};
+
+/// Throws std::invalid_argument unless Q is positive semidefinite, R and P0 positive definite.
+template <int N, int p>
+void check(const NonlinearKalmanDesign<N, p>& design) {
+  if (!is_positive_semidefinite(design.Q)) {
+    throw std::invalid_argument("Kalman filter: Q must be symmetric positive semidefinite");
+  }
+  if (!is_positive_definite(design.R) || !is_positive_definite(design.P0)) {
+    throw std::invalid_argument("Kalman filter: R and P0 must be symmetric positive definite");
+  }
+}
+
+/// State and covariance of a filter whose measurement is the first p states, y = [I 0] x + noise
+/// (Eq. 3.30), and their correction by it. For a linear measurement the unscented transform gives
+/// this same correction, so all filters share it.
+template <int N, int p>
+class GaussianEstimate {
+ public:
+  using State = Eigen::Matrix<double, N, 1>;
+  using Covariance = Eigen::Matrix<double, N, N>;
+  using Output = Eigen::Matrix<double, p, 1>;
+
+  const State& x() const { return x_; }
+  const Covariance& P() const { return P_; }
+  /// y − C x(k|k−1), and its covariance C P(k|k−1) Cᵀ + R.
+  const Output& innovation() const { return innovation_; }
+  const Eigen::Matrix<double, p, p>& innovation_covariance() const { return S_; }
+
+ protected:
+  /// K = P Cᵀ S⁻¹, x += K e, P −= K S Kᵀ. With S = L_S L_Sᵀ, K S Kᵀ = W Wᵀ, W = P Cᵀ L_S⁻ᵀ.
+  void correct(const Output& y, const Eigen::Matrix<double, p, p>& R) {
+    innovation_ = y - x_.template head<p>();
+    S_ = P_.template topLeftCorner<p, p>() + R;
+    factor_.compute(S_);
+    W_ = P_.template leftCols<p>();
+    factor_.matrixU().template solveInPlace<Eigen::OnTheRight>(W_);
+    x_.noalias() += W_ * factor_.matrixL().solve(innovation_);
+    P_.template triangularView<Eigen::Lower>() -= W_ * W_.transpose();
+    mirror();
+  }
+
+  /// Copies the lower triangle to the upper one, so that P is symmetric to the bit.
+  void mirror() { P_.template triangularView<Eigen::StrictlyUpper>() = P_.transpose(); }
+
+  State x_ = State::Zero();
+  Covariance P_ = Covariance::Identity();
+
+ private:
+  Output innovation_ = Output::Zero();
+  Eigen::Matrix<double, p, p> S_ = Eigen::Matrix<double, p, p>::Identity();
+  Eigen::LLT<Eigen::Matrix<double, p, p>> factor_;
+  Eigen::Matrix<double, N, p> W_;
+};
+
+}  // namespace breakwater

@@ -1,0 +1,110 @@
+#include "world/waves.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include "world/noise.h"
+
+namespace breakwater {
+namespace {
+
+// The band of a realisation, over ω_p: outside lies 1 % of the waves' energy.
+constexpr double kLowest = 0.5;
+constexpr double kHighest = 3.0;
+
+}  // namespace
+
+double wave_number(double omega_rad_s, double water_depth_m, double gravity_m_s2) {
+  const double deep = omega_rad_s * omega_rad_s / gravity_m_s2;
+  if (water_depth_m == 0.0) return deep;
+  // Newton's method on x tanh x = y, x = k h, from a start that is right at both ends.
+  const double y = deep * water_depth_m;
+  double x = y / std::sqrt(std::tanh(y));
+  for (int i = 0; i < 20; ++i) {
+    const double t = std::tanh(x);
+    const double change = (x * t - y) / (t + x * (1.0 - t * t));
+    x -= change;
+    if (std::abs(change) <= 1e-15 * x) break;
+  }
+  return x / water_depth_m;
+}
+
+Waves::Waves(const SeaState& sea, double slope_low_pass_s)
+    : cos_heading_(std::cos(sea.heading_rad)),
+      sin_heading_(std::sin(sea.heading_rad)),
+      depth_m_(sea.water_depth_m),
+      slope_low_pass_s_(slope_low_pass_s) {
+  check(sea);
+  if (!(slope_low_pass_s >= 0.0)) {
+    throw std::invalid_argument("waves: the low-pass's time constant must be 0 or more");
+  }
+  if (sea.significant_height_m == 0.0) return;  // still water has no components
+  const JonswapSpectrum spectrum(sea);
+  const Noise frequencies(sea.seed, "wave frequencies");
+  const Noise phases(sea.seed, "wave phases");
+  const double width = (kHighest - kLowest) * spectrum.peak_rad_s() / sea.components;
+  double variance = 0.0;
+  for (int i = 0; i < sea.components; ++i) {
+    const auto draw = static_cast<std::uint64_t>(i);
+    const double from = kLowest * spectrum.peak_rad_s() + width * i;
+    const double share = spectrum.variance(from, from + width);
+    const double omega = from + width * frequencies.uniform(draw);
+    components_.push_back({std::sqrt(2.0 * share), omega,
+                           wave_number(omega, sea.water_depth_m, sea.gravity_m_s2),
+                           2.0 * std::numbers::pi * phases.uniform(draw)});
+    variance += share;
+  }
+  const double scale = sea.significant_height_m / (4.0 * std::sqrt(variance));
+  for (Component& component : components_) component.amplitude_m *= scale;
+}
+
+double Waves::elevation(double time_s, double x_m, double y_m) const {
+  const double along = x_m * cos_heading_ + y_m * sin_heading_;
+  double sum = 0.0;
+  for (const Component& c : components_) {
+    sum += c.amplitude_m *
+           std::cos(c.wave_number_rad_m * along - c.omega_rad_s * time_s + c.phase_rad);
+  }
+  return sum;
+}
+
+WaterMotion Waves::at(double time_s, const Eigen::Ref<const Eigen::Vector3d>& position_m) const {
+  const double along = position_m.x() * cos_heading_ + position_m.y() * sin_heading_;
+  double z = std::min(position_m.z(), 0.0);
+  if (depth_m_ > 0.0) z = std::max(z, -depth_m_);
+  double u = 0.0, w = 0.0, du = 0.0, dw = 0.0, slope = 0.0;
+  for (const Component& c : components_) {
+    const double k = c.wave_number_rad_m;
+    const double omega = c.omega_rad_s;
+    const double theta = k * along - omega * time_s + c.phase_rad;
+    const double cosine = std::cos(theta);
+    const double sine = std::sin(theta);
+    // cosh k(z+h)/sinh kh, sinh k(z+h)/sinh kh and cosh k(z+h)/cosh kh without large numbers.
+    const double down = std::exp(k * z);
+    double horizontal = down, vertical = down, pressure = down;
+    if (depth_m_ > 0.0) {
+      const double up = std::exp(-k * (z + 2.0 * depth_m_));
+      const double round_trip = std::exp(-2.0 * k * depth_m_);
+      horizontal = (down + up) / (1.0 - round_trip);
+      vertical = (down - up) / (1.0 - round_trip);
+      pressure = (down + up) / (1.0 + round_trip);
+    }
+    const double speed = c.amplitude_m * omega;
+    u += speed * horizontal * cosine;
+    w += speed * vertical * sine;
+    du += speed * omega * horizontal * sine;
+    dw -= speed * omega * vertical * cosine;
+    // −a k sin θ behind 1/(τ s + 1): gain 1/√(1 + (ωτ)²), lag atan ωτ.
+    const double lag = omega * slope_low_pass_s_;
+    slope -= c.amplitude_m * k * pressure * (sine + lag * cosine) / (1.0 + lag * lag);
+  }
+  WaterMotion motion;
+  motion.velocity << u * cos_heading_, u * sin_heading_, w;
+  motion.acceleration << du * cos_heading_, du * sin_heading_, dw;
+  motion.slope << slope * cos_heading_, slope * sin_heading_;
+  return motion;
+}
+
+}  // namespace breakwater

@@ -1,0 +1,186 @@
+// Backstepping gains and law, and the filters' processes, against the thesis' numbers and an ODE.
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+#include <stdexcept>
+
+#include "control/backstepping.h"
+#include "observers/square_root_ukf.h"
+#include "observers/ukf.h"
+#include "observers/wave_frequency.h"
+#include "support.h"
+
+namespace breakwater {
+namespace {
+
+constexpr double kPeriod_s = 0.01;
+
+Backstepping law(QuadrotorPhysics physics, const BacksteppingGains& alpha) {
+  return {QuadrotorModel({}, physics), {.alpha = alpha}};
+}
+
+TEST(BacksteppingGains, DlqrGivesThePrintedOnesWithAHeavierZ) {
+  const BacksteppingGains alpha = dlqr_gains({}, kPeriod_s);
+  EXPECT_LT((alpha - printed_gains()).cwiseAbs().maxCoeff(), 2e-4) << alpha.transpose();
+  EXPECT_NEAR(dlqr_gains({}, kPeriod_s, 1e3)(2), 0.994, 5e-4);  // as printed
+}
+
+// x and θ make a chain of four integrators. The attitude's loop, s² + (α5 + α11) s + 1 + α5 α11,
+// must be faster than the position's; on the thesis' plant its body-fixed weight doubles the
+// lateral force and the law takes half of it back, which stabilises.
+TEST(BacksteppingGains, PrintedOnesAreUnstableOnThePhysicalPlant) {
+  const auto pole = [](QuadrotorPhysics physics, const BacksteppingGains& alpha) {
+    return slowest_pole(law(physics, alpha), QuadrotorModel({}, physics));
+  };
+  QuadrotorParameters no_drag;
+  no_drag.linear_drag.setZero();
+  EXPECT_NEAR(slowest_pole(law(QuadrotorPhysics::physical, printed_gains()),
+                           QuadrotorModel(no_drag, QuadrotorPhysics::physical)),
+              0.069, 0.005);
+  EXPECT_NEAR(pole(QuadrotorPhysics::physical, printed_gains()), 0.053, 0.005);  // with drag
+  EXPECT_LT(pole(QuadrotorPhysics::thesis, printed_gains()), -0.1);
+  EXPECT_LT(pole(QuadrotorPhysics::physical, retuned_gains({}, kPeriod_s)), -0.1);
+  BacksteppingGains alpha = printed_gains();
+  alpha(3) = alpha(4) = alpha(9) = alpha(10) = 2.3;
+  EXPECT_GT(pole(QuadrotorPhysics::physical, alpha), 0.0);
+  alpha(3) = alpha(4) = alpha(9) = alpha(10) = 2.5;
+  EXPECT_LT(pole(QuadrotorPhysics::physical, alpha), 0.0);
+}
+
+// V = (Z1² + Z2²)/2 falls at the rate α Z1² + α' Z2² where the axis obeys the law: on z, level.
+TEST(Backstepping, LyapunovFunctionFalls) {
+  const BacksteppingGains alpha = printed_gains();
+  const QuadrotorModel plant({}, QuadrotorPhysics::physical);
+  testing::Random random;
+  for (int i = 0; i < 20; ++i) {
+    Eigen::Matrix<double, 12, 1> motion = Eigen::Matrix<double, 12, 1>::Zero();
+    motion(2) = random.uniform(-3, 3);
+    motion(8) = random.uniform(-3, 3);
+    const Eigen::Vector4d U = law(QuadrotorPhysics::physical, alpha).wrench(motion, {0, 0, 0});
+    const double drag = plant.parameters().drag(motion.tail<6>())(2);  // the modelling error
+    Vector6d outside = Vector6d::Zero();
+    outside(2) = drag;
+    const double a =
+        plant.acceleration(AttitudeTrig(Eigen::Vector3d::Zero()), motion.tail<6>(), U, outside)(2);
+    const double Z1 = -motion(2), Z2 = motion(8) - alpha(2) * Z1;
+    const double rate = Z1 * -motion(8) + Z2 * (a + alpha(2) * motion(8));
+    EXPECT_NEAR(rate, -alpha(2) * Z1 * Z1 - alpha(8) * Z2 * Z2, 1e-10);
+  }
+}
+
+TEST(Backstepping, HoldsAKnownForceAndLimitsTheTilt) {
+  const Backstepping control = law(QuadrotorPhysics::physical, retuned_gains({}, kPeriod_s));
+  Eigen::Matrix<double, 12, 1> rest = Eigen::Matrix<double, 12, 1>::Zero();
+  const double weight = QuadrotorParameters().net_weight_N();
+  EXPECT_NEAR(control.wrench(rest, {0, 0, 1.0})(0), weight - 1.0, 1e-12);
+  // Far away it asks for the largest tilt, 45°, and no more.
+  rest(0) = -10.0;
+  const double near_limit = control.wrench(rest, {0, 0, 0})(2);
+  rest(0) = -100.0;
+  EXPECT_DOUBLE_EQ(control.wrench(rest, {0, 0, 0})(2), near_limit);
+}
+
+// A = linear(), g = nonlinear(): together one Euler step of the model with T + d.
+TEST(QuadrotorProcesses, AreEulerStepsOfTheModel) {
+  const QuadrotorModel model({}, QuadrotorPhysics::thesis);
+  const ThrusterDisturbance<2> process(model, kPeriod_s);
+  testing::Random random;
+  const Eigen::Matrix<double, 24, 1> x = random.vector(24, 0.5);
+  const Eigen::Vector4d T = random.vector(4);
+  Vector6d g;
+  process.nonlinear(x, T, g);
+  Eigen::Matrix<double, 24, 1> next = process.linear() * x;
+  next.segment<6>(6) += g;
+  const Vector6d v = x.segment<6>(6);
+  const Eigen::Vector4d U = thruster_matrix(0.109) * (T + x.segment<4>(12));
+  Eigen::Matrix<double, 24, 1> expected;
+  expected << x.head<6>() + kPeriod_s * v,
+      v + kPeriod_s * model.acceleration(AttitudeTrig(x.segment<3>(3)), v, U),
+      x.segment<8>(12) + kPeriod_s * x.segment<8>(16), x.tail<4>();
+  EXPECT_NEAR((next - expected).norm(), 0.0, 1e-14);
+}
+
+// The resonators' stationary variance is σ²: the fixed point of V = Φ V Φᵀ + Q.
+TEST(QuadrotorProcesses, ResonatorsHaveTheirVariance) {
+  const ResonatorDesign design;
+  for (const double omega : {0.4, 0.8, 1.3}) {
+    const WaveResonators process(QuadrotorModel({}, QuadrotorPhysics::physical), design, omega,
+                                 kPeriod_s);
+    Eigen::Matrix2d phi, Q = Eigen::Matrix2d::Zero();
+    phi << process.linear()(12, 12), process.linear()(12, 21), process.linear()(21, 12),
+        process.linear()(21, 21);
+    Q(1, 1) = process.Q()(21, 21);
+    Eigen::Matrix2d V = Eigen::Matrix2d::Zero();
+    for (int i = 0; i < 20000; ++i) V = phi * V * phi.transpose() + Q;
+    EXPECT_NEAR(std::sqrt(V(0, 0)), design.force_std_N, 0.01 * design.force_std_N);
+    // And its poles are those of the continuous resonator, sampled.
+    const double modulus = std::sqrt(phi.determinant());
+    EXPECT_NEAR(modulus, std::exp(-design.damping * omega * kPeriod_s), 1e-12);
+  }
+}
+
+// The same filter twice, 24 states, with P and with its Cholesky factor.
+TEST(QuadrotorProcesses, SquareRootFormIsTheSameFilter) {
+  const QuadrotorModel model({}, QuadrotorPhysics::physical);
+  const WaveResonators process(model, {}, 0.8, kPeriod_s);
+  NonlinearKalmanDesign<24, 6> design;
+  design.Q = process.Q();
+  design.P0 = 0.1 * Eigen::Matrix<double, 24, 24>::Identity();
+  Vector6d r;
+  r << 1e-2, 1e-2, 1e-2, 1e-4, 1e-4, 1e-4;
+  design.R = r.asDiagonal();
+  Ukf<WaveResonators, 6> ukf(process, design);
+  SquareRootUkf<WaveResonators, 6> root(process, design);
+  testing::Random random;
+  for (int k = 0; k < 2000; ++k) {
+    const Eigen::Vector4d T = Eigen::Vector4d::Constant(0.7) + 0.1 * random.vector(4);
+    const Vector6d y = r.cwiseSqrt().cwiseProduct(random.vector(6));
+    ukf.predict(T);
+    ukf.correct(y);
+    root.predict(T);
+    root.correct(y);
+    const Eigen::Matrix<double, 24, 1> sigma = ukf.P().diagonal().cwiseSqrt();
+    ASSERT_LT((ukf.x() - root.x()).cwiseQuotient(sigma).cwiseAbs().maxCoeff(), 1e-9) << k;
+    ASSERT_TRUE(ukf.P() == ukf.P().transpose());
+  }
+  EXPECT_EQ(ukf.repairs(), 0);
+}
+
+// A sine of a known period, from a wrong guess. The likelihood of a minute is flat, and the mean
+// lies on the long side by up to 17 %.
+TEST(WaveFrequency, FindsThePeriodOfAForce) {
+  for (const double period_s : {6.0, 8.0, 11.0}) {
+    WaveFrequency frequency({.mass_kg = 1.38}, 2.0 * M_PI / 14.0);
+    testing::Random random(3);
+    double p = 0.0, v = 0.0;
+    frequency.reset(0.0);
+    for (int k = 0; k < 12000; ++k) {
+      const double t = kPeriod_s * k;
+      const double force = 0.3 * std::sin(2.0 * M_PI / period_s * t);
+      const double hold = -1.0 * p - 1.5 * v;  // a known force that keeps it in place
+      frequency.update(hold, p + 0.17 * random.uniform(-1, 1));
+      p += kPeriod_s * v;
+      v += kPeriod_s / 1.38 * (force + hold);
+    }
+    EXPECT_NEAR(2.0 * M_PI / frequency.omega_rad_s(), period_s, 0.2 * period_s);
+  }
+}
+
+TEST(QuadrotorEstimators, RefuseNonsense) {
+  const QuadrotorModel model({}, QuadrotorPhysics::physical);
+  QuadrotorEstimatorDesign design;
+  design.noise = ProcessNoiseSource::input;
+  EXPECT_THROW(make_quadrotor_estimator(design, model), std::invalid_argument);
+  design = {};
+  design.order = DisturbanceOrder::resonator;
+  design.filter = QuadrotorFilter::ekf;
+  EXPECT_THROW(make_quadrotor_estimator(design, model), std::invalid_argument);
+  design = {};
+  design.position_std_m = 0.0;
+  EXPECT_THROW(make_quadrotor_estimator(design, model), std::invalid_argument);
+  EXPECT_THROW(WaveFrequency({}, -1.0), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace breakwater

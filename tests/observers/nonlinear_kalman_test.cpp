@@ -1,0 +1,248 @@
+// EKF, UKF and square-root UKF against the linear Kalman filter, each other, and statistics.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <stdexcept>
+
+#include "observers/ekf.h"
+#include "observers/square_root_ukf.h"
+#include "observers/ukf.h"
+#include "support.h"
+
+namespace breakwater {
+namespace {
+
+// A pendulum with an unknown constant torque: x = [angle, rate, torque].
+struct Pendulum : ProcessTypes<3, 1, 1> {
+  static constexpr int kStates = 3, kInputs = 1, kFirstRow = 1, kRows = 1, kArguments = 1;
+  using Square = Eigen::Matrix3d;
+
+  void nonlinear(const State& x, const Input& u, Nonlinear& g) const {
+    g(0) = dt * (-9.81 * std::sin(x(0)) + u(0));
+  }
+  const Square& linear() const { return A; }
+
+  double dt = 0.01;
+  Square A = (Square() << 1, 0.01, 0, 0, 1, 0.01, 0, 0, 1).finished();
+};
+
+// The same without telling its structure.
+struct DensePendulum : ProcessTypes<3, 1, 3> {
+  static constexpr int kStates = 3, kInputs = 1, kFirstRow = 0, kRows = 3, kArguments = 3;
+  using Square = Eigen::Matrix3d;
+
+  void nonlinear(const State& x, const Input& u, Nonlinear& g) const {
+    Pendulum::Nonlinear rate;
+    pendulum.nonlinear(x, u, rate);
+    g = pendulum.A * x;
+    g(1) += rate(0);
+  }
+  const Square& linear() const { return A; }
+
+  Pendulum pendulum;
+  Square A = Square::Zero();
+};
+
+// Linear: the nonlinear part is linear too.
+struct Linear : ProcessTypes<4, 2, 2> {
+  static constexpr int kStates = 4, kInputs = 2, kFirstRow = 2, kRows = 2, kArguments = 3;
+  using Square = Eigen::Matrix4d;
+
+  void nonlinear(const State& x, const Input& u, Nonlinear& g) const { g = G * x.head<3>() + u; }
+  const Square& linear() const { return A; }
+  Square whole() const {
+    Square F = A;
+    F.block<2, 3>(2, 0) += G;
+    return F;
+  }
+
+  Square A = (Square() << 0.9, 0.1, 0, 0, 0, 0.8, 0.2, 0, 0, 0, 0.5, 0.1, 0, 0, 0, 0.4).finished();
+  Eigen::Matrix<double, 2, 3> G =
+      (Eigen::Matrix<double, 2, 3>() << 0.1, -0.2, 0.3, 0.05, 0.1, -0.1).finished();
+};
+
+template <int N, int p>
+NonlinearKalmanDesign<N, p> design(double q, double r, double p0) {
+  NonlinearKalmanDesign<N, p> d;
+  d.Q = q * Eigen::Matrix<double, N, N>::Identity();
+  d.R = r * Eigen::Matrix<double, p, p>::Identity();
+  d.P0 = p0 * Eigen::Matrix<double, N, N>::Identity();
+  return d;
+}
+
+TEST(NonlinearKalman, AllAreTheKalmanFilterOfALinearProcess) {
+  const Linear process;
+  const auto d = design<4, 2>(0.01, 0.1, 1.0);
+  Ekf<Linear, 2> ekf(process, d, 0.0);
+  Ukf<Linear, 2> ukf(process, d);
+  SquareRootUkf<Linear, 2> root(process, d);
+  const Eigen::Matrix4d F = process.whole();
+  Eigen::Matrix<double, 2, 4> C = Eigen::Matrix<double, 2, 4>::Identity();
+  Eigen::Vector4d x = Eigen::Vector4d::Zero();
+  Eigen::Matrix4d P = d.P0;
+  testing::Random random;
+  for (int k = 0; k < 300; ++k) {
+    const Eigen::Vector2d u = random.vector(2), y = random.vector(2);
+    x = F * x;
+    x.tail<2>() += u;
+    P = F * P * F.transpose() + d.Q;
+    const Eigen::Matrix<double, 4, 2> K =
+        P * C.transpose() * (C * P * C.transpose() + d.R).inverse();
+    x += K * (y - C * x);
+    P = (Eigen::Matrix4d::Identity() - K * C) * P;
+    ekf.predict(u);
+    ekf.correct(y);
+    ukf.predict(u);
+    ukf.correct(y);
+    root.predict(u);
+    root.correct(y);
+    ASSERT_NEAR((ekf.x() - x).norm(), 0.0, 1e-10);
+    ASSERT_NEAR((ukf.x() - x).norm(), 0.0, 1e-10);
+    ASSERT_NEAR((root.x() - x).norm(), 0.0, 1e-10);
+    ASSERT_NEAR((ekf.P() - P).norm(), 0.0, 1e-10);
+    ASSERT_NEAR((ukf.P() - P).norm(), 0.0, 1e-10);
+    ASSERT_NEAR((root.P() - P).norm(), 0.0, 1e-10);
+  }
+}
+
+// One step against the textbook's loop over all 2n points, drawn again for the measurement.
+TEST(NonlinearKalman, UkfIsTheTextbooks) {
+  const Pendulum process;
+  const auto d = design<3, 1>(1e-4, 0.01, 0.3);
+  Ukf<Pendulum, 1> ukf(process, d);
+  ukf.reset(Eigen::Vector3d(1.0, -2.0, 0.3));
+  Eigen::Vector3d x(1.0, -2.0, 0.3);
+  Eigen::Matrix3d P = d.P0;
+  for (int k = 0; k < 50; ++k) {
+    const Eigen::Matrix<double, 1, 1> u(std::sin(0.1 * k)), y(1.0 - 0.01 * k);
+    const auto points = [](const Eigen::Vector3d& mean, const Eigen::Matrix3d& covariance) {
+      const Eigen::Matrix3d L = covariance.llt().matrixL();
+      Eigen::Matrix<double, 3, 6> X;
+      X << std::sqrt(3.0) * L, -std::sqrt(3.0) * L;
+      X.colwise() += mean;
+      return X;
+    };
+    Eigen::Matrix<double, 3, 6> X = points(x, P);
+    for (int j = 0; j < 6; ++j) {
+      Pendulum::Nonlinear g;
+      process.nonlinear(X.col(j), u, g);
+      const Eigen::Vector3d linear = process.A * X.col(j);
+      X.col(j) = linear;
+      X(1, j) += g(0);
+    }
+    x = X.rowwise().mean();
+    X.colwise() -= x;
+    P = X * X.transpose() / 6.0 + d.Q;
+    X = points(x, P);
+    const Eigen::Matrix<double, 1, 6> Y = X.row(0);
+    const double mean_y = Y.mean();
+    const double S = (Y.array() - mean_y).square().mean() + d.R(0, 0);
+    const Eigen::Vector3d K =
+        (X.colwise() - x) * (Y.array() - mean_y).matrix().transpose() / 6.0 / S;
+    x += K * (y(0) - mean_y);
+    P -= K * S * K.transpose();
+    ukf.predict(u);
+    ukf.correct(y);
+    ASSERT_NEAR((ukf.x() - x).norm(), 0.0, 1e-10);
+    ASSERT_NEAR((ukf.P() - P).norm(), 0.0, 1e-10);
+  }
+}
+
+TEST(NonlinearKalman, StructureChangesNothing) {
+  const auto d = design<3, 1>(1e-4, 0.01, 0.3);
+  Ukf<Pendulum, 1> structured(Pendulum(), d);
+  Ukf<DensePendulum, 1> dense(DensePendulum(), d);
+  SquareRootUkf<Pendulum, 1> root(Pendulum(), d);
+  testing::Random random;
+  for (int k = 0; k < 500; ++k) {
+    const Eigen::Matrix<double, 1, 1> u(random.uniform(-5, 5)), y(random.uniform(-1, 1));
+    structured.predict(u);
+    structured.correct(y);
+    dense.predict(u);
+    dense.correct(y);
+    root.predict(u);
+    root.correct(y);
+    ASSERT_NEAR((structured.x() - dense.x()).norm(), 0.0, 1e-10);
+    ASSERT_NEAR((structured.P() - dense.P()).norm(), 0.0, 1e-10);
+    const Eigen::Vector3d sigma = structured.P().diagonal().cwiseSqrt();
+    ASSERT_LT((structured.x() - root.x()).cwiseQuotient(sigma).cwiseAbs().maxCoeff(), 1e-9);
+    ASSERT_TRUE(structured.P() == structured.P().transpose());
+  }
+}
+
+// The error, measured by the filter's own covariance, is χ² when the model is true: its mean over
+// M runs of n states lies in n ± 1.96 √(2n/M) in 95 of 100 cases.
+TEST(NonlinearKalman, NeesIsInItsBandWhenTheModelIsTrue) {
+  const Pendulum process;
+  auto d = design<3, 1>(0.0, 1e-4, 0.01);
+  d.Q.diagonal() << 1e-8, 1e-5, 1e-6;
+  std::mt19937_64 engine(7);
+  std::normal_distribution<double> normal;
+  const auto draw = [&] { return Eigen::Vector3d(normal(engine), normal(engine), normal(engine)); };
+  const int runs = 400;
+  double ukf_nees = 0.0, ekf_nees = 0.0;
+  for (int run = 0; run < runs; ++run) {
+    Ukf<Pendulum, 1> ukf(process, d);
+    Ekf<Pendulum, 1> ekf(process, d, 0.0);
+    const Eigen::Vector3d first(0.8, 0.0, 0.5);
+    Eigen::Vector3d x = first + 0.1 * draw();
+    ukf.reset(first);
+    ekf.reset(first);
+    for (int k = 0; k < 200; ++k) {
+      const Eigen::Matrix<double, 1, 1> u(2.0 * std::sin(0.03 * k));
+      Pendulum::Nonlinear g;
+      process.nonlinear(x, u, g);
+      const Eigen::Vector3d linear = process.A * x;
+      x = linear + d.Q.diagonal().cwiseSqrt().cwiseProduct(draw());
+      x(1) += g(0);
+      const Eigen::Matrix<double, 1, 1> y(x(0) + 1e-2 * normal(engine));
+      ukf.predict(u);
+      ukf.correct(y);
+      ekf.predict(u);
+      ekf.correct(y);
+    }
+    ukf_nees += (x - ukf.x()).dot(ukf.P().llt().solve(x - ukf.x())) / runs;
+    ekf_nees += (x - ekf.x()).dot(ekf.P().llt().solve(x - ekf.x())) / runs;
+  }
+  const double half_band = 1.96 * std::sqrt(2.0 * 3.0 / runs);
+  EXPECT_NEAR(ukf_nees, 3.0, half_band);
+  EXPECT_NEAR(ekf_nees, 3.0, half_band);
+}
+
+TEST(NonlinearKalman, MillionStepsWithoutRepair) {
+  const Pendulum process;
+  Ukf<Pendulum, 1> ukf(process, design<3, 1>(1e-9, 1e-6, 1.0));
+  for (int k = 0; k < 1000000; ++k) {
+    ukf.predict(Eigen::Matrix<double, 1, 1>(std::sin(1e-3 * k)));
+    ukf.correct(Eigen::Matrix<double, 1, 1>(0.1 * std::sin(2e-3 * k)));
+  }
+  EXPECT_EQ(ukf.repairs(), 0);
+  EXPECT_TRUE(ukf.P() == ukf.P().transpose());
+  EXPECT_TRUE(ukf.x().allFinite());
+}
+
+// W_s enters through the input: with one input that reaches one state, as W_s (∂f/∂u)².
+TEST(NonlinearKalman, InputNoiseEntersAsTheInputDoes) {
+  const Pendulum process;
+  auto d = design<3, 1>(0.0, 0.01, 0.3);
+  Ekf<Pendulum, 1> with(process, d, 0.5);
+  d.Q(1, 1) = 0.5 * 0.01 * 0.01;
+  Ekf<Pendulum, 1> same(process, d, 0.0);
+  const Eigen::Matrix<double, 1, 1> one(1.0);
+  with.predict(one);
+  same.predict(one);
+  EXPECT_NEAR((with.P() - same.P()).norm(), 0.0, 1e-10);
+}
+
+TEST(NonlinearKalman, RefusesNonsense) {
+  auto d = design<3, 1>(1e-4, 0.01, 0.3);
+  EXPECT_THROW((Ekf<Pendulum, 1>(Pendulum(), d, -1.0)), std::invalid_argument);
+  d.R(0, 0) = 0.0;
+  EXPECT_THROW((Ukf<Pendulum, 1>(Pendulum(), d)), std::invalid_argument);
+  d = design<3, 1>(-1e-4, 0.01, 0.3);
+  EXPECT_THROW((SquareRootUkf<Pendulum, 1>(Pendulum(), d)), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace breakwater

@@ -1,0 +1,253 @@
+// The quadrotor's MJCF and its forces against the thesis' matrices, closed forms and an ODE.
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+
+#include <cmath>
+
+#include "sim/simulation.h"
+#include "sim/small_models.h"
+#include "sim/underwater_force.h"
+
+namespace breakwater {
+namespace {
+
+using Vector12d = Eigen::Matrix<double, 12, 1>;
+const Eigen::Vector3d kStart(0.0, 0.0, -10.0);
+
+Model quadrotor() {
+  return Model::load(testing::source_file("models/quadrotor.xml"));
+}
+
+// Thrusts as a function of time, held over 10 ms as the simulation holds them.
+using Thrusts = std::function<Eigen::Vector4d(double)>;
+
+std::vector<Vector12d> simulate(QuadrotorPhysics physics, const WaveLoadSetup& waves,
+                                const Thrusts& thrusts, double duration_s) {
+  testing::FunctionController controller(
+      [&](const Sample& y, Eigen::Ref<Eigen::VectorXd> u) { u = thrusts(y.time_s); });
+  Simulation sim(quadrotor(), controller, {}, 10);
+  UnderwaterForce water(sim.model(), {}, physics, waves, kStart);
+  sim.add(water);
+  sim.set_position(std::vector<double>{0, 0, -10, 1, 0, 0, 0});
+  std::vector<Vector12d> states;
+  for (int k = 0; k <= std::lround(duration_s / 1e-3); ++k) {
+    sim.step();
+    const FreeMotion m(sim.qpos().data(), sim.qvel().data());
+    Vector12d state;
+    state << m.position, m.euler, m.velocity, attitude_rates(AttitudeTrig(m.euler), m.body_rates);
+    states.push_back(state);
+    water.advance(sim.time_s(), FreeMotion(sim.data().qpos, sim.data().qvel));
+  }
+  return states;
+}
+
+// The same by RK4 on the thesis' equations in ζ.
+std::vector<Vector12d> integrate(QuadrotorPhysics physics, const Thrusts& thrusts,
+                                 double duration_s) {
+  const QuadrotorModel model({}, physics);
+  const Eigen::Matrix4d B = thruster_matrix(model.parameters().thruster_arm_m);
+  Vector12d x = Vector12d::Zero();
+  x.head<3>() = kStart;
+  std::vector<Vector12d> states;
+  const double h = 1e-3;
+  for (int k = 0; k <= std::lround(duration_s / h); ++k) {
+    states.push_back(x);
+    const Eigen::Vector4d U = B * thrusts(k / 10 * 1e-2);
+    const auto rate = [&](const Vector12d& s) {
+      Vector12d dx;
+      const Vector6d v = s.tail<6>();
+      dx << v, model.acceleration(AttitudeTrig(s.segment<3>(3)), v, U);
+      return dx;
+    };
+    const Vector12d k1 = rate(x), k2 = rate(x + 0.5 * h * k1), k3 = rate(x + 0.5 * h * k2),
+                    k4 = rate(x + h * k3);
+    x += h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
+  }
+  return states;
+}
+
+struct Deviation {
+  double position_m = 0.0;
+  double angle_rad = 0.0;
+};
+Deviation deviation(const std::vector<Vector12d>& a, const std::vector<Vector12d>& b) {
+  Deviation d;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    d.position_m = std::max(d.position_m, (a[i] - b[i]).head<3>().norm());
+    d.angle_rad = std::max(d.angle_rad, (a[i] - b[i]).segment<3>(3).norm());
+  }
+  return d;
+}
+
+TEST(QuadrotorModelFile, ActuatorsAreTheColumnsOfTheThrusterMatrix) {
+  const Model model = quadrotor();
+  mjData* d = mj_makeData(model.get());
+  const Eigen::Matrix4d B = thruster_matrix(QuadrotorParameters().thruster_arm_m);
+  mj_resetDataKeyframe(model.get(), d, model.id(mjOBJ_KEY, "home"));
+  for (int i = 0; i < 4; ++i) {
+    mju_zero(d->ctrl, 4);
+    d->ctrl[i] = 1.0;
+    mj_forward(model.get(), d);
+    const Vector6d force = Eigen::Map<Vector6d>(d->qfrc_actuator);
+    EXPECT_NEAR(force.head<2>().norm(), 0.0, 1e-12);
+    EXPECT_NEAR((force.tail<4>() - B.col(i)).norm(), 0.0, 1e-9) << "thruster " << i + 1;
+  }
+  mj_deleteData(d);
+}
+
+TEST(QuadrotorModelFile, IsTable34) {
+  const Model model = quadrotor();
+  const QuadrotorParameters table;
+  const int body = model.id(mjOBJ_BODY, "quadrotor");
+  EXPECT_DOUBLE_EQ(model->body_mass[body], table.mass_kg);
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_DOUBLE_EQ(model->body_inertia[3 * body + i], table.inertia_kgm2(i));
+  }
+  EXPECT_DOUBLE_EQ(-model->opt.gravity[2], table.gravity_m_s2);
+  EXPECT_EQ(model->opt.density, 0.0);
+  EXPECT_EQ(model->opt.viscosity, 0.0);
+  EXPECT_DOUBLE_EQ(model->actuator_ctrlrange[1], table.thrust_limit_N);
+}
+
+// m v̇ = w − D v − F v² downwards, at rest at −10 m: the closed form of a fall with drag.
+TEST(QuadrotorForces, FreeSink) {
+  const auto states = simulate(
+      QuadrotorPhysics::physical, {}, [](double) { return Eigen::Vector4d::Zero(); }, 2.0);
+  EXPECT_NEAR(states.back()(2), -13.62, 0.01);
+  EXPECT_NEAR(states.back().head<2>().norm(), 0.0, 1e-12);
+
+  const QuadrotorParameters p;
+  const double a = p.quadratic_drag(2) / p.mass_kg, b = p.linear_drag(2) / p.mass_kg,
+               c = p.net_weight_N() / p.mass_kg;
+  // v̇ = c − b v − a v² = a (v1 − v)(v + v2)
+  const double root = std::sqrt(b * b + 4.0 * a * c);
+  const double v1 = (root - b) / (2.0 * a), v2 = (root + b) / (2.0 * a);
+  const double q = a * (v1 + v2), t = 2.0;
+  // v = v1 v2 (e^{qt} − 1)/(v2 e^{qt} + v1); its integral:
+  const double fallen = v1 * t + std::log((v1 * std::exp(-q * t) + v2) / (v1 + v2)) / a;
+  EXPECT_NEAR(states.back()(2), -10.0 - fallen, 1e-9);
+}
+
+TEST(QuadrotorForces, PlanarPitchAgreesWithTheOde) {
+  const Thrusts thrusts = [](double t) {
+    const double push = 0.02 * std::sin(2.0 * t);
+    return Eigen::Vector4d(0.7, 0.7 + push, 0.7, 0.7 - push);
+  };
+  for (const QuadrotorPhysics physics : {QuadrotorPhysics::physical, QuadrotorPhysics::thesis}) {
+    const Deviation d =
+        deviation(simulate(physics, {}, thrusts, 5.0), integrate(physics, thrusts, 5.0));
+    EXPECT_LT(d.position_m, 5e-4);
+    EXPECT_LT(d.angle_rad, 1e-4);
+  }
+}
+
+// The ODE takes φ̇, θ̇, ψ̇ for the body's rates, so it is close only while the angles are small.
+TEST(QuadrotorForces, SmallMotionAgreesWithTheOde) {
+  const Thrusts thrusts = [](double t) -> Eigen::Vector4d {
+    return Eigen::Vector4d::Constant(0.7) +
+           0.05 * Eigen::Vector4d(std::sin(2.0 * t), std::sin(3.0 * t), -std::sin(2.0 * t),
+                                  -std::sin(3.0 * t) + 0.2 * std::sin(t));
+  };
+  for (const QuadrotorPhysics physics : {QuadrotorPhysics::physical, QuadrotorPhysics::thesis}) {
+    const auto states = simulate(physics, {}, thrusts, 5.0);
+    const Deviation d = deviation(states, integrate(physics, thrusts, 5.0));
+    EXPECT_LT(d.angle_rad, 1e-3);
+    EXPECT_LT(d.position_m, 1e-2);
+    double largest = 0.0;
+    for (const Vector12d& s : states) {
+      largest = std::max(largest, s.segment<3>(3).cwiseAbs().maxCoeff());
+    }
+    EXPECT_GT(largest, 1e-2);  // it did move
+  }
+}
+
+// The two plants differ by what the thesis adds: a lateral pull of the net weight when tilted.
+TEST(QuadrotorForces, ThesisWeightDoublesTheLateralForce) {
+  const QuadrotorParameters p;
+  const QuadrotorModel physical(p, QuadrotorPhysics::physical);
+  const QuadrotorModel thesis(p, QuadrotorPhysics::thesis);
+  const AttitudeTrig tilted(Eigen::Vector3d(0.0, 0.1, 0.0));
+  const Eigen::Vector4d hover(p.net_weight_N(), 0, 0, 0);
+  const double a = physical.acceleration(tilted, Vector6d::Zero(), hover)(0);
+  EXPECT_NEAR(a, p.net_weight_N() / p.mass_kg * std::sin(0.1), 1e-12);
+  EXPECT_NEAR(thesis.acceleration(tilted, Vector6d::Zero(), hover)(0), 2.0 * a, 1e-12);
+}
+
+WaveLoadSetup sea(WaveMode mode) {
+  WaveLoadSetup waves;
+  waves.mode = mode;
+  waves.sea.significant_height_m = 2.0;
+  return waves;
+}
+
+// A vehicle that moves with the water feels no drag: what is left is the pressure's force.
+TEST(WaveLoads, NoDragOnAVehicleThatMovesWithTheWater) {
+  const Model model = quadrotor();
+  WaveLoadSetup setup = sea(WaveMode::physical);
+  setup.current_m_s << 0.3, -0.2, 0.0;
+  const QuadrotorParameters p;
+  const UnderwaterForce force(model, p, QuadrotorPhysics::physical, setup, kStart);
+  const WaterMotion water = Waves(setup.sea, setup.low_pass_s).at(3.0, kStart);
+  const Eigen::Vector3d u = water.velocity + setup.current_m_s;
+  const double qpos[] = {0, 0, -10, 1, 0, 0, 0};
+  const double qvel[] = {u.x(), u.y(), u.z(), 0, 0, 0};
+  Vector6d velocity = Vector6d::Zero();
+  velocity.head<3>() = u;
+  const Vector6d load = force.wave_load(3.0, FreeMotion(qpos, qvel)) - p.drag(velocity);
+  EXPECT_NEAR((load.head<3>() - 1.1 * 1.5 * water.acceleration).norm(), 0.0, 1e-12);
+}
+
+// 0.13 N RMS for each metre of H_s at 10 m.
+TEST(WaveLoads, PhysicalForceHasItsSize) {
+  const Model model = quadrotor();
+  const double qpos[] = {0, 0, -10, 1, 0, 0, 0};
+  const double qvel[] = {0, 0, 0, 0, 0, 0};
+  double sum = 0.0;
+  const UnderwaterForce force(model, {}, QuadrotorPhysics::physical, sea(WaveMode::physical),
+                              kStart);
+  const int samples = 20000;
+  for (int i = 0; i < samples; ++i) {
+    const double f = force.wave_load(0.1 * i, FreeMotion(qpos, qvel))(2);
+    sum += f * f;
+  }
+  EXPECT_NEAR(std::sqrt(sum / samples) / 2.0, 0.13, 0.01);
+}
+
+// The thesis' force is along the body's axis, and its angle jumps by π with the sign of d_z.
+TEST(WaveLoads, ThesisTorqueJumps) {
+  const Model model = quadrotor();
+  UnderwaterForce force(model, {}, QuadrotorPhysics::thesis, sea(WaveMode::thesis), kStart);
+  const double tilt = 0.1;
+  const double qpos[] = {0, 0, -10, std::cos(tilt / 2), std::sin(tilt / 2), 0, 0};
+  const double qvel[] = {0, 0, 0, 0, 0, 0};
+  const FreeMotion tilted(qpos, qvel);
+  double lowest = 0.0, highest = 0.0;
+  for (int k = 0; k < 20000; ++k) {
+    force.advance(1e-3 * k, tilted);
+    const Vector6d load = force.wave_load(1e-3 * k, tilted);
+    EXPECT_NEAR(load.head<3>().cross(tilted.rotation.col(2)).norm(), 0.0, 1e-12);
+    const double torque = tilted.rotation.col(0).dot(load.tail<3>());
+    lowest = std::min(lowest, torque);
+    highest = std::max(highest, torque);
+  }
+  // Upwards atan2 gives −tilt, downwards π − tilt; times 0.1 N m/rad.
+  EXPECT_NEAR(lowest, -0.1 * tilt, 1e-4);
+  EXPECT_NEAR(highest, 0.1 * (M_PI - tilt), 1e-3);
+}
+
+TEST(WaveLoads, StillWaterGivesNone) {
+  const Model model = quadrotor();
+  for (const WaveMode mode : {WaveMode::physical, WaveMode::thesis}) {
+    WaveLoadSetup setup;
+    setup.mode = mode;
+    UnderwaterForce force(model, {}, QuadrotorPhysics::physical, setup, kStart);
+    const double qpos[] = {0, 0, -10, 1, 0, 0, 0};
+    const double qvel[] = {0.1, 0.2, 0.3, 0, 0, 0};
+    force.advance(0.0, FreeMotion(qpos, qvel));
+    EXPECT_EQ(force.wave_load(1.0, FreeMotion(qpos, qvel)).norm(), 0.0);
+  }
+}
+
+}  // namespace
+}  // namespace breakwater
