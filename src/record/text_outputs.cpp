@@ -2,10 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <cerrno>
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
+#include <system_error>
 
 namespace breakwater {
 
@@ -13,7 +15,10 @@ void write_text_file(const std::string& file, const std::string& text) {
   std::ofstream stream(file, std::ios::binary);
   stream.write(text.data(), static_cast<std::streamsize>(text.size()));
   stream.close();
-  if (!stream) throw OutputError(file + ": cannot be written (is the disk full?)");
+  if (!stream) {
+    throw OutputError(file + ": cannot be written (" + std::generic_category().message(errno) +
+                      ")");
+  }
 }
 
 void write_csv_log(const std::string& file, const Track& track) {

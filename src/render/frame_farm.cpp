@@ -39,6 +39,20 @@ struct Order {
   std::size_t slot;
 };
 
+// A child that died is noticed by its answers' end.
+class IgnoredSigpipe {
+ public:
+  IgnoredSigpipe() : before_(std::signal(SIGPIPE, SIG_IGN)) {}
+  IgnoredSigpipe(const IgnoredSigpipe&) = delete;
+  IgnoredSigpipe& operator=(const IgnoredSigpipe&) = delete;
+  ~IgnoredSigpipe() {
+    if (before_ != SIG_ERR) std::signal(SIGPIPE, before_);
+  }
+
+ private:
+  void (*before_)(int);
+};
+
 // Small enough to go through a pipe in one piece.
 struct Answer {
   std::size_t frame;
@@ -104,6 +118,8 @@ struct Child {
   } catch (const std::exception& error) {
     std::snprintf(answer.error.data(), answer.error.size(), "%s", error.what());
     write_all(answers, &answer, sizeof(answer));
+    status = EXIT_FAILURE;
+  } catch (...) {
     status = EXIT_FAILURE;
   }
   _exit(status);  // what the parent has open and registered is the parent's
@@ -244,7 +260,7 @@ void draw_frames(const FrameFarm& farm, const std::function<DrawFrame(std::size_
                  const std::function<void(const std::uint8_t* frame)>& take) {
   const std::size_t slot_count = kSlotsPerProcess * std::max(1U, farm.processes);
   const SharedMemory slots(slot_count * farm.frame_bytes);
-  std::signal(SIGPIPE, SIG_IGN);  // a child that died is noticed by its answers' end
+  const IgnoredSigpipe no_sigpipe;
   Children children(farm, slots.data(), start);
   Taker taker(farm, slots.data(), slot_count, take);
 

@@ -132,25 +132,37 @@ void Picture::draw_scene(PictureRun& run, Panel& panel, double time_s) {
   panel.view->draw(viewport, arrows);
 }
 
-// Mesa leaves 0 in the fourth byte where nothing is drawn.
+// Mesa leaves 0 in the fourth byte where nothing is drawn. Where one translucent layer of alpha a
+// is drawn over nothing it leaves a² there, and a times the colour: 1 − a of the background is
+// missing.
 void Picture::fill_background() {
   std::vector<std::uint8_t>& pixels = offscreen_.pixels();
   const auto width = static_cast<std::size_t>(offscreen_.width());
   const auto height = static_cast<std::size_t>(offscreen_.height());
   for (std::size_t y = 0; y < height; ++y) {
     const double part = static_cast<double>(y) / static_cast<double>(height);
-    std::array<std::uint8_t, 4> colour = {0, 0, 0, 255};
+    std::array<double, 3> colour{};
+    std::array<std::uint8_t, 4> bytes = {0, 0, 0, 255};
     for (std::size_t k = 0; k < 3; ++k) {
-      colour[k] = static_cast<std::uint8_t>(std::lround(kTop[k] + part * (kBottom[k] - kTop[k])));
+      colour[k] = kTop[k] + part * (kBottom[k] - kTop[k]);
+      bytes[k] = static_cast<std::uint8_t>(std::lround(colour[k]));
     }
     std::uint32_t sky = 0;
-    std::memcpy(&sky, colour.data(), sizeof(sky));
+    std::memcpy(&sky, bytes.data(), sizeof(sky));
     std::uint8_t* const row = pixels.data() + 4 * width * y;
     for (std::size_t x = 0; x < width; ++x) {
-      std::uint32_t pixel = 0;
-      std::memcpy(&pixel, row + 4 * x, sizeof(pixel));
-      pixel = (pixel >> 24U) == 0 ? sky : pixel;
-      std::memcpy(row + 4 * x, &pixel, sizeof(pixel));
+      std::uint8_t* const pixel = row + 4 * x;
+      if (pixel[3] == 255) continue;
+      if (pixel[3] == 0) {
+        std::memcpy(pixel, &sky, sizeof(sky));
+        continue;
+      }
+      const double shows = 1.0 - std::sqrt(pixel[3] / 255.0);
+      for (std::size_t k = 0; k < 3; ++k) {
+        pixel[k] =
+            static_cast<std::uint8_t>(std::lround(std::min(pixel[k] + shows * colour[k], 255.0)));
+      }
+      pixel[3] = 255;
     }
   }
 }
@@ -176,6 +188,7 @@ void Picture::shrink() {
 
 void Picture::draw_arrow_numbers(Canvas& canvas, const PictureRun& run, const Panel& panel) const {
   const double unit = unit_px(panel.area.width, style_.height);
+  canvas.clip(panel.area);
   // The view is drawn with more samples a pixel than the canvas has.
   const double samples = style_.look.samples;
   for (std::size_t i = 0; i < panel.arrows.size(); ++i) {
@@ -192,11 +205,16 @@ void Picture::draw_arrow_numbers(Canvas& canvas, const PictureRun& run, const Pa
     const double y = ends->to.y - ends->from.y;
     const double length = std::max(std::hypot(x, y), 1.0);
     const double half = 0.5 * canvas.text_width(number, size, true) + 0.5 * size;
-    const Point at = {
-        panel.area.left + ends->to.x / samples + half * x / length,
-        panel.area.top + ends->to.y / samples + 0.9 * size * y / length + 0.36 * size};
-    canvas.text(at, number, size, arrow.colour, Align::center, true, true);
+    if (panel.area.width < 2.0 * half || panel.area.height < 2.0 * size) continue;
+    const double at_x = panel.area.left + ends->to.x / samples + half * x / length;
+    const double at_y =
+        panel.area.top + ends->to.y / samples + 0.9 * size * y / length + 0.36 * size;
+    // An arrow may leave the panel; its number stays.
+    canvas.text({std::clamp(at_x, panel.area.left + half, panel.area.right() - half),
+                 std::clamp(at_y, panel.area.top + size, panel.area.bottom() - 0.5 * size)},
+                number, size, arrow.colour, Align::center, true, true);
   }
+  canvas.unclip();
 }
 
 void Picture::draw_caption(Canvas& canvas, const PictureRun& run, const Panel& panel,

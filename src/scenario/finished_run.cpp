@@ -103,8 +103,12 @@ Series FinishedRun::value(const std::string& key_or_signal) const {
 
 std::string FinishedRun::fill_in(const std::string& text) const {
   std::string filled = text;
-  for (std::size_t open = filled.find('{'); open != std::string::npos; open = filled.find('{')) {
+  std::size_t open = filled.find('{');
+  while (open != std::string::npos) {
     const std::size_t end = filled.find('}', open);
+    if (end == std::string::npos) {
+      throw std::invalid_argument("\"" + text + "\": a { without its }");
+    }
     const std::string key = filled.substr(open + 1, end - open - 1);
     const ConfigEntry* entry = config_->find(key);
     std::string value;
@@ -115,7 +119,8 @@ std::string FinishedRun::fill_in(const std::string& text) const {
     } else {
       config_->fail(key, "is no number or text that \"" + text + "\" could name");
     }
-    filled.replace(open, end == std::string::npos ? end : end - open + 1, value);
+    filled.replace(open, end - open + 1, value);
+    open = filled.find('{', open + value.size());
   }
   return filled;
 }

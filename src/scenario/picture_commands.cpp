@@ -4,10 +4,13 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <charconv>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <memory>
+#include <system_error>
 #include <thread>
 
 #include "record/text_outputs.h"
@@ -48,9 +51,11 @@ struct Size {
 Size read_size(const std::string& text, const Size& otherwise) {
   if (text.empty()) return otherwise;
   Size size{};
-  char rest = '\0';
-  if (std::sscanf(text.c_str(), "%dx%d%c", &size.width, &size.height, &rest) !=
-      2) {  // NOLINT(cert-err34-c): huge sizes are refused next
+  const char* const end = text.data() + text.size();
+  const auto [middle, first] = std::from_chars(text.data(), end, size.width);
+  const bool has_x = first != std::errc::invalid_argument && middle != end && *middle == 'x';
+  const auto [last, second] = std::from_chars(has_x ? middle + 1 : end, end, size.height);
+  if (!has_x || second == std::errc::invalid_argument || last != end) {
     throw std::invalid_argument("--size " + text + ": must be of the form 1280x720");
   }
   for (const int side : {size.width, size.height}) {
@@ -76,7 +81,15 @@ std::deque<FinishedRun> open_runs(const std::vector<std::string>& folders) {
         fmt::format("{} runs: side by side there is room for {}", folders.size(), kMostRuns));
   }
   std::deque<FinishedRun> runs;
-  for (const std::string& folder : folders) runs.emplace_back(fs::path(folder));
+  for (const std::string& folder : folders) {
+    runs.emplace_back(fs::path(folder));
+    const std::string& first = runs.front().scenario().name();
+    if (runs.back().scenario().name() != first) {
+      throw std::invalid_argument(fmt::format("{}: is a run of {}, beside one of {}: {}", folder,
+                                              runs.back().scenario().name(), first,
+                                              "only runs of one scenario stand side by side"));
+    }
+  }
   return runs;
 }
 
@@ -125,9 +138,10 @@ void write_png(const fs::path& file, const Canvas& canvas) {
     write_text_file(partial.string(), canvas.png());
     fs::rename(partial, file);
   } catch (const std::exception&) {
+    const std::string reason = std::generic_category().message(errno);
     std::error_code ignored;
     fs::remove(partial, ignored);
-    throw OutputError(file.string() + ": cannot be written (is the disk full?)");
+    throw OutputError(fmt::format("{}: cannot be written ({})", file.string(), reason));
   }
 }
 
@@ -179,12 +193,12 @@ int still(const PictureArguments& arguments) {
   const std::deque<FinishedRun> runs = open_runs(arguments.runs);
   const ShotList shots = shot_list(runs.front().scenario().name());
   Window window = choose_window(runs, shots, {});
-  const double end_s = runs.front().end_s();
-  if (arguments.at_s > end_s || arguments.at_s < 0.0) {
-    throw std::invalid_argument(
-        fmt::format("--at {:g}: the log ends at {:g} s", arguments.at_s, end_s));
+  const Window all = whole_window(runs);
+  if (!(arguments.at_s >= all.from_s && arguments.at_s <= all.to_s)) {
+    throw std::invalid_argument(fmt::format("--at {:g}: the log lasts from {:g} s to {:g} s",
+                                            arguments.at_s, all.from_s, all.to_s));
   }
-  if (arguments.at_s < window.from_s || arguments.at_s > window.to_s) window = {0.0, end_s, 1.0};
+  if (arguments.at_s < window.from_s || arguments.at_s > window.to_s) window = all;
   Stage stage = set_stage(runs, shots, arguments, window);
   const Size size = read_size(arguments.size, {shots.width, shots.height});
   stage.style.width = size.width;

@@ -72,17 +72,23 @@ std::size_t Window::frames(int fps) const {
   return static_cast<std::size_t>(std::llround(exact));
 }
 
-Window choose_window(const std::deque<FinishedRun>& runs, const ShotList& shots, const Wish& wish) {
-  double begin_s = runs.front().times_s().front();
-  double end_s = runs.front().end_s();
+Window whole_window(const std::deque<FinishedRun>& runs) {
+  Window all{runs.front().times_s().front(), runs.front().end_s(), 1.0};
   for (const FinishedRun& run : runs) {
-    begin_s = std::min(begin_s, run.times_s().front());
-    end_s = std::max(end_s, run.end_s());
+    all.from_s = std::min(all.from_s, run.times_s().front());
+    all.to_s = std::max(all.to_s, run.end_s());
   }
+  return all;
+}
+
+Window choose_window(const std::deque<FinishedRun>& runs, const ShotList& shots, const Wish& wish) {
+  const Window all = whole_window(runs);
+  const double begin_s = all.from_s;
+  const double end_s = all.to_s;
   const double slack_s = 1e-9 * std::max(1.0, end_s);
 
   Window window{std::max(shots.from_s, begin_s), std::min(shots.to_s, end_s), shots.speed};
-  if (window.from_s >= window.to_s) window = {begin_s, end_s, 1.0};
+  if (window.from_s >= window.to_s) window = all;
   if (wish.from_s) window.from_s = *wish.from_s;
   if (wish.to_s) window.to_s = *wish.to_s;
   if (wish.speed) window.speed = *wish.speed;

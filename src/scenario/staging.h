@@ -36,6 +36,9 @@ struct Window {
   }
 };
 
+/// All of the longest run, at the speed of life.
+Window whole_window(const std::deque<FinishedRun>& runs);
+
 /// What a video of these runs shows: what is wished for, else the shot list's window as far as a
 /// run lasts, or all of the longest run at the speed of life if it lasts no part of it. Throws
 /// std::invalid_argument if the wish is outside of all runs.

@@ -164,6 +164,47 @@ TEST_F(Pictures, WithoutOpenGLTheRunStays) {
   expect_failure(result, 4, "pictures need OpenGL", kRunFiles, "run");
 }
 
+TEST_F(Pictures, AFolderThatIsNotThereIsSaid) {
+  push("run");
+  expect_failure(breakwater({"still", "run", "--at", "0.1", "--look", "fast", "--size", "128x96",
+                             "--out", "nowhere/s.png"}),
+                 4, "nowhere/s.png: cannot be written (No such file or directory)", kRunFiles,
+                 "run");
+}
+
+TEST_F(Pictures, RunsOfDifferentScenariosDoNotStandSideBySide) {
+  push("run");
+  wall("wall");
+  expect_failure(breakwater({"still", "run", "wall", "--at", "0.1"}), 2,
+                 "wall: is a run of arm_wall_contact, beside one of arm_push", kRunFiles, "run");
+}
+
+TEST_F(Pictures, ACameraThatTheModelLacksFailsTheVideoAlone) {
+  std::ifstream original(testing::source_file("models/arm.xml"));
+  std::stringstream model;
+  model << original.rdbuf();
+  std::string text = model.str();
+  for (std::size_t at = text.find("<camera name=\""); at != std::string::npos;
+       at = text.find("<camera name=\"", at + 1)) {
+    text.insert(at + 14, "my_");
+  }
+  std::ofstream(folder_ / "mine.xml") << text;
+  const ProgramResult result = run({"arm_push", "--quiet", "--duration", "0.2", "--video", "--out",
+                                    "run", "--set", "model.mjcf=mine.xml"});
+  expect_failure(result, 4, "has no camera", kRunFiles, "run");
+}
+
+TEST_F(Pictures, AFailedRunIsDrawnToo) {
+  EXPECT_EQ(run({"arm_push", "--quiet", "--duration", "0.5", "--set", "fault.sensor=q1",
+                 "fault.at_s=0.3", "--out", "run"})
+                .status,
+            3);
+  EXPECT_EQ(json("run/manifest.json")["status"], "failed");
+  const ProgramResult result = breakwater(
+      {"still", "run", "--at", "0.2", "--look", "fast", "--size", "128x96", "--out", "s.png"});
+  EXPECT_EQ(result.status, 0) << result.err;
+}
+
 TEST_F(Pictures, OnAFullDiskTheRunStays) {
   push("run");
   // Files end at 8 kB, without a signal.
@@ -196,7 +237,10 @@ TEST_F(Pictures, NonsenseIsRefusedInOneLine) {
       {{"video", "run", "--fps", "0"}, "--fps"},
       {{"video"}, "RUN is required"},
       {{"still", "run"}, "--at is required"},
-      {{"still", "run", "--at", "7"}, "the log ends at 0.5 s"},
+      {{"still", "run", "--at", "7"}, "the log lasts from 0 s to 0.5 s"},
+      {{"still", "run", "--at", "nan"}, "the log lasts from"},
+      {{"video", "run", "--size", "99999999999x180"}, "must be even"},
+      {{"video", "run", "--size", "640x360x2"}, "must be of the form"},
       {{"strip", "run"}, "none of the shot list's moments"},
       {{"video", "nowhere"}, "is not a finished run"}};
   for (const auto& [arguments, text] : cases) {

@@ -131,6 +131,28 @@ TEST(InterpolateQpos, TurnsTheShortestWay) {
   EXPECT_LT(expected.angularDistance(turned), 1e-9);
 }
 
+// Half-transparent blue over nothing: half of the background shows, not black.
+TEST(Picture, ATranslucentThingLetsTheBackgroundThrough) {
+  std::vector<PictureRun> runs;
+  runs.push_back({.model = load(R"(<mujoco><worldbody>
+      <camera name="side" pos="0 -4 0" xyaxes="1 0 0 0 0 1" fovy="40"/>
+      <geom type="plane" size="0.5 0.5 0.1" zaxis="0 -1 0" rgba="0 0 0 0.5"/>
+      <body pos="0 0 9"><joint type="slide"/><geom type="sphere" size="0.01" mass="1"/></body>
+      </worldbody></mujoco>)")});
+  runs.back().camera = 0;
+  runs.back().times_s = {0.0, 1.0};
+  runs.back().qpos = {2, 1, {0.0, 0.0}};
+  Picture picture(runs, {.width = kWidth, .height = kHeight, .look = kFastLook, .captions = false});
+  const std::uint8_t* pixels = picture.draw(0.0);
+  const auto grey = [&](int x, int y) { return pixels[4 * (y * kWidth + x) + 1]; };
+  const int background = grey(2, kHeight / 2);
+  EXPECT_GT(background, 200);
+  // Black with a gleam of at most 50.
+  const int through = grey(kWidth / 2, kHeight / 2);
+  EXPECT_GE(through, background / 2 - 4);
+  EXPECT_LE(through, background / 2 + 50);
+}
+
 // What moves besides qpos: a height field whose heights a scenario changes.
 TEST(Picture, ShowsWhatTheScenarioMoves) {
   const auto run = [](bool moves) {

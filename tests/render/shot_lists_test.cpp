@@ -1,12 +1,14 @@
 // Every scenario's shot list against a run of its scenario.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "cli/program.h"
 #include "render/media.h"
 #include "scenario/scenario.h"
 #include "scenario/shot_list.h"
+#include "scenario/staging.h"
 #include "support.h"
 
 namespace breakwater {
@@ -14,6 +16,73 @@ namespace {
 namespace fs = std::filesystem;
 using testing::ProgramResult;
 using testing::run_program;
+
+constexpr int kWidth = 480;
+constexpr int kHeight = 270;
+
+// The share of pixels that change when the bodies that move are not drawn, in the moment in which
+// it is smallest.
+double smallest_share_of_the_plant(const FinishedRun& run, ShotList shots) {
+  shots.arrows.clear();
+  shots.lines.clear();
+  const auto pictures = [&](bool with_plant) {
+    std::vector<PictureRun> staged;
+    staged.push_back(stage(run, shots, ""));
+    mjModel& model = *staged.front().model.get();
+    for (int i = 0; i < model.ngeom; ++i) {
+      const int body = model.geom_bodyid[i];
+      if (with_plant || model.body_weldid[body] == 0 || model.body_mocapid[body] >= 0) continue;
+      model.geom_group[i] = 5;
+    }
+    Picture picture(staged,
+                    {.width = kWidth, .height = kHeight, .look = kFastLook, .captions = false});
+    std::vector<std::vector<std::uint8_t>> all;
+    for (const ShotMoment& moment : shots.moments) {
+      const std::uint8_t* pixels = picture.draw(*time_of(moment, run));
+      all.emplace_back(pixels, pixels + std::ptrdiff_t{4} * kWidth * kHeight);
+    }
+    return all;
+  };
+  const auto with = pictures(true);
+  const auto without = pictures(false);
+  double smallest = 1.0;
+  for (std::size_t i = 0; i < with.size(); ++i) {
+    int differ = 0;
+    for (std::size_t p = 0; p < with[i].size(); p += 4) {
+      int most = 0;
+      for (std::size_t k = p; k < p + 3; ++k) {
+        most = std::max(most, std::abs(with[i][k] - without[i][k]));
+      }
+      differ += most > 30 ? 1 : 0;
+    }
+    smallest = std::min(smallest, static_cast<double>(differ) / (kWidth * kHeight));
+  }
+  return smallest;
+}
+
+void expect_arrows_inside(const FinishedRun& run, const ShotList& shots) {
+  PictureRun staged = stage(run, shots, "");
+  const Offscreen offscreen(kWidth, kHeight);
+  SceneView view(staged.model, staged.camera, kFastLook);
+  for (const ShotMoment& moment : shots.moments) {
+    const double time_s = *time_of(moment, run);
+    const auto row = std::lower_bound(run.times_s().begin(), run.times_s().end(), time_s - 1e-9) -
+                     run.times_s().begin();
+    view.pose({run.qpos().row(static_cast<std::size_t>(row)), run.qpos().width});
+    view.draw({0, 0, kWidth, kHeight}, {});
+    for (std::size_t i = 0; i < staged.arrows.size(); ++i) {
+      const auto ends = view.ends_of(arrow_at(staged.arrows[i], time_s).arrow);
+      const std::string which = shots.arrows[i].signal + ", " + moment.caption;
+      ASSERT_TRUE(ends) << which;
+      for (const Point& end : {ends->from, ends->to}) {
+        EXPECT_GE(end.x, 0.0) << which;
+        EXPECT_LE(end.x, kWidth) << which;
+        EXPECT_GE(end.y, 0.0) << which;
+        EXPECT_LE(end.y, kHeight) << which;
+      }
+    }
+  }
+}
 
 class ShotLists : public ::testing::TestWithParam<std::string> {};
 
@@ -49,6 +118,12 @@ TEST_P(ShotLists, FitARunOfTheirScenario) {
   EXPECT_GE(count, 2);
   EXPECT_GE(png.width, 320 * count);
   EXPECT_LT(png.width, 320 * count + 20 * count);
+
+  const FinishedRun finished(folder / "run");
+  const double seen = smallest_share_of_the_plant(finished, shots);
+  EXPECT_GT(seen, 0.002) << "in one of the moments the plant is hardly in the picture";
+  EXPECT_LT(seen, 0.5);
+  expect_arrows_inside(finished, shots);
 }
 
 INSTANTIATE_TEST_SUITE_P(All, ShotLists, ::testing::ValuesIn(scenario_names()),
@@ -73,7 +148,7 @@ TEST(Gallery, ShowsWhatIsDrawnNow) {
   const testing::Png now(folder / "still.png");
   const testing::Png shown(testing::source_file("renders/gallery/arm_wall_contact.png"));
   EXPECT_LT(testing::mean_difference(now, shown), kSamePicture);
-  // The measure tells pictures apart: 40 ms earlier the force and the pose are others.
+  // The measure tells pictures apart: 280 ms earlier the force and the pose are others.
   ASSERT_EQ(run_program({"breakwater", "still", "run", "--at", "30.3", "--size", "960x540", "--out",
                          "other.png"},
                         folder)
