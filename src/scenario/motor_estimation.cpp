@@ -8,6 +8,7 @@
 #include "scenario/run_loop.h"
 
 namespace breakwater {
+
 Fields MotorEstimation::fields() {
   Fields fields;
   axis_.bind(fields);
@@ -35,20 +36,15 @@ Fields MotorEstimation::fields() {
   return fields;
 }
 
-EstimatorTask MotorEstimation::task() const {
-  return {axis_.nominal_plant(), axis_.physics.control_period_s, axis_.sensor_error(),
-          axis_.pulses_per_revolution()};
-}
-
 void MotorEstimation::check(const Config& config) {
   check_axis(axis_, config);
   estimator_.gamma = 1.0 / lambda_;
-  config.blame("observer.name", [&] { make_estimator(estimator_, task()); });
+  config.blame("observer.name", [&] { make_estimator(estimator_, axis_); });
   if (to_s_ <= from_s_) config.fail("metrics.to_s", "must be later than metrics.from_s");
 }
 
 Recording MotorEstimation::run(const RunControl& control) const {
-  DisturbanceCancellingPd controller(make_estimator(estimator_, task()),
+  DisturbanceCancellingPd controller(make_estimator(estimator_, axis_),
                                      {.k_p = k_p_,
                                       .k_d = k_d_,
                                       .force_limit = axis_.force_limit(),

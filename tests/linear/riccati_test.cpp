@@ -31,6 +31,34 @@ TEST(Riccati, StableAndFreeCostsNothing) {
   EXPECT_EQ(P(0, 0), 0.0);
 }
 
+// A = a, B = 1, Q = 0, R = r: P = (a² − 1) r stabilises, P = 0 is cheaper.
+TEST(Riccati, StabilisesWhatQDoesNotSee) {
+  for (const double a : {1.01, 2.0, -30.0}) {
+    const LqrDesign design = dlqr(a * kOne, kOne, 0.0 * kOne, 0.5 * kOne);
+    EXPECT_NEAR(design.P(0, 0), 0.5 * (a * a - 1.0), 1e-10 * a * a) << a;
+    EXPECT_NEAR(a - design.K(0, 0), 1.0 / a, 1e-10) << "the pole is mirrored at the unit circle";
+  }
+  // One unstable mode unseen, the others seen.
+  Random random(4);
+  for (int k = 0; k < 50; ++k) {
+    const Eigen::Index n = 2 + k % 4;
+    Eigen::MatrixXd A = random.matrix(n, n);
+    A.leftCols(1) = 1.5 * Eigen::VectorXd::Unit(n, 0);
+    Eigen::MatrixXd Q = Eigen::MatrixXd::Identity(n, n);
+    Q(0, 0) = 0.0;
+    // C = [0 I] sees x_2 … x_n, which x_1 does not move.
+    const Eigen::MatrixXd B = random.matrix(n, 1) + Eigen::MatrixXd::Ones(n, 1);
+    const LqrDesign design = dlqr(A, B, Q, kOne);
+    EXPECT_LT((A - B * design.K).eigenvalues().cwiseAbs().maxCoeff(), 1.0) << k;
+  }
+  EXPECT_THROW(solve_dare(kOne, kOne, 0.0 * kOne, kOne), std::invalid_argument)
+      << "a mode on the unit circle that Q does not see";
+  const Eigen::MatrixXd A = Eigen::Vector2d(1.0, 2.0).asDiagonal();
+  const Eigen::MatrixXd B = Eigen::MatrixXd::Identity(2, 2);
+  const Eigen::MatrixXd Q = Eigen::Vector2d(0.0, 1.0).asDiagonal();
+  EXPECT_THROW(solve_dare(A, B, Q, B), std::invalid_argument) << "the same beside another mode";
+}
+
 double relative_residual(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B,
                          const Eigen::MatrixXd& Q, const Eigen::MatrixXd& R,
                          const Eigen::MatrixXd& P) {

@@ -6,10 +6,12 @@
 #include <sstream>
 
 #include "regression/run_case.h"
+#include "support.h"
 
 namespace breakwater {
 namespace {
 
+using testing::median;
 using Sets = std::vector<std::string>;
 
 constexpr int kPhases = 20;
@@ -45,12 +47,6 @@ double metric(const std::string& case_name, const Sets& sets,
   const Recording run = testing::run_case("motor_estimation", case_name, sets);
   EXPECT_FALSE(run.failure) << case_name;
   return run.metric(name).value_or(NAN);
-}
-
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  const std::size_t middle = values.size() / 2;
-  return values.size() % 2 == 1 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
 }
 
 struct Medians {
