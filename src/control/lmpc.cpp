@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <stdexcept>
 #include <string>
 
@@ -39,6 +40,20 @@ Eigen::MatrixXd sums(int steps, Eigen::Index inputs) {
 }
 
 }  // namespace
+
+std::vector<int> first_steps(int count) {
+  std::vector<int> steps(static_cast<std::size_t>(count));
+  std::iota(steps.begin(), steps.end(), 0);
+  return steps;
+}
+
+std::vector<int> spread_steps(int count, int last) {
+  std::vector<int> steps;
+  for (int i = 1; i <= count; ++i) {
+    steps.push_back(static_cast<int>(std::lround(static_cast<double>(i) * last / count)));
+  }
+  return steps;
+}
 
 Lmpc::Lmpc(const LmpcDesign& design)
     : design_(design),

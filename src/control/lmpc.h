@@ -20,6 +20,12 @@ struct PredictedBound {
   std::vector<int> steps;
 };
 
+/// The first `count` steps, from 0 on.
+std::vector<int> first_steps(int count);
+
+/// `count` steps spread evenly over 1 … last, of which the last is one.
+std::vector<int> spread_steps(int count, int last);
+
 /// What to do when no ΔU satisfies all bounds.
 enum class OnInfeasible {
   /// Bounds of states give way, in the order in which they are declared; if that does not suffice,

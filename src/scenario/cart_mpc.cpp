@@ -2,31 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <utility>
 
 #include "observers/disturbance_model.h"
 
 namespace breakwater {
-namespace {
-
-// `count` steps, spread evenly over 1 … last, of which the last is one.
-std::vector<int> spread_steps(int count, int last) {
-  std::vector<int> steps;
-  for (int i = 1; i <= count; ++i) {
-    steps.push_back(static_cast<int>(std::lround(static_cast<double>(i) * last / count)));
-  }
-  return steps;
-}
-
-std::vector<int> first_steps(int count) {
-  std::vector<int> steps(static_cast<std::size_t>(count));
-  std::iota(steps.begin(), steps.end(), 0);
-  return steps;
-}
-
-}  // namespace
-
 void CartMpcSettings::bind(Fields& fields) {
   fields.choice("controller.disturbance_use", disturbance_use,
                 {{"none", DisturbanceUse::none},

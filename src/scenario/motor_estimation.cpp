@@ -1,6 +1,9 @@
 #include "scenario/motor_estimation.h"
 
+#include <algorithm>
 #include <cmath>
+#include <span>
+#include <string>
 #include <utility>
 
 #include "control/disturbance_cancelling_pd.h"
@@ -8,6 +11,17 @@
 #include "scenario/run_loop.h"
 
 namespace breakwater {
+namespace {
+
+// What a controller publishes under a name; empty if it has none such.
+std::span<const double> published(const Controller& controller, const std::string& name) {
+  for (const Signal& signal : controller.signals()) {
+    if (signal.name == name) return signal.values;
+  }
+  return {};
+}
+
+}  // namespace
 
 Fields MotorEstimation::fields() {
   Fields fields;
@@ -61,7 +75,10 @@ Recording MotorEstimation::run(const RunControl& control) const {
   const TimeWindow transient{start_s, from_s_};
   WindowStatistics velocity_error(window), position_error(window), disturbance_error(window);
   WindowStatistics transient_error(transient);
-  WindowStatistics position(TimeWindow{}), lambda(window);
+  WindowStatistics position(TimeWindow{}), lambda(window), any_lambda(TimeWindow{});
+  WindowStatistics slowest_pole(window);
+  const std::span<const double> lambda_now = published(controller, "lambda");
+  const std::span<const double> poles = published(controller, "poles_continuous_re_rad_s");
   SettlingTime settling(start_s, settled_within_ * std::abs(disturbance_.amplitude));
 
   Recording recording;
@@ -77,6 +94,11 @@ Recording MotorEstimation::run(const RunControl& control) const {
     transient_error.add(t, d_error);
     position.add(t, sim.qpos()[0]);
     settling.add(t, d_error);
+    if (!lambda_now.empty()) {
+      lambda.add(t, lambda_now.front());
+      any_lambda.add(t, lambda_now.front());
+    }
+    if (!poles.empty()) slowest_pole.add(t, *std::max_element(poles.begin(), poles.end()));
     log.append(t);
   });
 
@@ -91,6 +113,9 @@ Recording MotorEstimation::run(const RunControl& control) const {
       add(metrics, "disturbance_settling_time_s", "s", settling.value());
     }
     add(metrics, "transient_rmse_disturbance_Nm", "N m", transient_error.rms());
+    add(metrics, "lambda_mean_1", "1", lambda.mean());
+    add(metrics, "lambda_min_1", "1", any_lambda.smallest());
+    add(metrics, "slowest_pole_continuous_rad_s", "rad/s", slowest_pole.mean());
   }
   recording.tracks.push_back(std::move(log));
   return recording;
