@@ -46,6 +46,13 @@ inline double distance(std::vector<std::complex<double>> a, std::vector<std::com
   return largest;
 }
 
+/// The middle value, or the mean of the two middle ones.
+inline double median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  const std::size_t middle = values.size() / 2;
+  return values.size() % 2 == 1 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
+}
+
 /// A file name that no other running test uses.
 inline std::filesystem::path temporary_path(const std::string& name) {
   return std::filesystem::temp_directory_path() /

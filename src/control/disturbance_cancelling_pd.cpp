@@ -41,7 +41,7 @@ void DisturbanceCancellingPd::reset(const Sample&) {
 void DisturbanceCancellingPd::update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u) {
   estimator_->update(held_input_, y.y);
   poles_.update();
-  reference_ = y.time_s >= design_.reference_from_s ? design_.reference : 0.0;
+  reference_ = design_.reference.at(y.time_s);
   u(0) = design_.k_p * (reference_ - position()) - design_.k_d * velocity() + disturbance();
   held_input_(0) = std::clamp(u(0), -design_.force_limit, design_.force_limit);
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "control/controller.h"
+#include "control/step_reference.h"
 #include "observers/disturbance_estimator.h"
 #include "observers/observer_poles.h"
 #include "signals/axis_units.h"
@@ -14,10 +15,9 @@
 namespace breakwater {
 
 struct DisturbanceCancellingPdDesign {
-  double k_p = 0.0;        ///< K_p, force per position
-  double k_d = 0.0;        ///< K_d, force per velocity
-  double reference = 0.0;  ///< y_ref, from `reference_from_s` on; 0 before
-  double reference_from_s = 0.0;
+  double k_p = 0.0;                                              ///< K_p, force per position
+  double k_d = 0.0;                                              ///< K_d, force per velocity
+  StepReference reference;                                       ///< y_ref
   double force_limit = std::numeric_limits<double>::infinity();  ///< of the drive
   double period_s = 0.0;                                         ///< T_s
   AxisUnits units;

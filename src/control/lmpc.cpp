@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numeric>
 #include <stdexcept>
 #include <string>
 
@@ -39,6 +41,20 @@ Eigen::MatrixXd sums(int steps, Eigen::Index inputs) {
 
 }  // namespace
 
+std::vector<int> first_steps(int count) {
+  std::vector<int> steps(static_cast<std::size_t>(count));
+  std::iota(steps.begin(), steps.end(), 0);
+  return steps;
+}
+
+std::vector<int> spread_steps(int count, int last) {
+  std::vector<int> steps;
+  for (int i = 1; i <= count; ++i) {
+    steps.push_back(static_cast<int>(std::lround(static_cast<double>(i) * last / count)));
+  }
+  return steps;
+}
+
 Lmpc::Lmpc(const LmpcDesign& design)
     : design_(design),
       prediction_(predict(design.A, design.B, design.prediction_steps, design.control_steps)),
@@ -46,7 +62,9 @@ Lmpc::Lmpc(const LmpcDesign& design)
       input_(solver_->model().H.rows(), solver_->model().Omega.rows()),
       solution_(solver_->model().H.rows(), solver_->model().Omega.rows()),
       free_(Eigen::VectorXd::Zero(prediction_.Psi.rows())),
-      change_(Eigen::VectorXd::Zero(inputs())) {
+      change_(Eigen::VectorXd::Zero(inputs())),
+      first_change_(first_step(design.change_bounds, inputs())),
+      first_input_(first_step(design.input_bounds, inputs())) {
   if (design.on_infeasible == OnInfeasible::soften && !(design.softness > 0.0)) {
     throw std::invalid_argument("predictive control: the softness must be positive");
   }
@@ -124,8 +142,22 @@ void Lmpc::add_rows(RowKind kind, const std::vector<PredictedBound>& bounds, Eig
   }
 }
 
+// What all bounds together say of the first step.
+Lmpc::Range Lmpc::first_step(const std::vector<PredictedBound>& bounds, Eigen::Index width) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  Range range{Eigen::VectorXd::Constant(width, -kInfinity),
+              Eigen::VectorXd::Constant(width, kInfinity)};
+  for (const PredictedBound& bound : bounds) {
+    if (std::find(bound.steps.begin(), bound.steps.end(), 0) == bound.steps.end()) continue;
+    range.lower(bound.component) = std::max(range.lower(bound.component), bound.lower);
+    range.upper(bound.component) = std::min(range.upper(bound.component), bound.upper);
+  }
+  return range;
+}
+
 void Lmpc::reset() {
   solver_->reset();
+  softened_bounds_ = 0;
   statistics_ = {};
 }
 
@@ -140,21 +172,20 @@ const Eigen::VectorXd& Lmpc::optimise(const Eigen::Ref<const Eigen::VectorXd>& x
   input_.g.noalias() -= from_reference_ * reference;
   set_bounds(last_input, reserved);
   input_.softness.setZero();
+  softened_bounds_ = iterations_ = 0;
+  elapsed_s_ = 0.0;
 
   solve();
+  ++statistics_.optimisations;
   if (solution_.status != QpStatus::solved) ++statistics_.unsolved;
   if (solution_.status == QpStatus::infeasible && design_.on_infeasible == OnInfeasible::soften) {
     ++statistics_.softened;
-    for (std::size_t bound = 0; bound < design_.state_bounds.size(); ++bound) {
-      for (std::size_t i = 0; i < rows_.size(); ++i) {
-        if (rows_[i].kind == RowKind::state && rows_[i].bound == bound) {
-          input_.softness(static_cast<Eigen::Index>(i)) = design_.softness;
-        }
-      }
-      solve();
-      if (solution_.status != QpStatus::infeasible) break;
-    }
+    soften();
   }
+  statistics_.iterations += iterations_;
+  statistics_.most_iterations = std::max(statistics_.most_iterations, iterations_);
+  statistics_.time_s += elapsed_s_;
+  statistics_.longest_s = std::max(statistics_.longest_s, elapsed_s_);
   if (solution_.status == QpStatus::infeasible) {
     throw ControlFailure("no input satisfies the constraints");
   }
@@ -162,7 +193,39 @@ const Eigen::VectorXd& Lmpc::optimise(const Eigen::Ref<const Eigen::VectorXd>& x
     throw ControlFailure("the state that the predictive controller was given is not finite");
   }
   change_ = solution_.z.head(inputs());
+  if (solution_.status == QpStatus::iteration_cap) {
+    ++statistics_.capped;
+    // Hildreth's violations are what it is there to show.
+    if (design_.solver == QpSolverKind::active_set) {
+      change_ = change_.cwiseMax(first_change_.lower).cwiseMin(first_change_.upper);
+      change_ = change_.cwiseMax(first_input_.lower - last_input - reserved)
+                    .cwiseMin(first_input_.upper - last_input - reserved);
+    }
+  }
   return change_;
+}
+
+void Lmpc::soften() {
+  for (std::size_t bound = 0; bound < design_.state_bounds.size(); ++bound) {
+    give_way(RowKind::state, bound);
+    ++softened_bounds_;
+    solve();
+    if (solution_.status != QpStatus::infeasible) return;
+  }
+  if (design_.change_bounds.empty()) return;
+  for (std::size_t bound = 0; bound < design_.change_bounds.size(); ++bound) {
+    give_way(RowKind::change, bound);
+  }
+  ++softened_bounds_;
+  solve();
+}
+
+void Lmpc::give_way(RowKind kind, std::size_t bound) {
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    if (rows_[i].kind == kind && rows_[i].bound == bound) {
+      input_.softness(static_cast<Eigen::Index>(i)) = design_.softness;
+    }
+  }
 }
 
 bool Lmpc::inputs_are_feasible(const Eigen::Ref<const Eigen::VectorXd>& last_input) const {
@@ -199,12 +262,8 @@ void Lmpc::set_bounds(const Eigen::Ref<const Eigen::VectorXd>& last_input,
 void Lmpc::solve() {
   const double start_s = thread_time_s();
   solver_->solve(input_, solution_);
-  const double elapsed_s = thread_time_s() - start_s;
-  ++statistics_.solves;
-  statistics_.iterations += solution_.iterations;
-  statistics_.most_iterations = std::max(statistics_.most_iterations, solution_.iterations);
-  statistics_.time_s += elapsed_s;
-  statistics_.longest_s = std::max(statistics_.longest_s, elapsed_s);
+  elapsed_s_ += thread_time_s() - start_s;
+  iterations_ += solution_.iterations;
 }
 
 }  // namespace breakwater

@@ -20,10 +20,18 @@ struct PredictedBound {
   std::vector<int> steps;
 };
 
+/// The first `count` steps, from 0 on.
+std::vector<int> first_steps(int count);
+
+/// `count` steps spread evenly over 1 … last, of which the last is one.
+std::vector<int> spread_steps(int count, int last);
+
 /// What to do when no ΔU satisfies all bounds.
 enum class OnInfeasible {
-  soften,  ///< bounds of states give way, in the order in which they are declared
-  stop     ///< ControlFailure
+  /// Bounds of states give way, in the order in which they are declared; if that does not suffice,
+  /// because bounds on u have moved away from u(k−1), those on Δu last. Bounds on u never do.
+  soften,
+  stop  ///< ControlFailure
 };
 
 struct LmpcDesign {
@@ -46,13 +54,14 @@ struct LmpcDesign {
   double softness = 0.0;  ///< of a bound that gives way: by s·μ for its multiplier μ
 };
 
-/// What the solver had to do so far.
+/// What the optimisations had to do so far. One may take several solves, where bounds give way.
 struct QpStatistics {
-  std::int64_t solves = 0;
-  std::int64_t unsolved = 0;  ///< ended otherwise than solved
-  std::int64_t softened = 0;  ///< of these, how many had to let state bounds give way
-  std::int64_t iterations = 0;
-  int most_iterations = 0;
+  std::int64_t optimisations = 0;
+  std::int64_t unsolved = 0;    ///< whose problem, as it was given, was not solved
+  std::int64_t softened = 0;    ///< of these, how many had to let bounds give way
+  std::int64_t capped = 0;      ///< of these, how many were left with an approximate solution
+  std::int64_t iterations = 0;  ///< of all solves
+  int most_iterations = 0;      ///< of an optimisation
   double time_s = 0.0;  ///< of the processor; some 0.3 us of each solve are the clock itself
   double longest_s = 0.0;
 };
@@ -77,12 +86,23 @@ class Lmpc {
   void reset();
 
   /// Δu(k) (m), from x(k) (n), u(k−1) (m) and the reference trajectory T_ref (N_p n). The bounds on
-  /// u are moved by −`reserved` (m), the input that is added elsewhere. Allocates nothing. Throws
-  /// ControlFailure if the bounds cannot be satisfied.
+  /// u are moved by −`reserved` (m), the input that is added elsewhere. Where the exact solver was
+  /// left with an approximate solution, Δu(k) is brought into its bounds, those on u before those
+  /// on Δu. Allocates nothing. Throws ControlFailure if the bounds cannot be satisfied.
   const Eigen::VectorXd& optimise(const Eigen::Ref<const Eigen::VectorXd>& x,
                                   const Eigen::Ref<const Eigen::VectorXd>& last_input,
                                   const Eigen::Ref<const Eigen::VectorXd>& reference,
                                   const Eigen::Ref<const Eigen::VectorXd>& reserved);
+
+  /// Sweeps or changes of the last optimisation, all its solves together.
+  int iterations() const { return iterations_; }
+
+  /// How many bounds gave way at the last optimisation: of states, and one more where Δu's did.
+  int softened_bounds() const { return softened_bounds_; }
+
+  /// The bounds on component `i` of u(k).
+  double first_input_lower(Eigen::Index i) const { return first_input_.lower(i); }
+  double first_input_upper(Eigen::Index i) const { return first_input_.upper(i); }
 
   /// Whether the bounds on u and Δu alone leave anything from u(k−1) on.
   bool inputs_are_feasible(const Eigen::Ref<const Eigen::VectorXd>& last_input) const;
@@ -105,7 +125,12 @@ class Lmpc {
     Eigen::Index component;  // of u or of Z
     double lower;
     double upper;
-    std::size_t bound;  // of a state: which one it belongs to
+    std::size_t bound;  // which one of its kind it belongs to
+  };
+
+  struct Range {
+    Eigen::VectorXd lower;
+    Eigen::VectorXd upper;
   };
 
   QpModel make_model();
@@ -114,6 +139,9 @@ class Lmpc {
   void set_bounds(const Eigen::Ref<const Eigen::VectorXd>& last_input,
                   const Eigen::Ref<const Eigen::VectorXd>& reserved);
   void solve();
+  void soften();
+  void give_way(RowKind kind, std::size_t bound);
+  static Range first_step(const std::vector<PredictedBound>& bounds, Eigen::Index width);
 
   LmpcDesign design_;
   Prediction prediction_;
@@ -126,6 +154,11 @@ class Lmpc {
   QpSolution solution_;
   Eigen::VectorXd free_;  // Ψ x + Γ u
   Eigen::VectorXd change_;
+  Range first_change_;  // of Δu(k)
+  Range first_input_;   // of u(k)
+  int softened_bounds_ = 0;
+  int iterations_ = 0;      // of this optimisation
+  double elapsed_s_ = 0.0;  // by this optimisation's solves
   QpStatistics statistics_;
 };
 

@@ -1,21 +1,24 @@
 #include "control/lqr_control.h"
 
+#include <algorithm>
 #include <stdexcept>
 #include <utility>
 
 namespace breakwater {
 
 LqrControl::LqrControl(std::unique_ptr<DisturbanceEstimator> estimator, Eigen::RowVectorXd K,
-                       Eigen::VectorXd start_state, bool uses_true_state)
+                       Eigen::VectorXd start_state, bool uses_true_state, double force_limit)
     : estimator_(std::move(estimator)),
       K_(std::move(K)),
       start_state_(std::move(start_state)),
       uses_true_state_(uses_true_state),
+      force_limit_(force_limit),
       held_input_(Eigen::VectorXd::Zero(1)) {
   if (K_.size() != estimator_->state().size() || start_state_.size() != K_.size() ||
       estimator_->disturbance().size() != 1) {
     throw std::invalid_argument("LQR: estimator and gain must be of one plant");
   }
+  if (!(force_limit > 0.0)) throw std::invalid_argument("LQR: the force limit must be positive");
   const auto part = [](const DisturbanceEstimator::View& values, Eigen::Index i) {
     return view(*(values.data() + i));
   };
@@ -38,7 +41,7 @@ void LqrControl::update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u) {
     u.noalias() = -K_ * estimator_->state();
     u += estimator_->disturbance();
   }
-  held_input_ = u;
+  held_input_(0) = std::clamp(u(0), -force_limit_, force_limit_);
 }
 
 }  // namespace breakwater

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -15,10 +16,12 @@ namespace breakwater {
 /// Expects samples whose first entry is the measured position, followed by the true state (n).
 class LqrControl final : public Controller {
  public:
-  /// The estimator runs along in either case, so that a log has its estimates. `K` is 1×n; the
-  /// estimator starts at `start_state` (n). Throws std::invalid_argument if they do not fit.
+  /// The estimator runs along in either case, so that a log has its estimates. It is told of u as
+  /// the drive's limit clips it. `K` is 1×n; the estimator starts at `start_state` (n). Throws
+  /// std::invalid_argument if they do not fit or the limit is not positive.
   LqrControl(std::unique_ptr<DisturbanceEstimator> estimator, Eigen::RowVectorXd K,
-             Eigen::VectorXd start_state, bool uses_true_state);
+             Eigen::VectorXd start_state, bool uses_true_state,
+             double force_limit = std::numeric_limits<double>::infinity());
 
   void reset(const Sample& first) override;
   void update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u) override;
@@ -31,6 +34,7 @@ class LqrControl final : public Controller {
   Eigen::RowVectorXd K_;
   Eigen::VectorXd start_state_;
   bool uses_true_state_;
+  double force_limit_;
   Eigen::VectorXd held_input_;
   std::vector<Signal> signals_;
 };

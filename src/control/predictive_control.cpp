@@ -1,19 +1,10 @@
 #include "control/predictive_control.h"
 
+#include <algorithm>
 #include <stdexcept>
 #include <utility>
 
 namespace breakwater {
-
-ExtendedModel extend_by_constant_disturbance(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B) {
-  const Eigen::Index n = A.rows();
-  const Eigen::Index m = B.cols();
-  ExtendedModel extended{Eigen::MatrixXd::Identity(n + m, n + m), Eigen::MatrixXd::Zero(n + m, m)};
-  extended.A.topLeftCorner(n, n) = A;
-  extended.A.topRightCorner(n, m) = -B;
-  extended.B.topRows(n) = B;
-  return extended;
-}
 
 PredictiveControl::PredictiveControl(std::unique_ptr<DisturbanceEstimator> estimator,
                                      const PredictiveControlDesign& design)
@@ -36,17 +27,23 @@ PredictiveControl::PredictiveControl(std::unique_ptr<DisturbanceEstimator> estim
   if (design.samples_per_move < 1) {
     throw std::invalid_argument("predictive control: needs at least one sample per move");
   }
+  if (!(design.force_limit > 0.0)) {
+    throw std::invalid_argument("predictive control: the force limit must be positive");
+  }
   const auto part = [](const DisturbanceEstimator::View& values, Eigen::Index i) {
     return view(*(values.data() + i));
   };
-  signals_ = {{"reference_m", "m", "r", view(reference_)},
-              {"position_hat_m", "m", "position, estimated", part(estimator_->state(), 0)},
-              {"velocity_hat_m_s", "m/s", "velocity, estimated", part(estimator_->state(), 1)},
-              {"d_hat_N", "N", "disturbance, estimated", part(estimator_->disturbance(), 0)},
-              {"u_mpc_N", "N", "input of the optimisation (Eq. 2.42)", view(planned_input_)},
-              {"qp_iterations", "1", "sweeps or changes of the last solve", view(iterations_)},
-              {"qp_status", "1", "0 solved, 1 iteration cap, 2 infeasible", view(status_)},
-              {"qp_kkt_residual", "1", "of the last solve", view(kkt_residual_)}};
+  signals_ = {
+      {"reference_m", "m", "r", view(reference_)},
+      {"position_hat_m", "m", "position, estimated", part(estimator_->state(), 0)},
+      {"velocity_hat_m_s", "m/s", "velocity, estimated", part(estimator_->state(), 1)},
+      {"d_hat_N", "N", "disturbance, estimated", part(estimator_->disturbance(), 0)},
+      {"u_mpc_N", "N", "input of the optimisation (Eq. 2.42)", view(planned_input_)},
+      {"qp_iterations", "1", "sweeps or changes of the last optimisation", view(iterations_)},
+      {"qp_softened", "1", "how many bounds gave way in it: those of states, then of du",
+       view(softened_)},
+      {"qp_status", "1", "after that: 0 solved, 1 iteration cap", view(status_)},
+      {"qp_kkt_residual", "1", "of its last solve", view(kkt_residual_)}};
   for (const Signal& signal : estimator_->signals()) signals_.push_back(signal);
 }
 
@@ -76,14 +73,20 @@ void PredictiveControl::update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u) {
       trajectory_(i * lmpc_.states()) = reference_;
     }
     planned_input_ += lmpc_.optimise(predicted_state_, planned_input_, trajectory_, reserved_);
-    iterations_ = lmpc_.solution().iterations;
+    iterations_ = lmpc_.iterations();
+    softened_ = lmpc_.softened_bounds();
     status_ = static_cast<double>(lmpc_.solution().status);
     kkt_residual_ = lmpc_.solution().kkt_residual;
   }
   --samples_to_move_;
   held_input_ = planned_input_;
   if (cancels) held_input_ += estimator_->disturbance();
+  if (design_.disturbance_use == DisturbanceUse::cancel_within_bounds) {
+    held_input_(0) =
+        std::clamp(held_input_(0), lmpc_.first_input_lower(0), lmpc_.first_input_upper(0));
+  }
   u = held_input_;
+  held_input_(0) = std::clamp(held_input_(0), -design_.force_limit, design_.force_limit);
 }
 
 }  // namespace breakwater

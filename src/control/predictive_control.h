@@ -2,11 +2,13 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 #include <memory>
 #include <vector>
 
 #include "control/controller.h"
 #include "control/lmpc.h"
+#include "control/step_reference.h"
 #include "observers/disturbance_estimator.h"
 
 namespace breakwater {
@@ -16,37 +18,26 @@ enum class DisturbanceUse {
   none,     ///< nothing
   predict,  ///< it is a state of the prediction model (Eqs. 2.46–2.48): the proposed method
   cancel,   ///< ũ = u + d̂ (Eq. 2.45); u alone is bounded
-  cancel_within_bounds  ///< the same, and u_low − d̂ ≤ u ≤ u_upp − d̂: the second remedy of 2.3.4
-};
-
-/// A reference for the position that steps from 0.
-struct StepReference {
-  double value = 0.0;
-  double from_s = 0.0;
-
-  double at(double time_s) const { return time_s >= from_s ? value : 0.0; }
+  /// The same, and u_low − d̂ ≤ u ≤ u_upp − d̂: the second remedy of 2.3.4. d̂ moves between two
+  /// optimisations; there ũ is clipped to [u_low, u_upp].
+  cancel_within_bounds
 };
 
 struct PredictiveControlDesign {
   LmpcDesign lmpc;  ///< its A and B are the extended model's with DisturbanceUse::predict
   DisturbanceUse disturbance_use = DisturbanceUse::predict;
   int samples_per_move = 1;  ///< the estimator runs at every sample, the optimisation at every …th
-  StepReference reference;
-  Eigen::VectorXd start_state;  ///< x̂(0), n
+  StepReference reference;   ///< of the position
+  Eigen::VectorXd start_state;                                   ///< x̂(0), n
+  double force_limit = std::numeric_limits<double>::infinity();  ///< of the drive
 };
-
-/// The model that predicts with a constant disturbance as a state: A̅ = [A −B; 0 I], B̅ = [B; 0]
-/// (Eq. 2.46).
-struct ExtendedModel {
-  Eigen::MatrixXd A;
-  Eigen::MatrixXd B;
-};
-ExtendedModel extend_by_constant_disturbance(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B);
 
 /// One input, of which an estimator knows state and disturbance, and linear predictive control.
 ///
+/// With DisturbanceUse::predict the model is ExtendedPlant's, of order 0 (Eq. 2.46).
+///
 /// The tracked state is [position; …], its reference (r, 0, …, 0) over the whole horizon. The
-/// estimator is told of the input that is asked for.
+/// estimator is told of the input that is asked for, as the drive's limit clips it.
 ///
 /// Expects samples whose first entry is the measured position.
 class PredictiveControl final : public Controller {
@@ -73,8 +64,9 @@ class PredictiveControl final : public Controller {
   Eigen::VectorXd trajectory_;       // T_ref
   Eigen::VectorXd reserved_;
   Eigen::VectorXd planned_input_;  // u of the optimisation
-  Eigen::VectorXd held_input_;     // what is asked for
+  Eigen::VectorXd held_input_;     // what is asked for, as the drive clips it
   double iterations_ = 0.0;
+  double softened_ = 0.0;
   double status_ = 0.0;
   double kkt_residual_ = 0.0;
   std::vector<Signal> signals_;

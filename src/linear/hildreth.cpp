@@ -9,6 +9,7 @@ namespace breakwater {
 namespace {
 
 constexpr double kTolerance = 1e-8;  // of the largest move of a multiplier in a sweep
+constexpr double kDiverged = 10.0;   // by how much the multipliers' sum may grow up to the cap
 
 }  // namespace
 
@@ -49,6 +50,7 @@ void HildrethQp::solve(const QpInput& input, QpSolution& solution) {
   values_.noalias() = factors_.columns * z_free_;
   values_.noalias() -= factors_.gram * solution.mu;
 
+  const double sum_before = lambda_upper_.sum() + lambda_lower_.sum();
   solution.status = QpStatus::iteration_cap;
   while (solution.iterations < max_sweeps_) {
     ++solution.iterations;
@@ -57,12 +59,15 @@ void HildrethQp::solve(const QpInput& input, QpSolution& solution) {
       break;
     }
   }
+  const double sum = lambda_upper_.sum() + lambda_lower_.sum();
+  const bool diverged = solution.status == QpStatus::iteration_cap && sum > kDiverged * sum_before;
   if (empty) solution.status = QpStatus::infeasible;
   solution.mu = lambda_upper_ - lambda_lower_;
   solution.z = z_free_;
   solution.z.noalias() -= factors_.step * solution.mu;
   values_.noalias() = factors_.columns * solution.z;
   solution.kkt_residual = kkt_residual(factors_.model, input, solution, values_, gradient_);
+  if (diverged) reset();
 }
 
 double HildrethQp::sweep(const QpInput& input) {

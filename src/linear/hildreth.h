@@ -14,7 +14,9 @@ namespace breakwater {
 ///
 /// What differs from the textbook: the values Ω z are kept and changed when a multiplier does
 /// (which is seldom), instead of being summed anew for every row; it starts from the last
-/// multipliers; a row's two sides are two neighbours in the sweep.
+/// multipliers, unless they were on their way to infinity, as those of an infeasible problem are:
+/// at the cap and more than ten times what they began with; a row's two sides are two neighbours in
+/// the sweep.
 ///
 /// Source: C. Hildreth, Naval Res. Logist. Q. 4 (1957) 79–85; L. Wang, Model Predictive Control
 /// System Design and Implementation Using MATLAB (2009), 2.4.4.

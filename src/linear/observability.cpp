@@ -3,6 +3,7 @@
 #include <Eigen/QR>
 
 namespace breakwater {
+namespace {
 
 Eigen::MatrixXd observability_matrix(const Eigen::MatrixXd& A, const Eigen::MatrixXd& C) {
   const Eigen::Index n = A.rows();
@@ -15,6 +16,8 @@ Eigen::MatrixXd observability_matrix(const Eigen::MatrixXd& A, const Eigen::Matr
   }
   return U_o;
 }
+
+}  // namespace
 
 Eigen::Index observability_rank(const Eigen::MatrixXd& A, const Eigen::MatrixXd& C) {
   Eigen::MatrixXd U_o = observability_matrix(A, C);

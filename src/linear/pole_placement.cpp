@@ -93,11 +93,6 @@ Eigen::MatrixXd place_observer_poles(const Eigen::MatrixXd& A, const Eigen::Matr
   return H.real().cast<double>();
 }
 
-Eigen::MatrixXd place_feedback_poles(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B,
-                                     const std::vector<PoleGroup>& groups) {
-  return place_observer_poles(A.transpose(), B.transpose(), groups).transpose();
-}
-
 std::vector<PoleGroup> sample_poles(const std::vector<PoleGroup>& continuous, double period_s) {
   std::vector<PoleGroup> sampled = continuous;
   for (auto& group : sampled) {

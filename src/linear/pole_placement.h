@@ -1,4 +1,4 @@
-// Pole placement for multi-output observers and, by duality, multi-input state feedback.
+// Pole placement for multi-output observers.
 #pragma once
 
 #include <Eigen/Core>
@@ -7,7 +7,7 @@
 
 namespace breakwater {
 
-/// The poles that one output (or input) is to place. A complex pole stands beside its conjugate.
+/// The poles that one output is to place. A complex pole stands beside its conjugate.
 using PoleGroup = std::vector<std::complex<double>>;
 
 /// Observer gain H (n×p) with eig(A − H C) = the union of `groups`.
@@ -24,11 +24,6 @@ using PoleGroup = std::vector<std::complex<double>>;
 /// conjugate, a pole already is an eigenvalue of A, or the groups cannot be placed through those
 /// outputs (in particular, if (A, C) is not observable).
 Eigen::MatrixXd place_observer_poles(const Eigen::MatrixXd& A, const Eigen::MatrixXd& C,
-                                     const std::vector<PoleGroup>& groups);
-
-/// State feedback F (m×n) with eig(A − B F) = the union of `groups`, one group per input: the dual
-/// of place_observer_poles, with the same errors.
-Eigen::MatrixXd place_feedback_poles(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B,
                                      const std::vector<PoleGroup>& groups);
 
 /// z = e^{s T_s}: where a sampled system must put a continuous pole s [1/s].

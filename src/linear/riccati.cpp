@@ -3,13 +3,19 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
+#include <algorithm>
+#include <limits>
 #include <stdexcept>
 
 namespace breakwater {
 namespace {
 
 constexpr int kMostDoublings = 60;
-constexpr double kConverged = 1e-14;        // relative change of P
+constexpr double kConverged = 1e-14;  // relative change of P
+// A mode on the unit circle that Q does not see is halved by each Newton step, for ever. That many
+// steps do not bring it below the tolerance; where there is a solution they converge quadratically.
+constexpr int kMostNewtonSteps = 30;
+constexpr double kNewtonConverged = 1e-11;  // relative change of P
 constexpr double kSymmetric = 1e-12;        // relative
 constexpr double kSmallestResidual = 1e-8;  // relative; above, the doubling has not converged
 
@@ -20,6 +26,65 @@ bool is_symmetric(const Eigen::MatrixXd& matrix) {
 
 Eigen::MatrixXd symmetric_part(const Eigen::MatrixXd& matrix) {
   return 0.5 * (matrix + matrix.transpose());
+}
+
+// K = (R + Bᵀ P B)⁻¹ Bᵀ P A
+Eigen::MatrixXd feedback(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B,
+                         const Eigen::MatrixXd& R, const Eigen::MatrixXd& P) {
+  const Eigen::MatrixXd PB = P * B;
+  return (R + B.transpose() * PB).llt().solve(PB.transpose() * A);
+}
+
+Eigen::MatrixXd by_doubling(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B,
+                            const Eigen::MatrixXd& Q, const Eigen::MatrixXd& R) {
+  const Eigen::MatrixXd identity = Eigen::MatrixXd::Identity(A.rows(), A.rows());
+  Eigen::MatrixXd transition = A;
+  Eigen::MatrixXd G = symmetric_part(B * R.llt().solve(B.transpose()));
+  Eigen::MatrixXd P = Q;
+  for (int k = 0; k < kMostDoublings; ++k) {
+    // (I + G P) is invertible as G and P are positive semidefinite.
+    const Eigen::PartialPivLU<Eigen::MatrixXd> lu(identity + G * P);
+    const Eigen::MatrixXd to_transition = lu.solve(transition);  // (I + G P)⁻¹ A_k
+    const Eigen::MatrixXd to_G = lu.solve(G);
+    const Eigen::MatrixXd growth = symmetric_part(transition.transpose() * P * to_transition);
+    G = symmetric_part(G + transition * to_G * transition.transpose());
+    P += growth;
+    transition = transition * to_transition;
+    if (!P.allFinite()) break;
+    if (growth.norm() <= kConverged * P.norm()) break;
+  }
+  return P;
+}
+
+// Newton's method from a P whose feedback stabilises: each step's P is what that feedback costs,
+//     P = (A − B K)ᵀ P (A − B K) + Q + Kᵀ R K,
+// summed by doubling. Not finite if it does not converge.
+Eigen::MatrixXd by_newton(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B,
+                          const Eigen::MatrixXd& Q, const Eigen::MatrixXd& R, Eigen::MatrixXd P) {
+  for (int step = 0; step < kMostNewtonSteps; ++step) {
+    const Eigen::MatrixXd last = P;
+    const Eigen::MatrixXd K = feedback(A, B, R, P);
+    Eigen::MatrixXd closed = A - B * K;
+    P = symmetric_part(Q + K.transpose() * R * K);
+    for (int k = 0; k < kMostDoublings; ++k) {
+      const Eigen::MatrixXd growth = symmetric_part(closed.transpose() * P * closed);
+      P += growth;
+      closed = closed * closed;
+      if (!P.allFinite()) return P;
+      if (growth.norm() <= kConverged * P.norm()) break;
+    }
+    if ((P - last).norm() <= kNewtonConverged * P.norm()) return P;
+  }
+  return Eigen::MatrixXd::Constant(A.rows(), A.rows(), std::numeric_limits<double>::quiet_NaN());
+}
+
+bool stabilises(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B, const Eigen::MatrixXd& Q,
+                const Eigen::MatrixXd& R, const Eigen::MatrixXd& P) {
+  if (!P.allFinite()) return false;
+  const Eigen::MatrixXd closed = A - B * feedback(A, B, R, P);
+  const double residual = (A.transpose() * P * closed + Q - P).norm();
+  return residual <= kSmallestResidual * P.norm() && closed.allFinite() &&
+         closed.eigenvalues().cwiseAbs().maxCoeff() < 1.0;
 }
 
 }  // namespace
@@ -53,34 +118,14 @@ Eigen::MatrixXd solve_dare(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B,
     throw std::invalid_argument("Riccati: R must be symmetric positive definite");
   }
 
-  const Eigen::MatrixXd identity = Eigen::MatrixXd::Identity(n, n);
-  Eigen::MatrixXd transition = A;
-  Eigen::MatrixXd G = symmetric_part(B * R.llt().solve(B.transpose()));
-  Eigen::MatrixXd P = Q;
-  for (int k = 0; k < kMostDoublings; ++k) {
-    // (I + G P) is invertible as G and P are positive semidefinite.
-    const Eigen::PartialPivLU<Eigen::MatrixXd> lu(identity + G * P);
-    const Eigen::MatrixXd to_transition = lu.solve(transition);  // (I + G P)⁻¹ A_k
-    const Eigen::MatrixXd to_G = lu.solve(G);
-    const Eigen::MatrixXd growth = symmetric_part(transition.transpose() * P * to_transition);
-    G = symmetric_part(G + transition * to_G * transition.transpose());
-    P += growth;
-    transition = transition * to_transition;
-    if (!P.allFinite()) break;
-    if (growth.norm() <= kConverged * P.norm()) break;
-  }
-
-  const Eigen::MatrixXd PB = P * B;
-  const Eigen::LLT<Eigen::MatrixXd> S(R + B.transpose() * PB);
-  if (P.allFinite() && S.info() == Eigen::Success) {
-    const Eigen::MatrixXd K = S.solve(PB.transpose() * A);
-    const Eigen::MatrixXd closed = A - B * K;
-    const double residual = (A.transpose() * P * closed + Q - P).norm();
-    if (residual <= kSmallestResidual * P.norm() &&
-        closed.eigenvalues().cwiseAbs().maxCoeff() < 1.0) {
-      return P;
-    }
-  }
+  Eigen::MatrixXd P = by_doubling(A, B, Q, R);
+  if (stabilises(A, B, Q, R, P)) return P;
+  // Where Q does not see an unstable mode the doubling finds the cheapest solution, which leaves it
+  // alone. With a Q that sees all it stabilises, and from there Newton's method finds the way.
+  const double scale = std::max(1.0, Q.norm());
+  P = by_doubling(A, B, Q + scale * Eigen::MatrixXd::Identity(n, n), R);
+  if (P.allFinite()) P = by_newton(A, B, Q, R, P);
+  if (stabilises(A, B, Q, R, P)) return P;
   throw std::invalid_argument("Riccati: there is no stabilising solution");
 }
 
@@ -88,8 +133,7 @@ LqrDesign dlqr(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B, const Eigen::
                const Eigen::MatrixXd& R) {
   LqrDesign design;
   design.P = solve_dare(A, B, Q, R);
-  const Eigen::MatrixXd PB = design.P * B;
-  design.K = (R + B.transpose() * PB).llt().solve(PB.transpose() * A);
+  design.K = feedback(A, B, R, design.P);
   return design;
 }
 

@@ -7,9 +7,11 @@ namespace breakwater {
 
 /// The stabilising solution P (n×n, symmetric, positive semidefinite) of
 ///     P = Aᵀ P A − Aᵀ P B (R + Bᵀ P B)⁻¹ Bᵀ P A + Q
-/// by the structured doubling algorithm: its k-th step has looked 2ᵏ samples ahead.
+/// by the structured doubling algorithm: its k-th step has looked 2ᵏ samples ahead. If Q does not
+/// see an unstable mode, so that leaving it alone is cheaper, by Newton's method.
 ///
-/// Source: E. K.-W. Chu, H.-Y. Fan, W.-W. Lin, C.-S. Wang, Int. J. Control 77 (2004) 767–788.
+/// Sources: E. K.-W. Chu, H.-Y. Fan, W.-W. Lin, C.-S. Wang, Int. J. Control 77 (2004) 767–788;
+/// G. A. Hewer, IEEE Trans. Autom. Control 16 (1971) 382–384.
 ///
 /// Throws std::invalid_argument if the shapes do not fit, an entry is not finite, Q is not
 /// symmetric positive semidefinite, R is not symmetric positive definite, or there is no

@@ -3,9 +3,10 @@
 namespace breakwater {
 namespace {
 
-constexpr double kQuantumShare = 0.75;
+constexpr double kQuantumShare = 1.0;
 constexpr double kNoiseShare = 4.5;
-constexpr double kNoiseWake = 3.0;
+constexpr double kQuantumWake = 0.5;
+constexpr double kNoiseWake = 1.5;
 constexpr double kSmallestAlpha = 1e-22;  // of a sensor whose rounding is that of the arithmetic
 
 }  // namespace
@@ -14,7 +15,8 @@ VfakfdDesign qvff_design(const SensorError& error) {
   check(error, error.quantum.size());
   VfakfdDesign design;
   design.dead_zone = kQuantumShare * error.quantum + kNoiseShare * error.noise_std;
-  design.alpha = error.quantum.cwiseAbs2()
+  design.alpha = (kQuantumWake * error.quantum)
+                     .cwiseAbs2()
                      .cwiseMax((kNoiseWake * error.noise_std).cwiseAbs2())
                      .cwiseMax(kSmallestAlpha);
   return design;

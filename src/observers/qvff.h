@@ -10,9 +10,9 @@ namespace breakwater {
 /// The VFAKFD's λ(k) reacts to ê², whether it comes from a disturbance or from the encoder. Its α
 /// = 1/(b_reso T_s) wakes it up at ê² ≈ 0.2 α, which is 3 to 45 counts, depending on resolution and
 /// period. QVFF takes out of ê what the sensor's own error explains, and then reacts to little:
-///     |ê| → max(0, |ê| − 0.75 Δ − 4.5 σ),   α = max(Δ², (3 σ)², α_floor),   P0 = 1e-4·I.
-/// 0.75 Δ is more than the ±Δ/2 by which a measurement is rounded, and leaves Δ/4 for the error of
-/// the prediction; 4.5 σ is passed by 7 samples in a million.
+///     |ê| → max(0, |ê| − Δ − 4.5 σ),   α = max((Δ/2)², (1.5 σ)², α_floor),   P0 = 1e-6·I.
+/// Δ is the ±Δ/2 by which a measurement is rounded and as much for the prediction, which knows no
+/// better than a count where it is; 4.5 σ is passed by 7 samples in a million.
 /// docs/methods/disturbance-kalman-filters.md has the derivation and where it loses.
 ///
 /// Throws std::invalid_argument as check(SensorError) does.
@@ -21,6 +21,6 @@ VfakfdDesign qvff_design(const SensorError& error);
 /// The VFAKFD's Kalman design: Q = 0 and P0 = p0·I; R is not used.
 KalmanDesign variable_forgetting_design(const ExtendedPlant& plant, double p0);
 
-constexpr double kQvffInitialCovariance = 1e-4;
+constexpr double kQvffInitialCovariance = 1e-6;
 
 }  // namespace breakwater

@@ -16,7 +16,7 @@ KalmanDesign stf_design(const ExtendedPlant& plant, const SensorError& error, do
 /// The KFD without process noise, whose covariance is inflated before the gain is computed, but
 /// only if the innovation is more than the sensor's error and the estimate's own uncertainty
 /// explain:
-///     if |ê| > Δ + 5σ + 3 √P₁₁:  P ← P · clip(4 ê²/(P₁₁ + R), 1, 1e6),   P₁₁ = C̅ P(k|k−1) C̅ᵀ.
+///     if |ê| > Δ + 5σ + 2 √P₁₁:  P ← P · clip(4 ê²/(P₁₁ + R), 1, 1e6),   P₁₁ = C̅ P(k|k−1) C̅ᵀ.
 /// After that P₁₁ + R is about 4 ê²: the innovation has become half a standard deviation. Between
 /// such moments the gain fades as 1/k, and so does the noise of the estimate; a disturbance that
 /// keeps changing therefore is only followed in jumps.
@@ -46,7 +46,7 @@ class Stf final : public KalmanEstimator<N, m, p> {
 
  private:
   static constexpr double kNoiseShare = 5.0;
-  static constexpr double kUncertaintyShare = 3.0;
+  static constexpr double kUncertaintyShare = 2.0;
   static constexpr double kInflationGain = 4.0;
   static constexpr double kLargestInflation = 1e6;
 

@@ -101,10 +101,8 @@ class AxisRig {
   void step();
 
   Simulation& simulation() { return *simulation_; }
-  /// Of the last step's beginning.
-  double position() const { return *position_; }
-  double velocity() const { return *velocity_; }
-  double disturbance() const { return disturbance_; }  ///< d, without noise and friction
+  /// d of the last step's beginning, without noise and friction.
+  double disturbance() const { return disturbance_; }
 
   /// All that the log holds at the control rate: true, measured, estimated, commanded.
   std::vector<Signal> signals() const;

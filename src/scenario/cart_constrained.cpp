@@ -66,7 +66,7 @@ Eigen::VectorXd CartConstrained::estimator_start() const {
 void CartConstrained::check(const Config& config) {
   check_axis(axis_, config);
   mpc_.check(axis_, config);
-  config.blame("observer.name", [&] { make_cart_estimator(estimator_, axis_); });
+  config.blame("observer.name", [&] { make_estimator(estimator_, axis_); });
   config.blame("controller.r", [&] { mpc_.regulator(axis_.nominal_plant()); });
   if (controller_ != CartControllerKind::mpc && mpc_.period_s != axis_.physics.control_period_s) {
     config.fail("controller.period_s", "must be control.period_s for a regulator");
@@ -74,21 +74,20 @@ void CartConstrained::check(const Config& config) {
 }
 
 Recording CartConstrained::run(const RunControl& control) const {
-  auto estimator = make_cart_estimator(estimator_, axis_);
+  auto estimator = make_estimator(estimator_, axis_);
   const DisturbanceEstimator& estimates = *estimator;
   std::unique_ptr<Controller> controller;
   const Lmpc* lmpc = nullptr;
   if (controller_ == CartControllerKind::mpc) {
-    PredictiveControlDesign design =
-        mpc_.design(axis_.nominal_plant(), axis_.physics.control_period_s);
+    PredictiveControlDesign design = mpc_.design(axis_);
     design.start_state = estimator_start();
     auto predictive = std::make_unique<PredictiveControl>(std::move(estimator), design);
     lmpc = &predictive->lmpc();
     controller = std::move(predictive);
   } else {
-    controller =
-        std::make_unique<LqrControl>(std::move(estimator), mpc_.regulator(axis_.nominal_plant()).K,
-                                     estimator_start(), controller_ == CartControllerKind::lqr);
+    controller = std::make_unique<LqrControl>(
+        std::move(estimator), mpc_.regulator(axis_.nominal_plant()).K, estimator_start(),
+        controller_ == CartControllerKind::lqr, axis_.force_limit());
   }
   AxisRig rig(plant(), {.force = disturbance()}, *controller);
   Simulation& sim = rig.simulation();

@@ -27,8 +27,8 @@ Fields CartEstimation::fields() {
   estimator_.bind_gamma(fields);
   fields.number("controller.kp", k_p_, not_negative(), "K_p [N/m]");
   fields.number("controller.kd", k_d_, not_negative(), "K_d [N s/m]");
-  fields.number("task.reference_m", reference_m_, any(), "y_ref [m]");
-  fields.number("task.reference_from_s", reference_from_s_, not_negative(),
+  fields.number("task.reference_m", reference_.value, any(), "y_ref [m]");
+  fields.number("task.reference_from_s", reference_.from_s, not_negative(),
                 "when it is stepped to [s]");
   fields.choice("disturbance.kind", kind_,
                 {{"step", Kind::step},
@@ -58,11 +58,6 @@ Fields CartEstimation::fields() {
   return fields;
 }
 
-EstimatorTask CartEstimation::task() const {
-  return {axis_.nominal_plant(), axis_.physics.control_period_s, axis_.sensor_error(),
-          axis_.pulses_per_revolution()};
-}
-
 Disturbance CartEstimation::disturbance() const {
   switch (kind_) {
     case Kind::step:
@@ -79,7 +74,7 @@ Disturbance CartEstimation::disturbance() const {
 
 void CartEstimation::check(const Config& config) {
   check_axis(axis_, config);
-  config.blame("observer.name", [&] { make_estimator(estimator_, task()); });
+  config.blame("observer.name", [&] { make_estimator(estimator_, axis_); });
   if (to_s_ <= from_s_) config.fail("metrics.to_s", "must be later than metrics.from_s");
   if (noise_to_s_ <= noise_from_s_) {
     config.fail("metrics.noise_to_s", "must be later than metrics.noise_from_s");
@@ -89,16 +84,15 @@ void CartEstimation::check(const Config& config) {
 Recording CartEstimation::run(const RunControl& control) const {
   const DisturbanceCancellingPdDesign design{.k_p = k_p_,
                                              .k_d = k_d_,
-                                             .reference = reference_m_,
-                                             .reference_from_s = reference_from_s_,
+                                             .reference = reference_,
                                              .force_limit = axis_.force_limit(),
                                              .period_s = axis_.physics.control_period_s,
                                              .units = axis_.axis.units};
   const Disturbance force = disturbance();
-  DisturbanceCancellingPd controller(make_estimator(estimator_, task()), design);
+  DisturbanceCancellingPd controller(make_estimator(estimator_, axis_), design);
   AxisRig rig(axis_, {.force = force}, controller);
   // Beside it, the run as it would be without noise: what differs is what the noise does.
-  DisturbanceCancellingPd quiet_controller(make_estimator(estimator_, task()), design);
+  DisturbanceCancellingPd quiet_controller(make_estimator(estimator_, axis_), design);
   AxisRig quiet_rig(without_noise(axis_), {.force = force}, quiet_controller);
   double noise_N = 0.0;
   Simulation& sim = rig.simulation();

@@ -1,6 +1,7 @@
 // Scenario cart_estimation: disturbance models and forgetting factors (thesis 4.2.4).
 #pragma once
 
+#include "control/step_reference.h"
 #include "scenario/axis_rig.h"
 #include "scenario/estimator_settings.h"
 #include "scenario/scenario.h"
@@ -25,15 +26,13 @@ class CartEstimation final : public Scenario {
  private:
   enum class Kind { step, ramp, sine, high_sine };
 
-  EstimatorTask task() const;
   Disturbance disturbance() const;
 
   AxisSettings axis_{cart_axis()};
   EstimatorSettings estimator_;
   double k_p_ = 0.0;
   double k_d_ = 0.0;
-  double reference_m_ = 0.0;
-  double reference_from_s_ = 0.0;
+  StepReference reference_;
   Kind kind_ = Kind::step;
   Disturbance step_{.kind = DisturbanceKind::step};
   Disturbance ramp_{.kind = DisturbanceKind::ramp};

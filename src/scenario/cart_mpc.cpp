@@ -2,29 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <utility>
 
+#include "observers/disturbance_model.h"
+
 namespace breakwater {
-namespace {
-
-// `count` steps, spread evenly over 1 … last, of which the last is one.
-std::vector<int> spread_steps(int count, int last) {
-  std::vector<int> steps;
-  for (int i = 1; i <= count; ++i) {
-    steps.push_back(static_cast<int>(std::lround(static_cast<double>(i) * last / count)));
-  }
-  return steps;
-}
-
-std::vector<int> first_steps(int count) {
-  std::vector<int> steps(static_cast<std::size_t>(count));
-  std::iota(steps.begin(), steps.end(), 0);
-  return steps;
-}
-
-}  // namespace
-
 void CartMpcSettings::bind(Fields& fields) {
   fields.choice("controller.disturbance_use", disturbance_use,
                 {{"none", DisturbanceUse::none},
@@ -67,7 +49,7 @@ void CartMpcSettings::bind(Fields& fields) {
                "hildreth: cap on sweeps; active_set needs none");
   fields.choice("solver.on_infeasible", on_infeasible,
                 {{"soften", OnInfeasible::soften}, {"stop", OnInfeasible::stop}},
-                "active_set: soften state constraints, or stop the run");
+                "active_set: soften constraints, never those of inputs, or stop");
   fields.choice("solver.soften_first", soften_first,
                 {{"position", SoftenFirst::position}, {"velocity", SoftenFirst::velocity}},
                 "which state's constraints give way before the other's: position or velocity");
@@ -94,9 +76,8 @@ void CartMpcSettings::check(const AxisSettings& axis, const Config& config) cons
   if (input_lower_N > input_upper_N) {
     config.fail("constraint.input_lower_N", "must not be above constraint.input_upper_N");
   }
-  const PredictiveControlDesign control = config.blame("controller.last_weight", [&] {
-    return design(axis.nominal_plant(), axis.physics.control_period_s);
-  });
+  const PredictiveControlDesign control =
+      config.blame("controller.last_weight", [&] { return design(axis); });
   const Lmpc lmpc = config.blame("controller.prediction_steps", [&] { return Lmpc(control.lmpc); });
   if (!lmpc.inputs_are_feasible(Eigen::VectorXd::Zero(1))) {
     config.fail("constraint.input_change_N",
@@ -113,8 +94,8 @@ LqrDesign CartMpcSettings::regulator(const StateSpace& nominal_plant) const {
   return dlqr(sampled.A, sampled.B, state_weight(), Eigen::MatrixXd::Constant(1, 1, r));
 }
 
-PredictiveControlDesign CartMpcSettings::design(const StateSpace& nominal_plant,
-                                                double sample_s) const {
+PredictiveControlDesign CartMpcSettings::design(const AxisSettings& axis) const {
+  const StateSpace nominal_plant = axis.nominal_plant();
   const StateSpace sampled = zero_order_hold(nominal_plant, period_s);
   PredictiveControlDesign design;
   LmpcDesign& lmpc = design.lmpc;
@@ -127,7 +108,7 @@ PredictiveControlDesign CartMpcSettings::design(const StateSpace& nominal_plant,
       last_weight == LastWeight::riccati ? regulator(nominal_plant).P : last_factor * lmpc.Q;
   lmpc.R = Eigen::MatrixXd::Constant(1, 1, r);
   if (disturbance_use == DisturbanceUse::predict) {
-    const ExtendedModel extended = extend_by_constant_disturbance(sampled.A, sampled.B);
+    const StateSpace extended = extend_by_disturbance_model(sampled, 0, period_s).sampled;
     lmpc.A = extended.A;
     lmpc.B = extended.B;
     // Q ⊕ q_d, and P ⊕ q_d: the disturbance has no Riccati solution, as no input reaches it.
@@ -162,25 +143,22 @@ PredictiveControlDesign CartMpcSettings::design(const StateSpace& nominal_plant,
   lmpc.softness = softness;
 
   design.disturbance_use = disturbance_use;
-  design.samples_per_move = static_cast<int>(std::lround(period_s / sample_s));
+  design.samples_per_move = static_cast<int>(std::lround(period_s / axis.physics.control_period_s));
   design.start_state = Eigen::VectorXd::Zero(2);
+  design.force_limit = axis.force_limit();
   return design;
 }
 
-std::unique_ptr<DisturbanceEstimator> make_cart_estimator(const EstimatorSettings& settings,
-                                                          const AxisSettings& axis) {
-  return make_estimator(settings, {axis.nominal_plant(), axis.physics.control_period_s,
-                                   axis.sensor_error(), axis.pulses_per_revolution()});
-}
-
 void add_qp_metrics(const QpStatistics& statistics, std::vector<Metric>& metrics) {
-  const auto solves = static_cast<double>(std::max<std::int64_t>(statistics.solves, 1));
+  const auto optimisations =
+      static_cast<double>(std::max<std::int64_t>(statistics.optimisations, 1));
   metrics.push_back(
-      {"qp_iterations_mean", "1", static_cast<double>(statistics.iterations) / solves});
+      {"qp_iterations_mean", "1", static_cast<double>(statistics.iterations) / optimisations});
   metrics.push_back({"qp_iterations_max", "1", static_cast<double>(statistics.most_iterations)});
   metrics.push_back({"qp_unsolved_count", "1", static_cast<double>(statistics.unsolved)});
   metrics.push_back({"qp_softened_count", "1", static_cast<double>(statistics.softened)});
-  metrics.push_back({"qp_time_mean_us", "us", 1e6 * statistics.time_s / solves});
+  metrics.push_back({"qp_capped_count", "1", static_cast<double>(statistics.capped)});
+  metrics.push_back({"qp_time_mean_us", "us", 1e6 * statistics.time_s / optimisations});
   metrics.push_back({"qp_time_max_us", "us", 1e6 * statistics.longest_s});
 }
 

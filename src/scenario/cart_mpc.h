@@ -1,7 +1,6 @@
 // Predictive control of the cart: the keys and metrics that its scenarios share.
 #pragma once
 
-#include <memory>
 #include <vector>
 
 #include "control/predictive_control.h"
@@ -56,16 +55,12 @@ struct CartMpcSettings {
   Eigen::MatrixXd state_weight() const;
   LqrDesign regulator(const StateSpace& nominal_plant) const;
 
-  /// The controller on a nominal plant, with estimates at every `sample_s`.
-  PredictiveControlDesign design(const StateSpace& nominal_plant, double sample_s) const;
+  /// The controller of an axis, with estimates at every control period.
+  PredictiveControlDesign design(const AxisSettings& axis) const;
 };
 
-/// The estimator of a cart scenario.
-std::unique_ptr<DisturbanceEstimator> make_cart_estimator(const EstimatorSettings& settings,
-                                                          const AxisSettings& axis);
-
-/// qp_iterations_mean, qp_iterations_max, qp_unsolved_count, qp_softened_count, qp_time_mean_us,
-/// qp_time_max_us.
+/// qp_iterations_mean, qp_iterations_max, qp_unsolved_count, qp_softened_count, qp_capped_count,
+/// qp_time_mean_us, qp_time_max_us. Means and largest are those of an optimisation.
 void add_qp_metrics(const QpStatistics& statistics, std::vector<Metric>& metrics);
 
 }  // namespace breakwater

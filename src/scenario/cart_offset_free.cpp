@@ -34,8 +34,7 @@ AxisSettings CartOffsetFree::plant() const {
 }
 
 PredictiveControlDesign CartOffsetFree::design() const {
-  PredictiveControlDesign design =
-      mpc_.design(axis_.nominal_plant(), axis_.physics.control_period_s);
+  PredictiveControlDesign design = mpc_.design(axis_);
   design.reference = reference_;
   return design;
 }
@@ -43,12 +42,12 @@ PredictiveControlDesign CartOffsetFree::design() const {
 void CartOffsetFree::check(const Config& config) {
   check_axis(axis_, config);
   mpc_.check(axis_, config);
-  config.blame("observer.name", [&] { make_cart_estimator(estimator_, axis_); });
+  config.blame("observer.name", [&] { make_estimator(estimator_, axis_); });
   if (to_s_ <= from_s_) config.fail("metrics.to_s", "must be later than metrics.from_s");
 }
 
 Recording CartOffsetFree::run(const RunControl& control) const {
-  PredictiveControl controller(make_cart_estimator(estimator_, plant()), design());
+  PredictiveControl controller(make_estimator(estimator_, plant()), design());
   const auto step = [&](double amplitude) {
     return Disturbance{DisturbanceKind::step, amplitude, 0.0, disturbance_start_s_};
   };

@@ -21,8 +21,8 @@ Fields CartPosition::fields() {
   fields.number("controller.kp", k_p_, not_negative(), "K_p [N/m]");
   fields.number("controller.kd", k_d_, not_negative(), "K_d [N s/m]");
   mpc_.bind(fields);
-  fields.number("task.reference_m", reference_m_, any(), "y_ref [m]");
-  fields.number("task.reference_from_s", reference_from_s_, not_negative(),
+  fields.number("task.reference_m", reference_.value, any(), "y_ref [m]");
+  fields.number("task.reference_from_s", reference_.from_s, not_negative(),
                 "when it is stepped to [s]");
   fields.number("metrics.from_s", from_s_, not_negative(), "the steady state begins [s]");
   fields.number("metrics.to_s", to_s_, not_negative(), "the steady state ends [s]");
@@ -36,17 +36,15 @@ Fields CartPosition::fields() {
 std::unique_ptr<Controller> CartPosition::make_controller(
     std::unique_ptr<DisturbanceEstimator> estimator) const {
   if (controller_ == CartPositionController::mpc) {
-    PredictiveControlDesign design =
-        mpc_.design(axis_.nominal_plant(), axis_.physics.control_period_s);
-    design.reference = {reference_m_, reference_from_s_};
+    PredictiveControlDesign design = mpc_.design(axis_);
+    design.reference = reference_;
     return std::make_unique<PredictiveControl>(std::move(estimator), design);
   }
   return std::make_unique<DisturbanceCancellingPd>(
       std::move(estimator),
       DisturbanceCancellingPdDesign{.k_p = k_p_,
                                     .k_d = k_d_,
-                                    .reference = reference_m_,
-                                    .reference_from_s = reference_from_s_,
+                                    .reference = reference_,
                                     .force_limit = axis_.force_limit(),
                                     .period_s = axis_.physics.control_period_s,
                                     .units = axis_.axis.units});
@@ -54,7 +52,7 @@ std::unique_ptr<Controller> CartPosition::make_controller(
 
 void CartPosition::check(const Config& config) {
   check_axis(axis_, config);
-  config.blame("observer.name", [&] { make_cart_estimator(estimator_, axis_); });
+  config.blame("observer.name", [&] { make_estimator(estimator_, axis_); });
   mpc_.check(axis_, config);
   config.blame("metrics.high_pass_Hz",
                [&] { HighPass(high_pass_Hz_, axis_.physics.control_period_s); });
@@ -62,7 +60,7 @@ void CartPosition::check(const Config& config) {
 }
 
 Recording CartPosition::run(const RunControl& control) const {
-  auto estimator = make_cart_estimator(estimator_, axis_);
+  auto estimator = make_estimator(estimator_, axis_);
   const DisturbanceEstimator& estimates = *estimator;
   const std::unique_ptr<Controller> controller = make_controller(std::move(estimator));
   AxisRig rig(axis_, {}, *controller);
@@ -79,9 +77,8 @@ Recording CartPosition::run(const RunControl& control) const {
 
   const TimeWindow window{from_s_, to_s_};
   WindowStatistics error(window), input_step(window), noise(TimeWindow{}), position(TimeWindow{});
-  const StepReference reference{reference_m_, reference_from_s_};
   double last_input = 0.0;
-  SettlingTime settling(reference_from_s_, settled_within_ * std::abs(reference_m_));
+  SettlingTime settling(reference_.from_s, settled_within_ * std::abs(reference_.value));
 
   Recording recording;
   // One step more than the duration has, so that the sample at its end is there.
@@ -90,7 +87,7 @@ Recording CartPosition::run(const RunControl& control) const {
     if (!sim.sampled()) return;
     const double t = sim.time_s();
     high_passed_N = high_pass.update(estimates.disturbance()(0));
-    const double missing = reference.at(t) - sim.qpos()[0];
+    const double missing = reference_.at(t) - sim.qpos()[0];
     const double input = sim.actuation()(0);
     error.add(t, missing);
     noise.add(t, high_passed_N);

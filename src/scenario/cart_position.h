@@ -34,8 +34,7 @@ class CartPosition final : public Scenario {
   CartPositionController controller_ = CartPositionController::pd;
   double k_p_ = 0.0;
   double k_d_ = 0.0;
-  double reference_m_ = 0.0;
-  double reference_from_s_ = 0.0;
+  StepReference reference_;
   double from_s_ = 0.0;
   double to_s_ = 0.0;
   double settled_within_ = 0.0;

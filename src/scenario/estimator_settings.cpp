@@ -19,9 +19,10 @@ PoleGroup pole_group(const EstimatorSettings& settings) {
   return {settings.poles_rad_s.begin(), settings.poles_rad_s.end()};
 }
 
-ExtendedPlant extended_plant(const EstimatorSettings& settings, const EstimatorTask& task) {
-  return extend_by_disturbance_model(zero_order_hold(task.continuous_plant, task.period_s),
-                                     settings.disturbance_order, task.period_s);
+ExtendedPlant extended_plant(const EstimatorSettings& settings, const AxisSettings& axis) {
+  return extend_by_disturbance_model(
+      zero_order_hold(axis.nominal_plant(), axis.physics.control_period_s),
+      settings.disturbance_order, axis.physics.control_period_s);
 }
 
 Eigen::MatrixXd process_noise(const EstimatorSettings& settings, const ExtendedPlant& plant) {
@@ -36,8 +37,8 @@ Eigen::MatrixXd process_noise(const EstimatorSettings& settings, const ExtendedP
   throw std::logic_error("unknown process noise");
 }
 
-KalmanDesign kalman_design(const EstimatorSettings& settings, const EstimatorTask& task) {
-  const ExtendedPlant plant = extended_plant(settings, task);
+KalmanDesign kalman_design(const EstimatorSettings& settings, const AxisSettings& axis) {
+  const ExtendedPlant plant = extended_plant(settings, axis);
   const auto& P0 = settings.initial_covariance;
   if (static_cast<Eigen::Index>(P0.size()) != plant.states()) {
     throw std::invalid_argument("needs one initial covariance for each of the " +
@@ -59,14 +60,14 @@ MdobDesign mdob_design(const EstimatorSettings& settings, const StateSpace& plan
   return design;
 }
 
-VfakfdDesign vfakfd_design(const EstimatorSettings& settings, const EstimatorTask& task) {
+VfakfdDesign vfakfd_design(const EstimatorSettings& settings, const AxisSettings& axis) {
   VfakfdDesign design;
-  if (settings.alpha == 0.0 && task.pulses_per_revolution == 0.0) {
+  if (settings.alpha == 0.0 && axis.pulses_per_revolution() == 0.0) {
     throw std::invalid_argument("alpha = 0 means Eq. 4.26, which needs a quantised encoder");
   }
-  const double alpha = settings.alpha > 0.0
-                           ? settings.alpha
-                           : vfakfd_alpha(task.pulses_per_revolution, task.period_s);
+  const double alpha = settings.alpha > 0.0 ? settings.alpha
+                                            : vfakfd_alpha(axis.pulses_per_revolution(),
+                                                           axis.physics.control_period_s);
   design.alpha = Eigen::VectorXd::Constant(1, alpha);
   design.dead_zone = Eigen::VectorXd::Zero(1);
   design.lambda_min = settings.lambda_min;
@@ -100,10 +101,10 @@ void EstimatorSettings::bind(Fields& fields) {
                  {"all", ProcessNoise::all},
                  {"disturbance", ProcessNoise::disturbance}},
                 "kfd, fakfd: input (B Q B^T, the KFD), all (Q I) or disturbance (the DKF)");
-  fields.number("observer.process_noise", process_noise, not_negative(), "kfd, fakfd: Q");
+  fields.number("observer.process_noise", process_noise, not_negative(), "kfd, fakfd, vfakfd: Q");
   fields.number("observer.observation_noise", observation_noise, positive(), "kfd, fakfd: R");
   fields.numbers("observer.initial_covariance", initial_covariance, positive(),
-                 "kfd, fakfd, vfakfd, qvff: diagonal of P0, of position, velocity, d, ...");
+                 "kfd, fakfd, vfakfd: diagonal of P0, of position, velocity, d, ...");
   fields.number("observer.alpha", alpha, not_negative(),
                 "vfakfd: alpha of Eq. 4.20; 0: 1/(b_reso T_s), Eq. 4.26");
   fields.number("observer.lambda_min", lambda_min, between(0, 1), "vfakfd, qvff");
@@ -118,37 +119,43 @@ void EstimatorSettings::bind_gamma(Fields& fields) {
 }
 
 std::unique_ptr<DisturbanceEstimator> make_estimator(const EstimatorSettings& settings,
-                                                     const EstimatorTask& task) {
+                                                     const AxisSettings& axis) {
   switch (settings.kind) {
     case EstimatorKind::mdob:
-      return std::make_unique<MdobEstimator>(mdob_design(settings, task.continuous_plant),
-                                             task.period_s);
+      return std::make_unique<MdobEstimator>(mdob_design(settings, axis.nominal_plant()),
+                                             axis.physics.control_period_s);
     case EstimatorKind::state_observer:
-      return std::make_unique<StateObserver>(
-          task.continuous_plant, std::vector<PoleGroup>{pole_group(settings)}, task.period_s);
+      return std::make_unique<StateObserver>(axis.nominal_plant(),
+                                             std::vector<PoleGroup>{pole_group(settings)},
+                                             axis.physics.control_period_s);
     case EstimatorKind::idob:
-      return std::make_unique<IdobEstimator>(
-          task.continuous_plant, std::vector<PoleGroup>{pole_group(settings)}, task.period_s);
+      return std::make_unique<IdobEstimator>(axis.nominal_plant(),
+                                             std::vector<PoleGroup>{pole_group(settings)},
+                                             axis.physics.control_period_s);
     case EstimatorKind::kfd:
-      return std::make_unique<Kfd<>>(kalman_design(settings, task));
+      return std::make_unique<Kfd<>>(kalman_design(settings, axis));
     case EstimatorKind::fakfd: {
-      const KalmanDesign design = kalman_design(settings, task);
+      const KalmanDesign design = kalman_design(settings, axis);
       return std::make_unique<Fakfd<>>(
-          design, settings.gamma * diagonal_gamma(design.plant, settings.gamma_d));
+          design, scalar_gamma(design.plant, settings.gamma)
+                      .cwiseProduct(diagonal_gamma(design.plant, settings.gamma_d)));
     }
     case EstimatorKind::vfakfd:
-      return std::make_unique<Vfakfd<>>(kalman_design(settings, task),
-                                        vfakfd_design(settings, task));
+      return std::make_unique<Vfakfd<>>(kalman_design(settings, axis),
+                                        vfakfd_design(settings, axis));
     case EstimatorKind::qvff: {
-      VfakfdDesign design = qvff_design(task.sensor_error);
+      VfakfdDesign design = qvff_design(axis.sensor_error());
       design.lambda_min = settings.lambda_min;
       design.lambda_max = settings.lambda_max;
-      return std::make_unique<Vfakfd<>>(kalman_design(settings, task), design);
+      return std::make_unique<Vfakfd<>>(
+          variable_forgetting_design(extended_plant(settings, axis), kQvffInitialCovariance),
+          design);
     }
     case EstimatorKind::stf: {
-      const ExtendedPlant plant = extended_plant(settings, task);
-      return std::make_unique<Stf<>>(stf_design(plant, task.sensor_error, task.period_s),
-                                     task.sensor_error);
+      const ExtendedPlant plant = extended_plant(settings, axis);
+      return std::make_unique<Stf<>>(
+          stf_design(plant, axis.sensor_error(), axis.physics.control_period_s),
+          axis.sensor_error());
     }
   }
   throw std::logic_error("unknown estimator");

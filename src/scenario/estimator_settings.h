@@ -2,12 +2,10 @@
 #pragma once
 
 #include <memory>
-#include <string>
 #include <vector>
 
-#include "linear/state_space.h"
 #include "observers/disturbance_estimator.h"
-#include "observers/sensor_error.h"
+#include "scenario/axis_rig.h"
 #include "scenario/fields.h"
 
 namespace breakwater {
@@ -37,16 +35,9 @@ struct EstimatorSettings {
   void bind_gamma(Fields& fields);
 };
 
-/// What an estimator is made for.
-struct EstimatorTask {
-  StateSpace continuous_plant;  ///< one axis
-  double period_s = 0.0;
-  SensorError sensor_error;
-  double pulses_per_revolution = 0.0;  ///< b_reso of Eq. 4.26
-};
-
-/// Throws std::invalid_argument if the settings define no estimator.
+/// The estimator of an axis, told of its nominal plant, period and sensor. Throws
+/// std::invalid_argument if the settings define none.
 std::unique_ptr<DisturbanceEstimator> make_estimator(const EstimatorSettings& settings,
-                                                     const EstimatorTask& task);
+                                                     const AxisSettings& axis);
 
 }  // namespace breakwater

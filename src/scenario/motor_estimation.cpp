@@ -1,6 +1,9 @@
 #include "scenario/motor_estimation.h"
 
+#include <algorithm>
 #include <cmath>
+#include <span>
+#include <string>
 #include <utility>
 
 #include "control/disturbance_cancelling_pd.h"
@@ -8,6 +11,18 @@
 #include "scenario/run_loop.h"
 
 namespace breakwater {
+namespace {
+
+// What a controller publishes under a name; empty if it has none such.
+std::span<const double> published(const Controller& controller, const std::string& name) {
+  for (const Signal& signal : controller.signals()) {
+    if (signal.name == name) return signal.values;
+  }
+  return {};
+}
+
+}  // namespace
+
 Fields MotorEstimation::fields() {
   Fields fields;
   axis_.bind(fields);
@@ -35,20 +50,15 @@ Fields MotorEstimation::fields() {
   return fields;
 }
 
-EstimatorTask MotorEstimation::task() const {
-  return {axis_.nominal_plant(), axis_.physics.control_period_s, axis_.sensor_error(),
-          axis_.pulses_per_revolution()};
-}
-
 void MotorEstimation::check(const Config& config) {
   check_axis(axis_, config);
   estimator_.gamma = 1.0 / lambda_;
-  config.blame("observer.name", [&] { make_estimator(estimator_, task()); });
+  config.blame("observer.name", [&] { make_estimator(estimator_, axis_); });
   if (to_s_ <= from_s_) config.fail("metrics.to_s", "must be later than metrics.from_s");
 }
 
 Recording MotorEstimation::run(const RunControl& control) const {
-  DisturbanceCancellingPd controller(make_estimator(estimator_, task()),
+  DisturbanceCancellingPd controller(make_estimator(estimator_, axis_),
                                      {.k_p = k_p_,
                                       .k_d = k_d_,
                                       .force_limit = axis_.force_limit(),
@@ -65,7 +75,10 @@ Recording MotorEstimation::run(const RunControl& control) const {
   const TimeWindow transient{start_s, from_s_};
   WindowStatistics velocity_error(window), position_error(window), disturbance_error(window);
   WindowStatistics transient_error(transient);
-  WindowStatistics position(TimeWindow{}), lambda(window);
+  WindowStatistics position(TimeWindow{}), lambda(window), any_lambda(TimeWindow{});
+  WindowStatistics slowest_pole(window);
+  const std::span<const double> lambda_now = published(controller, "lambda");
+  const std::span<const double> poles = published(controller, "poles_continuous_re_rad_s");
   SettlingTime settling(start_s, settled_within_ * std::abs(disturbance_.amplitude));
 
   Recording recording;
@@ -81,6 +94,11 @@ Recording MotorEstimation::run(const RunControl& control) const {
     transient_error.add(t, d_error);
     position.add(t, sim.qpos()[0]);
     settling.add(t, d_error);
+    if (!lambda_now.empty()) {
+      lambda.add(t, lambda_now.front());
+      any_lambda.add(t, lambda_now.front());
+    }
+    if (!poles.empty()) slowest_pole.add(t, *std::max_element(poles.begin(), poles.end()));
     log.append(t);
   });
 
@@ -95,6 +113,9 @@ Recording MotorEstimation::run(const RunControl& control) const {
       add(metrics, "disturbance_settling_time_s", "s", settling.value());
     }
     add(metrics, "transient_rmse_disturbance_Nm", "N m", transient_error.rms());
+    add(metrics, "lambda_mean_1", "1", lambda.mean());
+    add(metrics, "lambda_min_1", "1", any_lambda.smallest());
+    add(metrics, "slowest_pole_continuous_rad_s", "rad/s", slowest_pole.mean());
   }
   recording.tracks.push_back(std::move(log));
   return recording;

@@ -23,8 +23,6 @@ class MotorEstimation final : public Scenario {
   Recording run(const RunControl& control) const override;
 
  private:
-  EstimatorTask task() const;
-
   AxisSettings axis_{motor_axis()};
   EstimatorSettings estimator_;
   double lambda_ = 1.0;

@@ -6,14 +6,13 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
-#include <numeric>
 #include <string>
 #include <vector>
 
 #include "control/lmpc.h"
-#include "control/predictive_control.h"
 #include "linear/riccati.h"
 #include "linear/state_space.h"
+#include "observers/disturbance_model.h"
 #include "plants/damped_inertia.h"
 #include "world/noise.h"
 
@@ -51,21 +50,9 @@ struct Loop {
   int samples;
 };
 
-std::vector<int> first_steps(int count) {
-  std::vector<int> steps(static_cast<std::size_t>(count));
-  std::iota(steps.begin(), steps.end(), 0);
-  return steps;
-}
-
-std::vector<int> spread_steps(int count, int last) {
-  std::vector<int> steps;
-  for (int i = 1; i <= count; ++i) steps.push_back(i * last / count);
-  return steps;
-}
-
 Sequence record(const Loop& loop) {
   const StateSpace plant = zero_order_hold(damped_inertia(0.625, 0.78), loop.period_s);
-  const ExtendedModel extended = extend_by_constant_disturbance(plant.A, plant.B);
+  const StateSpace extended = extend_by_disturbance_model(plant, 0, loop.period_s).sampled;
   LmpcDesign design;
   design.A = extended.A;
   design.B = extended.B;

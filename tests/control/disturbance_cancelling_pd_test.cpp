@@ -22,8 +22,7 @@ std::unique_ptr<DisturbanceEstimator> idob(const StateSpace& plant) {
 DisturbanceCancellingPdDesign design() {
   return {.k_p = 10.0,
           .k_d = 5.0,
-          .reference = 0.5,
-          .reference_from_s = 1.0,
+          .reference = {0.5, 1.0},
           .period_s = kPeriod,
           .units = rotation_units()};
 }

@@ -9,8 +9,8 @@
 #include <numeric>
 
 #include "control/controller.h"
-#include "control/predictive_control.h"
 #include "linear/riccati.h"
+#include "observers/disturbance_model.h"
 #include "plants/damped_inertia.h"
 #include "support.h"
 
@@ -151,7 +151,7 @@ TEST(Lmpc, SatisfiesOptimalityAtEveryStepOfARun) {
 
 TEST(Lmpc, DisturbanceWeightChangesNothing) {
   const StateSpace plant = cart(0.1);
-  const ExtendedModel extended = extend_by_constant_disturbance(plant.A, plant.B);
+  const StateSpace extended = extend_by_disturbance_model(plant, 0, 0.1).sampled;
   const auto changes = [&](double q_disturbance) {
     LmpcDesign design = cart_design(20, 5, 0.1);
     design.A = extended.A;
@@ -194,7 +194,10 @@ TEST(Lmpc, SoftensStateBoundsInTheirOrderButNeverInputs) {
   EXPECT_NEAR(change, -1.0, 1e-6) << "as hard as the input may brake";
   EXPECT_EQ(lmpc.statistics().unsolved, 1);
   EXPECT_EQ(lmpc.statistics().softened, 1);
-  EXPECT_EQ(lmpc.statistics().solves, 2) << "the velocity's bounds sufficed";
+  EXPECT_EQ(lmpc.statistics().optimisations, 1);
+  EXPECT_EQ(lmpc.softened_bounds(), 1) << "the velocity's bounds sufficed";
+  EXPECT_EQ(lmpc.statistics().iterations, lmpc.iterations()) << "of both solves";
+  EXPECT_EQ(lmpc.statistics().most_iterations, lmpc.iterations());
   const Eigen::VectorXd softness = lmpc.qp_input().softness;
   EXPECT_GT(softness.segment(10, 10).minCoeff(), 0.0);
   EXPECT_EQ(softness.tail(10).maxCoeff(), 0.0);
@@ -211,6 +214,49 @@ TEST(Lmpc, SoftensStateBoundsInTheirOrderButNeverInputs) {
 
   lmpc.optimise(Eigen::Vector2d(-5.0, 0.1), kNothing, reference, kNothing);
   EXPECT_EQ(lmpc.statistics().softened, 2) << "possible again, and hard again";
+  EXPECT_EQ(lmpc.softened_bounds(), 0);
+  EXPECT_EQ(lmpc.statistics().capped, 0);
+}
+
+// What is reserved has moved further than the input may change at once.
+TEST(Lmpc, ChangesGiveWayToInputsLast) {
+  LmpcDesign design = cart_design(10, 3);
+  design.change_bounds = {{0, -0.1, 0.1, steps(0, 2)}};
+  design.input_bounds = {{0, -1.0, 1.0, steps(0, 2)}};
+  design.state_bounds = {{1, -5.0, 5.0, steps(1, 10)}};
+  Lmpc lmpc(design);
+  const Eigen::VectorXd reference = Eigen::VectorXd::Constant(20, 50.0);
+  const Eigen::VectorXd reserved = Eigen::VectorXd::Constant(1, 1.5);
+  const double change = lmpc.optimise(Eigen::Vector2d::Zero(), kNothing, reference, reserved)(0);
+  EXPECT_NEAR(change, -0.5, 1e-9) << "no further than the input's bound asks for";
+  EXPECT_EQ(lmpc.softened_bounds(), 2);
+  EXPECT_EQ(lmpc.statistics().softened, 1);
+  EXPECT_EQ(lmpc.solution().status, QpStatus::solved);
+
+  design.on_infeasible = OnInfeasible::stop;
+  EXPECT_THROW(Lmpc(design).optimise(Eigen::Vector2d::Zero(), kNothing, reference, reserved),
+               ControlFailure);
+}
+
+// A penalty too stiff for double precision: the solver gives up, and its solution is approximate.
+TEST(Lmpc, WhatIsLeftAtTheCapStaysWithinTheInputsBounds) {
+  LmpcDesign design = impossible_design();
+  design.change_bounds = {{0, -0.7, 0.7, steps(0, 9)}};
+  design.softness = 1e-8;
+  Lmpc lmpc(design);
+  testing::Random random;
+  Eigen::VectorXd u = kNothing;
+  for (int k = 0; k < 200; ++k) {
+    const Eigen::VectorXd x = 5.0 * random.vector(2);
+    const double change = lmpc.optimise(x, u, Eigen::VectorXd::Zero(20), kNothing)(0);
+    if (lmpc.solution().status == QpStatus::iteration_cap) {
+      EXPECT_LE(std::abs(change), 0.7);
+      EXPECT_LE(std::abs(u(0) + change), 1.0 + 1e-15);
+    }
+    u(0) += change;
+  }
+  EXPECT_GT(lmpc.statistics().capped, 10);
+  EXPECT_GE(lmpc.statistics().unsolved, lmpc.statistics().capped);
 }
 
 TEST(Lmpc, StopsWhenToldTo) {

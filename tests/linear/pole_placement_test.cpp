@@ -58,14 +58,6 @@ TEST(PolePlacement, KeepsDecoupledChainsDecoupled) {
   EXPECT_TRUE(H.isApprox(expected, 1e-14));
 }
 
-TEST(PolePlacement, FeedbackIsTheDual) {
-  testing::Random random;
-  const Eigen::MatrixXd A = random.matrix(4, 4);
-  const Eigen::MatrixXd B = random.matrix(4, 2);
-  const Eigen::MatrixXd F = place_feedback_poles(A, B, {{-1.0, -2.0}, {-3.0, -4.0}});
-  EXPECT_LT(distance(eigenvalues(A - B * F), {-4.0, -3.0, -2.0, -1.0}), 1e-9);
-}
-
 TEST(PolePlacement, SamplesPoles) {
   const auto sampled = sample_poles({{-40.0, {-3.0, 2.0}}}, 0.01);
   EXPECT_EQ(sampled[0][0], std::exp(-0.4));

@@ -205,6 +205,29 @@ Eigen::VectorXd textbook_hildreth(const QpModel& model, const QpInput& input, in
   return -H_inverse * (input.g + sides.transpose() * lambda);
 }
 
+// The multipliers of an infeasible problem grow without end; the next solve must not inherit them.
+TEST(Hildreth, StartsColdAfterAnInfeasibleProblem) {
+  QpModel model{Eigen::MatrixXd::Identity(2, 2), QpModel::RowMajor(2, 2)};
+  model.Omega << 1.0, 0.0, 1.0, 0.1;
+  QpInput feasible(2, 2);
+  feasible.g << -1.0, -1.0;
+  feasible.upper << 0.5, 0.6;
+  QpInput infeasible = feasible;
+  infeasible.lower << 0.0, -1.0;
+  infeasible.upper << -100.0, 0.6;
+  QpSolution cold(2, 2), solution(2, 2);
+  HildrethQp(model, 40).solve(feasible, cold);
+  ASSERT_EQ(cold.status, QpStatus::solved);
+  HildrethQp hildreth(model, 40);
+  hildreth.solve(infeasible, solution);
+  ASSERT_NE(solution.status, QpStatus::solved);
+  ASSERT_GT(solution.mu.cwiseAbs().maxCoeff(), 100.0);
+  hildreth.solve(feasible, solution);
+  EXPECT_EQ(solution.status, QpStatus::solved);
+  EXPECT_EQ(solution.iterations, cold.iterations);
+  EXPECT_EQ(solution.z, cold.z);
+}
+
 TEST(Hildreth, IncrementalResidualsAreTheTextbooksAlgorithm) {
   Random random;
   for (int k = 0; k < 50; ++k) {

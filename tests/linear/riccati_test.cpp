@@ -7,8 +7,8 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 
+#include "linear/scipy_riccati.h"
 #include "linear/state_space.h"
-#include "python.h"
 #include "support.h"
 
 namespace breakwater {
@@ -29,6 +29,34 @@ TEST(Riccati, ScalarClosedForm) {
 TEST(Riccati, StableAndFreeCostsNothing) {
   const Eigen::MatrixXd P = solve_dare(0.5 * kOne, kOne, 0.0 * kOne, kOne);
   EXPECT_EQ(P(0, 0), 0.0);
+}
+
+// A = a, B = 1, Q = 0, R = r: P = (a² − 1) r stabilises, P = 0 is cheaper.
+TEST(Riccati, StabilisesWhatQDoesNotSee) {
+  for (const double a : {1.01, 2.0, -30.0}) {
+    const LqrDesign design = dlqr(a * kOne, kOne, 0.0 * kOne, 0.5 * kOne);
+    EXPECT_NEAR(design.P(0, 0), 0.5 * (a * a - 1.0), 1e-10 * a * a) << a;
+    EXPECT_NEAR(a - design.K(0, 0), 1.0 / a, 1e-10) << "the pole is mirrored at the unit circle";
+  }
+  // One unstable mode unseen, the others seen.
+  Random random(4);
+  for (int k = 0; k < 50; ++k) {
+    const Eigen::Index n = 2 + k % 4;
+    Eigen::MatrixXd A = random.matrix(n, n);
+    A.leftCols(1) = 1.5 * Eigen::VectorXd::Unit(n, 0);
+    Eigen::MatrixXd Q = Eigen::MatrixXd::Identity(n, n);
+    Q(0, 0) = 0.0;
+    // C = [0 I] sees x_2 … x_n, which x_1 does not move.
+    const Eigen::MatrixXd B = random.matrix(n, 1) + Eigen::MatrixXd::Ones(n, 1);
+    const LqrDesign design = dlqr(A, B, Q, kOne);
+    EXPECT_LT((A - B * design.K).eigenvalues().cwiseAbs().maxCoeff(), 1.0) << k;
+  }
+  EXPECT_THROW(solve_dare(kOne, kOne, 0.0 * kOne, kOne), std::invalid_argument)
+      << "a mode on the unit circle that Q does not see";
+  const Eigen::MatrixXd A = Eigen::Vector2d(1.0, 2.0).asDiagonal();
+  const Eigen::MatrixXd B = Eigen::MatrixXd::Identity(2, 2);
+  const Eigen::MatrixXd Q = Eigen::Vector2d(0.0, 1.0).asDiagonal();
+  EXPECT_THROW(solve_dare(A, B, Q, B), std::invalid_argument) << "the same beside another mode";
 }
 
 double relative_residual(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B,
@@ -76,33 +104,22 @@ TEST(Riccati, PredictsTheCost) {
 
 TEST(Riccati, AgreesWithScipy) {
   Random random(3);
-  std::ostringstream problems;
-  problems.precision(17);
-  std::vector<Eigen::MatrixXd> ours;
+  std::vector<testing::RiccatiProblem> problems;
   for (int k = 0; k < 100; ++k) {
     const Eigen::Index n = 1 + k % 5;
     const Eigen::Index m = 1 + k % 2;
     const Eigen::MatrixXd root = random.matrix(n, n);
-    const Eigen::MatrixXd A = 1.2 * random.matrix(n, n);
-    const Eigen::MatrixXd B = random.matrix(n, m);
-    const Eigen::MatrixXd Q = root * root.transpose();
-    const Eigen::MatrixXd R = random.uniform(0.01, 10.0) * Eigen::MatrixXd::Identity(m, m);
-    problems << n << ' ' << m << '\n' << A << '\n' << B << '\n' << Q << '\n' << R << '\n';
-    const LqrDesign design = dlqr(A, B, Q, R);
-    ours.push_back(design.P);
-    ours.push_back(design.K);
+    problems.push_back({1.2 * random.matrix(n, n), random.matrix(n, m), root * root.transpose(),
+                        random.uniform(0.01, 10.0) * Eigen::MatrixXd::Identity(m, m)});
   }
-  const std::vector<double> theirs = testing::run_python("linear/scipy_riccati.py", problems.str());
-  std::size_t at = 0;
-  for (const Eigen::MatrixXd& matrix : ours) {
-    ASSERT_LE(at + static_cast<std::size_t>(matrix.size()), theirs.size());
-    for (Eigen::Index i = 0; i < matrix.rows(); ++i) {
-      for (Eigen::Index j = 0; j < matrix.cols(); ++j) {
-        EXPECT_NEAR(matrix(i, j), theirs[at++], 1e-8 * (1.0 + matrix.norm()));
-      }
-    }
+  problems.push_back({2.0 * kOne, kOne, 0.0 * kOne, kOne});  // Q sees nothing: P = 3
+  const std::vector<testing::RiccatiSolution> theirs = testing::solve_with_scipy(problems);
+  for (std::size_t k = 0; k < problems.size(); ++k) {
+    const auto& [A, B, Q, R] = problems[k];
+    const LqrDesign ours = dlqr(A, B, Q, R);
+    EXPECT_LT((ours.P - theirs[k].P).norm(), 1e-8 * (1.0 + ours.P.norm())) << k;
+    EXPECT_LT((ours.K - theirs[k].K).norm(), 1e-8 * (1.0 + ours.K.norm())) << k;
   }
-  EXPECT_EQ(at, theirs.size());
 }
 
 TEST(Riccati, RefusesNonsense) {

@@ -5,16 +5,13 @@
 #include <cmath>
 
 #include "regression/run_case.h"
+#include "support.h"
 
 namespace breakwater {
 namespace {
 
+using testing::median;
 using testing::run_case;
-
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
-}
 
 const std::vector<std::string> kHildreth = {"solver.name=hildreth", "solver.max_iterations=40"};
 
@@ -35,6 +32,33 @@ TEST(OffsetFree, OnlyThePlainObserverLeavesAnError) {
   }
   const Recording plain = run_case("cart_offset_free", "general_mpc");
   EXPECT_NEAR(*plain.metric("steady_state_error_m"), -0.139, 0.003);
+}
+
+// The estimator runs ten times as often as the optimisation that moves the bounds.
+TEST(OffsetFree, MovedBoundsHoldUnderNoiseToo) {
+  for (const std::vector<std::string>& more :
+       {std::vector<std::string>{}, {"solver.name=hildreth"}, {"observer.name=kfd"}}) {
+    std::vector<std::string> sets = {"noise.enabled=true"};
+    sets.insert(sets.end(), more.begin(), more.end());
+    const Recording run = run_case("cart_offset_free", "time_varying_constraint", sets);
+    ASSERT_FALSE(run.failure);
+    EXPECT_LE(*run.metric("max_input_N"), 2.074);
+  }
+}
+
+// The moved bounds of the input jump further than it may change: they win, and it is counted.
+TEST(OffsetFree, MovedBoundsWinOverTheInputsChange) {
+  const std::string change = "constraint.input_change_N=0.5";
+  const Recording run = run_case("cart_offset_free", "time_varying_constraint", {change});
+  ASSERT_FALSE(run.failure);
+  EXPECT_LE(*run.metric("max_input_N"), 2.074);
+  EXPECT_LT(std::abs(*run.metric("steady_state_error_m")), 1e-4);
+  const std::vector<double> softened = run.track("control").values("qp_softened");
+  EXPECT_EQ(*std::max_element(softened.begin(), softened.end()), 2.0) << "position, then change";
+  EXPECT_GT(*run.metric("qp_softened_count"), 0.0);
+  const Recording stopped = run_case("cart_offset_free", "time_varying_constraint",
+                                     {change, "solver.on_infeasible=stop"});
+  EXPECT_TRUE(stopped.failure);
 }
 
 TEST(OffsetFree, OutputDisturbanceAloneLeavesNone) {

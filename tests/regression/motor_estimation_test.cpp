@@ -6,10 +6,12 @@
 #include <sstream>
 
 #include "regression/run_case.h"
+#include "support.h"
 
 namespace breakwater {
 namespace {
 
+using testing::median;
 using Sets = std::vector<std::string>;
 
 constexpr int kPhases = 20;
@@ -45,12 +47,6 @@ double metric(const std::string& case_name, const Sets& sets,
   const Recording run = testing::run_case("motor_estimation", case_name, sets);
   EXPECT_FALSE(run.failure) << case_name;
   return run.metric(name).value_or(NAN);
-}
-
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  const std::size_t middle = values.size() / 2;
-  return values.size() % 2 == 1 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
 }
 
 struct Medians {
@@ -142,38 +138,23 @@ TEST_P(QuantisedRow, HasTheOrderOfTable48) {
   EXPECT_LT(highest, fakfd_0998);
 }
 
-// With an encoder whose 0 is the true 0 the loop hunts about the reference whenever that lies
-// between two counts. There QVFF and STF are better than VFAKFD in every row; STF ties in one.
-TEST_P(QuantisedRow, QvffAndStfBeatVfakfdBehindACalibratedEncoder) {
+// In every row, whether the encoder counts from where it starts, so that the shaft comes to rest
+// within one count, or knows the true 0, so that the loop hunts about a reference between two.
+TEST_P(QuantisedRow, QvffAndStfBeatVfakfdBehindBothKindsOfEncoder) {
   const Row& row = GetParam();
-  const Sets sets = cell(row.period_s, row.bits) + Sets{"encoder.origin=calibrated"};
-  const Medians vfakfd = over_phases("vfakfd", sets, row.bits);
-  const Medians qvff = over_phases("qvff", sets, row.bits);
-  const Medians stf = over_phases("stf", sets, row.bits);
-  const bool ties = std::string(row.period_s) == "1e-3" && row.bits == 12;
-  EXPECT_LT(qvff.velocity, vfakfd.velocity);
-  EXPECT_LT(stf.velocity, (ties ? 1.05 : 1.0) * vfakfd.velocity);
-  EXPECT_LT(qvff.peak, vfakfd.peak);
-  EXPECT_LT(stf.peak, qvff.peak);
-  EXPECT_LT(qvff.transient, vfakfd.transient);
-  EXPECT_LT(stf.transient, qvff.transient);
-}
-
-// With one that counts from where it starts, all three end within one count, where nothing is
-// measured any more. The faster ones get there first, so what is left of the error depends on how
-// long the shaft has been creeping; only the transients tell them apart.
-TEST_P(QuantisedRow, QvffAndStfHaveTheBetterTransientsBehindACountingEncoder) {
-  const Row& row = GetParam();
-  const Sets sets = cell(row.period_s, row.bits);
-  const Medians vfakfd = over_phases("vfakfd", sets, row.bits);
-  const Medians qvff = over_phases("qvff", sets, row.bits);
-  const Medians stf = over_phases("stf", sets, row.bits);
-  EXPECT_LT(qvff.velocity, 1.3 * vfakfd.velocity);
-  EXPECT_LT(stf.velocity, 1.7 * vfakfd.velocity);
-  EXPECT_LT(qvff.peak, vfakfd.peak);
-  EXPECT_LT(stf.peak, qvff.peak);
-  EXPECT_LT(qvff.transient, vfakfd.transient);
-  EXPECT_LT(stf.transient, qvff.transient);
+  for (const char* origin : {"counted", "calibrated"}) {
+    SCOPED_TRACE(origin);
+    const Sets sets = cell(row.period_s, row.bits) + Sets{"encoder.origin=" + std::string(origin)};
+    const Medians vfakfd = over_phases("vfakfd", sets, row.bits);
+    const Medians qvff = over_phases("qvff", sets, row.bits);
+    const Medians stf = over_phases("stf", sets, row.bits);
+    EXPECT_LT(qvff.velocity, vfakfd.velocity);
+    EXPECT_LT(stf.velocity, vfakfd.velocity);
+    EXPECT_LT(qvff.peak, vfakfd.peak);
+    EXPECT_LT(stf.peak, qvff.peak);
+    EXPECT_LT(qvff.transient, vfakfd.transient);
+    EXPECT_LT(stf.transient, qvff.transient);
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(MotorEstimation, QuantisedRow, ::testing::ValuesIn(kRows),
@@ -184,9 +165,15 @@ INSTANTIATE_TEST_SUITE_P(MotorEstimation, QuantisedRow, ::testing::ValuesIn(kRow
 
 TEST(MotorEstimation, QvffAndStfBeatVfakfdWithoutQuantisation) {
   for (const char* period : {"1e-2", "1e-3"}) {
-    const double vfakfd = metric("vfakfd", cell(period, 48));
-    EXPECT_LT(metric("qvff", cell(period, 48)), vfakfd);
-    EXPECT_LT(metric("stf", cell(period, 48)), vfakfd);
+    const auto run = [&](const char* name) {
+      return testing::run_case("motor_estimation", name, cell(period, 48));
+    };
+    const Recording vfakfd = run("vfakfd"), qvff = run("qvff"), stf = run("stf");
+    for (const char* name :
+         {"rmse_velocity_rad_s", "peak_position_rad", "transient_rmse_disturbance_Nm"}) {
+      EXPECT_LT(*qvff.metric(name), *vfakfd.metric(name)) << name << " " << period;
+      EXPECT_LT(*stf.metric(name), *vfakfd.metric(name)) << name << " " << period;
+    }
   }
 }
 
@@ -205,6 +192,11 @@ TEST_P(WhiteNoise, GivesTable49) {
   const double vfakfd = over_seeds("vfakfd", sets);
   EXPECT_GT(vfakfd, large ? 5e-4 : 7.5e-4);
   EXPECT_LT(vfakfd, large ? 9e-4 : 9.5e-4);
+  // At the smaller σ the thesis' α is not that of the noise; QVFF and STF take theirs from it.
+  EXPECT_LT(over_seeds("qvff", sets), (large ? 1.0 : 0.1) * vfakfd);
+  EXPECT_LT(over_seeds("stf", sets), (large ? 0.8 : 0.1) * vfakfd);
+  expect_near(metric("idob", sets), large ? 0.336 : 0.0336, 0.05);
+  expect_near(metric("dkf", sets), large ? 1.33 : 0.133, 0.05);
 }
 
 INSTANTIATE_TEST_SUITE_P(MotorEstimation, WhiteNoise, ::testing::Bool(),
@@ -248,17 +240,26 @@ TEST(MotorEstimation, FixedFactorsTradeNoiseForSpeedAndAVariableOneDoesNot) {
   // Its poles: at rest near 1, where the fixed factor keeps them well inside (Figs 4.40–4.43).
   const auto slowest_at_end = [](const Recording& run) {
     const auto re = run.track("control").values("poles_discrete_re");
-    return std::vector<double>(re.end() - 3, re.end());
+    const auto im = run.track("control").values("poles_discrete_im");
+    double largest = 0.0;
+    for (std::size_t i = re.size() - 3; i < re.size(); ++i) {
+      largest = std::max(largest, std::hypot(re[i], im[i]));
+    }
+    return largest;
   };
-  const auto magnitude = [](const std::vector<double>& poles) {
-    return *std::min_element(poles.begin(), poles.end());
-  };
-  EXPECT_GT(magnitude(slowest_at_end(variable)), 0.999);
-  EXPECT_LT(magnitude(slowest_at_end(fixed)), 0.99);
+  EXPECT_GT(slowest_at_end(variable), 0.9999);
+  EXPECT_LT(slowest_at_end(fixed), 0.995);
+  EXPECT_GT(*variable.metric("slowest_pole_continuous_rad_s"), -0.5);
+  EXPECT_LT(*fixed.metric("slowest_pole_continuous_rad_s"), -5.0);
   // And λ(k) has been at its lower bound when the disturbance came, and is near 1 at the end.
   const auto lambda = variable.track("control").values("lambda");
   EXPECT_LT(*std::min_element(lambda.begin(), lambda.end()), 0.95);
   EXPECT_GT(lambda.back(), 0.99);
+  EXPECT_EQ(*variable.metric("lambda_min_1"), *std::min_element(lambda.begin(), lambda.end()));
+  EXPECT_GT(*variable.metric("lambda_mean_1"), 0.99);
+  EXPECT_NEAR(*fixed.metric("lambda_mean_1"), 0.98, 1e-12);
+  EXPECT_FALSE(
+      testing::run_case("motor_estimation", "idob", cell("1e-2", 8)).metric("lambda_mean_1"));
 }
 
 TEST(MotorEstimation, IdobKeepsItsPolesWhateverHappens) {
