@@ -205,8 +205,9 @@ Backstepping QuadrotorWaves::law() const {
 
 QuadrotorEstimatorDesign QuadrotorWaves::estimator_design() const {
   QuadrotorEstimatorDesign design = estimator_;
-  design.position_std_m = deviation(V_m_);
-  design.angle_std_rad = deviation(V_p_);
+  const bool printed = covariance_ == MeasurementCovariance::printed;
+  design.position_std_m = printed ? std::sqrt(V_m_) : deviation(V_m_);
+  design.angle_std_rad = printed ? std::sqrt(V_p_) : deviation(V_p_);
   design.period_s = physics_.control_period_s;
   const double assumed_s = assumed_period_s_ > 0.0 ? assumed_period_s_ : waves_.sea.peak_period_s;
   design.wave_frequency_rad_s = 2.0 * std::numbers::pi / assumed_s;
@@ -304,6 +305,10 @@ Fields QuadrotorWaves::fields() {
                  {"delta", ProcessNoiseMode::delta},
                  {"delta_squared", ProcessNoiseMode::delta_squared}},
                 "printed Q is added at each sample as it is, times delta, or times delta^2");
+  fields.choice(
+      "estimator.measurement_covariance", covariance_,
+      {{"printed", MeasurementCovariance::printed}, {"actual", MeasurementCovariance::actual}},
+      "R: printed, diag(V) whatever V is taken for; actual: the noise's own");
   fields.number("estimator.input_noise", estimator_.input_noise, positive(), "W_s [N^2]");
   fields.number("estimator.tuned_velocity_std_m_s", estimator_.velocity_std_m_s, positive(),
                 "walk of the velocities at each sample [m/s]");

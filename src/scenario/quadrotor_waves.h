@@ -28,6 +28,7 @@ class QuadrotorWaves final : public Scenario {
   enum class Gains { retuned, dlqr, printed };
   enum class NoiseInterpretation { variance, standard_deviation };
   enum class WaveFrequencySource { given, estimated };
+  enum class MeasurementCovariance { printed, actual };
 
   // V as a standard deviation.
   double deviation(double V) const;
@@ -51,6 +52,7 @@ class QuadrotorWaves final : public Scenario {
   double V_p_ = 0.0;
   NoiseInterpretation interpretation_ = NoiseInterpretation::standard_deviation;
   QuadrotorEstimatorDesign estimator_;
+  MeasurementCovariance covariance_ = MeasurementCovariance::actual;
   WaveFrequencySource frequency_source_ = WaveFrequencySource::given;
   double assumed_period_s_ = 0.0;
   Gains gains_ = Gains::retuned;
