@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "control/backstepping.h"
@@ -23,6 +24,7 @@ class QuadrotorWaves final : public Scenario {
   const RunSettings& run_settings() const override { return run_; }
   std::vector<std::string> warnings() const override;
   Recording run(const RunControl& control) const override;
+  void animate_scene(Model& model, double time_s) const override;
 
  private:
   enum class Gains { retuned, dlqr, printed };
@@ -60,6 +62,7 @@ class QuadrotorWaves final : public Scenario {
   double position_clamp_m_ = 0.0;
   double thrust_floor_N_ = 0.5;
   double window_s_ = 0.0;
+  std::optional<UnderwaterForce> sea_;  // for pictures; once read
 };
 
 }  // namespace breakwater
