@@ -213,8 +213,10 @@ QuadrotorEstimatorDesign QuadrotorWaves::estimator_design() const {
   design.position_std_m = printed ? std::sqrt(V_m_) : deviation(V_m_);
   design.angle_std_rad = printed ? std::sqrt(V_p_) : deviation(V_p_);
   design.period_s = physics_.control_period_s;
-  const double assumed_s = assumed_period_s_ > 0.0 ? assumed_period_s_ : waves_.sea.peak_period_s;
-  design.wave_frequency_rad_s = 2.0 * std::numbers::pi / assumed_s;
+  // The resonators' place is where the force's energy is, at the depth that is to be held.
+  SeaState assumed = wave_setup().sea;
+  if (assumed_period_s_ > 0.0) assumed.peak_period_s = assumed_period_s_;
+  design.wave_frequency_rad_s = mean_acceleration_frequency(assumed, -reference_m_[2]);
   design.estimates_wave_frequency = frequency_source_ == WaveFrequencySource::estimated;
   return design;
 }
@@ -323,9 +325,9 @@ Fields QuadrotorWaves::fields() {
   fields.choice(
       "estimator.wave_frequency", frequency_source_,
       {{"given", WaveFrequencySource::given}, {"estimated", WaveFrequencySource::estimated}},
-      "resonator: the waves' peak is given, or estimated on line from a first guess");
+      "resonator: the frequency follows from a given T_p, or is estimated on line from there");
   fields.number("estimator.assumed_period_s", assumed_period_s_, not_negative(),
-                "resonator: what is given or guessed; 0: wave.peak_period_s [s]");
+                "resonator: the sea's T_p that is given or guessed; 0: wave.peak_period_s [s]");
   ResonatorDesign& resonator = estimator_.resonator;
   fields.number("estimator.resonator_damping", resonator.damping, between(0.001, 0.999),
                 "relative");
