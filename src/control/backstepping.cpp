@@ -113,7 +113,7 @@ QuadrotorController::QuadrotorController(const Backstepping& law,
                  view(thrust_disturbance_)},
           Signal{"force_estimate_N", "N", "disturbing force in the world, estimated", view(force_)},
           Signal{"wave_frequency_estimate_rad_s", "rad/s",
-                 "peak of the waves that the estimator assumes; 0: it assumes none",
+                 "of the waves' force, as the estimator assumes; 0: it assumes none",
                  view(wave_frequency_rad_s_)}} {}
 
 void QuadrotorController::reset(const Sample& first) {

@@ -34,7 +34,7 @@ struct QuadrotorEstimatorDesign {
   double rate_std_rad_s = 3e-3;
   double disturbance_std = 0.01;
   ResonatorDesign resonator;
-  double wave_frequency_rad_s = 0.8;      ///< resonator: the waves' peak, or the first guess
+  double wave_frequency_rad_s = 0.8;      ///< resonator: of the waves' force, or a first guess
   bool estimates_wave_frequency = false;  ///< resonator: tracks it
   double position_std_m = 0.1;            ///< of the measurement's noise, for R
   double angle_std_rad = 0.01;
@@ -68,7 +68,7 @@ class QuadrotorEstimator {
   virtual Eigen::Vector3d force() const = 0;
   virtual bool models_world_force() const = 0;
   virtual bool models_disturbance() const = 0;
-  /// The waves' peak that it assumes [rad/s]; 0 where it assumes none.
+  /// The frequency of the waves' force that it assumes [rad/s]; 0 where it assumes none.
   virtual double wave_frequency_rad_s() const { return 0.0; }
 };
 

@@ -76,7 +76,7 @@ struct ResonatorDesign {
   double torque_std_Nm = 5e-4;     ///< walk of the torques
 };
 
-/// A world force of waves, f, on each axis as a resonator at the waves' peak driven by white noise,
+/// A world force of waves, f, on each axis as a resonator driven by white noise,
 ///     f̈ + 2 ζ_r ω ḟ + ω² f = white,
 /// with a constant force b and torques τ that walk: state [ζ, ζ̇, f, b, τ, h], h = ḟ/ω. Unlike a
 /// thruster's disturbance it can represent a horizontal force, and it oscillates as waves do.
@@ -98,7 +98,7 @@ class WaveResonators : public ProcessTypes<24, 4, 6> {
   }
   const Square& linear() const { return A_; }
 
-  /// The waves' peak [rad/s].
+  /// ω [rad/s]: where the force has its energy.
   void set_frequency(double omega_rad_s);
   /// What the process adds to P at each sample, at the present frequency.
   const Square& Q() const { return Q_; }

@@ -1,4 +1,4 @@
-// The waves' peak frequency, from how they push on one axis.
+// The frequency of the waves' force, from how they push on one axis.
 #pragma once
 
 #include <Eigen/Core>

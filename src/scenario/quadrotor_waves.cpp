@@ -10,6 +10,7 @@
 
 #include "record/window_metrics.h"
 #include "scenario/run_loop.h"
+#include "sim/height_field.h"
 
 namespace breakwater {
 namespace {
@@ -56,25 +57,30 @@ double cpu_time_s() {
 // The truth about a sample, for the log and the metrics.
 struct Truth {
   Eigen::Matrix<double, 12, 1> motion = Eigen::Matrix<double, 12, 1>::Zero();
-  Vector6d wave_load = Vector6d::Zero();
+  Eigen::Vector3d wave_force = Eigen::Vector3d::Zero();
+  Eigen::Vector3d wave_torque = Eigen::Vector3d::Zero();
+  Eigen::Vector3d error = Eigen::Vector3d::Zero();
   double elevation_m = 0.0;
   double saturated = 0.0;
 
-  void observe(const Simulation& sim, const UnderwaterForce& water) {
+  void observe(const Simulation& sim, const UnderwaterForce& water,
+               const Eigen::Vector3d& reference) {
     const FreeMotion free(sim.qpos().data(), sim.qvel().data());
     motion << free.position, free.euler, free.velocity,
         attitude_rates(AttitudeTrig(free.euler), free.body_rates);
-    wave_load = water.wave_load(sim.time_s(), free);
-    elevation_m = water.elevation(sim.time_s(), free);
+    error = reference - free.position;
+    const Vector6d load = water.wave_load(sim.time_s(), free);
+    wave_force = load.head<3>();
+    wave_torque = load.tail<3>();
+    elevation_m = water.elevation(sim.time_s(), free.position.x(), free.position.y());
     saturated = sim.saturated() ? 1.0 : 0.0;
   }
 };
 
 class StationMetrics {
  public:
-  StationMetrics(const TimeWindow& window, const Eigen::Vector3d& reference)
-      : reference_(reference),
-        tracking_(window, 3.0),
+  explicit StationMetrics(const TimeWindow& window)
+      : tracking_(window, 3.0),
         axes_{WindowStatistics(window), WindowStatistics(window), WindowStatistics(window)},
         error_(window),
         position_(window, 3.0),
@@ -92,10 +98,9 @@ class StationMetrics {
 
   void after_sample(double t, const Truth& truth, const Simulation& sim,
                     const QuadrotorEstimator& estimator) {
-    const Eigen::Vector3d error = reference_ - truth.motion.head<3>();
-    tracking_.add(t, error);
-    for (int i = 0; i < 3; ++i) axes_[static_cast<std::size_t>(i)].add(t, error(i));
-    error_.add(t, error.norm());
+    tracking_.add(t, truth.error);
+    for (int i = 0; i < 3; ++i) axes_[static_cast<std::size_t>(i)].add(t, truth.error(i));
+    error_.add(t, truth.error.norm());
     Eigen::Matrix<double, 12, 1> off = estimator.motion() - truth.motion;
     for (int i = 3; i < 6; ++i) off(i) = wrapped(off(i));
     position_.add(t, off.head<3>());
@@ -103,7 +108,7 @@ class StationMetrics {
     measured_position_.add(t, sim.sample().y.head<3>() - truth.motion.head<3>());
     roll_rate_.add(t, off(9));
     roll_rate_of_zero_.add(t, truth.motion(9));
-    const Eigen::Vector3d force = truth.wave_load.head<3>();
+    const Eigen::Vector3d& force = truth.wave_force;
     const Eigen::Vector3d force_off = estimator.force() - force;
     vertical_.add(t, force_off.z());
     vertical_of_zero_.add(t, force.z());
@@ -143,7 +148,6 @@ class StationMetrics {
   }
 
  private:
-  Eigen::Vector3d reference_;
   VectorStatistics tracking_;
   std::array<WindowStatistics, 3> axes_;
   WindowStatistics error_;
@@ -205,11 +209,14 @@ Backstepping QuadrotorWaves::law() const {
 
 QuadrotorEstimatorDesign QuadrotorWaves::estimator_design() const {
   QuadrotorEstimatorDesign design = estimator_;
-  design.position_std_m = deviation(V_m_);
-  design.angle_std_rad = deviation(V_p_);
+  const bool printed = covariance_ == MeasurementCovariance::printed;
+  design.position_std_m = printed ? std::sqrt(V_m_) : deviation(V_m_);
+  design.angle_std_rad = printed ? std::sqrt(V_p_) : deviation(V_p_);
   design.period_s = physics_.control_period_s;
-  const double assumed_s = assumed_period_s_ > 0.0 ? assumed_period_s_ : waves_.sea.peak_period_s;
-  design.wave_frequency_rad_s = 2.0 * std::numbers::pi / assumed_s;
+  // The resonators' place is where the force's energy is, at the depth that is to be held.
+  SeaState assumed = wave_setup().sea;
+  if (assumed_period_s_ > 0.0) assumed.peak_period_s = assumed_period_s_;
+  design.wave_frequency_rad_s = mean_acceleration_frequency(assumed, -reference_m_[2]);
   design.estimates_wave_frequency = frequency_source_ == WaveFrequencySource::estimated;
   return design;
 }
@@ -304,6 +311,10 @@ Fields QuadrotorWaves::fields() {
                  {"delta", ProcessNoiseMode::delta},
                  {"delta_squared", ProcessNoiseMode::delta_squared}},
                 "printed Q is added at each sample as it is, times delta, or times delta^2");
+  fields.choice(
+      "estimator.measurement_covariance", covariance_,
+      {{"printed", MeasurementCovariance::printed}, {"actual", MeasurementCovariance::actual}},
+      "R: printed, diag(V) whatever V is taken for; actual: the noise's own");
   fields.number("estimator.input_noise", estimator_.input_noise, positive(), "W_s [N^2]");
   fields.number("estimator.tuned_velocity_std_m_s", estimator_.velocity_std_m_s, positive(),
                 "walk of the velocities at each sample [m/s]");
@@ -314,9 +325,9 @@ Fields QuadrotorWaves::fields() {
   fields.choice(
       "estimator.wave_frequency", frequency_source_,
       {{"given", WaveFrequencySource::given}, {"estimated", WaveFrequencySource::estimated}},
-      "resonator: the waves' peak is given, or estimated on line from a first guess");
+      "resonator: the frequency follows from a given T_p, or is estimated on line from there");
   fields.number("estimator.assumed_period_s", assumed_period_s_, not_negative(),
-                "resonator: what is given or guessed; 0: wave.peak_period_s [s]");
+                "resonator: the sea's T_p that is given or guessed; 0: wave.peak_period_s [s]");
   ResonatorDesign& resonator = estimator_.resonator;
   fields.number("estimator.resonator_damping", resonator.damping, between(0.001, 0.999),
                 "relative");
@@ -365,7 +376,7 @@ void QuadrotorWaves::check(const Config& config) {
   const Model model = Model::load(mjcf_);
   if (model->nu != 4) throw std::invalid_argument(mjcf_ + ": needs 4 thrusters");
   for (int i = 1; i <= 4; ++i) model.id(mjOBJ_SITE, "t" + std::to_string(i));
-  const UnderwaterForce water(model, parameters_, physics_kind_, wave_setup(), vector3(start_m_));
+  sea_.emplace(model, parameters_, physics_kind_, wave_setup(), vector3(start_m_));
   config.blame("estimator.filter", [&] { make_quadrotor_estimator(estimator_design(), plant()); });
   const SensingSetup sensing = sensing_setup();
   faults_.check(config, sensing.channels);
@@ -377,6 +388,10 @@ std::vector<std::string> QuadrotorWaves::warnings() const {
   if (pole <= 0.0) return {};
   return {
       fmt::format("controller.gains are unstable on this plant.model (a pole at {:+.3f}/s)", pole)};
+}
+
+void QuadrotorWaves::animate_scene(Model& model, double time_s) const {
+  set_heights(model, "surface", [&](double x, double y) { return sea_->elevation(time_s, x, y); });
 }
 
 Recording QuadrotorWaves::run(const RunControl& control) const {
@@ -398,20 +413,22 @@ Recording QuadrotorWaves::run(const RunControl& control) const {
       {"thrust_command_N", "N", "thrusts asked for", view(sim.command())},
       {"thrust_applied_N", "N", "thrusts after saturation", view(sim.actuation())},
       {"saturated", "1", "1 where any thrust is at its limit", view(truth.saturated)},
-      {"wave_load", "1", "force and torque of the waves in the world, true [N, N m]",
-       view(truth.wave_load)},
+      {"error_m", "m", "reference less position, true", view(truth.error)},
+      {"wave_force_N", "N", "of the waves, in the world, true", view(truth.wave_force)},
+      {"wave_torque_Nm", "N m", "of the waves, in the world, true", view(truth.wave_torque)},
       {"surface_elevation_m", "m", "of the surface above the vehicle", view(truth.elevation_m)}};
   for (const Signal& signal : controller.signals()) signals.push_back(signal);
   const std::int64_t steps = physics_.step_at(run_.duration_s);
   Track log("control", std::move(signals),
             static_cast<std::size_t>(steps / physics_.steps_per_sample() + 1));
-  StationMetrics metrics({run_.duration_s - window_s_, run_.duration_s}, vector3(reference_m_));
+  StationMetrics metrics({run_.duration_s - window_s_, run_.duration_s});
+  const Eigen::Vector3d reference = vector3(reference_m_);
 
   Recording recording;
   recording.failure = run_loop(steps, control, [&](std::int64_t) {
     sim.step();
     if (sim.sampled()) {
-      truth.observe(sim, water);
+      truth.observe(sim, water, reference);
       metrics.after_sample(sim.time_s(), truth, sim, estimator);
       log.append(sim.time_s());
     }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "control/backstepping.h"
@@ -23,11 +24,13 @@ class QuadrotorWaves final : public Scenario {
   const RunSettings& run_settings() const override { return run_; }
   std::vector<std::string> warnings() const override;
   Recording run(const RunControl& control) const override;
+  void animate_scene(Model& model, double time_s) const override;
 
  private:
   enum class Gains { retuned, dlqr, printed };
   enum class NoiseInterpretation { variance, standard_deviation };
   enum class WaveFrequencySource { given, estimated };
+  enum class MeasurementCovariance { printed, actual };
 
   // V as a standard deviation.
   double deviation(double V) const;
@@ -51,6 +54,7 @@ class QuadrotorWaves final : public Scenario {
   double V_p_ = 0.0;
   NoiseInterpretation interpretation_ = NoiseInterpretation::standard_deviation;
   QuadrotorEstimatorDesign estimator_;
+  MeasurementCovariance covariance_ = MeasurementCovariance::actual;
   WaveFrequencySource frequency_source_ = WaveFrequencySource::given;
   double assumed_period_s_ = 0.0;
   Gains gains_ = Gains::retuned;
@@ -58,6 +62,7 @@ class QuadrotorWaves final : public Scenario {
   double position_clamp_m_ = 0.0;
   double thrust_floor_N_ = 0.5;
   double window_s_ = 0.0;
+  std::optional<UnderwaterForce> sea_;  // for pictures; once read
 };
 
 }  // namespace breakwater

@@ -65,12 +65,10 @@ WaterMotion UnderwaterForce::water(double time_s, const Eigen::Vector3d& positio
   return motion;
 }
 
-double UnderwaterForce::elevation(double time_s, const FreeMotion& motion) const {
+double UnderwaterForce::elevation(double time_s, double x_m, double y_m) const {
   const double share = changed(time_s);
-  double eta = (1.0 - share) * waves_.elevation(time_s, motion.position.x(), motion.position.y());
-  if (share > 0.0) {
-    eta += share * changed_waves_->elevation(time_s, motion.position.x(), motion.position.y());
-  }
+  double eta = (1.0 - share) * waves_.elevation(time_s, x_m, y_m);
+  if (share > 0.0) eta += share * changed_waves_->elevation(time_s, x_m, y_m);
   return eta;
 }
 

@@ -66,8 +66,8 @@ class UnderwaterForce final : public ExternalForce {
 
   /// Force and torque of the waves, current included, in the world's axes [N, N m].
   Vector6d wave_load(double time_s, const FreeMotion& motion) const;
-  /// η above the vehicle [m].
-  double elevation(double time_s, const FreeMotion& motion) const;
+  /// η at a place [m].
+  double elevation(double time_s, double x_m, double y_m) const;
 
   /// To be called once after each step, with the state at its end.
   void advance(double time_s, const FreeMotion& motion);

@@ -31,6 +31,29 @@ double wave_number(double omega_rad_s, double water_depth_m, double gravity_m_s2
   return x / water_depth_m;
 }
 
+double mean_acceleration_frequency(const SeaState& sea, double depth_m) {
+  if (!(depth_m >= 0.0)) throw std::invalid_argument("waves: the depth must be 0 or more");
+  SeaState unit = sea;  // the mean does not depend on the height
+  unit.significant_height_m = 1.0;
+  const JonswapSpectrum spectrum(unit);
+  constexpr int kIntervals = 1000;
+  const double step = (kHighest - kLowest) * spectrum.peak_rad_s() / kIntervals;
+  double moment = 0.0, area = 0.0;
+  for (int i = 0; i < kIntervals; ++i) {
+    const double omega = kLowest * spectrum.peak_rad_s() + step * (i + 0.5);
+    const double k = wave_number(omega, sea.water_depth_m, sea.gravity_m_s2);
+    double decay = std::exp(-k * depth_m);
+    if (sea.water_depth_m > 0.0) {
+      decay *= (1.0 - std::exp(-2.0 * k * (sea.water_depth_m - depth_m))) /
+               (1.0 - std::exp(-2.0 * k * sea.water_depth_m));
+    }
+    const double density = std::pow(omega, 4.0) * decay * decay * spectrum.density(omega);
+    moment += omega * density;
+    area += density;
+  }
+  return moment / area;
+}
+
 Waves::Waves(const SeaState& sea, double slope_low_pass_s)
     : cos_heading_(std::cos(sea.heading_rad)),
       sin_heading_(std::sin(sea.heading_rad)),

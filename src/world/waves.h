@@ -51,6 +51,12 @@ class Waves {
   std::vector<Component> components_;
 };
 
+/// The mean frequency of the water's vertical acceleration at a depth below the surface, over the
+/// components' band [rad/s]: ∫ ω G dω / ∫ G dω of its spectrum G = ω⁴ (sinh k(h−d)/sinh kh)² S,
+/// which at moderate depths lies above the waves' peak. Throws std::invalid_argument as
+/// check(SeaState), or if the depth is negative.
+double mean_acceleration_frequency(const SeaState& sea, double depth_m);
+
 /// k of ω² = g k tanh(k h) [rad/m]; h = 0 stands for deep water.
 double wave_number(double omega_rad_s, double water_depth_m, double gravity_m_s2);
 

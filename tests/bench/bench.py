@@ -3,8 +3,8 @@ costs beyond a bare mjr_render loop over the same frames.
 
 Instructions are callgrind's, on a short run: they repeat exactly. Times are medians of pairs of
 whole 100 s runs, run in turn, so that a drifting machine shifts both. Videos are compared by the
-processors' time of all their processes: it hardly depends on who else uses the machine. Then what
-the solvers of quadratic programs take.
+processors' time of all their processes: it hardly depends on who else uses the machine. Then what a
+run under waves takes with each size of estimator, and the solvers of quadratic programs.
 """
 
 import os
@@ -82,6 +82,16 @@ def bench_videos(run):
               ("   (goal: at most 1.25)" if look == "full" else ""))
 
 
+def bench_quadrotor(folder):
+    print("quadrotor_waves, 100 s, processor time of a core ...", flush=True)
+    for case in ("ukf-none", "ukf-zero", "ekf-second", "ukf-second", "resonator"):
+        command = [BUILD / "bin" / "quadrotor_waves", "--quiet", "--case", case,
+                   "--out", pathlib.Path(folder) / case,
+                   "--set", "estimator.wave_frequency=estimated"]
+        cpu_s = statistics.median(cpu_and_wall_seconds(command)[0] for _ in range(3))
+        print(f"  {case:18} {cpu_s:6.2f} s, {100 / cpu_s:5.0f} times real time   (goal: at least 10)")
+
+
 def main():
     with tempfile.TemporaryDirectory() as folder:
         run = pathlib.Path(folder) / "run"
@@ -107,6 +117,7 @@ def main():
         print(f"  real-time factor    {100 / ours_s:10.1f}   (one core; goal: at least 5)")
 
         bench_videos(run)
+        bench_quadrotor(folder)
     print("quadratic programs ...", flush=True)
     subprocess.run([BUILD / "tests" / "qp_bench"], check=True)
     return 0

@@ -5,11 +5,14 @@
 #include <ctime>
 #include <vector>
 
+#include "control/quadrotor_process.h"
+#include "observers/ekf.h"
 #include "observers/fakfd.h"
 #include "observers/idob_estimator.h"
 #include "observers/kfd.h"
 #include "observers/qvff.h"
 #include "observers/stf.h"
+#include "observers/ukf.h"
 #include "observers/vfakfd.h"
 #include "plants/damped_inertia.h"
 
@@ -89,6 +92,45 @@ void report_filters(const StateSpace& continuous) {
   report("KFD, sizes known only at run time", dynamic, p);
 }
 
+// The underwater quadrotor's filters, fed with what a vehicle at rest measures.
+template <typename Filter>
+void report_nonlinear(const char* name, Filter filter) {
+  constexpr int kSteps = 20'000;
+  std::vector<double> times;
+  typename Filter::Output y = Filter::Output::Zero();
+  Eigen::Vector4d thrusts = Eigen::Vector4d::Constant(0.7);
+  for (int run = 0; run < kRuns; ++run) {
+    filter.reset(Filter::State::Zero());
+    const double start = thread_time_ns();
+    for (int k = 0; k < kSteps; ++k) {
+      y(0) = 0.1 * (k % 7 - 3);
+      y(4) = 0.01 * (k % 5 - 2);
+      thrusts(0) = 0.7 - 0.1 * filter.x()(4);
+      filter.predict(thrusts);
+      filter.correct(y);
+    }
+    times.push_back((thread_time_ns() - start) / kSteps);
+  }
+  std::sort(times.begin(), times.end());
+  std::printf("  %-34s %6.2f us\n", name, 1e-3 * times[kRuns / 2]);
+}
+
+void report_quadrotor() {
+  const QuadrotorModel model({}, QuadrotorPhysics::physical);
+  const WaveResonators resonators(model, {}, 1.0, 0.01);
+  const ThrusterDisturbance<2> polynomial(model, 0.01);
+  NonlinearKalmanDesign<24, 6> design;
+  design.Q = resonators.Q();
+  Eigen::Matrix<double, 6, 1> r;
+  r << 1e-2, 1e-2, 1e-2, 1e-4, 1e-4, 1e-4;
+  design.R = r.asDiagonal();
+  design.P0 = 0.1 * Eigen::Matrix<double, 24, 24>::Identity();
+  std::puts("24 states, 6 outputs: the underwater quadrotor (goal for the UKF: 10 us)");
+  report_nonlinear("UKF, resonators", Ukf<WaveResonators, 6>(resonators, design));
+  report_nonlinear("UKF, second order", Ukf<ThrusterDisturbance<2>, 6>(polynomial, design));
+  report_nonlinear("EKF, second order", Ekf<ThrusterDisturbance<2>, 6>(polynomial, design, 0.0));
+}
+
 }  // namespace
 
 int main() {
@@ -97,5 +139,6 @@ int main() {
   IdobEstimator idob(damped_inertia(1.0, 0.0), {{-10.0, -20.0, -30.0}}, kPeriod);
   std::puts("3 states, 1 output");
   report("IDOB, sizes known at run time", idob, 1);
+  report_quadrotor();
   return 0;
 }

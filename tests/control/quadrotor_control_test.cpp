@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "control/backstepping.h"
+#include "control/quadrotor_endurance.h"
 #include "observers/square_root_ukf.h"
 #include "observers/ukf.h"
 #include "observers/wave_frequency.h"
@@ -145,6 +146,11 @@ TEST(QuadrotorProcesses, SquareRootFormIsTheSameFilter) {
     ASSERT_TRUE(ukf.P() == ukf.P().transpose());
   }
   EXPECT_EQ(ukf.repairs(), 0);
+}
+
+// quadrotor_endurance_test takes a million steps.
+TEST(QuadrotorProcesses, FiltersNeedNoRepair) {
+  testing::all_endure(50'000);
 }
 
 // A sine of a known period, from a wrong guess. The likelihood of a minute is flat, and the mean

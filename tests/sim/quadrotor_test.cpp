@@ -5,9 +5,11 @@
 
 #include <cmath>
 
+#include "control/backstepping.h"
 #include "sim/simulation.h"
 #include "sim/small_models.h"
 #include "sim/underwater_force.h"
+#include "world/noise.h"
 
 namespace breakwater {
 namespace {
@@ -247,6 +249,104 @@ TEST(WaveLoads, StillWaterGivesNone) {
     force.advance(0.0, FreeMotion(qpos, qvel));
     EXPECT_EQ(force.wave_load(1.0, FreeMotion(qpos, qvel)).norm(), 0.0);
   }
+}
+
+// The closed loop of estimator and backstepping on both plants, with the same noise and waves.
+struct Loop {
+  static QuadrotorController controller() {
+    const QuadrotorModel model({}, QuadrotorPhysics::physical);
+    BacksteppingDesign law{.alpha = retuned_gains({}, 0.01), .position_clamp_m = 1.5};
+    law.reference.head<3>() << 1.0, 1.5, -10.0;
+    QuadrotorEstimatorDesign design;
+    design.order = DisturbanceOrder::resonator;
+    return {{model, law}, make_quadrotor_estimator(design, model), true};
+  }
+  // The pose as it is measured at sample k.
+  static Vector6d measured(const Vector6d& pose, int k) {
+    const Noise noise(3, "loop");
+    Vector6d y = pose;
+    for (int i = 0; i < 6; ++i) {
+      y(i) += (i < 3 ? 0.1 : 0.01) * noise(static_cast<std::uint64_t>(6 * k + i));
+    }
+    return y;
+  }
+};
+
+double tracking_rmse_m(const std::vector<Vector12d>& states, std::size_t from) {
+  double sum = 0.0;
+  for (std::size_t i = from; i < states.size(); ++i) {
+    sum += (states[i].head<3>() - Eigen::Vector3d(1.0, 1.5, -10.0)).squaredNorm() / 3.0;
+  }
+  return std::sqrt(sum / static_cast<double>(states.size() - from));
+}
+
+TEST(QuadrotorForces, ClosedLoopTracksAsTheOde) {
+  const int steps = 60000;
+  const WaveLoadSetup setup = sea(WaveMode::physical);
+
+  std::vector<Vector12d> engine;
+  QuadrotorController control = Loop::controller();
+  Vector6d pose = Vector6d::Zero();
+  pose(2) = -10.0;
+  testing::FunctionController sampled([&](const Sample& y, Eigen::Ref<Eigen::VectorXd> u) {
+    const int k = static_cast<int>(std::lround(y.time_s / 0.01));
+    const Sample noisy{y.time_s, Loop::measured(pose, k)};
+    if (k == 0) control.reset(noisy);
+    control.update(noisy, u);
+  });
+  Simulation sim(quadrotor(), sampled, {}, 10);
+  UnderwaterForce water(sim.model(), {}, QuadrotorPhysics::physical, setup, kStart);
+  sim.add(water);
+  sim.set_position(std::vector<double>{0, 0, -10, 1, 0, 0, 0});
+  for (int k = 0; k < steps; ++k) {
+    sim.step();
+    const FreeMotion m(sim.data().qpos, sim.data().qvel);
+    pose << m.position, m.euler;
+    Vector12d state;
+    state << pose, m.velocity, attitude_rates(AttitudeTrig(m.euler), m.body_rates);
+    engine.push_back(state);
+  }
+
+  std::vector<Vector12d> ode;
+  QuadrotorController twin = Loop::controller();
+  const QuadrotorModel model({}, QuadrotorPhysics::physical);
+  const Eigen::Matrix4d B = thruster_matrix(model.parameters().thruster_arm_m);
+  const double h = 1e-3, limit = model.parameters().thrust_limit_N;
+  Eigen::VectorXd u(4);
+  Eigen::Vector4d U = Eigen::Vector4d::Zero();
+  Vector12d x = Vector12d::Zero();
+  x(2) = -10.0;
+  for (int k = 0; k < steps; ++k) {
+    const double t = h * k;
+    if (k % 10 == 0) {
+      const Sample noisy{t, Loop::measured(x.head<6>(), k / 10)};
+      if (k == 0) twin.reset(noisy);
+      twin.update(noisy, u);
+      U = B * u.cwiseMax(-limit).cwiseMin(limit);
+    }
+    const auto rate = [&](double at, const Vector12d& s) {
+      const AttitudeTrig trig(s.segment<3>(3));
+      const Eigen::Quaterniond q = Eigen::AngleAxisd(s(5), Eigen::Vector3d::UnitZ()) *
+                                   Eigen::AngleAxisd(s(4), Eigen::Vector3d::UnitY()) *
+                                   Eigen::AngleAxisd(s(3), Eigen::Vector3d::UnitX());
+      const double qpos[] = {s(0), s(1), s(2), q.w(), q.x(), q.y(), q.z()};
+      const double qvel[] = {s(6), s(7), s(8), s(9), s(10), s(11)};
+      Vector6d load = water.wave_load(at, FreeMotion(qpos, qvel));
+      load.tail<3>() = q.inverse() * Eigen::Vector3d(load.tail<3>());
+      Vector12d dx;
+      const Vector6d v = s.tail<6>();
+      dx << v, model.acceleration(trig, v, U, load);
+      return dx;
+    };
+    const Vector12d k1 = rate(t, x), k2 = rate(t + 0.5 * h, x + 0.5 * h * k1),
+                    k3 = rate(t + 0.5 * h, x + 0.5 * h * k2), k4 = rate(t + h, x + h * k3);
+    x += h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
+    ode.push_back(x);
+  }
+
+  const double ours = tracking_rmse_m(engine, 20000), theirs = tracking_rmse_m(ode, 20000);
+  EXPECT_NEAR(ours, theirs, 0.05 * theirs);
+  EXPECT_LT(theirs, 0.12);  // it does hold
 }
 
 }  // namespace

@@ -62,6 +62,32 @@ TEST(Jonswap, PeaksAtThePeakPeriod) {
   }
 }
 
+// Against a sea's components: Σ g ω / Σ g, with g the square of a component's acceleration.
+TEST(Waves, AccelerationHasItsMeanFrequencyAboveThePeak) {
+  for (const double depth : {0.0, 5.0, 10.0, 40.0}) {
+    for (const double water : {0.0, 50.0}) {
+      SeaState s = sea();
+      s.water_depth_m = water;
+      s.components = 1000;
+      const Waves waves(s, 0.0);
+      double moment = 0.0, area = 0.0;
+      for (const Waves::Component& c : waves.components()) {
+        const double k = c.wave_number_rad_m;
+        const double decay = water > 0.0 ? std::sinh(k * (water - depth)) / std::sinh(k * water)
+                                         : std::exp(-k * depth);
+        const double g = std::pow(c.amplitude_m * c.omega_rad_s * c.omega_rad_s * decay, 2);
+        moment += g * c.omega_rad_s;
+        area += g;
+      }
+      EXPECT_NEAR(mean_acceleration_frequency(s, depth), moment / area, 2e-3 * moment / area);
+    }
+  }
+  // It falls with depth, towards the peak.
+  EXPECT_GT(mean_acceleration_frequency(sea(), 0.0), mean_acceleration_frequency(sea(), 10.0));
+  EXPECT_GT(mean_acceleration_frequency(sea(), 10.0), 2.0 * M_PI / sea().peak_period_s);
+  EXPECT_THROW(mean_acceleration_frequency(sea(), -1.0), std::invalid_argument);
+}
+
 TEST(Waves, AnHourHasTheSignificantHeight) {
   for (const std::uint64_t seed : {1U, 2U, 3U}) {
     SeaState s = sea();
