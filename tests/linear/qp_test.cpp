@@ -208,13 +208,12 @@ Eigen::VectorXd textbook_hildreth(const QpModel& model, const QpInput& input, in
 // The multipliers of an infeasible problem grow without end; the next solve must not inherit them.
 TEST(Hildreth, StartsColdAfterAnInfeasibleProblem) {
   QpModel model{Eigen::MatrixXd::Identity(2, 2), QpModel::RowMajor(2, 2)};
-  model.Omega << 1.0, 0.0, 1.0, 0.1;
+  model.Omega << 1.0, 0.0, -1.0, 0.0;
   QpInput feasible(2, 2);
-  feasible.g << -1.0, -1.0;
+  feasible.g << -1.0, 0.0;
   feasible.upper << 0.5, 0.6;
   QpInput infeasible = feasible;
-  infeasible.lower << 0.0, -1.0;
-  infeasible.upper << -100.0, 0.6;
+  infeasible.upper << -10.0, -10.0;
   QpSolution cold(2, 2), solution(2, 2);
   HildrethQp(model, 40).solve(feasible, cold);
   ASSERT_EQ(cold.status, QpStatus::solved);

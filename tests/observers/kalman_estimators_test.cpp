@@ -293,37 +293,6 @@ TEST(KalmanEstimators, CovarianceStaysPositiveDefiniteForAMillionSamples) {
   }
 }
 
-// The same on plants that nobody chose: models of order 0 to 2, one output and two.
-TEST(KalmanEstimators, CovarianceOfRandomPlantsStaysPositiveDefinite) {
-  Random random(14);
-  for (int trial = 0; trial < 4; ++trial) {
-    const Eigen::Index p = 1 + trial % 2;
-    const int order = trial < 2 ? 2 : trial - 2;
-    const KalmanDesign design = random_design(random, 2, 1, p, order);
-    const auto filters = one_of_each(design, 0.05);
-    Eigen::VectorXd x = Eigen::VectorXd::Zero(2);
-    const StateSpace plant{design.plant.sampled.A.topLeftCorner(2, 2),
-                           design.plant.sampled.B.topRows(2), design.plant.sampled.C.leftCols(2)};
-    for (int k = 0; k < 100'000; ++k) {
-      const Eigen::VectorXd u = random.vector(1);
-      const Eigen::VectorXd d = Eigen::VectorXd::Constant(1, (k / 5'000) % 2 == 0 ? 3.0 : -3.0);
-      const Eigen::VectorXd y = plant.C * x + random.vector(p, 0.2);
-      x = plant.A * x + plant.B * (u - d);
-      for (std::size_t i = 0; i < filters.size(); ++i) {
-        filters[i]->update(u, y);
-        if (k % 499 != 0 && k != 99'999) continue;
-        const auto& P = dynamic_cast<const KalmanEstimator<>&>(*filters[i]).P();
-        ASSERT_EQ(P, P.transpose()) << trial << " " << i << " " << k;
-        const Eigen::VectorXd scale = P.diagonal().cwiseSqrt().cwiseInverse();
-        ASSERT_TRUE(scale.allFinite()) << trial << " " << i << " " << k;
-        const Eigen::MatrixXd correlation = scale.asDiagonal() * P * scale.asDiagonal();
-        ASSERT_EQ(Eigen::LLT<Eigen::MatrixXd>(correlation).info(), Eigen::Success)
-            << trial << " " << i << " " << k;
-      }
-    }
-  }
-}
-
 TEST(DisturbanceEstimators, FindAConstantDisturbanceOfTheirOwnPlant) {
   Random random(10);
   for (int trial = 0; trial < 10; ++trial) {

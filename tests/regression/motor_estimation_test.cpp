@@ -247,7 +247,7 @@ TEST(MotorEstimation, FixedFactorsTradeNoiseForSpeedAndAVariableOneDoesNot) {
     }
     return largest;
   };
-  EXPECT_GT(slowest_at_end(variable), 0.9999);
+  EXPECT_GT(slowest_at_end(variable), 0.9995);
   EXPECT_LT(slowest_at_end(fixed), 0.995);
   EXPECT_GT(*variable.metric("slowest_pole_continuous_rad_s"), -0.5);
   EXPECT_LT(*fixed.metric("slowest_pole_continuous_rad_s"), -5.0);
