@@ -21,6 +21,10 @@ KalmanDesign stf_design(const ExtendedPlant& plant, const SensorError& error, do
 /// such moments the gain fades as 1/k, and so does the noise of the estimate; a disturbance that
 /// keeps changing therefore is only followed in jumps.
 ///
+/// An inflation also raises what the outputs hardly see, and nothing takes that down again: with a
+/// disturbance of order 2, P of a random plant passed 1e16 after 9e4 samples of surprises. Order 0
+/// is what it is for.
+///
 /// For p outputs the largest factor of those whose gate is open counts. λ(k) is the factor's
 /// inverse.
 template <int N = Eigen::Dynamic, int m = Eigen::Dynamic, int p = Eigen::Dynamic>
