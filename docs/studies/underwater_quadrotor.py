@@ -51,11 +51,15 @@ def seas():
 
 
 def change():
-    """T_p goes from one value to another at 40 s; the metrics are of 100 to 160 s."""
+    """T_p goes from one value to another at 40 s, the metrics being of 100 to 160 s; a wrong guess."""
     for before, after in ((8, 11), (8, 6), (6, 10)):
         sea = (f"run.duration_s=160 wave.peak_period_s={before} wave.change_at_s=40 "
                f"wave.change_to_period_s={after}")
         yield [("resonator", seed, f"{sea} estimator.wave_frequency={frequency}")
+               for frequency in ("given", "estimated") for seed in PATTERN_SEEDS]
+    for guess in (5, 12):  # of 8 s
+        yield [("resonator", seed,
+                f"estimator.assumed_period_s={guess} estimator.wave_frequency={frequency}")
                for frequency in ("given", "estimated") for seed in PATTERN_SEEDS]
 
 
