@@ -68,12 +68,12 @@ class ThrusterDisturbance : public ProcessTypes<12 + 4 * (Order + 1), 4, 6> {
 
 /// How the resonator model describes a sea.
 struct ResonatorDesign {
-  double damping = 0.15;           ///< of the resonators, relative
-  double force_std_N = 0.3;        ///< of each world force, stationary
+  double damping = 0.08;           ///< of the resonators, relative
+  double force_std_N = 0.13;       ///< of each world force, stationary
   double velocity_std_m_s = 3e-3;  ///< walk of ẋ, ẏ, ż at each sample
-  double rate_std_rad_s = 3e-3;    ///< walk of φ̇, θ̇, ψ̇
-  double bias_std_N = 2e-3;        ///< walk of the constant forces
-  double torque_std_Nm = 5e-4;     ///< walk of the torques
+  double rate_std_rad_s = 2e-3;    ///< walk of φ̇, θ̇, ψ̇
+  double bias_std_N = 5e-4;        ///< walk of the constant forces
+  double torque_std_Nm = 2e-4;     ///< walk of the torques
 };
 
 /// A world force of waves, f, on each axis as a resonator driven by white noise,

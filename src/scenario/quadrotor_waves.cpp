@@ -391,6 +391,7 @@ std::vector<std::string> QuadrotorWaves::warnings() const {
 }
 
 void QuadrotorWaves::animate_scene(Model& model, double time_s) const {
+  if (model.geoms_named("surface").empty()) return;  // a model of the user's own
   set_heights(model, "surface", [&](double x, double y) { return sea_->elevation(time_s, x, y); });
 }
 
