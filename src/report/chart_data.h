@@ -1,0 +1,37 @@
+// Charts as pages have them.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "record/series.h"
+
+namespace breakwater {
+
+struct ChartSeries {
+  std::string label;
+  std::string unit;
+  std::string description;
+  Series values;
+};
+
+/// Time series over one time axis.
+struct Chart {
+  std::string id;
+  std::string group;  ///< charts of one group share their time axis
+  std::string title;
+  std::vector<ChartSeries> series;
+  std::vector<double> lines;  ///< horizontal, dashed
+
+  /// "title [unit]", if all series have one.
+  std::string axis_title() const;
+  /// What it shows, in words.
+  std::string alternative_text() const;
+  /// For the page's script: series decimated, as base64 of 32-bit floats. Safe within <script>.
+  std::string json() const;
+};
+
+std::string base64(const void* bytes, std::size_t size);
+
+}  // namespace breakwater

@@ -1,0 +1,52 @@
+// The page that puts the thesis' results beside ours.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "report/reproduction.h"
+#include "scenario/printed_results.h"
+
+namespace breakwater {
+
+/// How many printed results came out how.
+struct Score {
+  int reproduced = 0;
+  int within_class = 0;
+  int not_reproduced = 0;
+
+  void count(Verdict verdict);
+};
+
+/// A cell, judged.
+struct Judged {
+  double median = 0.0;
+  double smallest = 0.0;
+  double largest = 0.0;
+  std::size_t values = 0;
+  std::size_t failed = 0;  ///< of these
+  std::string printed;     ///< as the thesis has it
+  std::string class_text;  ///< what would count as reproduced
+  Verdict verdict = Verdict::not_reproduced;
+};
+Judged judge_cell(const CellSpec& cell, const Measured& measured, const PrintedResults& printed);
+
+/// "5.02", "1.1e-13"; "never" for an infinite one.
+std::string format_number(double value);
+
+/// The command that makes one repetition of a run, with its log in a folder of the run's name.
+std::string command_of(const RunSpec& run, std::size_t repetition = 0);
+
+struct ThesisReport {
+  std::string html;
+  Score score;
+  std::size_t figures = 0;
+};
+
+/// Everything that the reproduction measured, as one page. Logs, videos and strips of pictures are
+/// read from OUT/runs.
+ThesisReport thesis_report(const Reproduction& reproduction, const Measured& measured,
+                           Effort effort);
+
+}  // namespace breakwater
