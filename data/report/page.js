@@ -3,11 +3,17 @@
 (() => {
   const COLOURS = ["#1b6ca8", "#d1495b", "#2a8c5c", "#b8741a", "#6d4fa3", "#4f6272", "#0f8b8d",
                    "#a03b78", "#7a8c1d", "#3b4cc0"];
-  const groups = new Map();  // name: charts, window and time that they share
+  const groups = new Map();  // name: the charts that share a moment, and their video
+  const axes = new Map();    // name: the charts that share a window of time
 
   function groupOf(name) {
-    if (!groups.has(name)) groups.set(name, {charts: [], window: null, time: null, video: null});
+    if (!groups.has(name)) groups.set(name, {charts: [], time: null, video: null});
     return groups.get(name);
+  }
+
+  function axisOf(name) {
+    if (!axes.has(name)) axes.set(name, {charts: [], window: null, busy: false});
+    return axes.get(name);
   }
 
   function numbers(base64) {
@@ -57,6 +63,7 @@
       this.box = box;
       this.plot = box.querySelector(".plot");
       this.group = groupOf(box.dataset.group);
+      this.axis = axisOf(box.dataset.axis);
       const data = JSON.parse(document.getElementById(box.dataset.chart).textContent);
       this.series = data.series;
       this.rows = rowsOf(data.series);
@@ -75,7 +82,7 @@
         digitsAfterDecimal: 4,
         maxNumberWidth: 7,
         includeZero: false,
-        dateWindow: this.group.window,
+        dateWindow: this.axis.window,
         axes: {y: {axisLabelWidth: 54}, x: {drawGrid: true}},
         underlayCallback: (context, area, graph) => this.underlay(context, area, graph, data.lines),
         highlightCallback: (event, time) => this.group.video ? this.showValues(time) : setTime(this.group, time),
@@ -88,6 +95,7 @@
       if (this.group.video) this.makeGrip();
       this.plot.addEventListener("keydown", (event) => this.key(event));
       this.group.charts.push(this);
+      this.axis.charts.push(this);
       this.placeCursor();
       box.dataset.drawn = "yes";
     }
@@ -131,12 +139,12 @@
     // A zoom of one is a zoom of all.
     drawn() {
       this.placeCursor();
-      if (this.group.busy) return;
-      const zoomed = this.graph.isZoomed("x");
-      const range = this.graph.xAxisRange();
-      const same = zoomed ? this.group.window && this.group.window[0] === range[0] && this.group.window[1] === range[1]
-                          : this.group.window === null;
-      if (!same) zoom(this.group, zoomed ? range : null, this);
+      if (this.axis.busy) return;
+      const range = this.graph.isZoomed("x") ? this.graph.xAxisRange() : null;
+      const known = this.axis.window;
+      const isSame = range === null || known === null ? range === known
+                                                      : range[0] === known[0] && range[1] === known[1];
+      if (!isSame) zoom(this.axis, range, this);
     }
 
     setWindow(range) { this.graph.updateOptions({dateWindow: range}); }
@@ -201,25 +209,25 @@
       const [from, to] = this.graph.xAxisRange();
       const step = (to - from) / (event.shiftKey ? 10 : 100);
       const time = this.group.time === null ? (from + to) / 2 : this.group.time;
-      const zoomTo = (factor) => zoom(this.group, [time - (time - from) * factor, time + (to - time) * factor], null);
+      const zoomTo = (factor) => zoom(this.axis, [time - (time - from) * factor, time + (to - time) * factor], null);
       switch (event.key) {
         case "ArrowLeft": setTime(this.group, time - step, this); break;
         case "ArrowRight": setTime(this.group, time + step, this); break;
         case "+": zoomTo(0.6); break;
         case "-": zoomTo(1.6); break;
-        case "0": case "Escape": zoom(this.group, null, null); break;
+        case "0": case "Escape": zoom(this.axis, null, null); break;
         default: return;
       }
       event.preventDefault();
     }
   }
 
-  function zoom(group, range, from) {
-    group.window = range;
-    group.busy = true;
-    for (const chart of group.charts) if (chart !== from) chart.setWindow(range);
-    group.busy = false;
-    for (const chart of group.charts) chart.placeCursor();
+  function zoom(axis, range, from) {
+    axis.window = range;
+    axis.busy = true;
+    for (const chart of axis.charts) if (chart !== from) chart.setWindow(range);
+    axis.busy = false;
+    for (const chart of axis.charts) chart.placeCursor();
   }
 
   // `from` is the chart that was moved, or "video"; without it nothing is told to the video.
@@ -265,7 +273,10 @@
   }
 
   const charts = Array.from(document.querySelectorAll(".chart"));
-  document.querySelectorAll("video[data-group]").forEach((video) => new Video(video));
+  document.querySelectorAll("video[data-group]").forEach((video) => {
+    if (!video.hasAttribute("src")) video.src = document.querySelector("video[src]").src;  // the same one
+    new Video(video);
+  });
   const draw = (box) => { if (!box.dataset.drawn) new Chart(box); };
   if ("IntersectionObserver" in window) {
     const seen = new IntersectionObserver((entries) => {

@@ -19,7 +19,8 @@ struct ChartSeries {
 /// Time series over one time axis.
 struct Chart {
   std::string id;
-  std::string group;  ///< charts of one group share their time axis
+  std::string group;  ///< charts of one group point at the same moment
+  std::string axis;   ///< those of one axis show the same window of time
   std::string title;
   std::vector<ChartSeries> series;
   std::vector<double> lines;  ///< horizontal, dashed

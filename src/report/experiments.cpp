@@ -46,23 +46,24 @@ class Reader {
     return node == nullptr ? "" : text(*node, variables);
   }
 
-  // A text with each {NAME} replaced by that variable's value.
+  // A text, or a number as a text.
+  std::string plain(const toml::node& node) const {
+    if (const auto* string = node.as_string()) return string->get();
+    if (const auto* integer = node.as_integer()) return fmt::format("{}", integer->get());
+    if (const auto* real = node.as_floating_point()) return fmt::format("{}", real->get());
+    fail(node, "must be a text or a number");
+  }
+
+  // The same with each {NAME} replaced by that variable's value, which may have variables too.
   std::string text(const toml::node& node, const Variables& variables) const {
-    std::string text;
-    if (const auto* string = node.as_string()) {
-      text = string->get();
-    } else if (const auto* integer = node.as_integer()) {
-      text = fmt::format("{}", integer->get());
-    } else if (const auto* real = node.as_floating_point()) {
-      text = fmt::format("{}", real->get());
-    } else {
-      fail(node, "must be a text or a number");
-    }
-    for (std::size_t open = text.find('{'); open != std::string::npos; open = text.find('{')) {
+    constexpr int kMostReplacements = 100;
+    std::string text = plain(node);
+    for (int i = 0; text.find('{') != std::string::npos; ++i) {
+      const std::size_t open = text.find('{');
       const std::size_t close = text.find('}', open);
       const std::string name = text.substr(open + 1, close - open - 1);
       const auto found = variables.find(name);
-      if (close == std::string::npos || found == variables.end()) {
+      if (close == std::string::npos || found == variables.end() || i == kMostReplacements) {
         fail(node, fmt::format("\"{}\": there is no {{{}}}", text, name));
       }
       text.replace(open, close - open + 1, found->second);
@@ -96,9 +97,9 @@ class Reader {
 
   // The texts and numbers of a table, on top of others.
   Variables with(Variables variables, const toml::table& more) const {
-    const Variables before = variables;
     for (const auto& [key, value] : more) {
-      if (value.is_value()) variables[std::string(key.str())] = text(value, before);
+      const bool is_plain = value.is_string() || value.is_number();
+      if (is_plain) variables[std::string(key.str())] = plain(value);
     }
     return variables;
   }

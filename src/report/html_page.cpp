@@ -53,6 +53,7 @@ mustache::data chart_data(const Chart& chart) {
   mustache::data data;
   data.set("id", chart.id);
   data.set("group", chart.group);
+  data.set("axis", chart.axis.empty() ? chart.group : chart.axis);
   data.set("heading", chart.axis_title());
   data.set("alt", chart.alternative_text());
   data.set("json", chart.json());

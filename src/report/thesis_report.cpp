@@ -66,10 +66,11 @@ std::vector<Chart> charts_of(const FigureSpec& figure, const std::string& group,
     Chart chart;
     chart.id = fmt::format("figure-{}-{}", anchor(figure.number), i + 1);
     // A close-up has a time axis of its own.
-    chart.group = panel.from_s || panel.to_s
-                      ? fmt::format("{}-from-{:g}-to-{:g}", group, panel.from_s.value_or(0.0),
-                                    panel.to_s.value_or(0.0))
-                      : group;
+    chart.group = group;
+    if (panel.from_s || panel.to_s) {
+      chart.axis = fmt::format("{}-from-{:g}-to-{:g}", group, panel.from_s.value_or(0.0),
+                               panel.to_s.value_or(0.0));
+    }
     chart.title = panel.title;
     chart.lines = panel.lines;
     for (const std::string& signal : panel.once) {
@@ -271,6 +272,7 @@ ThesisReport thesis_report(const Reproduction& reproduction, const Measured& mea
   ThesisReport report;
   std::map<std::string, Chart> hero_charts;  // by figure and panel
   std::set<std::string> docs;
+  std::set<std::string> numbers;  // "4.32 (10 ms)" is a part of Fig. 4.32
   mustache::data toc(mustache::data::type::list);
   mustache::data sections(mustache::data::type::list);
   mustache::data page;
@@ -293,7 +295,8 @@ ThesisReport thesis_report(const Reproduction& reproduction, const Measured& mea
       tables << table_data(table, *spec, measured, score);
     }
     section.set("tables", tables);
-    if (const auto video = video_data(spec->video, id, reproduction.out, logs)) {
+    if (auto video = video_data(spec->video, id, reproduction.out, logs)) {
+      if (spec->id == experiments.video) video->set("address", "");  // it is on the first screen
       section.set("video", *video);
     }
     const fs::path strip = run_folder(reproduction.out, spec->strip) / "strip.png";
@@ -304,13 +307,13 @@ ThesisReport thesis_report(const Reproduction& reproduction, const Measured& mea
       picture.set("anchor", "figure-" + anchor(spec->strip_number));
       picture.set("alt", "Pictures of the run " + spec->strip + " in a row");
       section.set("strip", picture);
-      ++report.figures;
+      numbers.insert(spec->strip_number);
       if (spec->id == experiments.video) page.set("lead_strip", picture);
     }
     mustache::data figures(mustache::data::type::list);
     for (const FigureSpec& figure : spec->figures) {
       figures << figure_data(figure, *spec, experiments, logs);
-      ++report.figures;
+      numbers.insert(figure.number.substr(0, figure.number.find(' ')));
       for (const HeroSpec& hero : experiments.heroes) {
         if (hero.figure != figure.number) continue;
         hero_charts[hero.figure] = charts_of(figure, "lead-" + anchor(figure.number), logs).at(hero.panel);
@@ -347,6 +350,7 @@ ThesisReport thesis_report(const Reproduction& reproduction, const Measured& mea
     report.score.not_reproduced += score.not_reproduced;
   }
 
+  report.figures = numbers.size();
   mustache::data heroes(mustache::data::type::list);
   for (const HeroSpec& hero : experiments.heroes) {
     const auto found = hero_charts.find(hero.figure);
