@@ -50,6 +50,12 @@
                                                       : String(Number(value.toPrecision(4)));
   };
 
+  // References are grey; the others take their turns.
+  function coloursOf(series) {
+    let next = 0;
+    return series.map((s) => s.reference ? "#4a5561" : COLOURS[next++ % COLOURS.length]);
+  }
+
   function element(kind, className, parent) {
     const made = document.createElement(kind);
     made.className = className;
@@ -66,11 +72,14 @@
       this.axis = axisOf(box.dataset.axis);
       const data = JSON.parse(document.getElementById(box.dataset.chart).textContent);
       this.series = data.series;
+      this.colours = coloursOf(data.series);
       this.rows = rowsOf(data.series);
       this.makeKeys(box.querySelector(".keys"));
       this.graph = new Dygraph(this.plot, this.rows, {
         labels: ["time", ...data.series.map((s, i) => i + " " + s.label)],
-        colors: this.colours(),
+        colors: this.colours,
+        visibility: data.series.map((s) => !s.off),
+        series: Object.fromEntries(data.series.map((s, i) => [i + " " + s.label, s.reference ? {strokePattern: [5, 3], strokeWidth: 1.2} : {}])),
         legend: "never",
         connectSeparatedPoints: false,
         strokeWidth: 1.4,
@@ -100,16 +109,14 @@
       box.dataset.drawn = "yes";
     }
 
-    colours() { return this.series.map((_, i) => COLOURS[i % COLOURS.length]); }
-
     makeKeys(keys) {
       this.clock = element("output", "time", keys);
       this.values = this.series.map((series, i) => {
         const key = element("button", "key", keys);
         key.type = "button";
         key.title = series.about;
-        key.setAttribute("aria-pressed", "true");
-        key.style.setProperty("--colour", COLOURS[i % COLOURS.length]);
+        key.setAttribute("aria-pressed", String(!series.off));
+        key.style.setProperty("--colour", this.colours[i]);
         element("i", "", key);
         element("span", "", key).textContent = series.label;
         key.addEventListener("click", () => {
@@ -197,7 +204,7 @@
         grip.setPointerCapture(event.pointerId);
         const move = (e) => {
           const x = e.clientX - this.plot.getBoundingClientRect().left;
-          setTime(this.group, this.graph.toDataXCoord(x), this);
+          setTime(this.group, this.graph.toDataXCoord(x), this);  // the video follows
         };
         grip.addEventListener("pointermove", move);
         grip.addEventListener("pointerup", () => grip.removeEventListener("pointermove", move), {once: true});
@@ -250,6 +257,7 @@
       this.speed = Number(element.dataset.speed);
       this.group = groupOf(element.dataset.group);
       this.group.video = this;
+      element.addEventListener("loadedmetadata", () => this.check());
       this.now = element.parentElement.querySelector(".now");
       const follow = () => setTime(this.group, this.from + element.currentTime * this.speed, "video");
       const whilePlaying = () => {
@@ -260,6 +268,14 @@
       for (const event of ["seeked", "timeupdate", "loadedmetadata"]) {
         element.addEventListener(event, () => { if (!this.seeking || event === "seeked") { this.seeking = false; follow(); } });
       }
+    }
+
+    // A video of another window than the shot list's cannot say which moment it shows.
+    check() {
+      const expected = Number(this.element.dataset.length);
+      if (!(expected > 0) || Math.abs(expected - this.element.duration) < 0.2) return;
+      this.group.video = null;
+      if (this.now) this.now.textContent = "(of another window: it does not move with the charts)";
     }
 
     seek(time) {

@@ -31,10 +31,9 @@ Series cut(const Series& series, double from_s, double to_s) {
   return part;
 }
 
-Series decimate(const Series& all, std::size_t buckets) {
-  const Series series = without_repetition(all);
+Series decimate(const Series& series, std::size_t buckets) {
   const std::size_t size = series.values.size();
-  if (size <= 2 * buckets) return series;
+  if (size <= 2 * buckets) return without_repetition(series);
   Series kept;
   append(kept, series, 0);
   for (std::size_t bucket = 0; bucket < buckets; ++bucket) {
@@ -48,7 +47,7 @@ Series decimate(const Series& all, std::size_t buckets) {
     }
   }
   if (kept.times_s.back() < series.times_s.back()) append(kept, series, size - 1);
-  return kept;
+  return without_repetition(kept);
 }
 
 }  // namespace breakwater

@@ -255,6 +255,7 @@ void read_figures(const Reader& reader, const toml::table& table, const toml::ta
     FigureSpec figure;
     figure.number = reader.text(entry, "n", {});
     figure.title = reader.text(entry, "title", {});
+    figure.off = reader.texts(entry, "off", {});
     figure.note = reader.text_or(entry, "note", {});
     if (entry.contains("run")) figure.runs.push_back({reader.text(entry, "run", {}), ""});
     for (const toml::table* source : {&table, &entry}) {

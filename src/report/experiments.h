@@ -60,6 +60,7 @@ struct FigureSpec {
   std::string number;  ///< the thesis': "2.31"
   std::string title;
   std::vector<FigureRun> runs;
+  std::vector<std::string> off;  ///< labels of runs that are not drawn at first
   std::vector<PanelSpec> panels;
   std::string note;
 };

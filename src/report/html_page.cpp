@@ -49,7 +49,7 @@ std::string html_page(const std::string& name, mustache::data& data) {
   return fill_in(part("page.mustache"), page);
 }
 
-mustache::data chart_data(const Chart& chart) {
+mustache::data chart_data(const PageChart& chart) {
   mustache::data data;
   data.set("id", chart.id);
   data.set("group", chart.group);

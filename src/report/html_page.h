@@ -5,7 +5,7 @@
 #include <kainjow/mustache.hpp>
 #include <string>
 
-#include "report/chart_data.h"
+#include "report/page_chart.h"
 
 namespace breakwater {
 
@@ -15,7 +15,7 @@ namespace breakwater {
 std::string html_page(const std::string& name, kainjow::mustache::data& data);
 
 /// What the templates call a chart.
-kainjow::mustache::data chart_data(const Chart& chart);
+kainjow::mustache::data chart_data(const PageChart& chart);
 
 /// A file's bytes as a data: address. Empty if there is no such file.
 std::string data_address(const std::filesystem::path& file, const std::string& type);

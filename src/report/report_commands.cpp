@@ -4,19 +4,20 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <fstream>
-#include <sstream>
 #include <stdexcept>
 
+#include "record/text_outputs.h"
+#include "report/compare.h"
+#include "report/figure_script.h"
 #include "report/html_page.h"
-#include "report/measurements.h"
 #include "report/reproduction.h"
+#include "report/run_report.h"
 #include "report/saved_run.h"
 #include "report/thesis_report.h"
 #include "scenario/child_program.h"
 #include "scenario/paths.h"
 #include "scenario/program.h"
-#include "version.h"
+#include "scenario/progress.h"
 
 namespace breakwater {
 namespace fs = std::filesystem;
@@ -129,11 +130,108 @@ int reproduce_main(int argc, const char* const* argv) {
   return reproduce(arguments);
 }
 
+struct RunsArguments {
+  std::vector<std::string> runs;
+  std::vector<std::string> metrics;
+  std::vector<std::string> signals;
+  std::string out = ".";
+  bool csv = false;
+  bool latex = false;
+  bool svg = false;
+  bool pdf = false;
+  bool quiet = false;
+};
+
+std::vector<SavedRun> open_all(const std::vector<std::string>& folders) {
+  std::vector<SavedRun> runs;
+  for (const std::string& folder : folders) runs.emplace_back(folder);
+  return runs;
+}
+
+fs::path made_folder(const std::string& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) throw std::invalid_argument(folder + ": cannot be made (" + error.message() + ")");
+  return folder;
+}
+
+int compare(const RunsArguments& arguments) {
+  const Comparison comparison(open_all(arguments.runs), arguments.metrics, arguments.signals);
+  const bool has_figures = arguments.svg || arguments.pdf;
+  if (has_figures && arguments.signals.empty()) {
+    throw std::invalid_argument("--svg and --pdf: say which signals with --signal");
+  }
+  if (has_figures && !can_draw_figures()) return kUsage;
+  const fs::path out = made_folder(arguments.out);
+  std::vector<fs::path> written = {out / "compare.html"};
+  write_page(written[0], comparison.html());
+  const auto write = [&](const char* name, const std::string& text) {
+    written.push_back(out / name);
+    write_text_file(written.back().string(), text);
+  };
+  if (arguments.csv) write("compare.csv", comparison.csv());
+  if (arguments.latex) write("compare.tex", comparison.latex());
+  int status = kSuccess;
+  const std::vector<fs::path> folders(arguments.runs.begin(), arguments.runs.end());
+  for (const char* kind : {"svg", "pdf"}) {
+    if (!(kind[0] == 's' ? arguments.svg : arguments.pdf)) continue;
+    const fs::path file = out / (std::string("compare.") + kind);
+    const int made = draw_figure(folders, comparison.signals(), file);
+    if (made != kSuccess) status = made;
+    if (made == kSuccess) written.push_back(file);
+  }
+  if (!arguments.quiet) {
+    fmt::print("{}\n", comparison.text(output_width()));
+    for (const fs::path& file : written) fmt::print("{}\n", file.string());
+  }
+  return status;
+}
+
+int report(const RunsArguments& arguments) {
+  const std::vector<SavedRun> runs = open_all(arguments.runs);
+  const fs::path file = made_folder(arguments.out) / "report.html";
+  write_page(file, run_report(runs));
+  if (!arguments.quiet) fmt::print("report: {}\n", file.string());
+  return kSuccess;
+}
+
+int runs_main(bool is_comparison, int argc, const char* const* argv) {
+  CLI::App app(is_comparison ? "breakwater compare: metrics and signals of finished runs side by side."
+                             : "breakwater report: one page about finished runs.",
+               argv[0]);
+  RunsArguments arguments;
+  app.add_option("RUN", arguments.runs, "the folders of finished runs")->required();
+  app.add_option("--out", arguments.out, "the folder for what is written")
+      ->type_name("DIR")
+      ->capture_default_str();
+  if (is_comparison) {
+    app.add_option("--metric", arguments.metrics, "which metrics (default: all); may be given again")
+        ->type_name("NAME")
+        ->allow_extra_args(false);
+    app.add_option("--signal", arguments.signals,
+                   "which signals: NAME, GROUP/NAME or NAME[2] (default: all); may be given again")
+        ->type_name("NAME")
+        ->allow_extra_args(false);
+    app.add_flag("--csv", arguments.csv, "write compare.csv: the metrics and their differences");
+    app.add_flag("--latex", arguments.latex, "write compare.tex: a booktabs table of the metrics");
+    app.add_flag("--svg", arguments.svg, "write compare.svg: the signals, for a paper");
+    app.add_flag("--pdf", arguments.pdf, "write compare.pdf: the same");
+  }
+  app.add_flag("--quiet", arguments.quiet, "print errors only");
+  app.footer(is_comparison ? "It writes compare.html, a page that needs no network. Figures are drawn by\n"
+                             "scripts/figures.py (python3-h5py, python3-matplotlib), which you may copy."
+                           : "It writes report.html, a page that needs no network.");
+  if (const auto status = parse(app, argc, argv)) return *status;
+  return is_comparison ? compare(arguments) : report(arguments);
+}
+
 }  // namespace
 
 const std::vector<std::pair<std::string, std::string>>& report_commands() {
   static const std::vector<std::pair<std::string, std::string>> commands = {
-      {"reproduce", "run every experiment of the thesis and report: breakwater reproduce [OPTION...]"}};
+      {"reproduce", "run every experiment of the thesis, beside what is printed"},
+      {"report", "one page about finished runs: breakwater report RUN..."},
+      {"compare", "finished runs side by side: breakwater compare RUN RUN..."}};
   return commands;
 }
 
@@ -143,7 +241,11 @@ bool is_report_command(const std::string& name) {
 }
 
 int report_main(int argc, const char* const* argv) {
-  return guarded(argv[0], [&] { return reproduce_main(argc, argv); });
+  return guarded(argv[0], [&] {
+    const std::string name = argv[0];
+    if (name == "reproduce") return reproduce_main(argc, argv);
+    return runs_main(name == "compare", argc, argv);
+  });
 }
 
 }  // namespace breakwater

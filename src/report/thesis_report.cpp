@@ -14,20 +14,12 @@
 #include "report/saved_run.h"
 #include "scenario/paths.h"
 #include "scenario/shot_list.h"
+#include "scenario/staging.h"
 
 namespace breakwater {
 namespace fs = std::filesystem;
 namespace mustache = kainjow::mustache;
 namespace {
-
-std::string css_class(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::reproduced: return "good";
-    case Verdict::within_class: return "near";
-    case Verdict::not_reproduced: break;
-  }
-  return "off";
-}
 
 std::string shell_word(const std::string& word) {
   const bool is_plain = word.find_first_of(" []{}()'\"$&*?#;<>|") == std::string::npos;
@@ -59,11 +51,11 @@ ChartSeries series_of(const SavedRun& run, const std::string& signal, const std:
           cut(run.signal(signal), panel.from_s.value_or(least), panel.to_s.value_or(most))};
 }
 
-std::vector<Chart> charts_of(const FigureSpec& figure, const std::string& group, Logs& logs) {
-  std::vector<Chart> charts;
+std::vector<PageChart> charts_of(const FigureSpec& figure, const std::string& group, Logs& logs) {
+  std::vector<PageChart> charts;
   for (std::size_t i = 0; i < figure.panels.size(); ++i) {
     const PanelSpec& panel = figure.panels[i];
-    Chart chart;
+    PageChart chart;
     chart.id = fmt::format("figure-{}-{}", anchor(figure.number), i + 1);
     // A close-up has a time axis of its own.
     chart.group = group;
@@ -75,12 +67,15 @@ std::vector<Chart> charts_of(const FigureSpec& figure, const std::string& group,
     chart.lines = panel.lines;
     for (const std::string& signal : panel.once) {
       chart.series.push_back(series_of(logs.of(figure.runs.front().run), signal, signal, panel));
+      chart.series.back().is_reference = true;
     }
     for (const FigureRun& run : figure.runs) {
       for (const std::string& signal : panel.signals) {
         std::string label = run.label.empty() ? signal : run.label;
         if (!run.label.empty() && panel.signals.size() > 1) label += ", " + signal;
         chart.series.push_back(series_of(logs.of(run.run), signal, label, panel));
+        chart.series.back().is_off =
+            std::find(figure.off.begin(), figure.off.end(), run.label) != figure.off.end();
       }
     }
     charts.push_back(chart);
@@ -165,7 +160,7 @@ mustache::data figure_data(const FigureSpec& figure, const SectionSpec& section,
   data.set("figure_title", figure.title);
   if (!figure.note.empty()) data.set("note", figure.note);
   mustache::data charts(mustache::data::type::list);
-  for (const Chart& chart : charts_of(figure, "section-" + anchor(section.id), logs)) {
+  for (const PageChart& chart : charts_of(figure, "section-" + anchor(section.id), logs)) {
     charts << chart_data(chart);
   }
   data.set("charts", charts);
@@ -184,22 +179,6 @@ mustache::data figure_data(const FigureSpec& figure, const SectionSpec& section,
   return data;
 }
 
-// The video of a run, if it was made, and where its frames lie in simulated time.
-std::optional<mustache::data> video_data(const std::string& run, const std::string& group,
-                                         const fs::path& out, Logs& logs) {
-  const fs::path file = run_folder(out, run) / "video.mp4";
-  if (run.empty() || !fs::exists(file)) return std::nullopt;
-  const ShotList shots = shot_list(logs.of(run).scenario());
-  mustache::data data;
-  data.set("address", data_address(file, "video/mp4"));
-  data.set("group", group);
-  data.set("from_s", fmt::format("{:g}", shots.from_s));
-  data.set("speed", fmt::format("{:g}", shots.speed));
-  data.set("alt", fmt::format("Video of the run {}: {}, {:g} times slower than life", run,
-                              shots.title, 1.0 / shots.speed));
-  return data;
-}
-
 std::string text_of(const fs::path& file) {
   std::stringstream text;
   text << std::ifstream(file).rdbuf();
@@ -207,6 +186,34 @@ std::string text_of(const fs::path& file) {
 }
 
 }  // namespace
+
+std::string css_class(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::reproduced: return "good";
+    case Verdict::within_class: return "near";
+    case Verdict::not_reproduced: break;
+  }
+  return "off";
+}
+
+std::optional<mustache::data> video_data(const SavedRun& run, const std::string& group) {
+  const fs::path file = run.folder() / "video.mp4";
+  if (!fs::exists(file)) return std::nullopt;
+  const ShotList shots = shot_list(run.scenario());
+  std::deque<FinishedRun> finished;
+  finished.emplace_back(run.folder());
+  const Window window = choose_window(finished, shots, {});
+  mustache::data data;
+  data.set("address", data_address(file, "video/mp4"));
+  data.set("group", group);
+  data.set("from_s", fmt::format("{:g}", window.from_s));
+  data.set("speed", fmt::format("{:g}", window.speed));
+  data.set("length_s",
+           fmt::format("{:g}", static_cast<double>(window.frames(shots.fps)) / shots.fps));
+  data.set("alt", fmt::format("Video of the run {}: {}, {:g} times slower than life",
+                              run.folder().filename().string(), shots.title, 1.0 / window.speed));
+  return data;
+}
 
 void Score::count(Verdict verdict) {
   switch (verdict) {
@@ -270,7 +277,7 @@ ThesisReport thesis_report(const Reproduction& reproduction, const Measured& mea
                            Effort effort) {
   const Experiments& experiments = reproduction.experiments;
   ThesisReport report;
-  std::map<std::string, Chart> hero_charts;  // by figure and panel
+  std::map<std::string, PageChart> hero_charts;  // by figure and panel
   std::set<std::string> docs;
   std::set<std::string> numbers;  // "4.32 (10 ms)" is a part of Fig. 4.32
   mustache::data toc(mustache::data::type::list);
@@ -295,9 +302,11 @@ ThesisReport thesis_report(const Reproduction& reproduction, const Measured& mea
       tables << table_data(table, *spec, measured, score);
     }
     section.set("tables", tables);
-    if (auto video = video_data(spec->video, id, reproduction.out, logs)) {
-      if (spec->id == experiments.video) video->set("address", "");  // it is on the first screen
-      section.set("video", *video);
+    if (!spec->video.empty()) {
+      if (auto video = video_data(logs.of(spec->video), id)) {
+        if (spec->id == experiments.video) video->set("address", "");  // it is on the first screen
+        section.set("video", *video);
+      }
     }
     const fs::path strip = run_folder(reproduction.out, spec->strip) / "strip.png";
     if (!spec->strip.empty() && fs::exists(strip)) {
@@ -355,7 +364,7 @@ ThesisReport thesis_report(const Reproduction& reproduction, const Measured& mea
   for (const HeroSpec& hero : experiments.heroes) {
     const auto found = hero_charts.find(hero.figure);
     if (found == hero_charts.end()) continue;
-    Chart chart = found->second;
+    PageChart chart = found->second;
     chart.id = "lead-" + chart.id;
     mustache::data entry = chart_data(chart);
     entry.set("caption", hero.caption);
@@ -387,12 +396,12 @@ ThesisReport thesis_report(const Reproduction& reproduction, const Measured& mea
                                  report.score.not_reproduced));
   page.set("figure_count", std::to_string(report.figures));
   for (const SectionSpec* spec : reproduction.sections) {
-    if (spec->id != experiments.video) continue;
+    if (spec->id != experiments.video || spec->video.empty()) continue;
     Logs logs(reproduction.out);
     // It moves with the first of the pictures beside it.
     const std::string group =
         experiments.heroes.empty() ? "lead" : "lead-" + anchor(experiments.heroes.front().figure);
-    const auto video = video_data(spec->video, group, reproduction.out, logs);
+    const auto video = video_data(logs.of(spec->video), group);
     if (video) page.set("lead_video", *video);
   }
   report.html = html_page("thesis", page);

@@ -1,11 +1,13 @@
 // The page that puts the thesis' results beside ours.
 #pragma once
 
-#include <filesystem>
+#include <kainjow/mustache.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "report/reproduction.h"
+#include "report/saved_run.h"
 #include "scenario/printed_results.h"
 
 namespace breakwater {
@@ -31,6 +33,13 @@ struct Judged {
   Verdict verdict = Verdict::not_reproduced;
 };
 Judged judge_cell(const CellSpec& cell, const Measured& measured, const PrintedResults& printed);
+
+/// Its colour on a page: good, near or off.
+std::string css_class(Verdict verdict);
+
+/// What the templates call the video of a run, if there is one in its folder; charts of `group`
+/// move with it. It is taken for one of the shot list's window, as far as the run lasts.
+std::optional<kainjow::mustache::data> video_data(const SavedRun& run, const std::string& group);
 
 /// "5.02", "1.1e-13"; "never" for an infinite one.
 std::string format_number(double value);

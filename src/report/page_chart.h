@@ -14,10 +14,12 @@ struct ChartSeries {
   std::string unit;
   std::string description;
   Series values;
+  bool is_reference = false;  ///< drawn dashed and grey
+  bool is_off = false;        ///< at first
 };
 
 /// Time series over one time axis.
-struct Chart {
+struct PageChart {
   std::string id;
   std::string group;  ///< charts of one group point at the same moment
   std::string axis;   ///< those of one axis show the same window of time

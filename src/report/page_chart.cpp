@@ -1,4 +1,4 @@
-#include "report/chart_data.h"
+#include "report/page_chart.h"
 
 #include <fmt/format.h>
 
@@ -21,7 +21,7 @@ std::string packed(const std::vector<double>& values) {
 
 }  // namespace
 
-std::string Chart::axis_title() const {
+std::string PageChart::axis_title() const {
   if (series.empty()) return title;
   const std::string& unit = series.front().unit;
   const bool is_common = std::all_of(series.begin(), series.end(),
@@ -29,7 +29,7 @@ std::string Chart::axis_title() const {
   return is_common && !unit.empty() && unit != "1" ? fmt::format("{} [{}]", title, unit) : title;
 }
 
-std::string Chart::alternative_text() const {
+std::string PageChart::alternative_text() const {
   std::string text = fmt::format("Chart of {} over time", axis_title());
   for (const ChartSeries& one : series) {
     if (one.values.values.empty()) continue;
@@ -41,7 +41,7 @@ std::string Chart::alternative_text() const {
   return text;
 }
 
-std::string Chart::json() const {
+std::string PageChart::json() const {
   nlohmann::ordered_json json;
   json["title"] = axis_title();
   json["lines"] = lines;
@@ -51,6 +51,8 @@ std::string Chart::json() const {
     json["series"].push_back({{"label", one.label},
                               {"unit", one.unit == "1" ? "" : one.unit},
                               {"about", one.description},
+                              {"reference", one.is_reference},
+                              {"off", one.is_off},
                               {"t", packed(thin.times_s)},
                               {"v", packed(thin.values)}});
   }

@@ -1,0 +1,22 @@
+// breakwater report: pages about a user's own runs.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "report/page_chart.h"
+#include "report/saved_run.h"
+
+namespace breakwater {
+
+/// All signals of a run as charts over one time axis: what differs by _true, _measured, _hat or
+/// _ref alone is in one, and so are a vector's values.
+std::vector<PageChart> all_charts(const SavedRun& run, const std::string& id);
+
+/// One page about some runs: numbers, beside printed ones where there are any, and all signals.
+std::string run_report(const std::vector<SavedRun>& runs);
+
+/// How to tell runs apart: by case, else by folder.
+std::vector<std::string> labels_of(const std::vector<SavedRun>& runs);
+
+}  // namespace breakwater
