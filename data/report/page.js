@@ -67,6 +67,7 @@
   class Chart {
     constructor(box) {
       this.box = box;
+      box.chart = this;
       this.plot = box.querySelector(".plot");
       this.group = groupOf(box.dataset.group);
       this.axis = axisOf(box.dataset.axis);
@@ -201,13 +202,12 @@
       grip.addEventListener("pointerdown", (event) => {
         event.stopPropagation();
         event.preventDefault();
-        grip.setPointerCapture(event.pointerId);
         const move = (e) => {
           const x = e.clientX - this.plot.getBoundingClientRect().left;
           setTime(this.group, this.graph.toDataXCoord(x), this);  // the video follows
         };
-        grip.addEventListener("pointermove", move);
-        grip.addEventListener("pointerup", () => grip.removeEventListener("pointermove", move), {once: true});
+        addEventListener("pointermove", move);
+        addEventListener("pointerup", () => removeEventListener("pointermove", move), {once: true});
       });
       grip.addEventListener("mousedown", (event) => event.stopPropagation());
     }

@@ -32,15 +32,16 @@ void check(const std::vector<SavedRun>& runs) {
   }
   for (const SavedRun& run : runs) {
     if (run.scenario() != runs.front().scenario()) {
-      throw std::invalid_argument(fmt::format(
-          "{} is a run of {}, {} of {}: compare runs of one scenario", runs.front().folder().string(),
-          runs.front().scenario(), run.folder().string(), run.scenario()));
+      throw std::invalid_argument(
+          fmt::format("{} is a run of {}, {} of {}: compare runs of one scenario",
+                      runs.front().folder().string(), runs.front().scenario(),
+                      run.folder().string(), run.scenario()));
     }
     if (run.failure()) {
-      throw std::invalid_argument(
-          fmt::format("{}: the run failed at {:.6g} s and has no metrics: leave it out, or look at it "
-                      "with breakwater report",
-                      run.folder().string(), run.failure()->time_s));
+      throw std::invalid_argument(fmt::format(
+          "{}: the run failed at {:.6g} s and has no metrics: leave it out, or look at it "
+          "with breakwater report",
+          run.folder().string(), run.failure()->time_s));
     }
   }
 }
@@ -155,7 +156,8 @@ std::string Comparison::csv() const {
   for (const Metric& metric : metrics_) {
     std::vector<std::string> row = {metric.name, metric.unit};
     for (const SavedRun& run : runs_) row.push_back(number(run.metric(metric.name)));
-    for (std::size_t i = 1; i < runs_.size(); ++i) row.push_back(number(difference(i, metric.name)));
+    for (std::size_t i = 1; i < runs_.size(); ++i)
+      row.push_back(number(difference(i, metric.name)));
     text += csv_line(row);
   }
   return text;
@@ -223,7 +225,8 @@ std::string Comparison::html() const {
     entry.set("label", label);
     toc << entry;
   }
-  page.set("title", fmt::format("{}: {} compared", runs_.front().scenario(), fmt::join(labels_, ", ")));
+  page.set("title",
+           fmt::format("{}: {} compared", runs_.front().scenario(), fmt::join(labels_, ", ")));
   page.set("scenario", runs_.front().scenario());
   page.set("first", labels_.front());
   page.set("toc", toc);

@@ -13,7 +13,8 @@ class Comparison {
  public:
   /// `metrics` and `signals` choose what is compared; empty: all that the runs have in common. A
   /// vector signal stands for all of its values. Throws std::invalid_argument, one line that says
-  /// what to do, if the runs are of different scenarios, one failed, or what is chosen is not there.
+  /// what to do, if the runs are of different scenarios, one failed, or what is chosen is not
+  /// there.
   Comparison(std::vector<SavedRun> runs, const std::vector<std::string>& metrics,
              const std::vector<std::string>& signals);
 

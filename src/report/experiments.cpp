@@ -135,7 +135,8 @@ class Reader {
   Effort effort_;
 };
 
-void read_runs(const Reader& reader, const toml::table& table, std::map<std::string, RunSpec>& runs) {
+void read_runs(const Reader& reader, const toml::table& table,
+               std::map<std::string, RunSpec>& runs) {
   reader.allow(table, {"name", "scenario", "case", "sets", "for", "and", "seeds", "phases",
                        "count_rad", "except"});
   for (const Variables& variables : reader.combinations(table)) {
@@ -374,9 +375,8 @@ Experiments read_experiments(const std::string& file, Effort effort) {
   const toml::table no_forms;
   const toml::table* forms = root["form"].as_table();
   reader.each(root, "section", [&](const toml::node& node) {
-    experiments.sections.push_back(read_section(reader, reader.table(node),
-                                                forms == nullptr ? no_forms : *forms,
-                                                experiments.runs));
+    experiments.sections.push_back(read_section(
+        reader, reader.table(node), forms == nullptr ? no_forms : *forms, experiments.runs));
   });
   reader.each(root, "hero", [&](const toml::node& node) {
     const toml::table& hero = reader.table(node);

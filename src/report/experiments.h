@@ -25,8 +25,8 @@ struct RunSpec {
 /// One measured number, and what the thesis has instead of it.
 struct CellSpec {
   std::string run;
-  std::string metric;   ///< NAME; |NAME|; or "max SIGNAL", the signal's largest value
-  std::string over;     ///< not empty: divided by this run's
+  std::string metric;  ///< NAME; |NAME|; or "max SIGNAL", the signal's largest value
+  std::string over;    ///< not empty: divided by this run's
   double divisor = 1.0;
   double if_failed;     ///< the value of a run that failed; infinite unless given
   std::string printed;  ///< a path into printed-results.toml; empty if `says` is not

@@ -67,8 +67,8 @@ std::string data_address(const fs::path& file, const std::string& type) {
 }
 
 void write_page(const fs::path& file, const std::string& html) {
-  const fs::path partial =
-      file.parent_path() / ("." + file.filename().string() + ".partial-" + std::to_string(getpid()));
+  const fs::path partial = file.parent_path() / ("." + file.filename().string() + ".partial-" +
+                                                 std::to_string(getpid()));
   try {
     write_text_file(partial.string(), html);
     fs::rename(partial, file);

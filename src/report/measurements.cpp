@@ -29,7 +29,8 @@ Measurements::Measurements(const std::filesystem::path& file) : file_(file) {
   }
   descriptor_ = open(file_.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
   if (descriptor_ < 0) {
-    throw OutputError(fmt::format("{}: cannot be written ({})", file_.string(), std::strerror(errno)));
+    throw OutputError(
+        fmt::format("{}: cannot be written ({})", file_.string(), std::strerror(errno)));
   }
   if (is_cut_off && write(descriptor_, "\n", 1) != 1) {
     throw OutputError(file_.string() + ": cannot be written (is the disk full?)");

@@ -56,7 +56,8 @@ std::vector<const SectionSpec*> choose_sections(const Experiments& experiments,
 // Refuses a folder that holds something that is not ours.
 void check_out(const fs::path& out) {
   if (!fs::exists(out)) return;
-  if (!fs::is_directory(out)) throw std::invalid_argument(out.string() + ": is a file, not a folder");
+  if (!fs::is_directory(out))
+    throw std::invalid_argument(out.string() + ": is a file, not a folder");
   if (!fs::is_empty(out) && !fs::exists(out / "runs")) {
     throw std::invalid_argument(out.string() +
                                 ": holds something that is not a reproduction; give another --out");
@@ -85,8 +86,8 @@ int make_pictures(const Reproduction& reproduction, bool with_video) {
 }
 
 int reproduce(const ReproduceArguments& arguments) {
-  const fs::path file = arguments.file.empty() ? data_root() / "data" / "experiments.toml"
-                                               : fs::path(arguments.file);
+  const fs::path file =
+      arguments.file.empty() ? data_root() / "data" / "experiments.toml" : fs::path(arguments.file);
   const Effort effort = arguments.quick ? Effort::quick : Effort::full;
   const Experiments experiments = read_experiments(file.string(), effort);
   check_out(arguments.out);
@@ -106,9 +107,10 @@ int reproduce(const ReproduceArguments& arguments) {
 }
 
 int reproduce_main(int argc, const char* const* argv) {
-  CLI::App app("breakwater reproduce: run every experiment of the thesis, and put its results beside "
-               "the printed ones.",
-               "reproduce");
+  CLI::App app(
+      "breakwater reproduce: run every experiment of the thesis, and put its results beside "
+      "the printed ones.",
+      "reproduce");
   ReproduceArguments arguments;
   app.add_option("--only", arguments.only, "arm, cart, motor, quadrotor or a section of the thesis")
       ->type_name("WHAT");
@@ -196,8 +198,9 @@ int report(const RunsArguments& arguments) {
 }
 
 int runs_main(bool is_comparison, int argc, const char* const* argv) {
-  CLI::App app(is_comparison ? "breakwater compare: metrics and signals of finished runs side by side."
-                             : "breakwater report: one page about finished runs.",
+  CLI::App app(is_comparison
+                   ? "breakwater compare: metrics and signals of finished runs side by side."
+                   : "breakwater report: one page about finished runs.",
                argv[0]);
   RunsArguments arguments;
   app.add_option("RUN", arguments.runs, "the folders of finished runs")->required();
@@ -205,7 +208,8 @@ int runs_main(bool is_comparison, int argc, const char* const* argv) {
       ->type_name("DIR")
       ->capture_default_str();
   if (is_comparison) {
-    app.add_option("--metric", arguments.metrics, "which metrics (default: all); may be given again")
+    app.add_option("--metric", arguments.metrics,
+                   "which metrics (default: all); may be given again")
         ->type_name("NAME")
         ->allow_extra_args(false);
     app.add_option("--signal", arguments.signals,
@@ -218,9 +222,10 @@ int runs_main(bool is_comparison, int argc, const char* const* argv) {
     app.add_flag("--pdf", arguments.pdf, "write compare.pdf: the same");
   }
   app.add_flag("--quiet", arguments.quiet, "print errors only");
-  app.footer(is_comparison ? "It writes compare.html, a page that needs no network. Figures are drawn by\n"
-                             "scripts/figures.py (python3-h5py, python3-matplotlib), which you may copy."
-                           : "It writes report.html, a page that needs no network.");
+  app.footer(is_comparison
+                 ? "It writes compare.html, a page that needs no network. Figures are drawn by\n"
+                   "scripts/figures.py (python3-h5py, python3-matplotlib), which you may copy."
+                 : "It writes report.html, a page that needs no network.");
   if (const auto status = parse(app, argc, argv)) return *status;
   return is_comparison ? compare(arguments) : report(arguments);
 }
@@ -237,7 +242,8 @@ const std::vector<std::pair<std::string, std::string>>& report_commands() {
 
 bool is_report_command(const std::string& name) {
   const auto& all = report_commands();
-  return std::any_of(all.begin(), all.end(), [&](const auto& entry) { return entry.first == name; });
+  return std::any_of(all.begin(), all.end(),
+                     [&](const auto& entry) { return entry.first == name; });
 }
 
 int report_main(int argc, const char* const* argv) {

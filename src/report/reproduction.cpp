@@ -10,9 +10,9 @@
 #include <set>
 #include <thread>
 
+#include "report/saved_run.h"
 #include "scenario/progress.h"
 #include "scenario/runner.h"
-#include "report/saved_run.h"
 #include "version.h"
 
 namespace breakwater {
@@ -165,8 +165,7 @@ Measured measure(const Reproduction& reproduction) {
   std::vector<const Job*> jobs;  // what is left to do
   std::vector<double> costs;
   for (const Job& job : all) {
-    const bool has_folder =
-        !job.is_logged || is_kept(run_folder(reproduction.out, job.name), job);
+    const bool has_folder = !job.is_logged || is_kept(run_folder(reproduction.out, job.name), job);
     if (known.find(job.key) && has_folder) continue;
     jobs.push_back(&job);
     costs.push_back(job.cost);

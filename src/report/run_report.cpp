@@ -29,7 +29,8 @@ std::string stem(const std::string& name) {
   return name;
 }
 
-// Whether the run has the settings of the project's own case, so that printed values mean something.
+// Whether the run has the settings of the project's own case, so that printed values mean
+// something.
 bool is_as_shipped(const SavedRun& run) {
   try {
     const ScenarioFile file((run.folder() / "config.toml").string(), run.scenario());

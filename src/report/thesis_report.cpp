@@ -109,8 +109,8 @@ mustache::data table_data(const TableSpec& table, const SectionSpec& section,
         const Judged judged = judge_cell(*spec, measured, printed);
         score.count(judged.verdict);
         mustache::data filled;
-        filled.set("measured", judged.failed == judged.values ? "the run fails"
-                                                              : format_number(judged.median));
+        filled.set("measured",
+                   judged.failed == judged.values ? "the run fails" : format_number(judged.median));
         if (judged.values > 1) {
           filled.set("spread", fmt::format("{} to {}, n = {}", format_number(judged.smallest),
                                            format_number(judged.largest), judged.values));
@@ -189,9 +189,12 @@ std::string text_of(const fs::path& file) {
 
 std::string css_class(Verdict verdict) {
   switch (verdict) {
-    case Verdict::reproduced: return "good";
-    case Verdict::within_class: return "near";
-    case Verdict::not_reproduced: break;
+    case Verdict::reproduced:
+      return "good";
+    case Verdict::within_class:
+      return "near";
+    case Verdict::not_reproduced:
+      break;
   }
   return "off";
 }
@@ -217,9 +220,15 @@ std::optional<mustache::data> video_data(const SavedRun& run, const std::string&
 
 void Score::count(Verdict verdict) {
   switch (verdict) {
-    case Verdict::reproduced: ++reproduced; break;
-    case Verdict::within_class: ++within_class; break;
-    case Verdict::not_reproduced: ++not_reproduced; break;
+    case Verdict::reproduced:
+      ++reproduced;
+      break;
+    case Verdict::within_class:
+      ++within_class;
+      break;
+    case Verdict::not_reproduced:
+      ++not_reproduced;
+      break;
   }
 }
 
@@ -304,7 +313,9 @@ ThesisReport thesis_report(const Reproduction& reproduction, const Measured& mea
     section.set("tables", tables);
     if (!spec->video.empty()) {
       if (auto video = video_data(logs.of(spec->video), id)) {
-        if (spec->id == experiments.video) video->set("address", "");  // it is on the first screen
+        if (spec->id == experiments.video) {
+          video->set("address", mustache::data(mustache::data::type::bool_false));  // shown above
+        }
         section.set("video", *video);
       }
     }
@@ -325,7 +336,8 @@ ThesisReport thesis_report(const Reproduction& reproduction, const Measured& mea
       numbers.insert(figure.number.substr(0, figure.number.find(' ')));
       for (const HeroSpec& hero : experiments.heroes) {
         if (hero.figure != figure.number) continue;
-        hero_charts[hero.figure] = charts_of(figure, "lead-" + anchor(figure.number), logs).at(hero.panel);
+        hero_charts[hero.figure] =
+            charts_of(figure, "lead-" + anchor(figure.number), logs).at(hero.panel);
       }
     }
     section.set("figures", figures);
@@ -386,9 +398,10 @@ ThesisReport thesis_report(const Reproduction& reproduction, const Measured& mea
   page.set("sections", sections);
   page.set("heroes", heroes);
   page.set("pages", pages);
-  page.set("effort", effort == Effort::quick
-                         ? "This is the quick version: fewer seeds and encoder phases than the full one."
-                         : "This is the full version, with all seeds and encoder phases.");
+  page.set("effort",
+           effort == Effort::quick
+               ? "This is the quick version: fewer seeds and encoder phases than the full one."
+               : "This is the full version, with all seeds and encoder phases.");
   page.set("good", std::to_string(report.score.reproduced));
   page.set("near", std::to_string(report.score.within_class));
   page.set("off", std::to_string(report.score.not_reproduced));

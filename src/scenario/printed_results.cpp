@@ -13,7 +13,8 @@ namespace breakwater {
 namespace {
 
 bool matches(const char* pattern, const char* path) {
-  if (*pattern == '*') return matches(pattern + 1, path) || (*path != '\0' && matches(pattern, path + 1));
+  if (*pattern == '*')
+    return matches(pattern + 1, path) || (*path != '\0' && matches(pattern, path + 1));
   if (*pattern == '\0' || *path == '\0') return *pattern == *path;
   return *pattern == *path && matches(pattern + 1, path + 1);
 }
@@ -111,9 +112,12 @@ Verdict judge(double measured, const PrintedResult& printed, const Standard& sta
 
 std::string text(Verdict verdict) {
   switch (verdict) {
-    case Verdict::reproduced: return "reproduced";
-    case Verdict::within_class: return "within the class";
-    case Verdict::not_reproduced: break;
+    case Verdict::reproduced:
+      return "reproduced";
+    case Verdict::within_class:
+      return "within the class";
+    case Verdict::not_reproduced:
+      break;
   }
   return "not reproduced";
 }

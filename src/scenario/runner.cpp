@@ -120,8 +120,8 @@ PreparedRun prepare_run(const std::string& scenario, const ScenarioFile& file,
   return run;
 }
 
-void write_run(const PreparedRun& run, const Recording& recording, double wall_s,
-               RunFolder& folder, bool csv) {
+void write_run(const PreparedRun& run, const Recording& recording, double wall_s, RunFolder& folder,
+               bool csv) {
   const std::filesystem::path& path = folder.path();
   write_text_file(path / "config.toml", run.config_text);
   write_hdf5_log(path / "log.h5", recording.tracks, run.scenario->run_settings().compression);

@@ -48,8 +48,8 @@ struct RunOptions {
 };
 
 /// Writes all that a run leaves into its folder, which then takes its place. Throws OutputError.
-void write_run(const PreparedRun& run, const Recording& recording, double wall_s,
-               RunFolder& folder, bool csv);
+void write_run(const PreparedRun& run, const Recording& recording, double wall_s, RunFolder& folder,
+               bool csv);
 
 /// Runs all of `runs`, on all cores, each into its folder of `targets`. Nothing runs unless all
 /// of them can be written. Throws std::invalid_argument, OutputError or Interrupted; a run that

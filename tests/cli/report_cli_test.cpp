@@ -103,8 +103,7 @@ class Reports : public ::testing::Test {
 TEST_F(Reports, AKilledReproductionGoesOnAndGivesTheSamePage) {
   const ProgramResult whole = reproduce("whole");
   ASSERT_EQ(whole.status, 0) << whole.err;
-  EXPECT_NE(whole.out.find("3 reproduced, 0 within the class, 0 not reproduced"),
-            std::string::npos)
+  EXPECT_NE(whole.out.find("3 reproduced, 0 within the class, 0 not reproduced"), std::string::npos)
       << whole.out;
   EXPECT_NE(whole.out.find("report: whole/report.html"), std::string::npos);
 
@@ -170,7 +169,8 @@ TEST_F(Reports, CompareTellsWhatIsWrong) {
   expect_refused({"compare", "kfd"}, "give two runs or more");
   expect_refused({"compare", "kfd", "nowhere"}, "there is no such folder");
   expect_refused({"compare", "kfd", "empty"}, "is not the folder of a finished run");
-  expect_refused({"compare", "kfd", "half"}, "the run is incomplete: it has no log.h5; run it again");
+  expect_refused({"compare", "kfd", "half"},
+                 "the run is incomplete: it has no log.h5; run it again");
   expect_refused({"compare", "kfd", "push"}, "compare runs of one scenario");
   expect_refused({"compare", "kfd", "failed"}, "failed at 2");
   expect_refused({"compare", "kfd", "kfd", "--metric", "rmse_velocity"}, "no run has it");

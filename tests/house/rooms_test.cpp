@@ -52,8 +52,7 @@ TEST(House, RoomsDependOneWay) {
       {"record", {"signals"}},
       {"render", {"linear", "signals", "world", "sim", "record"}},
       {"scenario",
-       {"linear", "observers", "plants", "signals", "control", "world", "sim", "record",
-        "render"}},
+       {"linear", "observers", "plants", "signals", "control", "world", "sim", "record", "render"}},
       {"report", {"record", "scenario"}}};
   const std::vector<Include> includes = all_includes();
   ASSERT_GT(includes.size(), 100U);

@@ -192,14 +192,15 @@ TEST(Experiments, MistakesAreSaidWithTheirLine) {
     }
     return "";
   };
-  const std::string section =
-      "[[section]]\nid = \"1\"\nplant = \"arm\"\ntitle = \"t\"\n";
+  const std::string section = "[[section]]\nid = \"1\"\nplant = \"arm\"\ntitle = \"t\"\n";
   EXPECT_EQ(message(section), "");
-  EXPECT_NE(message(section + "colour = 1\n").find(":5: there is no key colour"), std::string::npos);
+  EXPECT_NE(message(section + "colour = 1\n").find(":5: there is no key colour"),
+            std::string::npos);
   EXPECT_NE(message(section + "[[section.run]]\nname = \"{k}\"\n").find("there is no {k}"),
             std::string::npos);
   EXPECT_NE(message("[[section]\n").find(":1: "), std::string::npos);
-  EXPECT_NE(message(section + "video = \"none\"\n").find("there is no run none"), std::string::npos);
+  EXPECT_NE(message(section + "video = \"none\"\n").find("there is no run none"),
+            std::string::npos);
   EXPECT_NE(message(section + "[[section.table]]\ntitle = \"t\"\ncolumns = [{ title = \"c\" }]\n"
                               "rows = [{ title = \"r\", run = \"x\", metric = \"m\" }]\n")
                 .find("either `printed` or `says`"),
