@@ -112,6 +112,7 @@ Comparison::Comparison(std::vector<SavedRun> runs, const std::vector<std::string
     : runs_(std::move(runs)) {
   check(runs_);
   labels_ = labels_of(runs_);
+  for (const SavedRun& run : runs_) printed_.push_back(printed_of(run));
   metrics_ = choose_metrics(runs_, metrics);
   signals_ = choose_signals(runs_, signals);
 }
@@ -130,15 +131,22 @@ std::string Comparison::text(std::size_t width) const {
   for (const Metric& metric : metrics_) {
     std::vector<std::string> values = {metric.name, metric.unit};
     std::vector<std::string> differences = {"  difference", "", ""};
+    std::vector<std::string> printed = {"  printed", metric.unit};
+    bool is_printed = false;
     for (std::size_t i = 0; i < runs_.size(); ++i) {
       const auto value = runs_[i].metric(metric.name);
       values.push_back(value ? fmt::format("{:.5g}", *value) : "-");
+      const auto thesis = printed_[i].find(metric.name);
+      is_printed = is_printed || thesis != printed_[i].end();
+      printed.push_back(
+          thesis == printed_[i].end() ? "-" : fmt::format("{:.5g}", thesis->second.printed));
       if (i == 0) continue;
       const auto off = difference(i, metric.name);
       differences.push_back(off ? relative(*off, *runs_.front().metric(metric.name)) : "-");
     }
     table.add(values);
     table.add(differences);
+    if (is_printed) table.add(printed);
   }
   return table.print(width);
 }
@@ -198,6 +206,15 @@ std::string Comparison::html() const {
       const auto off = difference(i, metric.name);
       if (i > 0 && off) {
         cell.set("difference", relative(*off, *runs_.front().metric(metric.name)));
+      }
+      const auto thesis = printed_[i].find(metric.name);
+      if (value && thesis != printed_[i].end()) {
+        const Verdict verdict = thesis->second.verdict(*value);
+        mustache::data printed;
+        printed.set("number", fmt::format("{:g}", thesis->second.printed));
+        printed.set("verdict", breakwater::text(verdict));
+        printed.set("verdict_class", css_class(verdict));
+        cell.set("printed", printed);
       }
       cells << cell;
     }

@@ -1,10 +1,13 @@
 // breakwater compare: runs of one scenario side by side.
 #pragma once
 
+#include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "report/saved_run.h"
+#include "scenario/printed_results.h"
 
 namespace breakwater {
 
@@ -18,7 +21,8 @@ class Comparison {
   Comparison(std::vector<SavedRun> runs, const std::vector<std::string>& metrics,
              const std::vector<std::string>& signals);
 
-  /// A plain text table: values, and below them the differences from the first run.
+  /// A plain text table: values, and below them the differences from the first run and what the
+  /// thesis prints, if it does.
   std::string text(std::size_t width) const;
   std::string csv() const;
   std::string latex() const;
@@ -30,7 +34,8 @@ class Comparison {
 
   std::vector<SavedRun> runs_;
   std::vector<std::string> labels_;
-  std::vector<Metric> metrics_;  // of which only names and units count
+  std::vector<std::map<std::string, PrintedValue>> printed_;  // for each run, by metric
+  std::vector<Metric> metrics_;                               // of which only names and units count
   std::vector<std::string> signals_;
 };
 

@@ -58,7 +58,7 @@ void check_out(const fs::path& out) {
   if (!fs::exists(out)) return;
   if (!fs::is_directory(out))
     throw std::invalid_argument(out.string() + ": is a file, not a folder");
-  if (!fs::is_empty(out) && !fs::exists(out / "runs")) {
+  if (!fs::is_empty(out) && !fs::exists(out / "measurements.jsonl")) {
     throw std::invalid_argument(out.string() +
                                 ": holds something that is not a reproduction; give another --out");
   }

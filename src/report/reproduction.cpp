@@ -160,7 +160,7 @@ fs::path run_folder(const fs::path& out, const std::string& run) {
 
 Measured measure(const Reproduction& reproduction) {
   const std::vector<Job> all = plan(reproduction);
-  fs::create_directories(reproduction.out / "runs");
+  fs::create_directories(reproduction.out);
   Measurements known(reproduction.out / "measurements.jsonl");
   std::vector<const Job*> jobs;  // what is left to do
   std::vector<double> costs;

@@ -4,12 +4,11 @@
 
 #include <algorithm>
 #include <array>
-#include <map>
 #include <set>
+#include <stdexcept>
 
 #include "report/html_page.h"
 #include "report/thesis_report.h"
-#include "scenario/printed_results.h"
 #include "scenario/runner.h"
 
 namespace breakwater {
@@ -29,24 +28,8 @@ std::string stem(const std::string& name) {
   return name;
 }
 
-// Whether the run has the settings of the project's own case, so that printed values mean
-// something.
-bool is_as_shipped(const SavedRun& run) {
-  try {
-    const ScenarioFile file((run.folder() / "config.toml").string(), run.scenario());
-    return prepare_run(run.scenario(), file, run.case_name(), {}).is_as_shipped;
-  } catch (const std::invalid_argument&) {
-    return false;
-  }
-}
-
 mustache::data metrics_data(const SavedRun& run) {
-  std::map<std::string, PrintedValue> printed;
-  if (is_as_shipped(run)) {
-    for (const PrintedValue& value : printed_values(run.scenario(), run.case_name())) {
-      printed.emplace(value.metric, value);
-    }
-  }
+  const std::map<std::string, PrintedValue> printed = printed_of(run);
   mustache::data rows(mustache::data::type::list);
   for (const Metric& metric : run.metrics()) {
     mustache::data row;
@@ -95,6 +78,20 @@ std::vector<PageChart> all_charts(const SavedRun& run, const std::string& id) {
     charts.push_back(std::move(chart));
   }
   return charts;
+}
+
+std::map<std::string, PrintedValue> printed_of(const SavedRun& run) {
+  std::map<std::string, PrintedValue> printed;
+  try {
+    const ScenarioFile file((run.folder() / "config.toml").string(), run.scenario());
+    if (!prepare_run(run.scenario(), file, run.case_name(), {}).is_as_shipped) return printed;
+  } catch (const std::invalid_argument&) {
+    return printed;  // of another version, say
+  }
+  for (const PrintedValue& value : printed_values(run.scenario(), run.case_name())) {
+    printed.emplace(value.metric, value);
+  }
+  return printed;
 }
 
 std::string run_report(const std::vector<SavedRun>& runs) {

@@ -109,11 +109,12 @@ mustache::data table_data(const TableSpec& table, const SectionSpec& section,
         const Judged judged = judge_cell(*spec, measured, printed);
         score.count(judged.verdict);
         mustache::data filled;
-        filled.set("measured",
-                   judged.failed == judged.values ? "the run fails" : format_number(judged.median));
+        filled.set("measured", judged.measured);
         if (judged.values > 1) {
-          filled.set("spread", fmt::format("{} to {}, n = {}", format_number(judged.smallest),
-                                           format_number(judged.largest), judged.values));
+          filled.set("spread", judged.smallest < judged.largest
+                                   ? fmt::format("{} to {}, n = {}", format_number(judged.smallest),
+                                                 format_number(judged.largest), judged.values)
+                                   : fmt::format("the same in {} runs", judged.values));
         }
         if (spec->says.empty()) filled.set("printed", judged.printed);
         if (!spec->says.empty()) filled.set("says", judged.printed);
@@ -242,6 +243,7 @@ Judged judge_cell(const CellSpec& cell, const Measured& measured, const PrintedR
   const auto& runs = measured.at(cell.run);
   judged.failed = static_cast<std::size_t>(
       std::count_if(runs.begin(), runs.end(), [](const Measurement& m) { return m.failed; }));
+  judged.measured = judged.failed == judged.values ? "the run fails" : format_number(judged.median);
   if (!cell.says.empty()) {
     judged.printed = cell.says;
     judged.class_text = "holds if " + cell.holds.text();
@@ -258,8 +260,10 @@ Judged judge_cell(const CellSpec& cell, const Measured& measured, const PrintedR
                                     standard.within.text());
   } else {
     for (const auto& [word, band] : standard.words) {
+      const std::string name = PrintedResult{std::nullopt, word}.text();
       if (!judged.class_text.empty()) judged.class_text += "; ";
-      judged.class_text += PrintedResult{std::nullopt, word}.text() + ": " + band.text();
+      judged.class_text += name + ": " + band.text();
+      if (band.contains(judged.median)) judged.measured = name + " (" + judged.measured + ")";
     }
   }
   return judged;
@@ -380,7 +384,7 @@ ThesisReport thesis_report(const Reproduction& reproduction, const Measured& mea
     chart.id = "lead-" + chart.id;
     mustache::data entry = chart_data(chart);
     entry.set("caption", hero.caption);
-    entry.set("number", hero.figure);
+    entry.set("number", hero.figure.substr(0, hero.figure.find(' ')));
     entry.set("href", "figure-" + anchor(hero.figure));
     heroes << entry;
   }

@@ -28,7 +28,8 @@ struct Judged {
   double largest = 0.0;
   std::size_t values = 0;
   std::size_t failed = 0;  ///< of these
-  std::string printed;     ///< as the thesis has it
+  std::string measured;  ///< the median; before it the word that it deserves, if words are printed
+  std::string printed;   ///< as the thesis has it
   std::string class_text;  ///< what would count as reproduced
   Verdict verdict = Verdict::not_reproduced;
 };

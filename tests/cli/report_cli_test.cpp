@@ -39,7 +39,7 @@ for = [{ k = "kfd" }, { k = "fakfd-0998" }]
 name = "many"
 scenario = "motor_estimation"
 case = "vfakfd"
-sets = ["noise.std_rad=0.01", "run.duration_s=30"]
+sets = ["noise.std_rad=0.01", "run.duration_s=15"]
 seeds = [20, 20]
 
 [[section.table]]
