@@ -308,7 +308,7 @@ SectionSpec read_section(const Reader& reader, const toml::table& table, const t
 // Everything that is referred to is there.
 void check(const Experiments& experiments, const PrintedResults& printed) {
   for (const SectionSpec& section : experiments.sections) {
-    for (const std::string& name : experiments.runs_of(section)) {
+    for (const std::string& name : section.runs()) {
       if (!experiments.runs.contains(name)) {
         throw std::invalid_argument(
             fmt::format("{}: section {}: there is no run {}", experiments.file, section.id, name));
@@ -335,19 +335,19 @@ void add_once(std::vector<std::string>& names, const std::string& name) {
 
 }  // namespace
 
-std::vector<std::string> Experiments::logged_runs_of(const SectionSpec& section) const {
+std::vector<std::string> SectionSpec::logged_runs() const {
   std::vector<std::string> names;
-  for (const FigureSpec& figure : section.figures) {
+  for (const FigureSpec& figure : figures) {
     for (const FigureRun& run : figure.runs) add_once(names, run.run);
   }
-  add_once(names, section.video);
-  add_once(names, section.strip);
+  add_once(names, video);
+  add_once(names, strip);
   return names;
 }
 
-std::vector<std::string> Experiments::runs_of(const SectionSpec& section) const {
-  std::vector<std::string> names = logged_runs_of(section);
-  for (const TableSpec& table : section.tables) {
+std::vector<std::string> SectionSpec::runs() const {
+  std::vector<std::string> names = logged_runs();
+  for (const TableSpec& table : tables) {
     for (const auto& row : table.cells) {
       for (const auto& cell : row) {
         if (!cell) continue;

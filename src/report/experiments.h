@@ -90,6 +90,11 @@ struct SectionSpec {
   std::vector<ReasonSpec> reasons;
   std::vector<FigureSpec> figures;
   std::vector<MissingSpec> missing;
+
+  /// The runs that its tables and figures refer to.
+  std::vector<std::string> runs() const;
+  /// Those whose logs its figures, video and strip need.
+  std::vector<std::string> logged_runs() const;
 };
 
 /// A picture of the first screen: one panel of a figure.
@@ -105,11 +110,6 @@ struct Experiments {
   std::vector<SectionSpec> sections;
   std::vector<HeroSpec> heroes;
   std::string video;  ///< of the first screen: a section's id
-
-  /// The runs that a section's tables and figures refer to.
-  std::vector<std::string> runs_of(const SectionSpec& section) const;
-  /// Those whose logs its figures, video and strip need.
-  std::vector<std::string> logged_runs_of(const SectionSpec& section) const;
 };
 
 /// Reads a file of experiments. Throws std::invalid_argument `FILE[:LINE]: reason`.

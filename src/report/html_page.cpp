@@ -37,7 +37,7 @@ std::string fill_in(const fs::path& file, const mustache::data& data) {
 }  // namespace
 
 std::string html_page(const std::string& name, mustache::data& data) {
-  const std::string chart = bytes_of(part("chart.mustache"));
+  std::string chart = bytes_of(part("chart.mustache"));
   data.set("chart", mustache::data(mustache::partial([chart] { return chart; })));
   mustache::data page = data;
   page.set("content", fill_in(part(name + ".mustache"), data));

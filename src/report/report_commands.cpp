@@ -96,7 +96,7 @@ int reproduce(const ReproduceArguments& arguments) {
                                   arguments.out, arguments.quiet, &interrupted()};
   const Measured measured = measure(reproduction);
   const int status = make_pictures(reproduction, !arguments.no_video);
-  if (status == kInterrupted) return status;
+  if (status == kInterrupted) throw Interrupted(measured.size());
   const ThesisReport report = thesis_report(reproduction, measured, effort);
   const fs::path page = reproduction.out / "report.html";
   write_page(page, report.html);

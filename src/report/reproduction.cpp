@@ -74,8 +74,8 @@ std::vector<Job> plan(const Reproduction& reproduction) {
   std::set<std::string> names;
   std::set<std::string> logged;
   for (const SectionSpec* section : reproduction.sections) {
-    for (const std::string& name : experiments.runs_of(*section)) names.insert(name);
-    for (const std::string& name : experiments.logged_runs_of(*section)) logged.insert(name);
+    for (const std::string& name : section->runs()) names.insert(name);
+    for (const std::string& name : section->logged_runs()) logged.insert(name);
   }
   ScenarioFiles files;
   std::vector<Job> jobs;

@@ -98,6 +98,7 @@ mustache::data table_data(const TableSpec& table, const SectionSpec& section,
   data.set("columns", columns);
 
   std::vector<std::string> notes;
+  std::vector<std::string> classes;
   mustache::data rows(mustache::data::type::list);
   for (std::size_t r = 0; r < table.rows.size(); ++r) {
     mustache::data row;
@@ -121,6 +122,9 @@ mustache::data table_data(const TableSpec& table, const SectionSpec& section,
         filled.set("verdict", text(judged.verdict));
         filled.set("verdict_class", css_class(judged.verdict));
         filled.set("class_text", judged.class_text);
+        if (std::find(classes.begin(), classes.end(), judged.class_text) == classes.end()) {
+          classes.push_back(judged.class_text);
+        }
         if (judged.verdict != Verdict::reproduced) {
           const std::string path = spec->printed.empty() ? spec->run : spec->printed;
           for (const ReasonSpec& reason : section.reasons) {
@@ -139,6 +143,7 @@ mustache::data table_data(const TableSpec& table, const SectionSpec& section,
     rows << row;
   }
   data.set("rows", rows);
+  data.set("classes", fmt::format("{}", fmt::join(classes, " · ")));
   if (!notes.empty()) {
     mustache::data list(mustache::data::type::list);
     for (std::size_t i = 0; i < notes.size(); ++i) {

@@ -13,6 +13,7 @@
 #include "report/measurements.h"
 #include "report/page_chart.h"
 #include "report/reproduction.h"
+#include "report/saved_run.h"
 #include "report/thesis_report.h"
 #include "support.h"
 
@@ -205,6 +206,14 @@ TEST(Experiments, MistakesAreSaidWithTheirLine) {
                               "rows = [{ title = \"r\", run = \"x\", metric = \"m\" }]\n")
                 .find("either `printed` or `says`"),
             std::string::npos);
+}
+
+TEST(SavedRun, UnitsAreTheEndsOfNames) {
+  EXPECT_EQ(unit_of("rmse_velocity_rad_s"), "rad/s");
+  EXPECT_EQ(unit_of("max_speed_m_s"), "m/s");
+  EXPECT_EQ(unit_of("free_motion_time_s"), "s");
+  EXPECT_EQ(unit_of("contact_impulse_Ns"), "N s");
+  EXPECT_EQ(unit_of("bounce_count"), "");
 }
 
 TEST(Latex, HasNoCharacterOfItsOwn) {
