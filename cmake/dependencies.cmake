@@ -28,3 +28,7 @@ target_include_directories(random123::random123 SYSTEM INTERFACE ${RANDOM123_INC
 pkg_check_modules(osmesa REQUIRED IMPORTED_TARGET osmesa)
 pkg_check_modules(cairo REQUIRED IMPORTED_TARGET cairo)
 pkg_check_modules(ffmpeg REQUIRED IMPORTED_TARGET libavformat libavcodec libswscale libavutil)
+
+# Reports. dygraphs is read when a page is written, and goes into it whole.
+find_path(MUSTACHE_INCLUDE_DIR kainjow/mustache.hpp REQUIRED)
+find_path(DYGRAPHS_DIR dygraph.min.js PATHS /usr/share/javascript/dygraphs NO_DEFAULT_PATH REQUIRED)

@@ -81,6 +81,43 @@ void write_track(hid_t file, const Track& track, int deflate_level) {
   }
 }
 
+std::string read_text(hid_t object, const char* name) {
+  const Handle attribute(H5Aopen(object, name, H5P_DEFAULT), H5Aclose);
+  const Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
+  require(H5Tset_size(type, H5T_VARIABLE));
+  require(H5Tset_cset(type, H5T_CSET_UTF8));
+  char* value = nullptr;
+  require(H5Aread(attribute, type, &value));
+  std::string text(value);
+  require(H5free_memory(value));
+  return text;
+}
+
+// The names of all links of a group, in their order.
+std::vector<std::string> link_names(hid_t group) {
+  H5G_info_t info{};
+  require(H5Gget_info(group, &info));
+  std::vector<std::string> names;
+  for (hsize_t i = 0; i < info.nlinks; ++i) {
+    const auto get = [&](char* buffer, std::size_t size) {
+      return H5Lget_name_by_idx(group, ".", H5_INDEX_NAME, H5_ITER_INC, i, buffer, size,
+                                H5P_DEFAULT);
+    };
+    std::string name(static_cast<std::size_t>(std::max<ssize_t>(0, get(nullptr, 0))), '\0');
+    get(name.data(), name.size() + 1);
+    names.push_back(name);
+  }
+  return names;
+}
+
+std::array<hsize_t, 2> size_of(hid_t dataset) {
+  const Handle space(H5Dget_space(dataset), H5Sclose);
+  std::array<hsize_t, 2> size = {0, 1};
+  if (H5Sget_simple_extent_ndims(space) > 2) throw std::runtime_error("HDF5 error");
+  require(H5Sget_simple_extent_dims(space, size.data(), nullptr));
+  return size;
+}
+
 // Debian's serial HDF5 is not built thread-safe.
 std::mutex hdf5_in_use;
 
@@ -106,16 +143,35 @@ std::string hdf5_version() {
   return fmt::format("{}.{}.{}", major, minor, release);
 }
 
+std::vector<LogEntry> list_hdf5_signals(const std::string& file) {
+  const std::lock_guard lock(hdf5_in_use);
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  try {
+    const Handle handle(H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
+    std::vector<LogEntry> entries;
+    for (const std::string& track : link_names(handle)) {
+      const Handle group(H5Gopen2(handle, track.c_str(), H5P_DEFAULT), H5Gclose);
+      for (const std::string& name : link_names(group)) {
+        if (name == "time_s") continue;
+        const Handle data(H5Dopen2(group, name.c_str(), H5P_DEFAULT), H5Dclose);
+        const std::array<hsize_t, 2> size = size_of(data);
+        entries.push_back({track, name, read_text(data, "unit"), read_text(data, "description"),
+                           size[0], size[1]});
+      }
+    }
+    return entries;
+  } catch (const std::runtime_error&) {
+    throw std::invalid_argument(file + ": is not a log");
+  }
+}
+
 LoggedSignal read_hdf5_signal(const std::string& file, const std::string& dataset) {
   const std::lock_guard lock(hdf5_in_use);
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
   try {
     const Handle handle(H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
     const Handle data(H5Dopen2(handle, dataset.c_str(), H5P_DEFAULT), H5Dclose);
-    const Handle space(H5Dget_space(data), H5Sclose);
-    std::array<hsize_t, 2> size = {0, 1};
-    if (H5Sget_simple_extent_ndims(space) > 2) throw std::runtime_error("HDF5 error");
-    require(H5Sget_simple_extent_dims(space, size.data(), nullptr));
+    const std::array<hsize_t, 2> size = size_of(data);
     LoggedSignal signal{size[0], size[1], std::vector<double>(size[0] * size[1])};
     require(H5Dread(data, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, signal.values.data()));
     return signal;

@@ -29,6 +29,20 @@ struct LoggedSignal {
   const double* row(std::size_t i) const { return &values[i * width]; }
 };
 
+/// What a log says about one of its datasets.
+struct LogEntry {
+  std::string group;  ///< the track: "control"
+  std::string name;   ///< of the signal; time bases are left out
+  std::string unit;
+  std::string description;
+  std::size_t rows = 0;
+  std::size_t width = 0;
+};
+
+/// All signals of a log, by group and name. Throws std::invalid_argument if the file is no log.
+/// Thread-safe.
+std::vector<LogEntry> list_hdf5_signals(const std::string& file);
+
 /// Reads one dataset, "control/qpos" for example. Throws std::invalid_argument if the file is no
 /// log or has no such dataset. Thread-safe.
 LoggedSignal read_hdf5_signal(const std::string& file, const std::string& dataset);

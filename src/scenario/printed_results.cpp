@@ -1,43 +1,204 @@
 #include "scenario/printed_results.h"
 
+#include <fmt/format.h>
 #include <toml++/toml.h>
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
 #include "scenario/paths.h"
 
 namespace breakwater {
+namespace {
 
-bool PrintedValue::is_reproduced_by(double measured) const {
-  if (bound) return std::abs(measured) < *bound;
-  return relative && std::abs(measured - printed) <= *relative * std::abs(printed);
+bool matches(const char* pattern, const char* path) {
+  if (*pattern == '*')
+    return matches(pattern + 1, path) || (*path != '\0' && matches(pattern, path + 1));
+  if (*pattern == '\0' || *path == '\0') return *pattern == *path;
+  return *pattern == *path && matches(pattern + 1, path + 1);
+}
+
+void collect(const toml::node& node, const std::string& path,
+             std::map<std::string, PrintedResult>& results) {
+  if (const toml::table* table = node.as_table()) {
+    for (const auto& [key, child] : *table) {
+      collect(child, path.empty() ? std::string(key.str()) : path + "." + std::string(key.str()),
+              results);
+    }
+  } else if (const toml::array* array = node.as_array()) {
+    for (std::size_t i = 0; i < array->size(); ++i) {
+      collect(*array->get(i), fmt::format("{}[{}]", path, i), results);
+    }
+  } else if (const auto number = node.value<double>(); number && !node.is_boolean()) {
+    results[path] = {*number, ""};
+  } else if (const auto yes = node.value<bool>(); yes && node.is_boolean()) {
+    results[path] = {std::nullopt, *yes ? "true" : "false"};
+  } else {
+    results[path] = {std::nullopt, node.value_or(std::string())};
+  }
+}
+
+Band read_band(const toml::node* node) {
+  const toml::table* table = node == nullptr ? nullptr : node->as_table();
+  if (table == nullptr) throw std::runtime_error("a class lacks a band");
+  Band band;
+  for (const auto& [key, value] : *table) {
+    const auto number = value.value<double>();
+    if (!number) throw std::runtime_error("a band's number is none");
+    if (key == "relative") {
+      band.relative = number;
+    } else if (key == "absolute") {
+      band.absolute = number;
+    } else if (key == "above") {
+      band.above = number;
+    } else if (key == "below") {
+      band.below = number;
+    } else {
+      throw std::runtime_error("a band has no " + std::string(key.str()));
+    }
+  }
+  return band;
+}
+
+Standard read_standard(const toml::table& table) {
+  Standard standard;
+  if (const toml::table* words = table["words"].as_table()) {
+    for (const auto& [word, band] : *words) {
+      standard.words.emplace_back(word.str(), read_band(&band));
+    }
+  } else {
+    standard.reproduced = read_band(table.get("reproduced"));
+    standard.within = read_band(table.get("within"));
+  }
+  return standard;
+}
+
+}  // namespace
+
+bool Band::contains(double measured, double printed) const {
+  const double off = std::abs(measured - printed);
+  return !std::isnan(measured) && !(relative && !(off <= *relative * std::abs(printed))) &&
+         !(absolute && !(off <= *absolute)) && !(above && measured < *above) &&
+         !(below && measured >= *below);
+}
+
+std::string Band::text() const {
+  std::vector<std::string> parts;
+  if (relative) parts.push_back(fmt::format("±{:g} %", 100.0 * *relative));
+  if (absolute) parts.push_back(fmt::format("±{:g}", *absolute));
+  if (above) parts.push_back(fmt::format("from {:g}", *above));
+  if (below) parts.push_back(fmt::format("below {:g}", *below));
+  return fmt::format("{}", fmt::join(parts, ", "));
+}
+
+std::string PrintedResult::text() const {
+  if (!number) return word == "true" ? "yes" : word == "false" ? "no" : word;
+  return fmt::format("{:g}", *number);
+}
+
+Verdict judge(double measured, const PrintedResult& printed, const Standard& standard) {
+  if (printed.number) {
+    if (standard.reproduced.contains(measured, *printed.number)) return Verdict::reproduced;
+    if (standard.within.contains(measured, *printed.number)) return Verdict::within_class;
+    return Verdict::not_reproduced;
+  }
+  const bool is_deserved =
+      std::any_of(standard.words.begin(), standard.words.end(), [&](const auto& entry) {
+        return entry.first == printed.word && entry.second.contains(measured);
+      });
+  return is_deserved ? Verdict::reproduced : Verdict::not_reproduced;
+}
+
+std::string text(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::reproduced:
+      return "reproduced";
+    case Verdict::within_class:
+      return "within the class";
+    case Verdict::not_reproduced:
+      break;
+  }
+  return "not reproduced";
+}
+
+PrintedResults::PrintedResults(const std::filesystem::path& folder) {
+  try {
+    collect(toml::parse_file((folder / "printed-results.toml").string()), "", results_);
+    const toml::table file = toml::parse_file((folder / "reproduced.toml").string());
+    const toml::array* classes = file["class"].as_array();
+    if (classes == nullptr) throw std::runtime_error("there is no [[class]]");
+    for (const toml::node& node : *classes) {
+      const toml::table& table = *node.as_table();
+      const toml::array* patterns = table["of"].as_array();
+      if (patterns == nullptr) throw std::runtime_error("a class has no `of`");
+      for (const toml::node& pattern : *patterns) {
+        standards_.emplace_back(pattern.value_or(std::string()), read_standard(table));
+      }
+    }
+    for (const auto& [scenario, cases] : *file["case"].as_table()) {
+      for (const auto& [name, node] : *cases.as_table()) {
+        Case entry;
+        for (const auto& [key, value] : *node.as_table()) {
+          const std::string theirs = value.value_or(std::string());
+          if (key == "printed") {
+            entry.printed = theirs;
+          } else {
+            entry.metrics[std::string(key.str())] = theirs;
+          }
+        }
+        cases_[std::string(scenario.str()) + "/" + std::string(name.str())] = entry;
+      }
+    }
+  } catch (const std::exception& error) {
+    throw std::runtime_error(folder.string() + ": " + error.what());
+  }
+}
+
+std::optional<PrintedResult> PrintedResults::find(const std::string& path) const {
+  const auto found = results_.find(path);
+  if (found == results_.end()) return std::nullopt;
+  return found->second;
+}
+
+const Standard& PrintedResults::standard(const std::string& path) const {
+  for (const auto& [pattern, standard] : standards_) {
+    if (matches_pattern(pattern, path)) return standard;
+  }
+  throw std::runtime_error("reproduced.toml has no class for " + path);
+}
+
+std::optional<PrintedResults::Case> PrintedResults::of_case(const std::string& scenario,
+                                                            const std::string& case_name) const {
+  const auto found = cases_.find(scenario + "/" + case_name);
+  if (found == cases_.end()) return std::nullopt;
+  return found->second;
+}
+
+bool matches_pattern(const std::string& pattern, const std::string& path) {
+  return matches(pattern.c_str(), path.c_str());
+}
+
+const PrintedResults& printed_results() {
+  static const PrintedResults results(data_root() / "data");
+  return results;
 }
 
 std::vector<PrintedValue> printed_values(const std::string& scenario,
                                          const std::string& case_name) {
-  const auto data = data_root() / "data";
-  try {
-    const toml::table classes = toml::parse_file((data / "reproduced.toml").string());
-    const toml::table printed = toml::parse_file((data / "printed-results.toml").string());
-    std::vector<PrintedValue> values;
-    const toml::table* of_case = classes[scenario][case_name].as_table();
-    if (of_case == nullptr) return values;
-    const auto source = (*of_case)["printed"].value<std::string>();
-    if (!source) throw std::runtime_error("an entry has no `printed`");
-    for (const auto& [metric, node] : *of_case) {
-      const toml::table* band = node.as_table();
-      if (band == nullptr) continue;
-      const std::string key = (*band)["printed_as"].value_or(std::string(metric.str()));
-      const auto value = printed.at_path(*source + "." + key).value<double>();
-      if (!value) throw std::runtime_error("printed-results.toml has no " + *source + "." + key);
-      values.push_back({std::string(metric.str()), *value, (*band)["relative"].value<double>(),
-                        (*band)["bound"].value<double>()});
+  const PrintedResults& results = printed_results();
+  std::vector<PrintedValue> values;
+  const auto of_case = results.of_case(scenario, case_name);
+  if (!of_case) return values;
+  for (const auto& [metric, theirs] : of_case->metrics) {
+    const std::string path = of_case->printed + "." + theirs;
+    const auto printed = results.find(path);
+    if (!printed || !printed->number) {
+      throw std::runtime_error("printed-results.toml has no number " + path);
     }
-    return values;
-  } catch (const std::exception& error) {
-    throw std::runtime_error(data.string() + ": " + error.what());
+    values.push_back({metric, *printed->number, results.standard(path)});
   }
+  return values;
 }
 
 }  // namespace breakwater

@@ -16,15 +16,26 @@ namespace {
 using Seconds = std::chrono::duration<double>;
 
 constexpr Seconds kRedrawInterval(0.1);
+constexpr Seconds kLineInterval(30.0);
 constexpr Seconds kFirstEstimate(0.5);
 
 }  // namespace
 
 Progress::Progress(std::string what, std::size_t jobs, bool quiet)
     : what_(std::move(what)),
+      weights_(jobs, 1.0),
       done_(jobs, 0.0),
       visible_(!quiet && isatty(STDERR_FILENO) != 0),
       start_(std::chrono::steady_clock::now()) {}
+
+Progress::Progress(std::string what, std::vector<double> weights, bool quiet)
+    : what_(std::move(what)),
+      weights_(std::move(weights)),
+      done_(weights_.size(), 0.0),
+      visible_(!quiet),
+      in_place_(isatty(STDERR_FILENO) != 0),
+      start_(std::chrono::steady_clock::now()),
+      drawn_(start_) {}
 
 Progress::~Progress() {
   clear();
@@ -34,15 +45,17 @@ void Progress::update(std::size_t job, double fraction_done) {
   if (!visible_) return;
   const std::lock_guard lock(mutex_);
   done_[job] = fraction_done;
-  if (std::chrono::steady_clock::now() - drawn_ >= kRedrawInterval) draw();
+  const Seconds interval = in_place_ ? kRedrawInterval : kLineInterval;
+  if (std::chrono::steady_clock::now() - drawn_ >= interval) draw();
 }
 
 void Progress::draw() {
   drawn_ = std::chrono::steady_clock::now();
-  const double done =
-      std::accumulate(done_.begin(), done_.end(), 0.0) / static_cast<double>(done_.size());
+  const double done = std::inner_product(done_.begin(), done_.end(), weights_.begin(), 0.0) /
+                      std::accumulate(weights_.begin(), weights_.end(), 0.0);
   const double elapsed_s = Seconds(drawn_ - start_).count();
-  std::string line = fmt::format("\r\033[K{}: {:.0f} %", what_, 100.0 * done);
+  std::string line =
+      fmt::format("{}{}: {:.0f} %", in_place_ ? "\r\033[K" : "", what_, 100.0 * done);
   if (done_.size() > 1) {
     line +=
         fmt::format(", {} of {} runs", std::count(done_.begin(), done_.end(), 1.0), done_.size());
@@ -50,12 +63,13 @@ void Progress::draw() {
   if (elapsed_s > kFirstEstimate.count() && done > 0.0) {
     line += fmt::format(", {:.0f} s left", elapsed_s * (1.0 - done) / done);
   }
+  if (!in_place_) line += '\n';
   std::fputs(line.c_str(), stderr);
   std::fflush(stderr);
 }
 
 void Progress::clear() const {
-  if (visible_) std::fputs("\r\033[K", stderr);
+  if (visible_ && in_place_) std::fputs("\r\033[K", stderr);
 }
 
 std::size_t output_width() {

@@ -14,6 +14,9 @@ namespace breakwater {
 class Progress {
  public:
   Progress(std::string what, std::size_t jobs, bool quiet);
+  /// Jobs that take unequally long, in proportion to `weights`. Unless quiet, it speaks on what is
+  /// no terminal too: a line every half minute.
+  Progress(std::string what, std::vector<double> weights, bool quiet);
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
@@ -26,8 +29,10 @@ class Progress {
   void clear() const;
 
   std::string what_;
+  std::vector<double> weights_;
   std::vector<double> done_;
   bool visible_;
+  bool in_place_ = true;
   std::chrono::steady_clock::time_point start_;
   std::chrono::steady_clock::time_point drawn_;
   std::mutex mutex_;

@@ -14,7 +14,7 @@
 namespace breakwater {
 namespace {
 
-constexpr const char* kLegend = "* outside of what counts as reproduced (data/reproduced.toml)\n";
+constexpr const char* kLegend = "* not reproduced: outside of its class (data/reproduced.toml)\n";
 constexpr const char* kChanged =
     "its settings are not those of the case: not compared with printed values\n";
 
@@ -43,12 +43,12 @@ std::optional<Metric> find_metric(const std::vector<Metric>& metrics, const std:
   return *found;
 }
 
-// "+1.2 %"; a number whose class is a bound is near 0, where a ratio says nothing.
+// "+1.2 %"; a number whose class is absolute is near 0, where a ratio says nothing.
 std::string format_deviation(const PrintedValue& printed, double measured) {
-  std::string text = printed.bound
+  std::string text = printed.standard.within.absolute
                          ? fmt::format("{:+.1g}", measured - printed.printed)
                          : fmt::format("{:+.1f} %", 100.0 * (measured / printed.printed - 1.0));
-  if (!printed.is_reproduced_by(measured)) text += " *";
+  if (printed.verdict(measured) == Verdict::not_reproduced) text += " *";
   return text;
 }
 

@@ -11,7 +11,6 @@
 #include <thread>
 
 #include "record/hdf5_log.h"
-#include "record/run_folder.h"
 #include "record/text_outputs.h"
 #include "scenario/paths.h"
 #include "scenario/progress.h"
@@ -71,15 +70,9 @@ RunSummary execute(const PreparedRun& run, RunFolder& folder, const RunOptions& 
   const auto start = std::chrono::steady_clock::now();
   const Recording recording = run.scenario->run(control);
 
-  const std::filesystem::path& path = folder.path();
-  write_text_file(path / "config.toml", run.config_text);
-  write_hdf5_log(path / "log.h5", recording.tracks, run.scenario->run_settings().compression);
-  if (options.csv) write_csv_log(path / "log.csv", recording.tracks.front());
-  if (!recording.failure) write_metrics(path / "metrics.json", recording.metrics);
   const double wall_s =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  write_text_file(path / "manifest.json", manifest(run, recording, wall_s));
-  folder.commit();
+  write_run(run, recording, wall_s, folder, options.csv);
   return {run.case_name,
           folder.target(),
           recording.metrics,
@@ -125,6 +118,17 @@ PreparedRun prepare_run(const std::string& scenario, const ScenarioFile& file,
   run.config_text = fields.print(scenario, case_name);
   run.is_as_shipped = shipped_config(*run.scenario, case_name) == run.config_text;
   return run;
+}
+
+void write_run(const PreparedRun& run, const Recording& recording, double wall_s, RunFolder& folder,
+               bool csv) {
+  const std::filesystem::path& path = folder.path();
+  write_text_file(path / "config.toml", run.config_text);
+  write_hdf5_log(path / "log.h5", recording.tracks, run.scenario->run_settings().compression);
+  if (csv) write_csv_log(path / "log.csv", recording.tracks.front());
+  if (!recording.failure) write_metrics(path / "metrics.json", recording.metrics);
+  write_text_file(path / "manifest.json", manifest(run, recording, wall_s));
+  folder.commit();
 }
 
 std::vector<RunSummary> execute_runs(const std::vector<PreparedRun>& runs,

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "record/recording.h"
+#include "record/run_folder.h"
 #include "scenario/scenario.h"
 
 namespace breakwater {
@@ -45,6 +46,10 @@ struct RunOptions {
   bool quiet = false;
   const std::atomic<bool>* stop = nullptr;
 };
+
+/// Writes all that a run leaves into its folder, which then takes its place. Throws OutputError.
+void write_run(const PreparedRun& run, const Recording& recording, double wall_s, RunFolder& folder,
+               bool csv);
 
 /// Runs all of `runs`, on all cores, each into its folder of `targets`. Nothing runs unless all
 /// of them can be written. Throws std::invalid_argument, OutputError or Interrupted; a run that

@@ -52,8 +52,8 @@ TEST(House, RoomsDependOneWay) {
       {"record", {"signals"}},
       {"render", {"linear", "signals", "world", "sim", "record"}},
       {"scenario",
-       {"linear", "observers", "plants", "signals", "control", "world", "sim", "record",
-        "render"}}};
+       {"linear", "observers", "plants", "signals", "control", "world", "sim", "record", "render"}},
+      {"report", {"record", "scenario"}}};
   const std::vector<Include> includes = all_includes();
   ASSERT_GT(includes.size(), 100U);
   for (const Include& include : includes) {
@@ -85,8 +85,9 @@ TEST(House, OffscreenRenderingIsKnownInRenderAlone) {
 TEST(House, FileFormatsStayInTheirRooms) {
   expect_only_in(std::regex("urdf|tinyxml|console_bridge"), {"plants"});
   expect_only_in(std::regex("^hdf5"), {"record"});
-  expect_only_in(std::regex("toml\\+\\+|CLI/"), {"scenario"});
-  expect_only_in(std::regex("nlohmann"), {"record", "scenario"});
+  expect_only_in(std::regex("toml\\+\\+|CLI/"), {"scenario", "report", ""});
+  expect_only_in(std::regex("nlohmann"), {"record", "scenario", "report"});
+  expect_only_in(std::regex("mustache"), {"report"});
 }
 
 TEST(House, LowestRoomsKnowEigenAlone) {

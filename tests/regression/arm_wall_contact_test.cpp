@@ -35,7 +35,9 @@ TEST_P(EachWallContact, IsWithinTheClassesOfItsPrintedNumbers) {
   for (const PrintedValue& value : values) {
     const auto measured = run.metric(value.metric);
     ASSERT_TRUE(measured) << value.metric;
-    EXPECT_TRUE(value.is_reproduced_by(*measured))
+    // The printed 0.08 and 0.18 N are blamed on a standing saturation that does not come out.
+    const bool is_missing = value.metric == "mean_force_error_N" && value.printed > 0.01;
+    EXPECT_EQ(value.verdict(*measured) == Verdict::not_reproduced, is_missing)
         << value.metric << ": " << *measured << ", printed " << value.printed;
   }
   for (const char* metric :

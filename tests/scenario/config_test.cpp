@@ -195,13 +195,16 @@ TEST(PrintedValues, AreThoseOfTheThesis) {
   for (const PrintedValue& value : values) {
     if (value.metric == "peak_force_filtered_N") {
       EXPECT_EQ(value.printed, 5.0152);
-      EXPECT_TRUE(value.is_reproduced_by(5.0152 * 1.34));
-      EXPECT_FALSE(value.is_reproduced_by(5.0152 * 1.36));
+      EXPECT_EQ(value.verdict(5.0152 * 0.91), Verdict::reproduced);
+      EXPECT_EQ(value.verdict(5.0152 * 1.34), Verdict::within_class);
+      EXPECT_EQ(value.verdict(5.0152 * 1.36), Verdict::not_reproduced);
+      EXPECT_EQ(value.verdict(NAN), Verdict::not_reproduced);
     }
     if (value.metric == "mean_force_error_N") {
       EXPECT_EQ(value.printed, 0.0032);
-      EXPECT_TRUE(value.is_reproduced_by(-0.0049));
-      EXPECT_FALSE(value.is_reproduced_by(0.0051));
+      EXPECT_EQ(value.verdict(0.0041), Verdict::reproduced);
+      EXPECT_EQ(value.verdict(0.0), Verdict::within_class);
+      EXPECT_EQ(value.verdict(-0.0049), Verdict::not_reproduced);
     }
   }
   EXPECT_EQ(printed_values("arm_wall_contact", "tuned-5N").size(), 2U);

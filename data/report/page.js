@@ -1,0 +1,321 @@
+// Charts, drawn when they come into view; their common time axes; videos that move with them.
+"use strict";
+(() => {
+  const COLOURS = ["#1b6ca8", "#d1495b", "#2a8c5c", "#b8741a", "#6d4fa3", "#4f6272", "#0f8b8d",
+                   "#a03b78", "#7a8c1d", "#3b4cc0"];
+  const groups = new Map();  // name: the charts that share a moment, and their video
+  const axes = new Map();    // name: the charts that share a window of time
+
+  function groupOf(name) {
+    if (!groups.has(name)) groups.set(name, {charts: [], time: null, video: null});
+    return groups.get(name);
+  }
+
+  function axisOf(name) {
+    if (!axes.has(name)) axes.set(name, {charts: [], window: null, busy: false});
+    return axes.get(name);
+  }
+
+  function numbers(base64) {
+    const text = atob(base64);
+    const bytes = new Uint8Array(text.length);
+    for (let i = 0; i < text.length; ++i) bytes[i] = text.charCodeAt(i);
+    return new Float32Array(bytes.buffer);
+  }
+
+  // The value of a series at a time, on the straight line between its points.
+  function sampler(t, v) {
+    let i = 0;
+    return (time) => {
+      if (t.length === 0 || time < t[0] || time > t[t.length - 1]) return null;
+      while (i + 1 < t.length && t[i + 1] <= time) ++i;
+      if (t[i] === time || i + 1 === t.length) return Number.isFinite(v[i]) ? v[i] : null;
+      const value = v[i] + (v[i + 1] - v[i]) * (time - t[i]) / (t[i + 1] - t[i]);
+      return Number.isFinite(value) ? value : null;
+    };
+  }
+
+  function rowsOf(series) {
+    const times = new Set();
+    const all = series.map((s) => ({t: numbers(s.t), v: numbers(s.v)}));
+    for (const s of all) for (const t of s.t) times.add(t);
+    const samplers = all.map((s) => sampler(s.t, s.v));
+    return Array.from(times).sort((a, b) => a - b).map((t) => [t, ...samplers.map((f) => f(t))]);
+  }
+
+  const shown = (value) => {
+    if (value === null || value === undefined) return "";
+    const size = Math.abs(value);
+    return size !== 0 && (size < 1e-3 || size >= 1e5) ? value.toExponential(2)
+                                                      : String(Number(value.toPrecision(4)));
+  };
+
+  // References are grey; the others take their turns.
+  function coloursOf(series) {
+    let next = 0;
+    return series.map((s) => s.reference ? "#4a5561" : COLOURS[next++ % COLOURS.length]);
+  }
+
+  function element(kind, className, parent) {
+    const made = document.createElement(kind);
+    made.className = className;
+    if (parent) parent.appendChild(made);
+    return made;
+  }
+
+  // Everything about one chart once it is drawn.
+  class Chart {
+    constructor(box) {
+      this.box = box;
+      box.chart = this;
+      this.plot = box.querySelector(".plot");
+      this.group = groupOf(box.dataset.group);
+      this.axis = axisOf(box.dataset.axis);
+      const data = JSON.parse(document.getElementById(box.dataset.chart).textContent);
+      this.series = data.series;
+      this.colours = coloursOf(data.series);
+      this.rows = rowsOf(data.series);
+      this.makeKeys(box.querySelector(".keys"));
+      this.graph = new Dygraph(this.plot, this.rows, {
+        labels: ["time", ...data.series.map((s, i) => i + " " + s.label)],
+        colors: this.colours,
+        visibility: data.series.map((s) => !s.off),
+        series: Object.fromEntries(data.series.map((s, i) => [i + " " + s.label, s.reference ? {strokePattern: [5, 3], strokeWidth: 1.2} : {}])),
+        legend: "never",
+        connectSeparatedPoints: false,
+        strokeWidth: 1.4,
+        highlightCircleSize: 3,
+        gridLineColor: "#e6ebf0",
+        axisLineColor: "#b8c4ce",
+        axisLabelFontSize: 11,
+        labelsKMB: false,
+        digitsAfterDecimal: 4,
+        maxNumberWidth: 7,
+        includeZero: false,
+        dateWindow: this.axis.window,
+        axes: {y: {axisLabelWidth: 54}, x: {drawGrid: true}},
+        underlayCallback: (context, area, graph) => this.underlay(context, area, graph, data.lines),
+        highlightCallback: (event, time) => this.group.video ? this.showValues(time) : setTime(this.group, time),
+        unhighlightCallback: () => { if (!this.group.video) setTime(this.group, null); },
+        drawCallback: (graph, isFirst) => { if (!isFirst) this.drawn(); },
+        clickCallback: (event, time) => setTime(this.group, time, this),
+      });
+      this.cursor = element("div", "cursor", this.plot);
+      this.cursor.hidden = true;
+      if (this.group.video) this.makeGrip();
+      this.plot.addEventListener("keydown", (event) => this.key(event));
+      this.group.charts.push(this);
+      this.axis.charts.push(this);
+      this.placeCursor();
+      box.dataset.drawn = "yes";
+    }
+
+    makeKeys(keys) {
+      this.clock = element("output", "time", keys);
+      this.values = this.series.map((series, i) => {
+        const key = element("button", "key", keys);
+        key.type = "button";
+        key.title = series.about;
+        key.setAttribute("aria-pressed", String(!series.off));
+        key.style.setProperty("--colour", this.colours[i]);
+        element("i", "", key);
+        element("span", "", key).textContent = series.label;
+        key.addEventListener("click", () => {
+          const on = key.getAttribute("aria-pressed") !== "true";
+          key.setAttribute("aria-pressed", String(on));
+          this.graph.setVisibility(i, on);
+        });
+        return element("span", "value", key);
+      });
+    }
+
+    underlay(context, area, graph, lines) {
+      context.save();
+      context.strokeStyle = "#8895a2";
+      context.setLineDash([5, 4]);
+      for (const value of lines) {
+        const y = graph.toDomYCoord(value);
+        if (y < area.y || y > area.y + area.h) continue;
+        context.beginPath();
+        context.moveTo(area.x, y);
+        context.lineTo(area.x + area.w, y);
+        context.stroke();
+      }
+      context.restore();
+    }
+
+    // A zoom of one is a zoom of all.
+    drawn() {
+      this.placeCursor();
+      if (this.axis.busy) return;
+      const range = this.graph.isZoomed("x") ? this.graph.xAxisRange() : null;
+      const known = this.axis.window;
+      const isSame = range === null || known === null ? range === known
+                                                      : range[0] === known[0] && range[1] === known[1];
+      if (!isSame) zoom(this.axis, range, this);
+    }
+
+    setWindow(range) { this.graph.updateOptions({dateWindow: range}); }
+
+    showValues(time) {
+      this.clock.textContent = time === null ? "" : "t = " + Number(time.toPrecision(6)) + " s";
+      this.series.forEach((series, i) => {
+        const value = time === null ? "" : shown(this.at(time, i + 1));
+        this.values[i].textContent = value === "" ? "" : value + (series.unit ? " " + series.unit : "");
+      });
+    }
+
+    at(time, column) {
+      const rows = this.rows;
+      let low = 0, high = rows.length - 1;
+      if (high < 0 || time < rows[0][0] || time > rows[high][0]) return null;
+      while (high - low > 1) {
+        const middle = (low + high) >> 1;
+        if (rows[middle][0] <= time) low = middle; else high = middle;
+      }
+      const [a, b] = [rows[low], rows[high]];
+      if (a[column] === null || b[column] === null || a[0] === b[0]) return a[column];
+      return a[column] + (b[column] - a[column]) * (time - a[0]) / (b[0] - a[0]);
+    }
+
+    placeCursor() {
+      const time = this.group.time;
+      const range = this.graph.xAxisRange();
+      const inside = time !== null && time >= range[0] && time <= range[1];
+      this.cursor.hidden = !inside;
+      if (inside) this.cursor.style.left = this.graph.toDomXCoord(time) + "px";
+      if (this.group.video) {
+        this.cursor.setAttribute("aria-valuenow", String(time === null ? range[0] : time));
+        this.cursor.setAttribute("aria-valuetext", shown(time) + " s");
+      }
+    }
+
+    makeGrip() {
+      const grip = this.cursor;
+      grip.classList.add("grip");
+      grip.tabIndex = 0;
+      grip.setAttribute("role", "slider");
+      grip.setAttribute("aria-label", "Time, with the video");
+      const [first, last] = this.graph.xAxisExtremes();
+      grip.setAttribute("aria-valuemin", String(first));
+      grip.setAttribute("aria-valuemax", String(last));
+      grip.addEventListener("pointerdown", (event) => {
+        event.stopPropagation();
+        event.preventDefault();
+        const move = (e) => {
+          const x = e.clientX - this.plot.getBoundingClientRect().left;
+          setTime(this.group, this.graph.toDataXCoord(x), this);  // the video follows
+        };
+        addEventListener("pointermove", move);
+        addEventListener("pointerup", () => removeEventListener("pointermove", move), {once: true});
+      });
+      grip.addEventListener("mousedown", (event) => event.stopPropagation());
+    }
+
+    key(event) {
+      const [from, to] = this.graph.xAxisRange();
+      const step = (to - from) / (event.shiftKey ? 10 : 100);
+      const time = this.group.time === null ? (from + to) / 2 : this.group.time;
+      const zoomTo = (factor) => zoom(this.axis, [time - (time - from) * factor, time + (to - time) * factor], null);
+      switch (event.key) {
+        case "ArrowLeft": setTime(this.group, time - step, this); break;
+        case "ArrowRight": setTime(this.group, time + step, this); break;
+        case "+": zoomTo(0.6); break;
+        case "-": zoomTo(1.6); break;
+        case "0": case "Escape": zoom(this.axis, null, null); break;
+        default: return;
+      }
+      event.preventDefault();
+    }
+  }
+
+  function zoom(axis, range, from) {
+    axis.window = range;
+    axis.busy = true;
+    for (const chart of axis.charts) if (chart !== from) chart.setWindow(range);
+    axis.busy = false;
+    for (const chart of axis.charts) chart.placeCursor();
+  }
+
+  // `from` is the chart that was moved, or "video"; without it nothing is told to the video.
+  function setTime(group, time, from) {
+    group.time = time;
+    for (const chart of group.charts) {
+      chart.placeCursor();
+      chart.showValues(time);
+    }
+    if (group.video && time !== null) {
+      if (from !== "video" && from) group.video.seek(time);
+      group.video.say(time);
+    }
+  }
+
+  class Video {
+    constructor(element) {
+      this.element = element;
+      this.from = Number(element.dataset.from);
+      this.speed = Number(element.dataset.speed);
+      this.group = groupOf(element.dataset.group);
+      this.group.video = this;
+      element.addEventListener("loadedmetadata", () => this.check());
+      this.now = element.parentElement.querySelector(".now");
+      const follow = () => setTime(this.group, this.from + element.currentTime * this.speed, "video");
+      const whilePlaying = () => {
+        follow();
+        if (!element.paused) requestAnimationFrame(whilePlaying);
+      };
+      element.addEventListener("play", whilePlaying);
+      for (const event of ["seeked", "timeupdate", "loadedmetadata"]) {
+        element.addEventListener(event, () => { if (!this.seeking || event === "seeked") { this.seeking = false; follow(); } });
+      }
+    }
+
+    // A video of another window than the shot list's cannot say which moment it shows.
+    check() {
+      const expected = Number(this.element.dataset.length);
+      if (!(expected > 0) || Math.abs(expected - this.element.duration) < 0.2) return;
+      this.group.video = null;
+      if (this.now) this.now.textContent = "(of another window: it does not move with the charts)";
+    }
+
+    seek(time) {
+      const end = this.element.duration || 0;
+      this.seeking = true;
+      this.element.pause();
+      this.element.currentTime = Math.min(Math.max(0, (time - this.from) / this.speed), end);
+    }
+
+    say(time) { if (this.now) this.now.textContent = "t = " + time.toFixed(3) + " s"; }
+  }
+
+  const charts = Array.from(document.querySelectorAll(".chart"));
+  document.querySelectorAll("video[data-group]").forEach((video) => {
+    if (!video.hasAttribute("src")) video.src = document.querySelector("video[src]").src;  // the same one
+    new Video(video);
+  });
+  const draw = (box) => { if (!box.dataset.drawn) new Chart(box); };
+  if ("IntersectionObserver" in window) {
+    const seen = new IntersectionObserver((entries) => {
+      for (const entry of entries) {
+        if (!entry.isIntersecting) continue;
+        seen.unobserve(entry.target);
+        draw(entry.target);
+      }
+    }, {rootMargin: "400px"});
+    charts.forEach((box) => seen.observe(box));
+  } else {
+    charts.forEach(draw);
+  }
+  // All at once, for printing and for tests.
+  window.drawAllCharts = () => charts.forEach(draw);
+  window.addEventListener("beforeprint", window.drawAllCharts);
+
+  // A link to a folded page of the documentation unfolds it.
+  const unfold = () => {
+    const target = location.hash && document.getElementById(location.hash.slice(1));
+    if (target && target.tagName === "DETAILS") target.open = true;
+  };
+  window.addEventListener("hashchange", unfold);
+  unfold();
+  if (matchMedia("(max-width: 900px)").matches) document.querySelector(".toc details").open = false;
+})();

@@ -1,0 +1,127 @@
+#!/usr/bin/python3
+"""Draws signals of finished runs as a figure for a paper.
+
+    scripts/figures.py RUN [RUN ...] --signal NAME [--signal NAME ...] --out FIGURE.pdf
+                       [--from S] [--to S] [--label TEXT ...] [--width INCHES]
+
+One panel for each signal, one line for each run, one time axis for all. NAME is a signal of the log's
+group `control`, GROUP/NAME one of another, NAME[2] the second value of one that has several.
+FIGURE is .pdf, .svg or .png. Fonts are embedded.
+
+A run's log is plain HDF5 (docs/running.md), so copy this file and change it: STYLE is how it looks,
+read() how a signal is read, draw() the figure. `breakwater compare --svg --pdf` calls it.
+
+Needs Debian's python3-h5py and python3-matplotlib.
+"""
+
+import argparse
+import json
+import re
+import sys
+from pathlib import Path
+
+try:
+    import h5py
+    import matplotlib
+
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+except ImportError as error:
+    sys.exit(f"figures.py: {error.name} is missing: apt-get install python3-h5py python3-matplotlib")
+
+STYLE = {
+    "font.size": 8,
+    "font.family": "serif",
+    "mathtext.fontset": "stix",
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.linewidth": 0.6,
+    "axes.grid": True,
+    "grid.alpha": 0.25,
+    "lines.linewidth": 0.9,
+    "legend.frameon": False,
+    "axes.prop_cycle": matplotlib.cycler(
+        color=["#1b6ca8", "#d1495b", "#2a8c5c", "#b8741a", "#6d4fa3", "#4f6272"]),
+    # Letters stay letters: TrueType in PDF, and in SVG their outlines, so that no viewer lacks a font.
+    "pdf.fonttype": 42,
+    "svg.fonttype": "path",
+    # The same runs give the same file.
+    "svg.hashsalt": "breakwater",
+}
+PANEL_HEIGHT = 1.25  # inches
+
+
+def read(run, signal):
+    """Times, values, unit of a signal of a run."""
+    name, index = re.fullmatch(r"([^\[]+)(?:\[(\d+)\])?", signal).groups()
+    group, name = name.split("/") if "/" in name else ("control", name)
+    try:
+        with h5py.File(Path(run) / "log.h5") as log:
+            values = log[group][name]
+            unit = values.attrs["unit"]
+            if values.ndim == 2 and index is None:
+                sys.exit(f"figures.py: {run}: {signal} has {values.shape[1]} values: say which, "
+                         f"{signal}[1]")
+            column = values[:] if values.ndim == 1 else values[:, int(index) - 1]
+            return log[group]["time_s"][:], column, unit
+    except (OSError, KeyError, IndexError):
+        sys.exit(f"figures.py: {run}: its log has no signal {signal}")
+
+
+def label_of(run):
+    """The run's case, or the folder's name."""
+    try:
+        return json.loads((Path(run) / "manifest.json").read_text())["case"]
+    except (OSError, ValueError, KeyError):
+        return Path(run).name
+
+
+def labels_of(runs):
+    """Cases, if they tell the runs apart; else the folders' names."""
+    cases = [label_of(run) for run in runs]
+    return cases if len(set(cases)) == len(cases) else [Path(run).name for run in runs]
+
+
+def draw(runs, labels, signals, window, width):
+    plt.rcParams.update(STYLE)
+    figure, axes = plt.subplots(len(signals), 1, sharex=True, squeeze=False,
+                                figsize=(width, 0.45 + PANEL_HEIGHT * len(signals)),
+                                constrained_layout=True)
+    for axis, signal in zip(axes[:, 0], signals):
+        for run, label in zip(runs, labels):
+            time, values, unit = read(run, signal)
+            inside = (time >= window[0]) & (time <= window[1])
+            axis.plot(time[inside], values[inside], label=label)
+        axis.set_ylabel(signal.split("/")[-1] + (f"\n[{unit}]" if unit != "1" else ""))
+    axes[-1, 0].set_xlabel("time [s]")
+    if len(runs) > 1:
+        axes[0, 0].legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=len(runs), borderpad=0,
+                          handlelength=1.4, columnspacing=1.2)
+    return figure
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("runs", nargs="*", metavar="RUN")
+    parser.add_argument("--signal", action="append", default=[], metavar="NAME")
+    parser.add_argument("--out", metavar="FIGURE")
+    parser.add_argument("--from", dest="start", type=float, default=float("-inf"), metavar="S")
+    parser.add_argument("--to", dest="end", type=float, default=float("inf"), metavar="S")
+    parser.add_argument("--label", action="append", metavar="TEXT", help="one for each run")
+    parser.add_argument("--width", type=float, default=3.5, metavar="INCHES",
+                        help="3.5: one column of a paper (default)")
+    parser.add_argument("--check", action="store_true", help="only say whether it could draw")
+    arguments = parser.parse_args()
+    if arguments.check:
+        return
+    if not (arguments.runs and arguments.signal and arguments.out):
+        parser.error("give RUN, --signal and --out")
+    labels = arguments.label or labels_of(arguments.runs)
+    figure = draw(arguments.runs, labels, arguments.signal, (arguments.start, arguments.end),
+                  arguments.width)
+    metadata = {"Date": None} if arguments.out.endswith(".svg") else None
+    figure.savefig(arguments.out, dpi=200, metadata=metadata)
+
+
+if __name__ == "__main__":
+    main()

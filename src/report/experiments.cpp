@@ -1,0 +1,392 @@
+#include "report/experiments.h"
+
+#include <fmt/format.h>
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <limits>
+#include <set>
+#include <stdexcept>
+
+namespace breakwater {
+namespace {
+
+using Variables = std::map<std::string, std::string>;
+
+// A file, read piece by piece; whatever is wrong is said with its line.
+class Reader {
+ public:
+  Reader(std::string file, Effort effort) : file_(std::move(file)), effort_(effort) {}
+
+  [[noreturn]] void fail(const toml::node& node, const std::string& what) const {
+    throw std::invalid_argument(fmt::format("{}:{}: {}", file_, node.source().begin.line, what));
+  }
+
+  const toml::table& table(const toml::node& node) const {
+    if (!node.is_table()) fail(node, "must be a table");
+    return *node.as_table();
+  }
+
+  void allow(const toml::table& table, const std::set<std::string>& keys) const {
+    for (const auto& [key, value] : table) {
+      if (!keys.contains(std::string(key.str()))) {
+        fail(value, "there is no key " + std::string(key.str()));
+      }
+    }
+  }
+
+  std::string text(const toml::table& table, const char* key, const Variables& variables) const {
+    const toml::node* node = table.get(key);
+    if (node == nullptr) fail(table, fmt::format("{} is missing", key));
+    return text(*node, variables);
+  }
+
+  std::string text_or(const toml::table& table, const char* key, const Variables& variables) const {
+    const toml::node* node = table.get(key);
+    return node == nullptr ? "" : text(*node, variables);
+  }
+
+  // A text, or a number as a text.
+  std::string plain(const toml::node& node) const {
+    if (const auto* string = node.as_string()) return string->get();
+    if (const auto* integer = node.as_integer()) return fmt::format("{}", integer->get());
+    if (const auto* real = node.as_floating_point()) return fmt::format("{}", real->get());
+    fail(node, "must be a text or a number");
+  }
+
+  // The same with each {NAME} replaced by that variable's value, which may have variables too.
+  std::string text(const toml::node& node, const Variables& variables) const {
+    constexpr int kMostReplacements = 100;
+    std::string text = plain(node);
+    for (int i = 0; text.find('{') != std::string::npos; ++i) {
+      const std::size_t open = text.find('{');
+      const std::size_t close = text.find('}', open);
+      const std::string name = text.substr(open + 1, close - open - 1);
+      const auto found = variables.find(name);
+      if (close == std::string::npos || found == variables.end() || i == kMostReplacements) {
+        fail(node, fmt::format("\"{}\": there is no {{{}}}", text, name));
+      }
+      text.replace(open, close - open + 1, found->second);
+    }
+    return text;
+  }
+
+  std::optional<double> number(const toml::table& table, const char* key) const {
+    const toml::node* node = table.get(key);
+    if (node == nullptr) return std::nullopt;
+    const auto value = node->value<double>();
+    if (!value) fail(*node, fmt::format("{} must be a number", key));
+    return value;
+  }
+
+  std::vector<std::string> texts(const toml::table& table, const char* key,
+                                 const Variables& variables) const {
+    std::vector<std::string> all;
+    each(table, key, [&](const toml::node& node) { all.push_back(text(node, variables)); });
+    return all;
+  }
+
+  // Calls `body` for each entry of an array that may be missing.
+  template <typename Body>
+  void each(const toml::table& table, const char* key, Body&& body) const {
+    const toml::node* node = table.get(key);
+    if (node == nullptr) return;
+    if (!node->is_array()) fail(*node, fmt::format("{} must be an array", key));
+    for (const toml::node& entry : *node->as_array()) body(entry);
+  }
+
+  // The texts and numbers of a table, on top of others.
+  Variables with(Variables variables, const toml::table& more) const {
+    for (const auto& [key, value] : more) {
+      const bool is_plain = value.is_string() || value.is_number();
+      if (is_plain) variables[std::string(key.str())] = plain(value);
+    }
+    return variables;
+  }
+
+  // The combinations of the lists `for`, `and`: one without variables if there are none.
+  std::vector<Variables> combinations(const toml::table& table) const {
+    std::vector<Variables> all = {{}};
+    for (const char* key : {"for", "and"}) {
+      if (!table.contains(key)) continue;
+      std::vector<Variables> longer;
+      for (const Variables& variables : all) {
+        each(table, key, [&](const toml::node& entry) {
+          longer.push_back(with(variables, this->table(entry)));
+        });
+      }
+      all = longer;
+    }
+    return all;
+  }
+
+  // [of the full effort, of the quick one].
+  int repetitions(const toml::table& table, const char* key) const {
+    const toml::node* node = table.get(key);
+    const toml::array* both = node->as_array();
+    if (both == nullptr || both->size() != 2) fail(*node, fmt::format("{}: [full, quick]", key));
+    const auto count = (*both)[effort_ == Effort::full ? 0 : 1].value<int>();
+    if (!count || *count < 1) fail(*node, fmt::format("{} must be positive", key));
+    return *count;
+  }
+
+ private:
+  std::string file_;
+  Effort effort_;
+};
+
+void read_runs(const Reader& reader, const toml::table& table,
+               std::map<std::string, RunSpec>& runs) {
+  reader.allow(table, {"name", "scenario", "case", "sets", "for", "and", "seeds", "phases",
+                       "count_rad", "except"});
+  for (const Variables& variables : reader.combinations(table)) {
+    RunSpec run;
+    run.name = reader.text(table, "name", variables);
+    run.scenario = reader.text(table, "scenario", variables);
+    run.case_name = reader.text(table, "case", variables);
+    run.sets = reader.texts(table, "sets", variables);
+    if (table.contains("seeds")) {
+      const int seeds = reader.repetitions(table, "seeds");
+      for (int seed = 1; seed <= seeds; ++seed) {
+        run.repetitions.push_back({fmt::format("run.seed={}", seed)});
+      }
+    } else if (table.contains("phases")) {
+      const double count_rad = std::stod(reader.text(table, "count_rad", variables));
+      const int phases = count_rad > 0.0 ? reader.repetitions(table, "phases") : 1;
+      for (int i = 0; i < phases; ++i) {
+        const double phase_rad = count_rad * ((i + 0.5) / phases - 0.5);
+        run.repetitions.push_back({fmt::format("encoder.phase_rad={:.17g}", phase_rad)});
+      }
+    } else {
+      run.repetitions = {{}};
+    }
+    if (!runs.emplace(run.name, run).second) {
+      reader.fail(table, "there is a run " + run.name + " already");
+    }
+  }
+}
+
+Band read_holds(const Reader& reader, const toml::table& table) {
+  Band band;
+  band.above = reader.number(table, "above");
+  band.below = reader.number(table, "below");
+  return band;
+}
+
+CellSpec read_cell(const Reader& reader, const toml::table& cell, const Variables& variables) {
+  CellSpec spec;
+  spec.run = reader.text(cell, "run", variables);
+  spec.metric = reader.text(cell, "metric", variables);
+  spec.over = reader.text_or(cell, "over", variables);
+  spec.divisor = reader.number(cell, "divisor").value_or(1.0);
+  spec.if_failed =
+      reader.number(cell, "if_failed").value_or(std::numeric_limits<double>::infinity());
+  spec.printed = reader.text_or(cell, "printed", variables);
+  spec.says = reader.text_or(cell, "says", variables);
+  spec.holds = read_holds(reader, cell);
+  if (spec.printed.empty() == spec.says.empty()) {
+    reader.fail(cell, "a cell has either `printed` or `says`");
+  }
+  return spec;
+}
+
+// A cell is what the table's `cell` says, then what its column and its row say. A row may have a
+// table named like a column's `key`, for that cell alone; `false` there means that there is none.
+TableSpec read_table(const Reader& reader, const toml::table& table) {
+  reader.allow(table, {"title", "unit", "rows", "columns", "cell"});
+  TableSpec spec;
+  spec.title = reader.text(table, "title", {});
+  spec.unit = reader.text_or(table, "unit", {});
+  reader.each(table, "columns", [&](const toml::node& column) {
+    spec.columns.push_back(reader.text(reader.table(column), "title", {}));
+  });
+  reader.each(table, "rows", [&](const toml::node& row_node) {
+    const toml::table& row = reader.table(row_node);
+    spec.rows.push_back(reader.text(row, "title", {}));
+    std::vector<std::optional<CellSpec>> cells;
+    reader.each(table, "columns", [&](const toml::node& column_node) {
+      const toml::table& column = reader.table(column_node);
+      const toml::node* own = row.get(reader.text_or(column, "key", {}));
+      if (own != nullptr && own->is_boolean()) {
+        cells.emplace_back();
+        return;
+      }
+      toml::table cell;
+      if (const toml::table* common = table["cell"].as_table()) cell = *common;
+      for (const toml::table* more : {&column, &row, own != nullptr ? own->as_table() : nullptr}) {
+        if (more == nullptr) continue;
+        for (const auto& [key, value] : *more) cell.insert_or_assign(key, value);
+      }
+      const Variables variables = reader.with(reader.with({}, row), column);
+      cells.emplace_back(read_cell(reader, cell, variables));
+    });
+    spec.cells.push_back(cells);
+  });
+  return spec;
+}
+
+std::vector<PanelSpec> read_panels(const Reader& reader, const toml::table& table,
+                                   const Variables& variables) {
+  std::vector<PanelSpec> panels;
+  reader.each(table, "panels", [&](const toml::node& node) {
+    const toml::table& panel = reader.table(node);
+    reader.allow(panel, {"title", "signals", "once", "lines", "from_s", "to_s"});
+    PanelSpec spec;
+    spec.title = reader.text(panel, "title", variables);
+    spec.signals = reader.texts(panel, "signals", variables);
+    spec.once = reader.texts(panel, "once", variables);
+    reader.each(panel, "lines",
+                [&](const toml::node& line) { spec.lines.push_back(line.value_or(0.0)); });
+    spec.from_s = reader.number(panel, "from_s");
+    spec.to_s = reader.number(panel, "to_s");
+    panels.push_back(spec);
+  });
+  return panels;
+}
+
+// Figures of one form: `list` has one entry each, `form` names their panels.
+void read_figures(const Reader& reader, const toml::table& table, const toml::table& forms,
+                  std::vector<FigureSpec>& figures) {
+  reader.allow(table, {"form", "list", "runs"});
+  const toml::table* form = forms[reader.text(table, "form", {})].as_table();
+  if (form == nullptr) reader.fail(table, "there is no such form");
+  reader.each(table, "list", [&](const toml::node& node) {
+    const toml::table& entry = reader.table(node);
+    const Variables variables = reader.with({}, entry);
+    FigureSpec figure;
+    figure.number = reader.text(entry, "n", {});
+    figure.title = reader.text(entry, "title", {});
+    figure.off = reader.texts(entry, "off", {});
+    figure.note = reader.text_or(entry, "note", {});
+    if (entry.contains("run")) figure.runs.push_back({reader.text(entry, "run", {}), ""});
+    for (const toml::table* source : {&table, &entry}) {
+      reader.each(*source, "runs", [&](const toml::node& run) {
+        const toml::array* pair = run.as_array();
+        if (pair == nullptr || pair->size() != 2) reader.fail(run, "runs: [NAME, LABEL] each");
+        figure.runs.push_back(
+            {reader.text((*pair)[0], variables), reader.text((*pair)[1], variables)});
+      });
+    }
+    if (figure.runs.empty()) reader.fail(entry, "a figure has no run");
+    figure.panels = read_panels(reader, *form, variables);
+    figures.push_back(figure);
+  });
+}
+
+SectionSpec read_section(const Reader& reader, const toml::table& table, const toml::table& forms,
+                         std::map<std::string, RunSpec>& runs) {
+  reader.allow(table, {"id", "plant", "title", "text", "docs", "video", "strip", "strip_number",
+                       "run", "table", "reasons", "figures", "missing"});
+  SectionSpec section;
+  section.id = reader.text(table, "id", {});
+  section.plant = reader.text(table, "plant", {});
+  section.title = reader.text(table, "title", {});
+  section.text = reader.text_or(table, "text", {});
+  section.docs = reader.text_or(table, "docs", {});
+  section.video = reader.text_or(table, "video", {});
+  section.strip = reader.text_or(table, "strip", {});
+  section.strip_number = reader.text_or(table, "strip_number", {});
+  reader.each(table, "run",
+              [&](const toml::node& node) { read_runs(reader, reader.table(node), runs); });
+  reader.each(table, "table", [&](const toml::node& node) {
+    section.tables.push_back(read_table(reader, reader.table(node)));
+  });
+  reader.each(table, "reasons", [&](const toml::node& node) {
+    const toml::table& reason = reader.table(node);
+    section.reasons.push_back({reader.text(reason, "of", {}), reader.text(reason, "why", {})});
+  });
+  reader.each(table, "figures", [&](const toml::node& node) {
+    read_figures(reader, reader.table(node), forms, section.figures);
+  });
+  reader.each(table, "missing", [&](const toml::node& node) {
+    const toml::table& missing = reader.table(node);
+    section.missing.push_back({reader.text(missing, "what", {}), reader.text(missing, "why", {})});
+  });
+  return section;
+}
+
+// Everything that is referred to is there.
+void check(const Experiments& experiments, const PrintedResults& printed) {
+  for (const SectionSpec& section : experiments.sections) {
+    for (const std::string& name : section.runs()) {
+      if (!experiments.runs.contains(name)) {
+        throw std::invalid_argument(
+            fmt::format("{}: section {}: there is no run {}", experiments.file, section.id, name));
+      }
+    }
+    for (const TableSpec& table : section.tables) {
+      for (const auto& row : table.cells) {
+        for (const auto& cell : row) {
+          if (cell && !cell->printed.empty() && !printed.find(cell->printed)) {
+            throw std::invalid_argument(fmt::format("{}: section {}: nothing is printed at {}",
+                                                    experiments.file, section.id, cell->printed));
+          }
+        }
+      }
+    }
+  }
+}
+
+void add_once(std::vector<std::string>& names, const std::string& name) {
+  if (!name.empty() && std::find(names.begin(), names.end(), name) == names.end()) {
+    names.push_back(name);
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> SectionSpec::logged_runs() const {
+  std::vector<std::string> names;
+  for (const FigureSpec& figure : figures) {
+    for (const FigureRun& run : figure.runs) add_once(names, run.run);
+  }
+  add_once(names, video);
+  add_once(names, strip);
+  return names;
+}
+
+std::vector<std::string> SectionSpec::runs() const {
+  std::vector<std::string> names = logged_runs();
+  for (const TableSpec& table : tables) {
+    for (const auto& row : table.cells) {
+      for (const auto& cell : row) {
+        if (!cell) continue;
+        add_once(names, cell->run);
+        add_once(names, cell->over);
+      }
+    }
+  }
+  return names;
+}
+
+Experiments read_experiments(const std::string& file, Effort effort) {
+  toml::table root;
+  try {
+    root = toml::parse_file(file);
+  } catch (const toml::parse_error& error) {
+    throw std::invalid_argument(
+        fmt::format("{}:{}: {}", file, error.source().begin.line, error.description()));
+  }
+  const Reader reader(file, effort);
+  reader.allow(root, {"hero", "video", "form", "section"});
+  Experiments experiments;
+  experiments.file = file;
+  experiments.video = reader.text_or(root, "video", {});
+  const toml::table no_forms;
+  const toml::table* forms = root["form"].as_table();
+  reader.each(root, "section", [&](const toml::node& node) {
+    experiments.sections.push_back(read_section(
+        reader, reader.table(node), forms == nullptr ? no_forms : *forms, experiments.runs));
+  });
+  reader.each(root, "hero", [&](const toml::node& node) {
+    const toml::table& hero = reader.table(node);
+    experiments.heroes.push_back(
+        {reader.text(hero, "figure", {}),
+         static_cast<std::size_t>(reader.number(hero, "panel").value_or(0.0)),
+         reader.text(hero, "caption", {})});
+  });
+  check(experiments, printed_results());
+  return experiments;
+}
+
+}  // namespace breakwater

@@ -1,0 +1,118 @@
+// data/experiments.toml: what is run, tabulated and drawn for each section of the thesis.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "scenario/printed_results.h"
+
+namespace breakwater {
+
+/// How much trouble is taken over what is random.
+enum class Effort { quick, full };
+
+/// A run, or several of the same settings but for a seed or an encoder's phase.
+struct RunSpec {
+  std::string name;  ///< also of its folder
+  std::string scenario;
+  std::string case_name;
+  std::vector<std::string> sets;                      ///< key=value
+  std::vector<std::vector<std::string>> repetitions;  ///< further sets of each; at least one
+};
+
+/// One measured number, and what the thesis has instead of it.
+struct CellSpec {
+  std::string run;
+  std::string metric;  ///< NAME; |NAME|; or "max SIGNAL", the signal's largest value
+  std::string over;    ///< not empty: divided by this run's
+  double divisor = 1.0;
+  double if_failed;     ///< the value of a run that failed; infinite unless given
+  std::string printed;  ///< a path into printed-results.toml; empty if `says` is not
+  std::string says;     ///< a statement of the text, which `holds` judges
+  Band holds;
+};
+
+struct TableSpec {
+  std::string title;
+  std::string unit;  ///< of all cells; may be empty
+  std::vector<std::string> rows;
+  std::vector<std::string> columns;
+  std::vector<std::vector<std::optional<CellSpec>>> cells;  ///< rows × columns
+};
+
+struct PanelSpec {
+  std::string title;
+  std::vector<std::string> signals;  ///< of each of the figure's runs
+  std::vector<std::string> once;     ///< of the first run alone
+  std::vector<double> lines;         ///< horizontal, dashed
+  std::optional<double> from_s;
+  std::optional<double> to_s;
+};
+
+struct FigureRun {
+  std::string run;
+  std::string label;  ///< may be empty if it is alone
+};
+
+struct FigureSpec {
+  std::string number;  ///< the thesis': "2.31"
+  std::string title;
+  std::vector<FigureRun> runs;
+  std::vector<std::string> off;  ///< labels of runs that are not drawn at first
+  std::vector<PanelSpec> panels;
+  std::string note;
+};
+
+/// What is not shown, and why.
+struct MissingSpec {
+  std::string what;
+  std::string why;
+};
+
+/// Why a printed result, or all whose path matches a pattern, does not come out.
+struct ReasonSpec {
+  std::string of;
+  std::string why;
+};
+
+struct SectionSpec {
+  std::string id;     ///< the thesis': "2.4.3.2"
+  std::string plant;  ///< arm, cart, motor or quadrotor
+  std::string title;
+  std::string text;
+  std::string docs;   ///< a page of docs/
+  std::string video;  ///< the run whose video is shown; empty: none
+  std::string strip;  ///< the run whose strip of pictures is shown; empty: none
+  std::string strip_number;
+  std::vector<TableSpec> tables;
+  std::vector<ReasonSpec> reasons;
+  std::vector<FigureSpec> figures;
+  std::vector<MissingSpec> missing;
+
+  /// The runs that its tables and figures refer to.
+  std::vector<std::string> runs() const;
+  /// Those whose logs its figures, video and strip need.
+  std::vector<std::string> logged_runs() const;
+};
+
+/// A picture of the first screen: one panel of a figure.
+struct HeroSpec {
+  std::string figure;
+  std::size_t panel = 0;
+  std::string caption;
+};
+
+struct Experiments {
+  std::string file;
+  std::map<std::string, RunSpec> runs;
+  std::vector<SectionSpec> sections;
+  std::vector<HeroSpec> heroes;
+  std::string video;  ///< of the first screen: a section's id
+};
+
+/// Reads a file of experiments. Throws std::invalid_argument `FILE[:LINE]: reason`.
+Experiments read_experiments(const std::string& file, Effort effort);
+
+}  // namespace breakwater

@@ -1,0 +1,40 @@
+// Charts as pages have them.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "record/series.h"
+
+namespace breakwater {
+
+struct ChartSeries {
+  std::string label;
+  std::string unit;
+  std::string description;
+  Series values;
+  bool is_reference = false;  ///< drawn dashed and grey
+  bool is_off = false;        ///< at first
+};
+
+/// Time series over one time axis.
+struct PageChart {
+  std::string id;
+  std::string group;  ///< charts of one group point at the same moment
+  std::string axis;   ///< those of one axis show the same window of time
+  std::string title;
+  std::vector<ChartSeries> series;
+  std::vector<double> lines;  ///< horizontal, dashed
+
+  /// "title [unit]", if all series have one.
+  std::string axis_title() const;
+  /// What it shows, in words.
+  std::string alternative_text() const;
+  /// For the page's script: series decimated, as base64 of 32-bit floats. Safe within <script>.
+  std::string json() const;
+};
+
+std::string base64(const void* bytes, std::size_t size);
+
+}  // namespace breakwater

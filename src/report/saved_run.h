@@ -1,0 +1,59 @@
+// What any run's folder tells, whatever its scenario.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "record/hdf5_log.h"
+#include "record/recording.h"
+#include "record/series.h"
+
+namespace breakwater {
+
+/// A run's manifest, metrics, configuration and log. A failed run is one too: it has a reason and
+/// no metrics.
+class SavedRun {
+ public:
+  /// Throws std::invalid_argument, one line that says what to do, if the folder is no run's.
+  explicit SavedRun(const std::filesystem::path& folder);
+
+  const std::filesystem::path& folder() const { return folder_; }
+  const std::string& scenario() const { return scenario_; }
+  const std::string& case_name() const { return case_name_; }
+  const std::string& seed() const { return seed_; }
+  const std::string& git_commit() const { return git_commit_; }
+  const std::string& config_text() const { return config_text_; }
+  const std::optional<Failure>& failure() const { return failure_; }
+  /// In the scenario's order. Units are the ends of the names.
+  const std::vector<Metric>& metrics() const { return metrics_; }
+  std::optional<double> metric(const std::string& name) const;
+
+  const std::vector<LogEntry>& signals() const { return signals_; }
+  /// A signal, GROUP/NAME, NAME of the group control, or NAME[3] for the third of its values.
+  /// Throws std::invalid_argument if the log does not have it.
+  Series signal(const std::string& name) const;
+  /// What the log says about it, found in the same way.
+  const LogEntry& entry(const std::string& name) const;
+
+ private:
+  const LoggedSignal& dataset(const std::string& path) const;
+
+  std::filesystem::path folder_;
+  std::string scenario_;
+  std::string case_name_;
+  std::string seed_;
+  std::string git_commit_;
+  std::string config_text_;
+  std::optional<Failure> failure_;
+  std::vector<Metric> metrics_;
+  std::vector<LogEntry> signals_;
+  mutable std::map<std::string, LoggedSignal> read_;  // datasets, as they were asked for
+};
+
+/// "N" of "peak_force_raw_N": the unit at the end of a metric's name, as people write it.
+std::string unit_of(const std::string& metric);
+
+}  // namespace breakwater

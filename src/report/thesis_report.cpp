@@ -1,0 +1,433 @@
+#include "report/thesis_report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <limits>
+#include <set>
+#include <sstream>
+
+#include "report/decimation.h"
+#include "report/html_page.h"
+#include "report/saved_run.h"
+#include "scenario/paths.h"
+#include "scenario/shot_list.h"
+#include "scenario/staging.h"
+
+namespace breakwater {
+namespace fs = std::filesystem;
+namespace mustache = kainjow::mustache;
+namespace {
+
+std::string shell_word(const std::string& word) {
+  const bool is_plain = word.find_first_of(" []{}()'\"$&*?#;<>|") == std::string::npos;
+  return is_plain ? word : "'" + word + "'";
+}
+
+// Reads logs one section at a time, each once.
+class Logs {
+ public:
+  explicit Logs(fs::path out) : out_(std::move(out)) {}
+
+  const SavedRun& of(const std::string& run) {
+    const auto found = runs_.find(run);
+    if (found != runs_.end()) return found->second;
+    return runs_.emplace(run, SavedRun(run_folder(out_, run))).first->second;
+  }
+
+ private:
+  fs::path out_;
+  std::map<std::string, SavedRun> runs_;
+};
+
+ChartSeries series_of(const SavedRun& run, const std::string& signal, const std::string& label,
+                      const PanelSpec& panel) {
+  const LogEntry& entry = run.entry(signal);
+  const double least = std::numeric_limits<double>::lowest();
+  const double most = std::numeric_limits<double>::max();
+  return {label, entry.unit, entry.description,
+          cut(run.signal(signal), panel.from_s.value_or(least), panel.to_s.value_or(most))};
+}
+
+std::vector<PageChart> charts_of(const FigureSpec& figure, const std::string& group, Logs& logs) {
+  std::vector<PageChart> charts;
+  for (std::size_t i = 0; i < figure.panels.size(); ++i) {
+    const PanelSpec& panel = figure.panels[i];
+    PageChart chart;
+    chart.id = fmt::format("figure-{}-{}", anchor(figure.number), i + 1);
+    // A close-up has a time axis of its own.
+    chart.group = group;
+    if (panel.from_s || panel.to_s) {
+      chart.axis = fmt::format("{}-from-{:g}-to-{:g}", group, panel.from_s.value_or(0.0),
+                               panel.to_s.value_or(0.0));
+    }
+    chart.title = panel.title;
+    chart.lines = panel.lines;
+    for (const std::string& signal : panel.once) {
+      chart.series.push_back(series_of(logs.of(figure.runs.front().run), signal, signal, panel));
+      chart.series.back().is_reference = true;
+    }
+    for (const FigureRun& run : figure.runs) {
+      for (const std::string& signal : panel.signals) {
+        std::string label = run.label.empty() ? signal : run.label;
+        if (!run.label.empty() && panel.signals.size() > 1) label += ", " + signal;
+        chart.series.push_back(series_of(logs.of(run.run), signal, label, panel));
+        chart.series.back().is_off =
+            std::find(figure.off.begin(), figure.off.end(), run.label) != figure.off.end();
+      }
+    }
+    charts.push_back(chart);
+  }
+  return charts;
+}
+
+mustache::data table_data(const TableSpec& table, const SectionSpec& section,
+                          const Measured& measured, Score& score) {
+  const PrintedResults& printed = printed_results();
+  mustache::data data;
+  data.set("table_title", table.title);
+  if (!table.unit.empty()) data.set("unit", table.unit);
+  mustache::data columns(mustache::data::type::list);
+  for (const std::string& column : table.columns) {
+    mustache::data head;
+    head.set("name", column);
+    columns << head;
+  }
+  data.set("columns", columns);
+
+  std::vector<std::string> notes;
+  std::vector<std::string> classes;
+  mustache::data rows(mustache::data::type::list);
+  for (std::size_t r = 0; r < table.rows.size(); ++r) {
+    mustache::data row;
+    row.set("name", table.rows[r]);
+    mustache::data cells(mustache::data::type::list);
+    for (const auto& spec : table.cells[r]) {
+      mustache::data cell;
+      if (spec) {
+        const Judged judged = judge_cell(*spec, measured, printed);
+        score.count(judged.verdict);
+        mustache::data filled;
+        filled.set("measured", judged.measured);
+        if (judged.values > 1) {
+          filled.set("spread", judged.smallest < judged.largest
+                                   ? fmt::format("{} to {}, n = {}", format_number(judged.smallest),
+                                                 format_number(judged.largest), judged.values)
+                                   : fmt::format("the same in {} runs", judged.values));
+        }
+        if (spec->says.empty()) filled.set("printed", judged.printed);
+        if (!spec->says.empty()) filled.set("says", judged.printed);
+        filled.set("verdict", text(judged.verdict));
+        filled.set("verdict_class", css_class(judged.verdict));
+        filled.set("class_text", judged.class_text);
+        if (std::find(classes.begin(), classes.end(), judged.class_text) == classes.end()) {
+          classes.push_back(judged.class_text);
+        }
+        if (judged.verdict != Verdict::reproduced) {
+          const std::string path = spec->printed.empty() ? spec->run : spec->printed;
+          for (const ReasonSpec& reason : section.reasons) {
+            if (!matches_pattern(reason.of, path)) continue;
+            auto place = std::find(notes.begin(), notes.end(), reason.why);
+            if (place == notes.end()) place = notes.insert(notes.end(), reason.why);
+            filled.set("note", std::to_string(place - notes.begin() + 1));
+            break;
+          }
+        }
+        cell.set("filled", filled);
+      }
+      cells << cell;
+    }
+    row.set("cells", cells);
+    rows << row;
+  }
+  data.set("rows", rows);
+  data.set("classes", fmt::format("{}", fmt::join(classes, " · ")));
+  if (!notes.empty()) {
+    mustache::data list(mustache::data::type::list);
+    for (std::size_t i = 0; i < notes.size(); ++i) {
+      mustache::data note;
+      note.set("number", std::to_string(i + 1));
+      note.set("why", notes[i]);
+      list << note;
+    }
+    data.set("notes", list);
+    data.set("has_notes", true);
+  }
+  return data;
+}
+
+mustache::data figure_data(const FigureSpec& figure, const SectionSpec& section,
+                           const Experiments& experiments, Logs& logs) {
+  mustache::data data;
+  data.set("number", figure.number);
+  data.set("anchor", "figure-" + anchor(figure.number));
+  data.set("figure_title", figure.title);
+  if (!figure.note.empty()) data.set("note", figure.note);
+  mustache::data charts(mustache::data::type::list);
+  for (const PageChart& chart : charts_of(figure, "section-" + anchor(section.id), logs)) {
+    charts << chart_data(chart);
+  }
+  data.set("charts", charts);
+  mustache::data commands(mustache::data::type::list);
+  for (const FigureRun& run : figure.runs) {
+    mustache::data command;
+    command.set("command", command_of(experiments.runs.at(run.run)));
+    const auto& failure = logs.of(run.run).failure();
+    if (failure) {
+      command.set("failure", fmt::format("{} fails at {:.4g} s: {}", run.run, failure->time_s,
+                                         failure->reason));
+    }
+    commands << command;
+  }
+  data.set("commands", commands);
+  return data;
+}
+
+std::string text_of(const fs::path& file) {
+  std::stringstream text;
+  text << std::ifstream(file).rdbuf();
+  return text.str();
+}
+
+}  // namespace
+
+std::string css_class(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::reproduced:
+      return "good";
+    case Verdict::within_class:
+      return "near";
+    case Verdict::not_reproduced:
+      break;
+  }
+  return "off";
+}
+
+std::optional<mustache::data> video_data(const SavedRun& run, const std::string& group) {
+  const fs::path file = run.folder() / "video.mp4";
+  if (!fs::exists(file)) return std::nullopt;
+  const ShotList shots = shot_list(run.scenario());
+  std::deque<FinishedRun> finished;
+  finished.emplace_back(run.folder());
+  const Window window = choose_window(finished, shots, {});
+  mustache::data data;
+  data.set("address", data_address(file, "video/mp4"));
+  data.set("group", group);
+  data.set("from_s", fmt::format("{:g}", window.from_s));
+  data.set("speed", fmt::format("{:g}", window.speed));
+  data.set("length_s",
+           fmt::format("{:g}", static_cast<double>(window.frames(shots.fps)) / shots.fps));
+  data.set("alt", fmt::format("Video of the run {}: {}, {:g} times slower than life",
+                              run.folder().filename().string(), shots.title, 1.0 / window.speed));
+  return data;
+}
+
+void Score::count(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::reproduced:
+      ++reproduced;
+      break;
+    case Verdict::within_class:
+      ++within_class;
+      break;
+    case Verdict::not_reproduced:
+      ++not_reproduced;
+      break;
+  }
+}
+
+Judged judge_cell(const CellSpec& cell, const Measured& measured, const PrintedResults& printed) {
+  const std::vector<double> values = values_of(cell, measured);
+  Judged judged;
+  judged.median = median(values);
+  judged.smallest = *std::min_element(values.begin(), values.end());
+  judged.largest = *std::max_element(values.begin(), values.end());
+  judged.values = values.size();
+  const auto& runs = measured.at(cell.run);
+  judged.failed = static_cast<std::size_t>(
+      std::count_if(runs.begin(), runs.end(), [](const Measurement& m) { return m.failed; }));
+  judged.measured = judged.failed == judged.values ? "the run fails" : format_number(judged.median);
+  if (!cell.says.empty()) {
+    judged.printed = cell.says;
+    judged.class_text = "holds if " + cell.holds.text();
+    judged.verdict =
+        cell.holds.contains(judged.median) ? Verdict::reproduced : Verdict::not_reproduced;
+    return judged;
+  }
+  const PrintedResult result = printed.find(cell.printed).value();
+  const Standard& standard = printed.standard(cell.printed);
+  judged.printed = result.text();
+  judged.verdict = judge(judged.median, result, standard);
+  if (result.number) {
+    judged.class_text = fmt::format("reproduced: {}; class: {}", standard.reproduced.text(),
+                                    standard.within.text());
+  } else {
+    for (const auto& [word, band] : standard.words) {
+      const std::string name = PrintedResult{std::nullopt, word}.text();
+      if (!judged.class_text.empty()) judged.class_text += "; ";
+      judged.class_text += name + ": " + band.text();
+      if (band.contains(judged.median)) judged.measured = name + " (" + judged.measured + ")";
+    }
+  }
+  return judged;
+}
+
+std::string format_number(double value) {
+  if (std::isinf(value)) return "never";
+  const double size = std::abs(value);
+  if (size != 0.0 && (size < 1e-3 || size >= 1e5)) return fmt::format("{:.2e}", value);
+  return fmt::format("{:.3g}", value);
+}
+
+std::string command_of(const RunSpec& run, std::size_t repetition) {
+  std::string command = fmt::format("breakwater run {} --case {}", run.scenario, run.case_name);
+  std::vector<std::string> sets = run.sets;
+  const std::vector<std::string>& more = run.repetitions.at(repetition);
+  sets.insert(sets.end(), more.begin(), more.end());
+  if (!sets.empty()) command += " --set";
+  for (const std::string& set : sets) command += " " + shell_word(set);
+  return command + " --out " + run.name;
+}
+
+ThesisReport thesis_report(const Reproduction& reproduction, const Measured& measured,
+                           Effort effort) {
+  const Experiments& experiments = reproduction.experiments;
+  ThesisReport report;
+  std::map<std::string, PageChart> hero_charts;  // by figure and panel
+  std::set<std::string> docs;
+  std::set<std::string> numbers;  // "4.32 (10 ms)" is a part of Fig. 4.32
+  mustache::data toc(mustache::data::type::list);
+  mustache::data sections(mustache::data::type::list);
+  mustache::data page;
+  for (const SectionSpec* spec : reproduction.sections) {
+    const std::string id = "section-" + anchor(spec->id);
+    Logs logs(reproduction.out);
+    Score score;
+    mustache::data section;
+    section.set("anchor", id);
+    section.set("id", spec->id);
+    section.set("section_title", spec->title);
+    section.set("text", spec->text);
+    if (!spec->docs.empty()) {
+      section.set("docs", spec->docs);
+      section.set("docs_anchor", anchor(spec->docs));
+      docs.insert(spec->docs);
+    }
+    mustache::data tables(mustache::data::type::list);
+    for (const TableSpec& table : spec->tables) {
+      tables << table_data(table, *spec, measured, score);
+    }
+    section.set("tables", tables);
+    if (!spec->video.empty()) {
+      if (auto video = video_data(logs.of(spec->video), id)) {
+        if (spec->id == experiments.video) {
+          video->set("address", mustache::data(mustache::data::type::bool_false));  // shown above
+        }
+        section.set("video", *video);
+      }
+    }
+    const fs::path strip = run_folder(reproduction.out, spec->strip) / "strip.png";
+    if (!spec->strip.empty() && fs::exists(strip)) {
+      mustache::data picture;
+      picture.set("address", data_address(strip, "image/png"));
+      picture.set("number", spec->strip_number);
+      picture.set("anchor", "figure-" + anchor(spec->strip_number));
+      picture.set("alt", "Pictures of the run " + spec->strip + " in a row");
+      section.set("strip", picture);
+      numbers.insert(spec->strip_number);
+      if (spec->id == experiments.video) page.set("lead_strip", picture);
+    }
+    mustache::data figures(mustache::data::type::list);
+    for (const FigureSpec& figure : spec->figures) {
+      figures << figure_data(figure, *spec, experiments, logs);
+      numbers.insert(figure.number.substr(0, figure.number.find(' ')));
+      for (const HeroSpec& hero : experiments.heroes) {
+        if (hero.figure != figure.number) continue;
+        hero_charts[hero.figure] =
+            charts_of(figure, "lead-" + anchor(figure.number), logs).at(hero.panel);
+      }
+    }
+    section.set("figures", figures);
+    mustache::data missing(mustache::data::type::list);
+    for (const MissingSpec& what : spec->missing) {
+      mustache::data entry;
+      entry.set("what", what.what);
+      entry.set("why", what.why);
+      missing << entry;
+    }
+    if (!spec->missing.empty()) {
+      section.set("missing", missing);
+      section.set("has_missing", true);
+    }
+    sections << section;
+
+    mustache::data entry;
+    entry.set("href", id);
+    entry.set("number", spec->id);
+    entry.set("label", spec->title);
+    if (!spec->tables.empty()) {
+      mustache::data small;
+      small.set("good", std::to_string(score.reproduced));
+      small.set("near", std::to_string(score.within_class));
+      small.set("off", std::to_string(score.not_reproduced));
+      entry.set("score", small);
+    }
+    toc << entry;
+    report.score.reproduced += score.reproduced;
+    report.score.within_class += score.within_class;
+    report.score.not_reproduced += score.not_reproduced;
+  }
+
+  report.figures = numbers.size();
+  mustache::data heroes(mustache::data::type::list);
+  for (const HeroSpec& hero : experiments.heroes) {
+    const auto found = hero_charts.find(hero.figure);
+    if (found == hero_charts.end()) continue;
+    PageChart chart = found->second;
+    chart.id = "lead-" + chart.id;
+    mustache::data entry = chart_data(chart);
+    entry.set("caption", hero.caption);
+    entry.set("number", hero.figure.substr(0, hero.figure.find(' ')));
+    entry.set("href", "figure-" + anchor(hero.figure));
+    heroes << entry;
+  }
+  mustache::data pages(mustache::data::type::list);
+  for (const std::string& name : docs) {
+    mustache::data entry;
+    entry.set("name", "docs/" + name);
+    entry.set("anchor", anchor(name));
+    entry.set("text", text_of(data_root() / "docs" / name));
+    pages << entry;
+  }
+
+  page.set("title", "Breakwater: the thesis, reproduced");
+  page.set("toc", toc);
+  page.set("sections", sections);
+  page.set("heroes", heroes);
+  page.set("pages", pages);
+  page.set("effort",
+           effort == Effort::quick
+               ? "This is the quick version: fewer seeds and encoder phases than the full one."
+               : "This is the full version, with all seeds and encoder phases.");
+  page.set("good", std::to_string(report.score.reproduced));
+  page.set("near", std::to_string(report.score.within_class));
+  page.set("off", std::to_string(report.score.not_reproduced));
+  page.set("all", std::to_string(report.score.reproduced + report.score.within_class +
+                                 report.score.not_reproduced));
+  page.set("figure_count", std::to_string(report.figures));
+  for (const SectionSpec* spec : reproduction.sections) {
+    if (spec->id != experiments.video || spec->video.empty()) continue;
+    Logs logs(reproduction.out);
+    // It moves with the first of the pictures beside it.
+    const std::string group =
+        experiments.heroes.empty() ? "lead" : "lead-" + anchor(experiments.heroes.front().figure);
+    const auto video = video_data(logs.of(spec->video), group);
+    if (video) page.set("lead_video", *video);
+  }
+  report.html = html_page("thesis", page);
+  return report;
+}
+
+}  // namespace breakwater

@@ -1,0 +1,62 @@
+// The page that puts the thesis' results beside ours.
+#pragma once
+
+#include <kainjow/mustache.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "report/reproduction.h"
+#include "report/saved_run.h"
+#include "scenario/printed_results.h"
+
+namespace breakwater {
+
+/// How many printed results came out how.
+struct Score {
+  int reproduced = 0;
+  int within_class = 0;
+  int not_reproduced = 0;
+
+  void count(Verdict verdict);
+};
+
+/// A cell, judged.
+struct Judged {
+  double median = 0.0;
+  double smallest = 0.0;
+  double largest = 0.0;
+  std::size_t values = 0;
+  std::size_t failed = 0;  ///< of these
+  std::string measured;  ///< the median; before it the word that it deserves, if words are printed
+  std::string printed;   ///< as the thesis has it
+  std::string class_text;  ///< what would count as reproduced
+  Verdict verdict = Verdict::not_reproduced;
+};
+Judged judge_cell(const CellSpec& cell, const Measured& measured, const PrintedResults& printed);
+
+/// Its colour on a page: good, near or off.
+std::string css_class(Verdict verdict);
+
+/// What the templates call the video of a run, if there is one in its folder; charts of `group`
+/// move with it. It is taken for one of the shot list's window, as far as the run lasts.
+std::optional<kainjow::mustache::data> video_data(const SavedRun& run, const std::string& group);
+
+/// "5.02", "1.1e-13"; "never" for an infinite one.
+std::string format_number(double value);
+
+/// The command that makes one repetition of a run, with its log in a folder of the run's name.
+std::string command_of(const RunSpec& run, std::size_t repetition = 0);
+
+struct ThesisReport {
+  std::string html;
+  Score score;
+  std::size_t figures = 0;
+};
+
+/// Everything that the reproduction measured, as one page. Logs, videos and strips of pictures are
+/// read from OUT/runs.
+ThesisReport thesis_report(const Reproduction& reproduction, const Measured& measured,
+                           Effort effort);
+
+}  // namespace breakwater

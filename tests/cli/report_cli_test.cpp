@@ -1,0 +1,220 @@
+// breakwater reproduce, report and compare as a user calls them.
+#include <gtest/gtest.h>
+
+#include <csignal>
+#include <fstream>
+#include <set>
+#include <sstream>
+
+#include "cli/program.h"
+#include "support.h"
+
+namespace breakwater {
+namespace {
+namespace fs = std::filesystem;
+
+using testing::ProgramResult;
+using testing::run_program;
+
+// Two runs with logs, a row of a table, and many small runs.
+const char* const kExperiments = R"(
+[form.motor]
+panels = [{ title = "disturbance", signals = ["d_hat_Nm"], once = ["d_true_Nm"] }]
+
+[[section]]
+id = "4.3.2"
+plant = "motor"
+title = "Behind an encoder"
+text = "A few."
+docs = "methods/disturbance-kalman-filters.md"
+
+[[section.run]]
+name = "one-{k}"
+scenario = "motor_estimation"
+case = "{k}"
+sets = ["control.period_s=1e-3", "encoder.bits=12"]
+for = [{ k = "kfd" }, { k = "fakfd-0998" }]
+
+[[section.run]]
+name = "many"
+scenario = "motor_estimation"
+case = "vfakfd"
+sets = ["noise.std_rad=0.01", "run.duration_s=15"]
+seeds = [20, 20]
+
+[[section.table]]
+title = "A part of Table 4.8"
+columns = [{ title = "KFD", k = "kfd", i = 2 }, { title = "FAKFD", k = "fakfd-0998", i = 5 }]
+rows = [{ title = "12 bits" }]
+cell = { run = "one-{k}", metric = "rmse_velocity_rad_s", printed = "motor_estimation.table_4_8.Ts_1e-3.n12[{i}]" }
+
+[[section.table]]
+title = "Many"
+columns = [{ title = "measured" }]
+rows = [{ title = "velocity", says = "is small", run = "many", metric = "rmse_velocity_rad_s", below = 1.0 }]
+
+[[section.figures]]
+form = "motor"
+list = [{ n = "4.34", title = "Two", runs = [["one-kfd", "KFD"], ["one-fakfd-0998", "FAKFD"]] }]
+)";
+
+std::string text_of(const fs::path& file) {
+  std::stringstream text;
+  text << std::ifstream(file).rdbuf();
+  return text.str();
+}
+
+int lines_of(const std::string& text) {
+  return static_cast<int>(std::count(text.begin(), text.end(), '\n'));
+}
+
+class Reports : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    fs::create_directories(folder_);
+    std::ofstream(folder_ / "tiny.toml") << kExperiments;
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  ProgramResult breakwater(std::vector<std::string> arguments, double kill_after_s = 0.0) {
+    arguments.insert(arguments.begin(), "breakwater");
+    return run_program(arguments, folder_, kill_after_s, SIGKILL);
+  }
+  ProgramResult reproduce(const std::string& out, double kill_after_s = 0.0) {
+    return breakwater({"reproduce", "--experiments", "tiny.toml", "--out", out}, kill_after_s);
+  }
+  // A run in folder_/NAME.
+  void make_run(const std::string& scenario, const std::string& name,
+                std::vector<std::string> options = {}) {
+    options.insert(options.begin(), {scenario, "--quiet", "--out", name});
+    run_program(options, folder_);
+  }
+  // One line on stderr that has `part`, and exit status 2.
+  void expect_refused(const std::vector<std::string>& arguments, const std::string& part) {
+    const ProgramResult result = breakwater(arguments);
+    EXPECT_EQ(result.status, 2) << result.out << result.err;
+    EXPECT_EQ(lines_of(result.err), 1) << result.err;
+    EXPECT_NE(result.err.find(part), std::string::npos) << result.err;
+  }
+
+  fs::path folder_ = testing::temporary_path("reports");
+};
+
+TEST_F(Reports, AKilledReproductionGoesOnAndGivesTheSamePage) {
+  const ProgramResult whole = reproduce("whole");
+  ASSERT_EQ(whole.status, 0) << whole.err;
+  EXPECT_NE(whole.out.find("3 reproduced, 0 within the class, 0 not reproduced"), std::string::npos)
+      << whole.out;
+  EXPECT_NE(whole.out.find("report: whole/report.html"), std::string::npos);
+
+  std::size_t kills = 0;
+  for (const double part : {0.25, 0.4, 0.6}) {
+    kills += reproduce("killed", part * whole.seconds).status == 128 + SIGKILL ? 1 : 0;
+  }
+  EXPECT_GE(kills, 1U);
+  const int done = lines_of(text_of(folder_ / "killed/measurements.jsonl"));
+  const ProgramResult resumed = reproduce("killed");
+  ASSERT_EQ(resumed.status, 0) << resumed.err;
+  EXPECT_GT(done, 0);
+  EXPECT_EQ(text_of(folder_ / "killed/report.html"), text_of(folder_ / "whole/report.html"));
+  // No run stands there twice.
+  std::set<std::string> keys;
+  std::ifstream measurements(folder_ / "killed/measurements.jsonl");
+  int lines = 0;
+  for (std::string line; std::getline(measurements, line); ++lines) keys.insert(line.substr(0, 26));
+  EXPECT_EQ(keys.size(), 22U);
+  EXPECT_LE(lines, 22 + static_cast<int>(kills) * 2) << "only what was cut off may be repeated";
+  // Nothing half-written is left.
+  for (const auto& entry : fs::directory_iterator(folder_ / "killed/runs")) {
+    EXPECT_TRUE(fs::exists(entry.path() / "manifest.json")) << entry.path();
+  }
+
+  const ProgramResult again = reproduce("killed");
+  EXPECT_NE(again.err.find("22 runs, 22 of them there already"), std::string::npos) << again.err;
+}
+
+TEST_F(Reports, AnAlteredMeasurementFlipsItsVerdict) {
+  ASSERT_EQ(reproduce("out").status, 0);
+  EXPECT_EQ(text_of(folder_ / "out/report.html").find("class=\"verdict off\""), std::string::npos);
+  std::string measurements = text_of(folder_ / "out/measurements.jsonl");
+  const std::size_t line = measurements.find("\"run\":\"one-kfd\"");
+  const std::string name = "\"rmse_velocity_rad_s\":";
+  const std::size_t value = measurements.find(name, line) + name.size();
+  measurements.replace(value, measurements.find_first_of(",}", value) - value, "0.9");
+  std::ofstream(folder_ / "out/measurements.jsonl") << measurements;
+  const ProgramResult altered = reproduce("out");
+  EXPECT_NE(altered.out.find("2 reproduced, 0 within the class, 1 not reproduced"),
+            std::string::npos)
+      << altered.out;
+  EXPECT_NE(text_of(folder_ / "out/report.html").find("class=\"verdict off\""), std::string::npos);
+}
+
+TEST_F(Reports, ReproduceRefusesNonsense) {
+  expect_refused({"reproduce", "--only", "boat"}, "--only boat: must be arm, cart, motor");
+  expect_refused({"reproduce", "--experiments", "nowhere.toml"}, "nowhere.toml");
+  fs::create_directories(folder_ / "mine");
+  std::ofstream(folder_ / "mine/letter.txt") << "dear";
+  expect_refused({"reproduce", "--out", "mine"}, "holds something that is not a reproduction");
+}
+
+TEST_F(Reports, CompareTellsWhatIsWrong) {
+  make_run("motor_estimation", "kfd", {"--case", "kfd", "--duration", "6"});
+  make_run("arm_push", "push", {"--duration", "0.2"});
+  make_run("motor_estimation", "failed",
+           {"--duration", "6", "--set", "fault.sensor=angle", "fault.at_s=2"});
+  fs::create_directories(folder_ / "empty");
+  fs::copy(folder_ / "kfd", folder_ / "half");
+  fs::remove(folder_ / "half/log.h5");
+
+  expect_refused({"compare", "kfd"}, "give two runs or more");
+  expect_refused({"compare", "kfd", "nowhere"}, "there is no such folder");
+  expect_refused({"compare", "kfd", "empty"}, "is not the folder of a finished run");
+  expect_refused({"compare", "kfd", "half"},
+                 "the run is incomplete: it has no log.h5; run it again");
+  expect_refused({"compare", "kfd", "push"}, "compare runs of one scenario");
+  expect_refused({"compare", "kfd", "failed"}, "failed at 2");
+  expect_refused({"compare", "kfd", "kfd", "--metric", "rmse_velocity"}, "no run has it");
+  expect_refused({"compare", "kfd", "kfd", "--signal", "d_hat_N"}, "did you mean d_hat_Nm?");
+  expect_refused({"compare", "kfd", "kfd", "--svg"}, "say which signals with --signal");
+  expect_refused({"report", "empty"}, "is not the folder of a finished run");
+  setenv("BREAKWATER_PYTHON", "/nowhere/python3", 1);
+  expect_refused({"compare", "kfd", "kfd", "--signal", "d_hat_Nm", "--pdf"}, "python3-matplotlib");
+  // A Python that lacks the packages.
+  std::ofstream(folder_ / "bare") << "#!/bin/sh\nexec /usr/bin/python3 -S -E \"$@\"\n";
+  fs::permissions(folder_ / "bare", fs::perms::owner_all);
+  setenv("BREAKWATER_PYTHON", (folder_ / "bare").c_str(), 1);
+  expect_refused({"compare", "kfd", "kfd", "--signal", "d_hat_Nm", "--pdf"},
+                 "apt-get install python3-h5py python3-matplotlib");
+  unsetenv("BREAKWATER_PYTHON");
+  EXPECT_FALSE(fs::exists(folder_ / "compare.pdf"));
+
+  // A failed run can be looked at.
+  EXPECT_EQ(breakwater({"report", "failed", "kfd", "--out", "page"}).status, 0);
+  EXPECT_NE(text_of(folder_ / "page/report.html").find("This run failed at 2"), std::string::npos);
+}
+
+TEST_F(Reports, CompareWritesTablesAndFigures) {
+  for (const char* name : {"kfd", "dkf"}) make_run("motor_estimation", name, {"--case", name});
+  const ProgramResult result =
+      breakwater({"compare", "kfd", "dkf", "--out", "both", "--csv", "--latex", "--svg", "--pdf",
+                  "--signal", "d_hat_Nm", "--metric", "rmse_velocity_rad_s"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_NE(result.out.find("rmse_velocity_rad_s"), std::string::npos);
+  EXPECT_NE(result.out.find("-98."), std::string::npos) << result.out;
+  EXPECT_EQ(lines_of(text_of(folder_ / "both/compare.csv")), 2);
+  EXPECT_NE(text_of(folder_ / "both/compare.tex").find("rmse\\_velocity\\_rad\\_s &"),
+            std::string::npos);
+  const std::string svg = text_of(folder_ / "both/compare.svg");
+  EXPECT_NE(svg.find("<svg"), std::string::npos);
+  EXPECT_EQ(svg.find("<text"), std::string::npos) << "letters are outlines";
+  const std::string pdf = text_of(folder_ / "both/compare.pdf");
+  EXPECT_TRUE(pdf.starts_with("%PDF"));
+  EXPECT_NE(pdf.find("/FontFile2"), std::string::npos) << "the font is in it, as TrueType";
+  EXPECT_EQ(pdf.find("/Type3"), std::string::npos);
+  const std::string html = text_of(folder_ / "both/compare.html");
+  EXPECT_NE(html.find("signal-1"), std::string::npos);
+  EXPECT_EQ(html.find("signal-2"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace breakwater

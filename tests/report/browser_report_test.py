@@ -1,0 +1,291 @@
+"""A report works in Chromium: charts, hover, zoom, video, narrow and wide, without any request.
+
+A small report is made and served on this machine alone, in a frame of a page that uses it as a
+reader would and reports back what it saw.
+
+Usage: browser_report_test.py BUILD_BIN_FOLDER
+"""
+
+import http.server
+import json
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import threading
+
+EXPERIMENTS = """
+video = "2.4.3.3"
+[[hero]]
+figure = "2.50"
+caption = "The tip."
+[form.tip]
+panels = [
+  { title = "x", signals = ["x_true_m", "x_hat_m"], once = ["x_ref_m"] },
+  { title = "y", signals = ["y_true_m"], lines = [0.0] },
+  { title = "x, close-up", signals = ["x_true_m"], from_s = 0.5, to_s = 1.0 },
+]
+[form.angle]
+panels = [{ title = "angle", signals = ["position_true_rad", "position_measured_rad"] }]
+
+[[section]]
+id = "2.4.3.3"
+plant = "arm"
+title = "The arm"
+text = "Held."
+docs = "experiments/arm-push.md"
+video = "push"
+[[section.run]]
+name = "push"
+scenario = "arm_push"
+case = "proposed-link1"
+sets = ["run.duration_s=1.5", "push.start_s=0.2"]
+[[section.figures]]
+form = "tip"
+list = [{ n = "2.50", title = "The tip", run = "push" }]
+
+[[section]]
+id = "4.3.2"
+plant = "motor"
+title = "The motor"
+text = "Disturbed."
+docs = "methods/disturbance-kalman-filters.md"
+[[section.run]]
+name = "motor-{k}"
+scenario = "motor_estimation"
+case = "{k}"
+for = [{ k = "mdob" }, { k = "idob" }, { k = "kfd" }, { k = "dkf" }, { k = "fakfd-095" }, { k = "fakfd-0998" }, { k = "vfakfd" }]
+[[section.table]]
+title = "A row of Table 4.8"
+unit = "rad/s"
+columns = [{ title = "MDOB", k = "mdob", i = 0 }, { title = "IDOB", k = "idob", i = 1 }, { title = "KFD", k = "kfd", i = 2 }, { title = "DKF", k = "dkf", i = 3 }, { title = "FAKFD", k = "fakfd-095", i = 4 }, { title = "FAKFD .998", k = "fakfd-0998", i = 5 }, { title = "VFAKFD", k = "vfakfd", i = 6 }]
+rows = [{ title = "1 ms, 12 bits" }]
+cell = { run = "motor-{k}", metric = "rmse_velocity_rad_s", printed = "motor_estimation.table_4_8.Ts_1e-3.n12[{i}]" }
+[[section.figures]]
+form = "angle"
+list = [
+  { n = "4.32", title = "KFD", run = "motor-kfd" },
+  { n = "4.34", title = "Both", runs = [["motor-kfd", "KFD"], ["motor-idob", "IDOB"]], off = ["IDOB"] },
+]
+"""
+
+# The reader. `page` is the report's window.
+READER = """<!doctype html><body style="margin:0"><script>
+const seen = {errors: []};
+const wait = (ms) => new Promise((done) => setTimeout(done, ms));
+const until = async (what, test) => {
+  for (let i = 0; i < 200; ++i) { if (test()) return; await wait(50); }
+  throw new Error("waited in vain: " + what);
+};
+const frame = document.createElement("iframe");
+frame.style.cssText = "border:0;width:1440px;height:900px";
+frame.src = "report.html";
+document.body.appendChild(frame);
+
+async function look() {
+  const page = frame.contentWindow, dom = frame.contentDocument;
+  page.addEventListener("error", (e) => seen.errors.push(e.message));
+  dom.addEventListener("securitypolicyviolation", (e) => seen.errors.push("asked for " + e.blockedURI));
+  const boxes = Array.from(dom.querySelectorAll(".chart"));
+  seen.charts = boxes.length;
+
+  // Charts are drawn when they come into view, not before.
+  await until("the first chart", () => boxes[0].chart);
+  seen.undrawnAtFirst = boxes.filter((box) => !box.chart).length;
+  for (const box of boxes) {
+    box.scrollIntoView({block: "center", behavior: "instant"});
+    await until("chart " + box.dataset.chart, () => box.chart);
+  }
+  seen.inked = boxes.every((box) => {
+    const canvas = box.querySelector("canvas");
+    const pixels = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data;
+    let ink = 0;
+    for (let i = 3; i < pixels.length; i += 4) ink += pixels[i] > 0 ? 1 : 0;
+    return ink > 500;
+  });
+
+  // The mouse, as the page gets it.
+  const mouse = (box, kind, part) => {
+    const canvas = box.chart.graph.mouseEventElement_;
+    const area = box.chart.graph.getArea(), at = canvas.getBoundingClientRect();
+    canvas.dispatchEvent(new page.MouseEvent(kind, {bubbles: true, cancelable: true, view: page, button: 0,
+      clientX: at.left + area.x + part * area.w, clientY: at.top + area.y + area.h / 2}));
+  };
+  const values = (box) => Array.from(box.querySelectorAll(".value"), (v) => v.textContent);
+  const find = (id) => boxes.find((box) => box.dataset.chart === id);
+  const motor = find("figure-4-32-1"), other = find("figure-4-34-1");
+  motor.scrollIntoView({block: "center", behavior: "instant"});
+  mouse(motor, "mousemove", 0.5);
+  await wait(100);
+  seen.hover = values(motor);
+  seen.hoverElsewhere = values(other);
+  seen.clock = motor.querySelector(".time").textContent;
+
+  // A zoom of one is a zoom of its section, and of no other.
+  const arm = find("figure-2-50-1"), before = arm.chart.graph.xAxisRange();
+  mouse(motor, "mousedown", 0.25);
+  mouse(motor, "mousemove", 0.4);
+  mouse(motor, "mousemove", 0.5);
+  mouse(motor, "mouseup", 0.5);
+  await wait(300);
+  seen.zoomed = motor.chart.graph.xAxisRange();
+  seen.linked = other.chart.graph.xAxisRange();
+  seen.unlinked = String(before) === String(arm.chart.graph.xAxisRange());
+  motor.querySelector(".plot").dispatchEvent(new page.KeyboardEvent("keydown", {key: "0", bubbles: true}));
+  await wait(300);
+  seen.reset = other.chart.graph.xAxisRange();
+
+  // A signal's button.
+  const key = motor.querySelector(".key");
+  key.click();
+  seen.pressed = key.getAttribute("aria-pressed");
+  seen.visible = motor.chart.graph.visibility();
+  seen.offAtFirst = other.chart.graph.visibility();
+
+  // The video, both ways.
+  const video = dom.querySelector("section video");
+  video.scrollIntoView({block: "center", behavior: "instant"});
+  await until("the video", () => video.readyState >= 2);
+  seen.videos = Array.from(dom.querySelectorAll("video"), (v) => v.src.slice(0, 14));
+  seen.duration = video.duration;
+  const grip = arm.querySelector(".cursor");
+  video.currentTime = 1.0;
+  await until("the cursor to follow", () => Math.abs(grip.getAttribute("aria-valuenow") - 1.0) < 0.02);
+  seen.cursorShown = !grip.hidden;
+  const centre = grip.getBoundingClientRect(), plot = arm.querySelector(".plot").getBoundingClientRect();
+  const pointer = (target, kind, x) => target.dispatchEvent(new page.PointerEvent(kind,
+    {bubbles: true, cancelable: true, clientX: x, clientY: centre.top + 20}));
+  pointer(grip, "pointerdown", centre.left + 7);
+  pointer(page, "pointermove", plot.left + arm.chart.graph.toDomXCoord(0.4));
+  pointer(page, "pointerup", plot.left + arm.chart.graph.toDomXCoord(0.4));
+  await until("the video to follow", () => Math.abs(video.currentTime - 0.4) < 0.02);
+  arm.querySelector(".plot").dispatchEvent(new page.KeyboardEvent("keydown", {key: "ArrowRight", bubbles: true}));
+  await until("the video to follow a key", () => video.currentTime > 0.405);
+  seen.now = video.parentElement.querySelector(".now").textContent;
+  seen.closeUp = find("figure-2-50-3").chart.graph.xAxisRange();
+
+  // What the page says to those who do not see it, and to the keyboard.
+  seen.unnamed = Array.from(dom.querySelectorAll("img, video, .plot, .scroll, nav")).filter((e) =>
+    !(e.getAttribute("alt") || e.getAttribute("aria-label"))).length;
+  seen.unreachable = Array.from(dom.querySelectorAll(".plot, .scroll, .key, pre, summary, a[href]")).filter((e) => e.tabIndex < 0).length;
+  seen.broken = Array.from(dom.querySelectorAll("img")).filter((i) => i.complete && !i.naturalWidth).length;
+  seen.anchors = Array.from(dom.querySelectorAll("a[href^='#']")).filter((a) =>
+    !dom.getElementById(a.getAttribute("href").slice(1))).map((a) => a.getAttribute("href"));
+
+  seen.overflow = {};
+  for (const width of [390, 1440]) {
+    frame.style.width = width + "px";
+    await wait(500);
+    seen.overflow[width] = dom.scrollingElement.scrollWidth - dom.scrollingElement.clientWidth;
+    seen["chart" + width] = arm.querySelector("canvas").getBoundingClientRect().width;
+  }
+}
+
+frame.addEventListener("load", () => look().catch((e) => seen.errors.push(String(e.stack)))
+  .then(() => fetch("/seen", {method: "POST", body: JSON.stringify(seen)})));
+</script>"""
+
+TIMEOUT_S = 120
+
+
+def make_report(bin_folder, folder):
+    (folder / "experiments.toml").write_text(EXPERIMENTS)
+    subprocess.run([bin_folder / "breakwater", "reproduce", "--quiet", "--experiments",
+                    folder / "experiments.toml", "--out", folder / "out"], check=True)
+    return (folder / "out" / "report.html").read_bytes()
+
+
+def read(report, folder):
+    done = threading.Event()
+    seen = {}
+    asked = []
+
+    class Handler(http.server.BaseHTTPRequestHandler):
+        def do_GET(self):
+            asked.append(self.path)
+            body = {"/": READER.encode(), "/report.html": report}.get(self.path, b"")
+            self.send_response(200)
+            self.send_header("Content-Type", "text/html; charset=utf-8")
+            self.send_header("Content-Length", str(len(body)))
+            self.end_headers()
+            self.wfile.write(body)
+
+        def do_POST(self):
+            seen.update(json.loads(self.rfile.read(int(self.headers["Content-Length"]))))
+            self.send_response(200)
+            self.end_headers()
+            done.set()
+
+        def log_message(self, *_):
+            pass
+
+    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), Handler)
+    threading.Thread(target=server.serve_forever, daemon=True).start()
+    log = open(folder / "chromium.log", "w+")
+    browser = subprocess.Popen(
+        ["chromium", "--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage",
+         "--no-first-run", "--mute-audio", "--enable-logging=stderr", "--window-size=1500,1000",
+         f"--user-data-dir={folder / 'profile'}", "--remote-debugging-port=0",
+         f"http://127.0.0.1:{server.server_port}/"],
+        stdout=log, stderr=log)
+    reported = done.wait(TIMEOUT_S)
+    browser.terminate()
+    try:
+        browser.wait(10)
+    except subprocess.TimeoutExpired:
+        browser.kill()
+        browser.wait()
+    server.shutdown()
+    log.seek(0)
+    text = log.read()
+    if not reported:
+        sys.exit("the page did not report:\n" + text[-3000:])
+    seen["console"] = [line for line in text.splitlines() if "CONSOLE" in line]
+    seen["asked"] = [path for path in asked if path != "/favicon.ico"]
+    return seen
+
+
+def main():
+    bin_folder = pathlib.Path(sys.argv[1]).resolve()
+    if shutil.which("chromium") is None:
+        sys.exit("there is no chromium (packages/test.txt)")
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as name:
+        folder = pathlib.Path(name)
+        report = make_report(bin_folder, folder)
+        seen = read(report, folder)
+    print(json.dumps(seen, indent=1))
+
+    assert seen["errors"] == [], seen["errors"]
+    assert seen["console"] == [], seen["console"]
+    assert seen["asked"] == ["/", "/report.html"], seen["asked"]
+    html = report.decode()
+    sources = re.findall(r"""(?:src|href|action|poster)\s*=\s*["']([^"']*)""", re.sub(r"<script.*?</script>", "", html, flags=re.S))
+    assert sources and all(s.startswith(("#", "data:")) for s in sources), sources
+
+    assert seen["charts"] == 6 and seen["inked"], seen
+    assert seen["undrawnAtFirst"] >= 1, seen
+    assert all(re.fullmatch(r"-?[\d.e+-]+ rad", value) for value in seen["hover"]), seen["hover"]
+    assert re.fullmatch(r"t = [\d.]+ s", seen["clock"]), seen["clock"]
+    assert any(value.endswith(" rad") for value in seen["hoverElsewhere"]), seen
+    low, high = seen["zoomed"]
+    assert 2.0 < low < 3.0 and 4.5 < high < 5.5, seen["zoomed"]
+    assert seen["linked"] == seen["zoomed"] and seen["unlinked"], seen
+    assert seen["reset"][0] < 0.1 and seen["reset"][1] > 9.9, seen["reset"]
+    assert seen["pressed"] == "false" and seen["visible"] == [False, True], seen
+    assert seen["offAtFirst"] == [True, True, False, False], seen
+
+    assert seen["videos"] == ["data:video/mp4"] * 2, seen["videos"]
+    assert abs(seen["duration"] - 1.5) < 0.05, seen["duration"]
+    assert seen["cursorShown"] and re.fullmatch(r"t = 0\.4\d* s", seen["now"]), seen
+    assert 0.45 < seen["closeUp"][0] and seen["closeUp"][1] < 1.05, seen["closeUp"]
+
+    assert seen["unnamed"] == 0 and seen["unreachable"] == 0 and seen["broken"] == 0, seen
+    assert seen["anchors"] == [], seen["anchors"]
+    assert seen["overflow"] == {"390": 0, "1440": 0}, seen["overflow"]
+    assert 250 < seen["chart390"] < 390 < seen["chart1440"], seen
+
+
+if __name__ == "__main__":
+    main()
