@@ -407,10 +407,14 @@ ThesisReport thesis_report(const Reproduction& reproduction, const Measured& mea
   page.set("sections", sections);
   page.set("heroes", heroes);
   page.set("pages", pages);
-  page.set("effort",
-           effort == Effort::quick
-               ? "This is the quick version: fewer seeds and encoder phases than the full one."
-               : "This is the full version, with all seeds and encoder phases.");
+  std::string extent =
+      effort == Effort::quick
+          ? "This is the quick version: fewer seeds and encoder phases than the full one."
+          : "This is the full version, with all seeds and encoder phases.";
+  if (reproduction.sections.size() < experiments.sections.size()) {
+    extent += " Only the sections in the contents were asked for.";
+  }
+  page.set("extent", extent);
   page.set("good", std::to_string(report.score.reproduced));
   page.set("near", std::to_string(report.score.within_class));
   page.set("off", std::to_string(report.score.not_reproduced));
