@@ -31,7 +31,7 @@ SAME_Q = ["ekf-second-same-q", "ekf-zero-same-q"]
 RIVALS = ["ukf-second-tuned", "ukf-zero-tuned"]
 
 PATTERN_SEEDS = range(1, 11)
-CHANGE_SEEDS = range(1, 6)
+CHANGE_SEEDS = range(1, 4)
 TUNING_SEEDS = range(1, 21)    # the Q of the scenario file was chosen on these ...
 TEST_SEEDS = range(101, 121)   # ... and is judged on these
 TUNING_SHORTLIST = 5           # of the grid, after its first few seeds
