@@ -143,7 +143,7 @@ mustache::data table_data(const TableSpec& table, const SectionSpec& section,
     rows << row;
   }
   data.set("rows", rows);
-  data.set("classes", fmt::format("{}", fmt::join(classes, " · ")));
+  if (!classes.empty()) data.set("classes", fmt::format("{}", fmt::join(classes, " · ")));
   if (!notes.empty()) {
     mustache::data list(mustache::data::type::list);
     for (std::size_t i = 0; i < notes.size(); ++i) {
