@@ -1,7 +1,5 @@
 #include "control/lmpc.h"
 
-#include <time.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -11,6 +9,7 @@
 
 #include "control/controller.h"
 #include "linear/riccati.h"
+#include "signals/thread_time.h"
 
 namespace breakwater {
 namespace {
@@ -21,13 +20,6 @@ void check_weight(const Eigen::MatrixXd& weight, Eigen::Index size, const std::s
                                 "×" + std::to_string(size) +
                                 ", symmetric and positive semidefinite");
   }
-}
-
-// What this thread has had of the processor: other load does not count.
-double thread_time_s() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
 // U = C_1 u + C_2 ΔU, of which C_1 is the first block column of C_2.

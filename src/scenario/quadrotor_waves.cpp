@@ -1,7 +1,6 @@
 #include "scenario/quadrotor_waves.h"
 
 #include <fmt/format.h>
-#include <ctime>
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -10,6 +9,7 @@
 
 #include "record/window_metrics.h"
 #include "scenario/run_loop.h"
+#include "signals/thread_time.h"
 #include "sim/height_field.h"
 
 namespace breakwater {
@@ -47,12 +47,6 @@ class VectorStatistics {
   WindowStatistics squares_;
   double axes_;
 };
-
-double cpu_time_s() {
-  timespec now = {};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
 
 // The truth about a sample, for the log and the metrics.
 struct Truth {
@@ -171,14 +165,14 @@ double filter_time_us(const Track& log, QuadrotorEstimator& estimator) {
   const std::vector<double> poses = log.values("pose_measured");
   const std::vector<double> thrusts = log.values("thrust_applied_N");
   const std::size_t samples = std::min<std::size_t>(log.rows(), 2000);
-  const double begin = cpu_time_s();
+  const double begin = thread_time_s();
   estimator.reset(Eigen::Map<const Vector6d>(poses.data()));
   for (std::size_t k = 0; k < samples; ++k) {
     const std::size_t held = k > 0 ? k - 1 : 0;
     estimator.update(Eigen::Map<const Eigen::Vector4d>(&thrusts[4 * held]),
                      Eigen::Map<const Vector6d>(&poses[kOutputs * k]));
   }
-  return 1e6 * (cpu_time_s() - begin) / static_cast<double>(samples);
+  return 1e6 * (thread_time_s() - begin) / static_cast<double>(samples);
 }
 
 }  // namespace
