@@ -197,8 +197,8 @@ void Picture::draw_arrow_numbers(Canvas& canvas, const PictureRun& run, const Pa
     if (run.arrows[i].unit.empty() || arrow.vector_m.norm() < kShortestArrow_m) continue;
     const auto ends = panel.view->ends_of(arrow);
     if (!ends) continue;
-    const std::string number =
-        fmt::format("{:.{}f} {}", value, value < 99.95 ? 1 : 0, run.arrows[i].unit);
+    const int decimals = value < 0.995 ? 2 : value < 99.95 ? 1 : 0;
+    const std::string number = fmt::format("{:.{}f} {}", value, decimals, run.arrows[i].unit);
     // Beyond the tip, in the arrow's direction.
     const double size = 19.0 * unit;
     const double x = ends->to.x - ends->from.x;

@@ -19,11 +19,14 @@ namespace {
 
 constexpr std::size_t kFewestRuns = 2;
 
-// "+4.1 %", or the difference itself if there is nothing to divide by.
+// "+4.1 %", or the difference itself where a part of the first value says nothing: it is zero, of
+// the other sign, or ten times smaller.
 std::string relative(double difference, double of) {
   if (difference == 0.0) return "=";
-  return of == 0.0 ? fmt::format("{:+.3g}", difference)
-                   : fmt::format("{:+.1f} %", 100.0 * difference / std::abs(of));
+  const double other = of + difference;
+  const bool is_comparable = of * other > 0.0 && std::abs(other) < 10.0 * std::abs(of);
+  return is_comparable ? fmt::format("{:+.1f} %", 100.0 * difference / std::abs(of))
+                       : fmt::format("{:+.3g}", difference);
 }
 
 void check(const std::vector<SavedRun>& runs) {

@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 namespace {
 
 struct ReproduceArguments {
-  std::string only;
+  std::string only = "all";
   std::string out = "runs/reproduce";
   std::string file;
   bool quick = false;
@@ -40,15 +40,15 @@ std::vector<const SectionSpec*> choose_sections(const Experiments& experiments,
   for (const SectionSpec& section : experiments.sections) {
     names.push_back(section.id);
     names.push_back(section.plant);
-    if (only.empty() || only == section.plant || only == section.id ||
+    if (only == "all" || only == section.plant || only == section.id ||
         section.id.starts_with(only + ".")) {
       chosen.push_back(&section);
     }
   }
   if (chosen.empty()) {
-    throw std::invalid_argument("--only " + only +
-                                ": must be arm, cart, motor, quadrotor or a section, such as 2.4" +
-                                did_you_mean(only, names));
+    throw std::invalid_argument(
+        "--only " + only + ": must be all, arm, cart, motor, quadrotor or a section, such as 2.4" +
+        did_you_mean(only, names));
   }
   return chosen;
 }
@@ -112,7 +112,8 @@ int reproduce_main(int argc, const char* const* argv) {
       "the printed ones.",
       "reproduce");
   ReproduceArguments arguments;
-  app.add_option("--only", arguments.only, "arm, cart, motor, quadrotor or a section of the thesis")
+  app.add_option("--only", arguments.only,
+                 "all, arm, cart, motor, quadrotor or a section of the thesis")
       ->type_name("WHAT");
   app.add_flag("--quick", arguments.quick, "fewer seeds and encoder phases");
   app.add_option("--out", arguments.out, "where runs and report.html go")

@@ -112,10 +112,11 @@ mustache::data table_data(const TableSpec& table, const SectionSpec& section,
         mustache::data filled;
         filled.set("measured", judged.measured);
         if (judged.values > 1) {
-          filled.set("spread", judged.smallest < judged.largest
-                                   ? fmt::format("{} to {}, n = {}", format_number(judged.smallest),
-                                                 format_number(judged.largest), judged.values)
-                                   : fmt::format("the same in {} runs", judged.values));
+          filled.set("spread",
+                     judged.smallest < judged.largest
+                         ? fmt::format("{} to {} in {} runs", format_number(judged.smallest),
+                                       format_number(judged.largest), judged.values)
+                         : fmt::format("the same in {} runs", judged.values));
         }
         if (spec->says.empty()) filled.set("printed", judged.printed);
         if (!spec->says.empty()) filled.set("says", judged.printed);

@@ -311,7 +311,9 @@ void describe_video(CLI::App& app, PictureArguments& arguments) {
       ->check(CLI::Range(1, 240));
   app.add_option("--speed", arguments.wish.speed, "0.1: ten times slower than life")
       ->type_name("X")
-      ->check(CLI::PositiveNumber);
+      ->check([](const std::string& text) {
+        return std::strtod(text.c_str(), nullptr) > 0.0 ? std::string() : text + " is not positive";
+      });
   app.add_option("--from", arguments.wish.from_s, "simulated time to begin with")->type_name("S");
   app.add_option("--to", arguments.wish.to_s, "simulated time to end with")->type_name("S");
   app.add_option("--out", arguments.out, "the file (default: RUN/video.mp4)")->type_name("FILE");

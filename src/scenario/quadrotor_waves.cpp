@@ -365,7 +365,9 @@ void QuadrotorWaves::check(const Config& config) {
   is_under_water("task.start_m", start_m_[2]);
   is_under_water("task.reference_m", reference_m_[2]);
   if (window_s_ > run_.duration_s) {
-    config.fail("metrics.window_s", "must not be longer than run.duration_s");
+    config.fail("metrics.window_s",
+                fmt::format("{:g} s must not be longer than the run, {:g} s: set both", window_s_,
+                            run_.duration_s));
   }
   const Model model = Model::load(mjcf_);
   if (model->nu != 4) throw std::invalid_argument(mjcf_ + ": needs 4 thrusters");

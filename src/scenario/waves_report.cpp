@@ -35,11 +35,14 @@ double energy(const std::vector<double>& samples, double from_rad_s, double to_r
   return sum;
 }
 
-double largest_divergence(const Waves& waves) {
+// Between the surface and the bottom, at most 20 m below.
+double largest_divergence(const Waves& waves, double depth_m) {
   constexpr double kShift_m = 1e-3;
+  constexpr int kPoints = 50;
+  const double reach_m = depth_m > 0.0 ? std::min(depth_m, 20.0) : 20.0;
   double largest = 0.0;
-  for (int i = 0; i < 50; ++i) {
-    const Eigen::Vector3d p(3.1 * i - 70.0, 40.0 - 1.7 * i, -0.5 - 0.35 * i);
+  for (int i = 0; i < kPoints; ++i) {
+    const Eigen::Vector3d p(3.1 * i - 70.0, 40.0 - 1.7 * i, -reach_m * (0.05 + 0.9 * i / kPoints));
     double divergence = 0.0;
     for (int axis = 0; axis < 3; ++axis) {
       const Eigen::Vector3d e = kShift_m * Eigen::Vector3d::Unit(axis);
@@ -91,7 +94,7 @@ std::string waves_report(const SeaState& sea) {
     }
   }
   return text + fmt::format("\ndivergence of the velocity: at most {:.1e} 1/s\n",
-                            largest_divergence(waves));
+                            largest_divergence(waves, sea.water_depth_m));
 }
 
 }  // namespace breakwater
