@@ -150,7 +150,7 @@ TEST_F(Reports, AnAlteredMeasurementFlipsItsVerdict) {
 }
 
 TEST_F(Reports, ReproduceRefusesNonsense) {
-  expect_refused({"reproduce", "--only", "boat"}, "--only boat: must be arm, cart, motor");
+  expect_refused({"reproduce", "--only", "boat"}, "--only boat: must be all, arm, cart, motor");
   expect_refused({"reproduce", "--experiments", "nowhere.toml"}, "nowhere.toml");
   fs::create_directories(folder_ / "mine");
   std::ofstream(folder_ / "mine/letter.txt") << "dear";
