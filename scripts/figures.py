@@ -53,8 +53,12 @@ PANEL_HEIGHT = 1.25  # inches
 
 def read(run, signal):
     """Times, values, unit of a signal of a run."""
-    name, index = re.fullmatch(r"([^\[]+)(?:\[(\d+)\])?", signal).groups()
-    group, name = name.split("/") if "/" in name else ("control", name)
+    parts = re.fullmatch(r"(?:([^\[/]+)/)?([^\[/]+)(?:\[([1-9]\d*)\])?", signal)
+    if parts is None:
+        sys.exit(f"figures.py: --signal {signal}: must be NAME, GROUP/NAME or NAME[1]")
+    group, name, index = parts[1] or "control", parts[2], parts[3]
+    if not (Path(run) / "log.h5").is_file():
+        sys.exit(f"figures.py: {run}: is not a finished run: it has no log.h5")
     try:
         with h5py.File(Path(run) / "log.h5") as log:
             values = log[group][name]
@@ -117,6 +121,8 @@ def main():
     if not (arguments.runs and arguments.signal and arguments.out):
         parser.error("give RUN, --signal and --out")
     labels = arguments.label or labels_of(arguments.runs)
+    if len(labels) != len(arguments.runs):
+        parser.error(f"{len(labels)} --label for {len(arguments.runs)} runs")
     figure = draw(arguments.runs, labels, arguments.signal, (arguments.start, arguments.end),
                   arguments.width)
     metadata = {"Date": None} if arguments.out.endswith(".svg") else None

@@ -268,6 +268,10 @@
       for (const event of ["seeked", "timeupdate", "loadedmetadata"]) {
         element.addEventListener(event, () => { if (!this.seeking || event === "seeked") { this.seeking = false; follow(); } });
       }
+      if (element.readyState >= 1) {  // it was quicker than this script
+        this.check();
+        follow();
+      }
     }
 
     // A video of another window than the shot list's cannot say which moment it shows.

@@ -150,6 +150,13 @@ void Picture::fill_background() {
     std::uint32_t sky = 0;
     std::memcpy(&sky, bytes.data(), sizeof(sky));
     std::uint8_t* const row = pixels.data() + 4 * width * y;
+    std::uint32_t all = ~0U;  // most rows are covered: this loop becomes vector code
+    for (std::size_t x = 0; x < width; ++x) {
+      std::uint32_t pixel = 0;
+      std::memcpy(&pixel, row + 4 * x, sizeof(pixel));
+      all &= pixel;
+    }
+    if ((all >> 24U) == 255) continue;
     for (std::size_t x = 0; x < width; ++x) {
       std::uint8_t* const pixel = row + 4 * x;
       if (pixel[3] == 255) continue;

@@ -1,6 +1,7 @@
 #include "report/decimation.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace breakwater {
 namespace {
@@ -40,7 +41,15 @@ Series decimate(const Series& series, std::size_t buckets) {
     const auto begin = series.values.begin() + static_cast<std::ptrdiff_t>(bucket * size / buckets);
     const auto end =
         series.values.begin() + static_cast<std::ptrdiff_t>((bucket + 1) * size / buckets);
-    const auto [smallest, largest] = std::minmax_element(begin, end);
+    // What is no number is a gap, not an extreme.
+    const auto finite = std::find_if(begin, end, [](double v) { return std::isfinite(v); });
+    auto smallest = finite;
+    auto largest = finite;
+    for (auto v = finite; v != end; ++v) {
+      if (*v < *smallest) smallest = v;
+      if (*v > *largest) largest = v;
+    }
+    if (finite == end) smallest = largest = begin;
     for (const auto& extreme : {std::min(smallest, largest), std::max(smallest, largest)}) {
       const auto i = static_cast<std::size_t>(extreme - series.values.begin());
       if (series.times_s[i] > kept.times_s.back()) append(kept, series, i);

@@ -180,12 +180,16 @@ CellSpec read_cell(const Reader& reader, const toml::table& cell, const Variable
   spec.over = reader.text_or(cell, "over", variables);
   spec.divisor = reader.number(cell, "divisor").value_or(1.0);
   spec.if_failed =
-      reader.number(cell, "if_failed").value_or(std::numeric_limits<double>::infinity());
+      reader.number(cell, "if_failed").value_or(std::numeric_limits<double>::quiet_NaN());
+  spec.is_share = reader.text_or(cell, "statistic", variables) == "share";
   spec.printed = reader.text_or(cell, "printed", variables);
   spec.says = reader.text_or(cell, "says", variables);
   spec.holds = read_holds(reader, cell);
   if (spec.printed.empty() == spec.says.empty()) {
     reader.fail(cell, "a cell has either `printed` or `says`");
+  }
+  if (!spec.says.empty() && !spec.holds.above && !spec.holds.below) {
+    reader.fail(cell, "what the text `says` holds `above` or `below` something");
   }
   return spec;
 }

@@ -28,9 +28,10 @@ struct CellSpec {
   std::string metric;  ///< NAME; |NAME|; or "max SIGNAL", the signal's largest value
   std::string over;    ///< not empty: divided by this run's
   double divisor = 1.0;
-  double if_failed;     ///< the value of a run that failed; infinite unless given
-  std::string printed;  ///< a path into printed-results.toml; empty if `says` is not
-  std::string says;     ///< a statement of the text, which `holds` judges
+  double if_failed;  ///< the value of a run that failed; none, so that nothing holds, unless given
+  bool is_share = false;  ///< the mean of ones and zeros is judged, not their median
+  std::string printed;    ///< a path into printed-results.toml; empty if `says` is not
+  std::string says;       ///< a statement of the text, which `holds` judges
   Band holds;
 };
 

@@ -56,7 +56,8 @@ void Measurements::add(const std::string& key, const std::string& name,
     json["failure"] = measurement.failure;
   }
   json["values"] = measurement.values;
-  const std::string line = json.dump() + "\n";
+  const std::string line =
+      json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
   const std::lock_guard lock(mutex_);
   if (write(descriptor_, line.data(), line.size()) != static_cast<ssize_t>(line.size())) {
     throw OutputError(file_.string() + ": cannot be written (is the disk full?)");

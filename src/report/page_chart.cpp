@@ -56,7 +56,7 @@ std::string PageChart::json() const {
                               {"t", packed(thin.times_s)},
                               {"v", packed(thin.values)}});
   }
-  std::string text = json.dump();
+  std::string text = json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
   for (std::size_t at = text.find('<'); at != std::string::npos; at = text.find('<', at)) {
     text.replace(at, 1, "\\u003c");
   }

@@ -236,13 +236,17 @@ std::vector<double> values_of(const CellSpec& cell, const Measured& measured) {
   };
   std::vector<double> values = all_of(cell.run);
   if (!cell.over.empty()) {
-    const double over = median(all_of(cell.over));
+    double over = median(all_of(cell.over));
+    if (!std::isfinite(over) || over == 0.0) over = std::numeric_limits<double>::quiet_NaN();
     for (double& value : values) value /= over;
   }
   return values;
 }
 
 double median(std::vector<double> values) {
+  if (std::any_of(values.begin(), values.end(), [](double v) { return std::isnan(v); })) {
+    return std::numeric_limits<double>::quiet_NaN();
+  }
   std::sort(values.begin(), values.end());
   const std::size_t middle = values.size() / 2;
   if (values.size() % 2 == 1 || values[middle - 1] == values[middle]) return values[middle];

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdlib>
+#include <charconv>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -25,7 +25,11 @@ Place place_of(const std::string& name) {
   const std::size_t bracket = name.find('[');
   Place place{name.substr(0, bracket)};
   if (bracket != std::string::npos) {
-    place.index = std::strtoul(name.c_str() + bracket + 1, nullptr, 10);
+    const char* const end = name.data() + name.size();
+    const auto [last, error] = std::from_chars(name.data() + bracket + 1, end, place.index);
+    if (error != std::errc() || place.index < 1 || last + 1 != end || *last != ']') {
+      throw std::invalid_argument("signal " + name + ": must be NAME, GROUP/NAME or NAME[1]");
+    }
   }
   if (place.dataset.find('/') == std::string::npos) place.dataset = "control/" + place.dataset;
   return place;

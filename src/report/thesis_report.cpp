@@ -6,6 +6,7 @@
 #include <cmath>
 #include <fstream>
 #include <limits>
+#include <numeric>
 #include <set>
 #include <sstream>
 
@@ -242,7 +243,9 @@ void Score::count(Verdict verdict) {
 Judged judge_cell(const CellSpec& cell, const Measured& measured, const PrintedResults& printed) {
   const std::vector<double> values = values_of(cell, measured);
   Judged judged;
-  judged.median = median(values);
+  judged.median = cell.is_share ? std::accumulate(values.begin(), values.end(), 0.0) /
+                                      static_cast<double>(values.size())
+                                : median(values);
   judged.smallest = *std::min_element(values.begin(), values.end());
   judged.largest = *std::max_element(values.begin(), values.end());
   judged.values = values.size();

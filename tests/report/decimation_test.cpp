@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "support.h"
 
@@ -33,6 +34,17 @@ TEST(Decimation, KeepsEveryPeakAtItsTime) {
   EXPECT_EQ(*std::min_element(thin.values.begin(), thin.values.end()), -5.5);
   EXPECT_EQ(thin.times_s.front(), series.times_s.front());
   EXPECT_EQ(thin.times_s.back(), series.times_s.back());
+}
+
+TEST(Decimation, APeakBesideWhatIsNoNumberSurvives) {
+  Series series = impact();
+  series.values[30520] = std::numeric_limits<double>::quiet_NaN();
+  series.values[30400] = std::numeric_limits<double>::quiet_NaN();
+  double largest = 0.0;
+  for (const double value : decimate(series, 300).values) {
+    if (value > largest) largest = value;
+  }
+  EXPECT_EQ(largest, 7.93);
 }
 
 TEST(Decimation, ExtremesOfAnyPartSurvive) {

@@ -95,6 +95,44 @@ TEST(Verdict, AFailedRunIsNoSuccess) {
   EXPECT_EQ(judge_cell(cell, measured, printed_results()).verdict, Verdict::reproduced);
 }
 
+TEST(Verdict, AFailedRunHoldsNothingUnlessTheCellSaysWhat) {
+  CellSpec cell;
+  cell.run = "any";
+  cell.metric = "max_speed_m_s";
+  cell.if_failed = std::numeric_limits<double>::quiet_NaN();
+  cell.says = "breaks the limit";
+  cell.holds.above = 1.0;
+  Measured measured;
+  measured["any"].resize(3);
+  for (Measurement& run : measured["any"]) run.values["max_speed_m_s"] = 1.2;
+  EXPECT_EQ(judge_cell(cell, measured, printed_results()).verdict, Verdict::reproduced);
+  measured["any"][1].failed = true;
+  EXPECT_EQ(judge_cell(cell, measured, printed_results()).verdict, Verdict::not_reproduced);
+  // Nor does a part of what is infinite, or of nothing.
+  measured["any"][1].failed = false;
+  cell.over = "other";
+  cell.holds.above.reset();
+  cell.holds.below = 1.0;
+  measured["other"].resize(1);
+  EXPECT_EQ(judge_cell(cell, measured, printed_results()).verdict, Verdict::not_reproduced);
+  measured["other"][0].values["max_speed_m_s"] = 0.0;
+  EXPECT_EQ(judge_cell(cell, measured, printed_results()).verdict, Verdict::not_reproduced);
+}
+
+TEST(Verdict, SixOfTenDoNotConverge) {
+  CellSpec cell;
+  cell.run = "any";
+  cell.metric = "converged";
+  cell.is_share = true;
+  cell.printed = "quadrotor_waves.converges.ukf_second";
+  Measured measured;
+  measured["any"].resize(10);
+  for (Measurement& run : measured["any"]) run.values["converged"] = 1.0;
+  EXPECT_EQ(judge_cell(cell, measured, printed_results()).verdict, Verdict::reproduced);
+  for (std::size_t i = 0; i < 4; ++i) measured["any"][i].values["converged"] = 0.0;
+  EXPECT_EQ(judge_cell(cell, measured, printed_results()).verdict, Verdict::not_reproduced);
+}
+
 TEST(Median, IsInTheMiddle) {
   EXPECT_EQ(median({3.0, 1.0, 2.0}), 2.0);
   EXPECT_EQ(median({4.0, 1.0, 2.0, 3.0}), 2.5);
