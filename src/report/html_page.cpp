@@ -3,11 +3,10 @@
 #include <unistd.h>
 
 #include <cctype>
-#include <fstream>
-#include <sstream>
 #include <stdexcept>
 
 #include "record/text_outputs.h"
+#include "report/file_bytes.h"
 #include "scenario/paths.h"
 #include "version.h"
 
@@ -15,14 +14,6 @@ namespace breakwater {
 namespace fs = std::filesystem;
 namespace mustache = kainjow::mustache;
 namespace {
-
-std::string bytes_of(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) throw std::runtime_error(file.string() + ": is missing");
-  std::stringstream text;
-  text << stream.rdbuf();
-  return text.str();
-}
 
 fs::path part(const std::string& name) {
   return data_root() / "data" / "report" / name;

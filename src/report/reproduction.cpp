@@ -10,6 +10,7 @@
 #include <set>
 #include <thread>
 
+#include "report/file_bytes.h"
 #include "report/saved_run.h"
 #include "scenario/progress.h"
 #include "scenario/runner.h"
@@ -68,6 +69,17 @@ std::map<std::string, std::set<std::string>> derived_metrics(const Experiments& 
   return derived;
 }
 
+// The models are part of a configuration that their names alone do not tell.
+std::string models_of(const Config& config) {
+  std::string all;
+  for (const char* key : {"model.mjcf", "model.urdf"}) {
+    const ConfigEntry* entry = config.find(key);
+    const auto* name = entry != nullptr ? std::get_if<std::string>(&entry->value.data) : nullptr;
+    if (name != nullptr) all += bytes_of(config.find_file_of(key, *name));
+  }
+  return all;
+}
+
 std::vector<Job> plan(const Reproduction& reproduction) {
   const Experiments& experiments = reproduction.experiments;
   const auto derived = derived_metrics(experiments);
@@ -78,6 +90,8 @@ std::vector<Job> plan(const Reproduction& reproduction) {
     for (const std::string& name : section->logged_runs()) logged.insert(name);
   }
   ScenarioFiles files;
+  // A version's name does not tell two builds of changed sources apart.
+  const std::string program = fingerprint({bytes_of("/proc/self/exe")});
   std::vector<Job> jobs;
   for (const std::string& name : names) {
     const RunSpec& spec = experiments.runs.at(name);
@@ -85,12 +99,14 @@ std::vector<Job> plan(const Reproduction& reproduction) {
       std::vector<std::string> sets = spec.sets;
       sets.insert(sets.end(), spec.repetitions[i].begin(), spec.repetitions[i].end());
       Job job;
+      std::string models;
       job.name = name;
       job.repetition = i;
       try {
         const ScenarioFile& file = files.file(spec.scenario);
         job.run = prepare_run(spec.scenario, file, spec.case_name, sets);
         const Config config = file.config(spec.case_name, sets);
+        models = models_of(config);
         job.cost = number_or(config, "run.duration_s", 1.0) /
                    number_or(config, "physics.timestep_s", 1e-3);
       } catch (const std::invalid_argument& error) {
@@ -99,7 +115,7 @@ std::vector<Job> plan(const Reproduction& reproduction) {
       }
       if (derived.contains(name)) job.derived = derived.at(name);
       job.is_logged = i == 0 && logged.contains(name);
-      std::vector<std::string> parts = {spec.scenario, job.run.config_text, kVersion, kGitCommit};
+      std::vector<std::string> parts = {spec.scenario, job.run.config_text, models, program};
       parts.insert(parts.end(), job.derived.begin(), job.derived.end());
       job.key = fingerprint(parts);
       jobs.push_back(std::move(job));

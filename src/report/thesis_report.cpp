@@ -4,13 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <limits>
 #include <numeric>
 #include <set>
-#include <sstream>
 
 #include "report/decimation.h"
+#include "report/file_bytes.h"
 #include "report/html_page.h"
 #include "report/saved_run.h"
 #include "scenario/paths.h"
@@ -185,12 +184,6 @@ mustache::data figure_data(const FigureSpec& figure, const SectionSpec& section,
   }
   data.set("commands", commands);
   return data;
-}
-
-std::string text_of(const fs::path& file) {
-  std::stringstream text;
-  text << std::ifstream(file).rdbuf();
-  return text.str();
 }
 
 }  // namespace
@@ -402,7 +395,7 @@ ThesisReport thesis_report(const Reproduction& reproduction, const Measured& mea
     mustache::data entry;
     entry.set("name", "docs/" + name);
     entry.set("anchor", anchor(name));
-    entry.set("text", text_of(data_root() / "docs" / name));
+    entry.set("text", bytes_of(data_root() / "docs" / name));
     pages << entry;
   }
 
