@@ -28,8 +28,8 @@ std::filesystem::path run_folder(const std::filesystem::path& out, const std::st
 
 /// Runs everything that the sections refer to, on all cores, the longest first. Numbers go to
 /// OUT/measurements.jsonl, runs that figures need to OUT/runs/NAME as well. What is there already
-/// for the same configuration, models and program is kept, so a killed process goes on where it was. Throws
-/// std::invalid_argument, OutputError or Interrupted; a run that fails is a result.
+/// for the same configuration, models and program is kept, so a killed process goes on where it
+/// was. Throws std::invalid_argument, OutputError or Interrupted; a run that fails is a result.
 Measured measure(const Reproduction& reproduction);
 
 /// The value of a cell for each repetition. A metric that a run does not have is infinite.
