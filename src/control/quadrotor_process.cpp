@@ -1,7 +1,8 @@
 #include "control/quadrotor_process.h"
 
-#include <cmath>
 #include <stdexcept>
+
+#include "observers/resonator.h"
 
 namespace breakwater {
 
@@ -39,23 +40,17 @@ WaveResonators::WaveResonators(const QuadrotorModel& model, const ResonatorDesig
   set_frequency(omega_rad_s);
 }
 
-// [f; h]⁺ = exp([0 ω; −ω −2 ζ_r ω] δ) [f; h]. White noise on ḣ of rate 4 ζ_r ω σ² makes f's
-// stationary variance σ².
 void WaveResonators::set_frequency(double omega_rad_s) {
   if (!(omega_rad_s > 0.0))
     throw std::invalid_argument("resonators: the frequency must be positive");
   const double period_s = held_.period_s();
-  const double zeta = design_.damping;
-  const double damped = omega_rad_s * std::sqrt(1.0 - zeta * zeta);
-  const double decay = std::exp(-zeta * omega_rad_s * period_s);
-  const double c = decay * std::cos(damped * period_s);
-  const double s = decay * std::sin(damped * period_s) * omega_rad_s / damped;
-  A_.block<3, 3>(12, 12).diagonal().setConstant(c + zeta * s);
-  A_.block<3, 3>(12, 21).diagonal().setConstant(s);
-  A_.block<3, 3>(21, 12).diagonal().setConstant(-s);
-  A_.block<3, 3>(21, 21).diagonal().setConstant(c - zeta * s);
-  Q_.diagonal().segment<3>(21).setConstant(4.0 * zeta * omega_rad_s * design_.force_std_N *
-                                           design_.force_std_N * period_s);
+  const Eigen::Matrix2d step = resonator_step(omega_rad_s, design_.damping, period_s);
+  A_.block<3, 3>(12, 12).diagonal().setConstant(step(0, 0));
+  A_.block<3, 3>(12, 21).diagonal().setConstant(step(0, 1));
+  A_.block<3, 3>(21, 12).diagonal().setConstant(step(1, 0));
+  A_.block<3, 3>(21, 21).diagonal().setConstant(step(1, 1));
+  Q_.diagonal().segment<3>(21).setConstant(
+      resonator_noise(omega_rad_s, design_.damping, design_.force_std_N, period_s));
 }
 
 }  // namespace breakwater

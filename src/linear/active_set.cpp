@@ -48,9 +48,7 @@ void ActiveSetQp::solve(const QpInput& input, QpSolution& solution) {
   solution.status = QpFactors::examine(input);
   if (solution.status == QpStatus::not_finite) {
     reset();
-    solution.z.setZero();
-    solution.mu.setZero();
-    solution.kkt_residual = kInfinity;
+    solution.set_not_finite();
     return;
   }
   const bool empty = solution.status == QpStatus::infeasible;  // a lower bound above its upper one

@@ -34,9 +34,7 @@ void HildrethQp::solve(const QpInput& input, QpSolution& solution) {
   solution.status = QpFactors::examine(input);
   if (solution.status == QpStatus::not_finite) {
     reset();
-    solution.z.setZero();
-    solution.mu.setZero();
-    solution.kkt_residual = std::numeric_limits<double>::infinity();
+    solution.set_not_finite();
     return;
   }
   const bool empty = solution.status == QpStatus::infeasible;

@@ -28,6 +28,14 @@ QpInput::QpInput(Eigen::Index n, Eigen::Index m)
 QpSolution::QpSolution(Eigen::Index n, Eigen::Index m)
     : z(Eigen::VectorXd::Zero(n)), mu(Eigen::VectorXd::Zero(m)) {}
 
+void QpSolution::set_not_finite() {
+  status = QpStatus::not_finite;
+  iterations = 0;
+  z.setZero();
+  mu.setZero();
+  kkt_residual = std::numeric_limits<double>::infinity();
+}
+
 double kkt_residual(const QpModel& model, const QpInput& input, const QpSolution& solution,
                     const Eigen::VectorXd& values, Eigen::VectorXd& gradient) {
   const double scale =

@@ -45,6 +45,9 @@ struct QpSolution {
   double kkt_residual = 0.0;  ///< of z and μ, by kkt_residual()
 
   QpSolution(Eigen::Index n, Eigen::Index m);
+
+  /// Nothing, of an input that is not finite.
+  void set_not_finite();
 };
 
 /// The largest of: ‖H z + g + Ωᵀ μ‖∞/γ; what z violates any row by; and |μ_i|·(distance from the

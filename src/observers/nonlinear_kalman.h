@@ -39,6 +39,18 @@ class GaussianEstimate {
   using State = Eigen::Matrix<double, N, 1>;
   using Covariance = Eigen::Matrix<double, N, N>;
   using Output = Eigen::Matrix<double, p, 1>;
+  using Design = NonlinearKalmanDesign<N, p>;
+
+  /// Throws std::invalid_argument as check(design).
+  explicit GaussianEstimate(const Design& design) : design_(design) {
+    check(design);
+    reset(State::Zero());
+  }
+
+  void reset(const State& x) {
+    x_ = x;
+    P_ = design_.P0;
+  }
 
   const State& x() const { return x_; }
   const Covariance& P() const { return P_; }
@@ -46,11 +58,10 @@ class GaussianEstimate {
   const Output& innovation() const { return innovation_; }
   const Eigen::Matrix<double, p, p>& innovation_covariance() const { return S_; }
 
- protected:
   /// K = P Cᵀ S⁻¹, x += K e, P −= K S Kᵀ. With S = L_S L_Sᵀ, K S Kᵀ = W Wᵀ, W = P Cᵀ L_S⁻ᵀ.
-  void correct(const Output& y, const Eigen::Matrix<double, p, p>& R) {
+  void correct(const Output& y) {
     innovation_ = y - x_.template head<p>();
-    S_ = P_.template topLeftCorner<p, p>() + R;
+    S_ = P_.template topLeftCorner<p, p>() + design_.R;
     factor_.compute(S_);
     W_ = P_.template leftCols<p>();
     factor_.matrixU().template solveInPlace<Eigen::OnTheRight>(W_);
@@ -59,11 +70,13 @@ class GaussianEstimate {
     mirror();
   }
 
+ protected:
   /// Copies the lower triangle to the upper one, so that P is symmetric to the bit.
   void mirror() { P_.template triangularView<Eigen::StrictlyUpper>() = P_.transpose(); }
 
-  State x_ = State::Zero();
-  Covariance P_ = Covariance::Identity();
+  Design design_;
+  State x_;
+  Covariance P_;
 
  private:
   Output innovation_ = Output::Zero();

@@ -62,21 +62,12 @@ class Ukf final : public GaussianEstimate<P::kStates, p> {
   static constexpr int N = P::kStates;
   using Base = GaussianEstimate<N, p>;
   using typename Base::Covariance;
-  using typename Base::Output;
+  using typename Base::Design;
   using typename Base::State;
   using Input = typename P::Input;
-  using Design = NonlinearKalmanDesign<N, p>;
 
   /// Throws std::invalid_argument as check(design).
-  Ukf(const P& process, const Design& design) : process_(process), design_(design) {
-    check(design);
-    reset(State::Zero());
-  }
-
-  void reset(const State& x) {
-    x_ = x;
-    P_ = design_.P0;
-  }
+  Ukf(const P& process, const Design& design) : Base(design), process_(process) {}
 
   /// From sample k − 1 to k under the input that was held. Allocates nothing.
   void predict(const Input& u) {
@@ -94,8 +85,6 @@ class Ukf final : public GaussianEstimate<P::kStates, p> {
     this->mirror();
   }
 
-  void correct(const Output& y) { Base::correct(y, design_.R); }
-
   /// For a process whose parameters are tracked: both may change between samples.
   P& process() { return process_; }
   void set_process_noise(const Covariance& Q) { design_.Q = Q; }
@@ -103,6 +92,7 @@ class Ukf final : public GaussianEstimate<P::kStates, p> {
   std::int64_t repairs() const { return repairs_; }
 
  private:
+  using Base::design_;
   using Base::P_;
   using Base::x_;
 
@@ -118,7 +108,6 @@ class Ukf final : public GaussianEstimate<P::kStates, p> {
   }
 
   P process_;
-  Design design_;
   Eigen::LLT<Covariance> factor_;
   Covariance root_;
   detail::SigmaPoints<P> points_;

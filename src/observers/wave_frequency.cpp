@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "linear/riccati.h"
+#include "observers/resonator.h"
 
 namespace breakwater {
 
@@ -21,21 +22,17 @@ WaveFrequency::WaveFrequency(const WaveFrequencyDesign& design, double first_gue
   const double lowest = std::log(2.0 * std::numbers::pi / design.longest_period_s);
   const double highest = std::log(2.0 * std::numbers::pi / design.shortest_period_s);
   const double dt = design.period_s;
-  const double zeta = design.damping;
   for (int i = 0; i < design.candidates; ++i) {
     Candidate c;
     c.log_omega = lowest + (highest - lowest) * i / (design.candidates - 1);
     const double omega = std::exp(c.log_omega);
-    const double damped = omega * std::sqrt(1.0 - zeta * zeta);
-    const double decay = std::exp(-zeta * omega * dt);
-    const double cosine = decay * std::cos(damped * dt);
-    const double sine = decay * std::sin(damped * dt) * omega / damped;
     c.A(0, 1) = dt;
     c.A(1, 2) = c.A(1, 4) = dt / design.mass_kg;
-    c.A.block<2, 2>(2, 2) << cosine + zeta * sine, sine, -sine, cosine - zeta * sine;
+    c.A.block<2, 2>(2, 2) = resonator_step(omega, design.damping, dt);
     Eigen::Matrix<double, 5, 1> q;
     q << 0.0, std::pow(design.velocity_std_m_s, 2), 0.0,
-        4.0 * zeta * omega * std::pow(design.force_std_N, 2) * dt, std::pow(design.bias_std_N, 2);
+        resonator_noise(omega, design.damping, design.force_std_N, dt),
+        std::pow(design.bias_std_N, 2);
     const double r = std::pow(design.position_std_m, 2);
     const Eigen::MatrixXd P =
         solve_dare(c.A.transpose(), Eigen::MatrixXd::Identity(5, 1),

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <mutex>
 #include <stdexcept>
 
@@ -141,6 +142,18 @@ std::string hdf5_version() {
   unsigned release = 0;
   H5get_libversion(&major, &minor, &release);
   return fmt::format("{}.{}.{}", major, minor, release);
+}
+
+SignalName signal_name(const std::string& text) {
+  const std::size_t bracket = text.find('[');
+  SignalName signal{text.substr(0, bracket)};
+  if (bracket == std::string::npos) return signal;
+  const char* const end = text.data() + text.size();
+  const auto [last, error] = std::from_chars(text.data() + bracket + 1, end, signal.index);
+  if (error != std::errc() || signal.index < 1 || last + 1 != end || *last != ']') {
+    throw std::invalid_argument("signal " + text + ": must be NAME, GROUP/NAME or NAME[1]");
+  }
+  return signal;
 }
 
 std::vector<LogEntry> list_hdf5_signals(const std::string& file) {

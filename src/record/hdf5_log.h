@@ -29,6 +29,14 @@ struct LoggedSignal {
   const double* row(std::size_t i) const { return &values[i * width]; }
 };
 
+/// "force_N", or "force_N[3]" for the third of its values.
+struct SignalName {
+  std::string name;
+  std::size_t index = 0;  ///< 0: not given
+};
+/// Throws std::invalid_argument if it is neither.
+SignalName signal_name(const std::string& text);
+
 /// What a log says about one of its datasets.
 struct LogEntry {
   std::string group;  ///< the track: "control"

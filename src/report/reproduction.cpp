@@ -5,13 +5,13 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <exception>
 #include <limits>
+#include <map>
 #include <set>
-#include <thread>
 
 #include "report/file_bytes.h"
 #include "report/saved_run.h"
+#include "scenario/all_cores.h"
 #include "scenario/progress.h"
 #include "scenario/runner.h"
 #include "version.h"
@@ -69,16 +69,25 @@ std::map<std::string, std::set<std::string>> derived_metrics(const Experiments& 
   return derived;
 }
 
-// The models are part of a configuration that their names alone do not tell.
-std::string models_of(const Config& config) {
-  std::string all;
-  for (const char* key : {"model.mjcf", "model.urdf"}) {
-    const ConfigEntry* entry = config.find(key);
-    const auto* name = entry != nullptr ? std::get_if<std::string>(&entry->value.data) : nullptr;
-    if (name != nullptr) all += bytes_of(config.find_file_of(key, *name));
+// The models are part of a configuration that their names alone do not tell. Each is read once.
+class Models {
+ public:
+  std::string of(const Config& config) {
+    std::string all;
+    for (const char* key : {"model.mjcf", "model.urdf"}) {
+      const ConfigEntry* entry = config.find(key);
+      const auto* name = entry != nullptr ? std::get_if<std::string>(&entry->value.data) : nullptr;
+      if (name == nullptr) continue;
+      const std::string file = config.find_file_of(key, *name);
+      if (!contents_.contains(file)) contents_[file] = fingerprint({bytes_of(file)});
+      all += contents_[file];
+    }
+    return all;
   }
-  return all;
-}
+
+ private:
+  std::map<std::string, std::string> contents_;
+};
 
 std::vector<Job> plan(const Reproduction& reproduction) {
   const Experiments& experiments = reproduction.experiments;
@@ -90,6 +99,7 @@ std::vector<Job> plan(const Reproduction& reproduction) {
     for (const std::string& name : section->logged_runs()) logged.insert(name);
   }
   ScenarioFiles files;
+  Models models;
   // A version's name does not tell two builds of changed sources apart.
   const std::string program = fingerprint({bytes_of("/proc/self/exe")});
   std::vector<Job> jobs;
@@ -99,14 +109,14 @@ std::vector<Job> plan(const Reproduction& reproduction) {
       std::vector<std::string> sets = spec.sets;
       sets.insert(sets.end(), spec.repetitions[i].begin(), spec.repetitions[i].end());
       Job job;
-      std::string models;
+      std::string contents;
       job.name = name;
       job.repetition = i;
       try {
         const ScenarioFile& file = files.file(spec.scenario);
         job.run = prepare_run(spec.scenario, file, spec.case_name, sets);
         const Config config = file.config(spec.case_name, sets);
-        models = models_of(config);
+        contents = models.of(config);
         job.cost = number_or(config, "run.duration_s", 1.0) /
                    number_or(config, "physics.timestep_s", 1e-3);
       } catch (const std::invalid_argument& error) {
@@ -115,7 +125,7 @@ std::vector<Job> plan(const Reproduction& reproduction) {
       }
       if (derived.contains(name)) job.derived = derived.at(name);
       job.is_logged = i == 0 && logged.contains(name);
-      std::vector<std::string> parts = {spec.scenario, job.run.config_text, models, program};
+      std::vector<std::string> parts = {spec.scenario, job.run.config_text, contents, program};
       parts.insert(parts.end(), job.derived.begin(), job.derived.end());
       job.key = fingerprint(parts);
       jobs.push_back(std::move(job));
@@ -193,34 +203,15 @@ Measured measure(const Reproduction& reproduction) {
 
   if (!jobs.empty()) {
     Progress progress("reproduce", costs, reproduction.quiet);
-    std::atomic<std::size_t> next = 0;
     std::atomic<std::size_t> finished = 0;
-    std::atomic<bool> give_up = false;
-    std::exception_ptr error;
-    std::mutex error_mutex;
-    const auto work = [&] {
-      for (std::size_t i = next++; i < jobs.size() && !give_up; i = next++) {
-        try {
-          const RunControl control{[&progress, i](double done) { progress.update(i, done); },
-                                   reproduction.stop};
-          known.add(jobs[i]->key, jobs[i]->name, execute(*jobs[i], reproduction, control));
-          progress.finish(i);
-          ++finished;
-        } catch (...) {
-          const std::lock_guard lock(error_mutex);
-          if (!error) error = std::current_exception();
-          give_up = true;
-        }
-      }
-    };
-    {
-      const std::size_t cores = std::max(1U, std::thread::hardware_concurrency());
-      std::vector<std::jthread> threads;
-      for (std::size_t i = 1; i < std::min(cores, jobs.size()); ++i) threads.emplace_back(work);
-      work();
-    }
     try {
-      if (error) std::rethrow_exception(error);
+      on_all_cores(jobs.size(), [&](std::size_t i) {
+        const RunControl control{[&progress, i](double done) { progress.update(i, done); },
+                                 reproduction.stop};
+        known.add(jobs[i]->key, jobs[i]->name, execute(*jobs[i], reproduction, control));
+        progress.finish(i);
+        ++finished;
+      });
     } catch (const Interrupted&) {
       throw Interrupted(all.size() - jobs.size() + finished);
     }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -15,23 +14,10 @@ namespace breakwater {
 namespace fs = std::filesystem;
 namespace {
 
-// NAME[3] is the third value of control/NAME.
-struct Place {
-  std::string dataset;
-  std::size_t index = 0;  // 0: not given
-};
-
-Place place_of(const std::string& name) {
-  const std::size_t bracket = name.find('[');
-  Place place{name.substr(0, bracket)};
-  if (bracket != std::string::npos) {
-    const char* const end = name.data() + name.size();
-    const auto [last, error] = std::from_chars(name.data() + bracket + 1, end, place.index);
-    if (error != std::errc() || place.index < 1 || last + 1 != end || *last != ']') {
-      throw std::invalid_argument("signal " + name + ": must be NAME, GROUP/NAME or NAME[1]");
-    }
-  }
-  if (place.dataset.find('/') == std::string::npos) place.dataset = "control/" + place.dataset;
+// NAME is control/NAME.
+SignalName place_of(const std::string& name) {
+  SignalName place = signal_name(name);
+  if (place.name.find('/') == std::string::npos) place.name = "control/" + place.name;
   return place;
 }
 
@@ -98,10 +84,10 @@ const LoggedSignal& SavedRun::dataset(const std::string& path) const {
 }
 
 const LogEntry& SavedRun::entry(const std::string& name) const {
-  const Place place = place_of(name);
+  const SignalName place = place_of(name);
   std::vector<std::string> names;
   for (const LogEntry& entry : signals_) {
-    if (entry.group + "/" + entry.name == place.dataset) return entry;
+    if (entry.group + "/" + entry.name == place.name) return entry;
     names.push_back(entry.group == "control" ? entry.name : entry.group + "/" + entry.name);
   }
   throw std::invalid_argument((folder_ / "log.h5").string() + ": has no signal " + name +

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -81,13 +82,10 @@ std::vector<Series> FinishedRun::vector_signal(const std::string& name) const {
 }
 
 Series FinishedRun::signal(const std::string& name) const {
-  const std::size_t bracket = name.find('[');
-  std::vector<Series> all = vector_signal(name.substr(0, bracket));
-  std::size_t index = 1;
-  if (bracket != std::string::npos) {
-    index = std::strtoul(name.c_str() + bracket + 1, nullptr, 10);
-  }
-  if (index < 1 || index > all.size() || (bracket == std::string::npos && all.size() > 1)) {
+  const SignalName wanted = signal_name(name);
+  std::vector<Series> all = vector_signal(wanted.name);
+  const std::size_t index = std::max<std::size_t>(1, wanted.index);
+  if (index > all.size() || (wanted.index == 0 && all.size() > 1)) {
     throw std::invalid_argument(log_file() + ": " + name + ": the signal has " +
                                 std::to_string(all.size()) + " values; say which: NAME[1]");
   }

@@ -5,13 +5,11 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <chrono>
-#include <exception>
-#include <mutex>
 #include <nlohmann/json.hpp>
-#include <thread>
 
 #include "record/hdf5_log.h"
 #include "record/text_outputs.h"
+#include "scenario/all_cores.h"
 #include "scenario/paths.h"
 #include "scenario/progress.h"
 #include "sim/engine_guard.h"
@@ -137,33 +135,13 @@ std::vector<RunSummary> execute_runs(const std::vector<PreparedRun>& runs,
   RunFolders folders(targets);
   std::vector<RunSummary> summaries(runs.size());
   Progress progress(runs.front().scenario->name(), runs.size(), options.quiet);
-  std::atomic<std::size_t> next = 0;
-  std::exception_ptr error;
-  std::mutex error_mutex;
-  std::atomic<bool> give_up = false;
-
-  const auto work = [&] {
-    for (std::size_t i = next++; i < runs.size() && !give_up; i = next++) {
-      try {
-        const RunControl control{[&progress, i](double done) { progress.update(i, done); },
-                                 options.stop};
-        summaries[i] = execute(runs[i], folders[i], options, control);
-        progress.finish(i);
-      } catch (...) {
-        const std::lock_guard lock(error_mutex);
-        if (!error) error = std::current_exception();
-        give_up = true;
-      }
-    }
-  };
-  {
-    const std::size_t cores = std::max(1U, std::thread::hardware_concurrency());
-    std::vector<std::jthread> threads;
-    for (std::size_t i = 1; i < std::min(cores, runs.size()); ++i) threads.emplace_back(work);
-    work();
-  }
   try {
-    if (error) std::rethrow_exception(error);
+    on_all_cores(runs.size(), [&](std::size_t i) {
+      const RunControl control{[&progress, i](double done) { progress.update(i, done); },
+                               options.stop};
+      summaries[i] = execute(runs[i], folders[i], options, control);
+      progress.finish(i);
+    });
   } catch (const Interrupted&) {
     throw Interrupted(static_cast<std::size_t>(
         std::count_if(summaries.begin(), summaries.end(),

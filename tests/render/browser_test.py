@@ -6,14 +6,13 @@ the page reports back what it saw.
 Usage: browser_test.py BUILD_BIN_FOLDER
 """
 
-import http.server
-import json
 import pathlib
-import shutil
 import subprocess
 import sys
 import tempfile
-import threading
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+from chromium import visit  # noqa: E402
 
 PAGE = """<!doctype html><video id="v" muted playsinline src="video.mp4"></video><script>
 const v = document.getElementById("v");
@@ -48,58 +47,12 @@ def make_video(bin_folder, folder):
 
 
 def play(video, folder):
-    done = threading.Event()
-    seen = {}
-
-    class Handler(http.server.BaseHTTPRequestHandler):
-        def do_GET(self):
-            body, kind = PAGE.encode(), "text/html"
-            if self.path == "/video.mp4":
-                body, kind = video, "video/mp4"
-            elif self.path != "/":
-                body = b""
-            self.send_response(200)
-            self.send_header("Content-Type", kind)
-            self.send_header("Content-Length", str(len(body)))
-            self.end_headers()
-            self.wfile.write(body)
-
-        def do_POST(self):
-            seen.update(json.loads(self.rfile.read(int(self.headers["Content-Length"]))))
-            self.send_response(200)
-            self.end_headers()
-            done.set()
-
-        def log_message(self, *_):
-            pass
-
-    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), Handler)
-    threading.Thread(target=server.serve_forever, daemon=True).start()
-    log = open(folder / "chromium.log", "w+")
-    browser = subprocess.Popen(
-        ["chromium", "--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage",
-         "--no-first-run", "--mute-audio", "--autoplay-policy=no-user-gesture-required",
-         f"--user-data-dir={folder / 'profile'}", "--remote-debugging-port=0",
-         f"http://127.0.0.1:{server.server_port}/"],
-        stdout=log, stderr=log)
-    reported = done.wait(TIMEOUT_S)
-    browser.terminate()
-    try:
-        browser.wait(10)
-    except subprocess.TimeoutExpired:
-        browser.kill()
-        browser.wait()
-    server.shutdown()
-    if not reported:
-        log.seek(0)
-        sys.exit("the page did not report:\n" + log.read()[-3000:])
-    return seen
+    pages = {"/": (PAGE.encode(), "text/html"), "/video.mp4": (video, "video/mp4")}
+    return visit(pages, folder, ["--autoplay-policy=no-user-gesture-required"], TIMEOUT_S)[0]
 
 
 def main():
     bin_folder = pathlib.Path(sys.argv[1]).resolve()
-    if shutil.which("chromium") is None:
-        sys.exit("there is no chromium (packages/test.txt)")
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as name:
         folder = pathlib.Path(name)
         seen = play(make_video(bin_folder, folder), folder)

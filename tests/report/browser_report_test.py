@@ -6,15 +6,15 @@ reader would and reports back what it saw.
 Usage: browser_report_test.py BUILD_BIN_FOLDER
 """
 
-import http.server
 import json
 import pathlib
 import re
-import shutil
 import subprocess
 import sys
 import tempfile
-import threading
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+from chromium import visit  # noqa: E402
 
 EXPERIMENTS = """
 video = "2.4.3.3"
@@ -198,59 +198,17 @@ def make_report(bin_folder, folder):
 
 
 def read(report, folder):
-    done = threading.Event()
-    seen = {}
-    asked = []
-
-    class Handler(http.server.BaseHTTPRequestHandler):
-        def do_GET(self):
-            asked.append(self.path)
-            body = {"/": READER.encode(), "/report.html": report}.get(self.path, b"")
-            self.send_response(200)
-            self.send_header("Content-Type", "text/html; charset=utf-8")
-            self.send_header("Content-Length", str(len(body)))
-            self.end_headers()
-            self.wfile.write(body)
-
-        def do_POST(self):
-            seen.update(json.loads(self.rfile.read(int(self.headers["Content-Length"]))))
-            self.send_response(200)
-            self.end_headers()
-            done.set()
-
-        def log_message(self, *_):
-            pass
-
-    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), Handler)
-    threading.Thread(target=server.serve_forever, daemon=True).start()
-    log = open(folder / "chromium.log", "w+")
-    browser = subprocess.Popen(
-        ["chromium", "--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage",
-         "--no-first-run", "--mute-audio", "--enable-logging=stderr", "--window-size=1500,1000",
-         f"--user-data-dir={folder / 'profile'}", "--remote-debugging-port=0",
-         f"http://127.0.0.1:{server.server_port}/"],
-        stdout=log, stderr=log)
-    reported = done.wait(TIMEOUT_S)
-    browser.terminate()
-    try:
-        browser.wait(10)
-    except subprocess.TimeoutExpired:
-        browser.kill()
-        browser.wait()
-    server.shutdown()
-    log.seek(0)
-    text = log.read()
-    if not reported:
-        sys.exit("the page did not report:\n" + text[-3000:])
-    seen["console"] = [line for line in text.splitlines() if "CONSOLE" in line]
+    html = "text/html; charset=utf-8"
+    pages = {"/": (READER.encode(), html), "/report.html": (report, html)}
+    seen, log, asked = visit(pages, folder, ["--enable-logging=stderr", "--window-size=1500,1000"],
+                             TIMEOUT_S)
+    seen["console"] = [line for line in log.splitlines() if "CONSOLE" in line]
     seen["asked"] = [path for path in asked if path != "/favicon.ico"]
     return seen
 
 
 def main():
     bin_folder = pathlib.Path(sys.argv[1]).resolve()
-    if shutil.which("chromium") is None:
-        sys.exit("there is no chromium (packages/test.txt)")
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as name:
         folder = pathlib.Path(name)
         report = make_report(bin_folder, folder)
