@@ -3,6 +3,22 @@
 include(CMakePackageConfigHelpers)
 
 get_property(rooms GLOBAL PROPERTY BREAKWATER_ROOMS)
+
+# Says what to do where something is not built yet, before anything is installed.
+set(artefacts "")
+foreach(target IN LISTS rooms ITEMS breakwater ${BREAKWATER_SCENARIOS})
+  get_target_property(type ${target} TYPE)
+  if(NOT type STREQUAL "INTERFACE_LIBRARY")
+    list(APPEND artefacts "$<TARGET_FILE:${target}>")
+  endif()
+endforeach()
+install(CODE "set(artefacts \"${artefacts}\")
+foreach(artefact IN LISTS artefacts)
+  if(NOT EXISTS \"\${artefact}\")
+    message(FATAL_ERROR \"Not all is built yet: there is no \${artefact}. First run\\n  cmake --build ${PROJECT_BINARY_DIR}\")
+  endif()
+endforeach()")
+
 install(TARGETS ${rooms} EXPORT BreakwaterTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(TARGETS breakwater ${BREAKWATER_SCENARIOS} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(DIRECTORY src/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/breakwater

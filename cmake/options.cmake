@@ -1,18 +1,22 @@
 # How every target is compiled: target `breakwater_options`.
 find_program(CCACHE ccache)
 if(CCACHE)
-  set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE})
+  # What was compiled in one clone serves another.
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_BASEDIR=${PROJECT_SOURCE_DIR}
+      CCACHE_NOHASHDIR=1 ${CCACHE})
 endif()
 
 set(BREAKWATER_SANITIZER "" CACHE STRING "address or thread; empty for none")
 option(BREAKWATER_NATIVE "Compile for this machine's processor: for benchmarks, not for goldens" OFF)
+option(BREAKWATER_WARNINGS_AS_ERRORS "As the presets that are tested have it" OFF)
 
 add_library(breakwater_options INTERFACE)
 target_compile_features(breakwater_options INTERFACE cxx_std_20)
 # No fused multiply-add: a run gives the same bits on any x86-64 machine.
 target_compile_options(breakwater_options INTERFACE -ffp-contract=off)
 target_compile_options(breakwater_options INTERFACE
-  $<BUILD_INTERFACE:-Wall;-Wextra;-Wpedantic;-Wshadow;-Wconversion;-Wno-sign-conversion;-Werror>)
+  $<BUILD_INTERFACE:-Wall;-Wextra;-Wpedantic;-Wshadow;-Wconversion;-Wno-sign-conversion>
+  $<$<BOOL:${BREAKWATER_WARNINGS_AS_ERRORS}>:$<BUILD_INTERFACE:-Werror>>)
 # Eigen can then be told to stop where it allocates (the allocation tests do).
 target_compile_definitions(breakwater_options INTERFACE
   $<BUILD_INTERFACE:$<$<CONFIG:Debug>:EIGEN_RUNTIME_NO_MALLOC>>)

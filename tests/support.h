@@ -74,8 +74,10 @@ class Removed {
   std::filesystem::path path_;
 };
 
-inline std::string source_file(const std::string& relative) {
-  return std::string(BREAKWATER_SOURCE_DIR) + "/" + relative;
-}
+/// A file of the project.
+std::string source_file(const std::string& relative);
+
+/// The folder of the built programs.
+std::filesystem::path bin_folder();
 
 }  // namespace breakwater::testing

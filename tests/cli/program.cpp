@@ -40,7 +40,7 @@ ProgramResult run_program(const std::vector<std::string>& arguments,
     for (const std::string& argument : arguments)
       argv.push_back(const_cast<char*>(argument.c_str()));
     argv.push_back(nullptr);
-    execv((std::string(BREAKWATER_BIN_DIR) + "/" + arguments[0]).c_str(), argv.data());
+    execv((bin_folder() / arguments[0]).c_str(), argv.data());
     _exit(127);
   }
   if (kill_after_s > 0.0) {

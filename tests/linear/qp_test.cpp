@@ -39,7 +39,11 @@ class BothSolvers : public ::testing::TestWithParam<QpSolverKind> {
   }
 };
 INSTANTIATE_TEST_SUITE_P(Qp, BothSolvers,
-                         ::testing::Values(QpSolverKind::hildreth, QpSolverKind::active_set));
+                         ::testing::Values(QpSolverKind::hildreth, QpSolverKind::active_set),
+                         [](const auto& solver) {
+                           return solver.param == QpSolverKind::hildreth ? "hildreth"
+                                                                         : "active_set";
+                         });
 
 TEST_P(BothSolvers, SolveByHand) {
   const auto solver = make(unit_model());

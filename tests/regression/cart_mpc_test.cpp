@@ -116,7 +116,10 @@ struct Expected {
 
 class ConstrainedBySolver : public ::testing::TestWithParam<std::vector<std::string>> {};
 INSTANTIATE_TEST_SUITE_P(Solver, ConstrainedBySolver,
-                         ::testing::Values(kHildreth, std::vector<std::string>{}));
+                         ::testing::Values(kHildreth, std::vector<std::string>{}),
+                         [](const auto& sets) {
+                           return sets.param.empty() ? "active_set" : "hildreth";
+                         });
 
 TEST_P(ConstrainedBySolver, OnlyTheProposedControllerKeepsTheInputLimit) {
   for (const auto& [name, max_input_N] :
