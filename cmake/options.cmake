@@ -3,7 +3,7 @@ find_program(CCACHE ccache)
 if(CCACHE)
   # What was compiled in one clone serves another.
   set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_BASEDIR=${PROJECT_SOURCE_DIR}
-      CCACHE_NOHASHDIR=1 ${CCACHE})
+      CCACHE_NOHASHDIR=1 CCACHE_SLOPPINESS=pch_defines,time_macros ${CCACHE})
 endif()
 
 set(BREAKWATER_SANITIZER "" CACHE STRING "address or thread; empty for none")

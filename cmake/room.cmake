@@ -1,9 +1,19 @@
+# What most sources include, compiled once: headers of the standard library and Eigen. No header may
+# rely on it: the lint preset does without.
+file(WRITE ${PROJECT_BINARY_DIR}/precompiled.cpp "")
+add_library(breakwater_precompiled STATIC ${PROJECT_BINARY_DIR}/precompiled.cpp)
+target_link_libraries(breakwater_precompiled PRIVATE Eigen3::Eigen breakwater_options)
+target_precompile_headers(breakwater_precompiled PRIVATE
+  <algorithm> <filesystem> <functional> <map> <memory> <stdexcept> <string> <vector>
+  <Eigen/Cholesky> <Eigen/Core> <Eigen/LU>)
+
 # breakwater_room(NAME SOURCES ... [PUBLIC ...] [PRIVATE ...]): one folder of src/ as one library,
 # Breakwater::NAME, that links the rooms below it.
 function(breakwater_room name)
   cmake_parse_arguments(ROOM "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
   if(ROOM_SOURCES)
     add_library(breakwater_${name} STATIC ${ROOM_SOURCES})
+    target_precompile_headers(breakwater_${name} REUSE_FROM breakwater_precompiled)
     target_link_libraries(breakwater_${name}
       PUBLIC ${ROOM_PUBLIC}
       PRIVATE $<BUILD_INTERFACE:breakwater_options> ${ROOM_PRIVATE})
