@@ -63,6 +63,8 @@ def read(run, signal):
         with h5py.File(Path(run) / "log.h5") as log:
             values = log[group][name]
             unit = values.attrs["unit"]
+            if isinstance(unit, bytes):  # not in logs of version 0.1
+                unit = unit.decode()
             if values.ndim == 2 and index is None:
                 sys.exit(f"figures.py: {run}: {signal} has {values.shape[1]} values: say which, "
                          f"{signal}[1]")

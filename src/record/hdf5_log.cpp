@@ -14,6 +14,11 @@ namespace breakwater {
 namespace {
 
 constexpr hsize_t kChunkRows = 8192;
+constexpr std::size_t kLongestText = 1 << 16;
+// A byte of deflated data cannot become more.
+constexpr hsize_t kMostDeflated = 1032;
+
+using Size = std::array<hsize_t, 2>;  // rows, width
 
 // An HDF5 identifier that closes itself.
 class Handle {
@@ -35,26 +40,31 @@ void require(herr_t status) {
   if (status < 0) throw std::runtime_error("HDF5 error");
 }
 
-// Of variable length: h5py then gives a str, and not bytes.
+void check(bool is_sound) {
+  if (!is_sound) throw std::runtime_error("not what a log holds");
+}
+
+// Of fixed length: HDF5 crashes on a damaged text of variable length, which it keeps elsewhere in
+// the file.
 void write_text(hid_t object, const char* name, const std::string& text) {
   const Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
-  require(H5Tset_size(type, H5T_VARIABLE));
+  require(H5Tset_size(type, std::max<std::size_t>(1, text.size())));
+  require(H5Tset_strpad(type, H5T_STR_NULLPAD));
   require(H5Tset_cset(type, H5T_CSET_UTF8));
   const Handle space(H5Screate(H5S_SCALAR), H5Sclose);
   const Handle attribute(H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
-  const char* const value = text.c_str();
-  require(H5Awrite(attribute, type, &value));
+  require(H5Awrite(attribute, type, text.c_str()));
 }
 
 // A dataset of rows × width (or just rows, if width is 1), with unit and description.
 void write_dataset(hid_t group, const Signal& signal, const std::vector<double>& values,
                    std::size_t width, int deflate_level) {
-  const std::array<hsize_t, 2> size = {values.size() / width, width};
+  const Size size = {values.size() / width, width};
   const int rank = width == 1 ? 1 : 2;
   const Handle space(H5Screate_simple(rank, size.data(), nullptr), H5Sclose);
   const Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
   if (deflate_level > 0 && size[0] > 0) {
-    const std::array<hsize_t, 2> chunk = {std::min(size[0], kChunkRows), width};
+    const Size chunk = {std::min(size[0], kChunkRows), width};
     require(H5Pset_chunk(properties, rank, chunk.data()));
     require(H5Pset_shuffle(properties));
     require(H5Pset_deflate(properties, static_cast<unsigned>(deflate_level)));
@@ -82,40 +92,88 @@ void write_track(hid_t file, const Track& track, int deflate_level) {
   }
 }
 
+// Empty if there is none, or none that write_text() wrote.
 std::string read_text(hid_t object, const char* name) {
+  if (H5Aexists(object, name) <= 0) return "";
   const Handle attribute(H5Aopen(object, name, H5P_DEFAULT), H5Aclose);
-  const Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
-  require(H5Tset_size(type, H5T_VARIABLE));
-  require(H5Tset_cset(type, H5T_CSET_UTF8));
-  char* value = nullptr;
-  require(H5Aread(attribute, type, &value));
-  std::string text(value);
-  require(H5free_memory(value));
+  const Handle type(H5Aget_type(attribute), H5Tclose);
+  const Handle space(H5Aget_space(attribute), H5Sclose);
+  const std::size_t size = H5Tget_size(type);
+  if (H5Tget_class(type) != H5T_STRING || H5Tis_variable_str(type) != 0 || size == 0 ||
+      size > kLongestText || H5Sget_simple_extent_type(space) != H5S_SCALAR) {
+    return "";
+  }
+  std::string text(size, '\0');
+  require(H5Aread(attribute, type, text.data()));
+  text.resize(std::min(size, text.find('\0')));
   return text;
 }
 
-// The names of all links of a group, in their order.
-std::vector<std::string> link_names(hid_t group) {
+// Only what is in the group itself: a soft or external link could lead out of the file.
+bool is_own(hid_t group, const std::string& name) {
+  H5L_info_t info{};
+  require(H5Lget_info(group, name.c_str(), &info, H5P_DEFAULT));
+  return info.type == H5L_TYPE_HARD;
+}
+
+// The names of all objects of a group, in their order.
+std::vector<std::string> object_names(hid_t group) {
   H5G_info_t info{};
   require(H5Gget_info(group, &info));
   std::vector<std::string> names;
   for (hsize_t i = 0; i < info.nlinks; ++i) {
     const auto get = [&](char* buffer, std::size_t size) {
-      return H5Lget_name_by_idx(group, ".", H5_INDEX_NAME, H5_ITER_INC, i, buffer, size,
-                                H5P_DEFAULT);
+      const ssize_t length =
+          H5Lget_name_by_idx(group, ".", H5_INDEX_NAME, H5_ITER_INC, i, buffer, size, H5P_DEFAULT);
+      if (length <= 0) throw std::runtime_error("HDF5 error");
+      return static_cast<std::size_t>(length);
     };
-    std::string name(static_cast<std::size_t>(std::max<ssize_t>(0, get(nullptr, 0))), '\0');
+    std::string name(get(nullptr, 0), '\0');
     get(name.data(), name.size() + 1);
-    names.push_back(name);
+    if (is_own(group, name)) names.push_back(name);
   }
   return names;
 }
 
-std::array<hsize_t, 2> size_of(hid_t dataset) {
+// In the file itself, not in another one, and with filters that need no plug-in.
+void check_storage(hid_t dataset, const Size& size) {
+  const Handle properties(H5Dget_create_plist(dataset), H5Pclose);
+  const H5D_layout_t layout = H5Pget_layout(properties);
+  check(layout == H5D_CONTIGUOUS || layout == H5D_CHUNKED);
+  check(H5Pget_external_count(properties) == 0);
+
+  hsize_t bytes = 0;
+  const Handle file(H5Iget_file_id(dataset), H5Fclose);
+  require(H5Fget_filesize(file, &bytes));
+  bytes = std::min(bytes, H5Dget_storage_size(dataset));
+  if (layout == H5D_CHUNKED) {
+    bytes *= kMostDeflated;
+    Size chunk = {1, 1};
+    require(H5Pget_chunk(properties, 2, chunk.data()));
+    check(chunk[0] <= size[0] && chunk[1] <= size[1]);
+    const int filters = H5Pget_nfilters(properties);
+    for (int i = 0; i < filters; ++i) {
+      std::size_t no_values = 0;
+      const H5Z_filter_t filter = H5Pget_filter2(properties, static_cast<unsigned>(i), nullptr,
+                                                 &no_values, nullptr, 0, nullptr, nullptr);
+      check(filter == H5Z_FILTER_DEFLATE || filter == H5Z_FILTER_SHUFFLE);
+    }
+  }
+  check(size[0] <= bytes / sizeof(double) / size[1]);
+}
+
+// Throws unless the dataset is one that write_dataset() may have written: what a damaged file
+// claims could take all memory.
+Size checked_size(hid_t dataset) {
+  const Handle type(H5Dget_type(dataset), H5Tclose);
+  check(H5Tequal(type, H5T_IEEE_F64LE) > 0);
   const Handle space(H5Dget_space(dataset), H5Sclose);
-  std::array<hsize_t, 2> size = {0, 1};
-  if (H5Sget_simple_extent_ndims(space) > 2) throw std::runtime_error("HDF5 error");
+  const int rank = H5Sget_simple_extent_ndims(space);
+  check(rank == 1 || rank == 2);
+  Size size = {0, 1};
   require(H5Sget_simple_extent_dims(space, size.data(), nullptr));
+  check(size[1] > 0);
+  if (size[0] > 0) check_storage(dataset, size);
   return size;
 }
 
@@ -162,12 +220,12 @@ std::vector<LogEntry> list_hdf5_signals(const std::string& file) {
   try {
     const Handle handle(H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
     std::vector<LogEntry> entries;
-    for (const std::string& track : link_names(handle)) {
+    for (const std::string& track : object_names(handle)) {
       const Handle group(H5Gopen2(handle, track.c_str(), H5P_DEFAULT), H5Gclose);
-      for (const std::string& name : link_names(group)) {
+      for (const std::string& name : object_names(group)) {
         if (name == "time_s") continue;
         const Handle data(H5Dopen2(group, name.c_str(), H5P_DEFAULT), H5Dclose);
-        const std::array<hsize_t, 2> size = size_of(data);
+        const Size size = checked_size(data);
         entries.push_back({track, name, read_text(data, "unit"), read_text(data, "description"),
                            size[0], size[1]});
       }
@@ -183,8 +241,14 @@ LoggedSignal read_hdf5_signal(const std::string& file, const std::string& datase
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
   try {
     const Handle handle(H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
-    const Handle data(H5Dopen2(handle, dataset.c_str(), H5P_DEFAULT), H5Dclose);
-    const std::array<hsize_t, 2> size = size_of(data);
+    const std::size_t slash = dataset.find('/');
+    const std::string track = dataset.substr(0, slash);
+    const std::string name = slash == std::string::npos ? "" : dataset.substr(slash + 1);
+    check(is_own(handle, track));
+    const Handle group(H5Gopen2(handle, track.c_str(), H5P_DEFAULT), H5Gclose);
+    check(is_own(group, name));
+    const Handle data(H5Dopen2(group, name.c_str(), H5P_DEFAULT), H5Dclose);
+    const Size size = checked_size(data);
     LoggedSignal signal{size[0], size[1], std::vector<double>(size[0] * size[1])};
     require(H5Dread(data, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, signal.values.data()));
     return signal;

@@ -11,7 +11,7 @@ namespace breakwater {
 
 /// Writes one group per track, named as the track, with its time base `time_s` and one dataset per
 /// signal: N, or N×width for a vector. Each dataset has the attributes `unit` and `description`,
-/// and has the time base attached as the scale of its first dimension.
+/// UTF-8 of fixed length, and has the time base attached as the scale of its first dimension.
 ///
 /// `deflate_level` 0 writes plain data; 1 to 9 compress it. Throws OutputError if the file
 /// cannot be written. Thread-safe.
@@ -46,6 +46,10 @@ struct LogEntry {
   std::size_t rows = 0;
   std::size_t width = 0;
 };
+
+/// What these read is checked first: types, sizes, that the data are in the file. Links are not
+/// followed, texts of variable length (as version 0.1 wrote them) are taken as empty. A damaged
+/// file may still be misread, or stumble over a fault of HDF5 itself: check_log() comes first.
 
 /// All signals of a log, by group and name. Throws std::invalid_argument if the file is no log.
 /// Thread-safe.

@@ -1,6 +1,7 @@
 // Everything that a run gives.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -10,17 +11,18 @@
 
 namespace breakwater {
 
-/// One number that a run is judged by. One that does not apply to a run is not there.
+/// One finite number that a run is judged by. One that does not apply to a run, or is not finite,
+/// is not there.
 struct Metric {
   std::string name;  ///< unit included: "peak_force_raw_N"
   std::string unit;  ///< as people write it: "N"
   double value;
 };
 
-/// Appends a metric, if it applies.
+/// Appends a metric, if it applies and is a finite number.
 inline void add(std::vector<Metric>& metrics, const std::string& name, const std::string& unit,
                 const std::optional<double>& value) {
-  if (value) metrics.push_back({name, unit, *value});
+  if (value && std::isfinite(*value)) metrics.push_back({name, unit, *value});
 }
 
 /// Why a run did not reach its end.

@@ -16,11 +16,18 @@
 #include <string>
 #include <system_error>
 
+#include "record/file_hash.h"
+
 namespace breakwater {
 namespace fs = std::filesystem;
 namespace {
 
+// A run that is not whole yet, or was replaced: nobody misses it.
 constexpr const char* kPartialMark = ".partial-";
+// The run that was there, while it is replaced in two steps. Always whole.
+constexpr const char* kEarlierMark = ".earlier-";
+// A file in a partial folder that is whole, but could not be put anywhere else.
+constexpr const char* kKeptMark = "kept";
 
 std::string host_name() {
   std::array<char, HOST_NAME_MAX + 1> name = {};
@@ -28,28 +35,87 @@ std::string host_name() {
   return name.data();
 }
 
-std::string partial_prefix(const fs::path& target) {
-  return "." + target.filename().string() + kPartialMark + host_name() + "-";
+fs::path without_slash(const fs::path& folder) {
+  const fs::path normal = fs::absolute(folder).lexically_normal();
+  return normal.has_filename() ? normal : normal.parent_path();
 }
 
-// A run that was killed leaves its partial folder; the process' number in its name tells whether
-// anybody still writes there. This process' own number is one that was given out again.
-void remove_abandoned(const fs::path& target) {
-  const std::string prefix = partial_prefix(target);
+// ".run.partial-" of every host's, to which belong the host and the process' number.
+std::string hidden_name(const fs::path& target, const char* mark) {
+  return "." + target.filename().string() + mark;
+}
+
+std::string own_suffix() {
+  return host_name() + "-" + std::to_string(getpid());
+}
+
+bool is_of_this_host(const std::string& suffix) {
+  return suffix.starts_with(host_name() + "-");
+}
+
+// Whether nobody writes there any more, as far as can be told from here. This process' own number
+// is one that was given out again.
+bool is_of_dead_process(const std::string& suffix) {
+  if (!is_of_this_host(suffix)) return false;
+  pid_t pid = 0;
+  std::from_chars(suffix.data() + host_name().size() + 1, suffix.data() + suffix.size(), pid);
+  return pid == getpid() || (pid > 0 && kill(pid, 0) != 0 && errno == ESRCH);
+}
+
+// The suffixes of what lies beside the target with that mark.
+std::vector<std::string> suffixes(const fs::path& target, const char* mark) {
+  const std::string begin = hidden_name(target, mark);
+  std::vector<std::string> found;
   std::error_code ignored;
   for (const auto& entry : fs::directory_iterator(target.parent_path(), ignored)) {
     const std::string name = entry.path().filename().string();
-    if (!name.starts_with(prefix)) continue;
-    pid_t pid = 0;
-    const char* const begin = name.data() + prefix.size();
-    std::from_chars(begin, name.data() + name.size(), pid);
-    const bool is_gone = pid > 0 && kill(pid, 0) != 0 && errno == ESRCH;
-    if (is_gone || pid == getpid()) fs::remove_all(entry.path(), ignored);
+    if (name.starts_with(begin)) found.push_back(name.substr(begin.size()));
   }
+  return found;
+}
+
+void restore_earlier(const fs::path& target) {
+  std::error_code error;
+  if (fs::exists(fs::symlink_status(target, error))) return;
+  fs::path latest;
+  fs::file_time_type latest_time;
+  for (const std::string& suffix : suffixes(target, kEarlierMark)) {
+    const fs::path earlier = target.parent_path() / (hidden_name(target, kEarlierMark) + suffix);
+    // Should a process of another host still be at it, it only fails to replace what is put back.
+    const bool is_left = is_of_dead_process(suffix) || !is_of_this_host(suffix);
+    if (!is_left || !is_run_folder(earlier)) continue;
+    const fs::file_time_type time = fs::last_write_time(earlier / "manifest.json", error);
+    if (latest.empty() || time > latest_time) {
+      latest = earlier;
+      latest_time = time;
+    }
+  }
+  // Whoever is quicker has put it back.
+  if (!latest.empty()) fs::rename(latest, target, error);
 }
 
 bool may_be_replaced(const fs::path& folder) {
-  return fs::is_directory(folder) && (fs::is_empty(folder) || is_run_folder(folder));
+  std::error_code error;
+  return fs::is_directory(folder, error) && (fs::is_empty(folder, error) || is_run_folder(folder));
+}
+
+void remove_abandoned(const fs::path& target) {
+  std::error_code ignored;
+  const auto beside = [&](const char* mark, const std::string& suffix) {
+    return target.parent_path() / (hidden_name(target, mark) + suffix);
+  };
+  for (const std::string& suffix : suffixes(target, kEarlierMark)) {
+    const fs::path earlier = beside(kEarlierMark, suffix);
+    if (!is_of_dead_process(suffix) || !may_be_replaced(earlier)) continue;
+    // Half of a run that is being removed must not be taken for a run.
+    fs::rename(earlier, beside(kPartialMark, suffix), ignored);
+  }
+  for (const std::string& suffix : suffixes(target, kPartialMark)) {
+    const fs::path partial = beside(kPartialMark, suffix);
+    if (is_of_dead_process(suffix) && !fs::exists(partial / kKeptMark, ignored)) {
+      fs::remove_all(partial, ignored);
+    }
+  }
 }
 
 [[noreturn]] void cannot_replace(const fs::path& target, const std::string& reason) {
@@ -59,14 +125,59 @@ bool may_be_replaced(const fs::path& folder) {
 // Puts `partial` in the place of `target`, which is left at `partial`.
 void exchange(const fs::path& partial, const fs::path& target) {
   if (renameat2(AT_FDCWD, partial.c_str(), AT_FDCWD, target.c_str(), RENAME_EXCHANGE) == 0) return;
-  // Not every file system can exchange; in two steps the target is missing for a moment.
+  // Not every file system can exchange.
   if (errno != EINVAL && errno != ENOSYS) cannot_replace(target, std::strerror(errno));
-  const fs::path aside = partial.string() + ".old";
+  // In two steps the target is missing for a moment: if this process is killed in it, the next run
+  // or reader puts the earlier one back.
+  const fs::path earlier =
+      target.parent_path() / (hidden_name(target, kEarlierMark) + own_suffix());
   std::error_code error;
-  fs::rename(target, aside, error);
-  if (!error) fs::rename(partial, target, error);
-  if (!error) fs::rename(aside, partial, error);
+  fs::rename(target, earlier, error);
   if (error) cannot_replace(target, error.message());
+  fs::rename(partial, target, error);
+  if (error) {
+    std::error_code ignored;
+    fs::rename(earlier, target, ignored);
+    cannot_replace(target, error.message());
+  }
+  fs::rename(earlier, partial, error);
+  if (error) cannot_replace(earlier, error.message());
+}
+
+// As exchange(), also where there is no target.
+void put_in_place(const fs::path& partial, const fs::path& target) {
+  std::error_code error;
+  if (!fs::exists(fs::symlink_status(target, error))) {
+    fs::rename(partial, target, error);
+    if (error) cannot_replace(target, error.message());
+    return;
+  }
+  exchange(partial, target);
+  // What stood there may have become something else while the run went on.
+  if (!may_be_replaced(partial)) {
+    exchange(partial, target);
+    cannot_replace(target, "it holds something that is not a run; it is left alone");
+  }
+}
+
+// Waits until a file, or the names in a folder, are on the disk.
+void sync(const fs::path& path) {
+  const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  bool is_synced = descriptor >= 0 && fsync(descriptor) == 0;
+  const int error = errno;
+  if (descriptor >= 0) close(descriptor);
+  // Some file systems cannot, of folders above all.
+  is_synced = is_synced || (descriptor >= 0 && (error == EINVAL || error == ENOTSUP));
+  if (!is_synced) {
+    throw OutputError(path.string() + ": cannot be written to the disk (" + std::strerror(error) +
+                      ")");
+  }
+}
+
+void sync_all(const fs::path& folder) {
+  std::error_code ignored;  // sync() finds it again
+  for (const auto& entry : fs::recursive_directory_iterator(folder, ignored)) sync(entry.path());
+  sync(folder);
 }
 
 std::vector<fs::path> missing_parents(const fs::path& folder) {
@@ -89,9 +200,24 @@ bool is_run_folder(const fs::path& folder) {
   return manifest.is_object() && manifest.contains("scenario") && manifest.contains("state_hash");
 }
 
-RunFolder::RunFolder(const fs::path& target) : target_(fs::absolute(target).lexically_normal()) {
-  if (!target_.has_filename()) target_ = target_.parent_path();
+void restore_run(const fs::path& folder) {
+  restore_earlier(without_slash(folder));
+}
+
+void check_log(const fs::path& folder) {
+  std::ifstream stream(folder / "manifest.json");
+  const auto manifest = nlohmann::json::parse(stream, nullptr, false);
+  if (!manifest.is_object() || !manifest.contains("log_hash")) return;
+  const fs::path log = folder / "log.h5";
+  if (manifest["log_hash"] != file_hash(log)) {
+    throw std::invalid_argument(log.string() +
+                                ": is damaged: it is not what the run wrote; run it again");
+  }
+}
+
+RunFolder::RunFolder(const fs::path& target) : target_(without_slash(target)) {
   try {
+    restore_earlier(target_);
     if (fs::exists(target_)) {
       if (!fs::is_directory(target_)) {
         throw std::invalid_argument(target.string() + ": is a file, not a folder");
@@ -104,7 +230,7 @@ RunFolder::RunFolder(const fs::path& target) : target_(fs::absolute(target).lexi
     made_parents_ = missing_parents(target_.parent_path());
     fs::create_directories(target_.parent_path());
     remove_abandoned(target_);
-    partial_ = target_.parent_path() / (partial_prefix(target_) + std::to_string(getpid()));
+    partial_ = target_.parent_path() / (hidden_name(target_, kPartialMark) + own_suffix());
     fs::create_directory(partial_);
   } catch (const fs::filesystem_error& error) {
     remove_empty(made_parents_);
@@ -114,28 +240,38 @@ RunFolder::RunFolder(const fs::path& target) : target_(fs::absolute(target).lexi
 }
 
 RunFolder::~RunFolder() {
-  if (committed_) return;
+  if (is_done_) return;
   std::error_code ignored;
   fs::remove_all(partial_, ignored);
   remove_empty(made_parents_);
 }
 
 void RunFolder::commit() {
+  sync_all(partial_);
+  try {
+    put_in_place(partial_, target_);
+  } catch (const OutputError& error) {
+    throw OutputError(error.what() + ("; the new run is kept in " + keep().string()));
+  }
+  is_done_ = true;
+  sync(target_.parent_path());
+  for (const fs::path& made : made_parents_) sync(made.parent_path());
+  std::error_code ignored;
+  fs::remove_all(partial_, ignored);
+}
+
+// Where the finished run is now, which no later one clears away.
+fs::path RunFolder::keep() {
+  is_done_ = true;
   std::error_code error;
-  if (!fs::exists(target_)) {
-    fs::rename(partial_, target_, error);
-    if (error) cannot_replace(target_, error.message());
-    committed_ = true;
-    return;
+  fs::path kept = target_.string() + ".kept";
+  for (int n = 2; fs::exists(fs::symlink_status(kept, error)); ++n) {
+    kept = target_.string() + ".kept-" + std::to_string(n);
   }
-  exchange(partial_, target_);
-  // What stood there may have become something else while the run went on.
-  if (!may_be_replaced(partial_)) {
-    exchange(partial_, target_);
-    cannot_replace(target_, "it holds something that is not a run; it is left alone");
-  }
-  committed_ = true;
-  fs::remove_all(partial_, error);
+  fs::rename(partial_, kept, error);
+  if (!error) return kept;
+  std::ofstream(partial_ / kKeptMark).flush();
+  return partial_;
 }
 
 }  // namespace breakwater

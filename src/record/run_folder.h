@@ -8,9 +8,12 @@
 
 namespace breakwater {
 
-/// Files are written into a folder beside the final one, which takes its name only when whole. An
-/// earlier run of that name is swapped out. Without commit(), nothing is left behind, not even the
-/// parent folders that were made for it.
+/// Files are written into a folder beside the final one, which takes its name only when whole and
+/// on the disk. An earlier run of that name is swapped out. Without commit(), nothing is left
+/// behind, not even the parent folders that were made for it.
+///
+/// Whenever the process is killed or the power fails, there is the earlier run or the new one; what
+/// is left over beside it goes with the next run of that name.
 class RunFolder {
  public:
   /// Throws std::invalid_argument if the target is a file, is a folder that holds something other
@@ -24,17 +27,28 @@ class RunFolder {
   const std::filesystem::path& path() const { return partial_; }
   const std::filesystem::path& target() const { return target_; }
 
-  /// Puts the folder in its place. Throws OutputError if that fails.
+  /// Puts the folder in its place. Throws OutputError if that fails: if the folder could not be
+  /// written to the disk, it goes; if it is whole, it is kept under the name that the error says.
   void commit();
 
  private:
+  std::filesystem::path keep();
+
   std::filesystem::path target_;
   std::filesystem::path partial_;
   std::vector<std::filesystem::path> made_parents_;  // innermost first
-  bool committed_ = false;
+  bool is_done_ = false;                             // committed, or kept
 };
 
 /// Whether a folder is one that a run left, by its manifest.json.
 bool is_run_folder(const std::filesystem::path& folder);
+
+/// For readers: where a process was killed while it replaced the run in `folder`, which is missing
+/// now, the earlier run is put back. Every RunFolder does so.
+void restore_run(const std::filesystem::path& folder);
+
+/// Throws std::invalid_argument, one line, if the run's log.h5 is not what its manifest.json says.
+/// A run of before 0.2, whose manifest has no `log_hash`, passes.
+void check_log(const std::filesystem::path& folder);
 
 }  // namespace breakwater

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cerrno>
+#include <cmath>
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
@@ -42,7 +43,9 @@ void write_csv_log(const std::string& file, const Track& track) {
 
 void write_metrics(const std::string& file, const std::vector<Metric>& metrics) {
   nlohmann::ordered_json json = nlohmann::ordered_json::object();
-  for (const Metric& metric : metrics) json[metric.name] = metric.value;
+  for (const Metric& metric : metrics) {
+    if (std::isfinite(metric.value)) json[metric.name] = metric.value;
+  }
   write_text_file(file, json.dump(2) + "\n");
 }
 

@@ -16,7 +16,7 @@ void write_text_file(const std::string& file, const std::string& text);
 /// One line per row, one column per value; the header names them, NAME or NAME_1, NAME_2, ….
 void write_csv_log(const std::string& file, const Track& track);
 
-/// A flat object, numbers only.
+/// A flat object, finite numbers only.
 void write_metrics(const std::string& file, const std::vector<Metric>& metrics);
 
 }  // namespace breakwater

@@ -5,9 +5,42 @@
 #include <utility>
 
 namespace breakwater {
+namespace {
+
+// What HDF5 would take for a path, or for something else of the log.
+bool can_be_logged(const std::string& name) {
+  return !name.empty() && name != "." && name != "time_s" &&
+         name.find_first_of(std::string("/\0", 2)) == std::string::npos;
+}
+
+void check_names(const std::string& track, const std::vector<Signal>& signals) {
+  if (!can_be_logged(track)) {
+    throw std::invalid_argument("a track cannot be named \"" + track + "\" in a log");
+  }
+  for (std::size_t i = 0; i < signals.size(); ++i) {
+    const Signal& signal = signals[i];
+    const std::string which = "(" + signal.description + ")";
+    if (!can_be_logged(signal.name)) {
+      throw std::invalid_argument("track " + track + ": a signal cannot be named \"" + signal.name +
+                                  "\" in a log " + which);
+    }
+    if (signal.values.empty()) {
+      throw std::invalid_argument(track + "/" + signal.name + ": the signal has no values " +
+                                  which);
+    }
+    for (std::size_t k = 0; k < i; ++k) {
+      if (signals[k].name != signal.name) continue;
+      throw std::invalid_argument(track + "/" + signal.name + ": two signals have this name (" +
+                                  signals[k].description + ") " + which);
+    }
+  }
+}
+
+}  // namespace
 
 Track::Track(std::string name, std::vector<Signal> signals, std::size_t expected_rows)
     : name_(std::move(name)), signals_(std::move(signals)) {
+  check_names(name_, signals_);
   for (const Signal& signal : signals_) {
     offsets_.push_back(width_);
     width_ += signal.values.size();

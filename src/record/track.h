@@ -15,6 +15,8 @@ namespace breakwater {
 class Track {
  public:
   /// `name` names the time base ("control"). The signals' owners outlive the calls of append().
+  /// Throws std::invalid_argument, one line, unless each signal has values and a name of its own
+  /// that a log can hold: not empty, not "time_s", without a slash.
   Track(std::string name, std::vector<Signal> signals, std::size_t expected_rows);
 
   void append(double time_s);

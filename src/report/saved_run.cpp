@@ -24,6 +24,7 @@ SignalName place_of(const std::string& name) {
 }  // namespace
 
 SavedRun::SavedRun(const fs::path& folder) : folder_(folder) {
+  restore_run(folder_);
   if (!fs::is_directory(folder_)) {
     throw std::invalid_argument(folder_.string() +
                                 ": there is no such folder; give the folder of a run");
@@ -67,6 +68,7 @@ SavedRun::SavedRun(const fs::path& folder) : folder_(folder) {
       if (value.is_number()) metrics_.push_back({name, unit_of(name), value.get<double>()});
     }
   }
+  check_log(folder_);
   signals_ = list_hdf5_signals((folder_ / "log.h5").string());
 }
 

@@ -125,13 +125,13 @@ Recording CartConstrained::run(const RunControl& control) const {
   conclude(recording, sim);
   if (!recording.failure) {
     std::vector<Metric>& metrics = recording.metrics;
-    metrics.push_back({"final_position_m", "m", sim.qpos()[0]});
-    metrics.push_back({"final_speed_m_s", "m/s", std::abs(sim.qvel()[0])});
+    add(metrics, "final_position_m", "m", sim.qpos()[0]);
+    add(metrics, "final_speed_m_s", "m/s", std::abs(sim.qvel()[0]));
     add(metrics, "max_speed_m_s", "m/s", speed.peak());
     add(metrics, "max_estimated_speed_m_s", "m/s", estimated_speed.peak());
     add(metrics, "max_input_N", "N", input.peak());
-    metrics.push_back({"input_violation_time_s", "s", input_violation_s});
-    metrics.push_back({"speed_violation_time_s", "s", speed_violation_s});
+    add(metrics, "input_violation_time_s", "s", input_violation_s);
+    add(metrics, "speed_violation_time_s", "s", speed_violation_s);
     add(metrics, "settling_time_s", "s", settling.value());
     if (lmpc != nullptr) add_qp_metrics(lmpc->statistics(), metrics);
   }

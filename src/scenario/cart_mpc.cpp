@@ -152,14 +152,14 @@ PredictiveControlDesign CartMpcSettings::design(const AxisSettings& axis) const 
 void add_qp_metrics(const QpStatistics& statistics, std::vector<Metric>& metrics) {
   const auto optimisations =
       static_cast<double>(std::max<std::int64_t>(statistics.optimisations, 1));
-  metrics.push_back(
-      {"qp_iterations_mean", "1", static_cast<double>(statistics.iterations) / optimisations});
-  metrics.push_back({"qp_iterations_max", "1", static_cast<double>(statistics.most_iterations)});
-  metrics.push_back({"qp_unsolved_count", "1", static_cast<double>(statistics.unsolved)});
-  metrics.push_back({"qp_softened_count", "1", static_cast<double>(statistics.softened)});
-  metrics.push_back({"qp_capped_count", "1", static_cast<double>(statistics.capped)});
-  metrics.push_back({"qp_time_mean_us", "us", 1e6 * statistics.time_s / optimisations});
-  metrics.push_back({"qp_time_max_us", "us", 1e6 * statistics.longest_s});
+  add(metrics, "qp_iterations_mean", "1",
+      static_cast<double>(statistics.iterations) / optimisations);
+  add(metrics, "qp_iterations_max", "1", static_cast<double>(statistics.most_iterations));
+  add(metrics, "qp_unsolved_count", "1", static_cast<double>(statistics.unsolved));
+  add(metrics, "qp_softened_count", "1", static_cast<double>(statistics.softened));
+  add(metrics, "qp_capped_count", "1", static_cast<double>(statistics.capped));
+  add(metrics, "qp_time_mean_us", "us", 1e6 * statistics.time_s / optimisations);
+  add(metrics, "qp_time_max_us", "us", 1e6 * statistics.longest_s);
 }
 
 }  // namespace breakwater

@@ -33,6 +33,7 @@ std::vector<Series> columns(const std::vector<double>& times_s, const LoggedSign
 }  // namespace
 
 FinishedRun::FinishedRun(const std::filesystem::path& folder) : folder_(folder) {
+  restore_run(folder_);
   for (const char* file : {"manifest.json", "config.toml", "log.h5"}) {
     if (!std::filesystem::is_regular_file(folder_ / file)) {
       throw std::invalid_argument(folder_.string() + ": is not a finished run: it has no " + file);
@@ -41,6 +42,7 @@ FinishedRun::FinishedRun(const std::filesystem::path& folder) : folder_(folder) 
   if (!is_run_folder(folder_)) {
     throw std::invalid_argument((folder_ / "manifest.json").string() + ": is not a run's manifest");
   }
+  check_log(folder_);
   std::ifstream stream(folder_ / "manifest.json");
   const auto manifest = nlohmann::json::parse(stream);
   case_name_ = manifest.value("case", "");

@@ -436,7 +436,7 @@ Recording QuadrotorWaves::run(const RunControl& control) const {
   if (!recording.failure) {
     recording.metrics = metrics.metrics(estimator.models_disturbance());
     const auto fresh = make_quadrotor_estimator(estimator_design(), plant());
-    recording.metrics.push_back({"filter_time_us", "us", filter_time_us(log, *fresh)});
+    add(recording.metrics, "filter_time_us", "us", filter_time_us(log, *fresh));
   }
   recording.tracks.push_back(std::move(log));
   return recording;

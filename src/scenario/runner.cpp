@@ -7,6 +7,7 @@
 #include <chrono>
 #include <nlohmann/json.hpp>
 
+#include "record/file_hash.h"
 #include "record/hdf5_log.h"
 #include "record/text_outputs.h"
 #include "scenario/all_cores.h"
@@ -18,7 +19,8 @@
 namespace breakwater {
 namespace {
 
-std::string manifest(const PreparedRun& run, const Recording& recording, double wall_s) {
+std::string manifest(const PreparedRun& run, const Recording& recording, double wall_s,
+                     const std::string& log_hash) {
   nlohmann::ordered_json json;
   json["scenario"] = run.scenario->name();
   json["case"] = run.case_name;
@@ -29,6 +31,7 @@ std::string manifest(const PreparedRun& run, const Recording& recording, double 
     json["time_s"] = recording.failure->time_s;
   }
   json["state_hash"] = fmt::format("{:016x}", recording.state_hash);
+  json["log_hash"] = log_hash;
   json["simulated_s"] = recording.simulated_s;
   json["dropped_samples"] = recording.dropped_samples;
   json["wall_time_s"] = wall_s;
@@ -125,7 +128,8 @@ void write_run(const PreparedRun& run, const Recording& recording, double wall_s
   write_hdf5_log(path / "log.h5", recording.tracks, run.scenario->run_settings().compression);
   if (csv) write_csv_log(path / "log.csv", recording.tracks.front());
   if (!recording.failure) write_metrics(path / "metrics.json", recording.metrics);
-  write_text_file(path / "manifest.json", manifest(run, recording, wall_s));
+  write_text_file(path / "manifest.json",
+                  manifest(run, recording, wall_s, file_hash(path / "log.h5")));
   folder.commit();
 }
 

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <stdexcept>
@@ -27,9 +28,10 @@ std::string text_of(const fs::path& file) {
 class Recorded {
  public:
   Recorded()
-      : track_("control",
-               {{"force_N", "N", "a force", {&force_, 1}}, {"q_rad", "rad", "two angles", q_}},
-               10) {
+      : track_(
+            "control",
+            {{"force_N", "N", "a force, in µN", {&force_, 1}}, {"q_rad", "rad", "two angles", q_}},
+            10) {
     for (int k = 0; k < 5; ++k) {
       force_ = std::sin(k) / 3;
       q_[0] = 1e-300 * k;
@@ -54,6 +56,36 @@ TEST(Track, KeepsEveryRow) {
   EXPECT_EQ(track.values("q_rad").size(), 10U);
   EXPECT_EQ(track.values("q_rad")[2 * 4 + 1], -std::exp(4));
   EXPECT_THROW(track.values("torque_Nm"), std::out_of_range);
+}
+
+std::string refusal(const std::string& track, std::vector<Signal> signals) {
+  try {
+    const Track made(track, std::move(signals), 0);
+    return "";
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+}
+
+TEST(Track, RefusesTwoSignalsOfOneName) {
+  const double x = 0;
+  EXPECT_EQ(refusal("control", {{"x_m", "m", "the cart's", {&x, 1}},
+                                {"v_m_s", "m/s", "its speed", {&x, 1}},
+                                {"x_m", "m", "the observer's", {&x, 1}}}),
+            "control/x_m: two signals have this name (the cart's) (the observer's)");
+  EXPECT_EQ(refusal("control", {{"x_m", "m", "", {&x, 1}}, {"x_M", "m", "", {&x, 1}}}), "");
+}
+
+TEST(Track, RefusesNamesThatALogCannotHold) {
+  const double x = 0;
+  for (const std::string name : {"", ".", "/", "a/b", "time_s", "/x_m"}) {
+    EXPECT_EQ(refusal("control", {{name, "m", "a length", {&x, 1}}}),
+              "track control: a signal cannot be named \"" + name + "\" in a log (a length)");
+    EXPECT_EQ(refusal(name, {{"x_m", "m", "a length", {&x, 1}}}),
+              "a track cannot be named \"" + name + "\" in a log");
+  }
+  EXPECT_EQ(refusal("control", {{"x_m", "m", "a length", {}}}),
+            "control/x_m: the signal has no values (a length)");
 }
 
 TEST(Hdf5Log, GivesBackTheSameBits) {
@@ -91,7 +123,8 @@ TEST(Hdf5Log, IsReadableByH5py) {
   const std::string script =
       "import h5py, sys, math; f = h5py.File(sys.argv[1]); c = f['control']; "
       "assert c['q_rad'].shape == (5, 2); assert c['force_N'][2] == math.sin(2) / 3; "
-      "assert c['q_rad'].attrs['unit'] == 'rad'; "
+      "assert c['q_rad'].attrs['unit'].decode() == 'rad'; "
+      "assert c['force_N'].attrs['description'].decode() == 'a force, in µN'; "
       "assert c['force_N'].dims[0][0][3] == 0.003; "
       "assert all('unit' in d.attrs and 'description' in d.attrs for d in c.values())";
   const std::string command = "/usr/bin/python3 -c \"" + script + "\" " + file.string();
@@ -136,6 +169,23 @@ TEST(Metrics, AreAFlatObjectOfNumbers) {
   EXPECT_EQ(json.size(), 2U);
   write_metrics(file, {});
   EXPECT_EQ(text_of(file), "{}\n");
+}
+
+TEST(Metrics, ThatAreNotFiniteAreAbsent) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const double kNan = std::numeric_limits<double>::quiet_NaN();
+  Recording recording;
+  add(recording.metrics, "nan_N", "N", kNan);
+  add(recording.metrics, "infinite_N", "N", -kInfinity);
+  add(recording.metrics, "nothing_N", "N", std::nullopt);
+  add(recording.metrics, "peak_N", "N", 2.0);
+  EXPECT_EQ(recording.metrics.size(), 1U);
+  EXPECT_EQ(recording.metric("nan_N"), std::nullopt);
+
+  const fs::path file = testing::temporary_path("metrics.json");
+  const testing::Removed removed(file);
+  write_metrics(file, {{"nan_N", "N", kNan}, {"infinite_N", "N", kInfinity}, {"peak_N", "N", 2}});
+  EXPECT_EQ(text_of(file), "{\n  \"peak_N\": 2.0\n}\n");
 }
 
 class RunFolders : public ::testing::Test {
@@ -229,10 +279,11 @@ TEST_F(RunFolders, LeaveAloneWhatAppearedMeanwhile) {
     RunFolder folder(base_ / "run");
     fs::create_directory(base_ / "run");
     std::ofstream(base_ / "run" / "thesis.txt") << "precious";
-    EXPECT_THROW(folder.commit(), OutputError);
+    EXPECT_THROW(finish(folder, "new"), OutputError);
   }
   EXPECT_TRUE(fs::exists(base_ / "run" / "thesis.txt"));
-  EXPECT_EQ(std::distance(fs::directory_iterator(base_), fs::directory_iterator()), 1);
+  EXPECT_EQ(text_of(base_ / "run.kept" / "data"), "new");
+  EXPECT_EQ(entries(), 2U);
 }
 
 }  // namespace

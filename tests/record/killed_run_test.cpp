@@ -1,0 +1,216 @@
+// Run folders of processes that are killed, of file systems that refuse, of disks that fail.
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <fstream>
+#include <map>
+#include <set>
+#include <sstream>
+
+#include "record/run_folder.h"
+#include "support.h"
+
+namespace breakwater {
+namespace {
+namespace fs = std::filesystem;
+
+using Settings = std::map<std::string, std::string>;
+
+std::string text_of(const fs::path& file) {
+  std::stringstream text;
+  text << std::ifstream(file).rdbuf();
+  return text.str();
+}
+
+class KilledRun : public ::testing::Test {
+ protected:
+  KilledRun() { fs::create_directories(base_); }
+
+  // Writes a run into target_ in a process of its own. Returns its exit status, or 0 less the
+  // signal that killed it.
+  int write(const std::string& content, const Settings& settings = {}) {
+    fs::remove(steps_);
+    const pid_t child = fork();
+    if (child == 0) {
+      dup2(open(errors_.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), STDERR_FILENO);
+      setenv("LD_PRELOAD", KILL_AT_STEP, 1);
+      setenv("STEPS_LOG", steps_.c_str(), 1);
+      for (const auto& [name, value] : settings) setenv(name.c_str(), value.c_str(), 1);
+      execl(WRITE_RUN_FOLDER, WRITE_RUN_FOLDER, target_.c_str(), content.c_str(), nullptr);
+      _exit(127);
+    }
+    int status = 0;
+    waitpid(child, &status, 0);
+    return WIFSIGNALED(status) ? -WTERMSIG(status) : WEXITSTATUS(status);
+  }
+
+  std::vector<std::string> steps() const {
+    std::vector<std::string> all;
+    std::ifstream stream(steps_);
+    for (std::string line; std::getline(stream, line);) all.push_back(line);
+    return all;
+  }
+  // The number of the first step that begins so, from 0.
+  std::ptrdiff_t step(const std::string& begin) const {
+    const std::vector<std::string> all = steps();
+    const auto found = std::find_if(all.begin(), all.end(), [&](const std::string& step) {
+      return (step + "\n").starts_with(begin);
+    });
+    EXPECT_NE(found, all.end()) << begin;
+    return found - all.begin();
+  }
+
+  std::set<std::string> names() const {
+    std::set<std::string> names;
+    for (const auto& entry : fs::directory_iterator(base_)) {
+      names.insert(entry.path().filename().string());
+    }
+    return names;
+  }
+  // The run that a reader finds, if it is whole.
+  std::string found() const {
+    restore_run(target_);
+    if (!fs::exists(target_)) return "none";
+    return is_run_folder(target_) ? text_of(target_ / "data") : "half a run";
+  }
+
+  // Kills a run at each of its steps; a reader then finds one of `either`.
+  void kill_at_each_step(const Settings& settings, bool has_earlier,
+                         const std::set<std::string>& either) {
+    for (const char* when : {"STEPS_KILL_BEFORE", "STEPS_KILL_AFTER"}) {
+      int status = -SIGKILL;
+      int number = 1;
+      std::set<std::string> seen;
+      for (; status == -SIGKILL; ++number) {
+        SCOPED_TRACE(when + std::string(" ") + std::to_string(number));
+        fs::remove_all(base_);
+        fs::create_directories(base_);
+        if (has_earlier) {
+          ASSERT_EQ(write("earlier", settings), 0);
+        }
+        Settings killed = settings;
+        killed[when] = std::to_string(number);
+        status = write("new", killed);
+        seen.insert(found());
+        EXPECT_TRUE(either.contains(found())) << found();
+
+        // The next run clears up: whether it comes to an end or not.
+        fs::create_directories(base_);
+        { const RunFolder folder(target_); }
+        EXPECT_TRUE(either.contains(found())) << found();
+        ASSERT_EQ(write("last", settings), 0);
+        EXPECT_EQ(found(), "last");
+        EXPECT_EQ(names(), std::set<std::string>{"run"});
+      }
+      EXPECT_EQ(status, 0) << text_of(errors_);
+      EXPECT_GT(number, 6);
+      EXPECT_EQ(seen, either) << "not every moment was tried";
+    }
+  }
+
+  fs::path base_ = testing::temporary_path("killed");
+  fs::path target_ = base_ / "run";
+  fs::path steps_ = testing::temporary_path("steps");
+  fs::path errors_ = testing::temporary_path("errors");
+  testing::Removed removed_base_{base_};
+  testing::Removed removed_steps_{steps_};
+  testing::Removed removed_errors_{errors_};
+};
+
+const Settings kNoExchange = {{"STEPS_NO_EXCHANGE", "1"}};
+
+TEST_F(KilledRun, IsAbsentOrWhole) {
+  kill_at_each_step({}, false, {"none", "new"});
+}
+
+TEST_F(KilledRun, LeavesTheEarlierOneOrTheNewOne) {
+  kill_at_each_step({}, true, {"earlier", "new"});
+}
+
+TEST_F(KilledRun, LeavesTheEarlierOneOrTheNewOneWhereNamesCannotBeExchanged) {
+  kill_at_each_step(kNoExchange, true, {"earlier", "new"});
+}
+
+// What of the run is on the disk by then: "." is the folder itself.
+std::set<std::string> synced_before(const std::vector<std::string>& steps, std::ptrdiff_t end,
+                                    const std::string& partial) {
+  std::set<std::string> synced;
+  for (std::ptrdiff_t i = 0; i < end; ++i) {
+    const std::string& step = steps[static_cast<std::size_t>(i)];
+    if (!step.starts_with("sync " + partial)) continue;
+    const std::size_t slash = step.find('/', 5 + partial.size());
+    synced.insert(slash == std::string::npos ? "." : step.substr(slash + 1));
+  }
+  return synced;
+}
+
+TEST_F(KilledRun, IsOnTheDiskBeforeItTakesItsName) {
+  const std::set<std::string> all = {".", "data", "manifest.json"};
+  const std::string partial = base_.string() + "/.run.partial-";
+  ASSERT_EQ(write("first"), 0);
+  EXPECT_EQ(synced_before(steps(), step("rename " + partial), partial), all);
+  EXPECT_GT(step("sync " + base_.string() + "\n"), step("rename " + partial));
+
+  for (const Settings& settings : {Settings{}, kNoExchange}) {
+    ASSERT_EQ(write("again", settings), 0);
+    const auto placed = step((settings.empty() ? "exchange " : "rename ") + partial);
+    EXPECT_EQ(synced_before(steps(), placed, partial), all);
+    // The names too are on the disk before the earlier run goes.
+    EXPECT_GT(step("sync " + base_.string() + "\n"), placed);
+    EXPECT_LT(step("sync " + base_.string() + "\n"), step("unlink data"));
+  }
+}
+
+TEST_F(KilledRun, ThatCannotTakeItsNameIsKeptUnderAnother) {
+  for (const Settings& settings : {Settings{}, kNoExchange}) {
+    fs::remove_all(base_);
+    fs::create_directories(base_);
+    ASSERT_EQ(write("earlier"), 0);
+    Settings refusing = settings;
+    refusing["STEPS_REFUSE"] = target_;
+    for (const std::string kept : {"run.kept", "run.kept-2"}) {
+      EXPECT_EQ(write(kept, refusing), 2);
+      EXPECT_EQ(text_of(errors_), target_.string() +
+                                      ": cannot be replaced (Permission denied); the new run is "
+                                      "kept in " +
+                                      (base_ / kept).string() + "\n");
+      EXPECT_EQ(found(), "earlier");
+    }
+    ASSERT_EQ(write("last", settings), 0);
+    EXPECT_EQ(found(), "last");
+    EXPECT_EQ(names(), (std::set<std::string>{"run", "run.kept", "run.kept-2"}));
+    EXPECT_EQ(text_of(base_ / "run.kept" / "data"), "run.kept");
+    EXPECT_EQ(text_of(base_ / "run.kept-2" / "data"), "run.kept-2");
+  }
+}
+
+TEST_F(KilledRun, ThatCanBePutNowhereIsKeptWhereItIs) {
+  ASSERT_EQ(write("earlier"), 0);
+  EXPECT_EQ(write("new", {{"STEPS_REFUSE", "all"}}), 2);
+  const std::string error = text_of(errors_);
+  const std::size_t in = error.find("the new run is kept in ");
+  ASSERT_NE(in, std::string::npos) << error;
+  const fs::path kept = error.substr(in + 23, error.size() - in - 24);
+  EXPECT_EQ(found(), "earlier");
+  ASSERT_EQ(write("last"), 0);
+  EXPECT_EQ(found(), "last");
+  EXPECT_EQ(text_of(kept / "data"), "new");
+}
+
+TEST_F(KilledRun, ThatTheDiskDoesNotTakeLeavesNothing) {
+  EXPECT_EQ(write("new", {{"STEPS_BAD_DISK", "/data"}}), 2);
+  EXPECT_TRUE(names().empty());
+  ASSERT_EQ(write("earlier"), 0);
+  EXPECT_EQ(write("new", {{"STEPS_BAD_DISK", "/data"}}), 2);
+  EXPECT_TRUE(
+      text_of(errors_).ends_with("/data: cannot be written to the disk (Input/output error)\n"))
+      << text_of(errors_);
+  EXPECT_EQ(found(), "earlier");
+  EXPECT_EQ(names(), std::set<std::string>{"run"});
+}
+
+}  // namespace
+}  // namespace breakwater
