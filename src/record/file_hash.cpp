@@ -1,0 +1,35 @@
+#include "record/file_hash.h"
+
+#include <fmt/format.h>
+#include <xxhash.h>
+
+#include <fstream>
+#include <memory>
+#include <stdexcept>
+#include <vector>
+
+namespace breakwater {
+namespace {
+
+constexpr std::size_t kBlock = 1 << 20;
+
+}  // namespace
+
+std::string file_hash(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  const std::unique_ptr<XXH3_state_t, XXH_errorcode (*)(XXH3_state_t*)> state(XXH3_createState(),
+                                                                              XXH3_freeState);
+  XXH3_64bits_reset(state.get());
+  std::vector<char> block(kBlock);
+  while (stream) {
+    stream.read(block.data(), static_cast<std::streamsize>(block.size()));
+    XXH3_64bits_update(state.get(), block.data(), static_cast<std::size_t>(stream.gcount()));
+  }
+  // A file that was read to its end is at its end; a folder, say, is not.
+  if (stream.bad() || !stream.eof()) {
+    throw std::invalid_argument(file.string() + ": cannot be read");
+  }
+  return fmt::format("{:016x}", XXH3_64bits_digest(state.get()));
+}
+
+}  // namespace breakwater

@@ -1,0 +1,48 @@
+#include "record/file_hash.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <stdexcept>
+#include <string>
+
+#include "support.h"
+
+namespace breakwater {
+namespace {
+
+// XXH3_64bits of no bytes, and of "abc".
+TEST(FileHash, IsThatOfTheFilesBytes) {
+  const std::filesystem::path file = testing::temporary_path("hashed");
+  const testing::Removed removed(file);
+  std::ofstream(file).close();
+  EXPECT_EQ(file_hash(file), "2d06800538d394c2");
+  std::ofstream(file) << "abc";
+  EXPECT_EQ(file_hash(file), "78af5f94892f3950");
+}
+
+TEST(FileHash, SeesOneByteOfAFileOfManyBlocks) {
+  const std::filesystem::path file = testing::temporary_path("hashed");
+  const testing::Removed removed(file);
+  std::string bytes(3'500'000, 'x');
+  std::ofstream(file) << bytes;
+  const std::string before = file_hash(file);
+  EXPECT_EQ(file_hash(file), before);
+  bytes[3'200'000] = 'y';
+  std::ofstream(file) << bytes;
+  EXPECT_NE(file_hash(file), before);
+}
+
+TEST(FileHash, SaysWhatCannotBeRead) {
+  for (const char* file : {"/no/such/file", "/tmp"}) {
+    try {
+      file_hash(file);
+      FAIL() << file;
+    } catch (const std::invalid_argument& error) {
+      EXPECT_EQ(std::string(error.what()), std::string(file) + ": cannot be read");
+    }
+  }
+}
+
+}  // namespace
+}  // namespace breakwater
