@@ -231,7 +231,7 @@ TEST_F(Reports, AnEditedModelNeverStandsBesideTheNumbersOfAnother) {
   const std::string first = state();
 
   std::string heavier = own;
-  heavier.replace(heavier.find("0.6 0.6 1"), 9, "0.6 0.6 2");
+  heavier.replace(heavier.find("0.6 0.6 1"), 9, "0.9 0.9 1.5");
   std::ofstream(model) << heavier;
   ASSERT_EQ(reproduce("out").status, 0);
   EXPECT_NE(text_of(folder_ / "out/report.html"), page);
