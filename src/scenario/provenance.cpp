@@ -1,8 +1,8 @@
 #include "scenario/provenance.h"
 
+#include "plants/mjcf_files.h"
 #include "record/file_hash.h"
 #include "scenario/paths.h"
-#include "sim/mjcf_files.h"
 
 namespace breakwater {
 

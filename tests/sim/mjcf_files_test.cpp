@@ -1,5 +1,5 @@
 // Which files a model is made of: those that the engine itself opens.
-#include "sim/mjcf_files.h"
+#include "plants/mjcf_files.h"
 
 #include <gtest/gtest.h>
 

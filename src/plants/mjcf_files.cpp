@@ -1,4 +1,4 @@
-#include "sim/mjcf_files.h"
+#include "plants/mjcf_files.h"
 
 #include <tinyxml2.h>
 
