@@ -4,22 +4,58 @@
 #include <toml++/toml.h>
 
 #include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
 #include <limits>
 #include <set>
 #include <stdexcept>
 
+#include "scenario/config.h"
+#include "scenario/paths.h"
+
 namespace breakwater {
+namespace fs = std::filesystem;
 namespace {
 
 using Variables = std::map<std::string, std::string>;
+
+std::string at_line(const std::string& file, std::size_t line) {
+  return fmt::format("{}:{}: ", file, line);
+}
+
+template <typename Place>
+std::size_t line_of(const Place& place) {
+  return place.source().begin.line;
+}
+
+// Tables, each on top of the one before. They are not copied into one: a copy would not know where
+// in the file it stood.
+class Layers {
+ public:
+  void add(const toml::table* table) {
+    if (table != nullptr) tables_.push_back(table);
+  }
+  const toml::node* get(const char* key) const {
+    for (auto table = tables_.rbegin(); table != tables_.rend(); ++table) {
+      if (const toml::node* node = (*table)->get(key)) return node;
+    }
+    return nullptr;
+  }
+  const toml::source_region& source() const { return tables_.back()->source(); }
+
+ private:
+  std::vector<const toml::table*> tables_;
+};
 
 // A file, read piece by piece; whatever is wrong is said with its line.
 class Reader {
  public:
   Reader(std::string file, Effort effort) : file_(std::move(file)), effort_(effort) {}
 
-  [[noreturn]] void fail(const toml::node& node, const std::string& what) const {
-    throw std::invalid_argument(fmt::format("{}:{}: {}", file_, node.source().begin.line, what));
+  template <typename Place>
+  [[noreturn]] void fail(const Place& place, const std::string& what) const {
+    throw std::invalid_argument(at_line(file_, line_of(place)) + what);
   }
 
   const toml::table& table(const toml::node& node) const {
@@ -30,18 +66,21 @@ class Reader {
   void allow(const toml::table& table, const std::set<std::string>& keys) const {
     for (const auto& [key, value] : table) {
       if (!keys.contains(std::string(key.str()))) {
-        fail(value, "there is no key " + std::string(key.str()));
+        const std::string name(key.str());
+        fail(value, "there is no key " + name + did_you_mean(name, {keys.begin(), keys.end()}));
       }
     }
   }
 
-  std::string text(const toml::table& table, const char* key, const Variables& variables) const {
+  template <typename Table>
+  std::string text(const Table& table, const char* key, const Variables& variables) const {
     const toml::node* node = table.get(key);
     if (node == nullptr) fail(table, fmt::format("{} is missing", key));
     return text(*node, variables);
   }
 
-  std::string text_or(const toml::table& table, const char* key, const Variables& variables) const {
+  template <typename Table>
+  std::string text_or(const Table& table, const char* key, const Variables& variables) const {
     const toml::node* node = table.get(key);
     return node == nullptr ? "" : text(*node, variables);
   }
@@ -71,11 +110,46 @@ class Reader {
     return text;
   }
 
-  std::optional<double> number(const toml::table& table, const char* key) const {
+  template <typename Table>
+  std::optional<double> number(const Table& table, const char* key) const {
     const toml::node* node = table.get(key);
     if (node == nullptr) return std::nullopt;
     const auto value = node->value<double>();
-    if (!value) fail(*node, fmt::format("{} must be a number", key));
+    if (!value || !std::isfinite(*value)) fail(*node, fmt::format("{} must be a number", key));
+    return value;
+  }
+
+  // From 0 on; 0 if the key is not there.
+  std::size_t count(const toml::table& table, const char* key) const {
+    const toml::node* node = table.get(key);
+    if (node == nullptr) return 0;
+    const auto* integer = node->as_integer();
+    if (integer == nullptr || integer->get() < 0)
+      fail(*node, fmt::format("{} must be 0 or more", key));
+    return static_cast<std::size_t>(integer->get());
+  }
+
+  // One of `words`; empty if the key is not there.
+  template <typename Table>
+  std::string word_or(const Table& table, const char* key,
+                      const std::vector<std::string>& words) const {
+    const std::string word = text_or(table, key, {});
+    if (!word.empty() && std::find(words.begin(), words.end(), word) == words.end()) {
+      fail(*table.get(key),
+           fmt::format("{}: \"{}\" must be {}", key, word, fmt::join(words, " or ")));
+    }
+    return word;
+  }
+
+  // A number that may be written with variables.
+  double real(const toml::table& table, const char* key, const Variables& variables) const {
+    const std::string written = text(table, key, variables);
+    double value = 0.0;
+    const auto [end, error] =
+        std::from_chars(written.data(), written.data() + written.size(), value);
+    if (error != std::errc() || end != written.data() + written.size() || !std::isfinite(value)) {
+      fail(*table.get(key), fmt::format("{}: \"{}\" is no number", key, written));
+    }
     return value;
   }
 
@@ -145,13 +219,14 @@ void read_runs(const Reader& reader, const toml::table& table,
     run.scenario = reader.text(table, "scenario", variables);
     run.case_name = reader.text(table, "case", variables);
     run.sets = reader.texts(table, "sets", variables);
+    run.line = line_of(table);
     if (table.contains("seeds")) {
       const int seeds = reader.repetitions(table, "seeds");
       for (int seed = 1; seed <= seeds; ++seed) {
         run.repetitions.push_back({fmt::format("run.seed={}", seed)});
       }
     } else if (table.contains("phases")) {
-      const double count_rad = std::stod(reader.text(table, "count_rad", variables));
+      const double count_rad = reader.real(table, "count_rad", variables);
       const int phases = count_rad > 0.0 ? reader.repetitions(table, "phases") : 1;
       for (int i = 0; i < phases; ++i) {
         const double phase_rad = count_rad * ((i + 0.5) / phases - 0.5);
@@ -166,22 +241,25 @@ void read_runs(const Reader& reader, const toml::table& table,
   }
 }
 
-Band read_holds(const Reader& reader, const toml::table& table) {
+Band read_holds(const Reader& reader, const Layers& cell) {
   Band band;
-  band.above = reader.number(table, "above");
-  band.below = reader.number(table, "below");
+  band.above = reader.number(cell, "above");
+  band.below = reader.number(cell, "below");
   return band;
 }
 
-CellSpec read_cell(const Reader& reader, const toml::table& cell, const Variables& variables) {
+CellSpec read_cell(const Reader& reader, const Layers& cell, const Variables& variables) {
   CellSpec spec;
+  spec.line = line_of(cell);
   spec.run = reader.text(cell, "run", variables);
   spec.metric = reader.text(cell, "metric", variables);
   spec.over = reader.text_or(cell, "over", variables);
   spec.divisor = reader.number(cell, "divisor").value_or(1.0);
+  if (spec.divisor == 0.0) reader.fail(*cell.get("divisor"), "divisor must not be zero");
   spec.if_failed =
       reader.number(cell, "if_failed").value_or(std::numeric_limits<double>::quiet_NaN());
-  spec.is_share = reader.text_or(cell, "statistic", variables) == "share";
+  spec.absent_is_never = reader.word_or(cell, "absent", {"never"}) == "never";
+  spec.is_share = reader.word_or(cell, "statistic", {"median", "share"}) == "share";
   spec.printed = reader.text_or(cell, "printed", variables);
   spec.says = reader.text_or(cell, "says", variables);
   spec.holds = read_holds(reader, cell);
@@ -215,12 +293,11 @@ TableSpec read_table(const Reader& reader, const toml::table& table) {
         cells.emplace_back();
         return;
       }
-      toml::table cell;
-      if (const toml::table* common = table["cell"].as_table()) cell = *common;
-      for (const toml::table* more : {&column, &row, own != nullptr ? own->as_table() : nullptr}) {
-        if (more == nullptr) continue;
-        for (const auto& [key, value] : *more) cell.insert_or_assign(key, value);
-      }
+      Layers cell;
+      if (const toml::node* common = table.get("cell")) cell.add(&reader.table(*common));
+      cell.add(&column);
+      cell.add(&row);
+      if (own != nullptr) cell.add(own->as_table());
       const Variables variables = reader.with(reader.with({}, row), column);
       cells.emplace_back(read_cell(reader, cell, variables));
     });
@@ -253,7 +330,7 @@ void read_figures(const Reader& reader, const toml::table& table, const toml::ta
                   std::vector<FigureSpec>& figures) {
   reader.allow(table, {"form", "list", "runs"});
   const toml::table* form = forms[reader.text(table, "form", {})].as_table();
-  if (form == nullptr) reader.fail(table, "there is no such form");
+  if (form == nullptr) reader.fail(*table.get("form"), "there is no such form");
   reader.each(table, "list", [&](const toml::node& node) {
     const toml::table& entry = reader.table(node);
     const Variables variables = reader.with({}, entry);
@@ -262,6 +339,7 @@ void read_figures(const Reader& reader, const toml::table& table, const toml::ta
     figure.title = reader.text(entry, "title", {});
     figure.off = reader.texts(entry, "off", {});
     figure.note = reader.text_or(entry, "note", {});
+    figure.line = line_of(entry);
     if (entry.contains("run")) figure.runs.push_back({reader.text(entry, "run", {}), ""});
     for (const toml::table* source : {&table, &entry}) {
       reader.each(*source, "runs", [&](const toml::node& run) {
@@ -290,6 +368,10 @@ SectionSpec read_section(const Reader& reader, const toml::table& table, const t
   section.video = reader.text_or(table, "video", {});
   section.strip = reader.text_or(table, "strip", {});
   section.strip_number = reader.text_or(table, "strip_number", {});
+  section.line = line_of(table);
+  if (!section.docs.empty() && !fs::is_regular_file(data_root() / "docs" / section.docs)) {
+    reader.fail(*table.get("docs"), "there is no page docs/" + section.docs);
+  }
   reader.each(table, "run",
               [&](const toml::node& node) { read_runs(reader, reader.table(node), runs); });
   reader.each(table, "table", [&](const toml::node& node) {
@@ -310,26 +392,60 @@ SectionSpec read_section(const Reader& reader, const toml::table& table, const t
 }
 
 // Everything that is referred to is there.
-void check(const Experiments& experiments, const PrintedResults& printed) {
-  for (const SectionSpec& section : experiments.sections) {
-    for (const std::string& name : section.runs()) {
-      if (!experiments.runs.contains(name)) {
-        throw std::invalid_argument(
-            fmt::format("{}: section {}: there is no run {}", experiments.file, section.id, name));
-      }
-    }
-    for (const TableSpec& table : section.tables) {
-      for (const auto& row : table.cells) {
-        for (const auto& cell : row) {
-          if (cell && !cell->printed.empty() && !printed.find(cell->printed)) {
-            throw std::invalid_argument(fmt::format("{}: section {}: nothing is printed at {}",
-                                                    experiments.file, section.id, cell->printed));
+class Check {
+ public:
+  Check(const Experiments& experiments, const PrintedResults& printed)
+      : experiments_(experiments), printed_(printed) {}
+
+  void all() const {
+    for (const SectionSpec& section : experiments_.sections) {
+      for (const std::string& name : {section.video, section.strip}) run(name, section.line);
+      for (const TableSpec& table : section.tables) {
+        for (const auto& row : table.cells) {
+          for (const auto& cell : row) {
+            if (cell) this->cell(*cell);
           }
         }
       }
+      for (const FigureSpec& figure : section.figures) {
+        for (const FigureRun& one : figure.runs) run(one.run, figure.line);
+      }
+    }
+    for (const HeroSpec& hero : experiments_.heroes) this->hero(hero);
+  }
+
+ private:
+  [[noreturn]] void fail(std::size_t line, const std::string& what) const {
+    throw std::invalid_argument(at_line(experiments_.file, line) + what);
+  }
+
+  void run(const std::string& name, std::size_t line) const {
+    if (name.empty() || experiments_.runs.contains(name)) return;
+    std::vector<std::string> names;
+    for (const auto& [known, spec] : experiments_.runs) names.push_back(known);
+    fail(line, "there is no run " + name + did_you_mean(name, names));
+  }
+
+  void cell(const CellSpec& cell) const {
+    run(cell.run, cell.line);
+    run(cell.over, cell.line);
+    if (!cell.printed.empty() && !printed_.find(cell.printed)) {
+      fail(cell.line, "nothing is printed at " + cell.printed);
     }
   }
-}
+
+  void hero(const HeroSpec& hero) const {
+    for (const SectionSpec& section : experiments_.sections) {
+      for (const FigureSpec& figure : section.figures) {
+        if (figure.number == hero.figure && hero.panel < figure.panels.size()) return;
+      }
+    }
+    fail(hero.line, fmt::format("there is no panel {} of a figure {}", hero.panel, hero.figure));
+  }
+
+  const Experiments& experiments_;
+  const PrintedResults& printed_;
+};
 
 void add_once(std::vector<std::string>& names, const std::string& name) {
   if (!name.empty() && std::find(names.begin(), names.end(), name) == names.end()) {
@@ -338,6 +454,10 @@ void add_once(std::vector<std::string>& names, const std::string& name) {
 }
 
 }  // namespace
+
+std::string CellSpec::metric_name() const {
+  return is_magnitude() ? metric.substr(1, metric.size() - 2) : metric;
+}
 
 std::vector<std::string> SectionSpec::logged_runs() const {
   std::vector<std::string> names;
@@ -364,6 +484,7 @@ std::vector<std::string> SectionSpec::runs() const {
 }
 
 Experiments read_experiments(const std::string& file, Effort effort) {
+  if (!fs::is_regular_file(file)) throw std::invalid_argument(file + ": cannot be read");
   toml::table root;
   try {
     root = toml::parse_file(file);
@@ -372,9 +493,12 @@ Experiments read_experiments(const std::string& file, Effort effort) {
         fmt::format("{}:{}: {}", file, error.source().begin.line, error.description()));
   }
   const Reader reader(file, effort);
-  reader.allow(root, {"hero", "video", "form", "section"});
+  reader.allow(root, {"title", "hero", "video", "form", "section"});
   Experiments experiments;
   experiments.file = file;
+  std::error_code ignored;
+  experiments.is_own = !fs::equivalent(file, data_root() / "data" / "experiments.toml", ignored);
+  experiments.title = reader.text_or(root, "title", {});
   experiments.video = reader.text_or(root, "video", {});
   const toml::table no_forms;
   const toml::table* forms = root["form"].as_table();
@@ -384,12 +508,10 @@ Experiments read_experiments(const std::string& file, Effort effort) {
   });
   reader.each(root, "hero", [&](const toml::node& node) {
     const toml::table& hero = reader.table(node);
-    experiments.heroes.push_back(
-        {reader.text(hero, "figure", {}),
-         static_cast<std::size_t>(reader.number(hero, "panel").value_or(0.0)),
-         reader.text(hero, "caption", {})});
+    experiments.heroes.push_back({reader.text(hero, "figure", {}), reader.count(hero, "panel"),
+                                  reader.text(hero, "caption", {}), line_of(hero)});
   });
-  check(experiments, printed_results());
+  Check(experiments, printed_results()).all();
   return experiments;
 }
 

@@ -20,6 +20,7 @@ struct RunSpec {
   std::string case_name;
   std::vector<std::string> sets;                      ///< key=value
   std::vector<std::vector<std::string>> repetitions;  ///< further sets of each; at least one
+  std::size_t line = 0;                               ///< of the file, here and below
 };
 
 /// One measured number, and what the thesis has instead of it.
@@ -29,10 +30,16 @@ struct CellSpec {
   std::string over;    ///< not empty: divided by this run's
   double divisor = 1.0;
   double if_failed;  ///< the value of a run that failed; none, so that nothing holds, unless given
-  bool is_share = false;  ///< the mean of ones and zeros is judged, not their median
-  std::string printed;    ///< a path into printed-results.toml; empty if `says` is not
-  std::string says;       ///< a statement of the text, which `holds` judges
+  bool absent_is_never = false;  ///< a run without the metric counts as infinite; else not measured
+  bool is_share = false;         ///< the mean of ones and zeros is judged, not their median
+  std::string printed;           ///< a path into printed-results.toml; empty if `says` is not
+  std::string says;              ///< a statement of the text, which `holds` judges
   Band holds;
+  std::size_t line = 0;
+
+  /// The name of what is measured, without the bars of a magnitude.
+  std::string metric_name() const;
+  bool is_magnitude() const { return metric.starts_with('|') && metric.ends_with('|'); }
 };
 
 struct TableSpec {
@@ -64,6 +71,7 @@ struct FigureSpec {
   std::vector<std::string> off;  ///< labels of runs that are not drawn at first
   std::vector<PanelSpec> panels;
   std::string note;
+  std::size_t line = 0;
 };
 
 /// What is not shown, and why.
@@ -91,6 +99,7 @@ struct SectionSpec {
   std::vector<ReasonSpec> reasons;
   std::vector<FigureSpec> figures;
   std::vector<MissingSpec> missing;
+  std::size_t line = 0;
 
   /// The runs that its tables and figures refer to.
   std::vector<std::string> runs() const;
@@ -103,10 +112,15 @@ struct HeroSpec {
   std::string figure;
   std::size_t panel = 0;
   std::string caption;
+  std::size_t line = 0;
 };
 
 struct Experiments {
   std::string file;
+  /// Somebody's own list. Its statements hold or do not: "reproduced" is a word for what the thesis
+  /// prints and says.
+  bool is_own = false;
+  std::string title;  ///< of the page; empty: that of the thesis' reproduction
   std::map<std::string, RunSpec> runs;
   std::vector<SectionSpec> sections;
   std::vector<HeroSpec> heroes;

@@ -8,32 +8,63 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "record/output_error.h"
 
 namespace breakwater {
+namespace {
+
+struct Line {
+  std::string key;
+  Measurement measurement;
+};
+
+// Nothing, if it is not as add() writes it.
+std::optional<Line> parse(const std::string& text) {
+  const auto json = nlohmann::json::parse(text, nullptr, false);
+  if (!json.is_object()) return std::nullopt;
+  const auto key = json.find("key");
+  const auto values = json.find("values");
+  if (key == json.end() || !key->is_string()) return std::nullopt;
+  if (values == json.end() || !values->is_object()) return std::nullopt;
+  Line line;
+  line.key = key->get<std::string>();
+  for (const auto& [name, value] : values->items()) {
+    if (!value.is_number() && !value.is_null()) return std::nullopt;
+    // JSON has no NaN.
+    line.measurement.values[name] =
+        value.is_null() ? std::numeric_limits<double>::quiet_NaN() : value.get<double>();
+  }
+  if (const auto failed = json.find("failed"); failed != json.end()) {
+    const auto failure = json.find("failure");
+    if (!failed->is_boolean() || failure == json.end() || !failure->is_string()) {
+      return std::nullopt;
+    }
+    line.measurement.failed = failed->get<bool>();
+    line.measurement.failure = failure->get<std::string>();
+  }
+  return line;
+}
+
+}  // namespace
 
 Measurements::Measurements(const std::filesystem::path& file) : file_(file) {
-  bool is_cut_off = false;
-  std::ifstream stream(file_);
-  for (std::string line; std::getline(stream, line);) {
-    is_cut_off = stream.eof();  // no end of line behind it
-    const auto json = nlohmann::json::parse(line, nullptr, false);
-    if (is_cut_off || !json.is_object()) continue;
-    Measurement measurement;
-    measurement.failed = json.value("failed", false);
-    measurement.failure = json.value("failure", "");
-    measurement.values = json.value("values", std::map<std::string, double>());
-    known_[json.value("key", "")] = measurement;
-  }
+  read();
   descriptor_ = open(file_.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
   if (descriptor_ < 0) {
     throw OutputError(
         fmt::format("{}: cannot be written ({})", file_.string(), std::strerror(errno)));
   }
-  if (is_cut_off && write(descriptor_, "\n", 1) != 1) {
-    throw OutputError(file_.string() + ": cannot be written (is the disk full?)");
+}
+
+void Measurements::read() {
+  std::ifstream stream(file_);
+  for (std::string text; std::getline(stream, text);) {
+    is_torn_ = stream.eof();  // no end of line behind it
+    if (is_torn_) break;
+    if (const auto line = parse(text)) known_[line->key] = line->measurement;
   }
 }
 
@@ -59,10 +90,27 @@ void Measurements::add(const std::string& key, const std::string& name,
   const std::string line =
       json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
   const std::lock_guard lock(mutex_);
-  if (write(descriptor_, line.data(), line.size()) != static_cast<ssize_t>(line.size())) {
-    throw OutputError(file_.string() + ": cannot be written (is the disk full?)");
+  // The line that was torn ends here, so that this one is whole.
+  if (!append(is_torn_ ? "\n" + line : line)) {
+    throw OutputError(
+        fmt::format("{}: cannot be written ({})", file_.string(), std::strerror(errno)));
   }
   known_[key] = measurement;
+}
+
+bool Measurements::append(const std::string& text) {
+  std::size_t written = 0;
+  while (written < text.size()) {
+    const ssize_t count = write(descriptor_, text.data() + written, text.size() - written);
+    if (count < 0 && errno == EINTR) continue;
+    if (count <= 0) {
+      is_torn_ = is_torn_ || written > 0;
+      return false;
+    }
+    written += static_cast<std::size_t>(count);
+  }
+  is_torn_ = false;
+  return true;
 }
 
 std::string fingerprint(const std::vector<std::string>& parts) {

@@ -100,9 +100,7 @@ int reproduce(const ReproduceArguments& arguments) {
   const ThesisReport report = thesis_report(reproduction, measured, effort);
   const fs::path page = reproduction.out / "report.html";
   write_page(page, report.html);
-  fmt::print("{} reproduced, {} within the class, {} not reproduced\n{} figures\nreport: {}\n",
-             report.score.reproduced, report.score.within_class, report.score.not_reproduced,
-             report.figures, page.string());
+  fmt::print("{}\n{} figures\nreport: {}\n", report.score.text(), report.figures, page.string());
   return status;
 }
 
@@ -125,8 +123,9 @@ int reproduce_main(int argc, const char* const* argv) {
   app.add_flag("--no-video", arguments.no_video, "leave out the video");
   app.add_flag("--quiet", arguments.quiet, "print errors and the score only");
   app.footer(
-      "What is there already for the same configuration and version is kept: a run that was\n"
-      "stopped, however, goes on where it was. What counts as reproduced: data/reproduced.toml.\n"
+      "What is there already for the same configuration, models and program is kept: a run that\n"
+      "was stopped, however, goes on where it was. What counts as reproduced:\n"
+      "data/reproduced.toml.\n"
       "Exit status: 0 success, 1 a defect, 2 usage or input, 4 a picture or video could not be\n"
       "made, 130 interrupted.");
   if (const auto status = parse(app, argc, argv)) return *status;

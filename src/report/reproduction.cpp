@@ -9,24 +9,27 @@
 #include <map>
 #include <set>
 
-#include "report/file_bytes.h"
 #include "report/saved_run.h"
 #include "scenario/all_cores.h"
 #include "scenario/progress.h"
 #include "scenario/runner.h"
-#include "version.h"
 
 namespace breakwater {
 namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kLargest = "max ";
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+// Metrics made of signals, "max SIGNAL", and the line that asks for each.
+using Derived = std::map<std::string, std::size_t>;
 
 struct Job {
   std::string name;
   std::size_t repetition = 0;
   PreparedRun run;
-  std::set<std::string> derived;  // metrics made of signals
+  ModelHashes models;
+  Derived derived;
   bool is_logged = false;
   std::string key;
   double cost = 0.0;  // physics steps
@@ -52,42 +55,37 @@ double number_or(const Config& config, const std::string& key, double otherwise)
   return number == nullptr ? otherwise : *number;
 }
 
-// For each run, the metrics that cells want made of its signals.
-std::map<std::string, std::set<std::string>> derived_metrics(const Experiments& experiments) {
-  std::map<std::string, std::set<std::string>> derived;
-  for (const SectionSpec& section : experiments.sections) {
-    for (const TableSpec& table : section.tables) {
+// Calls `body` for each cell of the sections.
+template <typename Sections, typename Body>
+void each_cell(const Sections& sections, Body&& body) {
+  for (const SectionSpec* section : sections) {
+    for (const TableSpec& table : section->tables) {
       for (const auto& row : table.cells) {
         for (const auto& cell : row) {
-          if (!cell || !cell->metric.starts_with(kLargest)) continue;
-          derived[cell->run].insert(cell->metric);
-          if (!cell->over.empty()) derived[cell->over].insert(cell->metric);
+          if (cell) body(*cell);
         }
       }
     }
   }
-  return derived;
 }
 
-// The models are part of a configuration that their names alone do not tell. Each is read once.
-class Models {
- public:
-  std::string of(const Config& config) {
-    std::string all;
-    for (const char* key : {"model.mjcf", "model.urdf"}) {
-      const ConfigEntry* entry = config.find(key);
-      const auto* name = entry != nullptr ? std::get_if<std::string>(&entry->value.data) : nullptr;
-      if (name == nullptr) continue;
-      const std::string file = config.find_file_of(key, *name);
-      if (!contents_.contains(file)) contents_[file] = fingerprint({bytes_of(file)});
-      all += contents_[file];
-    }
-    return all;
-  }
+[[noreturn]] void fail(const Experiments& experiments, std::size_t line, const std::string& what) {
+  throw std::invalid_argument(fmt::format("{}:{}: {}", experiments.file, line, what));
+}
 
- private:
-  std::map<std::string, std::string> contents_;
-};
+// For each run, the metrics that cells want made of its signals.
+std::map<std::string, Derived> derived_metrics(const Experiments& experiments) {
+  std::vector<const SectionSpec*> sections;
+  for (const SectionSpec& section : experiments.sections) sections.push_back(&section);
+  std::map<std::string, Derived> derived;
+  each_cell(sections, [&](const CellSpec& cell) {
+    const std::string name = cell.metric_name();
+    if (!name.starts_with(kLargest)) return;
+    derived[cell.run].emplace(name, cell.line);
+    if (!cell.over.empty()) derived[cell.over].emplace(name, cell.line);
+  });
+  return derived;
+}
 
 std::vector<Job> plan(const Reproduction& reproduction) {
   const Experiments& experiments = reproduction.experiments;
@@ -99,9 +97,7 @@ std::vector<Job> plan(const Reproduction& reproduction) {
     for (const std::string& name : section->logged_runs()) logged.insert(name);
   }
   ScenarioFiles files;
-  Models models;
-  // A version's name does not tell two builds of changed sources apart.
-  const std::string program = fingerprint({bytes_of("/proc/self/exe")});
+  std::map<std::vector<std::string>, ModelHashes> models;  // many runs have the same
   std::vector<Job> jobs;
   for (const std::string& name : names) {
     const RunSpec& spec = experiments.runs.at(name);
@@ -109,24 +105,25 @@ std::vector<Job> plan(const Reproduction& reproduction) {
       std::vector<std::string> sets = spec.sets;
       sets.insert(sets.end(), spec.repetitions[i].begin(), spec.repetitions[i].end());
       Job job;
-      std::string contents;
       job.name = name;
       job.repetition = i;
       try {
         const ScenarioFile& file = files.file(spec.scenario);
         job.run = prepare_run(spec.scenario, file, spec.case_name, sets);
         const Config config = file.config(spec.case_name, sets);
-        contents = models.of(config);
+        const auto [known, is_new] = models.try_emplace(job.run.model_files);
+        if (is_new) known->second = model_hashes(job.run.model_files);
+        job.models = known->second;
         job.cost = number_or(config, "run.duration_s", 1.0) /
                    number_or(config, "physics.timestep_s", 1e-3);
       } catch (const std::invalid_argument& error) {
-        throw std::invalid_argument(
-            fmt::format("{}: run {}: {}", experiments.file, name, error.what()));
+        fail(experiments, spec.line, fmt::format("run {}: {}", name, error.what()));
       }
       if (derived.contains(name)) job.derived = derived.at(name);
       job.is_logged = i == 0 && logged.contains(name);
-      std::vector<std::string> parts = {spec.scenario, job.run.config_text, contents, program};
-      parts.insert(parts.end(), job.derived.begin(), job.derived.end());
+      std::vector<std::string> parts = {spec.scenario, job.run.config_text, program_hash()};
+      for (const auto& [file, hash] : job.models) parts.insert(parts.end(), {file, hash});
+      for (const auto& [metric, line] : job.derived) parts.push_back(metric);
       job.key = fingerprint(parts);
       jobs.push_back(std::move(job));
     }
@@ -136,18 +133,40 @@ std::vector<Job> plan(const Reproduction& reproduction) {
   return jobs;
 }
 
-// Whether the folder holds this very run of this very version.
+// Whether the folder holds this very run, of the models and by the program that gave its numbers.
 bool is_kept(const fs::path& folder, const Job& job) {
   if (!fs::exists(folder)) return false;
   try {
     const SavedRun run(folder);
-    return run.config_text() == job.run.config_text && run.git_commit() == kGitCommit;
+    return run.config_text() == job.run.config_text && run.models() == job.models &&
+           run.program() == program_hash();
   } catch (const std::invalid_argument&) {
     return false;
   }
 }
 
-Measurement measurement_of(const Job& job, const Recording& recording) {
+double largest(const std::vector<double>& values) {
+  const auto is_finite = [](double value) { return std::isfinite(value); };
+  if (values.empty() || !std::all_of(values.begin(), values.end(), is_finite)) return kNaN;
+  return *std::max_element(values.begin(), values.end());
+}
+
+// All values of the signal that `metric`, "max SIGNAL", is made of.
+std::vector<double> values_for(const std::string& metric, std::size_t line, const Job& job,
+                               const Experiments& experiments, const Track& track) {
+  const std::string signal = metric.substr(std::string(kLargest).size());
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < track.signals(); ++i) {
+    names.push_back(track.signal(i).name);
+    if (names.back() == signal) return track.values(i);
+  }
+  fail(experiments, line,
+       fmt::format("metric: run {} has no signal {}{}", job.name, signal,
+                   did_you_mean(signal, names)));
+}
+
+Measurement measurement_of(const Job& job, const Experiments& experiments,
+                           const Recording& recording) {
   Measurement measurement;
   if (recording.failure) {
     measurement.failed = true;
@@ -156,12 +175,11 @@ Measurement measurement_of(const Job& job, const Recording& recording) {
     return measurement;
   }
   for (const Metric& metric : recording.metrics) {
-    if (std::isfinite(metric.value)) measurement.values[metric.name] = metric.value;
+    measurement.values[metric.name] = std::isfinite(metric.value) ? metric.value : kNaN;
   }
-  for (const std::string& name : job.derived) {
-    const std::vector<double> values =
-        recording.track("control").values(name.substr(std::string(kLargest).size()));
-    measurement.values[name] = *std::max_element(values.begin(), values.end());
+  for (const auto& [metric, line] : job.derived) {
+    measurement.values[metric] =
+        largest(values_for(metric, line, job, experiments, recording.track("control")));
   }
   return measurement;
 }
@@ -169,13 +187,50 @@ Measurement measurement_of(const Job& job, const Recording& recording) {
 Measurement execute(const Job& job, const Reproduction& reproduction, const RunControl& control) {
   const auto start = std::chrono::steady_clock::now();
   const Recording recording = job.run.scenario->run(control);
+  if (model_hashes(job.run.model_files) != job.models) {
+    throw std::invalid_argument(
+        fmt::format("run {}: its models were changed while it ran; start again", job.name));
+  }
   if (job.is_logged) {
     RunFolder folder(run_folder(reproduction.out, job.name));
     const double wall_s =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    write_run(job.run, recording, wall_s, folder, false);
+    write_run(job.run, job.models, recording, wall_s, folder, false);
   }
-  return measurement_of(job, recording);
+  return measurement_of(job, reproduction.experiments, recording);
+}
+
+// What the runs of each scenario have. One that failed has nothing.
+std::map<std::string, std::set<std::string>> known_metrics(const Experiments& experiments,
+                                                           const Measured& measured) {
+  std::map<std::string, std::set<std::string>> known;
+  for (const auto& [name, repetitions] : measured) {
+    std::set<std::string>& names = known[experiments.runs.at(name).scenario];
+    for (const Measurement& measurement : repetitions) {
+      for (const auto& [metric, value] : measurement.values) names.insert(metric);
+    }
+  }
+  return known;
+}
+
+// Refuses what no run of its scenario has, unless the cell says that it need not be there. Where
+// all of them failed, nobody knows.
+void check_metrics(const Reproduction& reproduction,
+                   const std::map<std::string, std::set<std::string>>& known) {
+  const Experiments& experiments = reproduction.experiments;
+  each_cell(reproduction.sections, [&](const CellSpec& cell) {
+    for (const std::string& run : {cell.run, cell.over}) {
+      if (run.empty()) continue;
+      const std::string& scenario = experiments.runs.at(run).scenario;
+      const std::set<std::string>& names = known.at(scenario);
+      const std::string name = cell.metric_name();
+      if (names.empty() || names.contains(name)) continue;
+      if (cell.absent_is_never) continue;
+      fail(experiments, cell.line,
+           fmt::format("metric: no run of {} has {}{}", scenario, name,
+                       did_you_mean(name, {names.begin(), names.end()})));
+    }
+  });
 }
 
 }  // namespace
@@ -223,28 +278,40 @@ Measured measure(const Reproduction& reproduction) {
     repetitions.resize(std::max(repetitions.size(), job.repetition + 1));
     repetitions[job.repetition] = *known.find(job.key);
   }
+  const auto metrics = known_metrics(reproduction.experiments, measured);
+  check_metrics(reproduction, metrics);
+  for (auto& [name, repetitions] : measured) {
+    for (Measurement& measurement : repetitions) {
+      for (const std::string& metric :
+           metrics.at(reproduction.experiments.runs.at(name).scenario)) {
+        if (!measurement.values.contains(metric)) measurement.absent.insert(metric);
+      }
+    }
+  }
   return measured;
 }
 
 std::vector<double> values_of(const CellSpec& cell, const Measured& measured) {
-  const bool is_absolute = cell.metric.starts_with('|') && cell.metric.ends_with('|');
-  const std::string name =
-      is_absolute ? cell.metric.substr(1, cell.metric.size() - 2) : cell.metric;
+  const std::string name = cell.metric_name();
+  const auto value_of = [&](const Measurement& measurement) {
+    if (measurement.failed) return cell.if_failed;
+    const auto found = measurement.values.find(name);
+    if (found != measurement.values.end()) return found->second;
+    const bool is_never = cell.absent_is_never && measurement.absent.contains(name);
+    return is_never ? std::numeric_limits<double>::infinity() : kNaN;
+  };
   const auto all_of = [&](const std::string& run) {
     std::vector<double> values;
     for (const Measurement& measurement : measured.at(run)) {
-      const auto found = measurement.values.find(name);
-      double value = found != measurement.values.end() ? found->second
-                                                       : std::numeric_limits<double>::infinity();
-      if (measurement.failed) value = cell.if_failed;
-      values.push_back((is_absolute ? std::abs(value) : value) / cell.divisor);
+      const double value = value_of(measurement);
+      values.push_back((cell.is_magnitude() ? std::abs(value) : value) / cell.divisor);
     }
     return values;
   };
   std::vector<double> values = all_of(cell.run);
   if (!cell.over.empty()) {
     double over = median(all_of(cell.over));
-    if (!std::isfinite(over) || over == 0.0) over = std::numeric_limits<double>::quiet_NaN();
+    if (!std::isfinite(over) || over == 0.0) over = kNaN;
     for (double& value : values) value /= over;
   }
   return values;

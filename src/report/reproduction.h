@@ -29,10 +29,12 @@ std::filesystem::path run_folder(const std::filesystem::path& out, const std::st
 /// Runs everything that the sections refer to, on all cores, the longest first. Numbers go to
 /// OUT/measurements.jsonl, runs that figures need to OUT/runs/NAME as well. What is there already
 /// for the same configuration, models and program is kept, so a killed process goes on where it
-/// was. Throws std::invalid_argument, OutputError or Interrupted; a run that fails is a result.
+/// was. Throws std::invalid_argument, `FILE:LINE: reason` where a cell asks for what no run of its
+/// scenario has; OutputError or Interrupted; a run that fails is a result.
 Measured measure(const Reproduction& reproduction);
 
-/// The value of a cell for each repetition. A metric that a run does not have is infinite.
+/// The value of a cell for each repetition; NaN where it was not measured. A metric that a run does
+/// not have, but others of its scenario have, is infinite if the cell says that this means never.
 std::vector<double> values_of(const CellSpec& cell, const Measured& measured);
 
 /// Median: of an even number of values the mean of the two in the middle.

@@ -7,7 +7,6 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "record/run_folder.h"
 #include "scenario/config.h"
 
 namespace breakwater {
@@ -34,42 +33,40 @@ SavedRun::SavedRun(const fs::path& folder) : folder_(folder) {
                                 ": is not the folder of a finished run: it has no manifest.json; "
                                 "run the scenario again with --out");
   }
-  if (!is_run_folder(folder_)) {
-    throw std::invalid_argument((folder_ / "manifest.json").string() +
-                                ": is not a run's manifest; give the folder of a run");
-  }
+  manifest_ = read_manifest(folder_);
   for (const char* file : {"config.toml", "log.h5"}) {
     if (!fs::is_regular_file(folder_ / file)) {
       throw std::invalid_argument(folder_.string() + ": the run is incomplete: it has no " + file +
                                   "; run it again");
     }
   }
-  std::ifstream manifest_file(folder_ / "manifest.json");
-  const auto manifest = nlohmann::json::parse(manifest_file);
-  scenario_ = manifest.value("scenario", "");
-  case_name_ = manifest.value("case", "");
-  seed_ = manifest.contains("seed") ? manifest["seed"].dump() : "";
-  git_commit_ = manifest.value("git_commit", "");
-  if (manifest.value("status", "") == "failed") {
-    failure_ = Failure{manifest.value("time_s", 0.0), manifest.value("reason", "")};
-  }
   std::stringstream config;
   config << std::ifstream(folder_ / "config.toml").rdbuf();
   config_text_ = config.str();
-
-  if (!failure_) {
-    std::ifstream metrics_file(folder_ / "metrics.json");
-    const auto metrics = nlohmann::ordered_json::parse(metrics_file, nullptr, false);
-    if (!metrics.is_object()) {
-      throw std::invalid_argument(folder_.string() +
-                                  ": the run is incomplete: it has no metrics.json; run it again");
-    }
-    for (const auto& [name, value] : metrics.items()) {
-      if (value.is_number()) metrics_.push_back({name, unit_of(name), value.get<double>()});
-    }
-  }
+  if (!failure()) read_metrics();
   check_log(folder_);
   signals_ = list_hdf5_signals((folder_ / "log.h5").string());
+}
+
+void SavedRun::read_metrics() {
+  const fs::path file = folder_ / "metrics.json";
+  if (!fs::is_regular_file(file)) {
+    throw std::invalid_argument(folder_.string() +
+                                ": the run is incomplete: it has no metrics.json; run it again");
+  }
+  std::ifstream stream(file);
+  const auto metrics = nlohmann::ordered_json::parse(stream, nullptr, false);
+  if (!metrics.is_object()) {
+    throw std::invalid_argument(file.string() + ": is no object of numbers; run it again");
+  }
+  for (const auto& [name, value] : metrics.items()) {
+    if (value.is_null()) continue;  // how version 0.1 wrote what is no finite number
+    if (!value.is_number()) {
+      throw std::invalid_argument(file.string() + ": " + name +
+                                  ": must be a number: the file is damaged; run it again");
+    }
+    metrics_.push_back({name, unit_of(name), value.get<double>()});
+  }
 }
 
 std::optional<double> SavedRun::metric(const std::string& name) const {

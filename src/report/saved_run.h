@@ -10,6 +10,7 @@
 #include "record/hdf5_log.h"
 #include "record/recording.h"
 #include "record/series.h"
+#include "scenario/run_manifest.h"
 
 namespace breakwater {
 
@@ -21,12 +22,14 @@ class SavedRun {
   explicit SavedRun(const std::filesystem::path& folder);
 
   const std::filesystem::path& folder() const { return folder_; }
-  const std::string& scenario() const { return scenario_; }
-  const std::string& case_name() const { return case_name_; }
-  const std::string& seed() const { return seed_; }
-  const std::string& git_commit() const { return git_commit_; }
+  const std::string& scenario() const { return manifest_.scenario; }
+  const std::string& case_name() const { return manifest_.case_name; }
+  const std::string& seed() const { return manifest_.seed; }
   const std::string& config_text() const { return config_text_; }
-  const std::optional<Failure>& failure() const { return failure_; }
+  const std::optional<Failure>& failure() const { return manifest_.failure; }
+  /// What it is made of besides its configuration; empty where an older version wrote it.
+  const std::string& program() const { return manifest_.program; }
+  const ModelHashes& models() const { return manifest_.models; }
   /// In the scenario's order. Units are the ends of the names.
   const std::vector<Metric>& metrics() const { return metrics_; }
   std::optional<double> metric(const std::string& name) const;
@@ -39,15 +42,12 @@ class SavedRun {
   const LogEntry& entry(const std::string& name) const;
 
  private:
+  void read_metrics();
   const LoggedSignal& dataset(const std::string& path) const;
 
   std::filesystem::path folder_;
-  std::string scenario_;
-  std::string case_name_;
-  std::string seed_;
-  std::string git_commit_;
+  RunManifest manifest_;
   std::string config_text_;
-  std::optional<Failure> failure_;
   std::vector<Metric> metrics_;
   std::vector<LogEntry> signals_;
   mutable std::map<std::string, LoggedSignal> read_;  // datasets, as they were asked for

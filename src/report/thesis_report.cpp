@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numeric>
 #include <set>
@@ -83,8 +84,49 @@ std::vector<PageChart> charts_of(const FigureSpec& figure, const std::string& gr
   return charts;
 }
 
+// A statement of somebody's own list is not reproduced: it holds.
+std::string word_for(Verdict verdict, bool is_own_statement) {
+  if (!is_own_statement || verdict == Verdict::not_measured) return text(verdict);
+  return verdict == Verdict::reproduced ? "holds" : "does not hold";
+}
+
+void count(Verdict verdict, bool is_own_statement, Score& score) {
+  switch (verdict) {
+    case Verdict::reproduced:
+      ++(is_own_statement ? score.holds : score.reproduced);
+      break;
+    case Verdict::within_class:
+      ++score.within_class;
+      break;
+    case Verdict::not_reproduced:
+      ++(is_own_statement ? score.does_not_hold : score.not_reproduced);
+      break;
+    case Verdict::not_measured:
+      ++score.not_measured;
+      break;
+  }
+}
+
+mustache::data tallies_data(const Score& score) {
+  mustache::data list(mustache::data::type::list);
+  for (const Score::Tally& tally : score.tallies()) {
+    mustache::data entry;
+    entry.set("kind", css_class(tally.verdict));
+    entry.set("count", std::to_string(tally.count));
+    entry.set("word", tally.word);
+    list << entry;
+  }
+  return list;
+}
+
+// Why there is no number.
+std::string missing_text(const CellSpec& cell, std::size_t missing, std::size_t values) {
+  const std::string what = cell.over.empty() ? cell.metric : cell.metric + " of one or the other";
+  return values == 1 ? "no " + what : fmt::format("no {} in {} of {} runs", what, missing, values);
+}
+
 mustache::data table_data(const TableSpec& table, const SectionSpec& section,
-                          const Measured& measured, Score& score) {
+                          const Measured& measured, bool is_own, Score& score) {
   const PrintedResults& printed = printed_results();
   mustache::data data;
   data.set("table_title", table.title);
@@ -108,10 +150,14 @@ mustache::data table_data(const TableSpec& table, const SectionSpec& section,
       mustache::data cell;
       if (spec) {
         const Judged judged = judge_cell(*spec, measured, printed);
-        score.count(judged.verdict);
+        const bool is_own_statement = is_own && !spec->says.empty();
+        count(judged.verdict, is_own_statement, score);
         mustache::data filled;
         filled.set("measured", judged.measured);
-        if (judged.values > 1) {
+        const std::size_t missing = judged.values - judged.numbers;
+        if (missing > 0 && judged.verdict == Verdict::not_measured) {
+          filled.set("spread", missing_text(*spec, missing, judged.values));
+        } else if (judged.values > 1 && missing == 0) {
           filled.set("spread",
                      judged.smallest < judged.largest
                          ? fmt::format("{} to {} in {} runs", format_number(judged.smallest),
@@ -120,7 +166,7 @@ mustache::data table_data(const TableSpec& table, const SectionSpec& section,
         }
         if (spec->says.empty()) filled.set("printed", judged.printed);
         if (!spec->says.empty()) filled.set("says", judged.printed);
-        filled.set("verdict", text(judged.verdict));
+        filled.set("verdict", word_for(judged.verdict, is_own_statement));
         filled.set("verdict_class", css_class(judged.verdict));
         filled.set("class_text", judged.class_text);
         if (std::find(classes.begin(), classes.end(), judged.class_text) == classes.end()) {
@@ -195,9 +241,11 @@ std::string css_class(Verdict verdict) {
     case Verdict::within_class:
       return "near";
     case Verdict::not_reproduced:
+      return "off";
+    case Verdict::not_measured:
       break;
   }
-  return "off";
+  return "unknown";
 }
 
 std::optional<mustache::data> video_data(const SavedRun& run, const std::string& group) {
@@ -219,44 +267,89 @@ std::optional<mustache::data> video_data(const SavedRun& run, const std::string&
   return data;
 }
 
-void Score::count(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::reproduced:
-      ++reproduced;
-      break;
-    case Verdict::within_class:
-      ++within_class;
-      break;
-    case Verdict::not_reproduced:
-      ++not_reproduced;
-      break;
+Score& Score::operator+=(const Score& other) {
+  reproduced += other.reproduced;
+  within_class += other.within_class;
+  not_reproduced += other.not_reproduced;
+  not_measured += other.not_measured;
+  holds += other.holds;
+  does_not_hold += other.does_not_hold;
+  return *this;
+}
+
+std::vector<Score::Tally> Score::tallies() const {
+  std::vector<Tally> all;
+  const bool has_own = holds + does_not_hold > 0;
+  if (reproduced + within_class + not_reproduced > 0 || !has_own) {
+    all.push_back({reproduced, "reproduced", Verdict::reproduced});
+    all.push_back({within_class, "within the class", Verdict::within_class});
+    all.push_back({not_reproduced, "not reproduced", Verdict::not_reproduced});
   }
+  if (has_own) {
+    all.push_back({holds, "held", Verdict::reproduced});
+    all.push_back({does_not_hold, "did not hold", Verdict::not_reproduced});
+  }
+  if (not_measured > 0) all.push_back({not_measured, "not measured", Verdict::not_measured});
+  return all;
+}
+
+std::string Score::text() const {
+  std::vector<std::string> parts;
+  for (const Tally& tally : tallies())
+    parts.push_back(fmt::format("{} {}", tally.count, tally.word));
+  return fmt::format("{}", fmt::join(parts, ", "));
 }
 
 Judged judge_cell(const CellSpec& cell, const Measured& measured, const PrintedResults& printed) {
   const std::vector<double> values = values_of(cell, measured);
   Judged judged;
+  judged.values = values.size();
   judged.median = cell.is_share ? std::accumulate(values.begin(), values.end(), 0.0) /
                                       static_cast<double>(values.size())
                                 : median(values);
-  judged.smallest = *std::min_element(values.begin(), values.end());
-  judged.largest = *std::max_element(values.begin(), values.end());
-  judged.values = values.size();
-  const auto& runs = measured.at(cell.run);
-  judged.failed = static_cast<std::size_t>(
-      std::count_if(runs.begin(), runs.end(), [](const Measurement& m) { return m.failed; }));
-  judged.measured = judged.failed == judged.values ? "the run fails" : format_number(judged.median);
+  std::vector<double> numbers;
+  std::copy_if(values.begin(), values.end(), std::back_inserter(numbers),
+               [](double value) { return !std::isnan(value); });
+  judged.numbers = numbers.size();
+  if (!numbers.empty()) {
+    judged.smallest = *std::min_element(numbers.begin(), numbers.end());
+    judged.largest = *std::max_element(numbers.begin(), numbers.end());
+  }
+  // A run that failed was run: what it should have shown is not reproduced, unless the cell says
+  // what its failure is worth.
+  std::size_t failed = 0;
+  std::size_t runs = 0;
+  for (const std::string& run : {cell.run, cell.over}) {
+    if (run.empty()) continue;
+    for (const Measurement& one : measured.at(run)) {
+      failed += one.failed ? 1 : 0;
+      ++runs;
+    }
+  }
+  const bool has_failed = failed > 0 && std::isnan(cell.if_failed);
+  if (failed == runs) {
+    judged.measured = runs == 1 ? "the run fails" : "the runs fail";
+  } else if (has_failed) {
+    judged.measured = fmt::format("{} of {} runs fail", failed, runs);
+  } else {
+    judged.measured = format_number(judged.median);
+  }
+  const auto final_verdict = [&](Verdict verdict) {
+    return has_failed ? Verdict::not_reproduced : verdict;
+  };
   if (!cell.says.empty()) {
     judged.printed = cell.says;
     judged.class_text = "holds if " + cell.holds.text();
-    judged.verdict =
-        cell.holds.contains(judged.median) ? Verdict::reproduced : Verdict::not_reproduced;
+    const bool holds = cell.holds.contains(judged.median);
+    judged.verdict = final_verdict(std::isnan(judged.median) ? Verdict::not_measured
+                                   : holds                   ? Verdict::reproduced
+                                                             : Verdict::not_reproduced);
     return judged;
   }
   const PrintedResult result = printed.find(cell.printed).value();
   const Standard& standard = printed.standard(cell.printed);
   judged.printed = result.text();
-  judged.verdict = judge(judged.median, result, standard);
+  judged.verdict = final_verdict(judge(judged.median, result, standard));
   if (result.number) {
     judged.class_text = fmt::format("reproduced: {}; class: {}", standard.reproduced.text(),
                                     standard.within.text());
@@ -272,6 +365,7 @@ Judged judge_cell(const CellSpec& cell, const Measured& measured, const PrintedR
 }
 
 std::string format_number(double value) {
+  if (std::isnan(value)) return "not measured";
   if (std::isinf(value)) return "never";
   const double size = std::abs(value);
   if (size != 0.0 && (size < 1e-3 || size >= 1e5)) return fmt::format("{:.2e}", value);
@@ -314,7 +408,7 @@ ThesisReport thesis_report(const Reproduction& reproduction, const Measured& mea
     }
     mustache::data tables(mustache::data::type::list);
     for (const TableSpec& table : spec->tables) {
-      tables << table_data(table, *spec, measured, score);
+      tables << table_data(table, *spec, measured, experiments.is_own, score);
     }
     section.set("tables", tables);
     if (!spec->video.empty()) {
@@ -366,15 +460,12 @@ ThesisReport thesis_report(const Reproduction& reproduction, const Measured& mea
     entry.set("label", spec->title);
     if (!spec->tables.empty()) {
       mustache::data small;
-      small.set("good", std::to_string(score.reproduced));
-      small.set("near", std::to_string(score.within_class));
-      small.set("off", std::to_string(score.not_reproduced));
+      small.set("words", score.text());
+      small.set("tallies", tallies_data(score));
       entry.set("score", small);
     }
     toc << entry;
-    report.score.reproduced += score.reproduced;
-    report.score.within_class += score.within_class;
-    report.score.not_reproduced += score.not_reproduced;
+    report.score += score;
   }
 
   report.figures = numbers.size();
@@ -399,7 +490,9 @@ ThesisReport thesis_report(const Reproduction& reproduction, const Measured& mea
     pages << entry;
   }
 
-  page.set("title", "Breakwater: the thesis, reproduced");
+  const std::string title = experiments.title.empty() ? "Experiments" : experiments.title;
+  page.set("title", experiments.is_own ? title : "Breakwater: the thesis, reproduced");
+  page.set("is_own", experiments.is_own);
   page.set("toc", toc);
   page.set("sections", sections);
   page.set("heroes", heroes);
@@ -412,11 +505,10 @@ ThesisReport thesis_report(const Reproduction& reproduction, const Measured& mea
     extent += " Only the sections in the contents were asked for.";
   }
   page.set("extent", extent);
-  page.set("good", std::to_string(report.score.reproduced));
-  page.set("near", std::to_string(report.score.within_class));
-  page.set("off", std::to_string(report.score.not_reproduced));
-  page.set("all", std::to_string(report.score.reproduced + report.score.within_class +
-                                 report.score.not_reproduced));
+  int all = 0;
+  for (const Score::Tally& tally : report.score.tallies()) all += tally.count;
+  page.set("tallies", tallies_data(report.score));
+  page.set("all", std::to_string(all));
   page.set("figure_count", std::to_string(report.figures));
   for (const SectionSpec* spec : reproduction.sections) {
     if (spec->id != experiments.video || spec->video.empty()) continue;

@@ -12,13 +12,26 @@
 
 namespace breakwater {
 
-/// How many printed results came out how.
+/// How many results came out how.
 struct Score {
   int reproduced = 0;
   int within_class = 0;
   int not_reproduced = 0;
+  int not_measured = 0;
+  int holds = 0;  ///< statements of somebody's own list, which are not the thesis'
+  int does_not_hold = 0;
 
-  void count(Verdict verdict);
+  Score& operator+=(const Score& other);
+  /// What there may be, in the order in which it is said: what does not occur in a list is left
+  /// out.
+  struct Tally {
+    int count;
+    std::string word;
+    Verdict verdict;
+  };
+  std::vector<Tally> tallies() const;
+  /// "3 reproduced, 1 within the class, 0 not reproduced".
+  std::string text() const;
 };
 
 /// A cell, judged.
@@ -27,15 +40,15 @@ struct Judged {
   double smallest = 0.0;
   double largest = 0.0;
   std::size_t values = 0;
-  std::size_t failed = 0;  ///< of these
+  std::size_t numbers = 0;  ///< of these; the others were not measured
   std::string measured;  ///< the median; before it the word that it deserves, if words are printed
   std::string printed;   ///< as the thesis has it
   std::string class_text;  ///< what would count as reproduced
-  Verdict verdict = Verdict::not_reproduced;
+  Verdict verdict = Verdict::not_measured;
 };
 Judged judge_cell(const CellSpec& cell, const Measured& measured, const PrintedResults& printed);
 
-/// Its colour on a page: good, near or off.
+/// Its colour on a page: good, near, off or unknown.
 std::string css_class(Verdict verdict);
 
 /// What the templates call the video of a run, if there is one in its folder; charts of `group`

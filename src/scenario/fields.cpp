@@ -166,6 +166,7 @@ void Fields::text(const std::string& key, std::string& target, const std::string
 void Fields::file(const std::string& key, std::string& target, const std::string& doc) {
   fields_.push_back({key, doc, [&target](const ConfigValue& v) { return read_text(v, target); },
                      [&target] { return toml_string(portable_path(target)); }});
+  files_.push_back(&target);
 }
 
 void Fields::numbers(const std::string& key, std::vector<double>& target, const Range& range,
@@ -246,6 +247,12 @@ std::string Fields::print(const std::string& scenario, const std::string& case_n
     }
   }
   return text + fmt::format("\n[case.{}]\n", toml_key(case_name));
+}
+
+std::vector<std::string> Fields::files() const {
+  std::vector<std::string> files;
+  for (const std::string* file : files_) files.push_back(*file);
+  return files;
 }
 
 }  // namespace breakwater

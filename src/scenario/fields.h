@@ -68,6 +68,10 @@ class Fields {
   /// The scenario file that gives these values again, with one case and no overrides.
   std::string print(const std::string& scenario, const std::string& case_name) const;
 
+  /// What the keys of files name now: the models that a run is made of, once they are read and the
+  /// scenario's check() has found them.
+  std::vector<std::string> files() const;
+
  private:
   using Error = std::optional<std::string>;
   struct Field {
@@ -82,6 +86,7 @@ class Fields {
                   const std::string& doc);
 
   std::vector<Field> fields_;
+  std::vector<const std::string*> files_;
 };
 
 }  // namespace breakwater

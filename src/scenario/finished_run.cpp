@@ -3,12 +3,10 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <fstream>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <stdexcept>
 
-#include "record/run_folder.h"
+#include "scenario/run_manifest.h"
 
 namespace breakwater {
 namespace {
@@ -39,14 +37,10 @@ FinishedRun::FinishedRun(const std::filesystem::path& folder) : folder_(folder) 
       throw std::invalid_argument(folder_.string() + ": is not a finished run: it has no " + file);
     }
   }
-  if (!is_run_folder(folder_)) {
-    throw std::invalid_argument((folder_ / "manifest.json").string() + ": is not a run's manifest");
-  }
+  const RunManifest manifest = read_manifest(folder_);
   check_log(folder_);
-  std::ifstream stream(folder_ / "manifest.json");
-  const auto manifest = nlohmann::json::parse(stream);
-  case_name_ = manifest.value("case", "");
-  scenario_ = make_scenario(manifest.value("scenario", ""));
+  case_name_ = manifest.case_name;
+  scenario_ = make_scenario(manifest.scenario);
 
   const ScenarioFile file((folder_ / "config.toml").string(), scenario_->name());
   config_ = std::make_unique<Config>(file.config(case_name_));

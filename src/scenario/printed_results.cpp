@@ -98,6 +98,7 @@ std::string PrintedResult::text() const {
 }
 
 Verdict judge(double measured, const PrintedResult& printed, const Standard& standard) {
+  if (std::isnan(measured)) return Verdict::not_measured;
   if (printed.number) {
     if (standard.reproduced.contains(measured, *printed.number)) return Verdict::reproduced;
     if (standard.within.contains(measured, *printed.number)) return Verdict::within_class;
@@ -117,9 +118,11 @@ std::string text(Verdict verdict) {
     case Verdict::within_class:
       return "within the class";
     case Verdict::not_reproduced:
+      return "not reproduced";
+    case Verdict::not_measured:
       break;
   }
-  return "not reproduced";
+  return "not measured";
 }
 
 PrintedResults::PrintedResults(const std::filesystem::path& folder) {

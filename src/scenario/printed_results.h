@@ -10,7 +10,7 @@
 
 namespace breakwater {
 
-enum class Verdict { reproduced, within_class, not_reproduced };
+enum class Verdict { reproduced, within_class, not_reproduced, not_measured };
 
 /// Where a measured number must lie. All that is given must hold; nothing given: anywhere.
 struct Band {
@@ -40,11 +40,10 @@ struct PrintedResult {
   std::string text() const;
 };
 
-/// An absent metric is infinitely large: what never settles takes for ever. NaN is reproduced by
-/// nothing.
+/// What never settles is infinitely large. NaN is nothing that was measured.
 Verdict judge(double measured, const PrintedResult& printed, const Standard& standard);
 
-/// "reproduced", "within the class", "not reproduced".
+/// "reproduced", "within the class", "not reproduced", "not measured".
 std::string text(Verdict verdict);
 
 /// printed-results.toml and reproduced.toml.

@@ -19,8 +19,8 @@
 namespace breakwater {
 namespace {
 
-std::string manifest(const PreparedRun& run, const Recording& recording, double wall_s,
-                     const std::string& log_hash) {
+std::string manifest(const PreparedRun& run, const ModelHashes& models, const Recording& recording,
+                     double wall_s, const std::string& log_hash) {
   nlohmann::ordered_json json;
   json["scenario"] = run.scenario->name();
   json["case"] = run.case_name;
@@ -37,6 +37,8 @@ std::string manifest(const PreparedRun& run, const Recording& recording, double 
   json["wall_time_s"] = wall_s;
   json["breakwater"] = kVersion;
   json["git_commit"] = kGitCommit;
+  json["program"] = program_hash();
+  json["models"] = models;
   json["versions"] = {{"mujoco", engine_version()},
                       {"eigen", fmt::format("{}.{}.{}", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION,
                                             EIGEN_MINOR_VERSION)},
@@ -69,11 +71,13 @@ class RunFolders {
 RunSummary execute(const PreparedRun& run, RunFolder& folder, const RunOptions& options,
                    const RunControl& control) {
   const auto start = std::chrono::steady_clock::now();
+  // Now, not when it was prepared: others may have run for hours since.
+  const ModelHashes models = model_hashes(run.model_files);
   const Recording recording = run.scenario->run(control);
 
   const double wall_s =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  write_run(run, recording, wall_s, folder, options.csv);
+  write_run(run, models, recording, wall_s, folder, options.csv);
   return {run.case_name,
           folder.target(),
           recording.metrics,
@@ -117,19 +121,20 @@ PreparedRun prepare_run(const std::string& scenario, const ScenarioFile& file,
   fields.read(config);
   run.scenario->check(config);
   run.config_text = fields.print(scenario, case_name);
+  run.model_files = fields.files();
   run.is_as_shipped = shipped_config(*run.scenario, case_name) == run.config_text;
   return run;
 }
 
-void write_run(const PreparedRun& run, const Recording& recording, double wall_s, RunFolder& folder,
-               bool csv) {
+void write_run(const PreparedRun& run, const ModelHashes& models, const Recording& recording,
+               double wall_s, RunFolder& folder, bool csv) {
   const std::filesystem::path& path = folder.path();
   write_text_file(path / "config.toml", run.config_text);
   write_hdf5_log(path / "log.h5", recording.tracks, run.scenario->run_settings().compression);
   if (csv) write_csv_log(path / "log.csv", recording.tracks.front());
   if (!recording.failure) write_metrics(path / "metrics.json", recording.metrics);
   write_text_file(path / "manifest.json",
-                  manifest(run, recording, wall_s, file_hash(path / "log.h5")));
+                  manifest(run, models, recording, wall_s, file_hash(path / "log.h5")));
   folder.commit();
 }
 

@@ -10,6 +10,7 @@
 
 #include "record/recording.h"
 #include "record/run_folder.h"
+#include "scenario/provenance.h"
 #include "scenario/scenario.h"
 
 namespace breakwater {
@@ -18,8 +19,9 @@ namespace breakwater {
 struct PreparedRun {
   std::unique_ptr<Scenario> scenario;
   std::string case_name;
-  std::string config_text;    ///< the effective configuration, as a scenario file
-  bool is_as_shipped = true;  ///< the project's own case, but for seed and compression
+  std::string config_text;               ///< the effective configuration, as a scenario file
+  bool is_as_shipped = true;             ///< the project's own case, but for seed and compression
+  std::vector<std::string> model_files;  ///< that its keys name
 };
 
 /// What is left of a run once its folder is written.
@@ -47,9 +49,10 @@ struct RunOptions {
   const std::atomic<bool>* stop = nullptr;
 };
 
-/// Writes all that a run leaves into its folder, which then takes its place. Throws OutputError.
-void write_run(const PreparedRun& run, const Recording& recording, double wall_s, RunFolder& folder,
-               bool csv);
+/// Writes all that a run leaves into its folder, which then takes its place. `models` are those
+/// that it was made of. Throws OutputError.
+void write_run(const PreparedRun& run, const ModelHashes& models, const Recording& recording,
+               double wall_s, RunFolder& folder, bool csv);
 
 /// Runs all of `runs`, on all cores, each into its folder of `targets`. Nothing runs unless all
 /// of them can be written. Throws std::invalid_argument, OutputError or Interrupted; a run that

@@ -3,6 +3,7 @@
 
 #include <csignal>
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <set>
 #include <sstream>
 
@@ -103,7 +104,9 @@ class Reports : public ::testing::Test {
 TEST_F(Reports, AKilledReproductionGoesOnAndGivesTheSamePage) {
   const ProgramResult whole = reproduce("whole");
   ASSERT_EQ(whole.status, 0) << whole.err;
-  EXPECT_NE(whole.out.find("3 reproduced, 0 within the class, 0 not reproduced"), std::string::npos)
+  EXPECT_NE(
+      whole.out.find("2 reproduced, 0 within the class, 0 not reproduced, 1 held, 0 did not hold"),
+      std::string::npos)
       << whole.out;
   EXPECT_NE(whole.out.find("report: whole/report.html"), std::string::npos);
 
@@ -143,10 +146,113 @@ TEST_F(Reports, AnAlteredMeasurementFlipsItsVerdict) {
   measurements.replace(value, measurements.find_first_of(",}", value) - value, "0.9");
   std::ofstream(folder_ / "out/measurements.jsonl") << measurements;
   const ProgramResult altered = reproduce("out");
-  EXPECT_NE(altered.out.find("2 reproduced, 0 within the class, 1 not reproduced"),
+  EXPECT_NE(altered.out.find("1 reproduced, 0 within the class, 1 not reproduced, 1 held"),
             std::string::npos)
       << altered.out;
   EXPECT_NE(text_of(folder_ / "out/report.html").find("class=\"verdict off\""), std::string::npos);
+}
+
+// One short run with a log, and a row for each of `rows`: what is said of its numbers.
+std::string statements(const std::vector<std::string>& rows, const std::string& sets = "") {
+  std::string text = R"(
+[form.motor]
+panels = [{ title = "velocity", signals = ["velocity_true_rad_s"] }]
+[[section]]
+id = "1"
+plant = "motor"
+title = "Mine"
+[[section.run]]
+name = "one"
+scenario = "motor_estimation"
+case = "kfd"
+sets = ["run.duration_s=2", "metrics.from_s=1", "metrics.to_s=2")";
+  text += sets + "]\n[[section.figures]]\nform = \"motor\"\n" +
+          "list = [{ n = \"1\", title = \"One\", run = \"one\" }]\n" +
+          "[[section.table]]\ntitle = \"Statements\"\ncolumns = [{ title = \"one\" }]\n" +
+          "cell = { run = \"one\" }\nrows = [\n";
+  for (const std::string& row : rows)
+    text += "  { title = \"row\", says = \"so\", " + row + " },\n";
+  return text + "]\n";
+}
+
+TEST_F(Reports, StatementsOfOnesOwnHoldOrDoNotAndWhatIsNotMeasuredIsNoSuccess) {
+  std::ofstream(folder_ / "tiny.toml")
+      << "title = \"My motor\"\n"
+      << statements({"metric = \"rmse_velocity_rad_s\", below = 1e3",
+                     "metric = \"rmse_velocity_rad_s\", above = 1e3",
+                     // Of 2 s, 1 s after a step, the KFD has not settled: nothing to say how long.
+                     "metric = \"disturbance_settling_time_s\", absent = \"never\", above = 0.0",
+                     "metric = \"rmse_velocity_rad_s\", over = \"one\", above = 1.0"});
+  const ProgramResult result = reproduce("out");
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_NE(result.out.find("2 held, 1 did not hold, 1 not measured\n"), std::string::npos)
+      << result.out;
+  EXPECT_EQ(result.out.find("reproduced,"), std::string::npos) << result.out;
+  const std::string html = text_of(folder_ / "out/report.html");
+  EXPECT_NE(html.find("<h1>My motor</h1>"), std::string::npos);
+  EXPECT_EQ(html.find("The thesis, reproduced"), std::string::npos);
+  EXPECT_NE(html.find(">holds<"), std::string::npos);
+  EXPECT_NE(html.find(">does not hold<"), std::string::npos);
+  EXPECT_NE(html.find("class=\"verdict unknown\""), std::string::npos);
+  EXPECT_EQ(html.find(">reproduced<"), std::string::npos);
+}
+
+TEST_F(Reports, AMetricThatNoRunHasIsAnErrorOfTheList) {
+  const auto refuse = [&](const std::string& row, const std::string& message) {
+    const std::string text = statements({"metric = \"rmse_velocity_rad_s\", below = 1e3", row});
+    std::ofstream(folder_ / "tiny.toml") << text;
+    // The last row but for the line that closes the list.
+    const std::string place = "tiny.toml:" + std::to_string(lines_of(text) - 1) + ": ";
+    expect_refused({"reproduce", "--experiments", "tiny.toml", "--out", "out", "--quiet"},
+                   place + message);
+    EXPECT_FALSE(fs::exists(folder_ / "out/report.html"));
+  };
+  refuse("metric = \"rmse_velocty_rad_s\", above = 0.0",
+         "metric: no run of motor_estimation has rmse_velocty_rad_s (did you mean "
+         "rmse_velocity_rad_s?)");
+  refuse("metric = \"|rmse_velocty_rad_s|\", above = 0.0",
+         "metric: no run of motor_estimation has rmse_velocty_rad_s (did you mean");
+  refuse("metric = \"max d_hat_N\", above = 0.0",
+         "metric: run one has no signal d_hat_N (did you mean d_hat_Nm?)");
+}
+
+TEST_F(Reports, AnEditedModelNeverStandsBesideTheNumbersOfAnother) {
+  const fs::path model = folder_ / "motor.xml";
+  fs::copy(testing::source_file("models/motor.xml"), model);
+  const std::string own = text_of(model);
+  std::ofstream(folder_ / "tiny.toml")
+      << statements({"metric = \"peak_position_rad\", below = 1e3"}, ", \"model.mjcf=motor.xml\"");
+  const auto state = [&] {
+    const auto manifest = nlohmann::json::parse(text_of(folder_ / "out/runs/one/manifest.json"));
+    return manifest["state_hash"].get<std::string>();
+  };
+  ASSERT_EQ(reproduce("out").status, 0);
+  const std::string page = text_of(folder_ / "out/report.html");
+  const std::string first = state();
+
+  std::string heavier = own;
+  heavier.replace(heavier.find("0.6 0.6 1"), 9, "0.9 0.9 1.5");
+  std::ofstream(model) << heavier;
+  ASSERT_EQ(reproduce("out").status, 0);
+  EXPECT_NE(text_of(folder_ / "out/report.html"), page);
+  EXPECT_NE(state(), first);
+
+  std::ofstream(model) << own;
+  ASSERT_EQ(reproduce("out").status, 0);
+  EXPECT_EQ(state(), first) << "the folder is of the model that gave the numbers";
+  EXPECT_EQ(text_of(folder_ / "out/report.html"), page);
+  EXPECT_EQ(lines_of(text_of(folder_ / "out/measurements.jsonl")), 3)
+      << "two models, and the figure's run again";
+
+  // What the model includes is a part of it.
+  std::string with_include = own;
+  with_include.insert(with_include.find("<worldbody>"), "<include file=\"more.xml\"/>");
+  std::ofstream(model) << with_include;
+  std::ofstream(folder_ / "more.xml") << "<mujoco><option gravity=\"0 0 0\"/></mujoco>";
+  ASSERT_EQ(reproduce("out").status, 0);
+  EXPECT_NE(reproduce("out").err.find("1 runs, 1 of them there already"), std::string::npos);
+  std::ofstream(folder_ / "more.xml") << "<mujoco><option gravity=\"0 0 -1\"/></mujoco>";
+  EXPECT_NE(reproduce("out").err.find("1 runs, 0 of them there already"), std::string::npos);
 }
 
 TEST_F(Reports, ReproduceRefusesNonsense) {

@@ -1,12 +1,16 @@
 // What reports are made of: verdicts, measurements, tables, pages.
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include <cmath>
+#include <csignal>
 #include <fstream>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <set>
 #include <stdexcept>
 
+#include "record/output_error.h"
 #include "report/experiments.h"
 #include "report/html_page.h"
 #include "report/latex.h"
@@ -15,6 +19,8 @@
 #include "report/reproduction.h"
 #include "report/saved_run.h"
 #include "report/thesis_report.h"
+#include "scenario/finished_run.h"
+#include "scenario/runner.h"
 #include "support.h"
 
 namespace breakwater {
@@ -35,7 +41,7 @@ TEST(Verdict, NumbersHaveTwoBands) {
   EXPECT_EQ(judge(2.11, printed, standard), Verdict::within_class);
   EXPECT_EQ(judge(1.51, printed, standard), Verdict::within_class);
   EXPECT_EQ(judge(1.49, printed, standard), Verdict::not_reproduced);
-  EXPECT_EQ(judge(NAN, printed, standard), Verdict::not_reproduced);
+  EXPECT_EQ(judge(NAN, printed, standard), Verdict::not_measured);
   EXPECT_EQ(judge(kNever, printed, standard), Verdict::not_reproduced);
 }
 
@@ -108,15 +114,78 @@ TEST(Verdict, AFailedRunHoldsNothingUnlessTheCellSaysWhat) {
   EXPECT_EQ(judge_cell(cell, measured, printed_results()).verdict, Verdict::reproduced);
   measured["any"][1].failed = true;
   EXPECT_EQ(judge_cell(cell, measured, printed_results()).verdict, Verdict::not_reproduced);
-  // Nor does a part of what is infinite, or of nothing.
+  EXPECT_EQ(judge_cell(cell, measured, printed_results()).measured, "1 of 3 runs fail");
+  // The same where it is what others are divided by.
   measured["any"][1].failed = false;
   cell.over = "other";
-  cell.holds.above.reset();
-  cell.holds.below = 1.0;
   measured["other"].resize(1);
+  measured["other"][0].failed = true;
   EXPECT_EQ(judge_cell(cell, measured, printed_results()).verdict, Verdict::not_reproduced);
-  measured["other"][0].values["max_speed_m_s"] = 0.0;
-  EXPECT_EQ(judge_cell(cell, measured, printed_results()).verdict, Verdict::not_reproduced);
+}
+
+TEST(Verdict, AnAbsentMetricIsNotMeasuredUnlessTheCellSaysThatItMeansNever) {
+  CellSpec cell;
+  cell.run = "any";
+  cell.metric = "setling_time_s";
+  cell.says = "never settles";
+  cell.holds.above = 1.0;
+  Measured measured;
+  measured["any"].resize(1);
+  measured["any"][0].values["settling_time_s"] = 0.1;
+  const Judged misspelt = judge_cell(cell, measured, printed_results());
+  EXPECT_EQ(misspelt.verdict, Verdict::not_measured);
+  EXPECT_EQ(misspelt.measured, "not measured");
+  EXPECT_EQ(misspelt.numbers, 0U);
+  cell.absent_is_never = true;
+  EXPECT_EQ(judge_cell(cell, measured, printed_results()).verdict, Verdict::not_measured)
+      << "no other run has it, so nothing says that it is a metric at all";
+  measured["any"][0].absent.insert("setling_time_s");
+  EXPECT_EQ(judge_cell(cell, measured, printed_results()).verdict, Verdict::reproduced);
+  EXPECT_EQ(judge_cell(cell, measured, printed_results()).measured, "never");
+  // What is there and no number is not measured, whatever absence means.
+  measured["any"][0].values["setling_time_s"] = NAN;
+  EXPECT_EQ(judge_cell(cell, measured, printed_results()).verdict, Verdict::not_measured);
+}
+
+TEST(Verdict, OneRunWithoutTheMetricLeavesTheCellNotMeasured) {
+  CellSpec cell;
+  cell.run = "any";
+  cell.metric = "converged";
+  cell.printed = "quadrotor_waves.converges.ukf_second";
+  for (const bool is_share : {false, true}) {
+    cell.is_share = is_share;
+    Measured measured;
+    measured["any"].resize(3);
+    for (std::size_t i = 0; i < 2; ++i) measured["any"][i].values["converged"] = 1.0;
+    const Judged judged = judge_cell(cell, measured, printed_results());
+    EXPECT_EQ(judged.verdict, Verdict::not_measured);
+    EXPECT_EQ(judged.numbers, 2U);
+  }
+}
+
+TEST(Verdict, APartOfNothingIsNotMeasured) {
+  CellSpec cell;
+  cell.run = "any";
+  cell.over = "other";
+  cell.metric = "peak_N";
+  cell.absent_is_never = true;
+  cell.says = "any number at all";
+  cell.holds.above = -1e300;
+  Measured measured;
+  measured["any"].resize(1);
+  measured["any"][0].values["peak_N"] = 1.0;
+  measured["other"].resize(1);
+  Measurement& other = measured["other"][0];
+  const auto verdict = [&] { return judge_cell(cell, measured, printed_results()).verdict; };
+  for (const double nothing : {0.0, -0.0, double(NAN), kNever}) {
+    other.values["peak_N"] = nothing;
+    EXPECT_EQ(verdict(), Verdict::not_measured) << nothing;
+  }
+  other.values.clear();
+  other.absent.insert("peak_N");
+  EXPECT_EQ(verdict(), Verdict::not_measured) << "a part of never";
+  other.values["peak_N"] = 2.0;
+  EXPECT_EQ(verdict(), Verdict::reproduced);
 }
 
 TEST(Verdict, SixOfTenDoNotConverge) {
@@ -159,6 +228,113 @@ TEST(Measurements, SurviveALineThatWasCutOff) {
   const Measurements measurements(file);
   EXPECT_EQ(measurements.find("third")->values.at("a"), 0.3);
   EXPECT_FALSE(measurements.find("second"));
+}
+
+TEST(Measurements, ReadOrIgnoreWhateverALineHolds) {
+  const auto file = testing::temporary_path("lines.jsonl");
+  const testing::Removed removed(file);
+  {
+    std::ofstream lines(file);
+    lines << R"({"key":"null","run":"r","values":{"a":null,"b":2.0}})"
+          << "\n"
+          << R"({"key":"big","values":{"a":1e308,"b":123456789012345678901234567890}})"
+          << "\n"
+          << R"({"key":"infinite","values":{"a":1e999}})"
+          << "\n"
+          << R"({"key":"text","values":{"a":"1.0"}})"
+          << "\n"
+          << R"({"key":"list","values":[1.0]})"
+          << "\n"
+          << R"({"key":"none"})"
+          << "\n"
+          << R"({"key":7,"values":{}})"
+          << "\n"
+          << R"({"values":{}})"
+          << "\n"
+          << R"({"key":"failed","failed":"yes","failure":"x","values":{}})"
+          << "\n"
+          << R"({"key":"reason","failed":true,"failure":3,"values":{}})"
+          << "\n"
+          << R"({"key":"silent","failed":true,"values":{}})"
+          << "\n"
+          << "[]\n17\nnull\n\n"
+          << std::string("\0\xff\xfe binary", 10) << "\n"
+          << std::string(100000, '[') << "\n"
+          << R"({"key":"twice","values":{"a":1.0}})"
+          << "\n"
+          << R"({"key":"twice","values":{"a":2.0}})"
+          << "\n"
+          << R"({"key":"first","values":{"a":1.0}}{"key":"second","values":{"a":1.0}})"
+          << "\n"
+          << R"({"key":"good","failed":true,"failure":"at 1 s","values":{}})"
+          << "\n";
+  }
+  const Measurements measurements(file);
+  ASSERT_TRUE(measurements.find("null"));
+  EXPECT_TRUE(std::isnan(measurements.find("null")->values.at("a")));
+  EXPECT_EQ(measurements.find("null")->values.at("b"), 2.0);
+  EXPECT_EQ(measurements.find("big")->values.at("a"), 1e308);
+  for (const char* key : {"infinite", "text", "list", "none", "7", "", "failed", "reason", "silent",
+                          "first", "second"}) {
+    EXPECT_FALSE(measurements.find(key)) << key;
+  }
+  EXPECT_EQ(measurements.find("twice")->values.at("a"), 2.0);
+  EXPECT_EQ(measurements.find("good")->failure, "at 1 s");
+}
+
+TEST(Measurements, ANumberThatIsNoneIsReadBackAsNone) {
+  const auto file = testing::temporary_path("nan.jsonl");
+  const testing::Removed removed(file);
+  Measurement one;
+  one.values = {{"a", NAN}, {"b", 1.0}};
+  Measurements(file).add("key", "run", one);
+  const Measurements measurements(file);
+  EXPECT_TRUE(std::isnan(measurements.find("key")->values.at("a")));
+  EXPECT_EQ(measurements.find("key")->values.at("b"), 1.0);
+}
+
+// A disk that is full for a while: no file of this process may grow beyond a size.
+class FullDisk {
+ public:
+  explicit FullDisk(std::uintmax_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
+    getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit limit = {bytes, before_.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  FullDisk(const FullDisk&) = delete;
+  FullDisk& operator=(const FullDisk&) = delete;
+  ~FullDisk() {
+    setrlimit(RLIMIT_FSIZE, &before_);
+    std::signal(SIGXFSZ, handler_);
+  }
+
+ private:
+  rlimit before_ = {};
+  void (*handler_)(int);
+};
+
+TEST(Measurements, AShortWriteDoesNotSpoilTheNextLine) {
+  const auto file = testing::temporary_path("full.jsonl");
+  const testing::Removed removed(file);
+  Measurement one;
+  one.values["a"] = 0.1;
+  {
+    Measurements measurements(file);
+    measurements.add("first", "run", one);
+    const auto size = std::filesystem::file_size(file);
+    {
+      const FullDisk full(size + 10);
+      EXPECT_THROW(measurements.add("torn", "run", one), OutputError);
+      EXPECT_EQ(std::filesystem::file_size(file), size + 10) << "a part of the line was written";
+      EXPECT_THROW(measurements.add("torn", "run", one), OutputError);
+    }
+    EXPECT_FALSE(measurements.find("torn"));
+    measurements.add("next", "run", one);
+    measurements.add("last", "run", one);
+  }
+  const Measurements measurements(file);
+  for (const char* key : {"first", "next", "last"}) EXPECT_TRUE(measurements.find(key)) << key;
+  EXPECT_FALSE(measurements.find("torn"));
 }
 
 TEST(Measurements, KeysTellConfigurationsApart) {
@@ -240,10 +416,179 @@ TEST(Experiments, MistakesAreSaidWithTheirLine) {
   EXPECT_NE(message("[[section]\n").find(":1: "), std::string::npos);
   EXPECT_NE(message(section + "video = \"none\"\n").find("there is no run none"),
             std::string::npos);
-  EXPECT_NE(message(section + "[[section.table]]\ntitle = \"t\"\ncolumns = [{ title = \"c\" }]\n"
-                              "rows = [{ title = \"r\", run = \"x\", metric = \"m\" }]\n")
-                .find("either `printed` or `says`"),
+  EXPECT_NE(
+      message(section + "docs = \"nowhere.md\"\n").find(":5: there is no page docs/nowhere.md"),
+      std::string::npos);
+  EXPECT_NE(message("titel = \"t\"\n").find(":1: there is no key titel (did you mean title?)"),
             std::string::npos);
+  EXPECT_NE(message(section + "[[hero]]\nfigure = \"9\"\ncaption = \"c\"\n")
+                .find(":5: there is no panel 0 of a figure 9"),
+            std::string::npos);
+  const std::string run = section +
+                          "[[section.run]]\nname = \"x\"\nscenario = \"arm_push\"\n"
+                          "case = \"c\"\n";
+  EXPECT_NE(message(run + "phases = [1, 1]\ncount_rad = \"wide\"\n")
+                .find(":10: count_rad: \"wide\" is no number"),
+            std::string::npos);
+  // A cell is made of the table's `cell` (line 11), its column (12) and its row (14); its own table
+  // stands in the row.
+  const auto of_cell = [&](const std::string& row) {
+    return message(run +
+                   "[[section.table]]\ntitle = \"t\"\ncell = { run = \"x\", below = 1.0 }\n"
+                   "columns = [{ title = \"c\", key = \"k\", metric = \"m\" }]\n"
+                   "rows = [\n  { title = \"r\", " +
+                   row + " },\n]\n");
+  };
+  EXPECT_EQ(of_cell("says = \"s\""), "");
+  EXPECT_EQ(of_cell("says = \"s\", absent = \"never\""), "");
+  for (const auto& [row, part] : std::vector<std::pair<std::string, std::string>>{
+           {"run = \"x\"", ":14: a cell has either `printed` or `says`"},
+           {"says = \"s\", run = \"y\"", ":14: there is no run y (did you mean x?)"},
+           {"says = \"s\", over = \"y\"", ":14: there is no run y"},
+           {"says = \"s\", metric = \"{q}\"", ":14: \"{q}\": there is no {q}"},
+           {"says = \"s\", divisor = 0", ":14: divisor must not be zero"},
+           {"says = \"s\", divisor = \"a\"", ":14: divisor must be a number"},
+           {"says = \"s\", statistic = \"shares\"", ":14: statistic: \"shares\" must be"},
+           {"says = \"s\", absent = \"nevr\"", ":14: absent: \"nevr\" must be never"},
+           {"says = \"s\", k = { below = \"a\" }", ":14: below must be a number"},
+           {"printed = \"nowhere\"", ":14: nothing is printed at nowhere"}}) {
+    EXPECT_NE(of_cell(row).find(part), std::string::npos) << of_cell(row);
+  }
+  EXPECT_EQ(message("x = 1").find(file.string() + ":1: "), 0U);
+  std::filesystem::remove(file);
+  EXPECT_THROW(read_experiments(file.string(), Effort::quick), std::invalid_argument);
+}
+
+TEST(Experiments, OnlyOursAreTheThesis) {
+  EXPECT_FALSE(own_experiments().is_own);
+  const auto file = testing::temporary_path("mine.toml");
+  const testing::Removed removed(file);
+  std::ofstream(file) << "title = \"Mine\"\n";
+  const Experiments mine = read_experiments(file.string(), Effort::quick);
+  EXPECT_TRUE(mine.is_own);
+  EXPECT_EQ(mine.title, "Mine");
+}
+
+TEST(Score, SaysHeldOfWhatIsNotTheThesis) {
+  Score score;
+  EXPECT_EQ(score.text(), "0 reproduced, 0 within the class, 0 not reproduced");
+  score.holds = 2;
+  EXPECT_EQ(score.text(), "2 held, 0 did not hold");
+  score.reproduced = 1;
+  score.not_measured = 3;
+  EXPECT_EQ(score.text(),
+            "1 reproduced, 0 within the class, 0 not reproduced, 2 held, "
+            "0 did not hold, 3 not measured");
+}
+
+// A short run in a folder, to be damaged.
+class DamagedRun : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    const std::string scenario = "motor_estimation";
+    const ScenarioFile file(scenario_file(scenario).string(), scenario);
+    std::vector<PreparedRun> runs;
+    runs.push_back(prepare_run(scenario, file, file.default_case(), {"run.duration_s=0.1"}));
+    execute_runs(runs, {folder_}, {.csv = false, .quiet = true, .stop = nullptr});
+    manifest_ = nlohmann::json::parse(std::ifstream(folder_ / "manifest.json"));
+    metrics_ = nlohmann::json::parse(std::ifstream(folder_ / "metrics.json"));
+  }
+
+  // What each of those who read runs says; "" if nothing is wrong for it. Anything else than
+  // std::invalid_argument would be called a defect.
+  std::vector<std::string> complaints() const {
+    std::vector<std::string> all;
+    const auto listen = [&](auto&& open) {
+      try {
+        open();
+        all.emplace_back();
+      } catch (const std::invalid_argument& error) {
+        all.emplace_back(error.what());
+        EXPECT_EQ(all.back().find('\n'), std::string::npos) << all.back();
+      }
+    };
+    listen([&] { const SavedRun run(folder_); });
+    listen([&] { const FinishedRun run(folder_); });
+    return all;
+  }
+
+  const std::filesystem::path folder_ = testing::temporary_path("damaged");
+  const testing::Removed removed_{folder_};
+  nlohmann::json manifest_;
+  nlohmann::json metrics_;
+};
+
+TEST_F(DamagedRun, EveryValueOfTheManifestMayBeWrong) {
+  const std::set<std::string> needed = {"scenario", "case", "seed", "status"};
+  const std::set<std::string> read = {"scenario", "case",       "seed",   "status",
+                                      "program",  "git_commit", "models", "state_hash"};
+  ASSERT_EQ(complaints(), std::vector<std::string>(2));
+  ASSERT_EQ(manifest_["models"].size(), 1U);
+  EXPECT_EQ(manifest_["models"]["models/motor.xml"].get<std::string>().size(), 16U);
+  EXPECT_EQ(manifest_["program"].get<std::string>().size(), 16U);
+  std::vector<std::string> keys;
+  for (const auto& [key, value] : manifest_.items()) keys.push_back(key);
+  for (const std::string& key : keys) {
+    const auto refused = [&](const nlohmann::json& manifest, bool is_wrong) {
+      std::ofstream(folder_ / "manifest.json") << manifest;
+      for (const std::string& complaint : complaints()) {
+        EXPECT_TRUE(!is_wrong || complaint.find("manifest.json: ") != std::string::npos)
+            << key << " = " << manifest.value(key, nlohmann::json("missing")) << ": " << complaint;
+      }
+    };
+    for (const char* wrong : {"null", "-1.5", "true", "\"\"", "[]", "{\"a\":{}}", "1e300"}) {
+      nlohmann::json manifest = manifest_;
+      manifest[key] = nlohmann::json::parse(wrong);
+      const bool is_typed = manifest[key].type() != manifest_[key].type();
+      refused(manifest, read.contains(key) && key != "state_hash" && is_typed);
+    }
+    nlohmann::json manifest = manifest_;
+    manifest.erase(key);
+    refused(manifest, needed.contains(key) || key == "state_hash");
+  }
+  for (const char* whole : {"", "{", "[]", "null", "{\"scenario\": 1, \"state_hash\": 2}"}) {
+    std::ofstream(folder_ / "manifest.json") << whole;
+    for (const std::string& complaint : complaints()) EXPECT_NE(complaint, "") << whole;
+  }
+  // A failed run says when and why.
+  manifest_["status"] = "failed";
+  std::ofstream(folder_ / "manifest.json") << manifest_;
+  EXPECT_NE(complaints()[0].find("time_s: is missing"), std::string::npos);
+  manifest_["time_s"] = "soon";
+  manifest_["reason"] = "x";
+  std::ofstream(folder_ / "manifest.json") << manifest_;
+  EXPECT_NE(complaints()[0].find("time_s: must be a number"), std::string::npos);
+  manifest_["time_s"] = 1.0;
+  std::ofstream(folder_ / "manifest.json") << manifest_;
+  EXPECT_EQ(complaints()[0], "");
+}
+
+TEST_F(DamagedRun, EveryValueOfTheMetricsMayBeWrong) {
+  ASSERT_FALSE(metrics_.empty());
+  for (const auto& [key, value] : metrics_.items()) {
+    for (const char* wrong : {"true", "\"1\"", "[]", "{}"}) {
+      nlohmann::json metrics = metrics_;
+      metrics[key] = nlohmann::json::parse(wrong);
+      std::ofstream(folder_ / "metrics.json") << metrics;
+      EXPECT_NE(complaints()[0].find("metrics.json: " + key + ": must be a number"),
+                std::string::npos)
+          << complaints()[0];
+    }
+    nlohmann::json metrics = metrics_;
+    metrics[key] = nullptr;
+    std::ofstream(folder_ / "metrics.json") << metrics;
+    EXPECT_EQ(complaints()[0], "");
+    EXPECT_FALSE(SavedRun(folder_).metric(key));
+    metrics.erase(key);
+    std::ofstream(folder_ / "metrics.json") << metrics;
+    EXPECT_EQ(complaints()[0], "");
+  }
+  for (const char* whole : {"", "{", "[1]", "3", "{\"a\": 1e999}"}) {
+    std::ofstream(folder_ / "metrics.json") << whole;
+    EXPECT_NE(complaints()[0].find("metrics.json: is no object of numbers"), std::string::npos);
+  }
+  std::filesystem::remove(folder_ / "metrics.json");
+  EXPECT_NE(complaints()[0].find("it has no metrics.json"), std::string::npos);
 }
 
 TEST(SavedRun, UnitsAreTheEndsOfNames) {

@@ -1,0 +1,28 @@
+// manifest.json of a run's folder, read back.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "record/recording.h"
+#include "scenario/provenance.h"
+
+namespace breakwater {
+
+/// What is empty was not known to the version that wrote it.
+struct RunManifest {
+  std::string scenario;
+  std::string case_name;
+  std::string seed;
+  std::optional<Failure> failure;  ///< if the run failed
+  std::string git_commit;
+  std::string program;  ///< program_hash()
+  ModelHashes models;
+};
+
+/// Throws std::invalid_argument `FILE: KEY: reason` if the folder has no manifest of a run, or a
+/// damaged one.
+RunManifest read_manifest(const std::filesystem::path& folder);
+
+}  // namespace breakwater
