@@ -1,12 +1,13 @@
 #include "report/experiments.h"
 
 #include <fmt/format.h>
-#include <toml++/toml.h>
 
 #include <algorithm>
 #include <limits>
 #include <set>
 #include <stdexcept>
+
+#include "scenario/toml_file.h"
 
 namespace breakwater {
 namespace {
@@ -364,13 +365,7 @@ std::vector<std::string> SectionSpec::runs() const {
 }
 
 Experiments read_experiments(const std::string& file, Effort effort) {
-  toml::table root;
-  try {
-    root = toml::parse_file(file);
-  } catch (const toml::parse_error& error) {
-    throw std::invalid_argument(
-        fmt::format("{}:{}: {}", file, error.source().begin.line, error.description()));
-  }
+  const toml::table root = parse_toml_file(file);
   const Reader reader(file, effort);
   reader.allow(root, {"hero", "video", "form", "section"});
   Experiments experiments;
