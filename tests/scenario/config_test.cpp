@@ -154,7 +154,7 @@ TEST_F(ConfigTest, NamesTheFilesLine) {
             "FILE:5: motion.stesp: unknown key (did you mean motion.steps?)");
   text = kText;
   EXPECT_EQ(read("slow", {}, text.replace(text.find("steps = 3\n"), 10, "")),
-            "FILE: motion.steps: is missing");
+            "FILE: motion.steps: is missing: how many");
   text = kText;
   EXPECT_EQ(read("another", {}, text.replace(text.find("\"red\""), 5, "\"rot\"")),
             "FILE:16: motion.color: must be one of red, blue, is \"rot\" (did you mean red?)");
