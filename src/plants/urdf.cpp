@@ -212,7 +212,8 @@ void lump(const UrdfFile& file, const urdf::Link& link, const PlanarFrame& frame
 
 PlanarJoint revolute_joint(const UrdfFile& file, const urdf::Joint& joint,
                            const PlanarFrame& frame) {
-  if (std::abs(std::abs(joint.axis.z) - 1.0) > kAngleTolerance) {
+  const double length = std::hypot(joint.axis.x, joint.axis.y, joint.axis.z);
+  if (length == 0.0 || !(std::abs(joint.axis.z) >= (1.0 - kAngleTolerance) * length)) {
     file.fail("joint", joint.name, "its axis is not ±z, so the chain is not planar");
   }
   if (!joint.limits) file.fail("joint", joint.name, "has no <limit>");
@@ -220,6 +221,11 @@ PlanarJoint revolute_joint(const UrdfFile& file, const urdf::Joint& joint,
   const double velocity = joint.limits->velocity;
   if (!(std::isfinite(effort) && effort > 0.0 && std::isfinite(velocity) && velocity > 0.0)) {
     file.fail("joint", joint.name, "its effort and velocity limits must be positive");
+  }
+  // Without them both are 0.
+  const bool has_limits = joint.limits->lower != 0.0 || joint.limits->upper != 0.0;
+  if (has_limits && !(joint.limits->lower < joint.limits->upper)) {
+    file.fail("joint", joint.name, "its lower limit must be below its upper one");
   }
   PlanarJoint result;
   result.name = joint.name;

@@ -88,12 +88,13 @@ TEST_F(MutatedInput, WhatIsLegalRunsOrFailsAsRunsDo) {
   std::map<const Legal*, int> done;
   for (const Mutant& mutant : testing::all_mutants()) {
     const Legal* reason = testing::find_legal(mutant);
-    if (reason == nullptr || done[reason]++ > 0) continue;
-    std::vector<std::string> arguments = {"breakwater",    "run",
-                                          mutant.scenario, "--quiet",
-                                          "--out",         "run",
-                                          "--duration",    "0.2",
-                                          "--set",         mutant.option + "=" + write(mutant)};
+    if (reason == nullptr || done[reason] > 0) continue;
+    const std::string path = write(mutant);
+    if (!complaint(mutant, path).empty()) continue;  // of its kind some are, and this one is not
+    ++done[reason];
+    std::vector<std::string> arguments = {
+        "breakwater", "run",        mutant.scenario, "--quiet", "--out",
+        "run",        "--duration", "0.2",           "--set",   mutant.option + "=" + path};
     if (mutant.scenario == "quadrotor_waves") arguments.push_back("metrics.window_s=0.1");
     const auto result = testing::run_program(arguments, folder_);
     EXPECT_TRUE(result.status == 0 || result.status == 3)

@@ -57,6 +57,10 @@ TEST(Urdf, NamesFileElementAndReason) {
             ":4: joint \"shoulder\": its effort and velocity limits must be positive");
   EXPECT_EQ(complaint(one_joint(replaced(kGoodJoint, "0 0 1", "0 1 0"))),
             ":4: joint \"shoulder\": its axis is not ±z, so the chain is not planar");
+  EXPECT_EQ(complaint(one_joint(replaced(kGoodJoint, "0 0 1", "-1 0 1"))),
+            ":4: joint \"shoulder\": its axis is not ±z, so the chain is not planar");
+  EXPECT_EQ(complaint(one_joint(replaced(kGoodJoint, "upper='1'", "upper='-1'"))),
+            ":4: joint \"shoulder\": its lower limit must be below its upper one");
   EXPECT_EQ(complaint(one_joint(replaced(kGoodJoint, "<axis", "<origin rpy='0.1 0 0'/><axis"))),
             ":4: joint \"shoulder\": its origin is rolled or pitched, so the chain is not planar");
   EXPECT_EQ(complaint(one_joint(replaced(kGoodJoint, "revolute", "prismatic"))),
@@ -83,7 +87,7 @@ TEST(Urdf, RefusesWhatIsNoNumber) {
   EXPECT_EQ(with("0 0 1", "0 0"), ":4: <axis> xyz=\"0 0\": must be 3 numbers");
   EXPECT_EQ(with("<robot name='r'>", "<robot name='r' version='banana'>"),
             ":2: <robot> version=\"banana\": must be a number");
-  EXPECT_EQ(with("0 0 1", " +0 0.0e-999\t1 "), "");
+  EXPECT_EQ(with("0 0 1", " +0 0e0  1 "), "");
 }
 
 TEST(Urdf, RefusesABranch) {
