@@ -1,17 +1,16 @@
-// Reading a planar chain from URDF: urdfdom for the meaning, tinyxml2 for the line numbers.
+// Reading a planar chain from URDF: urdfdom for the meaning, tinyxml2 for the line numbers and for
+// what urdfdom lets by.
 #include <console_bridge/console.h>
-#include <tinyxml2.h>
 #include <urdf_model/model.h>
 #include <urdf_parser/urdf_parser.h>
 
 #include <cmath>
 #include <cstring>
-#include <fstream>
 #include <mutex>
-#include <sstream>
 #include <stdexcept>
 
 #include "plants/planar_chain.h"
+#include "plants/xml_file.h"
 
 namespace breakwater {
 namespace {
@@ -28,18 +27,78 @@ class FirstComplaint : public console_bridge::OutputHandler {
   std::string text_;
 };
 
+// An attribute that holds numbers, by URDF's specification.
+struct NumberAttribute {
+  const char* element;
+  const char* name;
+  std::size_t count;
+  bool may_be_negative;
+};
+
+constexpr NumberAttribute kNumberAttributes[] = {
+    {"origin", "xyz", 3, true},
+    {"origin", "rpy", 3, true},
+    {"axis", "xyz", 3, true},
+    {"mass", "value", 1, false},
+    {"inertia", "ixx", 1, false},
+    {"inertia", "ixy", 1, true},
+    {"inertia", "ixz", 1, true},
+    {"inertia", "iyy", 1, false},
+    {"inertia", "iyz", 1, true},
+    {"inertia", "izz", 1, false},
+    {"limit", "lower", 1, true},
+    {"limit", "upper", 1, true},
+    {"limit", "effort", 1, false},
+    {"limit", "velocity", 1, false},
+    {"dynamics", "damping", 1, false},
+    {"dynamics", "friction", 1, false},
+    {"calibration", "rising", 1, true},
+    {"calibration", "falling", 1, true},
+    {"mimic", "multiplier", 1, true},
+    {"mimic", "offset", 1, true},
+    {"safety_controller", "soft_lower_limit", 1, true},
+    {"safety_controller", "soft_upper_limit", 1, true},
+    {"safety_controller", "k_position", 1, true},
+    {"safety_controller", "k_velocity", 1, true},
+    {"box", "size", 3, false},
+    {"cylinder", "radius", 1, false},
+    {"cylinder", "length", 1, false},
+    {"sphere", "radius", 1, false},
+    {"mesh", "scale", 3, true},
+    {"color", "rgba", 4, false},
+    {"robot", "version", 1, false},
+};
+
+void check_numbers(const XmlFile& xml, const tinyxml2::XMLElement& element) {
+  for (const NumberAttribute& a : kNumberAttributes) {
+    if (std::strcmp(element.Name(), a.element) != 0) continue;
+    const tinyxml2::XMLAttribute* attribute = element.FindAttribute(a.name);
+    if (attribute == nullptr) continue;
+    const std::string text = attribute->Value();
+    const auto refuse = [&](const std::string& what) {
+      xml.fail(attribute->GetLineNum(),
+               std::string("<") + a.element + "> " + a.name + "=\"" + text + "\": " + what);
+    };
+    const auto numbers = read_numbers(text);
+    if (!numbers || numbers->size() != a.count) {
+      refuse(a.count == 1 ? "must be a number" : "must be " + std::to_string(a.count) + " numbers");
+    }
+    for (const double number : *numbers) {
+      if (!is_sensible(number)) refuse("must be finite and not beyond 1e30");
+      if (number < 0.0 && !a.may_be_negative) refuse("must not be negative");
+    }
+  }
+  for (const auto* child = element.FirstChildElement(); child != nullptr;
+       child = child->NextSiblingElement()) {
+    check_numbers(xml, *child);
+  }
+}
+
 class UrdfFile {
  public:
-  explicit UrdfFile(std::string file) : file_(std::move(file)) {
-    std::ifstream stream(file_);
-    std::stringstream text;
-    text << stream.rdbuf();
-    if (!stream) throw std::invalid_argument(file_ + ": cannot be read");
-    if (xml_.Parse(text.str().c_str()) != tinyxml2::XML_SUCCESS) {
-      throw std::invalid_argument(file_ + ":" + std::to_string(xml_.ErrorLineNum()) +
-                                  ": is not well-formed XML (" + xml_.ErrorName() + ")");
-    }
-    model_ = parse(text.str());
+  explicit UrdfFile(const std::string& file) : file_(file), xml_(file) {
+    check_numbers(xml_, *xml_.root());
+    model_ = parse(xml_.text());
   }
 
   const urdf::ModelInterface& model() const { return *model_; }
@@ -65,15 +124,12 @@ class UrdfFile {
 
   // Points at the joint or link that urdfdom's message names, if it names one.
   [[noreturn]] void fail_with(const std::string& complaint) const {
-    if (const auto* robot = xml_.FirstChildElement("robot")) {
-      for (const auto* e = robot->FirstChildElement(); e != nullptr; e = e->NextSiblingElement()) {
-        const char* name = e->Attribute("name");
-        const bool has_place =
-            std::strcmp(e->Name(), "joint") == 0 || std::strcmp(e->Name(), "link") == 0;
-        if (has_place && name != nullptr && names(complaint, name)) {
-          fail(e->Name(), name, complaint);
-        }
-      }
+    for (const auto* e = xml_.root()->FirstChildElement(); e != nullptr;
+         e = e->NextSiblingElement()) {
+      const char* name = e->Attribute("name");
+      const bool has_place =
+          std::strcmp(e->Name(), "joint") == 0 || std::strcmp(e->Name(), "link") == 0;
+      if (has_place && name != nullptr && names(complaint, name)) fail(e->Name(), name, complaint);
     }
     throw std::invalid_argument(file_ + ":1: is not a valid URDF" +
                                 (complaint.empty() ? "" : ": " + complaint));
@@ -85,17 +141,15 @@ class UrdfFile {
   }
 
   int line_of(const char* element, const std::string& name) const {
-    const auto* robot = xml_.FirstChildElement("robot");
-    if (robot == nullptr) return 1;
-    for (const auto* e = robot->FirstChildElement(element); e != nullptr;
+    for (const auto* e = xml_.root()->FirstChildElement(element); e != nullptr;
          e = e->NextSiblingElement(element)) {
       if (e->Attribute("name", name.c_str()) != nullptr) return e->GetLineNum();
     }
-    return robot->GetLineNum();
+    return xml_.root()->GetLineNum();
   }
 
   std::string file_;
-  tinyxml2::XMLDocument xml_;
+  XmlFile xml_;
   urdf::ModelInterfaceSharedPtr model_;
 };
 
@@ -158,7 +212,8 @@ void lump(const UrdfFile& file, const urdf::Link& link, const PlanarFrame& frame
 
 PlanarJoint revolute_joint(const UrdfFile& file, const urdf::Joint& joint,
                            const PlanarFrame& frame) {
-  if (std::abs(std::abs(joint.axis.z) - 1.0) > kAngleTolerance) {
+  const double length = std::hypot(joint.axis.x, joint.axis.y, joint.axis.z);
+  if (length == 0.0 || !(std::abs(joint.axis.z) >= (1.0 - kAngleTolerance) * length)) {
     file.fail("joint", joint.name, "its axis is not ±z, so the chain is not planar");
   }
   if (!joint.limits) file.fail("joint", joint.name, "has no <limit>");
@@ -166,6 +221,11 @@ PlanarJoint revolute_joint(const UrdfFile& file, const urdf::Joint& joint,
   const double velocity = joint.limits->velocity;
   if (!(std::isfinite(effort) && effort > 0.0 && std::isfinite(velocity) && velocity > 0.0)) {
     file.fail("joint", joint.name, "its effort and velocity limits must be positive");
+  }
+  // Without them both are 0.
+  const bool has_limits = joint.limits->lower != 0.0 || joint.limits->upper != 0.0;
+  if (has_limits && !(joint.limits->lower < joint.limits->upper)) {
+    file.fail("joint", joint.name, "its lower limit must be below its upper one");
   }
   PlanarJoint result;
   result.name = joint.name;

@@ -1,7 +1,6 @@
 #include "report/experiments.h"
 
 #include <fmt/format.h>
-#include <toml++/toml.h>
 
 #include <algorithm>
 #include <charconv>
@@ -13,6 +12,7 @@
 
 #include "scenario/config.h"
 #include "scenario/paths.h"
+#include "scenario/toml_file.h"
 
 namespace breakwater {
 namespace fs = std::filesystem;
@@ -484,14 +484,7 @@ std::vector<std::string> SectionSpec::runs() const {
 }
 
 Experiments read_experiments(const std::string& file, Effort effort) {
-  if (!fs::is_regular_file(file)) throw std::invalid_argument(file + ": cannot be read");
-  toml::table root;
-  try {
-    root = toml::parse_file(file);
-  } catch (const toml::parse_error& error) {
-    throw std::invalid_argument(
-        fmt::format("{}:{}: {}", file, error.source().begin.line, error.description()));
-  }
+  const toml::table root = parse_toml_file(file);
   const Reader reader(file, effort);
   reader.allow(root, {"title", "hero", "video", "form", "section"});
   Experiments experiments;

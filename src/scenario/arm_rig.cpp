@@ -162,6 +162,13 @@ void ArmSettings::bind(Fields& fields) {
   fields.number("controller.k_force", k_force, not_negative(), "hpfc: force gain K_phf");
   fields.number("controller.singular_value_floor", singular_value_floor, not_negative(),
                 "hpfc, drac: of the pseudo-inverse");
+  fields.only_for({"controller.positioning", "controller.t_ref_s", "controller.coincidence_points",
+                   "controller.basis_functions", "controller.ik_weights", "controller.ik_damping",
+                   "controller.ik_form"},
+                  "controller.name", {"proposed"});
+  fields.only_for({"controller.k_position", "controller.singular_value_floor"}, "controller.name",
+                  {"hpfc", "drac"});
+  fields.only_for({"controller.k_force"}, "controller.name", {"hpfc"});
   fields.numbers("observer.nominal_inertia_kgm2", nominal_inertia_kgm2, positive(),
                  "diagonal of J_n [kg m^2]");
   fields.number_groups("observer.poles_rad_s", observer_poles_rad_s, any(),

@@ -106,6 +106,8 @@ void AxisSettings::bind(Fields& fields) {
                   "edges counted per pulse");
     fields.number("encoder.gear_ratio", encoder_gear_ratio, positive(),
                   "revolutions of the encoder's shaft per revolution");
+    fields.only_where({"encoder.multiplication", "encoder.gear_ratio"}, "encoder.bits is not 0",
+                      [this] { return encoder_bits != 0; });
   } else {
     fields.number("encoder." + key("resolution", u.position_suffix), encoder_resolution,
                   not_negative(), "one count; 0: not quantised [" + u.position + "]");
@@ -115,6 +117,8 @@ void AxisSettings::bind(Fields& fields) {
   fields.choice("encoder.origin", encoder_origin,
                 {{"counted", EncoderOrigin::counted}, {"calibrated", EncoderOrigin::calibrated}},
                 "what it calls 0: where it starts (counted), or the true 0 (calibrated)");
+  fields.only_where({"encoder." + key("phase", u.position_suffix), "encoder.origin"},
+                    "the encoder is quantised", [this] { return quantum() != 0.0; });
   fields.number("noise." + key("std", u.position_suffix), noise_std, not_negative(),
                 "standard deviation of the measurement's white noise [" + u.position + "]");
   fields.number("noise." + key("input_std", u.force_suffix), input_noise_std, not_negative(),

@@ -33,8 +33,15 @@ Fields CartConstrained::fields() {
                  {"mpc", CartControllerKind::mpc}},
                 "lqr (on the true state), lqr_observer (on estimates, cancelling d) or mpc");
   mpc_.bind(fields);
+  for (const std::string& key : CartMpcSettings::predictive_keys()) {
+    // What the metrics take for the limits, whatever the controller.
+    const bool is_limit = key == "constraint.velocity_m_s" || key == "constraint.input_lower_N" ||
+                          key == "constraint.input_upper_N";
+    if (!is_limit) fields.only_for({key}, "controller.name", {"mpc"});
+  }
   fields.number("disturbance.start_s", disturbance_start_s_, not_negative(),
                 "B and C: when the force begins [s]");
+  fields.only_for({"disturbance.start_s"}, "condition", {"B", "C"});
   fields.number("metrics.violation_slack", violation_slack_, not_negative(),
                 "a limit counts as violated from this far beyond it [N, m/s]");
   fields.number("metrics.settled_within_m", settled_within_m_, positive(),

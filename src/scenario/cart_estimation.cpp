@@ -50,6 +50,15 @@ Fields CartEstimation::fields() {
   bind("ramp", ramp_, "_s");
   bind("sine", sine_, "");
   bind("high_sine", high_sine_, "");
+  const auto only_for = [&fields](const std::string& kind, const std::vector<std::string>& keys) {
+    for (const std::string& key : keys) {
+      fields.only_for({"disturbance." + kind + key}, "disturbance.kind", {kind});
+    }
+  };
+  only_for("step", {"_N", "_start_s"});
+  only_for("ramp", {"_N_s", "_start_s"});
+  only_for("sine", {"_N", "_rad_s", "_start_s"});
+  only_for("high_sine", {"_N", "_rad_s", "_start_s"});
   fields.number("metrics.from_s", from_s_, not_negative(), "the errors' window begins [s]");
   fields.number("metrics.to_s", to_s_, not_negative(), "the errors' window ends [s]");
   fields.number("metrics.noise_from_s", noise_from_s_, not_negative(),

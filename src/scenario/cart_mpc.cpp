@@ -55,6 +55,45 @@ void CartMpcSettings::bind(Fields& fields) {
                 "which state's constraints give way before the other's: position or velocity");
   fields.number("solver.softness", softness, positive(),
                 "of a softened constraint: 1/weight on its violation squared");
+
+  fields.only_for({"controller.q_disturbance"}, "controller.disturbance_use", {"predict"});
+  fields.only_for({"controller.last_factor"}, "controller.last_weight", {"factor"});
+  fields.only_for({"solver.softness"}, "solver.on_infeasible", {"soften"});
+  const auto only_with = [&fields](const std::vector<std::string>& keys, const std::string& steps,
+                                   const int& count) {
+    fields.only_where(keys, "constraint." + steps + " is not 0", [&count] { return count != 0; });
+  };
+  only_with({"constraint.position_lower_m", "constraint.position_m"}, "position_steps",
+            position_steps);
+  only_with({"constraint.input_change_N"}, "input_change_steps", change_steps);
+}
+
+std::vector<std::string> CartMpcSettings::regulator_keys() {
+  return {"controller.period_s", "controller.q_position", "controller.q_velocity", "controller.r"};
+}
+
+std::vector<std::string> CartMpcSettings::predictive_keys() {
+  return {"controller.disturbance_use",
+          "controller.prediction_steps",
+          "controller.control_steps",
+          "controller.q_disturbance",
+          "controller.last_weight",
+          "controller.last_factor",
+          "constraint.position_lower_m",
+          "constraint.position_m",
+          "constraint.position_steps",
+          "constraint.velocity_m_s",
+          "constraint.velocity_steps",
+          "constraint.input_lower_N",
+          "constraint.input_upper_N",
+          "constraint.input_steps",
+          "constraint.input_change_N",
+          "constraint.input_change_steps",
+          "solver.name",
+          "solver.max_iterations",
+          "solver.on_infeasible",
+          "solver.soften_first",
+          "solver.softness"};
 }
 
 void CartMpcSettings::check(const AxisSettings& axis, const Config& config) const {

@@ -46,6 +46,10 @@ struct CartMpcSettings {
   double softness = 0.0;
 
   void bind(Fields& fields);
+  /// The keys that a regulator takes too: those of its period and weights.
+  static std::vector<std::string> regulator_keys();
+  /// All other keys.
+  static std::vector<std::string> predictive_keys();
 
   /// What fields cannot check, but the estimator. Throws std::invalid_argument `ORIGIN: KEY:
   /// reason`.

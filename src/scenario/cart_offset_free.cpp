@@ -12,6 +12,8 @@ Fields CartOffsetFree::fields() {
   Fields fields;
   axis_.bind(fields);
   fields.flag("noise.enabled", noise_, "whether there is any noise: true or false");
+  fields.only_where({"noise.std_m", "noise.input_std_N"}, "noise.enabled is true",
+                    [this] { return noise_; });
   estimator_.bind(fields);
   mpc_.bind(fields);
   fields.number("reference.position_m", reference_.value, any(), "r [m]");

@@ -21,6 +21,9 @@ Fields CartPosition::fields() {
   fields.number("controller.kp", k_p_, not_negative(), "K_p [N/m]");
   fields.number("controller.kd", k_d_, not_negative(), "K_d [N s/m]");
   mpc_.bind(fields);
+  fields.only_for({"controller.kp", "controller.kd"}, "controller.name", {"pd"});
+  fields.only_for(CartMpcSettings::regulator_keys(), "controller.name", {"mpc"});
+  fields.only_for(CartMpcSettings::predictive_keys(), "controller.name", {"mpc"});
   fields.number("task.reference_m", reference_.value, any(), "y_ref [m]");
   fields.number("task.reference_from_s", reference_.from_s, not_negative(),
                 "when it is stepped to [s]");

@@ -103,6 +103,12 @@ void report_failures(const std::string& scenario, const std::vector<RunSummary>&
   }
 }
 
+void check_video(const std::vector<PreparedRun>& runs, const Arguments& arguments) {
+  if (runs.size() > 1 && !arguments.video_file.empty()) {
+    throw std::invalid_argument("--video: one file cannot hold the videos of several runs");
+  }
+}
+
 // Returns 0, or the status to exit with because of a video that failed.
 int make_videos(const std::vector<RunSummary>& runs, const Arguments& arguments) {
   if (arguments.video->count() == 0) return kSuccess;
@@ -115,8 +121,27 @@ int make_videos(const std::vector<RunSummary>& runs, const Arguments& arguments)
   return status;
 }
 
+// A --set that has an effect in one of the runs is in its place.
+void print_vain_sets(const std::string& scenario, const std::vector<PreparedRun>& runs) {
+  for (const VainKey& vain : runs.front().vain) {
+    const bool is_vain_in_all = std::all_of(runs.begin(), runs.end(), [&](const PreparedRun& run) {
+      return std::any_of(run.vain.begin(), run.vain.end(), [&](const VainKey& other) {
+        return other.key == vain.key && other.origin == "--set";
+      });
+    });
+    if (!is_vain_in_all) continue;
+    fmt::print(stderr, "{}: warning: --set: {}: {}\n", scenario, vain.key, vain.reason);
+  }
+}
+
 void print_warnings(const std::string& scenario, const std::vector<PreparedRun>& runs) {
+  print_vain_sets(scenario, runs);
   for (const PreparedRun& run : runs) {
+    for (const VainKey& vain : run.vain) {
+      if (vain.origin == "--set") continue;
+      fmt::print(stderr, "{} {}: warning: {}: {}: {}\n", scenario, run.case_name, vain.origin,
+                 vain.key, vain.reason);
+    }
     for (const std::string& warning : run.scenario->warnings()) {
       fmt::print(stderr, "{} {}: warning: {}\n", scenario, run.case_name, warning);
     }
@@ -142,9 +167,7 @@ int run_cases(const std::string& scenario, const ScenarioFile& file, const Argum
     return kSuccess;
   }
 
-  if (runs.size() > 1 && !arguments.video_file.empty()) {
-    throw std::invalid_argument("--video: one file cannot hold the videos of several runs");
-  }
+  check_video(runs, arguments);
 
   const std::uint64_t seed = runs.front().scenario->run_settings().seed;
   const fs::path out = arguments.out.empty()
@@ -179,6 +202,9 @@ int run_cases(const std::string& scenario, const ScenarioFile& file, const Argum
 // All cases for each value of one key, each into OUT/VALUE/CASE.
 int run_matrix(const std::string& scenario, const ScenarioFile& file, const Arguments& arguments) {
   stop_on_signals();
+  if (arguments.print_config) {
+    throw std::invalid_argument("--print-config: prints one case, not all of --matrix");
+  }
   const Matrix matrix = make_scenario(scenario)->matrix();
   if (matrix.key.empty()) {
     throw std::invalid_argument(scenario + ": --matrix: this scenario has no conditions");
@@ -196,6 +222,7 @@ int run_matrix(const std::string& scenario, const ScenarioFile& file, const Argu
       places.push_back(value + "/" + name);
     }
   }
+  check_video(runs, arguments);
   const std::uint64_t seed = runs.front().scenario->run_settings().seed;
   const fs::path out = arguments.out.empty()
                            ? fs::path("runs") / scenario / fmt::format("matrix-seed{}", seed)
@@ -204,15 +231,17 @@ int run_matrix(const std::string& scenario, const ScenarioFile& file, const Argu
   std::vector<fs::path> folders;
   for (const std::string& place : places) folders.push_back(out / place);
 
+  if (!arguments.quiet) print_warnings(scenario, runs);
   const std::vector<RunSummary> summaries =
       execute_runs(runs, folders, {arguments.csv, arguments.quiet, &interrupted()});
   report_failures(scenario, summaries);
+  const int video_status = make_videos(summaries, arguments);
   if (!arguments.quiet) {
     fmt::print("results: {}\n\n{}", out.string(), matrix_tables(matrix, summaries, output_width()));
   }
   const bool failed = std::any_of(summaries.begin(), summaries.end(),
                                   [](const RunSummary& run) { return run.failure.has_value(); });
-  return failed ? kRunFailed : kSuccess;
+  return failed ? static_cast<int>(kRunFailed) : video_status;
 }
 
 }  // namespace

@@ -1,24 +1,21 @@
 #include "scenario/config.h"
 
-#include <toml++/toml.h>
 #include <algorithm>
+#include <cctype>
 #include <filesystem>
 #include <numeric>
-#include <optional>
 #include <stdexcept>
 
 #include "scenario/paths.h"
+#include "scenario/toml_file.h"
 
 namespace breakwater {
 namespace {
 
 constexpr const char* kSetOrigin = "--set";
+constexpr std::size_t kLongestWord = 200;  // of keys and names
 
 using Entries = std::map<std::string, ConfigEntry>;
-
-std::string at_line(const std::string& file, const toml::source_region& source) {
-  return file + ":" + std::to_string(source.begin.line);
-}
 
 ConfigValue convert(const toml::node& node, const std::string& origin) {
   if (const auto* value = node.as_boolean()) return {value->get()};
@@ -33,11 +30,32 @@ ConfigValue convert(const toml::node& node, const std::string& origin) {
   throw std::invalid_argument(origin + ": dates and tables in arrays are not used here");
 }
 
+bool is_key_character(char c) {
+  return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '-' || c == '.';
+}
+
+// Cases and readings are folders' names too.
+void check_name(const std::string& name, const std::string& what, const std::string& origin) {
+  const bool fits =
+      !name.empty() && name.size() <= kLongestWord && name != "." && name != ".." &&
+      std::all_of(name.begin(), name.end(), [](char c) { return is_key_character(c) || c == '+'; });
+  if (!fits) {
+    throw std::invalid_argument(origin + ": " + what + "." + name.substr(0, kLongestWord) +
+                                ": a name is made of A-Z, a-z, 0-9, '.', '_', '+' and '-', and is "
+                                "not '.' or '..'");
+  }
+  if (name == "all") throw std::invalid_argument(origin + ": " + what + ".all: means all of them");
+}
+
 // Tables become dotted keys, an array's tables by their number from 1; everything else is a value.
 void flatten(const toml::table& table, const std::string& file, const std::string& prefix,
              Entries& entries) {
   for (const auto& [key, node] : table) {
     const std::string path = prefix + std::string(key.str());
+    if (path.size() > kLongestWord) {
+      throw std::invalid_argument(at_line(file, key.source()) + ": " + path.substr(0, 20) +
+                                  "...: is too long for a key");
+    }
     if (const auto* nested = node.as_table()) {
       flatten(*nested, file, path + ".", entries);
     } else if (node.is_array_of_tables()) {
@@ -48,22 +66,38 @@ void flatten(const toml::table& table, const std::string& file, const std::strin
       }
     } else {
       const std::string origin = at_line(file, node.source());
-      entries[path] = {convert(node, origin), origin};
+      // "a.b" in quotes and b in [a] are the same key here.
+      if (!entries.emplace(path, ConfigEntry{convert(node, origin), origin}).second) {
+        throw std::invalid_argument(origin + ": " + path + ": is given twice");
+      }
     }
   }
 }
 
-toml::table parse(const std::string& file) {
-  if (!std::filesystem::is_regular_file(file)) {
-    throw std::invalid_argument(file + ": cannot be read");
+// The names of a file's tables [WHAT.NAME], in its order, and their keys.
+std::vector<std::string> read_named(const toml::table& file_table, const std::string& what,
+                                    const std::string& file,
+                                    std::map<std::string, Entries>& named) {
+  std::vector<std::string> names;
+  const toml::node* node = file_table.get(what);
+  if (node == nullptr) return names;
+  if (!node->is_table()) {
+    throw std::invalid_argument(at_line(file, node->source()) + ": " + what + ": must be a table");
   }
-  try {
-    return toml::parse_file(file);
-  } catch (const toml::parse_error& error) {
-    if (error.source().begin.line == 0) throw std::invalid_argument(file + ": cannot be read");
-    throw std::invalid_argument(at_line(file, error.source()) +
-                                ": is not TOML: " + std::string(error.description()));
+  std::vector<std::pair<toml::source_index, std::string>> lines;
+  for (const auto& [key, keys] : *node->as_table()) {
+    const std::string name(key.str());
+    const std::string origin = at_line(file, key.source());
+    check_name(name, what, origin);
+    if (!keys.is_table()) {
+      throw std::invalid_argument(origin + ": " + what + "." + name + ": must be a table");
+    }
+    flatten(*keys.as_table(), file, "", named[name]);
+    lines.emplace_back(keys.source().begin.line, name);
   }
+  std::sort(lines.begin(), lines.end());  // TOML tables are read sorted by name
+  for (const auto& line : lines) names.push_back(line.second);
+  return names;
 }
 
 std::size_t edit_distance(const std::string& a, const std::string& b) {
@@ -82,6 +116,7 @@ std::size_t edit_distance(const std::string& a, const std::string& b) {
 }  // namespace
 
 std::string did_you_mean(const std::string& word, const std::vector<std::string>& candidates) {
+  if (word.size() > kLongestWord) return "";
   const std::string* best = nullptr;
   std::size_t best_distance = std::max<std::size_t>(2, word.size() / 3) + 1;
   for (const std::string& candidate : candidates) {
@@ -100,17 +135,16 @@ void Config::set(const std::string& assignment) {
     throw std::invalid_argument("--set: " + assignment + ": must be of the form key.path=value");
   }
   const std::string key = assignment.substr(0, equals);
-  const std::string text = assignment.substr(equals + 1);
-  try {
-    const toml::table parsed = toml::parse("value = " + text);
-    if (const toml::node* node = parsed.get("value"); node != nullptr && parsed.size() == 1) {
-      entries_[key] = {convert(*node, "--set: " + key), kSetOrigin};
-      return;
-    }
-  } catch (const toml::parse_error&) {
-    // Not TOML, so a bare word; whether the key is a string shows when it is read.
+  if (key.size() > kLongestWord || !std::all_of(key.begin(), key.end(), is_key_character)) {
+    throw std::invalid_argument("--set: " + key.substr(0, 20) + (key.size() > 20 ? "..." : "") +
+                                ": is no key");
   }
-  entries_[key] = {{text}, kSetOrigin};
+  const std::string text = assignment.substr(equals + 1);
+  const std::string origin = "--set: " + key;
+  const auto parsed = parse_toml_value(text, origin);
+  // What is not TOML is a bare word; whether the key is a string shows when it is read.
+  entries_[key] = {parsed ? convert(*parsed->get("value"), origin) : ConfigValue{text}, kSetOrigin,
+                   true};
 }
 
 void Config::apply(const Entries& overrides) {
@@ -144,12 +178,12 @@ void Config::fail(const std::string& key, const std::string& message) const {
 
 Config read_config(const std::string& file) {
   Entries entries;
-  flatten(parse(file), file, "", entries);
+  flatten(parse_toml_file(file), file, "", entries);
   return {file, std::move(entries)};
 }
 
 ScenarioFile::ScenarioFile(const std::string& file, const std::string& scenario) : file_(file) {
-  toml::table table = parse(file);
+  toml::table table = parse_toml_file(file);
 
   const auto root_text = [&](const char* key) {
     const toml::node* node = table.get(key);
@@ -168,41 +202,37 @@ ScenarioFile::ScenarioFile(const std::string& file, const std::string& scenario)
   const auto [default_case, default_origin] = root_text("default_case");
   default_case_ = default_case;
 
-  if (const toml::table* cases = table["case"].as_table()) {
-    std::vector<std::pair<toml::source_index, std::string>> lines;
-    for (const auto& [key, node] : *cases) {
-      const std::string case_name(key.str());
-      const toml::table* overrides = node.as_table();
-      if (overrides == nullptr) {
-        throw std::invalid_argument(at_line(file, node.source()) + ": case." + case_name +
-                                    ": must be a table");
-      }
-      flatten(*overrides, file, "", overrides_[case_name]);
-      lines.emplace_back(node.source().begin.line, case_name);
-    }
-    std::sort(lines.begin(), lines.end());  // TOML tables are read sorted by name
-    for (const auto& line : lines) cases_.push_back(line.second);
-  }
+  cases_ = read_named(table, "case", file, overrides_);
   if (!overrides_.contains(default_case_)) {
     throw std::invalid_argument(default_origin + ": default_case: there is no [case." +
                                 default_case_ + "]" + did_you_mean(default_case_, cases_));
   }
-  if (const toml::table* readings = table["readings"].as_table()) {
-    for (const auto& [key, node] : *readings) {
-      const toml::table* keys = node.as_table();
-      const std::string name_of_reading(key.str());
-      if (keys == nullptr) {
-        throw std::invalid_argument(at_line(file, node.source()) + ": readings." + name_of_reading +
-                                    ": must be a table");
-      }
-      flatten(*keys, file, "", readings_[name_of_reading]);
-    }
-    table.erase("readings");
+  for (auto& [case_name, keys] : overrides_) {
+    for (auto& [key, entry] : keys) entry.is_chosen = true;
   }
-  table.erase("scenario");
-  table.erase("default_case");
-  table.erase("case");
+  read_named(table, "readings", file, readings_);
+  for (const char* key : {"scenario", "default_case", "case", "readings"}) table.erase(key);
   flatten(table, file, "", entries_);
+  if (readings_.empty()) return;
+  for (const Entries* keys : all_entries()) {
+    if (keys->contains("reading")) reading(Config(file_, *keys));
+  }
+}
+
+std::vector<const Entries*> ScenarioFile::all_entries() const {
+  std::vector<const Entries*> all = {&entries_};
+  for (const std::string& name : cases_) all.push_back(&overrides_.at(name));
+  return all;
+}
+
+std::vector<Config> ScenarioFile::tables() const {
+  std::vector<Config> tables;
+  for (const Entries* keys : all_entries()) {
+    tables.emplace_back(file_, *keys);
+    if (!readings_.empty()) tables.back().remove("reading");
+  }
+  for (const auto& [name, keys] : readings_) tables.emplace_back(file_, keys);
+  return tables;
 }
 
 Config ScenarioFile::config(const std::string& case_name,

@@ -20,7 +20,8 @@ struct ConfigValue {
 /// A value and where it was written.
 struct ConfigEntry {
   ConfigValue value;
-  std::string origin;  ///< "FILE:LINE" or "--set"
+  std::string origin;      ///< "FILE:LINE" or "--set"
+  bool is_chosen = false;  ///< by the case or --set, and not what all cases of the file have
 };
 
 /// The keys that one run is to use, dotted ("contact.stiffness_N_m"), with their origins.
@@ -73,19 +74,24 @@ Config read_config(const std::string& file);
 /// picks one.
 class ScenarioFile {
  public:
-  /// Throws std::invalid_argument `FILE[:LINE]: reason` if it cannot be read or parsed, or names
-  /// another scenario than `scenario`.
+  /// Throws std::invalid_argument `FILE[:LINE]: reason` if it cannot be read or parsed, names
+  /// another scenario than `scenario`, or has a case or reading whose name is none for a folder:
+  /// names are [A-Za-z0-9._+-]+, and not ".", ".." or "all".
   ScenarioFile(const std::string& file, const std::string& scenario);
 
   /// In the file's order.
   const std::vector<std::string>& cases() const { return cases_; }
   const std::string& default_case() const { return default_case_; }
 
+  /// Each table of keys alone: the file's own, the cases', the readings'.
+  std::vector<Config> tables() const;
+
   /// The file's keys with one case's, then the reading's, then `sets` (key=value) on top. Throws
   /// std::invalid_argument if there is no such case or reading, or a set is malformed.
   Config config(const std::string& case_name, const std::vector<std::string>& sets = {}) const;
 
  private:
+  std::vector<const std::map<std::string, ConfigEntry>*> all_entries() const;
   const std::map<std::string, ConfigEntry>& reading(const Config& config) const;
 
   std::string file_;

@@ -109,6 +109,21 @@ void EstimatorSettings::bind(Fields& fields) {
                 "vfakfd: alpha of Eq. 4.20; 0: 1/(b_reso T_s), Eq. 4.26");
   fields.number("observer.lambda_min", lambda_min, between(0, 1), "vfakfd, qvff");
   fields.number("observer.lambda_max", lambda_max, between(0, 1), "vfakfd, qvff");
+
+  const auto only_for = [&](const std::string& key, const std::vector<std::string>& names) {
+    fields.only_for({"observer." + key}, "observer.name", names);
+  };
+  only_for("disturbance_order", {"kfd", "fakfd", "vfakfd", "qvff", "stf"});
+  only_for("derivative_cutoff_rad_s", {"mdob"});
+  only_for("low_pass_cutoff_rad_s", {"mdob"});
+  only_for("poles_rad_s", {"idob", "state_observer"});
+  only_for("process_noise_on", {"kfd", "fakfd", "vfakfd"});
+  only_for("process_noise", {"kfd", "fakfd", "vfakfd"});
+  only_for("observation_noise", {"kfd", "fakfd"});
+  only_for("initial_covariance", {"kfd", "fakfd", "vfakfd"});
+  only_for("alpha", {"vfakfd"});
+  only_for("lambda_min", {"vfakfd", "qvff"});
+  only_for("lambda_max", {"vfakfd", "qvff"});
 }
 
 void EstimatorSettings::bind_gamma(Fields& fields) {
@@ -116,6 +131,7 @@ void EstimatorSettings::bind_gamma(Fields& fields) {
                 "fakfd: the factor of all states (Eq. 4.6)");
   fields.number("observer.gamma_d", gamma_d, between(1, 100),
                 "fakfd: that of the disturbance and its derivatives, on top (Eq. 4.7)");
+  fields.only_for({"observer.gamma", "observer.gamma_d"}, "observer.name", {"fakfd"});
 }
 
 std::unique_ptr<DisturbanceEstimator> make_estimator(const EstimatorSettings& settings,

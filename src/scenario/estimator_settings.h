@@ -13,7 +13,7 @@ namespace breakwater {
 enum class EstimatorKind { state_observer, mdob, idob, kfd, fakfd, vfakfd, qvff, stf };
 enum class ProcessNoise { input, all, disturbance };
 
-/// Keys `observer.…`. Each estimator uses those that it has; the others are read and left alone.
+/// Keys `observer.…`. Each estimator uses those that it has; the others have no effect.
 struct EstimatorSettings {
   EstimatorKind kind = EstimatorKind::kfd;
   int disturbance_order = 0;

@@ -6,12 +6,15 @@
 #include <cctype>
 #include <cmath>
 #include <limits>
+#include <set>
+#include <stdexcept>
 
 #include "scenario/paths.h"
 
 namespace breakwater {
 namespace {
 
+constexpr std::size_t kLongestShown = 200;  // of a value that is none
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 using Error = std::optional<std::string>;
@@ -58,7 +61,9 @@ std::string describe(const ConfigValue& value) {
     std::string operator()(bool b) const { return b ? "true" : "false"; }
     std::string operator()(std::int64_t i) const { return std::to_string(i); }
     std::string operator()(double d) const { return fmt::format("{}", d); }
-    std::string operator()(const std::string& s) const { return toml_string(s); }
+    std::string operator()(const std::string& s) const {
+      return s.size() <= kLongestShown ? toml_string(s) : "a long text";
+    }
     std::string operator()(const ConfigValue::Array&) const { return "an array"; }
   };
   return std::visit(Visitor{}, value.data);
@@ -206,7 +211,7 @@ void Fields::add_choice(const std::string& key, const std::vector<std::string>& 
                          return "must be one of " + options + ", is " + describe(v);
                        const auto found = std::find(names.begin(), names.end(), *string);
                        if (found == names.end()) {
-                         return "must be one of " + options + ", is " + toml_string(*string) +
+                         return "must be one of " + options + ", is " + describe(v) +
                                 did_you_mean(*string, names);
                        }
                        assign(static_cast<std::size_t>(found - names.begin()));
@@ -215,19 +220,73 @@ void Fields::add_choice(const std::string& key, const std::vector<std::string>& 
                      [print = std::move(print)] { return toml_string(print()); }});
 }
 
-void Fields::read(const Config& config) {
-  std::vector<std::string> keys;
-  for (const Field& field : fields_) keys.push_back(field.key);
-  for (const auto& [key, entry] : config.entries()) {
-    if (std::find(keys.begin(), keys.end(), key) == keys.end()) {
-      config.fail(key, "unknown key" + did_you_mean(key, keys));
+const Fields::Field* Fields::find(const std::string& key) const {
+  const auto found = std::find_if(fields_.begin(), fields_.end(),
+                                  [&](const Field& field) { return field.key == key; });
+  return found != fields_.end() ? &*found : nullptr;
+}
+
+Fields::Field& Fields::at(const std::string& key) {
+  const Field* field = find(key);
+  if (field == nullptr) throw std::logic_error("there is no key " + key);
+  return fields_[static_cast<std::size_t>(field - fields_.data())];
+}
+
+void Fields::only_for(const std::vector<std::string>& keys, const std::string& choice,
+                      const std::vector<std::string>& names) {
+  std::vector<std::string> values;
+  for (const std::string& name : names) values.push_back(toml_string(name));
+  const Condition condition{fmt::format("{} is {}", choice, fmt::join(names, " or ")),
+                            [choice, values](const Fields& fields) {
+                              const Field* field = fields.find(choice);
+                              return field != nullptr && std::find(values.begin(), values.end(),
+                                                                   field->print()) != values.end();
+                            }};
+  for (const std::string& key : keys) at(key).conditions.push_back(condition);
+}
+
+void Fields::only_where(const std::vector<std::string>& keys, const std::string& condition,
+                        std::function<bool()> holds) {
+  const auto test = [holds = std::move(holds)](const Fields&) { return holds(); };
+  for (const std::string& key : keys) at(key).conditions.push_back({condition, test});
+}
+
+std::vector<UnusedKey> Fields::unused() const {
+  std::vector<UnusedKey> keys;
+  for (const Field& field : fields_) {
+    const auto fails = std::find_if(field.conditions.begin(), field.conditions.end(),
+                                    [this](const Condition& c) { return !c.holds(*this); });
+    if (fails != field.conditions.end()) {
+      keys.push_back({field.key, "has an effect only where " + fails->text});
     }
   }
-  for (Field& field : fields_) {
-    const ConfigEntry* entry = config.find(field.key);
-    if (entry == nullptr) config.fail(field.key, "is missing");
-    if (const Error error = field.read(entry->value)) config.fail(field.key, *error);
+  return keys;
+}
+
+void Fields::check(const Config& table) {
+  std::set<std::string> keys;
+  for (const Field& field : fields_) keys.insert(field.key);
+  for (const auto& [key, entry] : table.entries()) {
+    if (keys.contains(key)) continue;
+    table.fail(key, "unknown key" + did_you_mean(key, {keys.begin(), keys.end()}));
   }
+  for (Field& field : fields_) {
+    const ConfigEntry* entry = table.find(field.key);
+    if (entry == nullptr) continue;
+    if (const Error error = field.read(entry->value)) table.fail(field.key, *error);
+  }
+}
+
+void Fields::read(const Config& config) {
+  check(config);
+  for (const Field& field : fields_) {
+    if (config.find(field.key) == nullptr) config.fail(field.key, "is missing: " + field.doc);
+  }
+}
+
+void Fields::read(const ScenarioFile& file, const Config& config) {
+  for (const Config& table : file.tables()) check(table);
+  read(config);
 }
 
 std::string Fields::print(const std::string& scenario, const std::string& case_name) const {

@@ -45,7 +45,7 @@ FinishedRun::FinishedRun(const std::filesystem::path& folder) : folder_(folder) 
   const ScenarioFile file((folder_ / "config.toml").string(), scenario_->name());
   config_ = std::make_unique<Config>(file.config(case_name_));
   Fields fields = scenario_->fields();
-  fields.read(*config_);
+  fields.read(file, *config_);
   scenario_->check(*config_);
 
   times_s_ = read_hdf5_signal(log_file(), "control/time_s").values;

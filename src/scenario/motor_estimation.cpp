@@ -29,6 +29,7 @@ Fields MotorEstimation::fields() {
   estimator_.bind(fields);
   fields.number("observer.lambda", lambda_, between(0.01, 1),
                 "fakfd: the forgetting factor of all states, 1/gamma");
+  fields.only_for({"observer.lambda"}, "observer.name", {"fakfd"});
   fields.number("controller.kp", k_p_, not_negative(), "K_p [N m/rad]");
   fields.number("controller.kd", k_d_, not_negative(), "K_d [N m s/rad]");
   fields.choice("disturbance.kind", disturbance_.kind,
@@ -41,6 +42,8 @@ Fields MotorEstimation::fields() {
                 "of a step or sine [N m]; of a ramp [N m/s]");
   fields.number("disturbance.frequency_rad_s", disturbance_.frequency_rad_s, any(),
                 "of a sine [rad/s]");
+  fields.only_for({"disturbance.amplitude_Nm"}, "disturbance.kind", {"step", "ramp", "sine"});
+  fields.only_for({"disturbance.frequency_rad_s"}, "disturbance.kind", {"sine"});
   fields.number("disturbance.start_s", disturbance_.start_s, not_negative(), "when it begins [s]");
   fields.number("metrics.from_s", from_s_, not_negative(),
                 "the errors' window begins, and the transient's ends [s]");

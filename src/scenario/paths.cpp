@@ -1,24 +1,46 @@
 #include "scenario/paths.h"
 
+#include <cstdlib>
+#include <sstream>
 #include <stdexcept>
+#include <vector>
 
 namespace breakwater {
 namespace fs = std::filesystem;
 namespace {
 
 bool holds_the_data(const fs::path& folder) {
-  return fs::is_directory(folder / "models") && fs::is_directory(folder / "scenarios");
+  std::error_code error;
+  return fs::is_directory(folder / "models", error) &&
+         fs::is_directory(folder / "scenarios", error);
+}
+
+// Where the data may be, in that order.
+std::vector<fs::path> candidates() {
+  std::vector<fs::path> folders;
+  if (const char* variable = std::getenv("BREAKWATER_PATH")) {
+    std::stringstream list(variable);
+    for (std::string folder; std::getline(list, folder, ':');) {
+      if (!folder.empty()) folders.push_back(fs::absolute(folder));
+    }
+  }
+  const fs::path binary = fs::read_symlink("/proc/self/exe");
+  for (fs::path folder = binary.parent_path();; folder = folder.parent_path()) {
+    folders.push_back(folder / "share" / "breakwater");
+    folders.push_back(folder);
+    if (folder == folder.root_path()) return folders;
+  }
 }
 
 fs::path find_data_root() {
-  const fs::path binary = fs::read_symlink("/proc/self/exe");
-  for (fs::path folder = binary.parent_path();; folder = folder.parent_path()) {
-    for (const fs::path& candidate : {folder / "share" / "breakwater", folder}) {
-      if (holds_the_data(candidate)) return candidate;
-    }
-    if (folder == folder.root_path()) break;
+  std::string searched;
+  for (const fs::path& folder : candidates()) {
+    if (holds_the_data(folder)) return folder;
+    searched += (searched.empty() ? "" : ", ") + folder.string();
   }
-  throw std::runtime_error("models/ and scenarios/ are not found above " + binary.string());
+  throw std::invalid_argument(
+      "Breakwater's models/ and scenarios/ are in none of " + searched +
+      ": name the folder that holds both in the environment variable BREAKWATER_PATH");
 }
 
 }  // namespace

@@ -6,9 +6,10 @@
 
 namespace breakwater {
 
-/// The folder that holds models/, scenarios/ and data/, found from the running binary's place:
-/// its source tree, or PREFIX/share/breakwater of an installation. Throws std::runtime_error if
-/// there is none.
+/// The folder that holds models/, scenarios/ and data/: the first such of the environment variable
+/// BREAKWATER_PATH (folders, with ':' between them); else found from the running binary's place:
+/// its source tree, or PREFIX/share/breakwater of an installation. Throws std::invalid_argument,
+/// naming where it was looked for, if there is none.
 std::filesystem::path data_root();
 
 /// A file that a key names: as given if absolute; else in `folder` if it is there; else in

@@ -1,13 +1,13 @@
 #include "scenario/printed_results.h"
 
 #include <fmt/format.h>
-#include <toml++/toml.h>
 
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
 #include "scenario/paths.h"
+#include "scenario/toml_file.h"
 
 namespace breakwater {
 namespace {
@@ -126,35 +126,43 @@ std::string text(Verdict verdict) {
 }
 
 PrintedResults::PrintedResults(const std::filesystem::path& folder) {
-  try {
-    collect(toml::parse_file((folder / "printed-results.toml").string()), "", results_);
-    const toml::table file = toml::parse_file((folder / "reproduced.toml").string());
-    const toml::array* classes = file["class"].as_array();
-    if (classes == nullptr) throw std::runtime_error("there is no [[class]]");
-    for (const toml::node& node : *classes) {
-      const toml::table& table = *node.as_table();
-      const toml::array* patterns = table["of"].as_array();
-      if (patterns == nullptr) throw std::runtime_error("a class has no `of`");
+  collect(parse_toml_file((folder / "printed-results.toml").string()), "", results_);
+  const std::string name = (folder / "reproduced.toml").string();
+  const toml::table file = parse_toml_file(name);
+  const auto table_of = [&](const toml::node& node) -> const toml::table& {
+    if (const toml::table* table = node.as_table()) return *table;
+    throw std::invalid_argument(at_line(name, node.source()) + ": must be a table");
+  };
+  const toml::array* classes = file["class"].as_array();
+  if (classes == nullptr) throw std::invalid_argument(name + ": there is no [[class]]");
+  for (const toml::node& node : *classes) {
+    const toml::table& table = table_of(node);
+    const std::string place = at_line(name, node.source()) + ": ";
+    const toml::array* patterns = table["of"].as_array();
+    if (patterns == nullptr) throw std::invalid_argument(place + "a class has no `of`");
+    try {
       for (const toml::node& pattern : *patterns) {
         standards_.emplace_back(pattern.value_or(std::string()), read_standard(table));
       }
+    } catch (const std::runtime_error& error) {
+      throw std::invalid_argument(place + error.what());
     }
-    for (const auto& [scenario, cases] : *file["case"].as_table()) {
-      for (const auto& [name, node] : *cases.as_table()) {
-        Case entry;
-        for (const auto& [key, value] : *node.as_table()) {
-          const std::string theirs = value.value_or(std::string());
-          if (key == "printed") {
-            entry.printed = theirs;
-          } else {
-            entry.metrics[std::string(key.str())] = theirs;
-          }
+  }
+  const toml::node* cases = file.get("case");
+  if (cases == nullptr) throw std::invalid_argument(name + ": there is no [case]");
+  for (const auto& [scenario, scenario_cases] : table_of(*cases)) {
+    for (const auto& [case_name, node] : table_of(scenario_cases)) {
+      Case entry;
+      for (const auto& [key, value] : table_of(node)) {
+        const std::string theirs = value.value_or(std::string());
+        if (key == "printed") {
+          entry.printed = theirs;
+        } else {
+          entry.metrics[std::string(key.str())] = theirs;
         }
-        cases_[std::string(scenario.str()) + "/" + std::string(name.str())] = entry;
       }
+      cases_[std::string(scenario.str()) + "/" + std::string(case_name.str())] = entry;
     }
-  } catch (const std::exception& error) {
-    throw std::runtime_error(folder.string() + ": " + error.what());
   }
 }
 

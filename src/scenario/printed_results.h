@@ -49,7 +49,8 @@ std::string text(Verdict verdict);
 /// printed-results.toml and reproduced.toml.
 class PrintedResults {
  public:
-  /// Reads them from `folder`. Throws std::runtime_error if they are damaged.
+  /// Reads them from `folder`. Throws std::invalid_argument `FILE[:LINE]: reason` if they are
+  /// damaged.
   explicit PrintedResults(const std::filesystem::path& folder);
 
   /// What is printed at a path such as "arm_wall_contact.force_2N.hpfc.peak_force_N" or

@@ -22,6 +22,20 @@ const std::atomic<bool>& interrupted() {
   return signalled;
 }
 
+std::string one_line(const std::string& text) {
+  std::string line;
+  for (const char c : text) {
+    if (c == '\n') {
+      line += "\\n";
+    } else if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) {
+      line += fmt::format("\\x{:02x}", static_cast<unsigned>(c));
+    } else {
+      line += c;
+    }
+  }
+  return line;
+}
+
 int out_of_memory() {
   fmt::print(stderr, "run.duration_s: the log of so long a run does not fit in memory\n");
   return kUsage;
@@ -36,7 +50,7 @@ std::optional<int> parse(CLI::App& app, int argc, const char* const* argv) {
   } catch (const CLI::CallForVersion& version) {
     fmt::print("{}\n", version.what());
   } catch (const CLI::ParseError& error) {
-    fmt::print(stderr, "{}: {} (see --help)\n", app.get_name(), error.what());
+    fmt::print(stderr, "{}: {} (see --help)\n", app.get_name(), one_line(error.what()));
     return kUsage;
   }
   return kSuccess;

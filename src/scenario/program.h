@@ -33,6 +33,9 @@ const std::atomic<bool>& interrupted();
 /// Returns the status to exit with, or nothing if the arguments were taken.
 std::optional<int> parse(CLI::App& app, int argc, const char* const* argv);
 
+/// The text with control characters spelt out: what a user gave may hold any.
+std::string one_line(const std::string& text);
+
 /// Says that the log is longer than memory can hold.
 int out_of_memory();
 
@@ -43,13 +46,13 @@ int guarded(const std::string& program, Body&& body) {
   try {
     return body();
   } catch (const std::invalid_argument& error) {
-    fmt::print(stderr, "{}\n", error.what());
+    fmt::print(stderr, "{}\n", one_line(error.what()));
     return kUsage;
   } catch (const OutputError& error) {
-    fmt::print(stderr, "{}\n", error.what());
+    fmt::print(stderr, "{}\n", one_line(error.what()));
     return kUsage;
   } catch (const std::filesystem::filesystem_error& error) {
-    fmt::print(stderr, "{}: {}\n", error.path1().string(), error.code().message());
+    fmt::print(stderr, "{}: {}\n", one_line(error.path1().string()), error.code().message());
     return kUsage;
   } catch (const std::length_error&) {
     return out_of_memory();
@@ -63,7 +66,7 @@ int guarded(const std::string& program, Body&& body) {
                    : fmt::format("{} finished run{} kept", kept, kept == 1 ? " is" : "s are"));
     return kInterrupted;
   } catch (const std::exception& error) {
-    fmt::print(stderr, "{}: this is a defect of Breakwater: {}\n", program, error.what());
+    fmt::print(stderr, "{}: this is a defect of Breakwater: {}\n", program, one_line(error.what()));
     return kDefect;
   }
 }

@@ -336,6 +336,26 @@ Fields QuadrotorWaves::fields() {
   fields.number("estimator.resonator_torque_std_Nm", resonator.torque_std_Nm, positive(),
                 "walk of the torques at each sample [N m]");
 
+  fields.only_for({"wave.current_m_s", "wave.buoyancy_arm_m"}, "wave.mode", {"physical"});
+  fields.only_for({"wave.torque_per_angle_Nm_rad"}, "wave.mode", {"thesis"});
+  fields.only_where({"wave.change_to_period_s"}, "wave.change_at_s is not 0",
+                    [this] { return waves_.change_at_s > 0.0; });
+  fields.only_for(
+      {"estimator.process_noise", "estimator.process_noise_mode", "estimator.input_noise",
+       "estimator.tuned_velocity_std_m_s", "estimator.tuned_rate_std_rad_s"},
+      "estimator.disturbance", {"none", "zero", "second"});
+  fields.only_for({"estimator.tuned_disturbance_std"}, "estimator.disturbance", {"zero", "second"});
+  fields.only_for({"estimator.process_noise_mode"}, "estimator.process_noise", {"printed"});
+  fields.only_for({"estimator.input_noise"}, "estimator.process_noise", {"input"});
+  fields.only_for({"estimator.tuned_velocity_std_m_s", "estimator.tuned_rate_std_rad_s",
+                   "estimator.tuned_disturbance_std"},
+                  "estimator.process_noise", {"tuned"});
+  fields.only_for({"estimator.wave_frequency", "estimator.assumed_period_s",
+                   "estimator.resonator_damping", "estimator.resonator_force_std_N",
+                   "estimator.resonator_velocity_std_m_s", "estimator.resonator_rate_std_rad_s",
+                   "estimator.resonator_bias_std_N", "estimator.resonator_torque_std_Nm"},
+                  "estimator.disturbance", {"resonator"});
+
   fields.choice("controller.gains", gains_,
                 {{"retuned", Gains::retuned}, {"dlqr", Gains::dlqr}, {"printed", Gains::printed}},
                 "retuned for the physical plant, dlqr with Q_z = 1e4, or printed");

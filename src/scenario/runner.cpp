@@ -118,8 +118,12 @@ PreparedRun prepare_run(const std::string& scenario, const ScenarioFile& file,
   run.case_name = case_name;
   const Config config = file.config(case_name, sets);
   Fields fields = run.scenario->fields();
-  fields.read(config);
+  fields.read(file, config);
   run.scenario->check(config);
+  for (const UnusedKey& unused : fields.unused()) {
+    const ConfigEntry& entry = *config.find(unused.key);
+    if (entry.is_chosen) run.vain.push_back({entry.origin, unused.key, unused.reason});
+  }
   run.config_text = fields.print(scenario, case_name);
   run.model_files = fields.files();
   run.is_as_shipped = shipped_config(*run.scenario, case_name) == run.config_text;

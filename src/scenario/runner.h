@@ -15,11 +15,19 @@
 
 namespace breakwater {
 
+/// A key that its case or --set gives though it has no effect in the run.
+struct VainKey {
+  std::string origin;  ///< "FILE:LINE" or "--set"
+  std::string key;
+  std::string reason;
+};
+
 /// One case, read and checked, that may be run.
 struct PreparedRun {
   std::unique_ptr<Scenario> scenario;
   std::string case_name;
   std::string config_text;               ///< the effective configuration, as a scenario file
+  std::vector<VainKey> vain;             ///< what the case or --set gives
   bool is_as_shipped = true;             ///< the project's own case, but for seed and compression
   std::vector<std::string> model_files;  ///< that its keys name
 };

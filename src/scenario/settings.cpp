@@ -21,10 +21,13 @@ void RunSettings::bind(Fields& fields) {
 
 void PhysicsSettings::bind(Fields& fields) {
   fields.number("physics.timestep_s", timestep_s, positive(), "the engine's step [s]");
-  fields.choice(
-      "physics.integrator", integrator,
-      {{"euler", Integrator::euler}, {"rk4", Integrator::rk4}, {"implicit", Integrator::implicit}},
-      "euler, rk4 or implicit");
+  fields.choice("physics.integrator", integrator,
+                {{"euler", Integrator::euler},
+                 {"rk4", Integrator::rk4},
+                 {"implicit", Integrator::implicit},
+                 {"Euler", Integrator::euler},  // as MJCF spells it
+                 {"RK4", Integrator::rk4}},
+                "euler, rk4 or implicit");
   fields.number("control.period_s", control_period_s, positive(),
                 "T_s, of control and log; a multiple of the timestep [s]");
 }
@@ -64,6 +67,8 @@ void FaultSettings::bind(Fields& fields, const std::string& channels) {
   fields.text("fault.sensor", fault.channel, "none, or the channel to break: " + channels);
   fields.number("fault.at_s", fault.at_s, not_negative(), "when it breaks [s]");
   fields.count("fault.samples", fault.samples, between(1, 1e9), "for how many samples");
+  fields.only_where({"fault.at_s", "fault.samples"}, "fault.sensor names a channel",
+                    [this] { return fault.channel != kNoFault; });
 }
 
 void FaultSettings::check(const Config& config, const std::vector<SensorChannel>& channels) const {

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <mutex>
 #include <regex>
 #include <stdexcept>
 
+#include "plants/mjcf_numbers.h"
 #include "sim/engine_guard.h"
 
 namespace breakwater {
@@ -89,8 +89,7 @@ void check_timestep(double timestep_s, const std::string& file) {
 }  // namespace
 
 Model Model::load(const std::string& mjcf_file) {
-  if (!std::ifstream(mjcf_file)) refuse(mjcf_file, "cannot be read");
-
+  check_mjcf_numbers(mjcf_file);
   LoadCall call{mjcf_file.c_str(), "", nullptr};
   std::string fatal;
   {

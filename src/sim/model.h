@@ -15,9 +15,9 @@ enum class Integrator { euler, rk4, implicit };
 class Model {
  public:
   /// Compiles an MJCF file. Throws std::invalid_argument with one line, `FILE[:LINE]: reason`, if
-  /// it cannot be read or compiled, or if its timestep, a mass, an inertia or a size is not a
-  /// sensible number: the engine itself accepts a timestep of −1 s and a mass of 1e300 kg.
-  /// Thread-safe.
+  /// it cannot be read or compiled, or if a number of it is not finite or beyond 1e30, or its
+  /// timestep, a mass, an inertia or a size is not a sensible number: the engine itself accepts
+  /// NaN, a timestep of −1 s and a mass of 1e300 kg. Thread-safe.
   static Model load(const std::string& mjcf_file);
 
   mjModel* get() { return model_.get(); }

@@ -220,6 +220,10 @@ class NonsenseIn : public CommandLine {
               "<limit lower=\"-6.283\" upper=\"6.283\" effort=\"12.6720\" "
               "velocity=\"3.14159265358979\"/>",
               "");
+    copy_with("scenarios/arm_wall_contact/arm_wall_contact.toml", "escape.toml", "[case.drac-2N]",
+              "[case.\"../../escaped\"]");
+    copy_with("scenarios/arm_wall_contact/arm_wall_contact.toml", "other.toml",
+              "controller.k_position = 15.0", "controller.k_position = nan");
     write("file", "not a folder");
     fs::create_directory(folder_ / "thesis");
     write("thesis/chapter1", "years of work");
@@ -228,6 +232,12 @@ class NonsenseIn : public CommandLine {
 
   std::vector<std::string> before_;
 };
+
+std::string repeated(const std::string& text, int times) {
+  std::string all;
+  for (int i = 0; i < times; ++i) all += text;
+  return all;
+}
 
 class EachNonsense : public NonsenseIn, public ::testing::WithParamInterface<Nonsense> {};
 
@@ -249,6 +259,11 @@ INSTANTIATE_TEST_SUITE_P(
         Nonsense{"UnknownKey",
                  {"--set", "contact.stifness_N_m=3"},
                  "--set: contact.stifness_N_m: unknown key (did you mean contact.stiffness_N_m?)"},
+        Nonsense{"CaseOutside", {"--config", "escape.toml", "--case", "all"}, "a name is made of"},
+        Nonsense{"NanInAnotherCase", {"--config", "other.toml"}, "controller.k_position: must be"},
+        Nonsense{"DeepKey", {"--set", repeated("a.", 50000) + "a=1"}, "is no key"},
+        Nonsense{"DeepValue", {"--set", "run.seed=" + repeated("[", 100000)}, "too deeply"},
+        Nonsense{"LinesInACase", {"--case", "a\nb"}, "no case \"a\\nb\""},
         Nonsense{"UnknownKeyInFile", {"--config", "typo.toml"}, "wall.distnce_m: unknown key"},
         Nonsense{"StringForNumber",
                  {"--set", "wall.distance_m=far"},
@@ -286,7 +301,7 @@ INSTANTIATE_TEST_SUITE_P(
         Nonsense{"MissingConfig", {"--config", "missing.toml"}, "missing.toml: cannot be read"},
         Nonsense{"ConfigIsFolder", {"--config", "thesis"}, "thesis: cannot be read"},
         Nonsense{"TruncatedToml", {"--config", "truncated.toml"}, "truncated.toml:"},
-        Nonsense{"HalfAToml", {"--config", "half.toml"}, "is missing"},
+        Nonsense{"HalfAToml", {"--config", "half.toml"}, "is missing: "},
         Nonsense{"MissingModel",
                  {"--set", "model.mjcf=missing.xml"},
                  "--set: model.mjcf: there is no file"},
@@ -360,6 +375,75 @@ TEST_F(CommandLine, UmbrellaRefusesNonsense) {
   EXPECT_EQ(unknown.status, 2);
   EXPECT_EQ(unknown.err,
             "there is no scenario \"arm_wal_contact\" (did you mean arm_wall_contact?)\n");
+}
+
+TEST_F(CommandLine, TakesMjcfsNamesOfIntegrators) {
+  for (const auto& [theirs, ours] : {std::pair{"RK4", "rk4"}, std::pair{"Euler", "euler"}}) {
+    const ProgramResult result =
+        wall({"--print-config", "--set", std::string("physics.integrator=") + theirs});
+    EXPECT_EQ(result.status, 0) << result.err;
+    EXPECT_NE(result.out.find("integrator = \"" + std::string(ours) + "\""), std::string::npos);
+  }
+}
+
+TEST_F(CommandLine, SaysWhichKeysAreSetInVain) {
+  const std::string why = "controller.k_force: has an effect only where controller.name is hpfc\n";
+  const auto brief = [this](std::vector<std::string> arguments) {
+    arguments.insert(arguments.end(), {"--duration", "0.01", "--out", "run"});
+    const ProgramResult result = wall(arguments);
+    EXPECT_EQ(result.status, 0) << result.err;
+    fs::remove_all(folder_ / "run");
+    return result.err;
+  };
+  EXPECT_EQ(brief({"--set", "controller.k_force=1"}), "arm_wall_contact: warning: --set: " + why);
+  EXPECT_EQ(brief({"--set", "controller.k_force=1", "--quiet"}), "");
+  EXPECT_EQ(brief({"--set", "controller.k_force=1", "--case", "hpfc-2N"}), "");
+  // Some of the cases use it.
+  EXPECT_EQ(brief({"--set", "controller.k_force=1", "--case", "all"}), "");
+  copy_with("scenarios/arm_wall_contact/arm_wall_contact.toml", "vain.toml", "[case.drac-2N]",
+            "[case.drac-2N]\ncontroller.k_force = 1");
+  EXPECT_TRUE(brief({"--config", "vain.toml", "--case", "drac-2N"})
+                  .starts_with("arm_wall_contact drac-2N: warning: "));
+  EXPECT_TRUE(brief({"--config", "vain.toml", "--case", "drac-2N"}).ends_with(": " + why));
+  EXPECT_EQ(brief({"--config", "vain.toml"}), "");
+}
+
+TEST_F(CommandLine, TheMatrixTakesWhatAllCasesTake) {
+  const auto matrix = [this](std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), {"cart_constrained", "--matrix"});
+    return run(arguments);
+  };
+  const ProgramResult printed = matrix({"--print-config"});
+  EXPECT_EQ(printed.status, 2);
+  EXPECT_EQ(printed.err, "--print-config: prints one case, not all of --matrix\n");
+  const ProgramResult video = matrix({"--video", "one.mp4"});
+  EXPECT_EQ(video.status, 2);
+  EXPECT_EQ(video.err, "--video: one file cannot hold the videos of several runs\n");
+  EXPECT_TRUE(entries().empty());
+  const ProgramResult warned = matrix({"--duration", "0.02", "--set", "observer.alpha=2"});
+  EXPECT_EQ(warned.status, 0) << warned.err;
+  EXPECT_EQ(warned.err,
+            "cart_constrained: warning: --set: observer.alpha: has an effect only where "
+            "observer.name is vfakfd\n");
+}
+
+// A program of the user's own lies where no data is.
+TEST_F(CommandLine, AForeignProgramIsToldWhereTheDataWasSought) {
+  fs::copy_file(std::string(BREAKWATER_BIN_DIR) + "/arm_wall_contact", folder_ / "mine");
+  const std::string mine = fs::canonical(folder_ / "mine").lexically_relative(BREAKWATER_BIN_DIR);
+  const auto list = [&] { return run({mine, "--list-cases"}); };
+  ProgramResult result = list();
+  EXPECT_EQ(result.status, 2);
+  EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+  EXPECT_NE(result.err.find(folder_.string() + "/share/breakwater, " + folder_.string() + ", "),
+            std::string::npos)
+      << result.err;
+  EXPECT_NE(result.err.find("BREAKWATER_PATH"), std::string::npos) << result.err;
+  setenv("BREAKWATER_PATH", ("/nowhere::" + std::string(BREAKWATER_SOURCE_DIR)).c_str(), 1);
+  result = list();
+  unsetenv("BREAKWATER_PATH");
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_TRUE(result.out.starts_with("proposed-2N\n"));
 }
 
 // ---- runs that fail ----------------------------------------------------------------------------

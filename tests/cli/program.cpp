@@ -5,6 +5,7 @@
 #include <unistd.h>
 #include <csignal>
 
+#include <atomic>
 #include <chrono>
 #include <fstream>
 #include <sstream>
@@ -25,8 +26,10 @@ std::string text_of(const std::filesystem::path& file) {
 
 ProgramResult run_program(const std::vector<std::string>& arguments,
                           const std::filesystem::path& folder, double kill_after_s, int signal) {
-  const std::filesystem::path out = temporary_path("stdout");
-  const std::filesystem::path err = temporary_path("stderr");
+  static std::atomic<int> calls = 0;  // on several threads at once
+  const std::string call = std::to_string(++calls);
+  const std::filesystem::path out = temporary_path("stdout" + call);
+  const std::filesystem::path err = temporary_path("stderr" + call);
   const Removed removed_out(out);
   const Removed removed_err(err);
   const auto start = std::chrono::steady_clock::now();

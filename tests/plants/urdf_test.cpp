@@ -57,6 +57,10 @@ TEST(Urdf, NamesFileElementAndReason) {
             ":4: joint \"shoulder\": its effort and velocity limits must be positive");
   EXPECT_EQ(complaint(one_joint(replaced(kGoodJoint, "0 0 1", "0 1 0"))),
             ":4: joint \"shoulder\": its axis is not ±z, so the chain is not planar");
+  EXPECT_EQ(complaint(one_joint(replaced(kGoodJoint, "0 0 1", "-1 0 1"))),
+            ":4: joint \"shoulder\": its axis is not ±z, so the chain is not planar");
+  EXPECT_EQ(complaint(one_joint(replaced(kGoodJoint, "upper='1'", "upper='-1'"))),
+            ":4: joint \"shoulder\": its lower limit must be below its upper one");
   EXPECT_EQ(complaint(one_joint(replaced(kGoodJoint, "<axis", "<origin rpy='0.1 0 0'/><axis"))),
             ":4: joint \"shoulder\": its origin is rolled or pitched, so the chain is not planar");
   EXPECT_EQ(complaint(one_joint(replaced(kGoodJoint, "revolute", "prismatic"))),
@@ -66,6 +70,24 @@ TEST(Urdf, NamesFileElementAndReason) {
   EXPECT_TRUE(complaint(one_joint(replaced(kGoodJoint, "'arm'", "'leg'"))).starts_with(":"));
   EXPECT_EQ(complaint("<robot name='r'>\n<link name='base'/>\n</robot>"),
             ":1: has no revolute joint");
+}
+
+TEST(Urdf, RefusesWhatIsNoNumber) {
+  const auto with = [](const std::string& from, const std::string& to) {
+    return complaint(replaced(one_joint(kGoodJoint), from, to));
+  };
+  EXPECT_EQ(with("iyz='0'", "iyz='banana'"), ":5: <inertia> iyz=\"banana\": must be a number");
+  EXPECT_EQ(with("<mass value='1'", "<mass value='nan'"),
+            ":5: <mass> value=\"nan\": must be finite and not beyond 1e30");
+  EXPECT_EQ(with("ixx='1'", "ixx='1,5'"), ":5: <inertia> ixx=\"1,5\": must be a number");
+  EXPECT_EQ(with("ixx='1'", "ixx=''"), ":5: <inertia> ixx=\"\": must be a number");
+  EXPECT_EQ(with("lower='-1'", "lower='1e999'"),
+            ":4: <limit> lower=\"1e999\": must be finite and not beyond 1e30");
+  EXPECT_EQ(with("izz='1'", "izz='-1'"), ":5: <inertia> izz=\"-1\": must not be negative");
+  EXPECT_EQ(with("0 0 1", "0 0"), ":4: <axis> xyz=\"0 0\": must be 3 numbers");
+  EXPECT_EQ(with("<robot name='r'>", "<robot name='r' version='banana'>"),
+            ":2: <robot> version=\"banana\": must be a number");
+  EXPECT_EQ(with("0 0 1", " +0 0e0  1 "), "");
 }
 
 TEST(Urdf, RefusesABranch) {

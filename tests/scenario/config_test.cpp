@@ -7,6 +7,7 @@
 
 #include "scenario/fields.h"
 #include "scenario/printed_results.h"
+#include "scenario/shot_list.h"
 #include "scenario/table.h"
 #include "support.h"
 
@@ -72,6 +73,19 @@ class ConfigTest : public ::testing::Test {
     } catch (const std::invalid_argument& error) {
       std::string what = error.what();
       EXPECT_EQ(what.find('\n'), std::string::npos) << what;
+      const auto at = what.find(path_.string());
+      return at == std::string::npos ? what : what.replace(at, path_.string().size(), "FILE");
+    }
+    return "";
+  }
+
+  // Reads a file for a run; returns as read() does.
+  std::string read_run(const std::string& case_name, const std::string& text) {
+    try {
+      const ScenarioFile scenario = file(text);
+      settings_.fields().read(scenario, scenario.config(case_name));
+    } catch (const std::invalid_argument& error) {
+      std::string what = error.what();
       const auto at = what.find(path_.string());
       return at == std::string::npos ? what : what.replace(at, path_.string().size(), "FILE");
     }
@@ -154,7 +168,7 @@ TEST_F(ConfigTest, NamesTheFilesLine) {
             "FILE:5: motion.stesp: unknown key (did you mean motion.steps?)");
   text = kText;
   EXPECT_EQ(read("slow", {}, text.replace(text.find("steps = 3\n"), 10, "")),
-            "FILE: motion.steps: is missing");
+            "FILE: motion.steps: is missing: how many");
   text = kText;
   EXPECT_EQ(read("another", {}, text.replace(text.find("\"red\""), 5, "\"rot\"")),
             "FILE:16: motion.color: must be one of red, blue, is \"rot\" (did you mean red?)");
@@ -166,6 +180,123 @@ TEST_F(ConfigTest, NamesTheFilesLine) {
   EXPECT_EQ(read("slow", {}, ""), "FILE: scenario: is missing");
   EXPECT_THROW(ScenarioFile("/no/such/file.toml", "test"), std::invalid_argument);
   EXPECT_THROW(ScenarioFile("/", "test"), std::invalid_argument);
+}
+
+TEST_F(ConfigTest, EveryTableIsCheckedWhicheverCaseRuns) {
+  const auto complaint = [&](const std::string& from, const std::string& to) {
+    std::string text = kText;
+    text.replace(text.find(from), from.size(), to);
+    return read_run("slow", text);
+  };
+  EXPECT_EQ(read_run("slow", kText), "");
+  EXPECT_EQ(complaint("motion.color = \"red\"", "motion.colour = \"red\""),
+            "FILE:16: motion.colour: unknown key (did you mean motion.color?)");
+  EXPECT_EQ(complaint("motion.color = \"red\"", "motion.color = 3"),
+            "FILE:16: motion.color: must be one of red, blue, is 3");
+  EXPECT_EQ(complaint("motion.speed_m_s = 1.5", "motion.speed_m_s = nan"),
+            "FILE:14: motion.speed_m_s: must be finite, is nan");
+  // What the chosen case overrides counts too.
+  std::string text = kText;
+  EXPECT_EQ(read_run("very-1.5", text.replace(text.find("= 2\n"), 3, "= inf")),
+            "FILE:4: motion.speed_m_s: must be finite, is inf");
+}
+
+TEST_F(ConfigTest, ReadingsAreCheckedToo) {
+  const std::string head = "reading = \"one\"\n" + std::string(kText);
+  const std::string one = "[readings.one]\nmotion.steps = 4\n";
+  EXPECT_EQ(read_run("slow", head + one), "");
+  EXPECT_EQ(settings_.steps, 4);
+  EXPECT_EQ(read_run("slow", head + one + "[readings.two]\nmotion.steps = \"x\"\n"),
+            "FILE:21: motion.steps: must be a whole number, is \"x\"");
+  EXPECT_EQ(read_run("slow", head + "reading = \"tow\"\n" + one + "[readings.two]\n"),
+            "FILE:18: reading: there is no [readings.tow] (did you mean two?)");
+  EXPECT_EQ(read_run("slow", head + one + "reading = \"one\"\n"), "FILE:20: reading: unknown key");
+  EXPECT_EQ(read_run("slow", head + "[readings.\"a/b\"]\n").substr(0, 22),
+            "FILE:18: readings.a/b:");
+}
+
+TEST_F(ConfigTest, ACasesNameIsAFoldersName) {
+  const auto complaint = [&](const std::string& name) {
+    return read_run("slow", kText + ("[case." + name + "]\n"));
+  };
+  EXPECT_EQ(complaint("\"A-z_0.9+x\""), "");
+  for (const char* name :
+       {"../../escaped", "/tmp/x", "a b", "", ".", "..", "a\\u0000b", "ä", "a\\nb"}) {
+    const std::string what = complaint('"' + std::string(name) + '"');
+    EXPECT_TRUE(what.starts_with("FILE:17: case.")) << what;
+    EXPECT_NE(what.find("a name is made of"), std::string::npos) << what;
+  }
+  EXPECT_EQ(complaint("all"), "FILE:17: case.all: means all of them");
+}
+
+TEST_F(ConfigTest, AKeyThatIsGivenTwiceIsRefused) {
+  EXPECT_EQ(read_run("slow", "\"motion.steps\" = 5\n" + std::string(kText)),
+            "FILE:6: motion.steps: is given twice");
+}
+
+std::string repeated(const std::string& text, int times) {
+  std::string all;
+  for (int i = 0; i < times; ++i) all += text;
+  return all;
+}
+
+TEST_F(ConfigTest, TomlThatWouldEndTheProgramIsRefused) {
+  constexpr int kDeep = 100000;
+  const std::string key = repeated("a.", kDeep) + "a";
+  const std::string arrays = repeated("[", kDeep);
+  const std::string tables = repeated("{a=", kDeep);
+  const auto with = [&](const std::string& line) { return read_run("slow", line + "\n" + kText); };
+  EXPECT_EQ(with(key + " = 1"), "FILE:1: has a key of too many parts");
+  EXPECT_EQ(with("[" + key + "]"), "FILE:1: has a key of too many parts");
+  EXPECT_EQ(with("\n\"]\" = { " + key + " = 1 }"), "FILE:2: has a key of too many parts");
+  EXPECT_EQ(with("x = " + arrays), "FILE:1: is nested too deeply");
+  EXPECT_EQ(with("x = " + tables), "FILE:1: is nested too deeply");
+  EXPECT_EQ(with("x = \"\"\"\n\"]\"\"\" # '\ny = " + arrays), "FILE:3: is nested too deeply");
+  EXPECT_EQ(with(std::string(5U << 20U, ' ')), "FILE:1: is longer than 4 MiB");
+  EXPECT_TRUE(with("x = \"\xff\"").starts_with("FILE:1: is not TOML:"));
+  EXPECT_TRUE(with(std::string("x = \"\0\"", 7)).starts_with("FILE:1: "));
+  EXPECT_EQ(with(std::string(1000, 'x') + " = 1"),
+            "FILE:1: " + std::string(20, 'x') + "...: is too long for a key");
+
+  EXPECT_EQ(read("slow", {"motion.gains=" + arrays}), "--set: motion.gains: is nested too deeply");
+  EXPECT_EQ(read("slow", {"motion.gains=" + tables}), "--set: motion.gains: is nested too deeply");
+  EXPECT_EQ(read("slow", {"motion.gains={" + key + "=1}"}),
+            "--set: motion.gains: has a key of too many parts");
+  EXPECT_EQ(read("slow", {key + "=1"}), "--set: a.a.a.a.a.a.a.a.a.a....: is no key");
+  EXPECT_EQ(read("slow", {"a\nb=1"}), "--set: a\nb: is no key");
+
+  // What only looks like it is not.
+  EXPECT_EQ(read("slow", {"run.name=\"" + repeated("[{.", 100) + "\""}), "");
+  EXPECT_EQ(with("# " + repeated("[{.", 1000)), "");
+  EXPECT_EQ(read("slow", {"motion.gains=[" + repeated("1.5, ", 1000) + "]"}), "");
+}
+
+TEST_F(ConfigTest, AShotListIsReadBehindTheSameGuard) {
+  std::ofstream(path_) << repeated("a.", 100000) << "a = 1\n";
+  EXPECT_THROW(read_shot_list(path_.string()), std::invalid_argument);
+}
+
+TEST_F(ConfigTest, SaysWhichKeysHaveNoEffect) {
+  Fields fields = settings_.fields();
+  fields.only_for({"motion.speed_m_s", "motion.steps"}, "motion.color", {"red"});
+  fields.only_where({"motion.steps"}, "run.seed is not 0", [&] { return settings_.seed != 0; });
+  const ScenarioFile scenario = file();
+  const auto unused = [&](const std::vector<std::string>& sets) {
+    const Config config = scenario.config("very-1.5", sets);
+    fields.read(config);
+    std::string text;
+    for (const UnusedKey& key : fields.unused()) {
+      text += (config.find(key.key)->is_chosen ? "* " : "") + key.key + ": " + key.reason + "\n";
+    }
+    return text;
+  };
+  EXPECT_EQ(unused({}),
+            "* motion.speed_m_s: has an effect only where motion.color is red\n"
+            "motion.steps: has an effect only where motion.color is red\n");
+  EXPECT_EQ(unused({"motion.color=red"}), "");
+  EXPECT_EQ(unused({"motion.color=red", "run.seed=0", "motion.steps=1"}),
+            "* motion.steps: has an effect only where run.seed is not 0\n");
+  EXPECT_THROW(fields.only_for({"motion.sped_m_s"}, "motion.color", {"red"}), std::logic_error);
 }
 
 TEST_F(ConfigTest, PrintsAFileThatReadsTheSame) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <stdexcept>
 #include <thread>
 #include <vector>
@@ -43,13 +44,37 @@ TEST(Model, RefusesWhatTheEngineTakes) {
   }
   EXPECT_EQ(complaint(with_body("<inertial pos='0 0 0' mass='1e300' diaginertia='1 1 1'/>" +
                                 std::string(kHinge))),
+            ":1: <inertial> mass=\"1e300\": must be finite and not beyond 1e30");
+  EXPECT_EQ(complaint(with_body("<inertial pos='0 0 0' mass='1e10' diaginertia='1 1 1'/>" +
+                                std::string(kHinge))),
             ": body \"b\": mass is out of range");
+  // The engine takes these for 0, for what they are, and for no complaint at all.
+  EXPECT_EQ(complaint(with_body("<inertial pos='0 0 0' mass='-1' diaginertia='1 1 1'/>" +
+                                std::string(kHinge))),
+            ":1: <inertial> mass=\"-1\": must not be negative");
+  EXPECT_EQ(
+      complaint(with_body(std::string(kInertial) + kHinge + "<site name='nan' pos='0 NaN 0'/>")),
+      ":1: <site> pos=\"0 NaN 0\": must be finite and not beyond 1e30");
   EXPECT_NE(complaint(with_body(std::string(kInertial) + kHinge +
                                 "<geom name='g' size='1e300' mass='0'/>")),
             "");
   EXPECT_EQ(
       complaint(with_body(std::string(kInertial) + "<joint name='j' type='hinge' armature='-1'/>")),
-      ": joint \"j\": armature, damping and frictionloss must be finite and not negative");
+      ":1: <joint> armature=\"-1\": must not be negative");
+}
+
+TEST(Model, RefusesWhatIsNoNumberInAnIncludedFileToo) {
+  const auto part = testing::temporary_path("part.xml");
+  const testing::Removed removed(part);
+  std::ofstream(part) << "<mujoco>\n<option gravity='0 0 inf'/>\n</mujoco>";
+  try {
+    model_of("<mujoco><include file='" + part.string() + "'/></mujoco>");
+    FAIL();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_EQ(
+        error.what(),
+        part.string() + ":2: <option> gravity=\"0 0 inf\": must be finite and not beyond 1e30");
+  }
 }
 
 TEST(Model, NamesTheLineOfAnError) {

@@ -1,0 +1,89 @@
+#include "plants/xml_file.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <fstream>
+#include <sstream>
+#include <stdexcept>
+#include <utility>
+
+namespace breakwater {
+namespace {
+
+// Where the first byte is that is not UTF-8; npos: nowhere.
+std::size_t find_no_utf8(const std::string& text) {
+  std::size_t at = 0;
+  while (at < text.size()) {
+    const auto lead = static_cast<unsigned char>(text[at]);
+    const std::size_t length = lead < 0x80                   ? 1
+                               : lead >= 0xc2 && lead < 0xe0 ? 2
+                               : lead >= 0xe0 && lead < 0xf0 ? 3
+                               : lead >= 0xf0 && lead < 0xf5 ? 4
+                                                             : 0;
+    if (length == 0 || lead == 0 || at + length > text.size()) return at;
+    std::uint32_t code = length == 1 ? lead : lead & (0x7fU >> length);
+    for (std::size_t i = 1; i < length; ++i) {
+      const auto next = static_cast<unsigned char>(text[at + i]);
+      if ((next & 0xc0U) != 0x80U) return at;
+      code = (code << 6U) | (next & 0x3fU);
+    }
+    constexpr std::uint32_t kSmallest[] = {0, 0, 0x80, 0x800, 0x10000};
+    if (code < kSmallest[length] || (code >= 0xd800 && code < 0xe000) || code > 0x10ffff) return at;
+    at += length;
+  }
+  return std::string::npos;
+}
+
+}  // namespace
+
+XmlFile::XmlFile(std::string file) : file_(std::move(file)) {
+  std::ifstream stream(file_, std::ios::binary);
+  std::stringstream text;
+  text << stream.rdbuf();
+  if (!stream) throw std::invalid_argument(file_ + ": cannot be read");
+  text_ = text.str();
+  const std::size_t broken = find_no_utf8(text_);
+  if (broken != std::string::npos) {
+    const auto end = text_.begin() + static_cast<std::ptrdiff_t>(broken);
+    fail(1 + static_cast<int>(std::count(text_.begin(), end, '\n')), "is not UTF-8");
+  }
+  if (document_.Parse(text_.c_str()) != tinyxml2::XML_SUCCESS) {
+    fail(document_.ErrorLineNum(),
+         std::string("is not well-formed XML (") + document_.ErrorName() + ")");
+  }
+  if (root() == nullptr) fail(1, "has no element");
+}
+
+void XmlFile::fail(int line, const std::string& what) const {
+  throw std::invalid_argument(file_ + ":" + std::to_string(std::max(line, 1)) + ": " + what);
+}
+
+std::optional<std::vector<double>> read_numbers(const std::string& text) {
+  std::vector<double> numbers;
+  std::istringstream words(text);
+  for (std::string word; words >> word;) {
+    const char* begin = word.data() + (word.front() == '+' ? 1 : 0);
+    const char* end = word.data() + word.size();
+    double number = 0.0;
+    const auto result = std::from_chars(begin, end, number);
+    const bool is_whole = result.ptr == end && end != begin;
+    if (!is_whole || result.ec == std::errc::invalid_argument) return std::nullopt;
+    // Of 1e999 and 1e-999 from_chars says that they are out of range, and not on which side.
+    if (result.ec == std::errc::result_out_of_range) {
+      number = word.find("e-") == std::string::npos && word.find("E-") == std::string::npos
+                   ? HUGE_VAL
+                   : 0.0;
+    }
+    numbers.push_back(number);
+  }
+  return numbers;
+}
+
+bool is_sensible(double number) {
+  constexpr double kLargest = 1e30;
+  return std::abs(number) <= kLargest;
+}
+
+}  // namespace breakwater

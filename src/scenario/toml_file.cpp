@@ -1,0 +1,128 @@
+#include "scenario/toml_file.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <stdexcept>
+#include <string_view>
+
+namespace breakwater {
+namespace {
+
+constexpr std::size_t kLargestText = 4U << 20U;
+constexpr int kDeepest = 32;  // nested values, and parts of a dotted key
+
+// Reads a text as far as nesting, strings and comments go. What is not TOML it may take wrongly,
+// but only behind the place at which the parser gives up.
+class Guard {
+ public:
+  explicit Guard(std::string_view text) : text_(text) {}
+
+  // What forbids to parse the text, at line(); nullptr: nothing.
+  const char* complaint() {
+    if (text_.size() > kLargestText) return "is longer than 4 MiB";
+    while (at_ < text_.size()) {
+      const char c = text_[at_];
+      if (is_control(c)) return "has a control character";
+      if (c == '#') {
+        at_ = std::min(text_.find('\n', at_), text_.size());
+      } else if (c == '"' || c == '\'') {
+        skip_string(c);
+      } else {
+        count(c);
+        ++at_;
+      }
+      if (depth_ > kDeepest) return "is nested too deeply";
+      if (parts_ > kDeepest) return "has a key of too many parts";
+    }
+    return nullptr;
+  }
+
+  int line() const { return line_; }
+
+ private:
+  static bool is_control(char c) {
+    return static_cast<unsigned char>(c) < 0x20 && c != '\n' && c != '\r' && c != '\t';
+  }
+
+  void count(char c) {
+    if (c == '\n') ++line_;
+    if (c == '[' || c == '{') ++depth_;
+    if (c == ']' || c == '}') depth_ = std::max(depth_ - 1, 0);
+    if (c == '.') {
+      ++parts_;
+    } else if (std::string_view("\n=,[]{}").find(c) != std::string_view::npos) {
+      parts_ = 1;
+    }
+  }
+
+  // One of four kinds: the one with a basic string's escapes or without, on one line or on many.
+  void skip_string(char quote) {
+    const std::string three(3, quote);
+    const bool is_long = text_.substr(at_, 3) == three;
+    const std::string end = is_long ? three : three.substr(0, 1);
+    at_ += end.size();
+    while (at_ < text_.size() && text_.substr(at_, end.size()) != end) {
+      if (text_[at_] == '\n') {
+        if (!is_long) return;
+        ++line_;
+      }
+      const bool is_escape =
+          quote == '"' && text_[at_] == '\\' && at_ + 1 < text_.size() && text_[at_ + 1] != '\n';
+      at_ += is_escape ? 2 : 1;
+    }
+    at_ = std::min(at_ + end.size(), text_.size());
+    // A long string may end in one or two quotes more.
+    while (is_long && at_ < text_.size() && text_[at_] == quote) ++at_;
+  }
+
+  std::string_view text_;
+  std::size_t at_ = 0;
+  int line_ = 1;
+  int depth_ = 0;
+  int parts_ = 1;
+};
+
+}  // namespace
+
+std::string at_line(const std::string& file, const toml::source_region& source) {
+  return file + ":" + std::to_string(source.begin.line);
+}
+
+toml::table parse_toml_file(const std::string& file) {
+  std::error_code error;
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream || !std::filesystem::is_regular_file(file, error)) {
+    throw std::invalid_argument(file + ": cannot be read");
+  }
+  // One character more than is allowed tells that there are more.
+  std::string text(kLargestText + 1, '\0');
+  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<std::size_t>(stream.gcount()));
+  Guard guard(text);
+  if (const char* complaint = guard.complaint()) {
+    throw std::invalid_argument(file + ":" + std::to_string(guard.line()) + ": " + complaint);
+  }
+  try {
+    return toml::parse(text, file);
+  } catch (const toml::parse_error& e) {
+    throw std::invalid_argument(at_line(file, e.source()) +
+                                ": is not TOML: " + std::string(e.description()));
+  }
+}
+
+std::optional<toml::table> parse_toml_value(const std::string& text, const std::string& origin) {
+  if (const char* complaint = Guard(text).complaint()) {
+    throw std::invalid_argument(origin + ": " + complaint);
+  }
+  try {
+    toml::table parsed = toml::parse("value = " + text);
+    if (parsed.size() == 1 && parsed.contains("value")) return parsed;
+  } catch (const toml::parse_error&) {
+    // A bare word, then.
+  }
+  return std::nullopt;
+}
+
+}  // namespace breakwater

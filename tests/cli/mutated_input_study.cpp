@@ -1,0 +1,15 @@
+// All broken scenario files and models, each by the program itself.
+#include "cli/mutated_input.h"
+#include "scenario/all_cores.h"
+
+namespace breakwater {
+namespace {
+using testing::MutatedInput;
+
+TEST_F(MutatedInput, FaresWellInTheProgram) {
+  const std::vector<testing::Mutant> mutants = testing::all_mutants();
+  on_all_cores(mutants.size(), [&](std::size_t i) { run_program_on(mutants[i], i); });
+}
+
+}  // namespace
+}  // namespace breakwater

@@ -1,0 +1,107 @@
+// Broken scenario files and models are refused in one line, at once, or are legal for a reason.
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <fstream>
+#include <map>
+#include <random>
+
+#include "cli/mutated_input.h"
+#include "scenario/all_cores.h"
+#include "scenario/runner.h"
+
+namespace breakwater {
+namespace {
+namespace fs = std::filesystem;
+using testing::Legal;
+using testing::Mutant;
+using testing::MutatedInput;
+
+// Reads and checks a run of the mutant, as a program does before it runs it. Returns the complaint;
+// "" if there is none.
+std::string complaint(const Mutant& mutant, const std::string& path) {
+  const bool is_scenario = mutant.option == "--config";
+  try {
+    const ScenarioFile file(is_scenario ? path : scenario_file(mutant.scenario).string(),
+                            mutant.scenario);
+    std::vector<std::string> sets;
+    if (!is_scenario) sets.push_back(mutant.option + "=" + path);
+    const Config config = file.config(file.default_case(), sets);
+    const auto scenario = make_scenario(mutant.scenario);
+    Fields fields = scenario->fields();
+    fields.read(file, config);
+    scenario->check(config);
+    scenario->warnings();
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST_F(MutatedInput, IsRefusedInOneLineOrLegalForAReason) {
+  const std::vector<Mutant> mutants = testing::all_mutants();
+  std::vector<std::string> complaints(mutants.size());
+  std::vector<double> seconds(mutants.size());
+  on_all_cores(mutants.size(), [&](std::size_t i) {
+    const std::string path = write(mutants[i], i);
+    const auto start = std::chrono::steady_clock::now();
+    complaints[i] = complaint(mutants[i], path);
+    seconds[i] = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    fs::remove(path);
+  });
+  std::size_t refused = 0;
+  std::map<const Legal*, std::size_t> legal;
+  for (std::size_t i = 0; i < mutants.size(); ++i) {
+    const std::string& complaint = complaints[i];
+    EXPECT_LT(seconds[i], testing::kAtOnce_s) << mutants[i].name();
+    if (complaint.empty()) {
+      const Legal* reason = testing::find_legal(mutants[i]);
+      EXPECT_NE(reason, nullptr) << mutants[i].name() << ": is accepted without a reason";
+      ++legal[reason];
+      continue;
+    }
+    ++refused;
+    EXPECT_EQ(complaint.find('\n'), std::string::npos) << complaint;
+    // A joint that only the URDF has is what the MJCF lacks.
+    EXPECT_TRUE(complaint.find(mutants[i].file) != std::string::npos ||
+                (mutants[i].place == "<joint> name" &&
+                 complaint.find("models/arm.xml") != std::string::npos))
+        << mutants[i].name() << ": " << complaint << ": does not name the file";
+  }
+  for (const Legal& reason : testing::legal_reasons()) {
+    EXPECT_GT(legal[&reason], 0U) << reason.place << ": nothing needs this reason";
+  }
+  std::printf("%zu mutants: %zu refused, %zu legal\n", mutants.size(), refused,
+              mutants.size() - refused);
+  EXPECT_GT(mutants.size(), 846U);
+}
+
+// The same by the program itself: a sample here, all in the study.
+TEST_F(MutatedInput, ASampleFaresAsWellInTheProgram) {
+  std::vector<Mutant> mutants = testing::all_mutants();
+  std::shuffle(mutants.begin(), mutants.end(), std::mt19937(1));
+  for (std::size_t i = 0; i < 60; ++i) run_program_on(mutants[i]);
+}
+
+// One of each kind of legal mutant runs, or fails as runs fail.
+TEST_F(MutatedInput, WhatIsLegalRunsOrFailsAsRunsDo) {
+  std::map<const Legal*, int> done;
+  for (const Mutant& mutant : testing::all_mutants()) {
+    const Legal* reason = testing::find_legal(mutant);
+    if (reason == nullptr || done[reason] > 0) continue;
+    const std::string path = write(mutant);
+    if (!complaint(mutant, path).empty()) continue;  // of its kind some are, and this one is not
+    ++done[reason];
+    std::vector<std::string> arguments = {
+        "breakwater", "run",        mutant.scenario, "--quiet", "--out",
+        "run",        "--duration", "0.2",           "--set",   mutant.option + "=" + path};
+    if (mutant.scenario == "quadrotor_waves") arguments.push_back("metrics.window_s=0.1");
+    const auto result = testing::run_program(arguments, folder_);
+    EXPECT_TRUE(result.status == 0 || result.status == 3)
+        << mutant.name() << ": " << result.status << ": " << result.err;
+    fs::remove_all(folder_ / "run");
+  }
+}
+
+}  // namespace
+}  // namespace breakwater

@@ -1,0 +1,162 @@
+// Keys that are said to have no effect have none, and no shipped case sets one.
+#include <gtest/gtest.h>
+
+#include <fmt/format.h>
+
+#include <map>
+
+#include "scenario/all_cores.h"
+#include "scenario/runner.h"
+
+namespace breakwater {
+namespace {
+
+TEST(UnusedKeys, NoShippedCaseSetsOne) {
+  for (const std::string& name : scenario_names()) {
+    const ScenarioFile file(scenario_file(name).string(), name);
+    for (const std::string& case_name : file.cases()) {
+      for (const VainKey& vain : prepare_run(name, file, case_name, {}).vain) {
+        ADD_FAILURE() << name << " " << case_name << ": " << vain.origin << ": " << vain.key;
+      }
+    }
+  }
+}
+
+// Another option of a choice.
+std::string other_option(const std::string& key, const std::string& now) {
+  static const std::map<std::string, std::vector<std::string>> options = {
+      {"controller.positioning", {"joint", "workspace"}},
+      {"controller.ik_form", {"printed", "sugihara"}},
+      {"controller.disturbance_use", {"none", "predict", "cancel"}},
+      {"controller.last_weight", {"factor", "riccati"}},
+      {"encoder.origin", {"counted", "calibrated"}},
+      {"estimator.process_noise", {"printed", "tuned"}},
+      {"estimator.process_noise_mode", {"per_step", "delta"}},
+      {"estimator.wave_frequency", {"given", "estimated"}},
+      {"observer.process_noise_on", {"input", "all"}},
+      {"solver.name", {"active_set", "hildreth"}},
+      {"solver.on_infeasible", {"soften", "stop"}},
+      {"solver.soften_first", {"position", "velocity"}}};
+  for (const std::string& option : options.at(key)) {
+    if (option != now) return option;
+  }
+  return "";
+}
+
+// A value near this one that is as legal.
+std::string other_value(const std::string& key, const ConfigValue& value) {
+  const double factor = key.find("gamma") != std::string::npos ? 1.1 : 0.9;
+  if (const auto* real = std::get_if<double>(&value.data)) {
+    return fmt::format("{}", *real == 0.0 ? 0.01 : *real * factor);
+  }
+  if (const auto* whole = std::get_if<std::int64_t>(&value.data)) {
+    return fmt::format("{}", *whole > 1 ? *whole - 1 : *whole + 1);
+  }
+  if (const auto* text = std::get_if<std::string>(&value.data)) {
+    return '"' + other_option(key, *text) + '"';
+  }
+  std::string list;
+  for (const ConfigValue& element : std::get<ConfigValue::Array>(value.data)) {
+    list += (list.empty() ? "" : ", ") + other_value(key, element);
+  }
+  return "[" + list + "]";
+}
+
+struct Trial {
+  std::string scenario;
+  std::string case_name;
+  std::vector<std::string> sets;
+};
+
+// Every shipped case, short, and what no case has.
+std::vector<Trial> all_trials() {
+  const std::map<std::string, std::vector<std::string>> brief = {
+      {"arm_push", {"run.duration_s=1", "push.start_s=0.2", "push.rise_s=0.3"}},
+      {"arm_wall_contact",
+       {"run.duration_s=6", "wall.solid_from_s=4", "force.from_s=4.5", "metrics.from_s=5"}},
+      {"cart_constrained", {"run.duration_s=4.5", "disturbance.start_s=1"}},
+      {"cart_estimation", {"run.duration_s=30"}},
+      {"cart_offset_free", {"run.duration_s=3"}},
+      {"cart_position", {"run.duration_s=1"}},
+      {"motor_estimation", {"run.duration_s=2"}},
+      {"quadrotor_waves", {"run.duration_s=2", "metrics.window_s=1"}}};
+  const std::map<std::string, std::vector<std::vector<std::string>>> more = {
+      {"arm_push", {{"controller.positioning=workspace"}}},
+      {"cart_constrained", {{"condition=A"}, {"condition=E", "controller.name=lqr"}}},
+      {"cart_estimation",
+       {{"disturbance.kind=ramp"},
+        {"disturbance.kind=sine", "observer.name=vfakfd"},
+        {"disturbance.kind=high_sine", "observer.name=qvff"}}},
+      {"cart_offset_free", {{"noise.enabled=true"}, {"noise.enabled=false"}}},
+      {"cart_position",
+       {{"observer.name=vfakfd"},
+        {"observer.name=stf"},
+        {"encoder.resolution_m=0", "controller.name=mpc", "solver.name=hildreth"},
+        {"controller.name=mpc", "controller.disturbance_use=predict",
+         "solver.on_infeasible=stop"}}},
+      {"motor_estimation",
+       {{"disturbance.kind=none"},
+        {"disturbance.kind=sine"},
+        {"encoder.bits=0", "observer.alpha=1"},
+        {"observer.name=state_observer", "observer.poles_rad_s=[-10, -20]"}}},
+      {"quadrotor_waves",
+       {{"reading=literal"}, {"reading=consistent"}, {"estimator.wave_frequency=estimated"}}}};
+  std::vector<Trial> trials;
+  for (const std::string& name : scenario_names()) {
+    const ScenarioFile file(scenario_file(name).string(), name);
+    for (const std::string& case_name : file.cases()) {
+      trials.push_back({name, case_name, brief.at(name)});
+    }
+    if (!more.contains(name)) continue;
+    for (const std::vector<std::string>& sets : more.at(name)) {
+      Trial trial{name, file.default_case(), brief.at(name)};
+      trial.sets.insert(trial.sets.end(), sets.begin(), sets.end());
+      trials.push_back(trial);
+    }
+  }
+  return trials;
+}
+
+struct Result {
+  std::size_t keys = 0;
+  std::string changed;
+  bool is_same = false;
+};
+
+// Runs it as it is, and with each key changed that is said to have no effect.
+Result result_of(const Trial& trial) {
+  const ScenarioFile file(scenario_file(trial.scenario).string(), trial.scenario);
+  const PreparedRun run = prepare_run(trial.scenario, file, trial.case_name, trial.sets);
+  const auto fresh = make_scenario(trial.scenario);
+  const Config config = file.config(trial.case_name, trial.sets);
+  Fields fields = fresh->fields();
+  fields.read(config);
+  Result result;
+  std::vector<std::string> sets = trial.sets;
+  for (const UnusedKey& unused : fields.unused()) {
+    sets.push_back(unused.key + "=" + other_value(unused.key, config.find(unused.key)->value));
+    result.changed += " " + sets.back();
+    ++result.keys;
+  }
+  const PreparedRun other = prepare_run(trial.scenario, file, trial.case_name, sets);
+  const Recording one = run.scenario->run({});
+  const Recording two = other.scenario->run({});
+  result.is_same = one.state_hash == two.state_hash;
+  return result;
+}
+
+TEST(UnusedKeys, ChangeNoStateWhenTheyChange) {
+  const std::vector<Trial> trials = all_trials();
+  std::vector<Result> results(trials.size());
+  on_all_cores(trials.size(), [&](std::size_t i) { results[i] = result_of(trials[i]); });
+  std::size_t keys = 0;
+  for (std::size_t i = 0; i < trials.size(); ++i) {
+    EXPECT_TRUE(results[i].is_same)
+        << trials[i].scenario << " " << trials[i].case_name << results[i].changed;
+    keys += results[i].keys;
+  }
+  EXPECT_GT(keys, 500U);
+}
+
+}  // namespace
+}  // namespace breakwater
