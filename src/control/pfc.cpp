@@ -4,6 +4,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "math/functions.h"
+
 namespace breakwater {
 namespace {
 
@@ -63,7 +65,7 @@ Eigen::MatrixXd basis_responses(const std::vector<int>& points, int bases, doubl
 
 Pfc::Pfc(const PfcDesign& design) {
   check(design);
-  alpha_ = std::exp(-3.0 * design.period_s / design.target_response_time_s);
+  alpha_ = math::exp(-3.0 * design.period_s / design.target_response_time_s);
   points_ = breakwater::coincidence_points(design);
 
   // The first row of the (pseudo-)inverse of y_b is all that μ_1 needs; it does not depend on how
@@ -77,7 +79,7 @@ Pfc::Pfc(const PfcDesign& design) {
 
   for (std::size_t j = 0; j < points_.size(); ++j) {
     const double weight = first_row(static_cast<Eigen::Index>(j));
-    k_p_ += weight * (1.0 - std::pow(alpha_, points_[j]));
+    k_p_ += weight * (1.0 - math::pow(alpha_, points_[j]));
     k_d_ += weight * points_[j] * design.period_s;
   }
 }

@@ -1,8 +1,9 @@
 #include "linear/high_pass.h"
 
-#include <cmath>
 #include <numbers>
 #include <stdexcept>
+
+#include "math/functions.h"
 
 namespace breakwater {
 
@@ -11,7 +12,7 @@ HighPass::HighPass(double cutoff_Hz, double period_s) {
     throw std::invalid_argument(
         "high-pass: the cut-off must lie between 0 and half the sampling frequency");
   }
-  const double w = std::tan(std::numbers::pi * cutoff_Hz * period_s);
+  const double w = math::tan(std::numbers::pi * cutoff_Hz * period_s);
   const double norm = 1.0 + std::numbers::sqrt2 * w + w * w;
   gain_ = 1.0 / norm;
   feedback1_ = 2.0 * (w * w - 1.0) / norm;

@@ -7,6 +7,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "math/functions.h"
+
 namespace breakwater {
 namespace {
 
@@ -96,7 +98,7 @@ Eigen::MatrixXd place_observer_poles(const Eigen::MatrixXd& A, const Eigen::Matr
 std::vector<PoleGroup> sample_poles(const std::vector<PoleGroup>& continuous, double period_s) {
   std::vector<PoleGroup> sampled = continuous;
   for (auto& group : sampled) {
-    for (auto& pole : group) pole = std::exp(pole * period_s);
+    for (auto& pole : group) pole = math::exp(pole * period_s);
   }
   return sampled;
 }

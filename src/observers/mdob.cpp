@@ -3,6 +3,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "math/functions.h"
+
 namespace breakwater {
 
 Mdob::Mdob(const MdobDesign& design, double period_s) {
@@ -18,7 +20,7 @@ Mdob::Mdob(const MdobDesign& design, double period_s) {
     derivative_memory_ = 1.0 / (1.0 + g_d * period_s);
     derivative_gain_ = g_d * derivative_memory_;
   }
-  torque_gain_ = -std::expm1(-g_w * period_s);
+  torque_gain_ = -math::expm1(-g_w * period_s);
   momentum_weight_ = g_w * period_s / (1.0 + g_w * period_s);
   momentum_gain_ = g_w * design.nominal_inertia;
 }

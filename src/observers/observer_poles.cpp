@@ -7,6 +7,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "math/functions.h"
+
 namespace breakwater {
 
 ObserverPoles::ObserverPoles(const DisturbanceEstimator& estimator, double period_s)
@@ -42,7 +44,7 @@ void ObserverPoles::update() {
     // A pole at 0 has no continuous one; the smallest number stands for it.
     const bool is_zero = std::abs(discrete_(i)) < std::numeric_limits<double>::min();
     const std::complex<double> p = is_zero ? std::numeric_limits<double>::min() : discrete_(i);
-    continuous_(i) = std::log(p) / period_s_;
+    continuous_(i) = math::log(p) / period_s_;
   }
   discrete_real_ = discrete_.real();
   discrete_imaginary_ = discrete_.imag();

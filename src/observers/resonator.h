@@ -4,15 +4,18 @@
 #include <Eigen/Core>
 #include <cmath>
 
+#include "math/functions.h"
+
 namespace breakwater {
 
 /// [f; h]⁺ = exp([0 ω; −ω −2 ζ ω] δ) [f; h]: f̈ + 2 ζ ω ḟ + ω² f = noise, h = ḟ/ω. `omega_rad_s` ω,
 /// `damping` ζ in (0, 1), `period_s` δ.
 inline Eigen::Matrix2d resonator_step(double omega_rad_s, double damping, double period_s) {
   const double damped = omega_rad_s * std::sqrt(1.0 - damping * damping);
-  const double decay = std::exp(-damping * omega_rad_s * period_s);
-  const double c = decay * std::cos(damped * period_s);
-  const double s = decay * std::sin(damped * period_s) * omega_rad_s / damped;
+  const double decay = math::exp(-damping * omega_rad_s * period_s);
+  const auto [sine, cosine] = math::sincos(damped * period_s);
+  const double c = decay * cosine;
+  const double s = decay * sine * omega_rad_s / damped;
   return (Eigen::Matrix2d() << c + damping * s, s, -s, c - damping * s).finished();
 }
 

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "linear/riccati.h"
+#include "math/functions.h"
 #include "observers/resonator.h"
 
 namespace breakwater {
@@ -19,13 +20,13 @@ WaveFrequency::WaveFrequency(const WaveFrequencyDesign& design, double first_gue
                     design.longest_period_s > design.shortest_period_s && design.candidates > 1 &&
                     design.memory_s > 0.0 && design.period_s > 0.0 && first_guess_rad_s > 0.0;
   if (!fits) throw std::invalid_argument("wave frequency: every value must be positive");
-  const double lowest = std::log(2.0 * std::numbers::pi / design.longest_period_s);
-  const double highest = std::log(2.0 * std::numbers::pi / design.shortest_period_s);
+  const double lowest = math::log(2.0 * std::numbers::pi / design.longest_period_s);
+  const double highest = math::log(2.0 * std::numbers::pi / design.shortest_period_s);
   const double dt = design.period_s;
   for (int i = 0; i < design.candidates; ++i) {
     Candidate c;
     c.log_omega = lowest + (highest - lowest) * i / (design.candidates - 1);
-    const double omega = std::exp(c.log_omega);
+    const double omega = math::exp(c.log_omega);
     c.A(0, 1) = dt;
     c.A(1, 2) = c.A(1, 4) = dt / design.mass_kg;
     c.A.block<2, 2>(2, 2) = resonator_step(omega, design.damping, dt);
@@ -66,18 +67,18 @@ void WaveFrequency::update(double known_force_N, double position_m) {
     c.x = x + c.gain * innovation;
     if (listens_only) continue;
     c.log_likelihood = keep * c.log_likelihood -
-                       0.5 * (std::log(c.variance) + innovation * innovation / c.variance);
+                       0.5 * (math::log(c.variance) + innovation * innovation / c.variance);
     best = std::max(best, c.log_likelihood);
   }
   if (listens_only) return;
   double weights = 0.0;
   double sum = 0.0;
   for (const Candidate& c : candidates_) {
-    const double weight = std::exp(c.log_likelihood - best);
+    const double weight = math::exp(c.log_likelihood - best);
     weights += weight;
     sum += weight * c.log_omega;
   }
-  omega_rad_s_ = std::exp(sum / weights);
+  omega_rad_s_ = math::exp(sum / weights);
 }
 
 }  // namespace breakwater

@@ -5,12 +5,13 @@
 #include <stdexcept>
 #include <utility>
 
+#include "math/functions.h"
+
 namespace breakwater {
 namespace {
 
 Eigen::Vector2d rotate(double angle_rad, const Eigen::Vector2d& v) {
-  const double c = std::cos(angle_rad);
-  const double s = std::sin(angle_rad);
+  const auto [s, c] = math::sincos(angle_rad);
   return {c * v.x() - s * v.y(), s * v.x() + c * v.y()};
 }
 

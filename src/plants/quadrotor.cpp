@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "math/functions.h"
+
 namespace breakwater {
 
 Vector6d QuadrotorParameters::inertia6() const {
@@ -16,13 +18,16 @@ Vector6d QuadrotorParameters::drag(const Vector6d& velocity) const {
          quadratic_drag.cwiseProduct(velocity.cwiseAbs()).cwiseProduct(velocity);
 }
 
-AttitudeTrig::AttitudeTrig(const Eigen::Ref<const Eigen::Vector3d>& roll_pitch_yaw)
-    : sin_roll(std::sin(roll_pitch_yaw(0))),
-      cos_roll(std::cos(roll_pitch_yaw(0))),
-      sin_pitch(std::sin(roll_pitch_yaw(1))),
-      cos_pitch(std::cos(roll_pitch_yaw(1))),
-      sin_yaw(std::sin(roll_pitch_yaw(2))),
-      cos_yaw(std::cos(roll_pitch_yaw(2))) {}
+AttitudeTrig::AttitudeTrig(const Eigen::Ref<const Eigen::Vector3d>& roll_pitch_yaw) {
+  const auto set = [](double angle, double& sine, double& cosine) {
+    const math::SineCosine both = math::sincos(angle);
+    sine = both.sine;
+    cosine = both.cosine;
+  };
+  set(roll_pitch_yaw(0), sin_roll, cos_roll);
+  set(roll_pitch_yaw(1), sin_pitch, cos_pitch);
+  set(roll_pitch_yaw(2), sin_yaw, cos_yaw);
+}
 
 Eigen::Vector3d AttitudeTrig::thrust_axis() const {
   return {sin_roll * sin_yaw + cos_roll * sin_pitch * cos_yaw,
@@ -76,9 +81,9 @@ StateSpace quadrotor_axes(const QuadrotorParameters& parameters) {
 
 Eigen::Vector3d roll_pitch_yaw(const Eigen::Ref<const Eigen::Vector4d>& quaternion) {
   const double w = quaternion(0), x = quaternion(1), y = quaternion(2), z = quaternion(3);
-  return {std::atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y)),
-          std::asin(std::clamp(2.0 * (w * y - z * x), -1.0, 1.0)),
-          std::atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))};
+  return {math::atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y)),
+          math::asin(std::clamp(2.0 * (w * y - z * x), -1.0, 1.0)),
+          math::atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))};
 }
 
 Eigen::Vector3d attitude_rates(const AttitudeTrig& attitude,

@@ -7,13 +7,18 @@
 #include <cmath>
 #include <cstring>
 #include <mutex>
+#include <numbers>
+#include <optional>
 #include <stdexcept>
 
+#include "math/functions.h"
 #include "plants/planar_chain.h"
 #include "plants/xml_file.h"
 
 namespace breakwater {
 namespace {
+
+constexpr double kAngleTolerance = 1e-9;
 
 // urdfdom reports to a process-wide handler; this one keeps the first complaint.
 class FirstComplaint : public console_bridge::OutputHandler {
@@ -110,6 +115,24 @@ class UrdfFile {
                                 element + " \"" + name + "\": " + reason);
   }
 
+  // The yaw of a joint's <origin>, or of a link's <inertial>'s; nothing if it is rolled or pitched.
+  // Of its rpy itself: urdfdom keeps a quaternion, rounded by functions that differ by processor.
+  std::optional<double> planar_yaw(const char* element, const std::string& name) const {
+    const tinyxml2::XMLElement* e = &find(element, name);
+    if (std::strcmp(element, "link") == 0) e = e->FirstChildElement("inertial");
+    if (e != nullptr) e = e->FirstChildElement("origin");
+    const char* rpy = e == nullptr ? nullptr : e->Attribute("rpy");
+    if (rpy == nullptr) return 0.0;
+    const std::vector<double> angles = *read_numbers(rpy);  // three, as check_numbers() has seen
+    const double roll = angles[0], pitch = angles[1], yaw = angles[2];
+    const auto [sin_roll, cos_roll] = math::sincos(roll);
+    const auto [sin_pitch, cos_pitch] = math::sincos(pitch);
+    const bool is_planar = std::abs(sin_roll) <= kAngleTolerance &&
+                           std::abs(sin_pitch) <= kAngleTolerance && cos_roll * cos_pitch > 0.0;
+    if (!is_planar) return std::nullopt;
+    return cos_pitch > 0.0 ? yaw : yaw + std::numbers::pi;  // turned over about both: about z
+  }
+
  private:
   urdf::ModelInterfaceSharedPtr parse(const std::string& text) {
     static std::mutex handler_in_use;
@@ -140,12 +163,17 @@ class UrdfFile {
            complaint.find("'" + name + "'") != std::string::npos;
   }
 
-  int line_of(const char* element, const std::string& name) const {
+  // The joint or link of that name, or else the robot.
+  const tinyxml2::XMLElement& find(const char* element, const std::string& name) const {
     for (const auto* e = xml_.root()->FirstChildElement(element); e != nullptr;
          e = e->NextSiblingElement(element)) {
-      if (e->Attribute("name", name.c_str()) != nullptr) return e->GetLineNum();
+      if (e->Attribute("name", name.c_str()) != nullptr) return *e;
     }
-    return xml_.root()->GetLineNum();
+    return *xml_.root();
+  }
+
+  int line_of(const char* element, const std::string& name) const {
+    return find(element, name).GetLineNum();
   }
 
   std::string file_;
@@ -159,8 +187,7 @@ struct PlanarFrame {
   double yaw_rad = 0.0;
 
   Eigen::Vector2d map(const Eigen::Vector2d& v) const {
-    const double c = std::cos(yaw_rad);
-    const double s = std::sin(yaw_rad);
+    const auto [s, c] = math::sincos(yaw_rad);
     return position_m + Eigen::Vector2d(c * v.x() - s * v.y(), s * v.x() + c * v.y());
   }
   PlanarFrame operator*(const PlanarFrame& child) const {
@@ -168,18 +195,13 @@ struct PlanarFrame {
   }
 };
 
-constexpr double kAngleTolerance = 1e-9;
-
 PlanarFrame planar_origin(const UrdfFile& file, const urdf::Joint& joint) {
   const urdf::Pose& origin = joint.parent_to_joint_origin_transform;
-  double roll = 0.0;
-  double pitch = 0.0;
-  double yaw = 0.0;
-  origin.rotation.getRPY(roll, pitch, yaw);
-  if (std::abs(roll) > kAngleTolerance || std::abs(pitch) > kAngleTolerance) {
+  const std::optional<double> yaw = file.planar_yaw("joint", joint.name);
+  if (!yaw) {
     file.fail("joint", joint.name, "its origin is rolled or pitched, so the chain is not planar");
   }
-  return {{origin.position.x, origin.position.y}, yaw};
+  return {{origin.position.x, origin.position.y}, *yaw};
 }
 
 // Adds a link's inertia, given where its frame is in the frame of the moving link that carries it.
@@ -191,11 +213,7 @@ void lump(const UrdfFile& file, const urdf::Link& link, const PlanarFrame& frame
       inertial.izz < 0.0) {
     file.fail("link", link.name, "its mass and izz must be finite and not negative");
   }
-  double roll = 0.0;
-  double pitch = 0.0;
-  double yaw = 0.0;
-  inertial.origin.rotation.getRPY(roll, pitch, yaw);
-  if (std::abs(roll) > kAngleTolerance || std::abs(pitch) > kAngleTolerance) {
+  if (!file.planar_yaw("link", link.name)) {
     file.fail("link", link.name, "its inertial frame is rolled or pitched, so izz is not its own");
   }
   const double mass = carrier.link_mass_kg + inertial.mass;

@@ -9,6 +9,7 @@
 #include <numbers>
 #include <vector>
 
+#include "math/functions.h"
 #include "world/waves.h"
 
 namespace breakwater {
@@ -23,7 +24,8 @@ double energy(const std::vector<double>& samples, double from_rad_s, double to_r
   const auto last = static_cast<int>(std::ceil(to_rad_s / resolution));
   double sum = 0.0;
   for (auto k = static_cast<int>(std::ceil(from_rad_s / resolution)); k < last; ++k) {
-    const std::complex<double> turn = std::polar(1.0, -2.0 * std::numbers::pi * k / kSamples);
+    const auto [sine, cosine] = math::sincos(-2.0 * std::numbers::pi * k / kSamples);
+    const std::complex<double> turn(cosine, sine);
     std::complex<double> amplitude = 0.0;
     std::complex<double> phase = 1.0;
     for (const double sample : samples) {
@@ -90,7 +92,7 @@ std::string waves_report(const SeaState& sea) {
     for (const double z : {-1.0, -5.0, -10.0, -20.0}) {
       const double ratio = single.at(0.0, Eigen::Vector3d(0, 0, z)).velocity.norm() /
                            single.at(0.0, Eigen::Vector3d::Zero()).velocity.norm();
-      text += fmt::format("{:5.1f}    {:22.9f}    {:.9f}\n", z, ratio, std::exp(k * z));
+      text += fmt::format("{:5.1f}    {:22.9f}    {:.9f}\n", z, ratio, math::exp(k * z));
     }
   }
   return text + fmt::format("\ndivergence of the velocity: at most {:.1e} 1/s\n",

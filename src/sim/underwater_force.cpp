@@ -5,6 +5,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "math/functions.h"
+
 namespace breakwater {
 namespace {
 
@@ -104,8 +106,8 @@ void UnderwaterForce::advance(double time_s, const FreeMotion& motion) {
   const double d_z = thesis_force(time_s);
   if (d_z == 0.0) return;  // atan2 of nothing is no angle
   const Eigen::Vector3d force = d_z * motion.rotation.col(2);
-  angle_[0].update(std::atan2(force.y(), force.z()));
-  angle_[1].update(std::atan2(force.x(), force.z()));
+  angle_[0].update(math::atan2(force.y(), force.z()));
+  angle_[1].update(math::atan2(force.x(), force.z()));
 }
 
 void UnderwaterForce::apply(double time_s, const mjModel&, mjData& data) const {

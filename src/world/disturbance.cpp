@@ -1,6 +1,6 @@
 #include "world/disturbance.h"
 
-#include <cmath>
+#include "math/functions.h"
 
 namespace breakwater {
 
@@ -15,7 +15,7 @@ double Disturbance::value(double time_s) const {
     case DisturbanceKind::ramp:
       return amplitude * elapsed_s;
     case DisturbanceKind::sine:
-      return amplitude * std::sin(frequency_rad_s * elapsed_s);
+      return amplitude * math::sin(frequency_rad_s * elapsed_s);
   }
   return 0.0;
 }

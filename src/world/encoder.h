@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "math/functions.h"
+
 namespace breakwater {
 
 /// What an encoder calls 0.
@@ -34,7 +36,9 @@ struct EncoderCounts {
   double multiplication = 1.0;  ///< edges counted per pulse
   double gear_ratio = 1.0;      ///< revolutions of the encoder's shaft per revolution
 
-  double pulses_per_revolution() const { return std::exp2(bits) * multiplication * gear_ratio; }
+  double pulses_per_revolution() const {
+    return math::pow(2.0, bits) * multiplication * gear_ratio;
+  }
   /// Q_max = 2π/b_reso (Eq. 4.23).
   double quantum_rad() const { return 2.0 * std::numbers::pi / pulses_per_revolution(); }
 };

@@ -4,6 +4,8 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "math/functions.h"
+
 namespace breakwater {
 namespace {
 
@@ -42,8 +44,8 @@ double JonswapSpectrum::density(double omega_rad_s) const {
   const double ratio = peak_rad_s_ / omega_rad_s;
   const double width = omega_rad_s <= peak_rad_s_ ? kWidthBelowPeak : kWidthAbovePeak;
   const double offset = (omega_rad_s - peak_rad_s_) / (width * peak_rad_s_);
-  return scale_ * std::pow(omega_rad_s, -5.0) * std::exp(-1.25 * std::pow(ratio, 4.0)) *
-         std::pow(gamma_, std::exp(-0.5 * offset * offset));
+  return scale_ * math::pow(omega_rad_s, -5.0) * math::exp(-1.25 * math::pow(ratio, 4.0)) *
+         math::pow(gamma_, math::exp(-0.5 * offset * offset));
 }
 
 // The trapezoidal rule in ln ω, with ω_p, where σ steps, at a node.
@@ -51,10 +53,10 @@ double JonswapSpectrum::variance(double from_rad_s, double to_rad_s) const {
   const auto integrate = [this](double from, double to) {
     constexpr int kIntervals = 2000;
     if (!(to > from)) return 0.0;
-    const double step = std::log(to / from) / kIntervals;
+    const double step = math::log(to / from) / kIntervals;
     double sum = 0.0;
     for (int i = 0; i <= kIntervals; ++i) {
-      const double omega = from * std::exp(step * i);
+      const double omega = from * math::exp(step * i);
       sum += (i == 0 || i == kIntervals ? 0.5 : 1.0) * omega * density(omega);
     }
     return sum * step;

@@ -1,8 +1,9 @@
 // First-order low-pass filter of a sensor.
 #pragma once
 
-#include <cmath>
 #include <stdexcept>
+
+#include "math/functions.h"
 
 namespace breakwater {
 
@@ -11,7 +12,7 @@ class LowPass {
  public:
   /// Both in seconds. Throws std::invalid_argument if τ is negative or the step is not positive.
   LowPass(double time_constant_s, double step_s)
-      : gain_(time_constant_s == 0.0 ? 1.0 : -std::expm1(-step_s / time_constant_s)) {
+      : gain_(time_constant_s == 0.0 ? 1.0 : -math::expm1(-step_s / time_constant_s)) {
     if (!(time_constant_s >= 0.0) || !(step_s > 0.0)) {
       throw std::invalid_argument("low-pass: needs a time constant >= 0 and a step > 0");
     }

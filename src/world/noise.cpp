@@ -2,8 +2,11 @@
 
 #include <Random123/philox.h>
 
-#include <Random123/boxmuller.hpp>
 #include <Random123/uniform.hpp>
+#include <cmath>
+#include <numbers>
+
+#include "math/functions.h"
 
 namespace breakwater {
 namespace {
@@ -29,7 +32,9 @@ Noise::Bits Noise::bits(std::uint64_t sample) const {
 
 double Noise::operator()(std::uint64_t sample) const {
   const Bits drawn = bits(sample);
-  return r123::boxmuller(drawn.first, drawn.second).x;
+  // Box and Muller's transform; r123::boxmuller() takes <cmath>'s functions. u01 is never 0.
+  const double radius = std::sqrt(-2.0 * math::log(r123::u01<double>(drawn.second)));
+  return radius * math::sin(std::numbers::pi * r123::uneg11<double>(drawn.first));
 }
 
 double Noise::uniform(std::uint64_t sample) const {

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "math/functions.h"
 #include "world/noise.h"
 
 namespace breakwater {
@@ -21,9 +22,9 @@ double wave_number(double omega_rad_s, double water_depth_m, double gravity_m_s2
   if (water_depth_m == 0.0) return deep;
   // Newton's method on x tanh x = y, x = k h, from a start that is right at both ends.
   const double y = deep * water_depth_m;
-  double x = y / std::sqrt(std::tanh(y));
+  double x = y / std::sqrt(math::tanh(y));
   for (int i = 0; i < 20; ++i) {
-    const double t = std::tanh(x);
+    const double t = math::tanh(x);
     const double change = (x * t - y) / (t + x * (1.0 - t * t));
     x -= change;
     if (std::abs(change) <= 1e-15 * x) break;
@@ -42,12 +43,12 @@ double mean_acceleration_frequency(const SeaState& sea, double depth_m) {
   for (int i = 0; i < kIntervals; ++i) {
     const double omega = kLowest * spectrum.peak_rad_s() + step * (i + 0.5);
     const double k = wave_number(omega, sea.water_depth_m, sea.gravity_m_s2);
-    double decay = std::exp(-k * depth_m);
+    double decay = math::exp(-k * depth_m);
     if (sea.water_depth_m > 0.0) {
-      decay *= (1.0 - std::exp(-2.0 * k * (sea.water_depth_m - depth_m))) /
-               (1.0 - std::exp(-2.0 * k * sea.water_depth_m));
+      decay *= (1.0 - math::exp(-2.0 * k * (sea.water_depth_m - depth_m))) /
+               (1.0 - math::exp(-2.0 * k * sea.water_depth_m));
     }
-    const double density = std::pow(omega, 4.0) * decay * decay * spectrum.density(omega);
+    const double density = math::pow(omega, 4.0) * decay * decay * spectrum.density(omega);
     moment += omega * density;
     area += density;
   }
@@ -55,8 +56,8 @@ double mean_acceleration_frequency(const SeaState& sea, double depth_m) {
 }
 
 Waves::Waves(const SeaState& sea, double slope_low_pass_s)
-    : cos_heading_(std::cos(sea.heading_rad)),
-      sin_heading_(std::sin(sea.heading_rad)),
+    : cos_heading_(math::cos(sea.heading_rad)),
+      sin_heading_(math::sin(sea.heading_rad)),
       depth_m_(sea.water_depth_m),
       slope_low_pass_s_(slope_low_pass_s) {
   check(sea);
@@ -88,7 +89,7 @@ double Waves::elevation(double time_s, double x_m, double y_m) const {
   double sum = 0.0;
   for (const Component& c : components_) {
     sum += c.amplitude_m *
-           std::cos(c.wave_number_rad_m * along - c.omega_rad_s * time_s + c.phase_rad);
+           math::cos(c.wave_number_rad_m * along - c.omega_rad_s * time_s + c.phase_rad);
   }
   return sum;
 }
@@ -102,14 +103,13 @@ WaterMotion Waves::at(double time_s, const Eigen::Ref<const Eigen::Vector3d>& po
     const double k = c.wave_number_rad_m;
     const double omega = c.omega_rad_s;
     const double theta = k * along - omega * time_s + c.phase_rad;
-    const double cosine = std::cos(theta);
-    const double sine = std::sin(theta);
+    const auto [sine, cosine] = math::sincos(theta);
     // cosh k(z+h)/sinh kh, sinh k(z+h)/sinh kh and cosh k(z+h)/cosh kh without large numbers.
-    const double down = std::exp(k * z);
+    const double down = math::exp(k * z);
     double horizontal = down, vertical = down, pressure = down;
     if (depth_m_ > 0.0) {
-      const double up = std::exp(-k * (z + 2.0 * depth_m_));
-      const double round_trip = std::exp(-2.0 * k * depth_m_);
+      const double up = math::exp(-k * (z + 2.0 * depth_m_));
+      const double round_trip = math::exp(-2.0 * k * depth_m_);
       horizontal = (down + up) / (1.0 - round_trip);
       vertical = (down - up) / (1.0 - round_trip);
       pressure = (down + up) / (1.0 + round_trip);

@@ -1,0 +1,138 @@
+#!/usr/bin/env python3
+"""Whether runs give the same bits as before, on processors with and without fused multiply-add.
+
+    scripts/state_hashes.py check  [--bin build/bin]     the goldens: tests/regression/state_hashes.json
+    scripts/state_hashes.py rebase [--bin build/bin]     writes them anew
+    scripts/state_hashes.py compare [--bin build/bin] [--against OTHER_BIN] [--scenario NAME ...]
+
+A golden is one hash, or one for each class of processors where they differ, since glibc's functions,
+which MuJoCo calls, choose by processor. On a processor with FMA `check` and `rebase` run everything
+once more as on one without: glibc is told so.
+
+`compare` runs every case of every scenario in both ways, or with two builds (--against), and prints in
+how many cases the state hashes differ and by how much the metrics.
+"""
+import argparse
+import json
+import math
+import os
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+GOLDENS = ROOT / "tests/regression/state_hashes.json"
+
+FMA, NO_FMA = "fma", "no-fma"
+# What glibc then takes for its functions is what it takes on a processor without FMA.
+MASK = "glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4,-AVX512F"
+
+# For `compare`; shorter than shipped where all of the arithmetic is met sooner.
+SHORTENED = {"arm_wall_contact": ["--duration", "40"],
+             "quadrotor_waves": ["--duration", "30", "--set", "metrics.window_s=20"]}
+
+
+def own_class():
+    """What glibc's functions ask of the processor before they fuse: FMA, and AVX2."""
+    with open("/proc/cpuinfo") as cpuinfo:
+        flags = next((line.split() for line in cpuinfo if line.startswith("flags")), [])
+    return FMA if "fma" in flags and "avx2" in flags else NO_FMA
+
+
+def run(program, arguments, processor):
+    """(state hash, metrics) of one run, which may also be one that fails (exit status 3)."""
+    environment = {k: v for k, v in os.environ.items() if k != "GLIBC_TUNABLES"}
+    if processor == NO_FMA:
+        environment["GLIBC_TUNABLES"] = MASK
+    with tempfile.TemporaryDirectory() as folder:
+        out = Path(folder) / "run"
+        done = subprocess.run([program, *arguments, "--quiet", "--out", out], env=environment,
+                              capture_output=True, text=True)
+        if done.returncode not in (0, 3):
+            sys.exit(f"{program} {' '.join(arguments)}: {done.returncode}\n{done.stderr}")
+        manifest = json.loads((out / "manifest.json").read_text())
+        return manifest["state_hash"], json.loads((out / "metrics.json").read_text())
+
+
+def hash_of(bin_dir, command, processor):
+    scenario, *arguments = command.split()
+    return run(bin_dir / scenario, arguments, processor)[0]
+
+
+def classes():
+    return [FMA, NO_FMA] if own_class() == FMA else [NO_FMA]
+
+
+def check(options):
+    wrong = 0
+    for command, golden in json.loads(GOLDENS.read_text()).items():
+        for processor in classes():
+            expected = golden if isinstance(golden, str) else golden[processor]
+            found = hash_of(options.bin, command, processor)
+            if found != expected:
+                wrong += 1
+                print(f"{command}: {found} instead of {expected} ({processor})")
+    if wrong:
+        sys.exit(f"{wrong} state hashes are not the goldens. If they ought to differ: "
+                 "scripts/state_hashes.py rebase")
+
+
+def rebase(options):
+    if own_class() != FMA:
+        sys.exit("goldens are made on a processor with FMA and AVX2, which gives those of both classes")
+    goldens = {}
+    for command in json.loads(GOLDENS.read_text()):
+        found = {processor: hash_of(options.bin, command, processor) for processor in classes()}
+        goldens[command] = found[FMA] if found[FMA] == found[NO_FMA] else found
+    GOLDENS.write_text(json.dumps(goldens, indent=2) + "\n")
+
+
+def largest_change(a, b):
+    """(relative change, name) of the metric that changed most; infinite where one has it alone."""
+    changes = [(0.0, "")]
+    for name in a.keys() | b.keys():
+        if name.endswith("_us"):
+            continue  # what it cost
+        if name not in a or name not in b:
+            changes.append((math.inf, name))
+        elif a[name] != b[name]:
+            changes.append((abs(a[name] - b[name]) / max(abs(a[name]), abs(b[name])), name))
+    return max(changes)
+
+
+def compare(options):
+    if not options.against and own_class() != FMA:
+        sys.exit("this processor has no FMA: there is nothing to compare with")
+    names = options.scenario or sorted(p.name for p in (ROOT / "scenarios").iterdir() if p.is_dir())
+    print("| scenario | cases | hashes that differ | largest relative change of a metric |")
+    print("|---|---|---|---|")
+    for name in names:
+        listed = subprocess.run([options.bin / name, "--list-cases"], capture_output=True, text=True,
+                                check=True).stdout.split()
+        different, worst = [], (0.0, "", "")
+        for case in listed:
+            arguments = ["--case", case, *SHORTENED.get(name, [])]
+            one = run(options.bin / name, arguments, own_class())
+            other = run((options.against or options.bin) / name, arguments,
+                        own_class() if options.against else NO_FMA)
+            if one[0] != other[0]:
+                different.append(case)
+            worst = max(worst, (*largest_change(one[1], other[1]), case))
+        change = f"{worst[0]:.1e} ({worst[1]}, {worst[2]})" if worst[0] else "none"
+        print(f"| {name} | {len(listed)} | {', '.join(different) or 'none'} | {change} |", flush=True)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("command", choices=["check", "rebase", "compare"])
+    parser.add_argument("--bin", type=Path, default=ROOT / "build/bin")
+    parser.add_argument("--against", type=Path)
+    parser.add_argument("--scenario", nargs="+")
+    options = parser.parse_args()
+    {"check": check, "rebase": rebase, "compare": compare}[options.command](options)
+
+
+if __name__ == "__main__":
+    main()

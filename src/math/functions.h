@@ -1,0 +1,82 @@
+// Elementary functions that give the same bits on every x86-64 processor.
+#pragma once
+
+#include <cmath>
+#include <complex>
+
+// musl's, renamed (cmake/musl_math.cmake). Like those of <cmath>, but they never set errno.
+extern "C" {
+double breakwater_sin(double x) noexcept;
+double breakwater_cos(double x) noexcept;
+void breakwater_sincos(double x, double* sine, double* cosine) noexcept;
+double breakwater_tan(double x) noexcept;
+double breakwater_asin(double x) noexcept;
+double breakwater_atan2(double y, double x) noexcept;
+double breakwater_exp(double x) noexcept;
+double breakwater_expm1(double x) noexcept;
+double breakwater_log(double x) noexcept;
+double breakwater_pow(double base, double exponent) noexcept;
+double breakwater_tanh(double x) noexcept;
+}
+
+/// glibc chooses the code of its functions by processor, with and without fused multiply-add, and
+/// the results differ in the last bit. What can reach a simulation's state calls these instead;
+/// sqrt, hypot, floor, round, fma, remainder, ldexp and the like are the same everywhere in
+/// <cmath>. Angles in radians. Errors stay below one unit in the last place (atan2: 1.5, tanh:
+/// 2.5); special arguments are as in C99's Annex F.
+namespace breakwater::math {
+
+struct SineCosine {
+  double sine;
+  double cosine;
+};
+
+inline double sin(double x) {
+  return breakwater_sin(x);
+}
+inline double cos(double x) {
+  return breakwater_cos(x);
+}
+/// Both at the cost of little more than one; the same bits as sin() and cos().
+inline SineCosine sincos(double x) {
+  SineCosine both;
+  breakwater_sincos(x, &both.sine, &both.cosine);
+  return both;
+}
+inline double tan(double x) {
+  return breakwater_tan(x);
+}
+inline double asin(double x) {
+  return breakwater_asin(x);
+}
+inline double atan2(double y, double x) {
+  return breakwater_atan2(y, x);
+}
+inline double exp(double x) {
+  return breakwater_exp(x);
+}
+inline double expm1(double x) {
+  return breakwater_expm1(x);
+}
+inline double log(double x) {
+  return breakwater_log(x);
+}
+inline double pow(double base, double exponent) {
+  return breakwater_pow(base, exponent);
+}
+inline double tanh(double x) {
+  return breakwater_tanh(x);
+}
+
+inline std::complex<double> exp(const std::complex<double>& z) {
+  const double size = exp(z.real());
+  if (z.imag() == 0.0) return {size, z.imag()};
+  const SineCosine turn = sincos(z.imag());
+  return {size * turn.cosine, size * turn.sine};
+}
+/// The principal value: the imaginary part lies within ±π.
+inline std::complex<double> log(const std::complex<double>& z) {
+  return {log(std::abs(z)), atan2(z.imag(), z.real())};
+}
+
+}  // namespace breakwater::math

@@ -1,0 +1,62 @@
+// What the rooms that reach a simulation's state call of the C library's mathematics.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstdio>
+#include <map>
+#include <memory>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace breakwater {
+namespace {
+
+std::string output_of(const std::string& command) {
+  const std::unique_ptr<FILE, int (*)(FILE*)> pipe(popen(command.c_str(), "r"), pclose);
+  std::string text;
+  std::array<char, 4096> part;
+  while (pipe && fgets(part.data(), part.size(), pipe.get()) != nullptr) text += part.data();
+  return text;
+}
+
+// The last word of each line of nm's, without a symbol's version.
+std::vector<std::string> symbols(const std::string& nm) {
+  std::vector<std::string> names;
+  std::istringstream lines(output_of(nm));
+  for (std::string line; std::getline(lines, line);) {
+    const std::string word = line.substr(line.rfind(' ') + 1);
+    names.push_back(word.substr(0, word.find('@')));
+  }
+  return names;
+}
+
+// glibc has one path for these, or every path gives the one exact result.
+const std::set<std::string> kSameEverywhere = {
+    "ceil",      "copysign",  "fabs",      "floor",   "fma",   "fmax",   "fmin",    "fmod",
+    "frexp",     "ldexp",     "llrint",    "llround", "lrint", "lround", "lroundf", "modf",
+    "nearbyint", "nextafter", "remainder", "rint",    "round", "scalbn", "sqrt",    "sqrtl",
+    "trunc",     "hypot",     "cabs",      "cabsl",  // no ifunc; square roots, products and sums
+};
+
+// render and report draw and write what is finished; record only writes down.
+TEST(House, WhatReachesAStateCallsNoFunctionThatDiffersByProcessor) {
+  std::set<std::string> libm;
+  for (const std::string& name : symbols("nm -D --defined-only '" BREAKWATER_LIBM "'")) {
+    if (!kSameEverywhere.contains(name)) libm.insert(name);
+  }
+  ASSERT_TRUE(libm.contains("sin") && libm.contains("pow") && libm.contains("cexp"));
+  for (const std::string room :
+       {"math", "linear", "plants", "observers", "control", "world", "sim", "record", "scenario"}) {
+    const std::string archive = BREAKWATER_ARCHIVES "/libbreakwater_" + room + ".a";
+    const auto called = symbols("nm --undefined-only '" + archive + "'");
+    EXPECT_FALSE(called.empty()) << archive;
+    for (const std::string& name : called) {
+      EXPECT_FALSE(libm.contains(name)) << room << " calls " << name << ": take math/functions.h's";
+    }
+  }
+}
+
+}  // namespace
+}  // namespace breakwater
