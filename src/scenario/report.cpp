@@ -48,7 +48,8 @@ std::string format_deviation(const PrintedValue& printed, double measured) {
   std::string text = printed.standard.within.absolute
                          ? fmt::format("{:+.1g}", measured - printed.printed)
                          : fmt::format("{:+.1f} %", 100.0 * (measured / printed.printed - 1.0));
-  if (printed.verdict(measured) == Verdict::not_reproduced) text += " *";
+  const Verdict verdict = printed.verdict(measured);
+  if (verdict == Verdict::not_reproduced || verdict == Verdict::not_measured) text += " *";
   return text;
 }
 
