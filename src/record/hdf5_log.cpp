@@ -10,10 +10,13 @@
 #include <mutex>
 #include <stdexcept>
 
+#include "record/text_outputs.h"
+
 namespace breakwater {
 namespace {
 
 constexpr hsize_t kChunkRows = 8192;
+constexpr std::size_t kMemoryStep = 4 << 20;
 constexpr std::size_t kLongestText = 1 << 16;
 // A byte of deflated data cannot become more.
 constexpr hsize_t kMostDeflated = 1032;
@@ -63,6 +66,7 @@ void write_dataset(hid_t group, const Signal& signal, const std::vector<double>&
   const int rank = width == 1 ? 1 : 2;
   const Handle space(H5Screate_simple(rank, size.data(), nullptr), H5Sclose);
   const Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+  require(H5Pset_obj_track_times(properties, false));  // the same run gives the same file
   if (deflate_level > 0 && size[0] > 0) {
     const Size chunk = {std::min(size[0], kChunkRows), width};
     require(H5Pset_chunk(properties, rank, chunk.data()));
@@ -180,18 +184,31 @@ Size checked_size(hid_t dataset) {
 // Debian's serial HDF5 is not built thread-safe.
 std::mutex hdf5_in_use;
 
-}  // namespace
-
-void write_hdf5_log(const std::string& file, const std::vector<Track>& tracks, int deflate_level) {
+// The log's bytes. HDF5 itself writes no file: it crashes at exit if a disk was full.
+std::string file_image(const std::string& file, const std::vector<Track>& tracks,
+                       int deflate_level) {
   const std::lock_guard lock(hdf5_in_use);
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
   try {
-    const Handle handle(H5Fcreate(file.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose);
+    const Handle in_memory(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+    require(H5Pset_fapl_core(in_memory, kMemoryStep, false));
+    const Handle handle(H5Fcreate(file.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, in_memory), H5Fclose);
     for (const Track& track : tracks) write_track(handle, track, deflate_level);
     require(H5Fflush(handle, H5F_SCOPE_GLOBAL));
+    const ssize_t size = H5Fget_file_image(handle, nullptr, 0);
+    check(size > 0);
+    std::string bytes(static_cast<std::size_t>(size), '\0');
+    check(H5Fget_file_image(handle, bytes.data(), bytes.size()) == size);
+    return bytes;
   } catch (const std::runtime_error&) {
-    throw OutputError(file + ": cannot be written (is the disk full?)");
+    throw OutputError(file + ": cannot be made (does the log fit in memory?)");
   }
+}
+
+}  // namespace
+
+void write_hdf5_log(const std::string& file, const std::vector<Track>& tracks, int deflate_level) {
+  write_text_file(file, file_image(file, tracks, deflate_level));
 }
 
 std::string hdf5_version() {

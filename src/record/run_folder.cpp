@@ -174,9 +174,19 @@ void sync(const fs::path& path) {
   }
 }
 
+// Lets the disk begin; the waits for one file after the other are then half as long.
+void begin_writing(const fs::path& file) {
+  const int descriptor = open(file.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0) return;
+  sync_file_range(descriptor, 0, 0, SYNC_FILE_RANGE_WRITE);
+  close(descriptor);
+}
+
 void sync_all(const fs::path& folder) {
   std::error_code ignored;  // sync() finds it again
-  for (const auto& entry : fs::recursive_directory_iterator(folder, ignored)) sync(entry.path());
+  const auto entries = [&] { return fs::recursive_directory_iterator(folder, ignored); };
+  for (const auto& entry : entries()) begin_writing(entry.path());
+  for (const auto& entry : entries()) sync(entry.path());
   sync(folder);
 }
 
