@@ -14,6 +14,7 @@ namespace {
 
 constexpr const char* kSetOrigin = "--set";
 constexpr std::size_t kLongestWord = 200;  // of keys and names
+constexpr std::size_t kLongestShown = 40;
 
 using Entries = std::map<std::string, ConfigEntry>;
 
@@ -34,13 +35,21 @@ bool is_key_character(char c) {
   return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '-' || c == '.';
 }
 
+// The beginning of a word that a user gave, for one line of text.
+std::string shown(const std::string& word) {
+  std::string text = word.substr(0, kLongestShown);
+  std::replace_if(
+      text.begin(), text.end(), [](unsigned char c) { return std::iscntrl(c) != 0; }, '?');
+  return word.size() > kLongestShown ? text + "..." : text;
+}
+
 // Cases and readings are folders' names too.
 void check_name(const std::string& name, const std::string& what, const std::string& origin) {
   const bool fits =
       !name.empty() && name.size() <= kLongestWord && name != "." && name != ".." &&
       std::all_of(name.begin(), name.end(), [](char c) { return is_key_character(c) || c == '+'; });
   if (!fits) {
-    throw std::invalid_argument(origin + ": " + what + "." + name.substr(0, kLongestWord) +
+    throw std::invalid_argument(origin + ": " + what + "." + shown(name) +
                                 ": a name is made of A-Z, a-z, 0-9, '.', '_', '+' and '-', and is "
                                 "not '.' or '..'");
   }
@@ -52,9 +61,10 @@ void flatten(const toml::table& table, const std::string& file, const std::strin
              Entries& entries) {
   for (const auto& [key, node] : table) {
     const std::string path = prefix + std::string(key.str());
-    if (path.size() > kLongestWord) {
-      throw std::invalid_argument(at_line(file, key.source()) + ": " + path.substr(0, 20) +
-                                  "...: is too long for a key");
+    const bool is_text = std::none_of(path.begin(), path.end(),
+                                      [](unsigned char c) { return std::iscntrl(c) != 0; });
+    if (path.size() > kLongestWord || !is_text) {
+      throw std::invalid_argument(at_line(file, key.source()) + ": " + shown(path) + ": is no key");
     }
     if (const auto* nested = node.as_table()) {
       flatten(*nested, file, path + ".", entries);
@@ -136,8 +146,7 @@ void Config::set(const std::string& assignment) {
   }
   const std::string key = assignment.substr(0, equals);
   if (key.size() > kLongestWord || !std::all_of(key.begin(), key.end(), is_key_character)) {
-    throw std::invalid_argument("--set: " + key.substr(0, 20) + (key.size() > 20 ? "..." : "") +
-                                ": is no key");
+    throw std::invalid_argument("--set: " + shown(key) + ": is no key");
   }
   const std::string text = assignment.substr(equals + 1);
   const std::string origin = "--set: " + key;
@@ -196,8 +205,8 @@ ScenarioFile::ScenarioFile(const std::string& file, const std::string& scenario)
   };
   const auto [name, name_origin] = root_text("scenario");
   if (name != scenario) {
-    throw std::invalid_argument(name_origin + ": scenario: is \"" + name + "\", not \"" + scenario +
-                                "\"");
+    throw std::invalid_argument(name_origin + ": scenario: is \"" + shown(name) + "\", not \"" +
+                                scenario + "\"");
   }
   const auto [default_case, default_origin] = root_text("default_case");
   default_case_ = default_case;

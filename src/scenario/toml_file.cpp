@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
-#include <sstream>
 #include <stdexcept>
 #include <string_view>
 
@@ -92,9 +91,11 @@ std::string at_line(const std::string& file, const toml::source_region& source) 
 
 toml::table parse_toml_file(const std::string& file) {
   std::error_code error;
+  const bool is_file = std::filesystem::is_regular_file(file, error);
   std::ifstream stream(file, std::ios::binary);
-  if (!stream || !std::filesystem::is_regular_file(file, error)) {
-    throw std::invalid_argument(file + ": cannot be read");
+  if (!is_file || !stream) {
+    throw std::invalid_argument(file + ": cannot be read" +
+                                (error ? " (" + error.message() + ")" : ""));
   }
   // One character more than is allowed tells that there are more.
   std::string text(kLargestText + 1, '\0');

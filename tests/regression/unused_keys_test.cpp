@@ -45,7 +45,10 @@ std::string other_option(const std::string& key, const std::string& now) {
 
 // A value near this one that is as legal.
 std::string other_value(const std::string& key, const ConfigValue& value) {
-  const double factor = key.find("gamma") != std::string::npos ? 1.1 : 0.9;
+  // γ is 1 at least, and periods are multiples of each other.
+  const double factor = key.find("gamma") != std::string::npos ? 1.1
+                        : key.ends_with("period_s")            ? 2.0
+                                                               : 0.9;
   if (const auto* real = std::get_if<double>(&value.data)) {
     return fmt::format("{}", *real == 0.0 ? 0.01 : *real * factor);
   }
