@@ -26,6 +26,8 @@ install(DIRECTORY src/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/breakwater
 install(DIRECTORY models data scenarios renders docs DESTINATION ${CMAKE_INSTALL_DATADIR}/breakwater
   FILES_MATCHING PATTERN "*.xml" PATTERN "*.urdf" PATTERN "*.toml" PATTERN "*.md"
                  PATTERN "*.mustache" PATTERN "*.css" PATTERN "*.js")
+# libbreakwater_math.a, and so every program, holds a part of musl (MIT).
+install(FILES /usr/share/doc/musl-dev/copyright DESTINATION ${CMAKE_INSTALL_DOCDIR} RENAME musl-copyright)
 install(PROGRAMS scripts/figures.py DESTINATION ${CMAKE_INSTALL_DATADIR}/breakwater/scripts)
 
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/Breakwater)
