@@ -46,12 +46,6 @@ class ScenarioFiles {
   std::map<std::string, ScenarioFile> files_;
 };
 
-double number_or(const Config& config, const std::string& key, double otherwise) {
-  const ConfigEntry* entry = config.find(key);
-  const auto* number = entry == nullptr ? nullptr : std::get_if<double>(&entry->value.data);
-  return number == nullptr ? otherwise : *number;
-}
-
 // For each run, the metrics that cells want made of its signals.
 std::map<std::string, std::set<std::string>> derived_metrics(const Experiments& experiments) {
   std::map<std::string, std::set<std::string>> derived;
@@ -117,8 +111,8 @@ std::vector<Job> plan(const Reproduction& reproduction) {
         job.run = prepare_run(spec.scenario, file, spec.case_name, sets);
         const Config config = file.config(spec.case_name, sets);
         contents = models.of(config);
-        job.cost = number_or(config, "run.duration_s", 1.0) /
-                   number_or(config, "physics.timestep_s", 1e-3);
+        job.cost = config.number("run.duration_s").value_or(1.0) /
+                   config.number("physics.timestep_s").value_or(1e-3);
       } catch (const std::invalid_argument& error) {
         throw std::invalid_argument(
             fmt::format("{}: run {}: {}", experiments.file, name, error.what()));
