@@ -149,7 +149,8 @@ PredictiveControlDesign CartMpcSettings::design(const AxisSettings& axis) const 
   return design;
 }
 
-void add_qp_metrics(const QpStatistics& statistics, std::vector<Metric>& metrics) {
+void add_qp_metrics(const QpStatistics& statistics, Recording& recording) {
+  std::vector<Metric>& metrics = recording.metrics;
   const auto optimisations =
       static_cast<double>(std::max<std::int64_t>(statistics.optimisations, 1));
   metrics.push_back(
@@ -158,8 +159,8 @@ void add_qp_metrics(const QpStatistics& statistics, std::vector<Metric>& metrics
   metrics.push_back({"qp_unsolved_count", "1", static_cast<double>(statistics.unsolved)});
   metrics.push_back({"qp_softened_count", "1", static_cast<double>(statistics.softened)});
   metrics.push_back({"qp_capped_count", "1", static_cast<double>(statistics.capped)});
-  metrics.push_back({"qp_time_mean_us", "us", 1e6 * statistics.time_s / optimisations});
-  metrics.push_back({"qp_time_max_us", "us", 1e6 * statistics.longest_s});
+  recording.costs.push_back({"qp_time_mean_us", "us", 1e6 * statistics.time_s / optimisations});
+  recording.costs.push_back({"qp_time_max_us", "us", 1e6 * statistics.longest_s});
 }
 
 }  // namespace breakwater
