@@ -69,6 +69,8 @@ def read(run, signal):
                 sys.exit(f"figures.py: {run}: {signal} has {values.shape[1]} values: say which, "
                          f"{signal}[1]")
             column = values[:] if values.ndim == 1 else values[:, int(index) - 1]
+            if values.ndim == 2 and unit.count(", ") + 1 == values.shape[1]:
+                unit = unit.split(", ")[int(index) - 1]  # each value's own
             return log[group]["time_s"][:], column, unit
     except (OSError, KeyError, IndexError):
         sys.exit(f"figures.py: {run}: its log has no signal {signal}")

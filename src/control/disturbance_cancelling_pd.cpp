@@ -29,7 +29,7 @@ DisturbanceCancellingPd::DisturbanceCancellingPd(std::unique_ptr<DisturbanceEsti
                part(estimator_->state(), 1)},
               {"d_hat_" + units.force_suffix, units.force, "disturbance, estimated",
                part(estimator_->disturbance(), 0)}};
-  for (const Signal& signal : estimator_->signals()) signals_.push_back(signal);
+  for (const Signal& signal : signals_of(*estimator_, units.position)) signals_.push_back(signal);
   for (const Signal& signal : poles_.signals()) signals_.push_back(signal);
 }
 

@@ -25,7 +25,7 @@ LqrControl::LqrControl(std::unique_ptr<DisturbanceEstimator> estimator, Eigen::R
   signals_ = {{"position_hat_m", "m", "position, estimated", part(estimator_->state(), 0)},
               {"velocity_hat_m_s", "m/s", "velocity, estimated", part(estimator_->state(), 1)},
               {"d_hat_N", "N", "disturbance, estimated", part(estimator_->disturbance(), 0)}};
-  for (const Signal& signal : estimator_->signals()) signals_.push_back(signal);
+  for (const Signal& signal : signals_of(*estimator_, "m")) signals_.push_back(signal);
 }
 
 void LqrControl::reset(const Sample&) {

@@ -44,7 +44,7 @@ PredictiveControl::PredictiveControl(std::unique_ptr<DisturbanceEstimator> estim
        view(softened_)},
       {"qp_status", "1", "after that: 0 solved, 1 iteration cap", view(status_)},
       {"qp_kkt_residual", "1", "of its last solve", view(kkt_residual_)}};
-  for (const Signal& signal : estimator_->signals()) signals_.push_back(signal);
+  for (const Signal& signal : signals_of(*estimator_, "m")) signals_.push_back(signal);
 }
 
 void PredictiveControl::reset(const Sample&) {

@@ -68,6 +68,7 @@ void ActiveSetQp::solve(const QpInput& input, QpSolution& solution) {
 // From the working set as it is.
 void ActiveSetQp::attempt(const QpInput& input, QpSolution& solution) {
   z_free_.noalias() = -factors_.H_inverse * input.g;
+  changes_left_ = max_changes_;
   solution.status = search(input, solution);
   finish(input, solution);
   if (solution.status == QpStatus::solved && !(solution.kkt_residual <= kSolvedBelow)) {
@@ -175,7 +176,9 @@ QpStatus ActiveSetQp::drive_to_bound(const QpInput& input, Violation violation,
   const double sign = violation.upper ? 1.0 : -1.0;
   double multiplier = 0.0;  // of the row, times its sign
   for (;;) {
-    if (++solution.iterations > max_changes_) return QpStatus::iteration_cap;
+    if (changes_left_ == 0) return QpStatus::iteration_cap;
+    --changes_left_;
+    ++solution.iterations;
     const double pivot = pivot_towards(violation.row);
     const double whole_step = pivot > 0.0 ? violation.amount / pivot : kInfinity;
     double step = whole_step;

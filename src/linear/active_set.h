@@ -27,7 +27,8 @@ namespace breakwater {
 /// D. Arnström, A. Bemporad, D. Axehill, IEEE Trans. Autom. Control 67 (2022) 4362–4369.
 class ActiveSetQp final : public QpSolver {
  public:
-  /// Throws std::invalid_argument as make_qp_solver.
+  /// `max_changes` is the cap on the working set's changes from one start: what is solved anew from
+  /// nothing has as many again. Throws std::invalid_argument as make_qp_solver.
   ActiveSetQp(const QpModel& model, int max_changes);
 
   void solve(const QpInput& input, QpSolution& solution) override;
@@ -66,6 +67,7 @@ class ActiveSetQp final : public QpSolver {
 
   QpFactors factors_;
   int max_changes_;
+  int changes_left_ = 0;  // of this attempt
 
   std::vector<Eigen::Index> working_set_;
   std::vector<Eigen::Index> previous_;  // room for refactor()

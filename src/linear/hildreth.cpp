@@ -9,7 +9,7 @@ namespace breakwater {
 namespace {
 
 constexpr double kTolerance = 1e-8;  // of the largest move of a multiplier in a sweep
-constexpr double kDiverged = 10.0;   // by how much the multipliers' sum may grow up to the cap
+constexpr double kDiverged = 1.5;    // times the multipliers: further off is on the way to infinity
 
 }  // namespace
 
@@ -18,6 +18,7 @@ HildrethQp::HildrethQp(const QpModel& model, int max_sweeps)
       max_sweeps_(max_sweeps),
       lambda_upper_(Eigen::VectorXd::Zero(factors_.rows())),
       lambda_lower_(lambda_upper_),
+      values_free_(lambda_upper_),
       values_(lambda_upper_),
       z_free_(Eigen::VectorXd::Zero(factors_.variables())),
       gradient_(z_free_) {
@@ -45,10 +46,10 @@ void HildrethQp::solve(const QpInput& input, QpSolution& solution) {
       (input.lower.array() > -std::numeric_limits<double>::infinity()).select(lambda_lower_, 0.0);
   z_free_.noalias() = -factors_.H_inverse * input.g;
   solution.mu = lambda_upper_ - lambda_lower_;
-  values_.noalias() = factors_.columns * z_free_;
+  values_free_.noalias() = factors_.columns * z_free_;
+  values_ = values_free_;
   values_.noalias() -= factors_.gram * solution.mu;
 
-  const double sum_before = lambda_upper_.sum() + lambda_lower_.sum();
   solution.status = QpStatus::iteration_cap;
   while (solution.iterations < max_sweeps_) {
     ++solution.iterations;
@@ -57,15 +58,30 @@ void HildrethQp::solve(const QpInput& input, QpSolution& solution) {
       break;
     }
   }
-  const double sum = lambda_upper_.sum() + lambda_lower_.sum();
-  const bool diverged = solution.status == QpStatus::iteration_cap && sum > kDiverged * sum_before;
-  if (empty) solution.status = QpStatus::infeasible;
   solution.mu = lambda_upper_ - lambda_lower_;
   solution.z = z_free_;
   solution.z.noalias() -= factors_.step * solution.mu;
   values_.noalias() = factors_.columns * solution.z;
   solution.kkt_residual = kkt_residual(factors_.model, input, solution, values_, gradient_);
-  if (diverged) reset();
+  if (solution.status == QpStatus::iteration_cap && diverges(input, solution.mu)) reset();
+  if (empty) solution.status = QpStatus::infeasible;
+}
+
+// Along c λ the dual objective is c λᵀd − ½ c² λᵀPλ, where d is what z_free violates each side by:
+// largest at c = λᵀd/λᵀPλ. Where sweeps converge c goes to 1; where no z satisfies the rows the
+// multipliers grow without z moving, and so does c.
+bool HildrethQp::diverges(const QpInput& input, const Eigen::VectorXd& mu) const {
+  double gain = 0.0;       // λᵀd
+  double curvature = 0.0;  // λᵀPλ
+  for (Eigen::Index i = 0; i < mu.size(); ++i) {
+    const double above = lambda_upper_(i);
+    const double below = lambda_lower_(i);
+    if (above > 0.0) gain += above * (values_free_(i) - input.upper(i));
+    if (below > 0.0) gain += below * (input.lower(i) - values_free_(i));
+    curvature += mu(i) * (values_free_(i) - values_(i));
+    curvature += input.softness(i) * (above * above + below * below);
+  }
+  return !(gain <= kDiverged * curvature);  // true of NaN too
 }
 
 double HildrethQp::sweep(const QpInput& input) {

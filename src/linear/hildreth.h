@@ -15,8 +15,8 @@ namespace breakwater {
 /// What differs from the textbook: the values Ω z are kept and changed when a multiplier does
 /// (which is seldom), instead of being summed anew for every row; it starts from the last
 /// multipliers, unless they were on their way to infinity, as those of an infeasible problem are:
-/// at the cap and more than ten times what they began with; a row's two sides are two neighbours in
-/// the sweep.
+/// at the cap, and so far off that the dual objective would be largest at more than half as much
+/// again of them all; a row's two sides are two neighbours in the sweep.
 ///
 /// Source: C. Hildreth, Naval Res. Logist. Q. 4 (1957) 79–85; L. Wang, Model Predictive Control
 /// System Design and Implementation Using MATLAB (2009), 2.4.4.
@@ -31,6 +31,7 @@ class HildrethQp final : public QpSolver {
 
  private:
   double sweep(const QpInput& input);
+  bool diverges(const QpInput& input, const Eigen::VectorXd& mu) const;
   double move(Eigen::Index row, double& multiplier, double sign, double violation,
               const QpInput& input);
 
@@ -38,8 +39,9 @@ class HildrethQp final : public QpSolver {
   int max_sweeps_;
   Eigen::VectorXd lambda_upper_;
   Eigen::VectorXd lambda_lower_;
-  Eigen::VectorXd values_;  // Ω z
-  Eigen::VectorXd z_free_;  // −H⁻¹ g
+  Eigen::VectorXd values_free_;  // Ω z_free
+  Eigen::VectorXd values_;       // Ω z
+  Eigen::VectorXd z_free_;       // −H⁻¹ g
   Eigen::VectorXd gradient_;
 };
 

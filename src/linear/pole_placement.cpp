@@ -98,7 +98,12 @@ Eigen::MatrixXd place_observer_poles(const Eigen::MatrixXd& A, const Eigen::Matr
 std::vector<PoleGroup> sample_poles(const std::vector<PoleGroup>& continuous, double period_s) {
   std::vector<PoleGroup> sampled = continuous;
   for (auto& group : sampled) {
-    for (auto& pole : group) pole = math::exp(pole * period_s);
+    for (auto& pole : group) {
+      if (!(pole.real() < 0.0)) {
+        throw std::invalid_argument("the poles must lie left of the imaginary axis");
+      }
+      pole = math::exp(pole * period_s);
+    }
   }
   return sampled;
 }

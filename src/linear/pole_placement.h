@@ -26,7 +26,8 @@ using PoleGroup = std::vector<std::complex<double>>;
 Eigen::MatrixXd place_observer_poles(const Eigen::MatrixXd& A, const Eigen::MatrixXd& C,
                                      const std::vector<PoleGroup>& groups);
 
-/// z = e^{s T_s}: where a sampled system must put a continuous pole s [1/s].
+/// z = e^{s T_s}: where a sampled system must put a continuous pole s [1/s]. Throws
+/// std::invalid_argument unless each lies left of the imaginary axis, as those of an observer must.
 std::vector<PoleGroup> sample_poles(const std::vector<PoleGroup>& continuous, double period_s);
 
 /// The eigenvalues of a real square matrix.

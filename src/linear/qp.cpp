@@ -74,6 +74,9 @@ QpFactors::QpFactors(QpModel qp) : model(std::move(qp)) {
   const Eigen::LLT<Eigen::MatrixXd> llt(model.H);
   const Eigen::MatrixXd inverse = llt.solve(Eigen::MatrixXd::Identity(n, n));
   H_inverse = 0.5 * (inverse + inverse.transpose());
+  step.resize(n, rows());
+  gram.resize(rows(), rows());
+  if (rows() == 0) return;  // nothing that could be solved for
   step = llt.solve(model.Omega.transpose());
   // As the square of L⁻¹ Ωᵀ it is symmetric, and its diagonal is not negative.
   const Eigen::MatrixXd half = llt.matrixL().solve(model.Omega.transpose());

@@ -3,6 +3,8 @@
 
 #include <Eigen/Core>
 #include <span>
+#include <string>
+#include <vector>
 
 #include "signals/signal.h"
 
@@ -34,7 +36,7 @@ class DisturbanceEstimator {
   virtual View disturbance() const = 0;
 
   /// What it lets others see: the innovation, the forgetting factor λ(k), … The views stay valid
-  /// as long as the estimator lives.
+  /// as long as the estimator lives. An empty unit is the output's, which it does not know.
   virtual std::span<const Signal> signals() const = 0;
 
   /// How many poles it has, and writes the matrix whose eigenvalues they are: A̅ − K(k) C̅ of this
@@ -42,5 +44,15 @@ class DisturbanceEstimator {
   virtual Eigen::Index poles() const = 0;
   virtual void pole_matrix(Eigen::Ref<Eigen::MatrixXd> F) const = 0;
 };
+
+/// An estimator's signals for a log, where its output is measured in `output_unit`.
+inline std::vector<Signal> signals_of(const DisturbanceEstimator& estimator,
+                                      const std::string& output_unit) {
+  std::vector<Signal> signals(estimator.signals().begin(), estimator.signals().end());
+  for (Signal& signal : signals) {
+    if (signal.unit.empty()) signal.unit = output_unit;
+  }
+  return signals;
+}
 
 }  // namespace breakwater

@@ -9,13 +9,7 @@ namespace breakwater {
 
 Idob::Idob(const StateSpace& continuous_plant, const std::vector<PoleGroup>& poles, double period_s)
     : states_(continuous_plant.states()) {
-  for (const PoleGroup& group : poles) {
-    for (const std::complex<double>& pole : group) {
-      if (!(pole.real() < 0.0)) {
-        throw std::invalid_argument("IDOB: the poles must lie left of the imaginary axis");
-      }
-    }
-  }
+  const std::vector<PoleGroup> sampled = sample_poles(poles, period_s);
   const StateSpace extended =
       zero_order_hold(extend_by_input_disturbance(continuous_plant), period_s);
   const Eigen::Index rank = observability_rank(extended.A, extended.C);
@@ -24,7 +18,7 @@ Idob::Idob(const StateSpace& continuous_plant, const std::vector<PoleGroup>& pol
                                 std::to_string(rank) + " of " + std::to_string(extended.states()) +
                                 ")");
   }
-  observer_gain_ = place_observer_poles(extended.A, extended.C, sample_poles(poles, period_s));
+  observer_gain_ = place_observer_poles(extended.A, extended.C, sampled);
   error_dynamics_ = extended.A - observer_gain_ * extended.C;
   input_matrix_ = extended.B;
   extended_state_.setZero(extended.states());

@@ -9,8 +9,7 @@ IdobEstimator::IdobEstimator(const StateSpace& continuous_plant,
       C_(continuous_plant.C),
       last_output_(Eigen::VectorXd::Zero(C_.rows())),
       innovation_(last_output_),
-      signals_({{"innovation", "1", "e = y - C x(k|k-1) (Eq. 4.15), in the output's unit",
-                 view(innovation_)}}) {}
+      signals_({{"innovation", "", "e = y - C x(k|k-1) (Eq. 4.15)", view(innovation_)}}) {}
 
 void IdobEstimator::reset(const Vector& x) {
   idob_.reset(x);

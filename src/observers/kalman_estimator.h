@@ -72,8 +72,7 @@ class KalmanEstimator : public DisturbanceEstimator {
     innovation_.setZero(C_.rows());
     output_covariance_ = R_;
     work_ = initial_covariance_;
-    signals_ = {{"innovation", "1", "e = y - C x(k|k-1) (Eq. 4.15), in the output's unit",
-                 view(innovation_)},
+    signals_ = {{"innovation", "", "e = y - C x(k|k-1) (Eq. 4.15)", view(innovation_)},
                 {"lambda", "1", "forgetting factor: by how much P was divided", view(lambda_)}};
     reset(Eigen::VectorXd::Zero(plant_states_));
   }

@@ -13,6 +13,7 @@ Mdob::Mdob(const MdobDesign& design, double period_s) {
   if (!(design.nominal_inertia > 0.0 && g_d > 0.0 && g_w > 0.0 && period_s > 0.0)) {
     throw std::invalid_argument("MDOB: inertia, cut-offs and sampling period must be positive");
   }
+  if (std::isinf(g_w)) throw std::invalid_argument("MDOB: the low-pass needs a finite cut-off");
   if (std::isinf(g_d)) {
     derivative_memory_ = 0.0;
     derivative_gain_ = 1.0 / period_s;

@@ -8,7 +8,7 @@ struct MdobDesign {
   double nominal_inertia = 1.0;  ///< J_n [kg m²], or a mass [kg] for a slide
   double derivative_cutoff_rad_s =
       0;                             ///< g_d of the pseudo-derivative; infinity: the raw difference
-  double observer_cutoff_rad_s = 0;  ///< g_w of the observer's low-pass
+  double observer_cutoff_rad_s = 0;  ///< g_w of the observer's low-pass, finite
 };
 
 /// Estimates the disturbance of one joint from its angle and torque (Eq. 2.6):
@@ -24,7 +24,7 @@ struct MdobDesign {
 /// measured at this one; then d̂ is that of this sample.
 class Mdob {
  public:
-  /// Throws std::invalid_argument unless inertia, cut-offs and period are positive.
+  /// Throws std::invalid_argument unless inertia, cut-offs and period are positive, and g_w finite.
   Mdob(const MdobDesign& design, double period_s);
 
   void reset(double angle);

@@ -12,8 +12,7 @@ StateObserver::StateObserver(const StateSpace& continuous_plant,
       disturbance_(Eigen::VectorXd::Zero(plant_.inputs())),
       last_output_(Eigen::VectorXd::Zero(plant_.outputs())),
       innovation_(last_output_),
-      signals_(
-          {{"innovation", "1", "e = y - C x(k|k-1), in the output's unit", view(innovation_)}}) {}
+      signals_({{"innovation", "", "e = y - C x(k|k-1)", view(innovation_)}}) {}
 
 void StateObserver::reset(const Vector& x) {
   state_ = x;

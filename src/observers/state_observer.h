@@ -14,8 +14,8 @@ namespace breakwater {
 /// observers to show what they add. As with the IDOB, x̂(k) has seen y(0) … y(k−1).
 class StateObserver final : public DisturbanceEstimator {
  public:
-  /// `poles` [1/s], continuous, n in all, one group per output. Throws std::invalid_argument if
-  /// they cannot be placed.
+  /// `poles` [1/s], continuous, n in all, one group per output, each stable. Throws
+  /// std::invalid_argument if one is not, or they cannot be placed.
   StateObserver(const StateSpace& continuous_plant, const std::vector<PoleGroup>& poles,
                 double period_s);
 

@@ -9,6 +9,11 @@ namespace breakwater {
 
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 
+/// Units of a pose ζ and of a motion [ζ; ζ̇] in a log.
+inline constexpr const char* kPoseUnits = "m, m, m, rad, rad, rad";
+inline constexpr const char* kMotionUnits =
+    "m, m, m, rad, rad, rad, m/s, m/s, m/s, rad/s, rad/s, rad/s";
+
 /// Table 3.4. Buoyancy and weight are what the table computes with g = 9.806 m/s².
 struct QuadrotorParameters {
   double mass_kg = 1.38;

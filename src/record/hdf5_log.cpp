@@ -231,6 +231,19 @@ SignalName signal_name(const std::string& text) {
   return signal;
 }
 
+std::string LogEntry::unit_of(std::size_t index) const {
+  constexpr std::string_view kComma = ", ";
+  std::vector<std::string> units;
+  std::size_t from = 0;
+  for (std::size_t comma = unit.find(kComma); comma != std::string::npos;
+       comma = unit.find(kComma, from)) {
+    units.push_back(unit.substr(from, comma - from));
+    from = comma + kComma.size();
+  }
+  units.push_back(unit.substr(from));
+  return units.size() == width && index >= 1 && index <= width ? units[index - 1] : unit;
+}
+
 std::vector<LogEntry> list_hdf5_signals(const std::string& file) {
   const std::lock_guard lock(hdf5_in_use);
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);

@@ -41,10 +41,13 @@ SignalName signal_name(const std::string& text);
 struct LogEntry {
   std::string group;  ///< the track: "control"
   std::string name;   ///< of the signal; time bases are left out
-  std::string unit;
+  std::string unit;   ///< of all values, or each one's: "m, m, rad"
   std::string description;
   std::size_t rows = 0;
   std::size_t width = 0;
+
+  /// Of one value, counted from 1.
+  std::string unit_of(std::size_t index) const;
 };
 
 /// What these read is checked first: types, sizes, that the data are in the file. Links are not

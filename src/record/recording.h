@@ -34,6 +34,9 @@ struct Failure {
 struct Recording {
   std::vector<Track> tracks;
   std::vector<Metric> metrics;  ///< empty if the run failed
+  /// What it took, by a clock: the only values that differ between two runs of the same. Empty if
+  /// the run failed.
+  std::vector<Metric> costs;
   std::optional<Failure> failure;
   std::uint64_t state_hash = 0;
   double simulated_s = 0.0;

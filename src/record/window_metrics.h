@@ -15,6 +15,15 @@ struct TimeWindow {
   double to_s = std::numeric_limits<double>::infinity();
 
   bool contains(double time_s) const { return time_s >= from_s && time_s <= to_s; }
+
+  /// The window as a run from 0 to `end_s` may be judged by it: itself if the run covers it, else
+  /// one that nothing falls into, so that a metric of a part of it does not pass for the whole's.
+  /// An open end is the run's own.
+  TimeWindow within(double end_s) const {
+    constexpr double kOpen = std::numeric_limits<double>::infinity();
+    if (from_s >= 0.0 && (to_s <= end_s || to_s == kOpen)) return *this;
+    return {kOpen, -kOpen};
+  }
 };
 
 /// Mean, root mean square and extremes of what falls into a window. Nothing, if nothing does.
@@ -54,27 +63,27 @@ class WindowStatistics {
   double smallest_ = std::numeric_limits<double>::infinity();
 };
 
-/// How long an error takes from `start_s` on until it stays within ±band.
+/// How long an error takes from a window's beginning on until it stays within ±band to its end.
 class SettlingTime {
  public:
-  SettlingTime(double start_s, double band) : start_s_(start_s), band_(band) {}
+  SettlingTime(const TimeWindow& window, double band) : window_(window), band_(band) {}
 
   void add(double time_s, double error) {
-    if (time_s < start_s_) return;
+    if (!window_.contains(time_s)) return;
     ++count_;
     const bool is_inside = std::abs(error) <= band_;
     if (is_inside && !settled_) settled_at_s_ = time_s;
     settled_ = is_inside;
   }
 
-  /// Nothing, if the error ends outside of the band or nothing was added.
+  /// Nothing, if the error ends outside of the band or nothing falls into the window.
   std::optional<double> value() const {
     if (count_ == 0 || !settled_) return std::nullopt;
-    return settled_at_s_ - start_s_;
+    return settled_at_s_ - window_.from_s;
   }
 
  private:
-  double start_s_;
+  TimeWindow window_;
   double band_;
   std::int64_t count_ = 0;
   bool settled_ = false;

@@ -25,10 +25,20 @@ Eigen::Map<const Eigen::Vector3d> vector(const mjtNum* values) {
   return Eigen::Map<const Eigen::Vector3d>(values);
 }
 
-struct ContextCall {
-  const mjModel* model;
-  mjrContext* context;
-};
+// Calls the engine; what it refuses ends the picture.
+template <typename Body>
+void draw_by_engine(const std::string& what, Body body) {
+  const std::string fatal = call_engine(body);
+  if (!fatal.empty()) throw RenderError(what + ": " + fatal);
+}
+
+DataPointer make_data(const Model& model) {
+  try {
+    return model.make_data();
+  } catch (const std::invalid_argument& error) {
+    throw RenderError(std::string("pictures: ") + error.what());
+  }
+}
 
 }  // namespace
 
@@ -53,7 +63,8 @@ void interpolate_qpos(const mjModel& model, std::span<const double> first,
   mj_integratePos(&model, qpos.data(), way.data(), part);
 }
 
-SceneView::SceneView(Model& model, int camera, const Look& look) : model_(model) {
+SceneView::SceneView(Model& model, int camera, const Look& look)
+    : model_(model), data_(make_data(model)) {
   mjModel& m = *model_.get();
   mjv_defaultCamera(&camera_);
   if (camera >= 0) {
@@ -65,9 +76,6 @@ SceneView::SceneView(Model& model, int camera, const Look& look) : model_(model)
   m.vis.quality.shadowsize = look.shadow_map;
   m.vis.quality.offsamples = 0;  // drawn into the window's buffer, which Mesa has in our memory
   m.vis.global.offwidth = m.vis.global.offheight = 1;
-  data_.reset(mj_makeData(&m));
-  if (!data_) throw RenderError("pictures: no memory for the scene");
-
   mjv_defaultOption(&options_);
   for (int i = 0; i < mjNGROUP; ++i) {
     options_.geomgroup[i] = i < kShownGroups ? 1 : 0;
@@ -75,19 +83,14 @@ SceneView::SceneView(Model& model, int camera, const Look& look) : model_(model)
   }
   mjv_defaultScene(&scene_);
   mjr_defaultContext(&context_);
-  ContextCall call{&m, &context_};
-  const std::string fatal = call_engine(
-      [](void* argument) {
-        auto* c = static_cast<ContextCall*>(argument);
-        mjr_makeContext(c->model, c->context, mjFONTSCALE_100);
-      },
-      &call);
-  if (!fatal.empty()) throw RenderError("pictures need OpenGL: " + fatal);
-  mjv_makeScene(&m, &scene_, kMaxGeoms);
+  draw_by_engine("pictures need OpenGL", [&] {
+    mjr_makeContext(&m, &context_, mjFONTSCALE_100);
+    mjr_setBuffer(mjFB_WINDOW, &context_);
+  });
+  draw_by_engine("pictures", [&] { mjv_makeScene(&m, &scene_, kMaxGeoms); });
   scene_.flags[mjRND_SHADOW] = look.shadows ? 1 : 0;
   scene_.flags[mjRND_SKYBOX] = look.sky ? 1 : 0;
   scene_.flags[mjRND_REFLECTION] = look.reflections ? 1 : 0;
-  mjr_setBuffer(mjFB_WINDOW, &context_);
   uploaded_heights_.assign(m.hfield_data, m.hfield_data + m.nhfielddata);
 }
 
@@ -100,10 +103,12 @@ void SceneView::pose(std::span<const double> qpos) {
   mjModel& m = *model_.get();
   std::copy(qpos.begin(), qpos.end(), data_->qpos);
   // Positions only: forces are the log's business.
-  mj_kinematics(&m, data_.get());
-  mj_comPos(&m, data_.get());
-  mj_camlight(&m, data_.get());
-  mj_tendon(&m, data_.get());
+  draw_by_engine("pictures", [&] {
+    mj_kinematics(&m, data_.get());
+    mj_comPos(&m, data_.get());
+    mj_camlight(&m, data_.get());
+    mj_tendon(&m, data_.get());
+  });
   upload_height_fields();
 }
 
@@ -111,7 +116,9 @@ void SceneView::upload_height_fields() {
   const mjModel& m = *model_.get();
   if (std::equal(uploaded_heights_.begin(), uploaded_heights_.end(), m.hfield_data)) return;
   uploaded_heights_.assign(m.hfield_data, m.hfield_data + m.nhfielddata);
-  for (int i = 0; i < m.nhfield; ++i) mjr_uploadHField(&m, &context_, i);
+  draw_by_engine("pictures", [&] {
+    for (int i = 0; i < m.nhfield; ++i) mjr_uploadHField(&m, &context_, i);
+  });
 }
 
 SceneView::Segment SceneView::place(const SceneArrow& arrow) const {
@@ -159,7 +166,9 @@ void SceneView::add(const SceneArrow& arrow) {
 
 void SceneView::draw(const mjrRect& viewport, const std::vector<SceneArrow>& arrows) {
   viewport_ = viewport;
-  mjv_updateScene(model_.get(), data_.get(), &options_, nullptr, &camera_, mjCAT_ALL, &scene_);
+  draw_by_engine("pictures", [&] {
+    mjv_updateScene(model_.get(), data_.get(), &options_, nullptr, &camera_, mjCAT_ALL, &scene_);
+  });
   const double aspect = static_cast<double>(viewport.width) / viewport.height;
   if (aspect < kFramedAspect) {
     const auto taller = static_cast<float>(kFramedAspect / aspect);
@@ -169,7 +178,7 @@ void SceneView::draw(const mjrRect& viewport, const std::vector<SceneArrow>& arr
     }
   }
   for (const SceneArrow& arrow : arrows) add(arrow);
-  mjr_render(viewport, &scene_, &context_);
+  draw_by_engine("pictures", [&] { mjr_render(viewport, &scene_, &context_); });
 }
 
 std::optional<SceneView::Ends> SceneView::ends_of(const SceneArrow& arrow) const {

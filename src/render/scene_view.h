@@ -45,7 +45,8 @@ class SceneView {
   SceneView(const SceneView&) = delete;
   SceneView& operator=(const SceneView&) = delete;
 
-  /// Poses the plant. Height fields that changed since are taken over.
+  /// Poses the plant. Height fields that changed since are taken over. Throws RenderError, as
+  /// draw() does, if the engine cannot.
   void pose(std::span<const double> qpos);
   /// Draws it into a part of the picture, given in pixels from the left and the bottom.
   void draw(const mjrRect& viewport, const std::vector<SceneArrow>& arrows);
@@ -58,10 +59,6 @@ class SceneView {
   std::optional<Ends> ends_of(const SceneArrow& arrow) const;
 
  private:
-  struct Delete {
-    void operator()(mjData* data) const { mj_deleteData(data); }
-  };
-
   struct Segment {
     Eigen::Vector3d from;
     Eigen::Vector3d to;
@@ -72,7 +69,7 @@ class SceneView {
   void upload_height_fields();
 
   Model& model_;
-  std::unique_ptr<mjData, Delete> data_;
+  DataPointer data_;
   mjvScene scene_;
   mjrContext context_;
   mjvCamera camera_;

@@ -232,8 +232,8 @@ std::string Comparison::html() const {
     chart.group = "compare";
     chart.title = signals_[s];
     for (std::size_t i = 0; i < runs_.size(); ++i) {
-      chart.series.push_back(
-          {labels_[i], entry.unit, entry.description, runs_[i].signal(signals_[s])});
+      chart.series.push_back({labels_[i], runs_.front().unit(signals_[s]), entry.description,
+                              runs_[i].signal(signals_[s])});
     }
     charts << chart_data(chart);
   }

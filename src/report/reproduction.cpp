@@ -49,12 +49,6 @@ class ScenarioFiles {
   std::map<std::string, ScenarioFile> files_;
 };
 
-double number_or(const Config& config, const std::string& key, double otherwise) {
-  const ConfigEntry* entry = config.find(key);
-  const auto* number = entry == nullptr ? nullptr : std::get_if<double>(&entry->value.data);
-  return number == nullptr ? otherwise : *number;
-}
-
 // Calls `body` for each cell of the sections.
 template <typename Sections, typename Body>
 void each_cell(const Sections& sections, Body&& body) {
@@ -114,8 +108,8 @@ std::vector<Job> plan(const Reproduction& reproduction) {
         const auto [known, is_new] = models.try_emplace(job.run.model_files);
         if (is_new) known->second = model_hashes(job.run.model_files);
         job.models = known->second;
-        job.cost = number_or(config, "run.duration_s", 1.0) /
-                   number_or(config, "physics.timestep_s", 1e-3);
+        job.cost = config.number("run.duration_s").value_or(1.0) /
+                   config.number("physics.timestep_s").value_or(1e-3);
       } catch (const std::invalid_argument& error) {
         fail(experiments, spec.line, fmt::format("run {}: {}", name, error.what()));
       }

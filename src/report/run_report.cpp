@@ -72,7 +72,8 @@ std::vector<PageChart> all_charts(const SavedRun& run, const std::string& id) {
     chart.title = entry.width == 1 ? stem(name) : name;
     for (std::size_t i = 1; i <= entry.width; ++i) {
       const std::string one = entry.width == 1 ? "" : fmt::format("[{}]", i);
-      chart.series.push_back({name + one, entry.unit, entry.description, run.signal(path + one)});
+      chart.series.push_back(
+          {name + one, entry.unit_of(i), entry.description, run.signal(path + one)});
     }
     if (entry.width == 1) of_scalars[key] = charts.size();
     charts.push_back(std::move(chart));

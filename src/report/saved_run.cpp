@@ -93,6 +93,10 @@ const LogEntry& SavedRun::entry(const std::string& name) const {
                               did_you_mean(name, names));
 }
 
+std::string SavedRun::unit(const std::string& name) const {
+  return entry(name).unit_of(std::max<std::size_t>(1, place_of(name).index));
+}
+
 Series SavedRun::signal(const std::string& name) const {
   const LogEntry& found = entry(name);
   const std::size_t index = std::max<std::size_t>(1, place_of(name).index);

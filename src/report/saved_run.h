@@ -40,6 +40,8 @@ class SavedRun {
   Series signal(const std::string& name) const;
   /// What the log says about it, found in the same way.
   const LogEntry& entry(const std::string& name) const;
+  /// A signal's unit: of NAME[3] that of the third of its values.
+  std::string unit(const std::string& name) const;
 
  private:
   void read_metrics();

@@ -48,7 +48,7 @@ ChartSeries series_of(const SavedRun& run, const std::string& signal, const std:
   const LogEntry& entry = run.entry(signal);
   const double least = std::numeric_limits<double>::lowest();
   const double most = std::numeric_limits<double>::max();
-  return {label, entry.unit, entry.description,
+  return {label, run.unit(signal), entry.description,
           cut(run.signal(signal), panel.from_s.value_or(least), panel.to_s.value_or(most))};
 }
 

@@ -106,7 +106,7 @@ Recording CartConstrained::run(const RunControl& control) const {
   const double period_s = axis_.physics.control_period_s;
   const double from_rest = is_pushed ? disturbance_start_s_ : 0.0;
   WindowStatistics speed(TimeWindow{}), estimated_speed(TimeWindow{}), input(TimeWindow{});
-  SettlingTime settling(from_rest, settled_within_m_);
+  SettlingTime settling(TimeWindow{from_rest}, settled_within_m_);
   double input_violation_s = 0.0;
   double speed_violation_s = 0.0;
 
@@ -140,7 +140,7 @@ Recording CartConstrained::run(const RunControl& control) const {
     add(metrics, "input_violation_time_s", "s", input_violation_s);
     add(metrics, "speed_violation_time_s", "s", speed_violation_s);
     add(metrics, "settling_time_s", "s", settling.value());
-    if (lmpc != nullptr) add_qp_metrics(lmpc->statistics(), metrics);
+    if (lmpc != nullptr) add_qp_metrics(lmpc->statistics(), recording);
   }
   recording.tracks.push_back(std::move(log));
   return recording;

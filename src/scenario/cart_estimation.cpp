@@ -112,10 +112,12 @@ Recording CartEstimation::run(const RunControl& control) const {
   Track log("control", std::move(signals),
             static_cast<std::size_t>(steps / axis_.physics.steps_per_sample() + 1));
 
-  const TimeWindow window{from_s_, to_s_};
+  const double end_s = axis_.run.duration_s;
+  const TimeWindow window = TimeWindow{from_s_, to_s_}.within(end_s);
   WindowStatistics error(window), truth(window), position_error(window);
-  WindowStatistics noise(TimeWindow{noise_from_s_, noise_to_s_});
-  SettlingTime settling(force.start_s, kSettledWithin * std::abs(force.amplitude));
+  WindowStatistics noise(TimeWindow{noise_from_s_, noise_to_s_}.within(end_s));
+  SettlingTime settling(TimeWindow{force.start_s, to_s_}.within(end_s),
+                        kSettledWithin * std::abs(force.amplitude));
 
   Recording recording;
   // One step more than the duration has, so that the sample at its end is there.

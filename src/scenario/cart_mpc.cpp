@@ -188,7 +188,8 @@ PredictiveControlDesign CartMpcSettings::design(const AxisSettings& axis) const 
   return design;
 }
 
-void add_qp_metrics(const QpStatistics& statistics, std::vector<Metric>& metrics) {
+void add_qp_metrics(const QpStatistics& statistics, Recording& recording) {
+  std::vector<Metric>& metrics = recording.metrics;
   const auto optimisations =
       static_cast<double>(std::max<std::int64_t>(statistics.optimisations, 1));
   add(metrics, "qp_iterations_mean", "1",
@@ -197,8 +198,8 @@ void add_qp_metrics(const QpStatistics& statistics, std::vector<Metric>& metrics
   add(metrics, "qp_unsolved_count", "1", static_cast<double>(statistics.unsolved));
   add(metrics, "qp_softened_count", "1", static_cast<double>(statistics.softened));
   add(metrics, "qp_capped_count", "1", static_cast<double>(statistics.capped));
-  add(metrics, "qp_time_mean_us", "us", 1e6 * statistics.time_s / optimisations);
-  add(metrics, "qp_time_max_us", "us", 1e6 * statistics.longest_s);
+  add(recording.costs, "qp_time_mean_us", "us", 1e6 * statistics.time_s / optimisations);
+  add(recording.costs, "qp_time_max_us", "us", 1e6 * statistics.longest_s);
 }
 
 }  // namespace breakwater

@@ -1,8 +1,6 @@
 // Predictive control of the cart: the keys and metrics that its scenarios share.
 #pragma once
 
-#include <vector>
-
 #include "control/predictive_control.h"
 #include "linear/riccati.h"
 #include "record/recording.h"
@@ -63,8 +61,9 @@ struct CartMpcSettings {
   PredictiveControlDesign design(const AxisSettings& axis) const;
 };
 
-/// qp_iterations_mean, qp_iterations_max, qp_unsolved_count, qp_softened_count, qp_capped_count,
-/// qp_time_mean_us, qp_time_max_us. Means and largest are those of an optimisation.
-void add_qp_metrics(const QpStatistics& statistics, std::vector<Metric>& metrics);
+/// Metrics qp_iterations_mean, qp_iterations_max, qp_unsolved_count, qp_softened_count and
+/// qp_capped_count, and costs qp_time_mean_us and qp_time_max_us. Means and largest are those of an
+/// optimisation.
+void add_qp_metrics(const QpStatistics& statistics, Recording& recording);
 
 }  // namespace breakwater

@@ -59,10 +59,12 @@ Recording CartOffsetFree::run(const RunControl& control) const {
   Track log("control", rig.signals(),
             static_cast<std::size_t>(steps / axis_.physics.steps_per_sample() + 1));
 
-  const TimeWindow window{from_s_, to_s_};
+  const double end_s = axis_.run.duration_s;
+  const TimeWindow window = TimeWindow{from_s_, to_s_}.within(end_s);
   WindowStatistics error(window), true_error(window), d_hat(window), d_error(window);
   WindowStatistics speed(TimeWindow{}), input(TimeWindow{}), position(TimeWindow{});
-  SettlingTime settling(reference_.from_s, settled_within_ * std::abs(reference_.value));
+  SettlingTime settling(TimeWindow{reference_.from_s, disturbance_start_s_}.within(end_s),
+                        settled_within_ * std::abs(reference_.value));
 
   Recording recording;
   // One step more than the duration has, so that the sample at its end is there.
@@ -95,7 +97,7 @@ Recording CartOffsetFree::run(const RunControl& control) const {
     add(metrics, "max_position_m", "m", position.largest());
     add(metrics, "mean_disturbance_estimate_N", "N", d_hat.mean());
     add(metrics, "rms_disturbance_error_N", "N", d_error.rms());
-    add_qp_metrics(controller.lmpc().statistics(), metrics);
+    add_qp_metrics(controller.lmpc().statistics(), recording);
   }
   recording.tracks.push_back(std::move(log));
   return recording;

@@ -78,10 +78,12 @@ Recording CartPosition::run(const RunControl& control) const {
   Track log("control", std::move(signals),
             static_cast<std::size_t>(steps / axis_.physics.steps_per_sample() + 1));
 
-  const TimeWindow window{from_s_, to_s_};
+  const double end_s = axis_.run.duration_s;
+  const TimeWindow window = TimeWindow{from_s_, to_s_}.within(end_s);
   WindowStatistics error(window), input_step(window), noise(TimeWindow{}), position(TimeWindow{});
   double last_input = 0.0;
-  SettlingTime settling(reference_.from_s, settled_within_ * std::abs(reference_.value));
+  SettlingTime settling(TimeWindow{reference_.from_s, to_s_}.within(end_s),
+                        settled_within_ * std::abs(reference_.value));
 
   Recording recording;
   // One step more than the duration has, so that the sample at its end is there.
@@ -110,7 +112,7 @@ Recording CartPosition::run(const RunControl& control) const {
     add(metrics, "rms_input_step_N", "N", input_step.rms());
     add(metrics, "max_position_m", "m", position.largest());
     if (const auto* mpc = dynamic_cast<const PredictiveControl*>(controller.get())) {
-      add_qp_metrics(mpc->lmpc().statistics(), metrics);
+      add_qp_metrics(mpc->lmpc().statistics(), recording);
     }
   }
   recording.tracks.push_back(std::move(log));

@@ -165,6 +165,16 @@ const ConfigEntry* Config::find(const std::string& key) const {
   return found != entries_.end() ? &found->second : nullptr;
 }
 
+std::optional<double> Config::number(const std::string& key) const {
+  const ConfigEntry* entry = find(key);
+  if (entry == nullptr) return std::nullopt;
+  if (const auto* integer = std::get_if<std::int64_t>(&entry->value.data)) {
+    return static_cast<double>(*integer);
+  }
+  if (const auto* real = std::get_if<double>(&entry->value.data)) return *real;
+  return std::nullopt;
+}
+
 std::string Config::find_file_of(const std::string& key, const std::string& name) const {
   const ConfigEntry* entry = find(key);
   const bool is_set = entry != nullptr && entry->origin == kSetOrigin;

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -40,6 +41,8 @@ class Config {
   void remove(const std::string& key) { entries_.erase(key); }
 
   const ConfigEntry* find(const std::string& key) const;
+  /// A key's number, whole or not; nothing if it is not there or is none.
+  std::optional<double> number(const std::string& key) const;
   const std::map<std::string, ConfigEntry>& entries() const { return entries_; }
 
   /// The file that a key names, found from where the key was written: the working folder for

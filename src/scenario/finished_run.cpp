@@ -11,15 +11,6 @@
 namespace breakwater {
 namespace {
 
-std::optional<double> number_of(const ConfigEntry* entry) {
-  if (entry == nullptr) return std::nullopt;
-  if (const auto* integer = std::get_if<std::int64_t>(&entry->value.data)) {
-    return static_cast<double>(*integer);
-  }
-  if (const auto* real = std::get_if<double>(&entry->value.data)) return *real;
-  return std::nullopt;
-}
-
 std::vector<Series> columns(const std::vector<double>& times_s, const LoggedSignal& signal) {
   std::vector<Series> all(signal.width, Series{times_s, std::vector<double>(signal.rows)});
   for (std::size_t i = 0; i < signal.rows; ++i) {
@@ -89,7 +80,7 @@ Series FinishedRun::signal(const std::string& name) const {
 }
 
 Series FinishedRun::value(const std::string& key_or_signal) const {
-  if (const auto number = number_of(config_->find(key_or_signal))) {
+  if (const auto number = config_->number(key_or_signal)) {
     return {{times_s_.front(), end_s()}, {*number, *number}};
   }
   return signal(key_or_signal);
@@ -106,7 +97,7 @@ std::string FinishedRun::fill_in(const std::string& text) const {
     const std::string key = filled.substr(open + 1, end - open - 1);
     const ConfigEntry* entry = config_->find(key);
     std::string value;
-    if (const auto number = number_of(entry)) {
+    if (const auto number = config_->number(key)) {
       value = fmt::format("{:g}", *number);
     } else if (entry != nullptr && std::holds_alternative<std::string>(entry->value.data)) {
       value = std::get<std::string>(entry->value.data);

@@ -74,15 +74,17 @@ Recording MotorEstimation::run(const RunControl& control) const {
             static_cast<std::size_t>(steps / axis_.physics.steps_per_sample() + 1));
 
   const double start_s = disturbance_.start_s;
-  const TimeWindow window{from_s_, to_s_};
-  const TimeWindow transient{start_s, from_s_};
+  const double end_s = axis_.run.duration_s;
+  const TimeWindow window = TimeWindow{from_s_, to_s_}.within(end_s);
+  const TimeWindow transient = TimeWindow{start_s, from_s_}.within(end_s);
   WindowStatistics velocity_error(window), position_error(window), disturbance_error(window);
   WindowStatistics transient_error(transient);
   WindowStatistics position(TimeWindow{}), lambda(window), any_lambda(TimeWindow{});
   WindowStatistics slowest_pole(window);
   const std::span<const double> lambda_now = published(controller, "lambda");
   const std::span<const double> poles = published(controller, "poles_continuous_re_rad_s");
-  SettlingTime settling(start_s, settled_within_ * std::abs(disturbance_.amplitude));
+  SettlingTime settling(TimeWindow{start_s, to_s_}.within(end_s),
+                        settled_within_ * std::abs(disturbance_.amplitude));
 
   Recording recording;
   // One step more than the duration has, so that the sample at its end is there.

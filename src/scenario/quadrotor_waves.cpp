@@ -384,11 +384,6 @@ void QuadrotorWaves::check(const Config& config) {
   is_point("wave.current_m_s", current_m_s_);
   is_under_water("task.start_m", start_m_[2]);
   is_under_water("task.reference_m", reference_m_[2]);
-  if (window_s_ > run_.duration_s) {
-    config.fail("metrics.window_s",
-                fmt::format("{:g} s must not be longer than the run, {:g} s: set both", window_s_,
-                            run_.duration_s));
-  }
   const Model model = Model::load(mjcf_);
   if (model->nu != 4) throw std::invalid_argument(mjcf_ + ": needs 4 thrusters");
   for (int i = 1; i <= 4; ++i) model.id(mjOBJ_SITE, "t" + std::to_string(i));
@@ -424,9 +419,9 @@ Recording QuadrotorWaves::run(const RunControl& control) const {
 
   Truth truth;
   std::vector<Signal> signals = {
-      {"qpos", "1", "the engine's generalised positions", sim.qpos()},
-      {"motion_true", "1", "zeta and its rate, true [m, rad, m/s, rad/s]", view(truth.motion)},
-      {"pose_measured", "1", "x, y, z, roll, pitch, yaw as sampled [m, rad]", view(sim.sample().y)},
+      {"qpos", "m, m, m, 1, 1, 1, 1", "the engine's generalised positions", sim.qpos()},
+      {"motion_true", kMotionUnits, "zeta and its rate, true", view(truth.motion)},
+      {"pose_measured", kPoseUnits, "x, y, z, roll, pitch, yaw as sampled", view(sim.sample().y)},
       {"thrust_command_N", "N", "thrusts asked for", view(sim.command())},
       {"thrust_applied_N", "N", "thrusts after saturation", view(sim.actuation())},
       {"saturated", "1", "1 where any thrust is at its limit", view(truth.saturated)},
@@ -438,7 +433,8 @@ Recording QuadrotorWaves::run(const RunControl& control) const {
   const std::int64_t steps = physics_.step_at(run_.duration_s);
   Track log("control", std::move(signals),
             static_cast<std::size_t>(steps / physics_.steps_per_sample() + 1));
-  StationMetrics metrics({run_.duration_s - window_s_, run_.duration_s});
+  const TimeWindow window{run_.duration_s - window_s_, run_.duration_s};
+  StationMetrics metrics(window.within(run_.duration_s));
   const Eigen::Vector3d reference = vector3(reference_m_);
 
   Recording recording;
@@ -456,7 +452,7 @@ Recording QuadrotorWaves::run(const RunControl& control) const {
   if (!recording.failure) {
     recording.metrics = metrics.metrics(estimator.models_disturbance());
     const auto fresh = make_quadrotor_estimator(estimator_design(), plant());
-    add(recording.metrics, "filter_time_us", "us", filter_time_us(log, *fresh));
+    add(recording.costs, "filter_time_us", "us", filter_time_us(log, *fresh));
   }
   recording.tracks.push_back(std::move(log));
   return recording;

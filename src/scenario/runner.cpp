@@ -35,6 +35,8 @@ std::string manifest(const PreparedRun& run, const ModelHashes& models, const Re
   json["simulated_s"] = recording.simulated_s;
   json["dropped_samples"] = recording.dropped_samples;
   json["wall_time_s"] = wall_s;
+  json["costs"] = nlohmann::ordered_json::object();
+  for (const Metric& cost : recording.costs) json["costs"][cost.name] = cost.value;
   json["breakwater"] = kVersion;
   json["git_commit"] = kGitCommit;
   json["program"] = program_hash();

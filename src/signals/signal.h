@@ -10,8 +10,9 @@ namespace breakwater {
 /// A view of a quantity that its owner keeps up to date. The owner outlives the view, and neither
 /// the address nor the size of `values` changes: a recorder copies from it at every sample.
 struct Signal {
-  std::string name;         ///< unit included, as it appears in the log: "d_hat_Nm"
-  std::string unit;         ///< "N m", "rad", "1"
+  std::string name;  ///< unit included, as it appears in the log: "d_hat_Nm"
+  /// "N m", "rad", "1"; where the values have different ones, each one's: "m, m, rad".
+  std::string unit;
   std::string description;  ///< one line, with the equation where there is one
   std::span<const double> values;
 };

@@ -4,6 +4,7 @@
 
 #include <csetjmp>
 #include <cstdio>
+#include <cstdlib>
 #include <mutex>
 
 namespace breakwater {
@@ -22,7 +23,10 @@ thread_local ThreadState state;
 void on_error(const char* message) {
   std::snprintf(state.error, kTextSize, "%s", message);
   // Called from outside call_engine() there is no way back: the engine must not go on.
-  if (state.return_point == nullptr) std::abort();
+  if (state.return_point == nullptr) {
+    std::fprintf(stderr, "MuJoCo: %s\n", state.error);
+    std::abort();
+  }
   std::longjmp(*state.return_point, 1);
 }
 

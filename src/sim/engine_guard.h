@@ -25,6 +25,12 @@ class RunFailure : public std::runtime_error {
 /// destructor matters when it calls the engine.
 std::string call_engine(void (*body)(void*), void* argument);
 
+/// The same of a lambda.
+template <typename Body>
+std::string call_engine(Body body) {
+  return call_engine([](void* argument) { (*static_cast<Body*>(argument))(); }, &body);
+}
+
 /// "2.2.2".
 std::string engine_version();
 

@@ -16,12 +16,6 @@ namespace {
 constexpr double kLargestMass_kg = 1e9;
 constexpr double kLargestSize_m = 1e6;
 
-struct LoadCall {
-  const char* file;
-  char error[1000];
-  mjModel* model;
-};
-
 // The engine's messages span lines and end in "…, line 12, column 3".
 std::string located(const std::string& file, std::string message) {
   std::string line;
@@ -90,24 +84,21 @@ void check_timestep(double timestep_s, const std::string& file) {
 
 Model Model::load(const std::string& mjcf_file) {
   check_mjcf_numbers(mjcf_file);
-  LoadCall call{mjcf_file.c_str(), "", nullptr};
+  char error[1000] = "";
+  mjModel* loaded = nullptr;
   std::string fatal;
   {
     // The engine's XML reader changes the process' locale, so it must not run twice at once.
     static std::mutex loading;
     const std::lock_guard lock(loading);
-    fatal = call_engine(
-        [](void* argument) {
-          auto* load = static_cast<LoadCall*>(argument);
-          load->model = mj_loadXML(load->file, nullptr, load->error, sizeof(load->error));
-        },
-        &call);
+    fatal =
+        call_engine([&] { loaded = mj_loadXML(mjcf_file.c_str(), nullptr, error, sizeof(error)); });
   }
-  if (call.model == nullptr) {
-    throw std::invalid_argument(located(mjcf_file, fatal.empty() ? call.error : fatal));
+  if (loaded == nullptr) {
+    throw std::invalid_argument(located(mjcf_file, fatal.empty() ? error : fatal));
   }
 
-  Model model(call.model, mjcf_file);
+  Model model(loaded, mjcf_file);
   check_timestep(model->opt.timestep, mjcf_file);
   check_bodies(*model.get(), mjcf_file);
   check_geoms(*model.get(), mjcf_file);
@@ -129,6 +120,15 @@ std::vector<int> Model::geoms_named(const std::string& prefix) const {
     if (name != nullptr && std::string(name).starts_with(prefix)) geoms.push_back(i);
   }
   return geoms;
+}
+
+DataPointer Model::make_data() const {
+  mjData* data = nullptr;
+  const std::string fatal = call_engine([&] { data = mj_makeData(model_.get()); });
+  if (data == nullptr) {
+    refuse(file_, fatal.empty() ? "the engine has no memory for a simulation" : fatal);
+  }
+  return DataPointer(data);
 }
 
 void Model::set_physics(double timestep_s, Integrator integrator) {
@@ -155,9 +155,9 @@ void Model::scale_inertia(double ratio) {
   for (int i = 0; i < m.nbody; ++i) m.body_mass[i] *= ratio;
   for (int i = 0; i < 3 * m.nbody; ++i) m.body_inertia[i] *= ratio;
   // What the engine derives from them.
-  const std::unique_ptr<mjData, void (*)(mjData*)> data(mj_makeData(&m), mj_deleteData);
-  if (!data) throw std::runtime_error("MuJoCo could not allocate a simulation");
-  mj_setConst(&m, data.get());
+  const DataPointer data = make_data();
+  const std::string fatal = call_engine([&] { mj_setConst(&m, data.get()); });
+  if (!fatal.empty()) refuse(file_, fatal);
 }
 
 void Model::limit_actuator(int actuator, double limit) {

@@ -11,6 +11,11 @@ namespace breakwater {
 
 enum class Integrator { euler, rk4, implicit };
 
+struct DeleteData {
+  void operator()(mjData* data) const { mj_deleteData(data); }
+};
+using DataPointer = std::unique_ptr<mjData, DeleteData>;
+
 /// A compiled MuJoCo model that this object owns, and where it came from.
 class Model {
  public:
@@ -31,12 +36,16 @@ class Model {
   /// The geoms whose names begin so.
   std::vector<int> geoms_named(const std::string& prefix) const;
 
+  /// A simulation's state and memory, all zeros. Throws std::invalid_argument `FILE: reason` if the
+  /// engine cannot make one.
+  DataPointer make_data() const;
+
   /// Replaces the model's own timestep [s] and integrator. Throws std::invalid_argument unless the
   /// timestep is positive and finite.
   void set_physics(double timestep_s, Integrator integrator);
 
   /// Multiplies every body's mass and inertia. Throws std::invalid_argument unless the ratio is
-  /// positive and finite.
+  /// positive and finite, and the engine can derive what follows from them.
   void scale_inertia(double ratio);
 
   /// Limits an actuator's command to ±limit; infinity: not at all. Throws std::invalid_argument

@@ -50,11 +50,10 @@ const char* warning_name(int warning) {
 Simulation::Simulation(Model model, Controller& controller, const SensingSetup& sensing,
                        int steps_per_sample)
     : model_(std::move(model)),
-      data_(mj_makeData(model_.get())),
+      data_(model_.make_data()),
       controller_(controller),
       sensing_(model_, sensing),
       steps_per_sample_(steps_per_sample) {
-  if (!data_) throw std::runtime_error("MuJoCo could not allocate a simulation");
   if (steps_per_sample < 1)
     throw std::invalid_argument("simulation: needs 1 step per sample or more");
   const double unlimited = std::numeric_limits<double>::infinity();
@@ -164,12 +163,7 @@ double Simulation::time_of(std::int64_t k) const {
 // Fills the sensors, so that the first sample has them all. `stepping` is not set yet, so the
 // controller is not called.
 void Simulation::start() {
-  const std::string fatal = call_engine(
-      [](void* argument) {
-        auto* self = static_cast<Simulation*>(argument);
-        mj_forward(self->model_.get(), self->data_.get());
-      },
-      this);
+  const std::string fatal = call_engine([this] { mj_forward(model_.get(), data_.get()); });
   if (!fatal.empty()) fail(fatal);
   sensing_.reset(*data_);
 }
@@ -182,12 +176,7 @@ void Simulation::step() {
   step_begins_ = true;
 
   Simulation* const outer = std::exchange(stepping, this);
-  const std::string fatal = call_engine(
-      [](void* argument) {
-        auto* self = static_cast<Simulation*>(argument);
-        mj_step(self->model_.get(), self->data_.get());
-      },
-      this);
+  const std::string fatal = call_engine([this] { mj_step(model_.get(), data_.get()); });
   stepping = outer;
 
   if (thrown_in_callback_) std::rethrow_exception(std::exchange(thrown_in_callback_, nullptr));

@@ -29,7 +29,7 @@ namespace breakwater {
 class Simulation {
  public:
   /// The controller outlives the simulation. Throws std::invalid_argument if a channel does not
-  /// fit the model or steps_per_sample is not positive.
+  /// fit the model, steps_per_sample is not positive or the engine cannot simulate the model.
   Simulation(Model model, Controller& controller, const SensingSetup& sensing,
              int steps_per_sample);
   ~Simulation();
@@ -83,10 +83,6 @@ class Simulation {
   std::uint64_t state_hash() const;
 
  private:
-  struct Delete {
-    void operator()(mjData* data) const { mj_deleteData(data); }
-  };
-
   static void control_callback(const mjModel* model, mjData* data);
   void start();
   void begin_step(const mjData& data);
@@ -96,7 +92,7 @@ class Simulation {
   [[noreturn]] void fail(const std::string& reason) const;
 
   Model model_;
-  std::unique_ptr<mjData, Delete> data_;
+  DataPointer data_;
   Controller& controller_;
   Sensing sensing_;
   int steps_per_sample_;

@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "cli/program.h"
 #include "support.h"
@@ -73,6 +75,25 @@ TEST_F(CartMpcCommandLine, ConfigOfARunGivesItAgain) {
            "--print-config"});
   EXPECT_EQ(again.status, 0) << again.err;
   EXPECT_NE(again.out.find("condition = \"B\""), std::string::npos);
+}
+
+// What a clock measured differs from run to run: it is told in the manifest, and is no metric.
+TEST_F(CartMpcCommandLine, CostsAreInTheManifestAndNotAmongTheMetrics) {
+  const ProgramResult result =
+      run({"cart_constrained", "--case", "proposed-idob", "--duration", "0.1", "--out", "run"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_EQ(result.out.find("_us"), std::string::npos) << result.out;
+  const auto json = [&](const char* file) {
+    std::ifstream stream(folder_ / "run" / file);
+    return nlohmann::json::parse(stream);
+  };
+  const auto costs = json("manifest.json")["costs"];
+  EXPECT_EQ(costs.size(), 2U);
+  EXPECT_GT(costs["qp_time_mean_us"].get<double>(), 0.0);
+  EXPECT_GE(costs["qp_time_max_us"].get<double>(), costs["qp_time_mean_us"].get<double>());
+  const auto metrics = json("metrics.json");
+  EXPECT_TRUE(metrics.contains("qp_iterations_mean"));
+  for (const auto& [name, value] : metrics.items()) EXPECT_FALSE(name.ends_with("_us")) << name;
 }
 
 TEST_F(CartMpcCommandLine, MatrixRunsEveryCaseUnderEveryCondition) {

@@ -80,6 +80,20 @@ TEST_P(BothSolvers, UnconstrainedIsNewton) {
   EXPECT_EQ(solution.mu.norm(), 0.0);
 }
 
+TEST_P(BothSolvers, WithoutRowsItIsNewtonToo) {
+  Random random;
+  const QpModel model{random_qp_model(random, kQpSizes[0]).H, QpModel::RowMajor(0, 5)};
+  const auto solver = make(model);
+  QpInput input(5, 0);
+  QpSolution solution(5, 0);
+  for (int i = 0; i < 2; ++i) {
+    input.g = random.vector(5);
+    solver->solve(input, solution);
+    EXPECT_EQ(solution.status, QpStatus::solved);
+    EXPECT_LT((model.H * solution.z + input.g).norm(), 1e-12);
+  }
+}
+
 TEST_P(BothSolvers, NothingThatIsNoNumberIsSolved) {
   Random random;
   const QpModel model = random_qp_model(random, kQpSizes[0]);
@@ -164,10 +178,15 @@ TEST_P(BothSolvers, SoftRowIsAQuadraticPenalty) {
   }
 }
 
-TEST(Hildreth, CapIsToldAndItsAnswerViolates) {
-  // Two rows that nearly contradict each other make coordinate ascent slow.
+// Two rows that nearly contradict each other make coordinate ascent slow.
+QpModel slow_model() {
   QpModel model{Eigen::MatrixXd::Identity(2, 2), QpModel::RowMajor(2, 2)};
   model.Omega << 1.0, 0.05, -1.0, 0.05;
+  return model;
+}
+
+TEST(Hildreth, CapIsToldAndItsAnswerViolates) {
+  const QpModel model = slow_model();
   QpInput input(2, 2);
   input.g << -1.0, -1.0;
   input.upper << -1.0, 0.9;
@@ -229,6 +248,54 @@ TEST(Hildreth, StartsColdAfterAnInfeasibleProblem) {
   EXPECT_EQ(solution.status, QpStatus::solved);
   EXPECT_EQ(solution.iterations, cold.iterations);
   EXPECT_EQ(solution.z, cold.z);
+}
+
+TEST(Hildreth, GoesOnAfterACappedColdStart) {
+  QpInput input(2, 2);
+  input.g << -1.0, -1.0;
+  input.upper << -0.5, 0.51;
+  for (const int cap : {1, 3, 40}) {
+    HildrethQp hildreth(slow_model(), cap);
+    QpSolution solution(2, 2), whole(2, 2);
+    hildreth.solve(input, solution);
+    ASSERT_EQ(solution.status, QpStatus::iteration_cap) << cap;
+    for (int solves = 2; solves <= 5; ++solves) {
+      hildreth.solve(input, solution);
+      HildrethQp(slow_model(), solves * cap).solve(input, whole);
+      EXPECT_NEAR((solution.z - whole.z).norm(), 0.0, 1e-9) << cap << " " << solves;
+    }
+  }
+}
+
+// However few sweeps a solve has, and whatever the multipliers were before.
+TEST(Hildreth, AnInfeasibleStretchLeavesNoHugeMultipliers) {
+  Random random;
+  for (int k = 0; k < 12; ++k) {
+    QpModel model = random_qp_model(random, kQpSizes[k % 3]);
+    QpInput feasible = random_feasible_input(random, model);
+    QpInput infeasible = feasible;
+    make_infeasible(random, model, infeasible, 10.0);
+    const Eigen::Index last = model.Omega.rows() - 1;
+    feasible.lower(last) = -kInfinity;
+    feasible.upper(last) = kInfinity;
+    for (const int cap : {1, 5, 40}) {
+      HildrethQp hildreth(model, cap);
+      QpSolution solution(model.H.rows(), model.Omega.rows());
+      const auto largest_after = [&](int solves) {
+        double largest = 0.0;
+        for (int i = 0; i < solves; ++i) {
+          hildreth.solve(infeasible, solution);
+          EXPECT_NE(solution.status, QpStatus::solved);
+          largest = std::max(largest, solution.mu.lpNorm<Eigen::Infinity>());
+        }
+        return largest;
+      };
+      hildreth.solve(feasible, solution);
+      const double before = solution.mu.lpNorm<Eigen::Infinity>();
+      const double soon = largest_after(2000 / cap);
+      EXPECT_LE(largest_after(4000 / cap), 1.5 * std::max(before, soon)) << k << " cap " << cap;
+    }
+  }
 }
 
 TEST(Hildreth, IncrementalResidualsAreTheTextbooksAlgorithm) {
@@ -359,6 +426,56 @@ TEST(ActiveSet, CapIsTold) {
   QpSolution solution(114, 228);
   ActiveSetQp(model, 2).solve(input, solution);
   EXPECT_EQ(solution.status, QpStatus::iteration_cap);
+}
+
+// What is begun anew from nothing has the whole cap again, and its own answer.
+TEST(ActiveSet, AColdRetryHasABudgetOfItsOwn) {
+  Random random;
+  int retried = 0;
+  for (int k = 0; k < 2000; ++k) {
+    const QpSize& size = kQpSizes[k % 3];
+    const QpModel model = random_qp_model(random, size);
+    const QpInput first = random_feasible_input(random, model);
+    const QpInput second = random_feasible_input(random, model);
+    QpSolution before(size.variables, size.rows), cold = before, warm = before, capped = before;
+    ActiveSetQp unlimited(model, 10000);
+    unlimited.solve(first, before);
+    unlimited.solve(second, warm);
+    ActiveSetQp(model, 10000).solve(second, cold);
+    const int cap = std::max({before.iterations, cold.iterations, 1});
+    if (warm.iterations <= cap) continue;
+    ++retried;
+    ActiveSetQp solver(model, cap);
+    solver.solve(first, capped);
+    ASSERT_EQ(capped.status, QpStatus::solved) << k;
+    solver.solve(second, capped);
+    EXPECT_EQ(capped.status, QpStatus::solved) << k;
+    EXPECT_EQ(capped.z, cold.z) << k;
+    EXPECT_EQ(capped.iterations, cap + cold.iterations) << k << ": of both attempts";
+  }
+  EXPECT_GT(retried, 20);
+}
+
+// With both attempts at their caps, what comes back is where the second one stopped.
+TEST(ActiveSet, AtTheCapTwiceItIsNotTheUnconstrainedMinimum) {
+  Random random;
+  int capped = 0;
+  for (int k = 0; k < 1000; ++k) {
+    const QpModel model = random_qp_model(random, kQpSizes[2]);
+    QpSolution solution(3, 106), cold = solution;
+    ActiveSetQp solver(model, 2);
+    solver.solve(random_feasible_input(random, model), solution);
+    const bool was_solved = solution.status == QpStatus::solved;
+    const QpInput input = random_feasible_input(random, model);
+    solver.solve(input, solution);
+    ActiveSetQp(model, 2).solve(input, cold);
+    if (!was_solved || cold.status != QpStatus::iteration_cap) continue;
+    if (solution.status != QpStatus::iteration_cap) continue;
+    ++capped;
+    EXPECT_EQ(solution.z, cold.z) << k;
+    EXPECT_GT((model.H * solution.z + input.g).norm(), 1e-6) << k;
+  }
+  EXPECT_GT(capped, 3);
 }
 
 // Interior points are less exact: agreement is to what their own residual allows.

@@ -58,6 +58,7 @@ TEST(Mdob, RefusesNonsense) {
   EXPECT_THROW(Mdob({1.0, -1.0, 1.0}, 1e-3), std::invalid_argument);
   EXPECT_THROW(Mdob({1.0, 1.0, std::nan("")}, 1e-3), std::invalid_argument);
   EXPECT_THROW(Mdob({1.0, 1.0, 1.0}, 0.0), std::invalid_argument);
+  EXPECT_THROW(Mdob({1.0, 1.0, INFINITY}, 1e-3), std::invalid_argument) << "estimates would be NaN";
 }
 
 }  // namespace

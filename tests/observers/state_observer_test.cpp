@@ -35,5 +35,14 @@ TEST(StateObserver, ErrorHasThePlacedPolesAndDisturbanceBiasesIt) {
   EXPECT_GT(error_after(1.0), 1e-3);
 }
 
+TEST(StateObserver, RefusesPolesThatAreNotStable) {
+  const StateSpace plant = damped_inertia(0.625, 0.78);
+  using Poles = std::vector<PoleGroup>;
+  for (const PoleGroup& group : {PoleGroup{-20.0, 5.0}, PoleGroup{-20.0, 0.0},
+                                 PoleGroup{{0.1, 3.0}, {0.1, -3.0}}, PoleGroup{-20.0, NAN}}) {
+    EXPECT_THROW(StateObserver(plant, Poles{group}, 0.01), std::invalid_argument);
+  }
+}
+
 }  // namespace
 }  // namespace breakwater

@@ -105,6 +105,23 @@ TEST(Hdf5Log, GivesBackTheSameBits) {
   EXPECT_THROW(read_hdf5_signal("/etc/hostname", "control/q_rad"), std::invalid_argument);
 }
 
+TEST(Hdf5Log, TellsTheUnitOfEachValue) {
+  const double values[] = {1, 2, 3};
+  const Track track("control", {{"pose", "m, m, rad", "", values}, {"force_N", "N", "", values}},
+                    0);
+  const fs::path file = testing::temporary_path("log.h5");
+  const testing::Removed removed(file);
+  write_hdf5_log(file, {track}, 0);
+  const std::vector<LogEntry> entries = list_hdf5_signals(file);  // by name
+  ASSERT_EQ(entries.size(), 2U);
+  EXPECT_EQ(entries[0].unit_of(3), "N");
+  EXPECT_EQ(entries[1].unit, "m, m, rad");
+  EXPECT_EQ(entries[1].unit_of(1), "m");
+  EXPECT_EQ(entries[1].unit_of(2), "m");
+  EXPECT_EQ(entries[1].unit_of(3), "rad");
+  EXPECT_EQ(entries[1].unit_of(4), "m, m, rad") << "there is no fourth";
+}
+
 TEST(Hdf5Log, TakesAnEmptyTrack) {
   const double value = 0;
   const Track track("control", {{"x_m", "m", "", {&value, 1}}}, 0);

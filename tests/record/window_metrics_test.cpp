@@ -25,17 +25,38 @@ TEST(WindowStatistics, OfNothingAreNothing) {
   EXPECT_FALSE(statistics.peak());
 }
 
+TEST(TimeWindow, CountsOnlyWhatARunWhollyCovers) {
+  const TimeWindow window{1.0, 3.0};
+  EXPECT_TRUE(window.within(3.0).contains(1.0));
+  EXPECT_TRUE(window.within(3.0).contains(3.0));
+  WindowStatistics cut(window.within(2.9));
+  for (int t = 0; t <= 4; ++t) cut.add(t, 1.0);
+  EXPECT_FALSE(cut.mean());
+  EXPECT_FALSE(cut.peak());
+  EXPECT_FALSE((TimeWindow{-0.5, 3.0}.within(4.0).contains(1.0))) << "begins before the run";
+  EXPECT_TRUE(TimeWindow{}.within(0.1).contains(0.1)) << "all of a run, however short";
+  EXPECT_TRUE(TimeWindow{2.0}.within(1.0).contains(2.0)) << "an open end is the run's";
+}
+
 TEST(SettlingTime, IsFromTheStartToTheLastEntryIntoTheBand) {
-  SettlingTime settling(1.0, 0.5);
+  SettlingTime settling(TimeWindow{1.0, 7.0}, 0.5);
   const double errors[] = {9.0, 9.0, 0.4, 0.6, 0.5, -0.1, 0.0};  // at 0 … 6 s
   for (int t = 0; t < 7; ++t) settling.add(t, errors[t]);
   EXPECT_EQ(*settling.value(), 3.0);  // in the band from 4 s on
   settling.add(7.0, 0.7);
   EXPECT_FALSE(settling.value());  // and out of it again
+  settling.add(7.5, 0.0);
+  EXPECT_FALSE(settling.value());  // what comes later does not count
+}
+
+TEST(SettlingTime, OfARunThatEndsBeforeItIsJudgedIsNothing) {
+  SettlingTime settling(TimeWindow{0.0, 7.0}.within(3.0), 0.5);
+  for (int t = 0; t <= 3; ++t) settling.add(t, 0.0);
+  EXPECT_FALSE(settling.value());
 }
 
 TEST(SettlingTime, WithoutAnySampleIsNothing) {
-  EXPECT_FALSE(SettlingTime(1.0, 0.5).value());
+  EXPECT_FALSE(SettlingTime(TimeWindow{1.0}, 0.5).value());
 }
 
 }  // namespace

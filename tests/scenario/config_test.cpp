@@ -352,5 +352,17 @@ TEST(Table, AlignsAndFolds) {
   EXPECT_EQ(table.print(10), "name    a\nfirst  10\nx\n\nname    bb\nfirst    2\nx      333\n");
 }
 
+// A duration of "100" is one of 100 s.
+TEST(Config, WholeNumbersAreNumbersToo) {
+  Config config("test.toml", {});
+  config.set("a.whole=100");
+  config.set("a.real=0.5");
+  config.set("a.text=fast");
+  config.set("a.flag=true");
+  EXPECT_EQ(config.number("a.whole"), 100.0);
+  EXPECT_EQ(config.number("a.real"), 0.5);
+  for (const char* key : {"a.text", "a.flag", "a.missing"}) EXPECT_FALSE(config.number(key)) << key;
+}
+
 }  // namespace
 }  // namespace breakwater

@@ -302,6 +302,49 @@ TEST(EngineGuard, ReturnsTheTextOfAFatalError) {
   EXPECT_EQ(call_engine([](void*) {}, nullptr), "");
 }
 
+// mju_error_s, as the engine calls it itself.
+TEST(EngineGuardDeathTest, AnErrorOutsideOfItIsToldBeforeTheAbort) {
+  EXPECT_DEATH(
+      {
+        call_engine([] {});
+        mju_error_s("no such thing: %s", "stack");
+      },
+      "MuJoCo: no such thing: stack");
+}
+
+// Text that the engine gives for what `body` does to a model whose memory `spoil` has made
+// nonsense.
+std::string refusal(const std::function<void(mjModel&)>& spoil,
+                    const std::function<void(Model&)>& body) {
+  Model model = motor();
+  spoil(*model.get());
+  try {
+    body(model);
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(EngineGuard, WhatTheEngineCannotDeriveIsRefused) {
+  const auto no_stack = [](mjModel& m) { m.nstack = 1; };
+  EXPECT_NE(
+      refusal(no_stack, [](Model& model) { model.scale_inertia(2.0); }).find("stack overflow"),
+      std::string::npos);
+}
+
+TEST(EngineGuard, ASimulationThatDoesNotFitIntoMemoryIsRefused) {
+  const auto huge = [](mjModel& m) { m.njmax = 2000000000; };
+  EXPECT_NE(refusal(huge, [](Model& model) { model.make_data(); }), "");
+  EXPECT_NE(refusal(huge,
+                    [](Model& model) {
+                      FunctionController controller(
+                          [](const Sample&, Eigen::Ref<Eigen::VectorXd> u) { u(0) = 1; });
+                      Simulation(std::move(model), controller, shaft(), 1);
+                    }),
+            "");
+}
+
 TEST(EngineGuard, FatalErrorsInsideAStepEndTheRun) {
   FunctionController controller([](const Sample&, Eigen::Ref<Eigen::VectorXd> u) { u(0) = 1; });
   Model model = motor();

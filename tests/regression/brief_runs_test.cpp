@@ -1,0 +1,127 @@
+// Runs that end long before their metrics' windows do, and the same run twice.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+
+#include "regression/run_case.h"
+
+namespace breakwater {
+namespace {
+
+using testing::run_case;
+
+std::map<std::string, double> values(const std::vector<Metric>& metrics) {
+  std::map<std::string, double> values;
+  for (const Metric& metric : metrics) values[metric.name] = metric.value;
+  return values;
+}
+
+TEST(BriefRuns, EveryCaseOfEveryScenarioRunsForATenthOfASecond) {
+  for (const std::string& scenario : scenario_names()) {
+    const ScenarioFile file(scenario_file(scenario).string(), scenario);
+    for (const std::string& name : file.cases()) {
+      const PreparedRun run = prepare_run(scenario, file, name, {"run.duration_s=0.1"});
+      const Recording recording = run.scenario->run({});
+      EXPECT_FALSE(recording.failure) << scenario << " " << name;
+      EXPECT_NEAR(recording.simulated_s, 0.1, 0.011) << scenario << " " << name;
+    }
+  }
+}
+
+struct Window {
+  const char* scenario;
+  const char* case_name;
+  double ends_s;  // when the last window does
+  std::vector<std::string> metrics;
+};
+
+// One sample before the window's end its metrics are not there; at its end they are.
+TEST(BriefRuns, AMetricOfAWindowIsThereOnceTheWindowIsOver) {
+  const std::vector<Window> windows = {
+      {"motor_estimation",
+       "vfakfd",
+       2.0,
+       {"rmse_velocity_rad_s", "rmse_position_rad", "rmse_disturbance_Nm", "lambda_mean_1",
+        "slowest_pole_continuous_rad_s"}},
+      {"cart_estimation",
+       "order0",
+       2.0,
+       {"relative_rmse_disturbance", "max_noise_N", "rms_noise_N", "steady_state_error_m"}},
+      {"cart_position", "mdob", 2.0, {"steady_state_error_m", "rms_input_step_N"}},
+      {"cart_offset_free",
+       "proposed",
+       2.0,
+       {"steady_state_error_m", "true_position_error_m", "mean_disturbance_estimate_N",
+        "rms_disturbance_error_N"}}};
+  for (const Window& window : windows) {
+    const auto metrics_at = [&](double end_s) {
+      std::vector<std::string> sets = {"metrics.from_s=1", "metrics.to_s=2",
+                                       "run.duration_s=" + std::to_string(end_s)};
+      if (std::string(window.scenario) == "cart_estimation") {
+        sets.insert(sets.end(), {"metrics.noise_from_s=1", "metrics.noise_to_s=2",
+                                 "disturbance.step_start_s=0.5"});
+      }
+      return run_case(window.scenario, window.case_name, sets);
+    };
+    const Recording whole = metrics_at(window.ends_s);
+    const Recording cut = metrics_at(window.ends_s - 0.05);
+    for (const std::string& name : window.metrics) {
+      EXPECT_TRUE(whole.metric(name)) << window.scenario << " " << name;
+      EXPECT_FALSE(cut.metric(name)) << window.scenario << " " << name;
+    }
+    EXPECT_FALSE(cut.metrics.empty()) << "what is of the whole run, however short, is there";
+  }
+}
+
+TEST(BriefRuns, TheQuadrotorsWindowIsTheLastPartOfARunOrNothing) {
+  const auto metrics = [](const char* window) {
+    return run_case("quadrotor_waves", "ukf-zero", {"run.duration_s=3", window}).metrics;
+  };
+  EXPECT_FALSE(metrics("metrics.window_s=3").empty());
+  EXPECT_TRUE(metrics("metrics.window_s=3.1").empty());
+}
+
+TEST(BriefRuns, NothingHasSettledBeforeItsTimeIsOver) {
+  const auto settling_s = [](const char* scenario, const char* name, const char* metric,
+                             const std::vector<std::string>& sets) {
+    return run_case(scenario, name, sets).metric(metric);
+  };
+  // The reference steps at 5 s and is reached after 1.61 s; the disturbance begins at 10 s.
+  EXPECT_TRUE(settling_s("cart_offset_free", "proposed", "settling_time_s", {"run.duration_s=10"}));
+  EXPECT_FALSE(
+      settling_s("cart_offset_free", "proposed", "settling_time_s", {"run.duration_s=9.9"}));
+  EXPECT_FALSE(settling_s("cart_position", "mdob", "settling_time_s", {"run.duration_s=9.9"}));
+  EXPECT_FALSE(settling_s("motor_estimation", "idob", "disturbance_settling_time_s",
+                          {"run.duration_s=9.9"}));
+  EXPECT_TRUE(settling_s("motor_estimation", "idob", "disturbance_settling_time_s", {}));
+}
+
+// What a clock says is no metric.
+TEST(SameRunTwice, GivesTheSameMetricsToTheLastBit) {
+  struct Run {
+    const char* scenario;
+    const char* case_name;
+    std::vector<std::string> sets;
+  };
+  const std::vector<Run> runs = {
+      {"cart_constrained", "proposed-idob", {"run.duration_s=2"}},
+      {"cart_offset_free", "proposed", {"run.duration_s=6"}},
+      {"cart_position", "mpc-short", {"run.duration_s=1"}},
+      {"quadrotor_waves", "ukf-zero", {"run.duration_s=3", "metrics.window_s=2"}}};
+  for (const Run& run : runs) {
+    const Recording one = run_case(run.scenario, run.case_name, run.sets);
+    const Recording two = run_case(run.scenario, run.case_name, run.sets);
+    EXPECT_FALSE(one.metrics.empty());
+    EXPECT_EQ(values(one.metrics), values(two.metrics)) << run.scenario;
+    EXPECT_FALSE(one.costs.empty()) << run.scenario;
+    EXPECT_EQ(one.costs.size(), two.costs.size());
+    for (const Metric& cost : one.costs) {
+      EXPECT_TRUE(cost.name.ends_with("_us")) << cost.name;
+      EXPECT_GT(cost.value, 0.0) << cost.name;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace breakwater
