@@ -100,7 +100,8 @@ std::vector<PoleGroup> sample_poles(const std::vector<PoleGroup>& continuous, do
   for (auto& group : sampled) {
     for (auto& pole : group) {
       if (!(pole.real() < 0.0)) {
-        throw std::invalid_argument("the poles must lie left of the imaginary axis");
+        throw std::invalid_argument(
+            "pole placement: the poles must lie left of the imaginary axis");
       }
       pole = math::exp(pole * period_s);
     }

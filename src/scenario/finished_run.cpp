@@ -6,6 +6,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "record/run_folder.h"
 #include "scenario/run_manifest.h"
 
 namespace breakwater {

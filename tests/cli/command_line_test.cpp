@@ -299,7 +299,7 @@ INSTANTIATE_TEST_SUITE_P(
                  "controller.t_ref_s: PFC"},
         Nonsense{"UnstablePole",
                  {"--set", "observer.poles_rad_s=[[0,-1,-2],[-1,-2,-3],[-1,-2,-3]]"},
-                 "observer.poles_rad_s: IDOB: the poles must lie left"},
+                 "observer.poles_rad_s: pole placement: the poles must lie"},
         Nonsense{"NegativeSeed", {"--seed", "-1"}, "run.seed: must be 0 or more"},
         Nonsense{"SeedNoNumber", {"--seed", "x"}, "run.seed: must be a whole number"},
         Nonsense{"ZeroDuration", {"--duration", "0"}, "run.duration_s: must be positive"},
