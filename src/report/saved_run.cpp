@@ -7,6 +7,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "record/run_folder.h"
 #include "scenario/config.h"
 
 namespace breakwater {
