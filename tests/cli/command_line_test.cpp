@@ -434,8 +434,9 @@ TEST_F(CommandLine, TheMatrixTakesWhatAllCasesTake) {
 
 // A program of the user's own lies where no data is.
 TEST_F(CommandLine, AForeignProgramIsToldWhereTheDataWasSought) {
-  fs::copy_file(std::string(BREAKWATER_BIN_DIR) + "/arm_wall_contact", folder_ / "mine");
-  const std::string mine = fs::canonical(folder_ / "mine").lexically_relative(BREAKWATER_BIN_DIR);
+  fs::copy_file(testing::bin_folder() / "arm_wall_contact", folder_ / "mine");
+  const std::string mine =
+      fs::canonical(folder_ / "mine").lexically_relative(testing::bin_folder());
   const auto list = [&] { return run({mine, "--list-cases"}); };
   ProgramResult result = list();
   EXPECT_EQ(result.status, 2);
@@ -444,7 +445,7 @@ TEST_F(CommandLine, AForeignProgramIsToldWhereTheDataWasSought) {
             std::string::npos)
       << result.err;
   EXPECT_NE(result.err.find("BREAKWATER_PATH"), std::string::npos) << result.err;
-  setenv("BREAKWATER_PATH", ("/nowhere::" + std::string(BREAKWATER_SOURCE_DIR)).c_str(), 1);
+  setenv("BREAKWATER_PATH", ("/nowhere::" + testing::source_file("")).c_str(), 1);
   result = list();
   unsetenv("BREAKWATER_PATH");
   EXPECT_EQ(result.status, 0) << result.err;

@@ -80,7 +80,7 @@ TEST_F(RunFolderCli, AFullDiskLeavesTheEarlierRunAndNothingElse) {
   std::string output;
   for (const char* unshare : {"unshare -rm", "unshare -m"}) {
     output = output_of("cd " + mount.string() + " && " + unshare + " sh -c '. " + script.string() +
-                       "' " + BREAKWATER_BIN_DIR + "/cart_position 2>/dev/null");
+                       "' " + (testing::bin_folder() / "cart_position").string() + " 2>/dev/null");
     if (output.starts_with("mounted\n")) break;
   }
   if (!output.starts_with("mounted\n")) GTEST_SKIP() << "no file system can be mounted here";
