@@ -24,6 +24,13 @@ struct TimeWindow {
     if (from_s >= 0.0 && (to_s <= end_s || to_s == kOpen)) return *this;
     return {kOpen, -kOpen};
   }
+
+  /// The same, and on to the run's end where the run is longer: what has settled must stay so.
+  TimeWindow within_and_on(double end_s) const {
+    TimeWindow window = within(end_s);
+    if (window.to_s == to_s) window.to_s = std::numeric_limits<double>::infinity();
+    return window;
+  }
 };
 
 /// Mean, root mean square and extremes of what falls into a window. Nothing, if nothing does.

@@ -116,7 +116,7 @@ Recording CartEstimation::run(const RunControl& control) const {
   const TimeWindow window = TimeWindow{from_s_, to_s_}.within(end_s);
   WindowStatistics error(window), truth(window), position_error(window);
   WindowStatistics noise(TimeWindow{noise_from_s_, noise_to_s_}.within(end_s));
-  SettlingTime settling(TimeWindow{force.start_s, to_s_}.within(end_s),
+  SettlingTime settling(TimeWindow{force.start_s, to_s_}.within_and_on(end_s),
                         kSettledWithin * std::abs(force.amplitude));
 
   Recording recording;

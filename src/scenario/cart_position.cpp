@@ -82,7 +82,7 @@ Recording CartPosition::run(const RunControl& control) const {
   const TimeWindow window = TimeWindow{from_s_, to_s_}.within(end_s);
   WindowStatistics error(window), input_step(window), noise(TimeWindow{}), position(TimeWindow{});
   double last_input = 0.0;
-  SettlingTime settling(TimeWindow{reference_.from_s, to_s_}.within(end_s),
+  SettlingTime settling(TimeWindow{reference_.from_s, to_s_}.within_and_on(end_s),
                         settled_within_ * std::abs(reference_.value));
 
   Recording recording;

@@ -83,7 +83,7 @@ Recording MotorEstimation::run(const RunControl& control) const {
   WindowStatistics slowest_pole(window);
   const std::span<const double> lambda_now = published(controller, "lambda");
   const std::span<const double> poles = published(controller, "poles_continuous_re_rad_s");
-  SettlingTime settling(TimeWindow{start_s, to_s_}.within(end_s),
+  SettlingTime settling(TimeWindow{start_s, to_s_}.within_and_on(end_s),
                         settled_within_ * std::abs(disturbance_.amplitude));
 
   Recording recording;

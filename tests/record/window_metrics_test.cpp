@@ -55,6 +55,15 @@ TEST(SettlingTime, OfARunThatEndsBeforeItIsJudgedIsNothing) {
   EXPECT_FALSE(settling.value());
 }
 
+TEST(SettlingTime, OfALongerRunLastsToItsEnd) {
+  SettlingTime settling(TimeWindow{1.0, 3.0}.within_and_on(7.0), 0.5);
+  for (int t = 0; t <= 7; ++t) settling.add(t, t < 6 ? 9.0 : 0.0);
+  EXPECT_EQ(*settling.value(), 5.0);
+  SettlingTime brief(TimeWindow{1.0, 3.0}.within_and_on(2.0), 0.5);
+  for (int t = 0; t <= 2; ++t) brief.add(t, 0.0);
+  EXPECT_FALSE(brief.value());
+}
+
 TEST(SettlingTime, WithoutAnySampleIsNothing) {
   EXPECT_FALSE(SettlingTime(TimeWindow{1.0}, 0.5).value());
 }
