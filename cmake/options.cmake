@@ -1,7 +1,7 @@
 # How every target is compiled: target `breakwater_options`.
 find_program(CCACHE ccache)
 if(CCACHE)
-  # What was compiled in one clone serves another.
+  # Nothing of what is hashed names the clone.
   set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_BASEDIR=${PROJECT_SOURCE_DIR}
       CCACHE_NOHASHDIR=1 CCACHE_SLOPPINESS=pch_defines,time_macros ${CCACHE})
 endif()
