@@ -33,7 +33,8 @@ struct TimeWindow {
   }
 };
 
-/// Mean, root mean square and extremes of what falls into a window. Nothing, if nothing does.
+/// Mean, spread, root mean square and extremes of what falls into a window. Nothing, if nothing
+/// does.
 class WindowStatistics {
  public:
   explicit WindowStatistics(const TimeWindow& window) : window_(window) {}
@@ -43,6 +44,9 @@ class WindowStatistics {
     ++count_;
     sum_ += value;
     sum_of_squares_ += value * value;
+    const double step = value - running_mean_;  // Welford's
+    running_mean_ += step / static_cast<double>(count_);
+    squared_deviation_ += step * (value - running_mean_);
     largest_ = std::max(largest_, value);
     smallest_ = std::min(smallest_, value);
   }
@@ -55,6 +59,16 @@ class WindowStatistics {
   std::optional<double> smallest() const { return if_any(smallest_); }
   /// The largest |value|.
   std::optional<double> peak() const { return if_any(std::max(largest_, -smallest_)); }
+  /// The standard deviation of a sample: of two values and more.
+  std::optional<double> standard_deviation() const {
+    if (count_ < 2) return std::nullopt;
+    return std::sqrt(squared_deviation_ / static_cast<double>(count_ - 1));
+  }
+  /// The largest |value − mean|.
+  std::optional<double> largest_deviation() const {
+    const double middle = sum_ / static_cast<double>(count_);
+    return if_any(std::max(largest_ - middle, middle - smallest_));
+  }
 
  private:
   std::optional<double> if_any(double value) const {
@@ -66,6 +80,8 @@ class WindowStatistics {
   std::int64_t count_ = 0;
   double sum_ = 0.0;
   double sum_of_squares_ = 0.0;
+  double running_mean_ = 0.0;
+  double squared_deviation_ = 0.0;
   double largest_ = -std::numeric_limits<double>::infinity();
   double smallest_ = std::numeric_limits<double>::infinity();
 };
@@ -95,6 +111,42 @@ class SettlingTime {
   std::int64_t count_ = 0;
   bool settled_ = false;
   double settled_at_s_ = 0.0;
+};
+
+/// How often a value turns back by more than `band` from the farthest that it came. The first way
+/// is not a turn.
+class ReversalCount {
+ public:
+  explicit ReversalCount(double band) : band_(band) {}
+
+  void add(double value) {
+    if (way_ == 0.0) {
+      smallest_ = std::min(smallest_, value);
+      largest_ = std::max(largest_, value);
+      if (value > smallest_ + band_) set_out(1.0, value);
+      if (value < largest_ - band_) set_out(-1.0, value);
+    } else if (way_ * (value - farthest_) > 0.0) {
+      farthest_ = value;
+    } else if (way_ * (farthest_ - value) > band_) {
+      ++count_;
+      set_out(-way_, value);
+    }
+  }
+
+  int value() const { return count_; }
+
+ private:
+  void set_out(double way, double from) {
+    way_ = way;
+    farthest_ = from;
+  }
+
+  double band_;
+  int count_ = 0;
+  double way_ = 0.0;  // 1, -1, or 0 before the first
+  double farthest_ = 0.0;
+  double smallest_ = std::numeric_limits<double>::infinity();
+  double largest_ = -std::numeric_limits<double>::infinity();
 };
 
 }  // namespace breakwater

@@ -141,8 +141,7 @@ std::string Comparison::text(std::size_t width) const {
       values.push_back(value ? fmt::format("{:.5g}", *value) : "-");
       const auto thesis = printed_[i].find(metric.name);
       is_printed = is_printed || thesis != printed_[i].end();
-      printed.push_back(
-          thesis == printed_[i].end() ? "-" : fmt::format("{:.5g}", thesis->second.printed));
+      printed.push_back(thesis == printed_[i].end() ? "-" : thesis->second.result.text());
       if (i == 0) continue;
       const auto off = difference(i, metric.name);
       differences.push_back(off ? relative(*off, *runs_.front().metric(metric.name)) : "-");
@@ -214,7 +213,7 @@ std::string Comparison::html() const {
       if (value && thesis != printed_[i].end()) {
         const Verdict verdict = thesis->second.verdict(*value);
         mustache::data printed;
-        printed.set("number", fmt::format("{:g}", thesis->second.printed));
+        printed.set("number", thesis->second.result.text());
         printed.set("verdict", breakwater::text(verdict));
         printed.set("verdict_class", css_class(verdict));
         cell.set("printed", printed);

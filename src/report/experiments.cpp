@@ -251,9 +251,14 @@ Band read_holds(const Reader& reader, const Layers& cell) {
 CellSpec read_cell(const Reader& reader, const Layers& cell, const Variables& variables) {
   CellSpec spec;
   spec.line = line_of(cell);
-  spec.run = reader.text(cell, "run", variables);
-  spec.metric = reader.text(cell, "metric", variables);
-  spec.over = reader.text_or(cell, "over", variables);
+  spec.quantity = {reader.text(cell, "run", variables), reader.text(cell, "metric", variables)};
+  if (cell.get("over") != nullptr || cell.get("over_metric") != nullptr) {
+    spec.over = spec.quantity;
+    if (cell.get("over") != nullptr) spec.over->run = reader.text(cell, "over", variables);
+    if (cell.get("over_metric") != nullptr) {
+      spec.over->metric = reader.text(cell, "over_metric", variables);
+    }
+  }
   spec.divisor = reader.number(cell, "divisor").value_or(1.0);
   if (spec.divisor == 0.0) reader.fail(*cell.get("divisor"), "divisor must not be zero");
   spec.if_failed =
@@ -262,9 +267,12 @@ CellSpec read_cell(const Reader& reader, const Layers& cell, const Variables& va
   spec.is_share = reader.word_or(cell, "statistic", {"median", "share"}) == "share";
   spec.printed = reader.text_or(cell, "printed", variables);
   spec.says = reader.text_or(cell, "says", variables);
+  spec.shows = reader.text_or(cell, "shows", variables);
+  spec.why = reader.text_or(cell, "why", variables);
   spec.holds = read_holds(reader, cell);
-  if (spec.printed.empty() == spec.says.empty()) {
-    reader.fail(cell, "a cell has either `printed` or `says`");
+  const auto kinds = {spec.printed.empty(), spec.says.empty(), spec.shows.empty()};
+  if (std::count(kinds.begin(), kinds.end(), false) != 1) {
+    reader.fail(cell, "a cell has either `printed`, `says` or `shows`");
   }
   if (!spec.says.empty() && !spec.holds.above && !spec.holds.below) {
     reader.fail(cell, "what the text `says` holds `above` or `below` something");
@@ -427,8 +435,7 @@ class Check {
   }
 
   void cell(const CellSpec& cell) const {
-    run(cell.run, cell.line);
-    run(cell.over, cell.line);
+    for (const Quantity& quantity : cell.quantities()) run(quantity.run, cell.line);
     if (!cell.printed.empty() && !printed_.find(cell.printed)) {
       fail(cell.line, "nothing is printed at " + cell.printed);
     }
@@ -455,8 +462,14 @@ void add_once(std::vector<std::string>& names, const std::string& name) {
 
 }  // namespace
 
-std::string CellSpec::metric_name() const {
+std::string Quantity::name() const {
   return is_magnitude() ? metric.substr(1, metric.size() - 2) : metric;
+}
+
+std::vector<Quantity> CellSpec::quantities() const {
+  std::vector<Quantity> all = {quantity};
+  if (over) all.push_back(*over);
+  return all;
 }
 
 std::vector<std::string> SectionSpec::logged_runs() const {
@@ -475,8 +488,7 @@ std::vector<std::string> SectionSpec::runs() const {
     for (const auto& row : table.cells) {
       for (const auto& cell : row) {
         if (!cell) continue;
-        add_once(names, cell->run);
-        add_once(names, cell->over);
+        for (const Quantity& quantity : cell->quantities()) add_once(names, quantity.run);
       }
     }
   }

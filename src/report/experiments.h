@@ -23,23 +23,34 @@ struct RunSpec {
   std::size_t line = 0;                               ///< of the file, here and below
 };
 
-/// One measured number, and what the thesis has instead of it.
-struct CellSpec {
+/// A metric of a run.
+struct Quantity {
   std::string run;
   std::string metric;  ///< NAME; |NAME|; or "max SIGNAL", the signal's largest value
-  std::string over;    ///< not empty: divided by this run's
+
+  /// The name of what is measured, without the bars of a magnitude.
+  std::string name() const;
+  bool is_magnitude() const { return metric.starts_with('|') && metric.ends_with('|'); }
+};
+
+/// One measured number, and what the thesis has instead of it.
+struct CellSpec {
+  Quantity quantity;
+  /// What it is divided by: each run's by its own if it is the same run, else all by the median.
+  std::optional<Quantity> over;
   double divisor = 1.0;
   double if_failed;  ///< the value of a run that failed; none, so that nothing holds, unless given
   bool absent_is_never = false;  ///< a run without the metric counts as infinite; else not measured
   bool is_share = false;         ///< the mean of ones and zeros is judged, not their median
   std::string printed;           ///< a path into printed-results.toml; empty if `says` is not
   std::string says;              ///< a statement of the text, which `holds` judges
+  std::string shows;  ///< what stands beside the others and is neither judged nor counted
+  std::string why;    ///< why it is not reproduced, if it is not
   Band holds;
   std::size_t line = 0;
 
-  /// The name of what is measured, without the bars of a magnitude.
-  std::string metric_name() const;
-  bool is_magnitude() const { return metric.starts_with('|') && metric.ends_with('|'); }
+  /// All that it is made of.
+  std::vector<Quantity> quantities() const;
 };
 
 struct TableSpec {

@@ -14,6 +14,7 @@
 #include "report/run_report.h"
 #include "report/saved_run.h"
 #include "report/thesis_report.h"
+#include "report/verdict_list.h"
 #include "scenario/child_program.h"
 #include "scenario/paths.h"
 #include "scenario/program.h"
@@ -100,7 +101,10 @@ int reproduce(const ReproduceArguments& arguments) {
   const ThesisReport report = thesis_report(reproduction, measured, effort);
   const fs::path page = reproduction.out / "report.html";
   write_page(page, report.html);
-  fmt::print("{}\n{} figures\nreport: {}\n", report.score.text(), report.figures, page.string());
+  const fs::path verdicts = reproduction.out / "verdicts.csv";
+  write_text_file(verdicts.string(), verdict_list(reproduction, measured));
+  fmt::print("{}\n{} figures\nreport: {}\nverdicts: {}\n", report.score.text(), report.figures,
+             page.string(), verdicts.string());
   return status;
 }
 

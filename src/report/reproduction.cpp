@@ -73,10 +73,10 @@ std::map<std::string, Derived> derived_metrics(const Experiments& experiments) {
   for (const SectionSpec& section : experiments.sections) sections.push_back(&section);
   std::map<std::string, Derived> derived;
   each_cell(sections, [&](const CellSpec& cell) {
-    const std::string name = cell.metric_name();
-    if (!name.starts_with(kLargest)) return;
-    derived[cell.run].emplace(name, cell.line);
-    if (!cell.over.empty()) derived[cell.over].emplace(name, cell.line);
+    for (const Quantity& quantity : cell.quantities()) {
+      const std::string name = quantity.name();
+      if (name.starts_with(kLargest)) derived[quantity.run].emplace(name, cell.line);
+    }
   });
   return derived;
 }
@@ -213,11 +213,10 @@ void check_metrics(const Reproduction& reproduction,
                    const std::map<std::string, std::set<std::string>>& known) {
   const Experiments& experiments = reproduction.experiments;
   each_cell(reproduction.sections, [&](const CellSpec& cell) {
-    for (const std::string& run : {cell.run, cell.over}) {
-      if (run.empty()) continue;
-      const std::string& scenario = experiments.runs.at(run).scenario;
+    for (const Quantity& quantity : cell.quantities()) {
+      const std::string& scenario = experiments.runs.at(quantity.run).scenario;
       const std::set<std::string>& names = known.at(scenario);
-      const std::string name = cell.metric_name();
+      const std::string name = quantity.name();
       if (names.empty() || names.contains(name)) continue;
       if (cell.absent_is_never) continue;
       fail(experiments, cell.line,
@@ -286,27 +285,31 @@ Measured measure(const Reproduction& reproduction) {
 }
 
 std::vector<double> values_of(const CellSpec& cell, const Measured& measured) {
-  const std::string name = cell.metric_name();
-  const auto value_of = [&](const Measurement& measurement) {
+  const auto value_of = [&](const Measurement& measurement, const std::string& name) {
     if (measurement.failed) return cell.if_failed;
     const auto found = measurement.values.find(name);
     if (found != measurement.values.end()) return found->second;
     const bool is_never = cell.absent_is_never && measurement.absent.contains(name);
     return is_never ? std::numeric_limits<double>::infinity() : kNaN;
   };
-  const auto all_of = [&](const std::string& run) {
+  const auto all_of = [&](const Quantity& quantity) {
+    const std::string name = quantity.name();
     std::vector<double> values;
-    for (const Measurement& measurement : measured.at(run)) {
-      const double value = value_of(measurement);
-      values.push_back((cell.is_magnitude() ? std::abs(value) : value) / cell.divisor);
+    for (const Measurement& measurement : measured.at(quantity.run)) {
+      const double value = value_of(measurement, name);
+      values.push_back(quantity.is_magnitude() ? std::abs(value) : value);
     }
     return values;
   };
-  std::vector<double> values = all_of(cell.run);
-  if (!cell.over.empty()) {
-    double over = median(all_of(cell.over));
-    if (!std::isfinite(over) || over == 0.0) over = kNaN;
-    for (double& value : values) value /= over;
+  std::vector<double> values = all_of(cell.quantity);
+  std::vector<double> divisors(values.size(), 1.0);
+  if (cell.over) {
+    divisors = all_of(*cell.over);
+    if (cell.over->run != cell.quantity.run) divisors.assign(values.size(), median(divisors));
+  }
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const bool is_part = std::isfinite(divisors[i]) && divisors[i] != 0.0;
+    values[i] /= is_part ? divisors[i] * cell.divisor : kNaN;
   }
   return values;
 }

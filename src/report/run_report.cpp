@@ -39,7 +39,7 @@ mustache::data metrics_data(const SavedRun& run) {
     const auto found = printed.find(metric.name);
     if (found != printed.end()) {
       mustache::data filled;
-      filled.set("value", fmt::format("{:g}", found->second.printed));
+      filled.set("value", found->second.result.text());
       const Verdict verdict = found->second.verdict(metric.value);
       filled.set("verdict", text(verdict));
       filled.set("verdict_class", css_class(verdict));

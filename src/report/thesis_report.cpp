@@ -84,12 +84,6 @@ std::vector<PageChart> charts_of(const FigureSpec& figure, const std::string& gr
   return charts;
 }
 
-// A statement of somebody's own list is not reproduced: it holds.
-std::string word_for(Verdict verdict, bool is_own_statement) {
-  if (!is_own_statement || verdict == Verdict::not_measured) return text(verdict);
-  return verdict == Verdict::reproduced ? "holds" : "does not hold";
-}
-
 void count(Verdict verdict, bool is_own_statement, Score& score) {
   switch (verdict) {
     case Verdict::reproduced:
@@ -121,7 +115,12 @@ mustache::data tallies_data(const Score& score) {
 
 // Why there is no number.
 std::string missing_text(const CellSpec& cell, std::size_t missing, std::size_t values) {
-  const std::string what = cell.over.empty() ? cell.metric : cell.metric + " of one or the other";
+  std::string what = cell.quantity.metric;
+  if (cell.over && cell.over->metric != what) {
+    what += " or " + cell.over->metric;
+  } else if (cell.over) {
+    what += " of one or the other";
+  }
   return values == 1 ? "no " + what : fmt::format("no {} in {} of {} runs", what, missing, values);
 }
 
@@ -151,7 +150,8 @@ mustache::data table_data(const TableSpec& table, const SectionSpec& section,
       if (spec) {
         const Judged judged = judge_cell(*spec, measured, printed);
         const bool is_own_statement = is_own && !spec->says.empty();
-        count(judged.verdict, is_own_statement, score);
+        const bool is_judged = spec->shows.empty();
+        if (is_judged) count(judged.verdict, is_own_statement, score);
         mustache::data filled;
         filled.set("measured", judged.measured);
         const std::size_t missing = judged.values - judged.numbers;
@@ -164,23 +164,26 @@ mustache::data table_data(const TableSpec& table, const SectionSpec& section,
                                        format_number(judged.largest), judged.values)
                          : fmt::format("the same in {} runs", judged.values));
         }
-        if (spec->says.empty()) filled.set("printed", judged.printed);
+        if (!spec->printed.empty()) filled.set("printed", judged.printed);
         if (!spec->says.empty()) filled.set("says", judged.printed);
-        filled.set("verdict", word_for(judged.verdict, is_own_statement));
-        filled.set("verdict_class", css_class(judged.verdict));
-        filled.set("class_text", judged.class_text);
-        if (std::find(classes.begin(), classes.end(), judged.class_text) == classes.end()) {
-          classes.push_back(judged.class_text);
-        }
-        if (judged.verdict != Verdict::reproduced) {
-          const std::string path = spec->printed.empty() ? spec->run : spec->printed;
-          for (const ReasonSpec& reason : section.reasons) {
-            if (!matches_pattern(reason.of, path)) continue;
-            auto place = std::find(notes.begin(), notes.end(), reason.why);
-            if (place == notes.end()) place = notes.insert(notes.end(), reason.why);
-            filled.set("note", std::to_string(place - notes.begin() + 1));
-            break;
+        if (is_judged) {
+          mustache::data verdict;
+          verdict.set("word", verdict_word(judged, *spec, is_own));
+          verdict.set("kind", css_class(judged.verdict));
+          verdict.set("class_text", judged.class_text);
+          filled.set("verdict", verdict);
+          if (std::find(classes.begin(), classes.end(), judged.class_text) == classes.end()) {
+            classes.push_back(judged.class_text);
           }
+        } else {
+          filled.set("shows", judged.printed);
+        }
+        const std::string why =
+            is_judged && judged.verdict != Verdict::reproduced ? reason_of(*spec, section) : "";
+        if (!why.empty()) {
+          auto place = std::find(notes.begin(), notes.end(), why);
+          if (place == notes.end()) place = notes.insert(notes.end(), why);
+          filled.set("note", std::to_string(place - notes.begin() + 1));
         }
         cell.set("filled", filled);
       }
@@ -233,6 +236,23 @@ mustache::data figure_data(const FigureSpec& figure, const SectionSpec& section,
 }
 
 }  // namespace
+
+std::string verdict_word(const Judged& judged, const CellSpec& cell, bool is_own) {
+  if (!cell.shows.empty()) return "shown";
+  // A statement of somebody's own list is not reproduced: it holds.
+  const bool is_own_statement = is_own && !cell.says.empty();
+  if (!is_own_statement || judged.verdict == Verdict::not_measured) return text(judged.verdict);
+  return judged.verdict == Verdict::reproduced ? "holds" : "does not hold";
+}
+
+std::string reason_of(const CellSpec& cell, const SectionSpec& section) {
+  if (!cell.why.empty()) return cell.why;
+  const std::string path = cell.printed.empty() ? cell.quantity.run : cell.printed;
+  for (const ReasonSpec& reason : section.reasons) {
+    if (matches_pattern(reason.of, path)) return reason.why;
+  }
+  return "";
+}
 
 std::string css_class(Verdict verdict) {
   switch (verdict) {
@@ -319,9 +339,10 @@ Judged judge_cell(const CellSpec& cell, const Measured& measured, const PrintedR
   // what its failure is worth.
   std::size_t failed = 0;
   std::size_t runs = 0;
-  for (const std::string& run : {cell.run, cell.over}) {
-    if (run.empty()) continue;
-    for (const Measurement& one : measured.at(run)) {
+  std::set<std::string> names;
+  for (const Quantity& quantity : cell.quantities()) names.insert(quantity.run);
+  for (const std::string& name : names) {
+    for (const Measurement& one : measured.at(name)) {
       failed += one.failed ? 1 : 0;
       ++runs;
     }
@@ -337,6 +358,10 @@ Judged judge_cell(const CellSpec& cell, const Measured& measured, const PrintedR
   const auto final_verdict = [&](Verdict verdict) {
     return has_failed ? Verdict::not_reproduced : verdict;
   };
+  if (!cell.shows.empty()) {
+    judged.printed = cell.shows;
+    return judged;
+  }
   if (!cell.says.empty()) {
     judged.printed = cell.says;
     judged.class_text = "holds if " + cell.holds.text();
@@ -351,8 +376,9 @@ Judged judge_cell(const CellSpec& cell, const Measured& measured, const PrintedR
   judged.printed = result.text();
   judged.verdict = final_verdict(judge(judged.median, result, standard));
   if (result.number) {
-    judged.class_text = fmt::format("reproduced: {}; class: {}", standard.reproduced.text(),
-                                    standard.within.text());
+    const char* const digits = standard.reproduced.is_around() ? " or what rounds to it" : "";
+    judged.class_text = fmt::format("reproduced: {}{}; class: {}", standard.reproduced.text(),
+                                    digits, standard.within.text());
   } else {
     for (const auto& [word, band] : standard.words) {
       const std::string name = PrintedResult{std::nullopt, word}.text();

@@ -43,10 +43,17 @@ struct Judged {
   std::size_t numbers = 0;  ///< of these; the others were not measured
   std::string measured;  ///< the median; before it the word that it deserves, if words are printed
   std::string printed;   ///< as the thesis has it
-  std::string class_text;  ///< what would count as reproduced
-  Verdict verdict = Verdict::not_measured;
+  std::string class_text;                   ///< what would count as reproduced
+  Verdict verdict = Verdict::not_measured;  ///< means nothing where a cell only `shows`
 };
 Judged judge_cell(const CellSpec& cell, const Measured& measured, const PrintedResults& printed);
+
+/// "reproduced", "within the class", …; "holds" or "does not hold" for a statement of somebody's
+/// own list; "shown" where nothing is judged.
+std::string verdict_word(const Judged& judged, const CellSpec& cell, bool is_own);
+
+/// Why a cell does not come out, as it or its section says; empty if neither does.
+std::string reason_of(const CellSpec& cell, const SectionSpec& section);
 
 /// Its colour on a page: good, near, off or unknown.
 std::string css_class(Verdict verdict);

@@ -106,6 +106,9 @@ Recording CartConstrained::run(const RunControl& control) const {
   const double period_s = axis_.physics.control_period_s;
   const double from_rest = is_pushed ? disturbance_start_s_ : 0.0;
   WindowStatistics speed(TimeWindow{}), estimated_speed(TimeWindow{}), input(TimeWindow{});
+  WindowStatistics speed_error(TimeWindow{});
+  double last_v_hat = estimated_start_velocity_m_s_;
+  double v_hat_travel = 0.0;
   SettlingTime settling(TimeWindow{from_rest}, settled_within_m_);
   double input_violation_s = 0.0;
   double speed_violation_s = 0.0;
@@ -119,7 +122,11 @@ Recording CartConstrained::run(const RunControl& control) const {
     const double u = sim.command()(0);
     const double v = sim.qvel()[0];
     speed.add(t, v);
-    estimated_speed.add(t, estimates.state()(1));
+    const double v_hat = estimates.state()(1);
+    estimated_speed.add(t, v_hat);
+    speed_error.add(t, v_hat - v);
+    if (log.rows() > 0) v_hat_travel += std::abs(v_hat - last_v_hat);
+    last_v_hat = v_hat;
     input.add(t, u);
     settling.add(t, sim.qpos()[0]);
     if (u > mpc_.input_upper_N + violation_slack_ || u < mpc_.input_lower_N - violation_slack_) {
@@ -136,6 +143,8 @@ Recording CartConstrained::run(const RunControl& control) const {
     add(metrics, "final_speed_m_s", "m/s", std::abs(sim.qvel()[0]));
     add(metrics, "max_speed_m_s", "m/s", speed.peak());
     add(metrics, "max_estimated_speed_m_s", "m/s", estimated_speed.peak());
+    add(metrics, "rms_velocity_estimate_error_m_s", "m/s", speed_error.rms());
+    add(metrics, "velocity_estimate_travel_m_s", "m/s", v_hat_travel);
     add(metrics, "max_input_N", "N", input.peak());
     add(metrics, "input_violation_time_s", "s", input_violation_s);
     add(metrics, "speed_violation_time_s", "s", speed_violation_s);

@@ -114,8 +114,11 @@ Recording CartEstimation::run(const RunControl& control) const {
 
   const double end_s = axis_.run.duration_s;
   const TimeWindow window = TimeWindow{from_s_, to_s_}.within(end_s);
-  WindowStatistics error(window), truth(window), position_error(window);
+  WindowStatistics error(window), truth(window), position_error(window), noise_in_window(window);
   WindowStatistics noise(TimeWindow{noise_from_s_, noise_to_s_}.within(end_s));
+  // Least squares over the window: the T for which d(t) − T ḋ(t) fits what is estimated best.
+  double delayed = 0.0;
+  double squared_rates = 0.0;
   SettlingTime settling(TimeWindow{force.start_s, to_s_}.within_and_on(end_s),
                         kSettledWithin * std::abs(force.amplitude));
 
@@ -129,9 +132,15 @@ Recording CartEstimation::run(const RunControl& control) const {
     const double d_error = controller.disturbance() - rig.disturbance();
     error.add(t, d_error);
     truth.add(t, rig.disturbance());
+    if (window.contains(t)) {
+      const double rate = force.rate(t);
+      delayed -= d_error * rate;
+      squared_rates += rate * rate;
+    }
     position_error.add(t, controller.reference() - sim.qpos()[0]);
     noise_N = controller.disturbance() - quiet_controller.disturbance();
     noise.add(t, noise_N);
+    noise_in_window.add(t, noise_N);
     settling.add(t, d_error);
     log.append(t);
   });
@@ -143,7 +152,9 @@ Recording CartEstimation::run(const RunControl& control) const {
       add(metrics, "relative_rmse_disturbance", "1", *error.rms() / *truth.rms());
     }
     if (kind_ == Kind::step) add(metrics, "settling_time_5pct_s", "s", settling.value());
+    if (squared_rates > 0.0) add(metrics, "disturbance_lag_s", "s", delayed / squared_rates);
     add(metrics, "max_noise_N", "N", noise.peak());
+    add(metrics, "max_noise_deviation_N", "N", noise_in_window.largest_deviation());
     add(metrics, "rms_noise_N", "N", noise.rms());
     add(metrics, "steady_state_error_m", "m", position_error.mean());
   }

@@ -62,6 +62,8 @@ Recording CartOffsetFree::run(const RunControl& control) const {
   const double end_s = axis_.run.duration_s;
   const TimeWindow window = TimeWindow{from_s_, to_s_}.within(end_s);
   WindowStatistics error(window), true_error(window), d_hat(window), d_error(window);
+  WindowStatistics position_in_window(window), estimate_error(TimeWindow{});
+  WindowStatistics early_d_hat(TimeWindow{reference_.from_s}.within(end_s));
   WindowStatistics speed(TimeWindow{}), input(TimeWindow{}), position(TimeWindow{});
   SettlingTime settling(TimeWindow{reference_.from_s, disturbance_start_s_}.within(end_s),
                         settled_within_ * std::abs(reference_.value));
@@ -82,7 +84,12 @@ Recording CartOffsetFree::run(const RunControl& control) const {
     speed.add(t, sim.qvel()[0]);
     input.add(t, sim.command()(0));
     position.add(t, sim.qpos()[0]);
-    if (t < disturbance_start_s_) settling.add(t, y - r);
+    position_in_window.add(t, sim.qpos()[0]);
+    estimate_error.add(t, controller.estimator().state()(0) - sim.qpos()[0]);
+    if (t < disturbance_start_s_) {
+      settling.add(t, y - r);
+      early_d_hat.add(t, estimate);
+    }
     log.append(t);
   });
 
@@ -95,6 +102,9 @@ Recording CartOffsetFree::run(const RunControl& control) const {
     add(metrics, "max_speed_m_s", "m/s", speed.peak());
     add(metrics, "max_input_N", "N", input.peak());
     add(metrics, "max_position_m", "m", position.largest());
+    add(metrics, "std_position_m", "m", position_in_window.standard_deviation());
+    add(metrics, "rms_position_estimate_error_m", "m", estimate_error.rms());
+    add(metrics, "max_early_disturbance_estimate_N", "N", early_d_hat.peak());
     add(metrics, "mean_disturbance_estimate_N", "N", d_hat.mean());
     add(metrics, "rms_disturbance_error_N", "N", d_error.rms());
     add_qp_metrics(controller.lmpc().statistics(), recording);

@@ -70,7 +70,14 @@ Recording MotorEstimation::run(const RunControl& control) const {
   AxisRig rig(axis_, {.force = disturbance_}, controller);
   Simulation& sim = rig.simulation();
   const std::int64_t steps = axis_.physics.step_at(axis_.run.duration_s);
-  Track log("control", rig.signals(),
+  // What tables of a differentiated encoder have: not what the controller works with.
+  double raw_velocity = 0.0;
+  double last_angle = 0.0;
+  std::vector<Signal> signals = rig.signals();
+  signals.push_back({"velocity_raw_rad_s", "rad/s",
+                     "raw difference of the measured angle over a sample; 0 at the first",
+                     view(raw_velocity)});
+  Track log("control", std::move(signals),
             static_cast<std::size_t>(steps / axis_.physics.steps_per_sample() + 1));
 
   const double start_s = disturbance_.start_s;
@@ -78,7 +85,7 @@ Recording MotorEstimation::run(const RunControl& control) const {
   const TimeWindow window = TimeWindow{from_s_, to_s_}.within(end_s);
   const TimeWindow transient = TimeWindow{start_s, from_s_}.within(end_s);
   WindowStatistics velocity_error(window), position_error(window), disturbance_error(window);
-  WindowStatistics transient_error(transient);
+  WindowStatistics raw_velocity_error(window), transient_error(transient);
   WindowStatistics position(TimeWindow{}), lambda(window), any_lambda(TimeWindow{});
   WindowStatistics slowest_pole(window);
   const std::span<const double> lambda_now = published(controller, "lambda");
@@ -92,8 +99,12 @@ Recording MotorEstimation::run(const RunControl& control) const {
     rig.step();
     if (!sim.sampled()) return;
     const double t = sim.time_s();
+    const double angle = sim.sample().y(0);
+    raw_velocity = log.rows() == 0 ? 0.0 : (angle - last_angle) / axis_.physics.control_period_s;
+    last_angle = angle;
     const double d_error = controller.disturbance() - rig.disturbance();
     velocity_error.add(t, controller.velocity() - sim.qvel()[0]);
+    raw_velocity_error.add(t, raw_velocity - sim.qvel()[0]);
     position_error.add(t, controller.position() - sim.qpos()[0]);
     disturbance_error.add(t, d_error);
     transient_error.add(t, d_error);
@@ -111,6 +122,7 @@ Recording MotorEstimation::run(const RunControl& control) const {
   if (!recording.failure) {
     std::vector<Metric>& metrics = recording.metrics;
     add(metrics, "rmse_velocity_rad_s", "rad/s", velocity_error.rms());
+    add(metrics, "rmse_raw_velocity_rad_s", "rad/s", raw_velocity_error.rms());
     add(metrics, "rmse_position_rad", "rad", position_error.rms());
     add(metrics, "rmse_disturbance_Nm", "N m", disturbance_error.rms());
     add(metrics, "peak_position_rad", "rad", position.peak());

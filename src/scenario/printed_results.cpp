@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
+#include <fstream>
 #include <stdexcept>
 
 #include "scenario/paths.h"
@@ -19,19 +21,58 @@ bool matches(const char* pattern, const char* path) {
   return *pattern == *path && matches(pattern + 1, path + 1);
 }
 
-void collect(const toml::node& node, const std::string& path,
+// The lines of a file, to see a number as it is written.
+class Lines {
+ public:
+  explicit Lines(const std::string& file) : file_(file) {
+    std::ifstream stream(file);
+    for (std::string line; std::getline(stream, line);) lines_.push_back(line);
+  }
+
+  // Throws std::invalid_argument if the number is not where the parser saw it: behind what is not
+  // ASCII.
+  PrintedResult number(const toml::node& node, double value) const {
+    const toml::source_region& place = node.source();
+    const std::string& line = lines_.at(place.begin.line - 1);
+    const std::size_t begin = std::min<std::size_t>(place.begin.column - 1, line.size());
+    const std::string digits = line.substr(begin, line.find_first_of(" \t,]}#\r", begin) - begin);
+    const char* const end = digits.data() + digits.size();
+    double read = 0.0;
+    const auto result = std::from_chars(digits.data(), end, read);
+    if (result.ec != std::errc() || result.ptr != end || read != value) {
+      throw std::invalid_argument(at_line(file_, place) + ": \"" + digits +
+                                  "\" is no plain number");
+    }
+    return {value, digits, half_unit(digits)};
+  }
+
+ private:
+  // 0.05 of "66.0", 0.5e-15 of "1.00e-13".
+  static double half_unit(const std::string& digits) {
+    const std::size_t e = std::min(digits.find_first_of("eE"), digits.size());
+    const std::size_t point = std::min(digits.find('.'), e);
+    const auto decimals = static_cast<int>(e - std::min(point + 1, e));
+    const int exponent = e < digits.size() ? std::stoi(digits.substr(e + 1)) : 0;
+    return 0.5 * std::pow(10.0, exponent - decimals);
+  }
+
+  std::string file_;
+  std::vector<std::string> lines_;
+};
+
+void collect(const toml::node& node, const std::string& path, const Lines& lines,
              std::map<std::string, PrintedResult>& results) {
   if (const toml::table* table = node.as_table()) {
     for (const auto& [key, child] : *table) {
       collect(child, path.empty() ? std::string(key.str()) : path + "." + std::string(key.str()),
-              results);
+              lines, results);
     }
   } else if (const toml::array* array = node.as_array()) {
     for (std::size_t i = 0; i < array->size(); ++i) {
-      collect(*array->get(i), fmt::format("{}[{}]", path, i), results);
+      collect(*array->get(i), fmt::format("{}[{}]", path, i), lines, results);
     }
   } else if (const auto number = node.value<double>(); number && !node.is_boolean()) {
-    results[path] = {*number, ""};
+    results[path] = lines.number(node, *number);
   } else if (const auto yes = node.value<bool>(); yes && node.is_boolean()) {
     results[path] = {std::nullopt, *yes ? "true" : "false"};
   } else {
@@ -93,13 +134,14 @@ std::string Band::text() const {
 }
 
 std::string PrintedResult::text() const {
-  if (!number) return word == "true" ? "yes" : word == "false" ? "no" : word;
-  return fmt::format("{:g}", *number);
+  return word == "true" ? "yes" : word == "false" ? "no" : word;
 }
 
 Verdict judge(double measured, const PrintedResult& printed, const Standard& standard) {
   if (std::isnan(measured)) return Verdict::not_measured;
   if (printed.number) {
+    const double off = std::abs(measured - *printed.number);
+    if (standard.reproduced.is_around() && off <= printed.half_unit) return Verdict::reproduced;
     if (standard.reproduced.contains(measured, *printed.number)) return Verdict::reproduced;
     if (standard.within.contains(measured, *printed.number)) return Verdict::within_class;
     return Verdict::not_reproduced;
@@ -126,7 +168,8 @@ std::string text(Verdict verdict) {
 }
 
 PrintedResults::PrintedResults(const std::filesystem::path& folder) {
-  collect(parse_toml_file((folder / "printed-results.toml").string()), "", results_);
+  const std::string printed = (folder / "printed-results.toml").string();
+  collect(parse_toml_file(printed), "", Lines(printed), results_);
   const std::string name = (folder / "reproduced.toml").string();
   const toml::table file = parse_toml_file(name);
   const auto table_of = [&](const toml::node& node) -> const toml::table& {
@@ -207,7 +250,7 @@ std::vector<PrintedValue> printed_values(const std::string& scenario,
     if (!printed || !printed->number) {
       throw std::runtime_error("printed-results.toml has no number " + path);
     }
-    values.push_back({metric, *printed->number, results.standard(path)});
+    values.push_back({metric, *printed, results.standard(path)});
   }
   return values;
 }

@@ -20,6 +20,8 @@ struct Band {
   std::optional<double> below;     ///< measured < below
 
   bool contains(double measured, double printed = 0.0) const;
+  /// Whether it lies about the printed number.
+  bool is_around() const { return relative || absolute; }
   /// "±5 %", "below 0.05".
   std::string text() const;
 };
@@ -35,12 +37,15 @@ struct Standard {
 /// A number or a word (P, N, "large delay"; true and false are words too).
 struct PrintedResult {
   std::optional<double> number;
-  std::string word;
+  std::string word;        ///< as it is printed: a number's digits too
+  double half_unit = 0.0;  ///< of a number's last digit
 
   std::string text() const;
 };
 
-/// What never settles is infinitely large. NaN is nothing that was measured.
+/// A number that rounds to the printed digits is reproduced, whatever its class, unless that has
+/// but one bound: "461 s at least". What never settles is infinitely large. NaN is nothing that was
+/// measured.
 Verdict judge(double measured, const PrintedResult& printed, const Standard& standard);
 
 /// "reproduced", "within the class", "not reproduced", "not measured".
@@ -81,10 +86,11 @@ const PrintedResults& printed_results();
 /// One printed number of a case, and what counts as having reproduced it.
 struct PrintedValue {
   std::string metric;  ///< our name for it
-  double printed;
+  PrintedResult result;
   Standard standard;
 
-  Verdict verdict(double measured) const { return judge(measured, {printed, ""}, standard); }
+  double number() const { return result.number.value(); }
+  Verdict verdict(double measured) const { return judge(measured, result, standard); }
 };
 
 /// The printed numbers of one case of a scenario. Empty if the thesis prints none. Throws

@@ -19,6 +19,7 @@ void PushMetrics::after_sample(double time_s, const Eigen::VectorXd& q, const Ei
   for (std::size_t i = 0; i < release_offsets_.size(); ++i) {
     overshoot_rad_ =
         std::max(overshoot_rad_, -std::copysign(1.0, release_offsets_[i]) * offset_rad(q, i));
+    reversals_[i].add(offset_rad(q, i));
   }
   peak_speed_rad_s_ = std::max(peak_speed_rad_s_, dq.cwiseAbs().maxCoeff());
   if (tip_error_m_ > window_.settled_within_m) unsettled_until_s_ = time_s + window_.period_s;
@@ -30,6 +31,9 @@ std::vector<Metric> PushMetrics::metrics() const {
   if (max_push_rad_) list.push_back({"max_push_rad", "rad", *max_push_rad_});
   if (!last_free_s_) return list;
   list.push_back({"overshoot_rad", "rad", overshoot_rad_});
+  int reversals = 0;
+  for (const ReversalCount& joint : reversals_) reversals = std::max(reversals, joint.value());
+  list.push_back({"reversal_count", "1", static_cast<double>(reversals)});
   if (unsettled_until_s_ <= *last_free_s_) {
     list.push_back({"settling_time_s", "s", std::max(unsettled_until_s_ - window_.release_s, 0.0)});
   }

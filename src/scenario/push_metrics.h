@@ -7,6 +7,7 @@
 
 #include "plants/planar_chain.h"
 #include "record/recording.h"
+#include "record/window_metrics.h"
 
 namespace breakwater {
 
@@ -24,6 +25,8 @@ struct PushWindow {
 ///  - max_push_rad: how far the hand turned the link, before it let go;
 ///  - overshoot_rad: the largest joint excursion past the start, on the other side of where the
 ///    joint was let go;
+///  - reversal_count: how often the joint that swings most turns back by more than 0.02 rad after
+///    the release;
 ///  - settling_time_s: from the release until the tip stays within settled_within_m; absent if it
 ///    never does;
 ///  - saturated_time_s: how long any command was at its limit, from the grip;
@@ -33,7 +36,9 @@ struct PushWindow {
 class PushMetrics {
  public:
   explicit PushMetrics(const PushWindow& window)
-      : window_(window), release_offsets_(window.start_angles_rad.size(), 0.0) {}
+      : window_(window),
+        release_offsets_(window.start_angles_rad.size(), 0.0),
+        reversals_(window.start_angles_rad.size(), ReversalCount(kTurn_rad)) {}
 
   void after_sample(double time_s, const Eigen::VectorXd& q, const Eigen::VectorXd& dq,
                     const TipPose& tip, double turned_rad, bool saturated);
@@ -41,12 +46,15 @@ class PushMetrics {
   std::vector<Metric> metrics() const;
 
  private:
+  static constexpr double kTurn_rad = 0.02;
+
   double offset_rad(const Eigen::VectorXd& q, std::size_t joint) const {
     return q(static_cast<Eigen::Index>(joint)) - window_.start_angles_rad[joint];
   }
 
   PushWindow window_;
   std::vector<double> release_offsets_;
+  std::vector<ReversalCount> reversals_;
   std::optional<double> max_push_rad_;
   std::optional<double> last_free_s_;  // the last sample after the release
   double overshoot_rad_ = 0.0;

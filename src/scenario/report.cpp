@@ -46,8 +46,8 @@ std::optional<Metric> find_metric(const std::vector<Metric>& metrics, const std:
 // "+1.2 %"; a number whose class is absolute is near 0, where a ratio says nothing.
 std::string format_deviation(const PrintedValue& printed, double measured) {
   std::string text = printed.standard.within.absolute
-                         ? fmt::format("{:+.1g}", measured - printed.printed)
-                         : fmt::format("{:+.1f} %", 100.0 * (measured / printed.printed - 1.0));
+                         ? fmt::format("{:+.1g}", measured - printed.number())
+                         : fmt::format("{:+.1f} %", 100.0 * (measured / printed.number() - 1.0));
   const Verdict verdict = printed.verdict(measured);
   if (verdict == Verdict::not_reproduced || verdict == Verdict::not_measured) text += " *";
   return text;
@@ -63,7 +63,7 @@ std::string metrics_table(const std::string& scenario, const RunSummary& run) {
   for (const Metric& metric : run.metrics) {
     std::vector<std::string> row = {metric.name, format_value(metric.value), metric.unit};
     if (const auto value = printed_value(printed, metric.name)) {
-      row.push_back(format_value(value->printed));
+      row.push_back(value->result.text());
       row.push_back(format_deviation(*value, metric.value));
     }
     table.add(row);
@@ -128,7 +128,7 @@ std::string comparison_table(const std::string& scenario, const std::vector<RunS
       const auto value = printed_value(printed[i], metric.name);
       const std::string missing = runs[i].failure ? "failed" : "-";
       values.push_back(measured ? format_value(measured->value) : missing);
-      printed_row.push_back(value ? format_value(value->printed) : "-");
+      printed_row.push_back(value ? value->result.text() : "-");
       deviations.push_back(value && measured ? format_deviation(*value, measured->value) : "-");
       any_printed |= value.has_value();
     }

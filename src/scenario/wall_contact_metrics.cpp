@@ -16,15 +16,16 @@ void WallContactMetrics::after_step(double time_s, double force_N, double filter
   follow_contact(time_s, force_N, tip_speed_x_m_s);
   peak_raw_N_ = std::max(peak_raw_N_, force_N);
   peak_filtered_N_ = std::max(peak_filtered_N_, filtered_N);
-  const double half_step = 0.5 * window_.step_s;
-  if (time_s >= window_.error_from_s - half_step && time_s < window_.error_to_s - half_step) {
-    follow_error(window_.reference_N - filtered_N);
-  }
+  if (in_error_window(time_s)) follow_error(window_.reference_N - filtered_N);
 }
 
 void WallContactMetrics::after_sample(double time_s, const TipPose& tip, bool saturated) {
   if (!counts(time_s)) return;
   if (saturated) saturated_s_ += window_.period_s;
+  if (in_error_window(time_s)) {
+    ++samples_;
+    saturated_samples_ += saturated ? 1 : 0;
+  }
   const TipPose error = tip - window_.start_pose;
   max_y_error_m_ = std::max(max_y_error_m_, std::abs(error[1]));
   max_posture_error_rad_ = std::max(max_posture_error_rad_, std::abs(error[2]));
@@ -65,6 +66,10 @@ std::vector<Metric> WallContactMetrics::metrics(double simulated_s) const {
     list.push_back({"mean_force_error_N", "N", mean_error_N_});
     list.push_back({"std_force_error_N", "N",
                     std::sqrt(squared_deviation_ / static_cast<double>(errors_ - 1))});
+    if (samples_ > 0) {
+      list.push_back({"saturated_share", "1",
+                      static_cast<double>(saturated_samples_) / static_cast<double>(samples_)});
+    }
   }
   if (first_contact_s_) {
     list.push_back({"impact_velocity_m_s", "m/s", impact_velocity_m_s_});

@@ -30,6 +30,7 @@ struct WallContactWindow {
 ///  - contact_impulse_Ns: of the contact force over the first 200 ms of contact;
 ///  - bounce_count: contact onsets after the first;
 ///  - saturated_time_s: how long any command was at its limit;
+///  - saturated_share: of the samples in the window, those with any command at its limit;
 ///  - max_posture_error_rad, max_y_error_m: largest deviation from the start pose.
 /// One that does not apply (no contact, a run that ends too early) is absent.
 class WallContactMetrics {
@@ -45,6 +46,10 @@ class WallContactMetrics {
 
  private:
   bool counts(double time_s) const { return time_s >= window_.force_from_s - 0.5 * window_.step_s; }
+  bool in_error_window(double time_s) const {
+    const double half_step = 0.5 * window_.step_s;
+    return time_s >= window_.error_from_s - half_step && time_s < window_.error_to_s - half_step;
+  }
   void follow_contact(double time_s, double force_N, double tip_speed_x_m_s);
   void follow_error(double error_N);
 
@@ -60,6 +65,8 @@ class WallContactMetrics {
   double mean_error_N_ = 0.0;
   double squared_deviation_ = 0.0;
   double saturated_s_ = 0.0;
+  std::int64_t samples_ = 0;  // in the window
+  std::int64_t saturated_samples_ = 0;
   double max_y_error_m_ = 0.0;
   double max_posture_error_rad_ = 0.0;
 };

@@ -15,6 +15,8 @@ struct Disturbance {
   double start_s = 0.0;
 
   double value(double time_s) const;
+  /// Its derivative, but for the jump of a step.
+  double rate(double time_s) const;
 };
 
 }  // namespace breakwater

@@ -197,6 +197,32 @@ TEST_F(Reports, StatementsOfOnesOwnHoldOrDoNotAndWhatIsNotMeasuredIsNoSuccess) {
   EXPECT_EQ(html.find(">reproduced<"), std::string::npos);
 }
 
+TEST_F(Reports, ShowsBesideTheRestAndSaysWhyACellDoesNotComeOut) {
+  std::ofstream(folder_ / "tiny.toml")
+      << statements(
+             {"metric = \"rmse_velocity_rad_s\", below = 0.0, why = \"since it is, \\\"truly\\\"\"",
+              "metric = \"rmse_velocity_rad_s\", over_metric = \"rmse_raw_velocity_rad_s\", below "
+              "= 1.0"}) +
+             "\n[[section.table]]\ntitle = \"beside\"\ncolumns = [{ title = \"c\" }]\nrows = [{ "
+             "title = "
+             "\"r\", shows = \"what is not claimed\", run = \"one\", metric = "
+             "\"peak_position_rad\" }]\n";
+  const ProgramResult result = reproduce("out");
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_NE(result.out.find("1 held, 1 did not hold\n"), std::string::npos) << result.out;
+  const std::string html = text_of(folder_ / "out/report.html");
+  EXPECT_NE(html.find("since it is, &quot;truly&quot;"), std::string::npos);
+  EXPECT_NE(html.find("what is not claimed"), std::string::npos);
+  EXPECT_NE(html.find("beside the rest, not judged"), std::string::npos);
+
+  const std::string list = text_of(folder_ / "out/verdicts.csv");
+  EXPECT_EQ(lines_of(list), 4) << list;
+  EXPECT_EQ(list.find("section,table,row,column,run,metric,"), 0U) << list;
+  EXPECT_NE(list.find("does not hold,\"since it is, \"\"truly\"\"\""), std::string::npos) << list;
+  EXPECT_NE(list.find(",one,rmse_velocity_rad_s,one,rmse_raw_velocity_rad_s,"), std::string::npos);
+  EXPECT_NE(list.find(",what is not claimed,,shown,"), std::string::npos) << list;
+}
+
 TEST_F(Reports, AMetricThatNoRunHasIsAnErrorOfTheList) {
   const auto refuse = [&](const std::string& row, const std::string& message) {
     const std::string text = statements({"metric = \"rmse_velocity_rad_s\", below = 1e3", row});

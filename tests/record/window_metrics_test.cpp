@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <vector>
 
 namespace breakwater {
 namespace {
@@ -15,6 +16,36 @@ TEST(WindowStatistics, CountsWhatFallsIntoItsWindowBothEndsIncluded) {
   EXPECT_EQ(*statistics.largest(), -1.0);
   EXPECT_EQ(*statistics.smallest(), -3.0);
   EXPECT_EQ(*statistics.peak(), 3.0);
+  EXPECT_DOUBLE_EQ(*statistics.standard_deviation(), 1.0);
+  EXPECT_DOUBLE_EQ(*statistics.largest_deviation(), 1.0);
+}
+
+TEST(WindowStatistics, TheSpreadDoesNotSufferFromALargeMean) {
+  WindowStatistics statistics(TimeWindow{});
+  for (int t = 0; t < 1000; ++t) statistics.add(t, 1e8 + (t % 2 == 0 ? 0.5 : -0.5));
+  EXPECT_NEAR(*statistics.standard_deviation(), 0.5 * std::sqrt(1000.0 / 999.0), 1e-6);
+}
+
+TEST(ReversalCount, CountsTurnsByMoreThanTheBandFromTheFarthest) {
+  const auto turns = [](const std::vector<double>& values) {
+    ReversalCount count(0.1);
+    for (const double value : values) count.add(value);
+    return count.value();
+  };
+  EXPECT_EQ(turns({}), 0);
+  EXPECT_EQ(turns({0.0, 0.05, -0.04, 0.05}), 0) << "within the band";
+  EXPECT_EQ(turns({0.0, 0.5, 1.0}), 0) << "the first way";
+  EXPECT_EQ(turns({0.0, 1.0, 0.95, 1.0, 0.91}), 0);
+  EXPECT_EQ(turns({0.0, 1.0, 0.95, 0.89}), 1) << "by small steps";
+  EXPECT_EQ(turns({0.0, -1.0, 0.0, -1.0, 0.0}), 3);
+}
+
+TEST(ReversalCount, OfADampedCosineEndsWhereItsSwingsAreWithinTheBand) {
+  ReversalCount count(0.1);
+  // Each way is e^(−0.2 π) of the one before: the first of 1.54, which does not count, then 0.83,
+  // 0.45, 0.24, 0.13, and 0.07.
+  for (int i = 0; i < 10000; ++i) count.add(std::exp(-0.002 * i) * std::cos(0.01 * i));
+  EXPECT_EQ(count.value(), 4);
 }
 
 TEST(WindowStatistics, OfNothingAreNothing) {
@@ -23,6 +54,8 @@ TEST(WindowStatistics, OfNothingAreNothing) {
   EXPECT_FALSE(statistics.mean());
   EXPECT_FALSE(statistics.rms());
   EXPECT_FALSE(statistics.peak());
+  EXPECT_FALSE(statistics.standard_deviation());
+  EXPECT_FALSE(statistics.largest_deviation());
 }
 
 TEST(TimeWindow, CountsOnlyWhatARunWhollyCovers) {

@@ -10,11 +10,24 @@ namespace {
 
 using testing::run_case;
 
-TEST(Push, ProposedComesBackWithoutOvershoot) {
+TEST(Push, ProposedComesBack) {
   for (const char* name : {"proposed-link1", "proposed-link2", "proposed-link3"}) {
     for (const char* angle :
          {"push.angle_rad=1.5707963267948966", "push.angle_rad=-1.5707963267948966"}) {
       const Recording run = run_case("arm_push", name, {angle});
+      ASSERT_FALSE(run.failure);
+      EXPECT_LT(*run.metric("settling_time_s"), 3.0) << name << angle;
+      EXPECT_LE(*run.metric("reversal_count"), 2.0) << name << angle;
+      EXPECT_LT(*run.metric("tip_error_m"), 0.01) << name << angle;
+    }
+  }
+}
+
+TEST(Push, ProposedHeldJointByJointComesBackWithoutOvershoot) {
+  for (const char* name : {"proposed-link1", "proposed-link2", "proposed-link3"}) {
+    for (const char* angle :
+         {"push.angle_rad=1.5707963267948966", "push.angle_rad=-1.5707963267948966"}) {
+      const Recording run = run_case("arm_push", name, {angle, "controller.positioning=joint"});
       ASSERT_FALSE(run.failure);
       EXPECT_NEAR(*run.metric("max_push_rad"), M_PI / 2, 0.02) << name << angle;
       EXPECT_LE(*run.metric("overshoot_rad"), 0.05) << name << angle;

@@ -62,6 +62,8 @@ TEST(WallContactMetrics, OfAHistoryWithTwoBounces) {
   // 25 errors of 0.5 N and 25 of 0.3 N.
   EXPECT_NEAR(*value(m, "mean_force_error_N"), 0.4, 1e-12);
   EXPECT_NEAR(*value(m, "std_force_error_N"), 0.1 * std::sqrt(50.0 / 49.0), 1e-12);
+  // Of the samples 250, 252, …, 298 that with 250.
+  EXPECT_NEAR(*value(m, "saturated_share"), 1.0 / 25.0, 1e-12);
   // Samples 100, 150, …, 350: six of 20 ms.
   EXPECT_NEAR(*value(m, "saturated_time_s"), 0.12, 1e-12);
   EXPECT_NEAR(*value(m, "max_y_error_m"), 0.03, 1e-12);
@@ -104,7 +106,7 @@ std::vector<Metric> push_history(int samples) {
       dq << -2, 1;
       tip << 0.4, 0.03, 0.0;
     } else {
-      q << 0.6, -0.5;  // short of the start: no overshoot
+      q << (k < 28 ? 0.6 : 0.55), -0.5;  // short of the start: no overshoot; joint 1 turns back
       tip << 0.4 + 0.003, 0.004, 7.0;
     }
     metrics.after_sample(t, q, dq, tip, k < 20 ? -0.1 * k : 0.0, k % 5 == 0);
@@ -116,6 +118,7 @@ TEST(PushMetrics, OfAHistory) {
   const auto m = push_history(31);
   EXPECT_NEAR(*value(m, "max_push_rad"), 1.9, 1e-12);
   EXPECT_NEAR(*value(m, "overshoot_rad"), 0.03, 1e-12);
+  EXPECT_EQ(*value(m, "reversal_count"), 1.0);
   EXPECT_NEAR(*value(m, "settling_time_s"), 0.5, 1e-12);
   EXPECT_NEAR(*value(m, "saturated_time_s"), 0.5, 1e-12);  // 10, 15, …, 30
   EXPECT_NEAR(*value(m, "tip_error_m"), 0.005, 1e-12);

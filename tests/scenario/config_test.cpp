@@ -327,14 +327,14 @@ TEST(PrintedValues, AreThoseOfTheThesis) {
   ASSERT_EQ(values.size(), 3U);
   for (const PrintedValue& value : values) {
     if (value.metric == "peak_force_filtered_N") {
-      EXPECT_EQ(value.printed, 5.0152);
+      EXPECT_EQ(value.number(), 5.0152);
       EXPECT_EQ(value.verdict(5.0152 * 0.91), Verdict::reproduced);
       EXPECT_EQ(value.verdict(5.0152 * 1.34), Verdict::within_class);
       EXPECT_EQ(value.verdict(5.0152 * 1.36), Verdict::not_reproduced);
       EXPECT_EQ(value.verdict(NAN), Verdict::not_measured);
     }
     if (value.metric == "mean_force_error_N") {
-      EXPECT_EQ(value.printed, 0.0032);
+      EXPECT_EQ(value.number(), 0.0032);
       EXPECT_EQ(value.verdict(0.0041), Verdict::reproduced);
       EXPECT_EQ(value.verdict(0.0), Verdict::within_class);
       EXPECT_EQ(value.verdict(-0.0049), Verdict::not_reproduced);

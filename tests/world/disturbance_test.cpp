@@ -31,6 +31,19 @@ TEST(Disturbance, HasItsShapeFromThenOn) {
   EXPECT_NEAR(sine.value(1.0 + M_PI / 10.0), 0.0, 1e-12);
 }
 
+TEST(Disturbance, ItsRateIsTheSlopeOfItsValue) {
+  constexpr double kStep_s = 1e-5;
+  for (const auto kind : {DisturbanceKind::none, DisturbanceKind::step, DisturbanceKind::ramp,
+                          DisturbanceKind::sine}) {
+    const Disturbance disturbance{kind, 3.0, 2.0, 1.0};
+    for (const double t : {0.5, 1.1, 2.0, 3.7}) {
+      const double slope =
+          (disturbance.value(t + kStep_s) - disturbance.value(t - kStep_s)) / (2.0 * kStep_s);
+      EXPECT_NEAR(disturbance.rate(t), slope, 1e-8) << t;
+    }
+  }
+}
+
 TEST(Pwm, RoundsToItsSteps) {
   const Pwm pwm{0.25};
   EXPECT_EQ(pwm.output(0.6), 0.5);

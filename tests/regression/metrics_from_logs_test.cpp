@@ -1,0 +1,137 @@
+// Metrics recomputed from what their runs log, by other formulas.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <string>
+#include <vector>
+
+#include "regression/run_case.h"
+
+namespace breakwater {
+namespace {
+
+using testing::run_case;
+using Values = std::vector<double>;
+
+Values of(const Recording& run, const std::string& signal) {
+  return run.track("control").values(signal);
+}
+
+// Its values from one time to another, both included.
+Values between(const Recording& run, const Values& values, double from_s, double to_s) {
+  const Values times = run.track("control").times();
+  Values part;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (times[i] >= from_s && times[i] <= to_s) part.push_back(values[i]);
+  }
+  return part;
+}
+
+Values difference(Values a, const Values& b) {
+  for (std::size_t i = 0; i < a.size(); ++i) a[i] -= b[i];
+  return a;
+}
+
+double mean(const Values& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+double rms(const Values& values) {
+  return std::sqrt(std::inner_product(values.begin(), values.end(), values.begin(), 0.0) /
+                   static_cast<double>(values.size()));
+}
+
+double largest_size(const Values& values) {
+  double largest = 0.0;
+  for (const double value : values) largest = std::max(largest, std::abs(value));
+  return largest;
+}
+
+TEST(MetricsFromLogs, RawVelocityOfTheMotorIsTheDifferenceOfWhatIsMeasured) {
+  const Recording run = run_case("motor_estimation", "mdob", {"encoder.bits=8"});
+  const Values angle = of(run, "position_measured_rad");
+  const Values times = run.track("control").times();
+  Values raw(angle.size(), 0.0);
+  for (std::size_t i = 1; i < raw.size(); ++i) {
+    raw[i] = (angle[i] - angle[i - 1]) / (times[i] - times[i - 1]);
+  }
+  EXPECT_LT(largest_size(difference(raw, of(run, "velocity_raw_rad_s"))), 1e-6);
+  const Values error = difference(raw, of(run, "velocity_true_rad_s"));
+  EXPECT_NEAR(*run.metric("rmse_raw_velocity_rad_s"), rms(between(run, error, 5.0, 10.0)), 1e-9);
+}
+
+TEST(MetricsFromLogs, LagOfARampIsItsMeanErrorOverItsSlope) {
+  const Recording run = run_case("cart_estimation", "order1", {"disturbance.kind=ramp"});
+  const Values late = difference(of(run, "d_true_N"), of(run, "d_hat_N"));
+  const double slope = of(run, "d_true_N").back() - of(run, "d_true_N").rbegin()[1];
+  const double period_s = run.track("control").times()[1];
+  EXPECT_NEAR(*run.metric("disturbance_lag_s"),
+              mean(between(run, late, 40.0, 50.0)) / (slope / period_s), 1e-9);
+}
+
+// d̂ moved by the lag fits d better than moved by more or less of it.
+TEST(MetricsFromLogs, LagOfASineIsTheDelayThatFitsBest) {
+  const Recording run = run_case("cart_estimation", "order0", {"disturbance.kind=sine"});
+  const double lag_s = *run.metric("disturbance_lag_s");
+  const double period_s = run.track("control").times()[1];
+  const Values truth = of(run, "d_true_N"), estimate = of(run, "d_hat_N");
+  const auto misfit = [&](double delay_s) {
+    const auto shift = static_cast<std::ptrdiff_t>(std::lround(delay_s / period_s));
+    double sum = 0.0;
+    for (auto i = static_cast<std::ptrdiff_t>(40.0 / period_s);
+         i < static_cast<std::ptrdiff_t>(truth.size()); ++i) {
+      if (i - shift < 0 || i - shift >= static_cast<std::ptrdiff_t>(truth.size())) continue;
+      const double off =
+          estimate[static_cast<std::size_t>(i)] - truth[static_cast<std::size_t>(i - shift)];
+      sum += off * off;
+    }
+    return sum;
+  };
+  EXPECT_GT(lag_s, 0.0);
+  EXPECT_LT(misfit(lag_s), misfit(0.0));
+}
+
+TEST(MetricsFromLogs, AStepHasNoLag) {
+  EXPECT_FALSE(run_case("cart_estimation", "order1").metric("disturbance_lag_s"));
+}
+
+TEST(MetricsFromLogs, NoiseAboutItsMean) {
+  const Recording run =
+      run_case("cart_estimation", "gamma-1.02", {"metrics.from_s=20", "metrics.to_s=40"});
+  Values noise = between(run, of(run, "d_hat_noise_N"), 20.0, 40.0);
+  const double middle = mean(noise);
+  for (double& value : noise) value -= middle;
+  EXPECT_NEAR(*run.metric("max_noise_deviation_N"), largest_size(noise), 1e-12);
+}
+
+TEST(MetricsFromLogs, OfTheOffsetFreeCart) {
+  const Recording run = run_case("cart_offset_free", "proposed",
+                                 {"noise.enabled=true", "metrics.from_s=30", "metrics.to_s=40"});
+  const Values position = of(run, "position_true_m");
+  Values late = between(run, position, 30.0, 40.0);
+  const double middle = mean(late);
+  for (double& value : late) value -= middle;
+  const auto n = static_cast<double>(late.size());
+  EXPECT_NEAR(*run.metric("std_position_m"), rms(late) * std::sqrt(n / (n - 1.0)), 1e-12);
+  EXPECT_NEAR(*run.metric("rms_position_estimate_error_m"),
+              rms(difference(of(run, "position_hat_m"), position)), 1e-12);
+  EXPECT_NEAR(*run.metric("max_early_disturbance_estimate_N"),
+              largest_size(between(run, of(run, "d_hat_N"), 5.0, 9.9999)), 1e-12);
+}
+
+TEST(MetricsFromLogs, OfTheConstrainedCart) {
+  const Recording run = run_case("cart_constrained", "proposed-idob");
+  const Values estimate = of(run, "velocity_hat_m_s");
+  double travel = 0.0;
+  for (std::size_t i = 1; i < estimate.size(); ++i)
+    travel += std::abs(estimate[i] - estimate[i - 1]);
+  EXPECT_GT(travel, 0.0);
+  EXPECT_NEAR(*run.metric("velocity_estimate_travel_m_s"), travel, 1e-12);
+  EXPECT_NEAR(*run.metric("rms_velocity_estimate_error_m_s"),
+              rms(difference(estimate, of(run, "velocity_true_m_s"))), 1e-12);
+}
+
+}  // namespace
+}  // namespace breakwater
