@@ -73,7 +73,7 @@ TEST(MetricsFromLogs, LagOfARampIsItsMeanErrorOverItsSlope) {
 
 // d̂ moved by the lag fits d better than moved by more or less of it.
 TEST(MetricsFromLogs, LagOfASineIsTheDelayThatFitsBest) {
-  const Recording run = run_case("cart_estimation", "order0", {"disturbance.kind=sine"});
+  const Recording run = run_case("cart_estimation", "order2", {"disturbance.kind=sine"});
   const double lag_s = *run.metric("disturbance_lag_s");
   const double period_s = run.track("control").times()[1];
   const Values truth = of(run, "d_true_N"), estimate = of(run, "d_hat_N");

@@ -426,10 +426,14 @@ TEST(Experiments, HaveEveryTableAndNinetyFigures) {
         "arm_wall_contact.tuned.force_5N.peak_force_N"}) {
     EXPECT_TRUE(cells.contains(path)) << path;
   }
-  // Every printed number and verdict is judged somewhere: 56 + 14 of the motor, 6 of the
-  // quadrotor, 12 + 8 + 12 and 5 of the cart, 18 + 5 of the arm.
+  // Every printed number and verdict is judged somewhere, 56 + 14 of the motor, 6 of the quadrotor,
+  // 12 + 8 + 12 and 5 of the cart, 18 + 5 of the arm, but for two that are misprints.
   cells.erase("");
-  EXPECT_EQ(cells.size(), 136U);
+  EXPECT_EQ(cells.size(), 134U);
+  for (const char* misprint : {"motor_estimation.table_4_8.Ts_1e-2.n48[0]",
+                               "motor_estimation.table_4_8.Ts_1e-3.n48[0]"}) {
+    EXPECT_FALSE(cells.contains(misprint)) << misprint;
+  }
 }
 
 TEST(Experiments, EveryCellOfOursIsSettled) {
