@@ -19,8 +19,8 @@ std::string exact(double value) {
 std::string verdict_list(const Reproduction& reproduction, const Measured& measured) {
   const PrintedResults& printed = printed_results();
   std::string text = csv_line({"section", "table", "row", "column", "run", "metric", "over_run",
-                               "over_metric", "divisor", "measured", "smallest", "largest", "runs",
-                               "printed", "says", "holds_if", "verdict", "why"});
+                               "over_metric", "divisor", "statistic", "measured", "smallest",
+                               "largest", "runs", "printed", "says", "holds_if", "verdict", "why"});
   for (const SectionSpec* section : reproduction.sections) {
     for (const TableSpec& table : section->tables) {
       for (std::size_t r = 0; r < table.rows.size(); ++r) {
@@ -33,10 +33,11 @@ std::string verdict_list(const Reproduction& reproduction, const Measured& measu
           text += csv_line(
               {section->id, table.title, table.rows[r], table.columns[c], cell->quantity.run,
                cell->quantity.metric, over.run, over.metric, exact(cell->divisor),
-               exact(judged.median), has_numbers ? exact(judged.smallest) : "",
-               has_numbers ? exact(judged.largest) : "", std::to_string(judged.values),
-               cell->printed.empty() ? "" : judged.printed, cell->says + cell->shows,
-               judged.class_text, verdict_word(judged, *cell, reproduction.experiments.is_own),
+               cell->is_share ? "share" : "median", exact(judged.median),
+               has_numbers ? exact(judged.smallest) : "", has_numbers ? exact(judged.largest) : "",
+               std::to_string(judged.values), cell->printed.empty() ? "" : judged.printed,
+               cell->says + cell->shows, judged.class_text,
+               verdict_word(judged, *cell, reproduction.experiments.is_own),
                judged.verdict == Verdict::reproduced ? "" : reason_of(*cell, *section)});
         }
       }

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <regex>
 #include <set>
 #include <stdexcept>
 
@@ -430,10 +431,32 @@ TEST(Experiments, HaveEveryTableAndNinetyFigures) {
   // 12 + 8 + 12 and 5 of the cart, 18 + 5 of the arm, but for two that are misprints.
   cells.erase("");
   EXPECT_EQ(cells.size(), 134U);
-  for (const char* misprint : {"motor_estimation.table_4_8.Ts_1e-2.n48[0]",
-                               "motor_estimation.table_4_8.Ts_1e-3.n48[0]"}) {
+  for (const char* misprint :
+       {"motor_estimation.table_4_8.Ts_1e-2.n48[0]", "motor_estimation.table_4_8.Ts_1e-3.n48[0]"}) {
     EXPECT_FALSE(cells.contains(misprint)) << misprint;
   }
+}
+
+// Entries are named there as "2.4.3.2: which".
+TEST(Experiments, TheListOfClaimsNamesEverySectionAndNoOther) {
+  std::set<std::string> sections;
+  for (const SectionSpec& section : own_experiments().sections) sections.insert(section.id);
+  std::set<std::string> named;
+  std::ifstream claims(testing::source_file("docs/thesis-claims.md"));
+  const std::regex entry(R"(^\| .* \| (none|as |the |Tables? |[0-9.]+: ).*\|$)");
+  const std::regex place(R"([|;] ([234](\.[0-9])+): )");
+  int rows = 0;
+  for (std::string line; std::getline(claims, line);) {
+    if (!line.starts_with("| ") || line == "| claim | entry |") continue;
+    ++rows;
+    EXPECT_TRUE(std::regex_match(line, entry) || line.find("| beside: ") != std::string::npos)
+        << line;
+    for (std::sregex_iterator match(line.begin(), line.end(), place), end; match != end; ++match) {
+      named.insert((*match)[1]);
+    }
+  }
+  EXPECT_GT(rows, 120);
+  EXPECT_EQ(named, sections);
 }
 
 TEST(Experiments, EveryCellOfOursIsSettled) {
