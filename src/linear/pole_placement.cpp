@@ -114,4 +114,8 @@ PoleGroup eigenvalues(const Eigen::MatrixXd& A) {
   return {values.begin(), values.end()};
 }
 
+double spectral_radius(const Eigen::MatrixXd& A) {
+  return A.eigenvalues().cwiseAbs().maxCoeff();
+}
+
 }  // namespace breakwater

@@ -33,4 +33,7 @@ std::vector<PoleGroup> sample_poles(const std::vector<PoleGroup>& continuous, do
 /// The eigenvalues of a real square matrix.
 PoleGroup eigenvalues(const Eigen::MatrixXd& A);
 
+/// The largest magnitude of an eigenvalue.
+double spectral_radius(const Eigen::MatrixXd& A);
+
 }  // namespace breakwater

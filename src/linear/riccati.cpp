@@ -7,6 +7,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "linear/pole_placement.h"
+
 namespace breakwater {
 namespace {
 
@@ -84,7 +86,7 @@ bool stabilises(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B, const Eigen:
   const Eigen::MatrixXd closed = A - B * feedback(A, B, R, P);
   const double residual = (A.transpose() * P * closed + Q - P).norm();
   return residual <= kSmallestResidual * P.norm() && closed.allFinite() &&
-         closed.eigenvalues().cwiseAbs().maxCoeff() < 1.0;
+         spectral_radius(closed) < 1.0;
 }
 
 }  // namespace

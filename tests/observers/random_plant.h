@@ -1,8 +1,7 @@
 // Plants that nobody chose.
 #pragma once
 
-#include <Eigen/Eigenvalues>
-
+#include "linear/pole_placement.h"
 #include "linear/state_space.h"
 #include "support.h"
 
@@ -11,7 +10,7 @@ namespace breakwater::testing {
 /// A stable sampled plant with n states, m inputs and p outputs.
 inline StateSpace random_plant(Random& random, Eigen::Index n, Eigen::Index m, Eigen::Index p) {
   Eigen::MatrixXd A = random.matrix(n, n);
-  A *= random.uniform(0.5, 0.98) / A.eigenvalues().cwiseAbs().maxCoeff();
+  A *= random.uniform(0.5, 0.98) / spectral_radius(A);
   return {A, random.matrix(n, m), random.matrix(p, n)};
 }
 
