@@ -110,12 +110,13 @@ std::vector<std::string> choose_signals(const std::vector<SavedRun>& runs,
 
 }  // namespace
 
-Comparison::Comparison(std::vector<SavedRun> runs, const std::vector<std::string>& metrics,
+Comparison::Comparison(const Catalogue& catalogue, std::vector<SavedRun> runs,
+                       const std::vector<std::string>& metrics,
                        const std::vector<std::string>& signals)
     : runs_(std::move(runs)) {
   check(runs_);
   labels_ = labels_of(runs_);
-  for (const SavedRun& run : runs_) printed_.push_back(printed_of(run));
+  for (const SavedRun& run : runs_) printed_.push_back(printed_of(catalogue, run));
   metrics_ = choose_metrics(runs_, metrics);
   signals_ = choose_signals(runs_, signals);
 }

@@ -6,8 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "report/printed_results.h"
 #include "report/saved_run.h"
-#include "scenario/printed_results.h"
+#include "scenario/catalogue.h"
 
 namespace breakwater {
 
@@ -18,8 +19,8 @@ class Comparison {
   /// vector signal stands for all of its values. Throws std::invalid_argument, one line that says
   /// what to do, if the runs are of different scenarios, one failed, or what is chosen is not
   /// there.
-  Comparison(std::vector<SavedRun> runs, const std::vector<std::string>& metrics,
-             const std::vector<std::string>& signals);
+  Comparison(const Catalogue& catalogue, std::vector<SavedRun> runs,
+             const std::vector<std::string>& metrics, const std::vector<std::string>& signals);
 
   /// A plain text table: values, and below them the differences from the first run and what the
   /// thesis prints, if it does.

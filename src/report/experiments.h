@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "scenario/printed_results.h"
+#include "report/printed_results.h"
 
 namespace breakwater {
 

@@ -4,7 +4,7 @@
 
 #include "scenario/child_program.h"
 #include "scenario/paths.h"
-#include "scenario/program.h"
+#include "scenario/process.h"
 
 namespace breakwater {
 namespace {

@@ -17,7 +17,7 @@
 #include "report/verdict_list.h"
 #include "scenario/child_program.h"
 #include "scenario/paths.h"
-#include "scenario/program.h"
+#include "scenario/process.h"
 #include "scenario/progress.h"
 
 namespace breakwater {
@@ -86,15 +86,16 @@ int make_pictures(const Reproduction& reproduction, bool with_video) {
   return status;
 }
 
-int reproduce(const ReproduceArguments& arguments) {
+int reproduce(const Catalogue& catalogue, const ReproduceArguments& arguments) {
   const fs::path file =
       arguments.file.empty() ? data_root() / "data" / "experiments.toml" : fs::path(arguments.file);
   const Effort effort = arguments.quick ? Effort::quick : Effort::full;
   const Experiments experiments = read_experiments(file.string(), effort);
   check_out(arguments.out);
   stop_on_signals();
-  const Reproduction reproduction{experiments, choose_sections(experiments, arguments.only),
-                                  arguments.out, arguments.quiet, &interrupted()};
+  const Reproduction reproduction{
+      catalogue,     experiments,     choose_sections(experiments, arguments.only),
+      arguments.out, arguments.quiet, &interrupted()};
   const Measured measured = measure(reproduction);
   const int status = make_pictures(reproduction, !arguments.no_video);
   if (status == kInterrupted) throw Interrupted(measured.size());
@@ -108,7 +109,7 @@ int reproduce(const ReproduceArguments& arguments) {
   return status;
 }
 
-int reproduce_main(int argc, const char* const* argv) {
+int reproduce_main(const Catalogue& catalogue, int argc, const char* const* argv) {
   CLI::App app(
       "breakwater reproduce: run every experiment of the thesis, and put its results beside "
       "the printed ones.",
@@ -133,7 +134,7 @@ int reproduce_main(int argc, const char* const* argv) {
       "Exit status: 0 success, 1 a defect, 2 usage or input, 4 a picture or video could not be\n"
       "made, 130 interrupted.");
   if (const auto status = parse(app, argc, argv)) return *status;
-  return reproduce(arguments);
+  return reproduce(catalogue, arguments);
 }
 
 struct RunsArguments {
@@ -161,8 +162,9 @@ fs::path made_folder(const std::string& folder) {
   return folder;
 }
 
-int compare(const RunsArguments& arguments) {
-  const Comparison comparison(open_all(arguments.runs), arguments.metrics, arguments.signals);
+int compare(const Catalogue& catalogue, const RunsArguments& arguments) {
+  const Comparison comparison(catalogue, open_all(arguments.runs), arguments.metrics,
+                              arguments.signals);
   const bool has_figures = arguments.svg || arguments.pdf;
   if (has_figures && arguments.signals.empty()) {
     throw std::invalid_argument("--svg and --pdf: say which signals with --signal");
@@ -193,15 +195,15 @@ int compare(const RunsArguments& arguments) {
   return status;
 }
 
-int report(const RunsArguments& arguments) {
+int report(const Catalogue& catalogue, const RunsArguments& arguments) {
   const std::vector<SavedRun> runs = open_all(arguments.runs);
   const fs::path file = made_folder(arguments.out) / "report.html";
-  write_page(file, run_report(runs));
+  write_page(file, run_report(catalogue, runs));
   if (!arguments.quiet) fmt::print("report: {}\n", file.string());
   return kSuccess;
 }
 
-int runs_main(bool is_comparison, int argc, const char* const* argv) {
+int runs_main(const Catalogue& catalogue, bool is_comparison, int argc, const char* const* argv) {
   CLI::App app(is_comparison
                    ? "breakwater compare: metrics and signals of finished runs side by side."
                    : "breakwater report: one page about finished runs.",
@@ -231,7 +233,7 @@ int runs_main(bool is_comparison, int argc, const char* const* argv) {
                    "scripts/figures.py (python3-h5py, python3-matplotlib), which you may copy."
                  : "It writes report.html, a page that needs no network.");
   if (const auto status = parse(app, argc, argv)) return *status;
-  return is_comparison ? compare(arguments) : report(arguments);
+  return is_comparison ? compare(catalogue, arguments) : report(catalogue, arguments);
 }
 
 }  // namespace
@@ -250,11 +252,11 @@ bool is_report_command(const std::string& name) {
                      [&](const auto& entry) { return entry.first == name; });
 }
 
-int report_main(int argc, const char* const* argv) {
+int report_main(const Catalogue& catalogue, int argc, const char* const* argv) {
   return guarded(argv[0], [&] {
     const std::string name = argv[0];
-    if (name == "reproduce") return reproduce_main(argc, argv);
-    return runs_main(name == "compare", argc, argv);
+    if (name == "reproduce") return reproduce_main(catalogue, argc, argv);
+    return runs_main(catalogue, name == "compare", argc, argv);
   });
 }
 

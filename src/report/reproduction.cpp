@@ -38,14 +38,17 @@ struct Job {
 // The scenario files, each read once.
 class ScenarioFiles {
  public:
+  explicit ScenarioFiles(const Catalogue& catalogue) : catalogue_(catalogue) {}
+
   const ScenarioFile& file(const std::string& scenario) {
     const auto found = files_.find(scenario);
     if (found != files_.end()) return found->second;
-    return files_.emplace(scenario, ScenarioFile(scenario_file(scenario).string(), scenario))
-        .first->second;
+    const std::string file = catalogue_.get<ScenarioKind>(scenario).file().string();
+    return files_.emplace(scenario, ScenarioFile(file, scenario)).first->second;
   }
 
  private:
+  const Catalogue& catalogue_;
   std::map<std::string, ScenarioFile> files_;
 };
 
@@ -90,7 +93,7 @@ std::vector<Job> plan(const Reproduction& reproduction) {
     for (const std::string& name : section->runs()) names.insert(name);
     for (const std::string& name : section->logged_runs()) logged.insert(name);
   }
-  ScenarioFiles files;
+  ScenarioFiles files(reproduction.catalogue);
   std::map<std::vector<std::string>, ModelHashes> models;  // many runs have the same
   std::vector<Job> jobs;
   for (const std::string& name : names) {
@@ -103,7 +106,7 @@ std::vector<Job> plan(const Reproduction& reproduction) {
       job.repetition = i;
       try {
         const ScenarioFile& file = files.file(spec.scenario);
-        job.run = prepare_run(spec.scenario, file, spec.case_name, sets);
+        job.run = prepare_run(reproduction.catalogue, spec.scenario, file, spec.case_name, sets);
         const Config config = file.config(spec.case_name, sets);
         const auto [known, is_new] = models.try_emplace(job.run.model_files);
         if (is_new) known->second = model_hashes(job.run.model_files);

@@ -9,6 +9,7 @@
 
 #include "report/experiments.h"
 #include "report/measurements.h"
+#include "scenario/catalogue.h"
 
 namespace breakwater {
 
@@ -16,6 +17,7 @@ namespace breakwater {
 using Measured = std::map<std::string, std::vector<Measurement>>;
 
 struct Reproduction {
+  const Catalogue& catalogue;
   const Experiments& experiments;
   std::vector<const SectionSpec*> sections;
   std::filesystem::path out;

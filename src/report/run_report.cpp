@@ -29,7 +29,7 @@ std::string stem(const std::string& name) {
 }
 
 mustache::data metrics_data(const SavedRun& run) {
-  const std::map<std::string, PrintedValue> printed = printed_of(run);
+  const std::map<std::string, PrintedValue> printed = printed_of(catalogue, run);
   mustache::data rows(mustache::data::type::list);
   for (const Metric& metric : run.metrics()) {
     mustache::data row;
@@ -81,11 +81,12 @@ std::vector<PageChart> all_charts(const SavedRun& run, const std::string& id) {
   return charts;
 }
 
-std::map<std::string, PrintedValue> printed_of(const SavedRun& run) {
+std::map<std::string, PrintedValue> printed_of(const Catalogue& catalogue, const SavedRun& run) {
   std::map<std::string, PrintedValue> printed;
   try {
     const ScenarioFile file((run.folder() / "config.toml").string(), run.scenario());
-    if (!prepare_run(run.scenario(), file, run.case_name(), {}).is_as_shipped) return printed;
+    if (!prepare_run(catalogue, run.scenario(), file, run.case_name(), {}).is_as_shipped)
+      return printed;
   } catch (const std::invalid_argument&) {
     return printed;  // of another version, say
   }
@@ -95,7 +96,7 @@ std::map<std::string, PrintedValue> printed_of(const SavedRun& run) {
   return printed;
 }
 
-std::string run_report(const std::vector<SavedRun>& runs) {
+std::string run_report(const Catalogue& catalogue, const std::vector<SavedRun>& runs) {
   const std::vector<std::string> labels = labels_of(runs);
   mustache::data page;
   mustache::data toc(mustache::data::type::list);
@@ -125,7 +126,7 @@ std::string run_report(const std::vector<SavedRun>& runs) {
       section.set("metrics", metrics_data(run));
       section.set("has_metrics", true);
     }
-    if (const auto video = video_data(run, id)) section.set("video", *video);
+    if (const auto video = video_data(catalogue, run, id)) section.set("video", *video);
     mustache::data charts(mustache::data::type::list);
     for (const PageChart& chart : all_charts(run, id)) charts << chart_data(chart);
     section.set("charts", charts);

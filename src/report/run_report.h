@@ -6,8 +6,9 @@
 #include <vector>
 
 #include "report/page_chart.h"
+#include "report/printed_results.h"
 #include "report/saved_run.h"
-#include "scenario/printed_results.h"
+#include "scenario/catalogue.h"
 
 namespace breakwater {
 
@@ -17,10 +18,10 @@ std::vector<PageChart> all_charts(const SavedRun& run, const std::string& id);
 
 /// The printed numbers of a run by our names for them. Empty unless it has the settings of one of
 /// the project's own cases: only then do they mean something.
-std::map<std::string, PrintedValue> printed_of(const SavedRun& run);
+std::map<std::string, PrintedValue> printed_of(const Catalogue& catalogue, const SavedRun& run);
 
 /// One page about some runs: numbers, beside printed ones where there are any, and all signals.
-std::string run_report(const std::vector<SavedRun>& runs);
+std::string run_report(const Catalogue& catalogue, const std::vector<SavedRun>& runs);
 
 /// How to tell runs apart: by case, else by folder.
 std::vector<std::string> labels_of(const std::vector<SavedRun>& runs);

@@ -9,13 +9,13 @@
 #include <numeric>
 #include <set>
 
+#include "pictures/shot_list.h"
+#include "pictures/staging.h"
 #include "report/decimation.h"
 #include "report/file_bytes.h"
 #include "report/html_page.h"
 #include "report/saved_run.h"
 #include "scenario/paths.h"
-#include "scenario/shot_list.h"
-#include "scenario/staging.h"
 
 namespace breakwater {
 namespace fs = std::filesystem;
@@ -268,12 +268,13 @@ std::string css_class(Verdict verdict) {
   return "unknown";
 }
 
-std::optional<mustache::data> video_data(const SavedRun& run, const std::string& group) {
+std::optional<mustache::data> video_data(const Catalogue& catalogue, const SavedRun& run,
+                                         const std::string& group) {
   const fs::path file = run.folder() / "video.mp4";
   if (!fs::exists(file)) return std::nullopt;
-  const ShotList shots = shot_list(run.scenario());
   std::deque<FinishedRun> finished;
-  finished.emplace_back(run.folder());
+  finished.emplace_back(catalogue, run.folder());
+  const ShotList shots = shot_list(finished.front().shots_file());
   const Window window = choose_window(finished, shots, {});
   mustache::data data;
   data.set("address", data_address(file, "video/mp4"));
@@ -438,7 +439,7 @@ ThesisReport thesis_report(const Reproduction& reproduction, const Measured& mea
     }
     section.set("tables", tables);
     if (!spec->video.empty()) {
-      if (auto video = video_data(logs.of(spec->video), id)) {
+      if (auto video = video_data(reproduction.catalogue, logs.of(spec->video), id)) {
         if (spec->id == experiments.video) {
           video->set("address", mustache::data(mustache::data::type::bool_false));  // shown above
         }
@@ -542,7 +543,7 @@ ThesisReport thesis_report(const Reproduction& reproduction, const Measured& mea
     // It moves with the first of the pictures beside it.
     const std::string group =
         experiments.heroes.empty() ? "lead" : "lead-" + anchor(experiments.heroes.front().figure);
-    const auto video = video_data(logs.of(spec->video), group);
+    const auto video = video_data(reproduction.catalogue, logs.of(spec->video), group);
     if (video) page.set("lead_video", *video);
   }
   report.html = html_page("thesis", page);

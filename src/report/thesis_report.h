@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "report/printed_results.h"
 #include "report/reproduction.h"
 #include "report/saved_run.h"
-#include "scenario/printed_results.h"
 
 namespace breakwater {
 
@@ -60,7 +60,8 @@ std::string css_class(Verdict verdict);
 
 /// What the templates call the video of a run, if there is one in its folder; charts of `group`
 /// move with it. It is taken for one of the shot list's window, as far as the run lasts.
-std::optional<kainjow::mustache::data> video_data(const SavedRun& run, const std::string& group);
+std::optional<kainjow::mustache::data> video_data(const Catalogue& catalogue, const SavedRun& run,
+                                                  const std::string& group);
 
 /// "5.02", "1.1e-13"; "never" for an infinite one.
 std::string format_number(double value);

@@ -10,12 +10,16 @@
 #include <cstring>
 #include <filesystem>
 
-#include "scenario/program.h"
+#include "scenario/process.h"
 
 namespace breakwater {
 
 std::string own_program() {
-  return (std::filesystem::read_symlink("/proc/self/exe").parent_path() / "breakwater").string();
+  return std::filesystem::read_symlink("/proc/self/exe").string();
+}
+
+std::string neighbour_program(const std::string& name) {
+  return (std::filesystem::path(own_program()).parent_path() / name).string();
 }
 
 int call_program(const std::string& what, std::vector<std::string> words) {

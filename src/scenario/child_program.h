@@ -6,8 +6,9 @@
 
 namespace breakwater {
 
-/// Our own program `breakwater`, which stands beside the running one.
+/// The running program, and one that stands beside it.
 std::string own_program();
+std::string neighbour_program(const std::string& name);
 
 /// Calls a program, words[0] being its path or a name to be found. Returns its exit status. If it
 /// cannot be called or a signal ends it, says so on stderr as `WHAT: …` and returns 4. An

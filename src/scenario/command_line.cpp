@@ -7,11 +7,10 @@
 #include <stdexcept>
 
 #include "record/run_folder.h"
-#include "scenario/program.h"
+#include "scenario/process.h"
 #include "scenario/progress.h"
 #include "scenario/report.h"
 #include "scenario/runner.h"
-#include "scenario/video_later.h"
 #include "version.h"
 
 namespace breakwater {
@@ -110,11 +109,12 @@ void check_video(const std::vector<PreparedRun>& runs, const Arguments& argument
 }
 
 // Returns 0, or the status to exit with because of a video that failed.
-int make_videos(const std::vector<RunSummary>& runs, const Arguments& arguments) {
+int make_videos(const std::vector<RunSummary>& runs, const Arguments& arguments,
+                const RunExtras& extras) {
   if (arguments.video->count() == 0) return kSuccess;
   int status = kSuccess;
   for (const RunSummary& run : runs) {
-    const int made = make_video(run.folder, arguments.video_file, arguments.quiet);
+    const int made = extras.make_video(run.folder, arguments.video_file, arguments.quiet);
     if (made == kInterrupted) return kInterrupted;
     if (made != kSuccess) status = kLaterOutputFailed;
   }
@@ -148,7 +148,8 @@ void print_warnings(const std::string& scenario, const std::vector<PreparedRun>&
   }
 }
 
-int run_cases(const std::string& scenario, const ScenarioFile& file, const Arguments& arguments) {
+int run_cases(const Catalogue& catalogue, const std::string& scenario, const ScenarioFile& file,
+              const RunExtras& extras, const Arguments& arguments) {
   stop_on_signals();
   const bool all = arguments.case_name == kAll;
   const std::string case_name =
@@ -157,7 +158,7 @@ int run_cases(const std::string& scenario, const ScenarioFile& file, const Argum
 
   std::vector<PreparedRun> runs;
   for (const std::string& name : cases) {
-    runs.push_back(prepare_run(scenario, file, name, all_sets(arguments)));
+    runs.push_back(prepare_run(catalogue, scenario, file, name, all_sets(arguments)));
   }
   if (arguments.print_config && all) {
     throw std::invalid_argument("--print-config: prints one case, not all");
@@ -182,30 +183,31 @@ int run_cases(const std::string& scenario, const ScenarioFile& file, const Argum
       execute_runs(runs, folders, {arguments.csv, arguments.quiet, &interrupted()});
 
   report_failures(scenario, summaries);
-  const int video_status = make_videos(summaries, arguments);
+  const int video_status = make_videos(summaries, arguments, extras);
   const bool failed = std::any_of(summaries.begin(), summaries.end(),
                                   [](const RunSummary& run) { return run.failure.has_value(); });
   if (!arguments.quiet) {
     if (all) {
       fmt::print("results: {}\n\n{}", out.string(),
-                 comparison_table(scenario, summaries, output_width()));
+                 comparison_table(scenario, summaries, extras.references, output_width()));
     } else if (!failed) {
       const RunSummary& run = summaries.front();
       fmt::print("{} {}: {:.6g} s simulated in {:.1f} s\nresults: {}\n\n{}", scenario,
                  run.case_name, run.simulated_s, run.wall_s, out.string(),
-                 metrics_table(scenario, run));
+                 metrics_table(scenario, run, extras.references));
     }
   }
   return failed ? static_cast<int>(kRunFailed) : video_status;
 }
 
 // All cases for each value of one key, each into OUT/VALUE/CASE.
-int run_matrix(const std::string& scenario, const ScenarioFile& file, const Arguments& arguments) {
+int run_matrix(const Catalogue& catalogue, const std::string& scenario, const ScenarioFile& file,
+               const RunExtras& extras, const Arguments& arguments) {
   stop_on_signals();
   if (arguments.print_config) {
     throw std::invalid_argument("--print-config: prints one case, not all of --matrix");
   }
-  const Matrix matrix = make_scenario(scenario)->matrix();
+  const Matrix matrix = make_scenario(catalogue, scenario)->matrix();
   if (matrix.key.empty()) {
     throw std::invalid_argument(scenario + ": --matrix: this scenario has no conditions");
   }
@@ -218,7 +220,7 @@ int run_matrix(const std::string& scenario, const ScenarioFile& file, const Argu
     std::vector<std::string> sets = all_sets(arguments);
     sets.push_back(matrix.key + "=" + value);
     for (const std::string& name : file.cases()) {
-      runs.push_back(prepare_run(scenario, file, name, sets));
+      runs.push_back(prepare_run(catalogue, scenario, file, name, sets));
       places.push_back(value + "/" + name);
     }
   }
@@ -235,7 +237,7 @@ int run_matrix(const std::string& scenario, const ScenarioFile& file, const Argu
   const std::vector<RunSummary> summaries =
       execute_runs(runs, folders, {arguments.csv, arguments.quiet, &interrupted()});
   report_failures(scenario, summaries);
-  const int video_status = make_videos(summaries, arguments);
+  const int video_status = make_videos(summaries, arguments, extras);
   if (!arguments.quiet) {
     fmt::print("results: {}\n\n{}", out.string(), matrix_tables(matrix, summaries, output_width()));
   }
@@ -246,22 +248,24 @@ int run_matrix(const std::string& scenario, const ScenarioFile& file, const Argu
 
 }  // namespace
 
-int scenario_main(const std::string& scenario, int argc, const char* const* argv) {
+int scenario_main(const Catalogue& catalogue, const std::string& scenario, const RunExtras& extras,
+                  int argc, const char* const* argv) {
   return guarded(scenario, [&] {
-    CLI::App app(scenario + ": " + make_scenario(scenario)->summary(), scenario);
+    CLI::App app(scenario + ": " + make_scenario(catalogue, scenario)->summary(), scenario);
     Arguments arguments;
     describe(app, arguments);
     if (const auto status = parse(app, argc, argv)) return *status;
 
-    const std::string path =
-        arguments.config.empty() ? scenario_file(scenario).string() : arguments.config;
+    const std::string path = arguments.config.empty()
+                                 ? catalogue.get<ScenarioKind>(scenario).file().string()
+                                 : arguments.config;
     const ScenarioFile file(path, scenario);
     if (arguments.list_cases) {
       for (const std::string& name : file.cases()) fmt::print("{}\n", name);
       return static_cast<int>(kSuccess);
     }
-    return arguments.matrix ? run_matrix(scenario, file, arguments)
-                            : run_cases(scenario, file, arguments);
+    return arguments.matrix ? run_matrix(catalogue, scenario, file, extras, arguments)
+                            : run_cases(catalogue, scenario, file, extras, arguments);
   });
 }
 

@@ -1,12 +1,27 @@
-// The command line of all scenario binaries.
+// The command line of a scenario: its own binary's, and that of `run NAME`.
 #pragma once
 
+#include <filesystem>
+#include <functional>
 #include <string>
+
+#include "scenario/catalogue.h"
+#include "scenario/report.h"
 
 namespace breakwater {
 
-/// main() of a scenario binary. Returns its exit status: 0 success, 1 a defect of ours, 2 usage or
-/// input, 3 a run failed, 130 interrupted.
-int scenario_main(const std::string& scenario, int argc, const char* const* argv);
+/// What other rooms add to a run.
+struct RunExtras {
+  /// --video: makes the video of the run in a folder, `file` or, if that is empty, its default.
+  /// Prints one line if it fails. Returns an exit status.
+  std::function<int(const std::filesystem::path& folder, const std::string& file, bool quiet)>
+      make_video;
+  References references;
+};
+
+/// main() of a scenario. Returns its exit status: 0 success, 1 a defect of ours, 2 usage or input,
+/// 3 a run failed, 4 only a video failed, 130 interrupted.
+int scenario_main(const Catalogue& catalogue, const std::string& scenario, const RunExtras& extras,
+                  int argc, const char* const* argv);
 
 }  // namespace breakwater

@@ -8,30 +8,43 @@
 #include <map>
 #include <optional>
 
-#include "scenario/printed_results.h"
 #include "scenario/table.h"
 
 namespace breakwater {
 namespace {
 
-constexpr const char* kLegend = "* not reproduced: outside of its class (data/reproduced.toml)\n";
 constexpr const char* kChanged =
     "its settings are not those of the case: not compared with printed values\n";
 
-// What the thesis prints for a run's case, if the run is that case.
-std::vector<PrintedValue> printed_for(const std::string& scenario, const RunSummary& run) {
+std::vector<ReferenceValue> of_case(const References& references, const std::string& scenario,
+                                    const RunSummary& run) {
+  if (!references.of_case) return {};
+  return references.of_case(scenario, run.case_name);
+}
+
+// What is printed for a run's case, if the run is that case.
+std::vector<ReferenceValue> printed_for(const References& references, const std::string& scenario,
+                                        const RunSummary& run) {
   if (!run.is_as_shipped) return {};
-  return printed_values(scenario, run.case_name);
+  return of_case(references, scenario, run);
+}
+
+bool is_changed(const References& references, const std::string& scenario, const RunSummary& run) {
+  return !run.is_as_shipped && !of_case(references, scenario, run).empty();
+}
+
+std::string with_legend(const References& references, const std::string& text) {
+  return text.find(" *") != std::string::npos ? references.legend + text : text;
 }
 
 std::string format_value(double value) {
   return fmt::format("{:.5g}", value);
 }
 
-std::optional<PrintedValue> printed_value(const std::vector<PrintedValue>& values,
-                                          const std::string& metric) {
+std::optional<ReferenceValue> printed_value(const std::vector<ReferenceValue>& values,
+                                            const std::string& metric) {
   const auto found = std::find_if(values.begin(), values.end(),
-                                  [&](const PrintedValue& v) { return v.metric == metric; });
+                                  [&](const ReferenceValue& v) { return v.metric == metric; });
   if (found == values.end()) return std::nullopt;
   return *found;
 }
@@ -43,36 +56,34 @@ std::optional<Metric> find_metric(const std::vector<Metric>& metrics, const std:
   return *found;
 }
 
-// "+1.2 %"; a number whose class is absolute is near 0, where a ratio says nothing.
-std::string format_deviation(const PrintedValue& printed, double measured) {
-  std::string text = printed.standard.within.absolute
-                         ? fmt::format("{:+.1g}", measured - printed.number())
-                         : fmt::format("{:+.1f} %", 100.0 * (measured / printed.number() - 1.0));
-  const Verdict verdict = printed.verdict(measured);
-  if (verdict == Verdict::not_reproduced || verdict == Verdict::not_measured) text += " *";
-  return text;
+// "+1.2 %".
+std::string format_deviation(const ReferenceValue& printed, double measured) {
+  const std::string text =
+      printed.is_near_zero ? fmt::format("{:+.1g}", measured - printed.number)
+                           : fmt::format("{:+.1f} %", 100.0 * (measured / printed.number - 1.0));
+  return printed.is_met_by(measured) ? text : text + " *";
 }
 
 }  // namespace
 
-std::string metrics_table(const std::string& scenario, const RunSummary& run) {
-  const std::vector<PrintedValue> printed = printed_for(scenario, run);
+std::string metrics_table(const std::string& scenario, const RunSummary& run,
+                          const References& references) {
+  const std::vector<ReferenceValue> printed = printed_for(references, scenario, run);
   std::vector<std::string> header = {"metric", "value", "unit"};
   if (!printed.empty()) header.insert(header.end(), {"printed", "deviation"});
   Table table(header);
   for (const Metric& metric : run.metrics) {
     std::vector<std::string> row = {metric.name, format_value(metric.value), metric.unit};
     if (const auto value = printed_value(printed, metric.name)) {
-      row.push_back(value->result.text());
+      row.push_back(value->text);
       row.push_back(format_deviation(*value, metric.value));
     }
     table.add(row);
   }
   std::string text = table.print(std::numeric_limits<std::size_t>::max());
   if (run.metrics.empty()) text = "no metric applies to so short a run\n";
-  if (!run.is_as_shipped && !printed_values(scenario, run.case_name).empty())
-    text = kChanged + text;
-  return text.find(" *\n") != std::string::npos ? kLegend + text : text;
+  if (is_changed(references, scenario, run)) text = kChanged + text;
+  return with_legend(references, text);
 }
 
 std::string matrix_tables(const Matrix& matrix, const std::vector<RunSummary>& runs,
@@ -100,7 +111,7 @@ std::string matrix_tables(const Matrix& matrix, const std::vector<RunSummary>& r
 }
 
 std::string comparison_table(const std::string& scenario, const std::vector<RunSummary>& runs,
-                             std::size_t width) {
+                             const References& references, std::size_t width) {
   std::vector<Metric> rows;  // the union of all runs' metrics, in their order
   for (const RunSummary& run : runs) {
     auto position = rows.begin();
@@ -110,10 +121,10 @@ std::string comparison_table(const std::string& scenario, const std::vector<RunS
       position = found != rows.end() ? found + 1 : rows.insert(position, metric) + 1;
     }
   }
-  std::vector<std::vector<PrintedValue>> printed;
+  std::vector<std::vector<ReferenceValue>> printed;
   std::vector<std::string> header = {"metric", "unit"};
   for (const RunSummary& run : runs) {
-    printed.push_back(printed_for(scenario, run));
+    printed.push_back(printed_for(references, scenario, run));
     header.push_back(run.case_name);
   }
 
@@ -128,7 +139,7 @@ std::string comparison_table(const std::string& scenario, const std::vector<RunS
       const auto value = printed_value(printed[i], metric.name);
       const std::string missing = runs[i].failure ? "failed" : "-";
       values.push_back(measured ? format_value(measured->value) : missing);
-      printed_row.push_back(value ? value->result.text() : "-");
+      printed_row.push_back(value ? value->text : "-");
       deviations.push_back(value && measured ? format_deviation(*value, measured->value) : "-");
       any_printed |= value.has_value();
     }
@@ -140,10 +151,10 @@ std::string comparison_table(const std::string& scenario, const std::vector<RunS
   }
   std::string text = table.print(width);
   const bool any_changed = std::any_of(runs.begin(), runs.end(), [&](const RunSummary& run) {
-    return !run.is_as_shipped && !printed_values(scenario, run.case_name).empty();
+    return is_changed(references, scenario, run);
   });
   if (any_changed) text = kChanged + text;
-  return text.find(" *") != std::string::npos ? kLegend + text : text;
+  return with_legend(references, text);
 }
 
 }  // namespace breakwater

@@ -1,6 +1,7 @@
 // The tables that runs end with.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -9,14 +10,32 @@
 
 namespace breakwater {
 
-/// One run: each metric with its unit and, where the thesis prints it, the printed value.
-std::string metrics_table(const std::string& scenario, const RunSummary& run);
+/// A number that somebody else has for a metric of a case: one that is printed, say.
+struct ReferenceValue {
+  std::string metric;
+  double number;
+  std::string text;                       ///< as it is written there
+  bool is_near_zero;                      ///< a part of it says nothing
+  std::function<bool(double)> is_met_by;  ///< whether a measured number agrees with it
+};
+
+/// Where such numbers come from.
+struct References {
+  /// Those of a case of a scenario; may be empty: there are none at all.
+  std::function<std::vector<ReferenceValue>(const std::string& scenario,
+                                            const std::string& case_name)>
+      of_case;
+  std::string legend;  ///< what "*" means, beside a number that does not agree
+};
+
+/// One run: each metric with its unit and, where there is one, the printed value.
+std::string metrics_table(const std::string& scenario, const RunSummary& run,
+                          const References& references);
 
 /// Several runs side by side, one column each; rows are the metrics that any of them has, with the
-/// printed values and the deviations from them below. A deviation outside of what counts as
-/// reproduced is marked.
+/// printed values and the deviations from them below. A deviation that does not agree is marked.
 std::string comparison_table(const std::string& scenario, const std::vector<RunSummary>& runs,
-                             std::size_t width);
+                             const References& references, std::size_t width);
 
 /// One table for each of the matrix' metrics: cases down, values across. `runs` are those of the
 /// first value, then those of the second, ….

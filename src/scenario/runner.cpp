@@ -11,7 +11,6 @@
 #include "record/hdf5_log.h"
 #include "record/text_outputs.h"
 #include "scenario/all_cores.h"
-#include "scenario/paths.h"
 #include "scenario/progress.h"
 #include "sim/engine_guard.h"
 #include "version.h"
@@ -91,8 +90,10 @@ RunSummary execute(const PreparedRun& run, RunFolder& folder, const RunOptions& 
 
 // The configuration of the project's own case of that name, with the seed and the compression of
 // `scenario`; empty if there is none.
-std::string shipped_config(const Scenario& scenario, const std::string& case_name) {
-  const ScenarioFile file(scenario_file(scenario.name()).string(), scenario.name());
+std::string shipped_config(const Catalogue& catalogue, const Scenario& scenario,
+                           const std::string& case_name) {
+  const ScenarioFile file(catalogue.get<ScenarioKind>(scenario.name()).file().string(),
+                          scenario.name());
   if (std::find(file.cases().begin(), file.cases().end(), case_name) == file.cases().end()) {
     return "";
   }
@@ -100,7 +101,7 @@ std::string shipped_config(const Scenario& scenario, const std::string& case_nam
   const Config config =
       file.config(case_name, {fmt::format("run.seed={}", settings.seed),
                               fmt::format("record.compression={}", settings.compression)});
-  const auto shipped = make_scenario(scenario.name());
+  const auto shipped = make_scenario(catalogue, scenario.name());
   Fields fields = shipped->fields();
   fields.read(config);
   shipped->check(config);
@@ -109,14 +110,11 @@ std::string shipped_config(const Scenario& scenario, const std::string& case_nam
 
 }  // namespace
 
-std::filesystem::path scenario_file(const std::string& scenario) {
-  return data_root() / "scenarios" / scenario / (scenario + ".toml");
-}
-
-PreparedRun prepare_run(const std::string& scenario, const ScenarioFile& file,
-                        const std::string& case_name, const std::vector<std::string>& sets) {
+PreparedRun prepare_run(const Catalogue& catalogue, const std::string& scenario,
+                        const ScenarioFile& file, const std::string& case_name,
+                        const std::vector<std::string>& sets) {
   PreparedRun run;
-  run.scenario = make_scenario(scenario);
+  run.scenario = make_scenario(catalogue, scenario);
   run.case_name = case_name;
   const Config config = file.config(case_name, sets);
   Fields fields = run.scenario->fields();
@@ -128,7 +126,7 @@ PreparedRun prepare_run(const std::string& scenario, const ScenarioFile& file,
   }
   run.config_text = fields.print(scenario, case_name);
   run.model_files = fields.files();
-  run.is_as_shipped = shipped_config(*run.scenario, case_name) == run.config_text;
+  run.is_as_shipped = shipped_config(catalogue, *run.scenario, case_name) == run.config_text;
   return run;
 }
 

@@ -10,8 +10,8 @@
 
 #include "record/recording.h"
 #include "record/run_folder.h"
+#include "scenario/catalogue.h"
 #include "scenario/provenance.h"
-#include "scenario/scenario.h"
 
 namespace breakwater {
 
@@ -43,13 +43,11 @@ struct RunSummary {
   double wall_s = 0.0;
 };
 
-/// The scenario file that belongs to a scenario.
-std::filesystem::path scenario_file(const std::string& scenario);
-
 /// Reads and checks one case with `sets` (key=value) on top. Throws std::invalid_argument, one
 /// line.
-PreparedRun prepare_run(const std::string& scenario, const ScenarioFile& file,
-                        const std::string& case_name, const std::vector<std::string>& sets);
+PreparedRun prepare_run(const Catalogue& catalogue, const std::string& scenario,
+                        const ScenarioFile& file, const std::string& case_name,
+                        const std::vector<std::string>& sets);
 
 struct RunOptions {
   bool csv = false;

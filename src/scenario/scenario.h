@@ -3,7 +3,6 @@
 
 #include <atomic>
 #include <functional>
-#include <memory>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -13,6 +12,8 @@
 #include "sim/model.h"
 
 namespace breakwater {
+
+class Catalogue;
 
 /// What the outside may see and stop of a running scenario.
 struct RunControl {
@@ -74,11 +75,5 @@ class Scenario {
   /// What moves in the pictures besides the plant's qpos: a water surface's heights, say.
   virtual void animate_scene(Model&, double /*time_s*/) const {}
 };
-
-/// The names of all scenarios, in the order in which they are listed.
-std::vector<std::string> scenario_names();
-
-/// A new scenario by name. Throws std::invalid_argument if there is none of that name.
-std::unique_ptr<Scenario> make_scenario(const std::string& name);
 
 }  // namespace breakwater

@@ -7,9 +7,10 @@
 #include <cstdlib>
 #include <string>
 
+#include "pictures/staging.h"
 #include "render/offscreen.h"
 #include "render/scene_view.h"
-#include "scenario/staging.h"
+#include "standard.h"
 
 using namespace breakwater;
 
@@ -20,8 +21,8 @@ int main(int argc, char** argv) {
   }
   setenv("LP_NUM_THREADS", "0", 1);
   std::deque<FinishedRun> runs;
-  runs.emplace_back(argv[1]);
-  const ShotList shots = shot_list(runs.front().scenario().name());
+  runs.emplace_back(standard_catalogue(), argv[1]);
+  const ShotList shots = shot_list(runs.front().shots_file());
   const Window window = choose_window(runs, shots, {});
   const long frames = std::strtol(argv[3], nullptr, 10);
   PictureRun run = stage(runs.front(), shots, "");

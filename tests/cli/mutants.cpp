@@ -1,4 +1,5 @@
 #include "cli/mutants.h"
+#include "catalogue.h"
 
 #include <algorithm>
 #include <cstdlib>
@@ -162,7 +163,8 @@ std::vector<Mutant> all_mutants() {
   const auto add = [&all](const std::vector<Mutant>& more) {
     all.insert(all.end(), more.begin(), more.end());
   };
-  for (const std::string& scenario : scenario_names()) add(scenario_mutants(scenario));
+  for (const std::string& scenario : catalogue().names<ScenarioKind>())
+    add(scenario_mutants(scenario));
   add(model_mutants("arm.xml", "arm_wall_contact"));
   add(model_mutants("arm.urdf", "arm_push"));
   add(model_mutants("cart.xml", "cart_estimation"));

@@ -6,6 +6,7 @@
 #include <map>
 #include <random>
 
+#include "catalogue.h"
 #include "cli/mutated_input.h"
 #include "scenario/all_cores.h"
 #include "scenario/runner.h"
@@ -22,12 +23,12 @@ using testing::MutatedInput;
 std::string complaint(const Mutant& mutant, const std::string& path) {
   const bool is_scenario = mutant.option == "--config";
   try {
-    const ScenarioFile file(is_scenario ? path : scenario_file(mutant.scenario).string(),
-                            mutant.scenario);
+    const ScenarioKind& kind = testing::catalogue().get<ScenarioKind>(mutant.scenario);
+    const ScenarioFile file(is_scenario ? path : kind.file().string(), mutant.scenario);
     std::vector<std::string> sets;
     if (!is_scenario) sets.push_back(mutant.option + "=" + path);
     const Config config = file.config(file.default_case(), sets);
-    const auto scenario = make_scenario(mutant.scenario);
+    const auto scenario = kind.make(testing::catalogue());
     Fields fields = scenario->fields();
     fields.read(file, config);
     scenario->check(config);

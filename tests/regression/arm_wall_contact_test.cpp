@@ -7,7 +7,7 @@
 #include <sstream>
 
 #include "regression/run_case.h"
-#include "scenario/printed_results.h"
+#include "report/printed_results.h"
 #include "support.h"
 
 namespace breakwater {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "catalogue.h"
 #include "regression/run_case.h"
 
 namespace breakwater {
@@ -18,10 +19,10 @@ std::map<std::string, double> values(const std::vector<Metric>& metrics) {
 }
 
 TEST(BriefRuns, EveryCaseOfEveryScenarioRunsForATenthOfASecond) {
-  for (const std::string& scenario : scenario_names()) {
-    const ScenarioFile file(scenario_file(scenario).string(), scenario);
+  for (const std::string& scenario : testing::scenario_names()) {
+    const ScenarioFile file = testing::scenario_file(scenario);
     for (const std::string& name : file.cases()) {
-      const PreparedRun run = prepare_run(scenario, file, name, {"run.duration_s=0.1"});
+      const PreparedRun run = testing::prepare(scenario, name, {"run.duration_s=0.1"});
       const Recording recording = run.scenario->run({});
       EXPECT_FALSE(recording.failure) << scenario << " " << name;
       EXPECT_NEAR(recording.simulated_s, 0.1, 0.011) << scenario << " " << name;

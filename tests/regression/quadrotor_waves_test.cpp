@@ -122,30 +122,27 @@ TEST(QuadrotorWaves, IsTheSameRunTwice) {
 }
 
 TEST(QuadrotorWaves, SetsWinOverTheReading) {
-  const ScenarioFile file(scenario_file("quadrotor_waves").string(), "quadrotor_waves");
-  const PreparedRun run = prepare_run("quadrotor_waves", file, "ukf-zero",
-                                      {"controller.gains=printed", "reading=literal"});
+  const PreparedRun run = testing::prepare("quadrotor_waves", "ukf-zero",
+                                           {"controller.gains=printed", "reading=literal"});
   EXPECT_NE(run.config_text.find("gains = \"printed\""), std::string::npos);
   EXPECT_NE(run.config_text.find("interpretation = \"variance\""), std::string::npos);
   EXPECT_NE(run.config_text.find("disturbance = \"zero\""), std::string::npos);
 }
 
 TEST(QuadrotorWaves, WarnsOfGainsThatAreUnstable) {
-  const ScenarioFile file(scenario_file("quadrotor_waves").string(), "quadrotor_waves");
   const auto warnings = [&](const char* gains) {
-    return prepare_run("quadrotor_waves", file, "resonator", {gains}).scenario->warnings().size();
+    return testing::prepare("quadrotor_waves", "resonator", {gains}).scenario->warnings().size();
   };
   EXPECT_EQ(warnings("controller.gains=printed"), 1U);
   EXPECT_EQ(warnings("controller.gains=retuned"), 0U);
 }
 
 TEST(QuadrotorWaves, RefusesNonsense) {
-  const ScenarioFile file(scenario_file("quadrotor_waves").string(), "quadrotor_waves");
   for (const char* nonsense :
        {"wave.significant_height_m=-1", "wave.peak_period_s=0", "task.start_m=[0,0,1]",
         "task.reference_m=[0,0]", "wave.water_depth_m=5", "reading=litteral",
         "model.mjcf=models/cart.xml", "metrics.window_s=0", "fault.sensor=q1"}) {
-    EXPECT_THROW(prepare_run("quadrotor_waves", file, "ukf-second", {nonsense}),
+    EXPECT_THROW(testing::prepare("quadrotor_waves", "ukf-second", {nonsense}),
                  std::invalid_argument)
         << nonsense;
   }

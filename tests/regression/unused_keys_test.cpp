@@ -5,6 +5,7 @@
 
 #include <map>
 
+#include "catalogue.h"
 #include "scenario/all_cores.h"
 #include "scenario/runner.h"
 
@@ -12,10 +13,10 @@ namespace breakwater {
 namespace {
 
 TEST(UnusedKeys, NoShippedCaseSetsOne) {
-  for (const std::string& name : scenario_names()) {
-    const ScenarioFile file(scenario_file(name).string(), name);
+  for (const std::string& name : testing::scenario_names()) {
+    const ScenarioFile file = testing::scenario_file(name);
     for (const std::string& case_name : file.cases()) {
-      for (const VainKey& vain : prepare_run(name, file, case_name, {}).vain) {
+      for (const VainKey& vain : testing::prepare(name, case_name).vain) {
         ADD_FAILURE() << name << " " << case_name << ": " << vain.origin << ": " << vain.key;
       }
     }
@@ -105,8 +106,8 @@ std::vector<Trial> all_trials() {
       {"quadrotor_waves",
        {{"reading=literal"}, {"reading=consistent"}, {"estimator.wave_frequency=estimated"}}}};
   std::vector<Trial> trials;
-  for (const std::string& name : scenario_names()) {
-    const ScenarioFile file(scenario_file(name).string(), name);
+  for (const std::string& name : testing::scenario_names()) {
+    const ScenarioFile file = testing::scenario_file(name);
     for (const std::string& case_name : file.cases()) {
       trials.push_back({name, case_name, brief.at(name)});
     }
@@ -128,9 +129,9 @@ struct Result {
 
 // Runs it as it is, and with each key changed that is said to have no effect.
 Result result_of(const Trial& trial) {
-  const ScenarioFile file(scenario_file(trial.scenario).string(), trial.scenario);
-  const PreparedRun run = prepare_run(trial.scenario, file, trial.case_name, trial.sets);
-  const auto fresh = make_scenario(trial.scenario);
+  const ScenarioFile file = testing::scenario_file(trial.scenario);
+  const PreparedRun run = testing::prepare(trial.scenario, trial.case_name, trial.sets);
+  const auto fresh = make_scenario(testing::catalogue(), trial.scenario);
   const Config config = file.config(trial.case_name, trial.sets);
   Fields fields = fresh->fields();
   fields.read(config);
@@ -141,7 +142,7 @@ Result result_of(const Trial& trial) {
     result.changed += " " + sets.back();
     ++result.keys;
   }
-  const PreparedRun other = prepare_run(trial.scenario, file, trial.case_name, sets);
+  const PreparedRun other = testing::prepare(trial.scenario, trial.case_name, sets);
   const Recording one = run.scenario->run({});
   const Recording two = other.scenario->run({});
   result.is_same = one.state_hash == two.state_hash;

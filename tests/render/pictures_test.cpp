@@ -9,9 +9,10 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "catalogue.h"
 #include "cli/program.h"
+#include "pictures/staging.h"
 #include "render/media.h"
-#include "scenario/staging.h"
 #include "support.h"
 
 namespace breakwater {
@@ -330,8 +331,8 @@ Columns red_columns(const std::uint8_t* pixels, int width, int height) {
 
 TEST_F(Pictures, TheTipTouchesTheWallInTheImpactStill) {
   wall("run");
-  const FinishedRun run(folder_ / "run");
-  ShotList shots = shot_list("arm_wall_contact");
+  const FinishedRun run(testing::catalogue(), folder_ / "run");
+  ShotList shots = shot_list(run.shots_file());
   const auto impact = std::find_if(shots.moments.begin(), shots.moments.end(),
                                    [](const ShotMoment& m) { return m.caption == "impact"; });
   ASSERT_NE(impact, shots.moments.end());
@@ -364,8 +365,8 @@ TEST_F(Pictures, TheTipTouchesTheWallInTheImpactStill) {
 
 TEST_F(Pictures, TheChartEndsWhereTheLogSays) {
   wall("run");
-  const FinishedRun run(folder_ / "run");
-  const ShotList shots = shot_list("arm_wall_contact");
+  const FinishedRun run(testing::catalogue(), folder_ / "run");
+  const ShotList shots = shot_list(run.shots_file());
   std::vector<PictureRun> runs;
   runs.push_back(stage(run, shots, ""));
   PictureStyle style{.width = 1280, .height = 720, .look = kFastLook};
@@ -395,9 +396,9 @@ TEST_F(Pictures, TheChartEndsWhereTheLogSays) {
 
 TEST_F(Pictures, AScenarioWithoutAShotListIsDrawnToo) {
   push("run");
-  const ShotList shots = shot_list("no_such_scenario");
+  const ShotList shots = shot_list("no_such_file.toml");
   std::deque<FinishedRun> finished;
-  finished.emplace_back(folder_ / "run");
+  finished.emplace_back(testing::catalogue(), folder_ / "run");
   const Window window = choose_window(finished, shots, {});
   EXPECT_DOUBLE_EQ(window.from_s, 0.0);
   EXPECT_NEAR(window.to_s, 0.5, 1e-9);

@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "catalogue.h"
 #include "cli/program.h"
+#include "pictures/shot_list.h"
+#include "pictures/staging.h"
 #include "render/media.h"
-#include "scenario/scenario.h"
-#include "scenario/shot_list.h"
-#include "scenario/staging.h"
 #include "support.h"
 
 namespace breakwater {
@@ -90,9 +90,9 @@ TEST_P(ShotLists, FitARunOfTheirScenario) {
   const fs::path folder = testing::temporary_path("shots_" + GetParam());
   const testing::Removed removed(folder);
   fs::create_directories(folder);
-  ASSERT_TRUE(fs::exists(testing::source_file("renders/" + GetParam() + ".toml")))
+  ASSERT_TRUE(fs::exists(testing::source_file("scenarios/" + GetParam() + "/shots.toml")))
       << "every scenario has a shot list";
-  const ShotList shots = shot_list(GetParam());
+  const ShotList shots = shot_list(testing::catalogue().get<ScenarioKind>(GetParam()).shots());
 
   // The default case, as far as the shot list goes.
   const ProgramResult run = run_program({"breakwater", "run", GetParam(), "--quiet", "--duration",
@@ -119,14 +119,14 @@ TEST_P(ShotLists, FitARunOfTheirScenario) {
   EXPECT_GE(png.width, 320 * count);
   EXPECT_LT(png.width, 320 * count + 20 * count);
 
-  const FinishedRun finished(folder / "run");
+  const FinishedRun finished(testing::catalogue(), folder / "run");
   const double seen = smallest_share_of_the_plant(finished, shots);
   EXPECT_GT(seen, 0.002) << "in one of the moments the plant is hardly in the picture";
   EXPECT_LT(seen, 0.5);
   expect_arrows_inside(finished, shots);
 }
 
-INSTANTIATE_TEST_SUITE_P(All, ShotLists, ::testing::ValuesIn(scenario_names()),
+INSTANTIATE_TEST_SUITE_P(All, ShotLists, ::testing::ValuesIn(testing::scenario_names()),
                          [](const auto& list) { return list.param; });
 
 // Colours that differ from the gallery's by more than this are another picture; other versions of

@@ -11,6 +11,8 @@
 #include <set>
 #include <stdexcept>
 
+#include "catalogue.h"
+#include "pictures/finished_run.h"
 #include "record/output_error.h"
 #include "report/experiments.h"
 #include "report/html_page.h"
@@ -20,7 +22,6 @@
 #include "report/reproduction.h"
 #include "report/saved_run.h"
 #include "report/thesis_report.h"
-#include "scenario/finished_run.h"
 #include "scenario/runner.h"
 #include "support.h"
 
@@ -571,9 +572,9 @@ class DamagedRun : public ::testing::Test {
  protected:
   void SetUp() override {
     const std::string scenario = "motor_estimation";
-    const ScenarioFile file(scenario_file(scenario).string(), scenario);
     std::vector<PreparedRun> runs;
-    runs.push_back(prepare_run(scenario, file, file.default_case(), {"run.duration_s=0.1"}));
+    runs.push_back(testing::prepare(scenario, testing::scenario_file(scenario).default_case(),
+                                    {"run.duration_s=0.1"}));
     execute_runs(runs, {folder_}, {.csv = false, .quiet = true, .stop = nullptr});
     manifest_ = nlohmann::json::parse(std::ifstream(folder_ / "manifest.json"));
     metrics_ = nlohmann::json::parse(std::ifstream(folder_ / "metrics.json"));
@@ -593,7 +594,7 @@ class DamagedRun : public ::testing::Test {
       }
     };
     listen([&] { const SavedRun run(folder_); });
-    listen([&] { const FinishedRun run(folder_); });
+    listen([&] { const FinishedRun run(testing::catalogue(), folder_); });
     return all;
   }
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <optional>
 
-#include "scenario/push_metrics.h"
-#include "scenario/wall_contact_metrics.h"
+#include "arm_push/push_metrics.h"
+#include "arm_wall_contact/wall_contact_metrics.h"
 
 namespace breakwater {
 namespace {

@@ -5,9 +5,9 @@
 #include <fstream>
 #include <stdexcept>
 
+#include "pictures/shot_list.h"
+#include "report/printed_results.h"
 #include "scenario/fields.h"
-#include "scenario/printed_results.h"
-#include "scenario/shot_list.h"
 #include "scenario/table.h"
 #include "support.h"
 

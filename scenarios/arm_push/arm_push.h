@@ -1,0 +1,31 @@
+// Scenario arm_push: forced displacement of a link (thesis 2.4.3.3).
+#pragma once
+
+#include "rigs/arm_rig.h"
+#include "scenario/scenario.h"
+#include "world/hand.h"
+
+namespace breakwater {
+
+/// The arm holds its start pose. A stiff hand pushes the end of one link, turns it, holds it and
+/// lets go: the torques saturate, and the question is how the arm comes back.
+class ArmPush final : public Scenario {
+ public:
+  std::string name() const override { return "arm_push"; }
+  std::string summary() const override {
+    return "forced displacement of each link: torque saturation, recovery";
+  }
+  Fields fields() override;
+  void check(const Config& config) override;
+  const RunSettings& run_settings() const override { return arm_.run; }
+  Recording run(const RunControl& control) const override;
+  void prepare_scene(Model& model) const override;
+
+ private:
+  ArmSettings arm_;
+  int link_ = 1;
+  Hand hand_;
+  double settled_within_m_ = 0.0;
+};
+
+}  // namespace breakwater

@@ -1,0 +1,46 @@
+#include "arm_push/push_metrics.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace breakwater {
+
+void PushMetrics::after_sample(double time_s, const Eigen::VectorXd& q, const Eigen::VectorXd& dq,
+                               const TipPose& tip, double turned_rad, bool saturated) {
+  if (time_s < window_.grip_s) return;
+  if (saturated) saturated_s_ += window_.period_s;
+  tip_error_m_ = (tip - window_.start_pose).head<2>().norm();
+  if (time_s < window_.release_s) {
+    max_push_rad_ = std::max(max_push_rad_.value_or(0.0), std::abs(turned_rad));
+    for (std::size_t i = 0; i < release_offsets_.size(); ++i)
+      release_offsets_[i] = offset_rad(q, i);
+    return;
+  }
+  for (std::size_t i = 0; i < release_offsets_.size(); ++i) {
+    overshoot_rad_ =
+        std::max(overshoot_rad_, -std::copysign(1.0, release_offsets_[i]) * offset_rad(q, i));
+    reversals_[i].add(offset_rad(q, i));
+  }
+  peak_speed_rad_s_ = std::max(peak_speed_rad_s_, dq.cwiseAbs().maxCoeff());
+  if (tip_error_m_ > window_.settled_within_m) unsettled_until_s_ = time_s + window_.period_s;
+  last_free_s_ = time_s;
+}
+
+std::vector<Metric> PushMetrics::metrics() const {
+  std::vector<Metric> list;
+  if (max_push_rad_) list.push_back({"max_push_rad", "rad", *max_push_rad_});
+  if (!last_free_s_) return list;
+  list.push_back({"overshoot_rad", "rad", overshoot_rad_});
+  int reversals = 0;
+  for (const ReversalCount& joint : reversals_) reversals = std::max(reversals, joint.value());
+  list.push_back({"reversal_count", "1", static_cast<double>(reversals)});
+  if (unsettled_until_s_ <= *last_free_s_) {
+    list.push_back({"settling_time_s", "s", std::max(unsettled_until_s_ - window_.release_s, 0.0)});
+  }
+  list.push_back({"saturated_time_s", "s", saturated_s_});
+  list.push_back({"tip_error_m", "m", tip_error_m_});
+  list.push_back({"peak_speed_rad_s", "rad/s", peak_speed_rad_s_});
+  return list;
+}
+
+}  // namespace breakwater

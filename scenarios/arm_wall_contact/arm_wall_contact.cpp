@@ -1,0 +1,135 @@
+#include "arm_wall_contact/arm_wall_contact.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "arm_wall_contact/wall_contact_metrics.h"
+#include "scenario/run_loop.h"
+
+namespace breakwater {
+namespace {
+
+// Puts the wall's face where it belongs and gives it its stiffness.
+void place_wall(Model& model, double face_x_m, const ContactLaw& law) {
+  const int wall = model.id(mjOBJ_GEOM, "wall");
+  const int tip = model.id(mjOBJ_GEOM, "tip");
+  if (model->geom_type[wall] != mjGEOM_PLANE || model->geom_bodyid[wall] != 0) {
+    throw std::invalid_argument(model.file() + ": geom \"wall\" must be a plane of the world body");
+  }
+  const double moved_m = face_x_m - model->geom_pos[3 * wall];
+  for (const int part : model.geoms_named("wall")) model.get()->geom_pos[3 * part] += moved_m;
+  model.get()->geom_pos[3 * wall] = face_x_m;
+  author_contact(model, tip, wall, law);
+}
+
+}  // namespace
+
+Fields ArmWallContact::fields() {
+  Fields fields;
+  arm_.bind(fields);
+  fields.number("wall.distance_m", wall_distance_m_, positive(),
+                "from the tip at the start pose to the wall's face [m]");
+  fields.number("wall.solid_from_s", wall_solid_from_s_, not_negative(),
+                "the wall collides from here on: the stretched arm starts inside it [s]");
+  fields.number("contact.stiffness_N_m", contact_.stiffness_N_m, positive(),
+                "K of the chain sensor, end effector, gears, links: not of the steel [N/m]");
+  fields.number("contact.damping_Ns_m", contact_.damping_Ns_m, not_negative(),
+                "B of the same chain [N s/m]");
+  fields.number("force.reference_N", force_reference_N_, positive(), "F_x^ref [N]");
+  fields.number("force.from_s", force_from_s_, not_negative(),
+                "position control before, force control from here on [s]");
+  fields.number("force.convert_gain_per_m", convert_gain_per_m_, positive(),
+                "K_f = this times F_x^ref [1/m]");
+  fields.number("force.filter_time_constant_s", filter_time_constant_s_, not_negative(),
+                "of the force sensor's low-pass; 0: none [s]");
+  fields.number("metrics.from_s", metrics_from_s_, not_negative(),
+                "the force error is taken from here [s]");
+  fields.number("metrics.to_s", metrics_to_s_, positive(), "to here [s]");
+  fields.number("record.fine_from_s", fine_from_s_, not_negative(),
+                "forces are logged at the physics rate from here [s]");
+  fields.number("record.fine_to_s", fine_to_s_, not_negative(), "to here [s]");
+  return fields;
+}
+
+ArmRole ArmWallContact::role() const {
+  ArmRole role;
+  role.force_control_from_s = force_from_s_;
+  role.force_reference_N = force_reference_N_;
+  role.convert_gain_N_m = convert_gain_per_m_ * force_reference_N_;
+  role.force_filter_time_constant_s = filter_time_constant_s_;
+  role.prepare_model = [this](Model& model) {
+    place_wall(model, start_pose(arm_)[0] + wall_distance_m_, contact_);
+  };
+  return role;
+}
+
+void ArmWallContact::check(const Config& config) {
+  check_arm(arm_, role(), config);
+  if (wall_solid_from_s_ > force_from_s_) {
+    config.fail("wall.solid_from_s", "must not be after force.from_s");
+  }
+  if (metrics_to_s_ <= metrics_from_s_) {
+    config.fail("metrics.to_s", "must be after metrics.from_s");
+  }
+  if (fine_to_s_ < fine_from_s_) {
+    config.fail("record.fine_to_s", "must not be before record.fine_from_s");
+  }
+  if (metrics_from_s_ < force_from_s_) {
+    config.fail("metrics.from_s", "must not be before force.from_s");
+  }
+}
+
+void ArmWallContact::prepare_scene(Model& model) const {
+  role().prepare_model(model);
+}
+
+void ArmWallContact::animate_scene(Model& model, double time_s) const {
+  show_geoms(model, "wall_", time_s >= wall_solid_from_s_);
+}
+
+Recording ArmWallContact::run(const RunControl& control) const {
+  ArmRig rig(arm_, role());
+  Simulation& sim = rig.simulation();
+  const int wall = sim.model().id(mjOBJ_GEOM, "wall");
+  sim.set_collidable(wall, false);
+
+  const PhysicsSettings& physics = arm_.physics;
+  const std::int64_t steps = physics.step_at(arm_.run.duration_s);
+  const std::int64_t solid_step = physics.step_at(wall_solid_from_s_);
+  const std::int64_t fine_from = physics.step_at(fine_from_s_);
+  const std::int64_t fine_to = std::min(physics.step_at(fine_to_s_), steps);
+
+  Track log("control", rig.signals(),
+            static_cast<std::size_t>(steps / physics.steps_per_sample() + 1));
+  Track fine("physics", rig.fine_signals(),
+             static_cast<std::size_t>(std::max<std::int64_t>(fine_to - fine_from, 0)));
+  WallContactMetrics metrics({.force_from_s = physics.sample_time_s(force_from_s_),
+                              .reference_N = force_reference_N_,
+                              .error_from_s = metrics_from_s_,
+                              .error_to_s = metrics_to_s_,
+                              .step_s = physics.timestep_s,
+                              .period_s = physics.control_period_s,
+                              .start_pose = start_pose(arm_)});
+
+  Recording recording;
+  recording.failure = run_loop(steps, control, [&](std::int64_t k) {
+    if (k == solid_step) sim.set_collidable(wall, true);
+    sim.step();
+    metrics.after_step(sim.time_s(), rig.contact_force_N(), rig.filtered_force_N(),
+                       rig.tip_speed_x_m_s());
+    if (sim.sampled()) {
+      rig.observe();
+      metrics.after_sample(sim.time_s(), rig.tip(), sim.saturated());
+      log.append(sim.time_s());
+    }
+    if (k >= fine_from && k < fine_to) fine.append(sim.time_s());
+  });
+
+  conclude(recording, sim);
+  if (!recording.failure) recording.metrics = metrics.metrics(recording.simulated_s);
+  recording.tracks.push_back(std::move(log));
+  if (fine.rows() > 0) recording.tracks.push_back(std::move(fine));
+  return recording;
+}
+
+}  // namespace breakwater

@@ -1,0 +1,43 @@
+// Scenario arm_wall_contact: hybrid position/force control against a wall
+// (thesis 2.4.3.2, 2.4.3.4).
+#pragma once
+
+#include "rigs/arm_rig.h"
+#include "scenario/scenario.h"
+#include "sim/contact.h"
+
+namespace breakwater {
+
+/// The arm moves to its start pose, from `force.from_s` on approaches the wall and presses on it
+/// with `force.reference_N`. Impact force and free-motion time are the numbers of interest.
+class ArmWallContact final : public Scenario {
+ public:
+  std::string name() const override { return "arm_wall_contact"; }
+  std::string summary() const override {
+    return "hybrid position/force control against a wall: impact force, free-motion time";
+  }
+  Fields fields() override;
+  void check(const Config& config) override;
+  const RunSettings& run_settings() const override { return arm_.run; }
+  Recording run(const RunControl& control) const override;
+  void prepare_scene(Model& model) const override;
+  void animate_scene(Model& model, double time_s) const override;
+
+ private:
+  ArmRole role() const;
+
+  ArmSettings arm_;
+  double wall_distance_m_ = 0.0;
+  double wall_solid_from_s_ = 0.0;
+  ContactLaw contact_;
+  double force_from_s_ = 0.0;
+  double force_reference_N_ = 0.0;
+  double convert_gain_per_m_ = 0.0;
+  double filter_time_constant_s_ = 0.0;
+  double metrics_from_s_ = 0.0;
+  double metrics_to_s_ = 0.0;
+  double fine_from_s_ = 0.0;
+  double fine_to_s_ = 0.0;
+};
+
+}  // namespace breakwater

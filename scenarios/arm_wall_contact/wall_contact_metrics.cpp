@@ -1,0 +1,87 @@
+#include "arm_wall_contact/wall_contact_metrics.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace breakwater {
+namespace {
+
+constexpr double kImpulseWindow_s = 0.2;
+
+}  // namespace
+
+void WallContactMetrics::after_step(double time_s, double force_N, double filtered_N,
+                                    double tip_speed_x_m_s) {
+  if (!counts(time_s)) return;
+  follow_contact(time_s, force_N, tip_speed_x_m_s);
+  peak_raw_N_ = std::max(peak_raw_N_, force_N);
+  peak_filtered_N_ = std::max(peak_filtered_N_, filtered_N);
+  if (in_error_window(time_s)) follow_error(window_.reference_N - filtered_N);
+}
+
+void WallContactMetrics::after_sample(double time_s, const TipPose& tip, bool saturated) {
+  if (!counts(time_s)) return;
+  if (saturated) saturated_s_ += window_.period_s;
+  if (in_error_window(time_s)) {
+    ++samples_;
+    saturated_samples_ += saturated ? 1 : 0;
+  }
+  const TipPose error = tip - window_.start_pose;
+  max_y_error_m_ = std::max(max_y_error_m_, std::abs(error[1]));
+  max_posture_error_rad_ = std::max(max_posture_error_rad_, std::abs(error[2]));
+}
+
+void WallContactMetrics::follow_contact(double time_s, double force_N, double tip_speed_x_m_s) {
+  const bool touches = force_N > 0.0;
+  if (touches && !touched_) {
+    ++onsets_;
+    if (!first_contact_s_) {
+      first_contact_s_ = time_s;
+      impact_velocity_m_s_ = tip_speed_x_m_s;
+    }
+  }
+  touched_ = touches;
+  if (first_contact_s_ && time_s < *first_contact_s_ + kImpulseWindow_s - 0.5 * window_.step_s) {
+    impulse_Ns_ += force_N * window_.step_s;
+  }
+}
+
+// Welford's running mean and variance.
+void WallContactMetrics::follow_error(double error_N) {
+  ++errors_;
+  const double step = error_N - mean_error_N_;
+  mean_error_N_ += step / static_cast<double>(errors_);
+  squared_deviation_ += step * (error_N - mean_error_N_);
+}
+
+std::vector<Metric> WallContactMetrics::metrics(double simulated_s) const {
+  std::vector<Metric> list;
+  if (simulated_s <= window_.force_from_s) return list;
+  if (first_contact_s_) {
+    list.push_back({"free_motion_time_s", "s", *first_contact_s_ - window_.force_from_s});
+    list.push_back({"peak_force_raw_N", "N", peak_raw_N_});
+    list.push_back({"peak_force_filtered_N", "N", peak_filtered_N_});
+  }
+  if (simulated_s >= window_.error_to_s - 0.5 * window_.step_s && errors_ > 1) {
+    list.push_back({"mean_force_error_N", "N", mean_error_N_});
+    list.push_back({"std_force_error_N", "N",
+                    std::sqrt(squared_deviation_ / static_cast<double>(errors_ - 1))});
+    if (samples_ > 0) {
+      list.push_back({"saturated_share", "1",
+                      static_cast<double>(saturated_samples_) / static_cast<double>(samples_)});
+    }
+  }
+  if (first_contact_s_) {
+    list.push_back({"impact_velocity_m_s", "m/s", impact_velocity_m_s_});
+    if (simulated_s >= *first_contact_s_ + kImpulseWindow_s) {
+      list.push_back({"contact_impulse_Ns", "N s", impulse_Ns_});
+    }
+    list.push_back({"bounce_count", "1", static_cast<double>(onsets_ - 1)});
+  }
+  list.push_back({"saturated_time_s", "s", saturated_s_});
+  list.push_back({"max_posture_error_rad", "rad", max_posture_error_rad_});
+  list.push_back({"max_y_error_m", "m", max_y_error_m_});
+  return list;
+}
+
+}  // namespace breakwater

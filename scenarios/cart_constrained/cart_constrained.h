@@ -1,0 +1,58 @@
+// Scenario cart_constrained: constraints under disturbance and mass error (thesis 2.3.7, 3.3.4).
+#pragma once
+
+#include "rigs/cart_mpc.h"
+#include "scenario/scenario.h"
+
+namespace breakwater {
+
+/// Table of conditions of 2.3.7.
+enum class CartCondition {
+  A,  ///< nothing
+  B,  ///< a force of 1 N, half the input's limit
+  C,  ///< a force of 2 N, the input's limit
+  D,  ///< half the mass that the controller believes
+  E   ///< one and a half times that mass
+};
+
+enum class CartControllerKind { lqr, lqr_observer, mpc };
+
+/// The cart starts displaced and moving and is to come to rest at 0. Does the controller keep its
+/// limits of input and velocity when a force pushes or the mass is wrong?
+class CartConstrained final : public Scenario {
+ public:
+  std::string name() const override { return "cart_constrained"; }
+  std::string summary() const override {
+    return "limits of a cart's input and velocity under disturbance and mass error";
+  }
+  Matrix matrix() const override {
+    return {"condition",
+            {"A", "B", "C", "D", "E"},
+            {"max_input_N", "max_speed_m_s", "final_position_m", "input_violation_time_s",
+             "speed_violation_time_s"}};
+  }
+  Fields fields() override;
+  void check(const Config& config) override;
+  const RunSettings& run_settings() const override { return axis_.run; }
+  Recording run(const RunControl& control) const override;
+
+ private:
+  AxisSettings plant() const;
+  Disturbance disturbance() const;
+  Eigen::VectorXd estimator_start() const;
+
+  AxisSettings axis_{cart_axis()};
+  EstimatorSettings estimator_;
+  CartMpcSettings mpc_;
+  CartCondition condition_ = CartCondition::A;
+  CartControllerKind controller_ = CartControllerKind::mpc;
+  double start_position_m_ = 0.0;
+  double start_velocity_m_s_ = 0.0;
+  double estimated_start_position_m_ = 0.0;
+  double estimated_start_velocity_m_s_ = 0.0;
+  double disturbance_start_s_ = 0.0;
+  double violation_slack_ = 0.0;
+  double settled_within_m_ = 0.0;
+};
+
+}  // namespace breakwater

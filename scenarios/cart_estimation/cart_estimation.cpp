@@ -1,0 +1,165 @@
+#include "cart_estimation/cart_estimation.h"
+
+#include <cmath>
+#include <utility>
+
+#include "control/disturbance_cancelling_pd.h"
+#include "record/window_metrics.h"
+#include "scenario/run_loop.h"
+
+namespace breakwater {
+namespace {
+
+constexpr double kSettledWithin = 0.05;  // of the step
+
+// The same cart, without noise.
+AxisSettings without_noise(AxisSettings settings) {
+  settings.noise_std = settings.input_noise_std = 0.0;
+  return settings;
+}
+
+}  // namespace
+
+Fields CartEstimation::fields() {
+  Fields fields;
+  axis_.bind(fields);
+  estimator_.bind(fields);
+  estimator_.bind_gamma(fields);
+  fields.number("controller.kp", k_p_, not_negative(), "K_p [N/m]");
+  fields.number("controller.kd", k_d_, not_negative(), "K_d [N s/m]");
+  fields.number("task.reference_m", reference_.value, any(), "y_ref [m]");
+  fields.number("task.reference_from_s", reference_.from_s, not_negative(),
+                "when it is stepped to [s]");
+  fields.choice("disturbance.kind", kind_,
+                {{"step", Kind::step},
+                 {"ramp", Kind::ramp},
+                 {"sine", Kind::sine},
+                 {"high_sine", Kind::high_sine}},
+                "step, ramp, sine or high_sine: (a) to (d) of Table 4.3");
+  const auto bind = [&fields](const std::string& name, Disturbance& d, const std::string& unit) {
+    fields.number("disturbance." + name + "_N" + unit, d.amplitude, any(),
+                  unit.empty() ? "its amplitude [N]" : "its slope [N/s]");
+    if (d.kind == DisturbanceKind::sine) {
+      fields.number("disturbance." + name + "_rad_s", d.frequency_rad_s, positive(),
+                    "its frequency [rad/s]");
+    }
+    fields.number("disturbance." + name + "_start_s", d.start_s, not_negative(),
+                  "when it begins [s]");
+  };
+  bind("step", step_, "");
+  bind("ramp", ramp_, "_s");
+  bind("sine", sine_, "");
+  bind("high_sine", high_sine_, "");
+  const auto only_for = [&fields](const std::string& kind, const std::vector<std::string>& keys) {
+    for (const std::string& key : keys) {
+      fields.only_for({"disturbance." + kind + key}, "disturbance.kind", {kind});
+    }
+  };
+  only_for("step", {"_N", "_start_s"});
+  only_for("ramp", {"_N_s", "_start_s"});
+  only_for("sine", {"_N", "_rad_s", "_start_s"});
+  only_for("high_sine", {"_N", "_rad_s", "_start_s"});
+  fields.number("metrics.from_s", from_s_, not_negative(), "the errors' window begins [s]");
+  fields.number("metrics.to_s", to_s_, not_negative(), "the errors' window ends [s]");
+  fields.number("metrics.noise_from_s", noise_from_s_, not_negative(),
+                "the noise's window begins [s]");
+  fields.number("metrics.noise_to_s", noise_to_s_, not_negative(), "the noise's window ends [s]");
+  return fields;
+}
+
+Disturbance CartEstimation::disturbance() const {
+  switch (kind_) {
+    case Kind::step:
+      return step_;
+    case Kind::ramp:
+      return ramp_;
+    case Kind::sine:
+      return sine_;
+    case Kind::high_sine:
+      return high_sine_;
+  }
+  return {};
+}
+
+void CartEstimation::check(const Config& config) {
+  check_axis(axis_, config);
+  config.blame("observer.name", [&] { make_estimator(estimator_, axis_); });
+  if (to_s_ <= from_s_) config.fail("metrics.to_s", "must be later than metrics.from_s");
+  if (noise_to_s_ <= noise_from_s_) {
+    config.fail("metrics.noise_to_s", "must be later than metrics.noise_from_s");
+  }
+}
+
+Recording CartEstimation::run(const RunControl& control) const {
+  const DisturbanceCancellingPdDesign design{.k_p = k_p_,
+                                             .k_d = k_d_,
+                                             .reference = reference_,
+                                             .force_limit = axis_.force_limit(),
+                                             .period_s = axis_.physics.control_period_s,
+                                             .units = axis_.axis.units};
+  const Disturbance force = disturbance();
+  DisturbanceCancellingPd controller(make_estimator(estimator_, axis_), design);
+  AxisRig rig(axis_, {.force = force}, controller);
+  // Beside it, the run as it would be without noise: what differs is what the noise does.
+  DisturbanceCancellingPd quiet_controller(make_estimator(estimator_, axis_), design);
+  AxisRig quiet_rig(without_noise(axis_), {.force = force}, quiet_controller);
+  double noise_N = 0.0;
+  Simulation& sim = rig.simulation();
+  const std::int64_t steps = axis_.physics.step_at(axis_.run.duration_s);
+  std::vector<Signal> signals = rig.signals();
+  signals.push_back(
+      {"d_hat_noise_N", "N", "what the noise adds to the estimated disturbance", view(noise_N)});
+  Track log("control", std::move(signals),
+            static_cast<std::size_t>(steps / axis_.physics.steps_per_sample() + 1));
+
+  const double end_s = axis_.run.duration_s;
+  const TimeWindow window = TimeWindow{from_s_, to_s_}.within(end_s);
+  WindowStatistics error(window), truth(window), position_error(window), noise_in_window(window);
+  WindowStatistics noise(TimeWindow{noise_from_s_, noise_to_s_}.within(end_s));
+  // Least squares over the window: the T for which d(t) − T ḋ(t) fits what is estimated best.
+  double delayed = 0.0;
+  double squared_rates = 0.0;
+  SettlingTime settling(TimeWindow{force.start_s, to_s_}.within_and_on(end_s),
+                        kSettledWithin * std::abs(force.amplitude));
+
+  Recording recording;
+  // One step more than the duration has, so that the sample at its end is there.
+  recording.failure = run_loop(steps + 1, control, [&](std::int64_t) {
+    rig.step();
+    quiet_rig.step();
+    if (!sim.sampled()) return;
+    const double t = sim.time_s();
+    const double d_error = controller.disturbance() - rig.disturbance();
+    error.add(t, d_error);
+    truth.add(t, rig.disturbance());
+    if (window.contains(t)) {
+      const double rate = force.rate(t);
+      delayed -= d_error * rate;
+      squared_rates += rate * rate;
+    }
+    position_error.add(t, controller.reference() - sim.qpos()[0]);
+    noise_N = controller.disturbance() - quiet_controller.disturbance();
+    noise.add(t, noise_N);
+    noise_in_window.add(t, noise_N);
+    settling.add(t, d_error);
+    log.append(t);
+  });
+
+  conclude(recording, sim);
+  if (!recording.failure) {
+    std::vector<Metric>& metrics = recording.metrics;
+    if (truth.rms().value_or(0.0) > 0.0) {
+      add(metrics, "relative_rmse_disturbance", "1", *error.rms() / *truth.rms());
+    }
+    if (kind_ == Kind::step) add(metrics, "settling_time_5pct_s", "s", settling.value());
+    if (squared_rates > 0.0) add(metrics, "disturbance_lag_s", "s", delayed / squared_rates);
+    add(metrics, "max_noise_N", "N", noise.peak());
+    add(metrics, "max_noise_deviation_N", "N", noise_in_window.largest_deviation());
+    add(metrics, "rms_noise_N", "N", noise.rms());
+    add(metrics, "steady_state_error_m", "m", position_error.mean());
+  }
+  recording.tracks.push_back(std::move(log));
+  return recording;
+}
+
+}  // namespace breakwater

@@ -1,0 +1,47 @@
+// Scenario cart_estimation: disturbance models and forgetting factors (thesis 4.2.4).
+#pragma once
+
+#include "control/step_reference.h"
+#include "rigs/axis_rig.h"
+#include "rigs/estimator_settings.h"
+#include "scenario/scenario.h"
+#include "world/disturbance.h"
+
+namespace breakwater {
+
+/// A cart under PD control with disturbance cancellation (Eq. 4.10), with system and observation
+/// noise. Which disturbance model and which forgetting factor follows which disturbance, how fast,
+/// and at what price in noise?
+class CartEstimation final : public Scenario {
+ public:
+  std::string name() const override { return "cart_estimation"; }
+  std::string summary() const override {
+    return "disturbance models and forgetting factors of Kalman filters on a cart";
+  }
+  Fields fields() override;
+  void check(const Config& config) override;
+  const RunSettings& run_settings() const override { return axis_.run; }
+  Recording run(const RunControl& control) const override;
+
+ private:
+  enum class Kind { step, ramp, sine, high_sine };
+
+  Disturbance disturbance() const;
+
+  AxisSettings axis_{cart_axis()};
+  EstimatorSettings estimator_;
+  double k_p_ = 0.0;
+  double k_d_ = 0.0;
+  StepReference reference_;
+  Kind kind_ = Kind::step;
+  Disturbance step_{.kind = DisturbanceKind::step};
+  Disturbance ramp_{.kind = DisturbanceKind::ramp};
+  Disturbance sine_{.kind = DisturbanceKind::sine};
+  Disturbance high_sine_{.kind = DisturbanceKind::sine};
+  double from_s_ = 0.0;
+  double to_s_ = 0.0;
+  double noise_from_s_ = 0.0;
+  double noise_to_s_ = 0.0;
+};
+
+}  // namespace breakwater

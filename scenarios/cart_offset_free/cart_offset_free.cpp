@@ -1,0 +1,116 @@
+#include "cart_offset_free/cart_offset_free.h"
+
+#include <cmath>
+#include <utility>
+
+#include "record/window_metrics.h"
+#include "scenario/run_loop.h"
+
+namespace breakwater {
+
+Fields CartOffsetFree::fields() {
+  Fields fields;
+  axis_.bind(fields);
+  fields.flag("noise.enabled", noise_, "whether there is any noise: true or false");
+  fields.only_where({"noise.std_m", "noise.input_std_N"}, "noise.enabled is true",
+                    [this] { return noise_; });
+  estimator_.bind(fields);
+  mpc_.bind(fields);
+  fields.number("reference.position_m", reference_.value, any(), "r [m]");
+  fields.number("reference.start_s", reference_.from_s, not_negative(), "0 before [s]");
+  fields.number("disturbance.input_N", disturbance_N_, any(), "d_i, which opposes the drive [N]");
+  fields.number("disturbance.output_m", output_disturbance_m_, any(),
+                "d_o, added to the measured position [m]");
+  fields.number("disturbance.start_s", disturbance_start_s_, not_negative(), "of both [s]");
+  fields.number("metrics.from_s", from_s_, not_negative(), "of the errors' means [s]");
+  fields.number("metrics.to_s", to_s_, not_negative(), "of the errors' means [s]");
+  fields.number("metrics.settled_within", settled_within_, positive(),
+                "settled: y stays this close to r, over r, until the disturbance begins");
+  return fields;
+}
+
+AxisSettings CartOffsetFree::plant() const {
+  AxisSettings plant = axis_;
+  if (!noise_) plant.noise_std = plant.input_noise_std = 0.0;
+  return plant;
+}
+
+PredictiveControlDesign CartOffsetFree::design() const {
+  PredictiveControlDesign design = mpc_.design(axis_);
+  design.reference = reference_;
+  return design;
+}
+
+void CartOffsetFree::check(const Config& config) {
+  check_axis(axis_, config);
+  mpc_.check(axis_, config);
+  config.blame("observer.name", [&] { make_estimator(estimator_, axis_); });
+  if (to_s_ <= from_s_) config.fail("metrics.to_s", "must be later than metrics.from_s");
+}
+
+Recording CartOffsetFree::run(const RunControl& control) const {
+  PredictiveControl controller(make_estimator(estimator_, plant()), design());
+  const auto step = [&](double amplitude) {
+    return Disturbance{DisturbanceKind::step, amplitude, 0.0, disturbance_start_s_};
+  };
+  AxisRig rig(plant(), {step(disturbance_N_), step(output_disturbance_m_)}, controller);
+  Simulation& sim = rig.simulation();
+  const std::int64_t steps = axis_.physics.step_at(axis_.run.duration_s);
+  Track log("control", rig.signals(),
+            static_cast<std::size_t>(steps / axis_.physics.steps_per_sample() + 1));
+
+  const double end_s = axis_.run.duration_s;
+  const TimeWindow window = TimeWindow{from_s_, to_s_}.within(end_s);
+  WindowStatistics error(window), true_error(window), d_hat(window), d_error(window);
+  WindowStatistics position_in_window(window), estimate_error(TimeWindow{});
+  WindowStatistics early_d_hat(TimeWindow{reference_.from_s}.within(end_s));
+  WindowStatistics speed(TimeWindow{}), input(TimeWindow{}), position(TimeWindow{});
+  SettlingTime settling(TimeWindow{reference_.from_s, disturbance_start_s_}.within(end_s),
+                        settled_within_ * std::abs(reference_.value));
+
+  Recording recording;
+  // One step more than the duration has, so that the sample at its end is there.
+  recording.failure = run_loop(steps + 1, control, [&](std::int64_t) {
+    rig.step();
+    if (!sim.sampled()) return;
+    const double t = sim.time_s();
+    const double r = reference_.at(t);
+    const double y = sim.sample().y(0);
+    const double estimate = controller.estimator().disturbance()(0);
+    error.add(t, y - r);
+    true_error.add(t, sim.qpos()[0] - r);
+    d_hat.add(t, estimate);
+    d_error.add(t, estimate - rig.disturbance());
+    speed.add(t, sim.qvel()[0]);
+    input.add(t, sim.command()(0));
+    position.add(t, sim.qpos()[0]);
+    position_in_window.add(t, sim.qpos()[0]);
+    estimate_error.add(t, controller.estimator().state()(0) - sim.qpos()[0]);
+    if (t < disturbance_start_s_) {
+      settling.add(t, y - r);
+      early_d_hat.add(t, estimate);
+    }
+    log.append(t);
+  });
+
+  conclude(recording, sim);
+  if (!recording.failure) {
+    std::vector<Metric>& metrics = recording.metrics;
+    add(metrics, "steady_state_error_m", "m", error.mean());
+    add(metrics, "true_position_error_m", "m", true_error.mean());
+    add(metrics, "settling_time_s", "s", settling.value());
+    add(metrics, "max_speed_m_s", "m/s", speed.peak());
+    add(metrics, "max_input_N", "N", input.peak());
+    add(metrics, "max_position_m", "m", position.largest());
+    add(metrics, "std_position_m", "m", position_in_window.standard_deviation());
+    add(metrics, "rms_position_estimate_error_m", "m", estimate_error.rms());
+    add(metrics, "max_early_disturbance_estimate_N", "N", early_d_hat.peak());
+    add(metrics, "mean_disturbance_estimate_N", "N", d_hat.mean());
+    add(metrics, "rms_disturbance_error_N", "N", d_error.rms());
+    add_qp_metrics(controller.lmpc().statistics(), recording);
+  }
+  recording.tracks.push_back(std::move(log));
+  return recording;
+}
+
+}  // namespace breakwater

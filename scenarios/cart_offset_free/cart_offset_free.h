@@ -1,0 +1,39 @@
+// Scenario cart_offset_free: predictive control under input and output disturbance (2.3.6, 3.3.3).
+#pragma once
+
+#include "rigs/cart_mpc.h"
+#include "scenario/scenario.h"
+
+namespace breakwater {
+
+/// The cart is to go to a position and stay there while a force pushes it and its position sensor
+/// is off. Estimation is faster than control. Does an error remain?
+class CartOffsetFree final : public Scenario {
+ public:
+  std::string name() const override { return "cart_offset_free"; }
+  std::string summary() const override {
+    return "predictive control of a cart under input and output disturbance: what error remains";
+  }
+  Fields fields() override;
+  void check(const Config& config) override;
+  const RunSettings& run_settings() const override { return axis_.run; }
+  Recording run(const RunControl& control) const override;
+
+ private:
+  AxisSettings plant() const;
+  PredictiveControlDesign design() const;
+
+  AxisSettings axis_{cart_axis()};
+  EstimatorSettings estimator_;
+  CartMpcSettings mpc_;
+  StepReference reference_;
+  double disturbance_N_ = 0.0;
+  double output_disturbance_m_ = 0.0;
+  double disturbance_start_s_ = 0.0;
+  bool noise_ = false;
+  double from_s_ = 0.0;
+  double to_s_ = 0.0;
+  double settled_within_ = 0.0;
+};
+
+}  // namespace breakwater

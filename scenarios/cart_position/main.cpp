@@ -1,5 +1,0 @@
-#include "scenario/command_line.h"
-
-int main(int argc, char** argv) {
-  return breakwater::scenario_main("cart_position", argc, argv);
-}

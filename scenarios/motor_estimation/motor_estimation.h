@@ -1,0 +1,37 @@
+// Scenario motor_estimation: disturbance estimators behind an encoder (thesis 4.3).
+#pragma once
+
+#include "rigs/axis_rig.h"
+#include "rigs/estimator_settings.h"
+#include "scenario/scenario.h"
+#include "world/disturbance.h"
+
+namespace breakwater {
+
+/// A motor is held at 0 by PD control with disturbance cancellation (Eq. 4.22). Its angle comes
+/// from an encoder, with or without white noise; a torque disturbs it. How well does the estimator
+/// see what is not measured?
+class MotorEstimation final : public Scenario {
+ public:
+  std::string name() const override { return "motor_estimation"; }
+  std::string summary() const override {
+    return "disturbance estimators on a motor: encoder quantisation and white noise";
+  }
+  Fields fields() override;
+  void check(const Config& config) override;
+  const RunSettings& run_settings() const override { return axis_.run; }
+  Recording run(const RunControl& control) const override;
+
+ private:
+  AxisSettings axis_{motor_axis()};
+  EstimatorSettings estimator_;
+  double lambda_ = 1.0;
+  double k_p_ = 0.0;
+  double k_d_ = 0.0;
+  Disturbance disturbance_;
+  double from_s_ = 0.0;
+  double to_s_ = 0.0;
+  double settled_within_ = 0.0;
+};
+
+}  // namespace breakwater

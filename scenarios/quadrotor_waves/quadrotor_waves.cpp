@@ -1,0 +1,461 @@
+#include "quadrotor_waves/quadrotor_waves.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "record/window_metrics.h"
+#include "scenario/run_loop.h"
+#include "signals/thread_time.h"
+#include "sim/height_field.h"
+
+namespace breakwater {
+namespace {
+
+// A run counts as converged if it holds this close in the window (per axis, and at worst).
+constexpr double kConvergedRmse_m = 0.5;
+constexpr double kConvergedPeak_m = 2.0;
+constexpr int kOutputs = 6;
+constexpr const char* kChannels[] = {"x", "y", "z", "roll", "pitch", "yaw"};
+
+Eigen::Vector3d vector3(const std::vector<double>& values) {
+  return {values[0], values[1], values[2]};
+}
+
+double wrapped(double angle_rad) {
+  return std::remainder(angle_rad, 2.0 * std::numbers::pi);
+}
+
+// RMS per axis of a vector: √(mean |e|²/axes).
+class VectorStatistics {
+ public:
+  VectorStatistics(const TimeWindow& window, double axes) : squares_(window), axes_(axes) {}
+  template <typename Vector>
+  void add(double time_s, const Vector& e) {
+    squares_.add(time_s, e.squaredNorm() / axes_);
+  }
+  std::optional<double> rms() const {
+    const auto mean = squares_.mean();
+    if (!mean) return std::nullopt;
+    return std::sqrt(*mean);
+  }
+
+ private:
+  WindowStatistics squares_;
+  double axes_;
+};
+
+// The truth about a sample, for the log and the metrics.
+struct Truth {
+  Eigen::Matrix<double, 12, 1> motion = Eigen::Matrix<double, 12, 1>::Zero();
+  Eigen::Vector3d wave_force = Eigen::Vector3d::Zero();
+  Eigen::Vector3d wave_torque = Eigen::Vector3d::Zero();
+  Eigen::Vector3d error = Eigen::Vector3d::Zero();
+  double elevation_m = 0.0;
+  double saturated = 0.0;
+
+  void observe(const Simulation& sim, const UnderwaterForce& water,
+               const Eigen::Vector3d& reference) {
+    const FreeMotion free(sim.qpos().data(), sim.qvel().data());
+    motion << free.position, free.euler, free.velocity,
+        attitude_rates(AttitudeTrig(free.euler), free.body_rates);
+    error = reference - free.position;
+    const Vector6d load = water.wave_load(sim.time_s(), free);
+    wave_force = load.head<3>();
+    wave_torque = load.tail<3>();
+    elevation_m = water.elevation(sim.time_s(), free.position.x(), free.position.y());
+    saturated = sim.saturated() ? 1.0 : 0.0;
+  }
+};
+
+class StationMetrics {
+ public:
+  explicit StationMetrics(const TimeWindow& window)
+      : tracking_(window, 3.0),
+        axes_{WindowStatistics(window), WindowStatistics(window), WindowStatistics(window)},
+        error_(window),
+        position_(window, 3.0),
+        attitude_(window, 3.0),
+        measured_position_(window, 3.0),
+        roll_rate_(window),
+        roll_rate_of_zero_(window),
+        vertical_(window),
+        vertical_of_zero_(window),
+        horizontal_(window, 2.0),
+        horizontal_of_zero_(window, 2.0),
+        thrust_(window, 4.0),
+        saturated_(window),
+        nees_(window) {}
+
+  void after_sample(double t, const Truth& truth, const Simulation& sim,
+                    const QuadrotorEstimator& estimator) {
+    tracking_.add(t, truth.error);
+    for (int i = 0; i < 3; ++i) axes_[static_cast<std::size_t>(i)].add(t, truth.error(i));
+    error_.add(t, truth.error.norm());
+    Eigen::Matrix<double, 12, 1> off = estimator.motion() - truth.motion;
+    for (int i = 3; i < 6; ++i) off(i) = wrapped(off(i));
+    position_.add(t, off.head<3>());
+    attitude_.add(t, off.segment<3>(3));
+    measured_position_.add(t, sim.sample().y.head<3>() - truth.motion.head<3>());
+    roll_rate_.add(t, off(9));
+    roll_rate_of_zero_.add(t, truth.motion(9));
+    const Eigen::Vector3d& force = truth.wave_force;
+    const Eigen::Vector3d force_off = estimator.force() - force;
+    vertical_.add(t, force_off.z());
+    vertical_of_zero_.add(t, force.z());
+    horizontal_.add(t, force_off.head<2>());
+    horizontal_of_zero_.add(t, force.head<2>());
+    thrust_.add(t, sim.actuation());
+    saturated_.add(t, truth.saturated);
+    nees_.add(t, off.dot(estimator.motion_covariance().llt().solve(off)));
+  }
+
+  std::vector<Metric> metrics(bool models_disturbance) const {
+    std::vector<Metric> list;
+    add(list, "tracking_rmse_m", "m", tracking_.rms());
+    add(list, "max_error_m", "m", error_.largest());
+    if (error_.largest()) {
+      const bool converged = *error_.largest() < kConvergedPeak_m &&
+                             std::all_of(axes_.begin(), axes_.end(), [](const auto& axis) {
+                               return *axis.rms() < kConvergedRmse_m;
+                             });
+      list.push_back({"converged", "1", converged ? 1.0 : 0.0});
+    }
+    add(list, "position_estimate_rmse_m", "m", position_.rms());
+    add(list, "position_measurement_rmse_m", "m", measured_position_.rms());
+    add(list, "attitude_estimate_rmse_rad", "rad", attitude_.rms());
+    add(list, "roll_rate_rmse_rad_s", "rad/s", roll_rate_.rms());
+    add(list, "roll_rate_rmse_of_zero_rad_s", "rad/s", roll_rate_of_zero_.rms());
+    if (models_disturbance) {
+      add(list, "vertical_force_rmse_N", "N", vertical_.rms());
+      add(list, "horizontal_force_rmse_N", "N", horizontal_.rms());
+    }
+    add(list, "vertical_force_rmse_of_zero_N", "N", vertical_of_zero_.rms());
+    add(list, "horizontal_force_rmse_of_zero_N", "N", horizontal_of_zero_.rms());
+    add(list, "thrust_rms_N", "N", thrust_.rms());
+    add(list, "saturated_fraction", "1", saturated_.mean());
+    add(list, "nees_mean", "1", nees_.mean());
+    return list;
+  }
+
+ private:
+  VectorStatistics tracking_;
+  std::array<WindowStatistics, 3> axes_;
+  WindowStatistics error_;
+  VectorStatistics position_;
+  VectorStatistics attitude_;
+  VectorStatistics measured_position_;
+  WindowStatistics roll_rate_;
+  WindowStatistics roll_rate_of_zero_;
+  WindowStatistics vertical_;
+  WindowStatistics vertical_of_zero_;
+  VectorStatistics horizontal_;
+  VectorStatistics horizontal_of_zero_;
+  VectorStatistics thrust_;
+  WindowStatistics saturated_;
+  WindowStatistics nees_;
+};
+
+// What one update of the filter costs, on the run's own samples: measured after the run, so that
+// the run depends on no clock.
+double filter_time_us(const Track& log, QuadrotorEstimator& estimator) {
+  const std::vector<double> poses = log.values("pose_measured");
+  const std::vector<double> thrusts = log.values("thrust_applied_N");
+  const std::size_t samples = std::min<std::size_t>(log.rows(), 2000);
+  const double begin = thread_time_s();
+  estimator.reset(Eigen::Map<const Vector6d>(poses.data()));
+  for (std::size_t k = 0; k < samples; ++k) {
+    const std::size_t held = k > 0 ? k - 1 : 0;
+    estimator.update(Eigen::Map<const Eigen::Vector4d>(&thrusts[4 * held]),
+                     Eigen::Map<const Vector6d>(&poses[kOutputs * k]));
+  }
+  return 1e6 * (thread_time_s() - begin) / static_cast<double>(samples);
+}
+
+}  // namespace
+
+double QuadrotorWaves::deviation(double V) const {
+  return interpretation_ == NoiseInterpretation::variance ? std::sqrt(V) : V;
+}
+
+Backstepping QuadrotorWaves::law() const {
+  BacksteppingDesign design;
+  const double period_s = physics_.control_period_s;
+  switch (gains_) {
+    case Gains::retuned:
+      design.alpha = retuned_gains(parameters_, period_s);
+      break;
+    case Gains::dlqr:
+      design.alpha = dlqr_gains(parameters_, period_s);
+      break;
+    case Gains::printed:
+      design.alpha = printed_gains();
+      break;
+  }
+  design.reference.head<3>() = vector3(reference_m_);
+  design.position_clamp_m = position_clamp_m_;
+  design.thrust_floor_N = thrust_floor_N_;
+  return {plant(), design};
+}
+
+QuadrotorEstimatorDesign QuadrotorWaves::estimator_design() const {
+  QuadrotorEstimatorDesign design = estimator_;
+  const bool printed = covariance_ == MeasurementCovariance::printed;
+  design.position_std_m = printed ? std::sqrt(V_m_) : deviation(V_m_);
+  design.angle_std_rad = printed ? std::sqrt(V_p_) : deviation(V_p_);
+  design.period_s = physics_.control_period_s;
+  // The resonators' place is where the force's energy is, at the depth that is to be held.
+  SeaState assumed = wave_setup().sea;
+  if (assumed_period_s_ > 0.0) assumed.peak_period_s = assumed_period_s_;
+  design.wave_frequency_rad_s = mean_acceleration_frequency(assumed, -reference_m_[2]);
+  design.estimates_wave_frequency = frequency_source_ == WaveFrequencySource::estimated;
+  return design;
+}
+
+WaveLoadSetup QuadrotorWaves::wave_setup() const {
+  WaveLoadSetup setup = waves_;
+  setup.sea.seed = run_.seed;
+  setup.sea.gravity_m_s2 = parameters_.gravity_m_s2;
+  setup.current_m_s = vector3(current_m_s_);
+  return setup;
+}
+
+SensingSetup QuadrotorWaves::sensing_setup() const {
+  SensingSetup setup;
+  for (int i = 0; i < 3; ++i) {
+    setup.channels.push_back(
+        {.name = kChannels[i], .sensor = "position", .component = i, .noise_std = deviation(V_m_)});
+  }
+  constexpr Reading kAngles[] = {Reading::roll, Reading::pitch, Reading::yaw};
+  for (int i = 0; i < 3; ++i) {
+    setup.channels.push_back({.name = kChannels[3 + i],
+                              .sensor = "attitude",
+                              .reading = kAngles[i],
+                              .noise_std = deviation(V_p_)});
+  }
+  faults_.apply(setup);
+  setup.seed = run_.seed;
+  return setup;
+}
+
+Fields QuadrotorWaves::fields() {
+  Fields fields;
+  fields.file("model.mjcf", mjcf_, "the plant");
+  fields.choice(
+      "plant.model", physics_kind_,
+      {{"physical", QuadrotorPhysics::physical}, {"thesis", QuadrotorPhysics::thesis}},
+      "physical, or thesis: with G and C as printed; the estimator's and controller's too");
+  physics_.bind(fields);
+  run_.bind(fields);
+  fields.numbers("task.start_m", start_m_, any(), "where it starts, at rest: x, y, z [m]");
+  fields.numbers("task.reference_m", reference_m_, any(), "where it is to be: x, y, z [m]");
+
+  fields.choice("wave.mode", waves_.mode,
+                {{"physical", WaveMode::physical}, {"thesis", WaveMode::thesis}},
+                "physical: Morison's force; thesis: one force through E, torques by atan2");
+  fields.number("wave.significant_height_m", waves_.sea.significant_height_m, not_negative(),
+                "H_s; 0: still water [m]");
+  fields.number("wave.peak_period_s", waves_.sea.peak_period_s, positive(), "T_p [s]");
+  fields.number("wave.gamma", waves_.sea.gamma, between(1, 20), "peak enhancement");
+  fields.number("wave.heading_rad", waves_.sea.heading_rad, any(),
+                "where the waves go, from x towards y [rad]");
+  fields.number("wave.water_depth_m", waves_.sea.water_depth_m, not_negative(),
+                "of the bottom; 0: deep water [m]");
+  fields.count("wave.components", waves_.sea.components, between(1, 1000),
+               "of the sea's realisation");
+  fields.numbers("wave.current_m_s", current_m_s_, any(), "steady current: x, y, z [m/s]");
+  fields.number("wave.inertia_coefficient", waves_.inertia_coefficient, not_negative(), "C_m");
+  fields.number("wave.buoyancy_arm_m", waves_.buoyancy_arm_m, any(),
+                "physical: z_B, where the pressure acts above the mass [m]");
+  fields.number("wave.torque_low_pass_s", waves_.low_pass_s, positive(),
+                "of the slope (physical) or the angle (thesis) [s]");
+  fields.number("wave.torque_per_angle_Nm_rad", waves_.torque_per_angle_Nm_rad, any(),
+                "thesis: torque for each radian of atan2 [N m/rad]");
+  fields.number("wave.change_at_s", waves_.change_at_s, not_negative(),
+                "when T_p changes, over 10 s; 0: never [s]");
+  fields.number("wave.change_to_period_s", waves_.change_to_period_s, positive(),
+                "T_p after the change [s]");
+
+  fields.number("noise.position", V_m_, positive(), "V_m [m or m^2]");
+  fields.number("noise.angle", V_p_, positive(), "V_p [rad or rad^2]");
+  fields.choice("noise.interpretation", interpretation_,
+                {{"variance", NoiseInterpretation::variance},
+                 {"standard_deviation", NoiseInterpretation::standard_deviation}},
+                "what V_m and V_p are: variance or standard_deviation");
+  faults_.bind(fields, "x, y, z, roll, pitch, yaw");
+
+  fields.choice("estimator.filter", estimator_.filter,
+                {{"ukf", QuadrotorFilter::ukf}, {"ekf", QuadrotorFilter::ekf}}, "ukf or ekf");
+  fields.choice("estimator.disturbance", estimator_.order,
+                {{"none", DisturbanceOrder::none},
+                 {"zero", DisturbanceOrder::zero},
+                 {"second", DisturbanceOrder::second},
+                 {"resonator", DisturbanceOrder::resonator}},
+                "the disturbance model: none, zero or second order at the thrusters, resonator");
+  fields.choice("estimator.process_noise", estimator_.noise,
+                {{"printed", ProcessNoiseSource::printed},
+                 {"input", ProcessNoiseSource::input},
+                 {"tuned", ProcessNoiseSource::tuned}},
+                "printed: Q_ukf; input: W_s through the thrusts, EKF only; tuned: as below");
+  fields.choice("estimator.process_noise_mode", estimator_.noise_mode,
+                {{"per_step", ProcessNoiseMode::per_step},
+                 {"delta", ProcessNoiseMode::delta},
+                 {"delta_squared", ProcessNoiseMode::delta_squared}},
+                "printed Q is added at each sample as it is, times delta, or times delta^2");
+  fields.choice(
+      "estimator.measurement_covariance", covariance_,
+      {{"printed", MeasurementCovariance::printed}, {"actual", MeasurementCovariance::actual}},
+      "R: printed, diag(V) whatever V is taken for; actual: the noise's own");
+  fields.number("estimator.input_noise", estimator_.input_noise, positive(), "W_s [N^2]");
+  fields.number("estimator.tuned_velocity_std_m_s", estimator_.velocity_std_m_s, positive(),
+                "walk of the velocities at each sample [m/s]");
+  fields.number("estimator.tuned_rate_std_rad_s", estimator_.rate_std_rad_s, positive(),
+                "walk of the angular rates at each sample [rad/s]");
+  fields.number("estimator.tuned_disturbance_std", estimator_.disturbance_std, positive(),
+                "walk of d, or of its second derivative, at each sample [N, N/s^2]");
+  fields.choice(
+      "estimator.wave_frequency", frequency_source_,
+      {{"given", WaveFrequencySource::given}, {"estimated", WaveFrequencySource::estimated}},
+      "resonator: the frequency follows from a given T_p, or is estimated on line from there");
+  fields.number("estimator.assumed_period_s", assumed_period_s_, not_negative(),
+                "resonator: the sea's T_p that is given or guessed; 0: wave.peak_period_s [s]");
+  ResonatorDesign& resonator = estimator_.resonator;
+  fields.number("estimator.resonator_damping", resonator.damping, between(0.001, 0.999),
+                "relative");
+  fields.number("estimator.resonator_force_std_N", resonator.force_std_N, positive(),
+                "of each resonator, stationary [N]");
+  fields.number("estimator.resonator_velocity_std_m_s", resonator.velocity_std_m_s, positive(),
+                "walk of the velocities at each sample [m/s]");
+  fields.number("estimator.resonator_rate_std_rad_s", resonator.rate_std_rad_s, positive(),
+                "walk of the angular rates at each sample [rad/s]");
+  fields.number("estimator.resonator_bias_std_N", resonator.bias_std_N, positive(),
+                "walk of the constant forces at each sample [N]");
+  fields.number("estimator.resonator_torque_std_Nm", resonator.torque_std_Nm, positive(),
+                "walk of the torques at each sample [N m]");
+
+  fields.only_for({"wave.current_m_s", "wave.buoyancy_arm_m"}, "wave.mode", {"physical"});
+  fields.only_for({"wave.torque_per_angle_Nm_rad"}, "wave.mode", {"thesis"});
+  fields.only_where({"wave.change_to_period_s"}, "wave.change_at_s is not 0",
+                    [this] { return waves_.change_at_s > 0.0; });
+  fields.only_for(
+      {"estimator.process_noise", "estimator.process_noise_mode", "estimator.input_noise",
+       "estimator.tuned_velocity_std_m_s", "estimator.tuned_rate_std_rad_s"},
+      "estimator.disturbance", {"none", "zero", "second"});
+  fields.only_for({"estimator.tuned_disturbance_std"}, "estimator.disturbance", {"zero", "second"});
+  fields.only_for({"estimator.process_noise_mode"}, "estimator.process_noise", {"printed"});
+  fields.only_for({"estimator.input_noise"}, "estimator.process_noise", {"input"});
+  fields.only_for({"estimator.tuned_velocity_std_m_s", "estimator.tuned_rate_std_rad_s",
+                   "estimator.tuned_disturbance_std"},
+                  "estimator.process_noise", {"tuned"});
+  fields.only_for({"estimator.wave_frequency", "estimator.assumed_period_s",
+                   "estimator.resonator_damping", "estimator.resonator_force_std_N",
+                   "estimator.resonator_velocity_std_m_s", "estimator.resonator_rate_std_rad_s",
+                   "estimator.resonator_bias_std_N", "estimator.resonator_torque_std_Nm"},
+                  "estimator.disturbance", {"resonator"});
+
+  fields.choice("controller.gains", gains_,
+                {{"retuned", Gains::retuned}, {"dlqr", Gains::dlqr}, {"printed", Gains::printed}},
+                "retuned for the physical plant, dlqr with Q_z = 1e4, or printed");
+  fields.flag("controller.compensate", compensates_, "take the estimated disturbance off");
+  fields.number("controller.position_clamp_m", position_clamp_m_, not_negative(),
+                "position errors are held below it; 0: no clamp [m]");
+  fields.number("controller.thrust_floor_N", thrust_floor_N_, positive(),
+                "least U_z in divisors [N]");
+  fields.number("metrics.window_s", window_s_, positive(), "the metrics' window: the last … [s]");
+  return fields;
+}
+
+void QuadrotorWaves::check(const Config& config) {
+  mjcf_ = config.find_file_of("model.mjcf", mjcf_);
+  physics_.check(config, run_);
+  const auto is_point = [&](const char* key, const std::vector<double>& point) {
+    if (point.size() != 3) config.fail(key, "must have 3 numbers: x, y and z");
+  };
+  const auto is_under_water = [&](const char* key, double z) {
+    if (z > 0.0) config.fail(key, "z must not be above the surface, z = 0");
+    const double depth_m = waves_.sea.water_depth_m;
+    if (depth_m > 0.0 && z <= -depth_m) config.fail(key, "z must be above the water's bottom");
+  };
+  is_point("task.start_m", start_m_);
+  is_point("task.reference_m", reference_m_);
+  is_point("wave.current_m_s", current_m_s_);
+  is_under_water("task.start_m", start_m_[2]);
+  is_under_water("task.reference_m", reference_m_[2]);
+  const Model model = Model::load(mjcf_);
+  if (model->nu != 4) throw std::invalid_argument(mjcf_ + ": needs 4 thrusters");
+  for (int i = 1; i <= 4; ++i) model.id(mjOBJ_SITE, "t" + std::to_string(i));
+  sea_.emplace(model, parameters_, physics_kind_, wave_setup(), vector3(start_m_));
+  config.blame("estimator.filter", [&] { make_quadrotor_estimator(estimator_design(), plant()); });
+  const SensingSetup sensing = sensing_setup();
+  faults_.check(config, sensing.channels);
+  const Sensing check_only(model, sensing);
+}
+
+std::vector<std::string> QuadrotorWaves::warnings() const {
+  const double pole = slowest_pole(law(), plant());
+  if (pole <= 0.0) return {};
+  return {
+      fmt::format("controller.gains are unstable on this plant.model (a pole at {:+.3f}/s)", pole)};
+}
+
+void QuadrotorWaves::animate_scene(Model& model, double time_s) const {
+  if (model.geoms_named("surface").empty()) return;  // a model of the user's own
+  set_heights(model, "surface", [&](double x, double y) { return sea_->elevation(time_s, x, y); });
+}
+
+Recording QuadrotorWaves::run(const RunControl& control) const {
+  QuadrotorController controller(law(), make_quadrotor_estimator(estimator_design(), plant()),
+                                 compensates_);
+  const QuadrotorEstimator& estimator = controller.estimator();
+  Model model = Model::load(mjcf_);
+  model.set_physics(physics_.timestep_s, physics_.integrator);
+  Simulation sim(std::move(model), controller, sensing_setup(), physics_.steps_per_sample());
+  UnderwaterForce water(sim.model(), parameters_, physics_kind_, wave_setup(), vector3(start_m_));
+  sim.add(water);
+  sim.set_position(std::vector<double>{start_m_[0], start_m_[1], start_m_[2], 1, 0, 0, 0});
+
+  Truth truth;
+  std::vector<Signal> signals = {
+      {"qpos", "m, m, m, 1, 1, 1, 1", "the engine's generalised positions", sim.qpos()},
+      {"motion_true", kMotionUnits, "zeta and its rate, true", view(truth.motion)},
+      {"pose_measured", kPoseUnits, "x, y, z, roll, pitch, yaw as sampled", view(sim.sample().y)},
+      {"thrust_command_N", "N", "thrusts asked for", view(sim.command())},
+      {"thrust_applied_N", "N", "thrusts after saturation", view(sim.actuation())},
+      {"saturated", "1", "1 where any thrust is at its limit", view(truth.saturated)},
+      {"error_m", "m", "reference less position, true", view(truth.error)},
+      {"wave_force_N", "N", "of the waves, in the world, true", view(truth.wave_force)},
+      {"wave_torque_Nm", "N m", "of the waves, in the world, true", view(truth.wave_torque)},
+      {"surface_elevation_m", "m", "of the surface above the vehicle", view(truth.elevation_m)}};
+  for (const Signal& signal : controller.signals()) signals.push_back(signal);
+  const std::int64_t steps = physics_.step_at(run_.duration_s);
+  Track log("control", std::move(signals),
+            static_cast<std::size_t>(steps / physics_.steps_per_sample() + 1));
+  const TimeWindow window{run_.duration_s - window_s_, run_.duration_s};
+  StationMetrics metrics(window.within(run_.duration_s));
+  const Eigen::Vector3d reference = vector3(reference_m_);
+
+  Recording recording;
+  recording.failure = run_loop(steps, control, [&](std::int64_t) {
+    sim.step();
+    if (sim.sampled()) {
+      truth.observe(sim, water, reference);
+      metrics.after_sample(sim.time_s(), truth, sim, estimator);
+      log.append(sim.time_s());
+    }
+    water.advance(sim.time_of(sim.steps()), FreeMotion(sim.data().qpos, sim.data().qvel));
+  });
+
+  conclude(recording, sim);
+  if (!recording.failure) {
+    recording.metrics = metrics.metrics(estimator.models_disturbance());
+    const auto fresh = make_quadrotor_estimator(estimator_design(), plant());
+    add(recording.costs, "filter_time_us", "us", filter_time_us(log, *fresh));
+  }
+  recording.tracks.push_back(std::move(log));
+  return recording;
+}
+
+}  // namespace breakwater

@@ -1,0 +1,36 @@
+#include "standard.h"
+
+#include "arm_push/arm_push.h"
+#include "arm_wall_contact/arm_wall_contact.h"
+#include "cart_constrained/cart_constrained.h"
+#include "cart_estimation/cart_estimation.h"
+#include "cart_offset_free/cart_offset_free.h"
+#include "cart_position/cart_position.h"
+#include "motor_estimation/motor_estimation.h"
+#include "quadrotor_waves/quadrotor_waves.h"
+
+namespace breakwater {
+namespace {
+
+template <typename T>
+std::unique_ptr<Scenario> make(const Catalogue&) {
+  return std::make_unique<T>();
+}
+
+}  // namespace
+
+Catalogue standard_catalogue() {
+  Catalogue catalogue;
+  const auto add = [&](const char* name, auto make) { catalogue.add(ScenarioKind{name, make}); };
+  add("arm_wall_contact", make<ArmWallContact>);
+  add("arm_push", make<ArmPush>);
+  add("cart_position", make<CartPosition>);
+  add("cart_offset_free", make<CartOffsetFree>);
+  add("cart_constrained", make<CartConstrained>);
+  add("cart_estimation", make<CartEstimation>);
+  add("motor_estimation", make<MotorEstimation>);
+  add("quadrotor_waves", make<QuadrotorWaves>);
+  return catalogue;
+}
+
+}  // namespace breakwater

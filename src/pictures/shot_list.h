@@ -1,0 +1,66 @@
+// renders/SCENARIO.toml: what a scenario's pictures show.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace breakwater {
+
+/// One picture of a strip: an instant, or the first from then on at which a signal is positive.
+struct ShotMoment {
+  std::string caption;
+  double at_s = 0.0;
+  std::string first_positive;  ///< a signal; empty: at_s itself
+  double plus_s = 0.0;         ///< so much later
+};
+
+/// An arrow at a site of the model, as long as a signal says; one of three values is a vector.
+struct ShotArrow {
+  enum class Frame { world, site };
+
+  std::string signal;
+  std::string unit;              ///< of the number beside it; empty: no number
+  std::string site;              ///< {KEY} in it is that key of the run's configuration
+  std::vector<double> along;     ///< where a positive value points; for a vector: a factor each
+  Frame frame = Frame::world;    ///< whose axes `along` has
+  std::vector<double> offset_m;  ///< of its start from the site, in the world
+  double metres_per_unit = 0.0;
+  double contact_mark_m = 0.0;  ///< radius of the ball at the site while there is a force; 0: none
+};
+
+/// A line of the strip chart: a signal of the log, or a number of the run's configuration.
+struct ShotLine {
+  enum class Style { solid, dashed };
+
+  std::string label;
+  std::string value;
+  Style style = Style::solid;
+};
+
+enum class Corner { top_left, top_right, bottom_left, bottom_right };
+
+struct ShotList {
+  std::string title;   ///< in the lower corner that the chart leaves
+  std::string camera;  ///< empty: all of the model
+  double from_s = 0.0;
+  double to_s = 0.0;  ///< beyond the run's end: its end
+  double speed = 1.0;
+  int fps = 30;
+  int width = 1280;
+  int height = 720;
+  std::vector<ShotMoment> moments;
+  std::vector<ShotArrow> arrows;
+  std::string chart_title;
+  Corner chart_corner = Corner::bottom_right;
+  std::vector<ShotLine> lines;
+};
+
+/// A scenario's shot list, or, if there is no such file, all of a run without arrows and chart.
+/// Throws std::invalid_argument `FILE:LINE: KEY: reason`.
+ShotList shot_list(const std::filesystem::path& file);
+
+/// Reads a shot list. Throws as shot_list().
+ShotList read_shot_list(const std::string& file);
+
+}  // namespace breakwater

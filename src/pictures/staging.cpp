@@ -1,0 +1,128 @@
+#include "pictures/staging.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace breakwater {
+namespace {
+
+constexpr Colour kForce{0.84, 0.10, 0.10, 1.0};
+constexpr Colour kOtherForce{0.0, 0.35, 0.70, 1.0};
+constexpr double kLongestVideo_frames = 1e6;
+
+ArrowTrack stage_arrow(const FinishedRun& run, const ShotArrow& shot, const Model& model,
+                       const Colour& colour) {
+  ArrowTrack track;
+  track.arrow.site = model.id(mjOBJ_SITE, run.fill_in(shot.site));
+  track.arrow.offset_m = Eigen::Map<const Eigen::Vector3d>(shot.offset_m.data());
+  track.arrow.in_site_frame = shot.frame == ShotArrow::Frame::site;
+  track.arrow.contact_mark_m = shot.contact_mark_m;
+  track.arrow.colour = colour;
+  const bool is_indexed = shot.signal.find('[') != std::string::npos;
+  track.components =
+      is_indexed ? std::vector{run.signal(shot.signal)} : run.vector_signal(shot.signal);
+  if (track.components.size() != 1 && track.components.size() != 3) {
+    throw std::invalid_argument("arrow: signal " + shot.signal + " has " +
+                                std::to_string(track.components.size()) + " values, not 1 or 3");
+  }
+  track.along = Eigen::Map<const Eigen::Vector3d>(shot.along.data());
+  track.metres_per_unit = shot.metres_per_unit;
+  track.unit = shot.unit;
+  return track;
+}
+
+}  // namespace
+
+PictureRun stage(const FinishedRun& run, const ShotList& shots, const std::string& camera) {
+  PictureRun staged{.model = run.load_scene()};
+  const Scenario* const scenario = &run.scenario();
+  staged.animate = [scenario](Model& model, double time_s) {
+    scenario->animate_scene(model, time_s);
+  };
+  staged.camera = camera_id(staged.model, camera.empty() ? shots.camera : camera);
+  staged.times_s = run.times_s();
+  staged.qpos = run.qpos();
+  for (const ShotArrow& shot : shots.arrows) {
+    const Colour& colour = staged.arrows.empty() ? kForce : kOtherForce;
+    staged.arrows.push_back(stage_arrow(run, shot, staged.model, colour));
+  }
+  for (const ShotLine& line : shots.lines) {
+    staged.lines.push_back(
+        {line.label, run.value(line.value), line.style == ShotLine::Style::dashed});
+  }
+  staged.caption = run.case_name();
+  return staged;
+}
+
+std::size_t Window::frames(int fps) const {
+  const double exact = (to_s - from_s) / speed * fps;
+  if (!(std::round(exact) >= 1.0)) {
+    throw std::invalid_argument(
+        fmt::format("video: {:g} s at speed {:g} and {} frames/s are no frame at all",
+                    to_s - from_s, speed, fps));
+  }
+  if (exact > kLongestVideo_frames) {
+    throw std::invalid_argument(fmt::format(
+        "video: {:g} s at speed {:g} and {} frames/s are {:.0f} frames: choose a shorter window",
+        to_s - from_s, speed, fps, exact));
+  }
+  return static_cast<std::size_t>(std::llround(exact));
+}
+
+Window whole_window(const std::deque<FinishedRun>& runs) {
+  Window all{runs.front().times_s().front(), runs.front().end_s(), 1.0};
+  for (const FinishedRun& run : runs) {
+    all.from_s = std::min(all.from_s, run.times_s().front());
+    all.to_s = std::max(all.to_s, run.end_s());
+  }
+  return all;
+}
+
+Window choose_window(const std::deque<FinishedRun>& runs, const ShotList& shots, const Wish& wish) {
+  const Window all = whole_window(runs);
+  const double begin_s = all.from_s;
+  const double end_s = all.to_s;
+  const double slack_s = 1e-9 * std::max(1.0, end_s);
+
+  Window window{std::max(shots.from_s, begin_s), std::min(shots.to_s, end_s), shots.speed};
+  if (window.from_s >= window.to_s) window = all;
+  if (wish.from_s) window.from_s = *wish.from_s;
+  if (wish.to_s) window.to_s = *wish.to_s;
+  if (wish.speed) window.speed = *wish.speed;
+  // One end alone moves a window that the other end is not in.
+  if (wish.from_s && !wish.to_s && window.to_s <= window.from_s) window.to_s = end_s;
+  if (wish.to_s && !wish.from_s && window.from_s >= window.to_s) window.from_s = begin_s;
+
+  if (window.from_s < begin_s - slack_s || window.to_s > end_s + slack_s) {
+    throw std::invalid_argument(
+        fmt::format("--from {:g}, --to {:g}: the log lasts from {:g} s to {:g} s", window.from_s,
+                    window.to_s, begin_s, end_s));
+  }
+  if (!(window.to_s > window.from_s)) {
+    throw std::invalid_argument(
+        fmt::format("--from {:g}, --to {:g}: must rise", window.from_s, window.to_s));
+  }
+  return window;
+}
+
+std::optional<double> time_of(const ShotMoment& moment, const FinishedRun& run) {
+  double time_s = moment.at_s;
+  if (!moment.first_positive.empty()) {
+    const Series signal = run.signal(moment.first_positive);
+    std::size_t i = 0;
+    while (i < signal.values.size() &&
+           (signal.times_s[i] < moment.at_s || signal.values[i] <= 0.0)) {
+      ++i;
+    }
+    if (i == signal.values.size()) return std::nullopt;
+    time_s = signal.times_s[i];
+  }
+  time_s += moment.plus_s;
+  if (time_s < run.times_s().front() || time_s > run.end_s()) return std::nullopt;
+  return time_s;
+}
+
+}  // namespace breakwater

@@ -1,0 +1,87 @@
+#include "program/program.h"
+
+#include <fmt/core.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "pictures/picture_commands.h"
+#include "pictures/video_later.h"
+#include "program/waves_report.h"
+#include "report/printed_results.h"
+#include "report/report_commands.h"
+#include "scenario/child_program.h"
+#include "scenario/command_line.h"
+#include "scenario/process.h"
+#include "version.h"
+
+namespace breakwater {
+namespace {
+
+// CLI11 would only say that a command is required.
+void refuse_unknown_command(const Catalogue& catalogue, const CLI::App& app,
+                            const std::string& word) {
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());
+  if (std::find(names.begin(), names.end(), word) != names.end()) return;
+  const std::vector<std::string> scenarios = catalogue.names<ScenarioKind>();
+  const bool is_scenario = std::find(scenarios.begin(), scenarios.end(), word) != scenarios.end();
+  throw std::invalid_argument(
+      "breakwater: there is no command \"" + word + "\"" +
+      (is_scenario ? " (did you mean run " + word + "?)" : did_you_mean(word, names)));
+}
+
+RunExtras extras() {
+  return {[](const std::filesystem::path& folder, const std::string& file, bool quiet) {
+            return make_video(own_program(), folder, file, quiet);
+          },
+          thesis_references()};
+}
+
+}  // namespace
+
+int program(int argc, const char* const* argv, const Catalogue& catalogue) {
+  if (argc >= 2 && is_picture_command(argv[1])) return picture_main(catalogue, argc - 1, argv + 1);
+  if (argc >= 2 && is_report_command(argv[1])) return report_main(catalogue, argc - 1, argv + 1);
+  if (argc >= 3 && std::string(argv[1]) == "run" && argv[2][0] != '-') {
+    return guarded("breakwater", [&] {
+      const std::string scenario = catalogue.get<ScenarioKind>(argv[2]).name;
+      return scenario_main(catalogue, scenario, extras(), argc - 2, argv + 2);
+    });
+  }
+  return guarded("breakwater", [&] {
+    CLI::App app("Breakwater: a testbed for robust model-based motion control.", "breakwater");
+    app.require_subcommand(1);
+    app.set_version_flag("--version", std::string(kVersion) + " (" + kGitCommit + ")");
+    const CLI::App* list = app.add_subcommand("list", "print the scenarios and what they study");
+    std::string scenario;
+    CLI::App* run = app.add_subcommand(
+        "run", "run a scenario, the same as its own binary: breakwater run NAME [OPTION...]");
+    run->add_option("NAME", scenario, "which scenario (breakwater list)")->required();
+    SeaState sea;
+    sea.significant_height_m = 2.0;
+    CLI::App* waves = app.add_subcommand("waves", "check a sea's spectrum and its water");
+    waves->add_option("--height", sea.significant_height_m, "H_s [m]")->capture_default_str();
+    waves->add_option("--period", sea.peak_period_s, "T_p [s]")->capture_default_str();
+    waves->add_option("--gamma", sea.gamma, "peak enhancement")->capture_default_str();
+    waves->add_option("--depth", sea.water_depth_m, "of the bottom; 0: deep water [m]")
+        ->capture_default_str();
+    waves->add_option("--components", sea.components, "of the realisation")->capture_default_str();
+    waves->add_option("--seed", sea.seed, "of the realisation")->capture_default_str();
+    for (const auto& [name, summary] : picture_commands()) app.add_subcommand(name, summary);
+    for (const auto& [name, summary] : report_commands()) app.add_subcommand(name, summary);
+    if (argc >= 2 && argv[1][0] != '-') refuse_unknown_command(catalogue, app, argv[1]);
+    if (const auto status = parse(app, argc, argv)) return *status;
+    if (waves->parsed()) fmt::print("{}", waves_report(sea));
+    if (list->parsed()) {
+      for (const ScenarioKind& kind : catalogue.all<ScenarioKind>()) {
+        fmt::print("{:<20}{}\n", kind.name, kind.make(catalogue)->summary());
+      }
+    }
+    return static_cast<int>(kSuccess);
+  });
+}
+
+}  // namespace breakwater

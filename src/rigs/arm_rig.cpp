@@ -1,0 +1,302 @@
+#include "rigs/arm_rig.h"
+
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+#include <utility>
+
+namespace breakwater {
+namespace {
+
+Eigen::VectorXd to_eigen(const std::vector<double>& values) {
+  return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
+}
+
+AccelerationControlDesign acceleration_design(const ArmSettings& settings,
+                                              const PlanarChain& chain) {
+  AccelerationControlDesign design;
+  design.nominal_inertia_kgm2 = to_eigen(settings.nominal_inertia_kgm2);
+  design.torque_limit_Nm = chain.effort_limits_Nm();
+  for (const auto& group : settings.observer_poles_rad_s) {
+    design.observer_poles.emplace_back(group.begin(), group.end());
+  }
+  design.feed = settings.observer_feed;
+  design.period_s = settings.physics.control_period_s;
+  return design;
+}
+
+std::vector<PfcDesign> pfc_designs(const ArmSettings& settings) {
+  std::vector<PfcDesign> designs;
+  for (const double t_ref_s : settings.t_ref_s) {
+    designs.push_back({t_ref_s, settings.physics.control_period_s, settings.coincidence_points,
+                       settings.basis_functions});
+  }
+  return designs;
+}
+
+LmDesign lm_design(const ArmSettings& settings) {
+  LmDesign design;
+  design.weights = to_eigen(settings.ik_weights);
+  design.damping = settings.ik_damping;
+  design.form = settings.ik_form;
+  return design;
+}
+
+ArmTask arm_task(const ArmSettings& settings, const ArmRole& role, const PlanarChain& chain) {
+  ArmTask task;
+  task.start_angles_rad = to_eigen(settings.start_angles_rad);
+  task.start_pose = chain.tip_pose(task.start_angles_rad);
+  task.force_control_from_s = role.force_control_from_s;
+  task.force_reference_N = role.force_reference_N;
+  task.convert_gain_N_m = role.convert_gain_N_m;
+  return task;
+}
+
+std::unique_ptr<Controller> make_controller(const ArmSettings& settings, const ArmRole& role,
+                                            const PlanarChain& chain) {
+  const AccelerationControlDesign acceleration = acceleration_design(settings, chain);
+  const ArmTask task = arm_task(settings, role, chain);
+  const WorkspaceControlDesign workspace{settings.k_position, settings.k_force,
+                                         settings.singular_value_floor};
+  switch (settings.controller) {
+    case ArmControllerKind::proposed:
+      return std::make_unique<ImplicitForcePfc>(
+          chain, acceleration, task,
+          ImplicitForcePfcDesign{pfc_designs(settings), lm_design(settings), settings.positioning});
+    case ArmControllerKind::hpfc:
+      return std::make_unique<Hpfc>(chain, acceleration, task, workspace);
+    case ArmControllerKind::drac:
+      return std::make_unique<Drac>(chain, acceleration, task, workspace);
+  }
+  throw std::logic_error("unknown arm controller");
+}
+
+SensingSetup sensing_setup(const ArmSettings& settings, const ArmRole& role,
+                           const PlanarChain& chain) {
+  SensingSetup setup;
+  const double quantum_rad = settings.encoder_counts_per_turn > 0.0
+                                 ? 2.0 * std::numbers::pi / settings.encoder_counts_per_turn
+                                 : 0.0;
+  for (Eigen::Index i = 0; i < chain.joints(); ++i) {
+    setup.channels.push_back({.name = "q" + std::to_string(i + 1),
+                              .sensor = chain.joint(i).name + "_pos",
+                              .encoder = {.quantum = quantum_rad},
+                              .noise_std = settings.angle_noise_rad});
+  }
+  setup.channels.push_back({.name = "force",
+                            .sensor = "tip_force",
+                            .low_pass_s = role.force_filter_time_constant_s,
+                            .noise_std = settings.force_noise_N});
+  settings.faults.apply(setup);
+  setup.seed = settings.run.seed;
+  return setup;
+}
+
+// Actuator i must drive the chain's joint i, with its limits.
+void check_actuators(const Model& model, const PlanarChain& chain) {
+  const std::string place = model.file() + ": ";
+  if (model->nu != chain.joints()) {
+    throw std::invalid_argument(place + "has " + std::to_string(model->nu) +
+                                " actuators for the URDF's " + std::to_string(chain.joints()) +
+                                " joints");
+  }
+  for (int i = 0; i < model->nu; ++i) {
+    const std::string& name = chain.joint(i).name;
+    const int joint = model.id(mjOBJ_JOINT, name);
+    if (model->jnt_type[joint] != mjJNT_HINGE || model->actuator_trntype[i] != mjTRN_JOINT ||
+        model->actuator_trnid[2 * i] != joint) {
+      throw std::invalid_argument(place + "actuator " + std::to_string(i + 1) +
+                                  " must drive the hinge \"" + name + "\"");
+    }
+    // The controllers limit their torque by the URDF, and the plant by the MJCF.
+    const double effort = chain.joint(i).effort_limit_Nm;
+    const mjtNum* range = model->actuator_ctrlrange + static_cast<std::ptrdiff_t>(2) * i;
+    const bool has_its_limits = model->actuator_gear[static_cast<std::ptrdiff_t>(6) * i] == 1.0 &&
+                                model->actuator_ctrllimited[i] != 0 &&
+                                std::abs(range[0] + effort) <= 1e-9 * effort &&
+                                std::abs(range[1] - effort) <= 1e-9 * effort;
+    if (!has_its_limits) {
+      throw std::invalid_argument(place + "actuator " + std::to_string(i + 1) +
+                                  " must have gear 1 and the ctrlrange ±" + std::to_string(effort) +
+                                  " N m of the URDF's \"" + name + "\"");
+    }
+  }
+}
+
+}  // namespace
+
+TipPose start_pose(const ArmSettings& settings) {
+  return load_planar_chain(settings.urdf).tip_pose(to_eigen(settings.start_angles_rad));
+}
+
+void ArmSettings::bind(Fields& fields) {
+  fields.file("model.mjcf", mjcf, "the plant");
+  fields.file("model.urdf", urdf, "what the controllers know of it");
+  physics.bind(fields);
+  run.bind(fields);
+  fields.numbers("task.start_angles_rad", start_angles_rad, any(),
+                 "q_0^ref, the start posture; its tip pose is X_0^ref [rad]");
+  fields.choice("controller.name", controller,
+                {{"proposed", ArmControllerKind::proposed},
+                 {"hpfc", ArmControllerKind::hpfc},
+                 {"drac", ArmControllerKind::drac}},
+                "proposed, hpfc or drac");
+  fields.choice("controller.positioning", positioning,
+                {{"joint", Positioning::joint}, {"workspace", Positioning::workspace}},
+                "proposed: how it holds the start pose without force control: joint or workspace");
+  fields.numbers("controller.t_ref_s", t_ref_s, positive(),
+                 "proposed: target response time of each joint's PFC [s]");
+  fields.count("controller.coincidence_points", coincidence_points, between(1, 100),
+               "proposed: n of the PFC");
+  fields.count("controller.basis_functions", basis_functions, between(1, 3),
+               "proposed: 1 step, 2 and ramp, 3 and parabola");
+  fields.numbers("controller.ik_weights", ik_weights, positive(),
+                 "proposed: W_e of the inverse kinematics, for x, y, phi");
+  fields.number("controller.ik_damping", ik_damping, positive(),
+                "proposed: lambda of the inverse kinematics");
+  fields.choice("controller.ik_form", ik_form,
+                {{"printed", LmForm::printed}, {"sugihara", LmForm::sugihara}},
+                "proposed: printed (Eqs. 2.66, 2.68; three joints), or sugihara for any number");
+  fields.number("controller.k_position", k_position, not_negative(),
+                "hpfc, drac: position gain K_phx or K_px; the velocity gain is 2 sqrt(it) [1/s^2]");
+  fields.number("controller.k_force", k_force, not_negative(), "hpfc: force gain K_phf");
+  fields.number("controller.singular_value_floor", singular_value_floor, not_negative(),
+                "hpfc, drac: of the pseudo-inverse");
+  fields.only_for({"controller.positioning", "controller.t_ref_s", "controller.coincidence_points",
+                   "controller.basis_functions", "controller.ik_weights", "controller.ik_damping",
+                   "controller.ik_form"},
+                  "controller.name", {"proposed"});
+  fields.only_for({"controller.k_position", "controller.singular_value_floor"}, "controller.name",
+                  {"hpfc", "drac"});
+  fields.only_for({"controller.k_force"}, "controller.name", {"hpfc"});
+  fields.numbers("observer.nominal_inertia_kgm2", nominal_inertia_kgm2, positive(),
+                 "diagonal of J_n [kg m^2]");
+  fields.number_groups("observer.poles_rad_s", observer_poles_rad_s, any(),
+                       "continuous poles of the IDOB, three per joint [1/s]");
+  fields.choice("observer.feed", observer_feed,
+                {{"clipped", ObserverFeed::clipped}, {"unclipped", ObserverFeed::unclipped}},
+                "the torque that the observer sees: after (clipped) or before saturation");
+  fields.number("sensor.encoder_counts_per_turn", encoder_counts_per_turn, between(0, 1e12),
+                "of each joint; 0: no quantisation");
+  fields.number("sensor.angle_noise_rad", angle_noise_rad, not_negative(),
+                "standard deviation of white noise on each angle sample [rad]");
+  fields.number("sensor.force_noise_N", force_noise_N, not_negative(),
+                "standard deviation of white noise on each force sample [N]");
+  faults.bind(fields, "q1, q2, ..., force");
+}
+
+void check_arm(ArmSettings& settings, const ArmRole& role, const Config& config) {
+  settings.mjcf = config.find_file_of("model.mjcf", settings.mjcf);
+  settings.urdf = config.find_file_of("model.urdf", settings.urdf);
+  settings.physics.check(config, settings.run);
+  if (settings.ik_weights.size() != 3) {
+    config.fail("controller.ik_weights", "must have 3 numbers, for x, y and phi");
+  }
+  const PlanarChain chain = load_planar_chain(settings.urdf);
+  const auto one_per_joint = [&](const char* key, std::size_t size) {
+    if (size != static_cast<std::size_t>(chain.joints())) {
+      config.fail(key, "must have one entry for each of the URDF's " +
+                           std::to_string(chain.joints()) + " joints");
+    }
+  };
+  one_per_joint("task.start_angles_rad", settings.start_angles_rad.size());
+  one_per_joint("controller.t_ref_s", settings.t_ref_s.size());
+  one_per_joint("observer.nominal_inertia_kgm2", settings.nominal_inertia_kgm2.size());
+  one_per_joint("observer.poles_rad_s", settings.observer_poles_rad_s.size());
+
+  config.blame("observer.poles_rad_s",
+               [&] { AccelerationControl design(acceleration_design(settings, chain)); });
+  config.blame("controller.t_ref_s", [&] {
+    for (const PfcDesign& design : pfc_designs(settings)) Pfc pfc(design);
+  });
+  config.blame("controller.ik_form",
+               [&] { LmInverseKinematics ik(lm_design(settings), chain.joints()); });
+  check_actuators(Model::load(settings.mjcf), chain);
+  const std::vector<SensorChannel> channels = sensing_setup(settings, role, chain).channels;
+  settings.faults.check(config, channels);
+  ArmRig rig(settings, role);  // or what the model lacks is said
+}
+
+void show_geoms(Model& model, const std::string& prefix, bool visible) {
+  // The groups of MJCF: 0 to 2 are drawn, 3 to 5 are not.
+  constexpr int kShown = 2;
+  constexpr int kHidden = 5;
+  for (const int geom : model.geoms_named(prefix)) {
+    model.get()->geom_group[geom] = visible ? kShown : kHidden;
+  }
+}
+
+ArmRig::ArmRig(const ArmSettings& settings, const ArmRole& role)
+    : chain_(load_planar_chain(settings.urdf)),
+      controller_(make_controller(settings, role, chain_)),
+      q_(Eigen::VectorXd::Zero(chain_.joints())),
+      dq_(q_),
+      tip_(TipPose::Zero()) {
+  Model model = Model::load(settings.mjcf);
+  model.set_physics(settings.physics.timestep_s, settings.physics.integrator);
+  if (role.prepare_model) role.prepare_model(model);
+  const int home = model.id(mjOBJ_KEY, "home");
+  std::vector<double> qpos(model->key_qpos + static_cast<std::ptrdiff_t>(home) * model->nq,
+                           model->key_qpos + static_cast<std::ptrdiff_t>(home + 1) * model->nq);
+  if (role.starts_at_reference) {
+    for (Eigen::Index i = 0; i < chain_.joints(); ++i) {
+      const int joint = model.id(mjOBJ_JOINT, chain_.joint(i).name);
+      qpos[static_cast<std::size_t>(model->jnt_qposadr[joint])] =
+          settings.start_angles_rad[static_cast<std::size_t>(i)];
+    }
+  }
+  simulation_ = std::make_unique<Simulation>(std::move(model), *controller_,
+                                             sensing_setup(settings, role, chain_),
+                                             settings.physics.steps_per_sample());
+  simulation_->set_position(qpos);
+  contact_force_ = &simulation_->sensor("tip_touch");
+  force_sensor_ = &simulation_->sensor("tip_force");
+  tip_speed_x_ = &simulation_->sensor("tip_vel");
+  for (Eigen::Index i = 0; i < chain_.joints(); ++i) {
+    q_sensors_.push_back(&simulation_->sensor(chain_.joint(i).name + "_pos"));
+    dq_sensors_.push_back(&simulation_->sensor(chain_.joint(i).name + "_vel"));
+  }
+}
+
+const double& ArmRig::filtered_force_N() const {
+  return simulation_->sensing().filtered(static_cast<std::size_t>(chain_.joints()));
+}
+
+void ArmRig::observe() {
+  for (Eigen::Index i = 0; i < chain_.joints(); ++i) {
+    q_(i) = *q_sensors_[static_cast<std::size_t>(i)];
+    dq_(i) = *dq_sensors_[static_cast<std::size_t>(i)];
+  }
+  tip_ = chain_.tip_pose(q_);
+  saturated_ = simulation_->saturated() ? 1.0 : 0.0;
+}
+
+std::vector<Signal> ArmRig::signals() const {
+  const auto n = static_cast<std::size_t>(chain_.joints());
+  const Simulation& sim = *simulation_;
+  const std::span<const double> measured = view(sim.sample().y);
+  std::vector<Signal> signals = {
+      {"qpos", "rad", "the engine's generalised positions", sim.qpos()},
+      {"q_true_rad", "rad", "joint angles, true", view(q_)},
+      {"dq_true_rad_s", "rad/s", "joint velocities, true", view(dq_)},
+      {"x_true_m", "m", "tip x, true", view(tip_[0])},
+      {"y_true_m", "m", "tip y, true", view(tip_[1])},
+      {"phi_true_rad", "rad", "tip angle, true", view(tip_[2])},
+      {"force_true_N", "N", "normal contact force, true", view(*contact_force_)},
+      {"q_measured_rad", "rad", "joint angles as sampled", measured.first(n)},
+      {"force_measured_N", "N", "filtered force as sampled", measured.subspan(n, 1)},
+      {"torque_command_Nm", "N m", "joint torques asked for", view(sim.command())},
+      {"torque_applied_Nm", "N m", "joint torques after saturation", view(sim.actuation())},
+      {"saturated", "1", "1 where any torque is at its limit", view(saturated_)}};
+  for (const Signal& signal : controller_->signals()) signals.push_back(signal);
+  return signals;
+}
+
+std::vector<Signal> ArmRig::fine_signals() const {
+  return {{"qpos", "rad", "the engine's generalised positions", simulation_->qpos()},
+          {"force_true_N", "N", "normal contact force, true", view(*contact_force_)},
+          {"force_sensor_N", "N", "force sensor, before its low-pass", view(*force_sensor_)},
+          {"force_filtered_N", "N", "force sensor, behind its low-pass", view(filtered_force_N())}};
+}
+
+}  // namespace breakwater

@@ -1,0 +1,246 @@
+#include "rigs/axis_rig.h"
+
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <utility>
+
+#include "plants/damped_inertia.h"
+#include "sim/friction.h"
+
+namespace breakwater {
+namespace {
+
+Encoder encoder(const AxisSettings& settings) {
+  return {.quantum = settings.quantum(),
+          .phase = settings.encoder_phase,
+          .origin = settings.encoder_origin};
+}
+
+Model load_model(const AxisSettings& settings) {
+  const Axis& axis = settings.axis;
+  Model model = Model::load(settings.mjcf);
+  model.set_physics(settings.physics.timestep_s, settings.physics.integrator);
+  const int joint = model.id(mjOBJ_JOINT, axis.joint);
+  const int actuator = model.id(mjOBJ_ACTUATOR, axis.actuator);
+  if (model->nv != 1 || model->nu != 1) {
+    throw std::invalid_argument(model.file() + ": must have one joint and one actuator");
+  }
+  model.scale_inertia(settings.inertia_ratio);
+  author_friction(model, joint, settings.viscous_friction, settings.coulomb_friction);
+  model.limit_actuator(actuator, settings.force_limit());
+  return model;
+}
+
+SensingSetup sensing_setup(const AxisSettings& settings, const Disturbance& output) {
+  SensingSetup setup;
+  setup.channels.push_back({.name = settings.axis.channel,
+                            .sensor = settings.axis.position_sensor,
+                            .disturbance = output,
+                            .encoder = encoder(settings),
+                            .noise_std = settings.noise_std,
+                            .delay_samples = settings.delay_samples});
+  if (settings.senses_true_state) {
+    setup.channels.push_back({.name = "true position", .sensor = settings.axis.position_sensor});
+    setup.channels.push_back({.name = "true velocity", .sensor = settings.axis.velocity_sensor});
+  }
+  settings.faults.apply(setup);
+  setup.seed = settings.run.seed;
+  return setup;
+}
+
+}  // namespace
+
+Axis motor_axis() {
+  return {.joint = "shaft",
+          .actuator = "motor",
+          .position_sensor = "shaft_pos",
+          .velocity_sensor = "shaft_vel",
+          .channel = "angle",
+          .counts_pulses = true,
+          .inertia_name = "inertia",
+          .inertia_suffix = "kgm2",
+          .friction_suffix = "Nms_rad",
+          .units = rotation_units()};
+}
+
+Axis cart_axis() {
+  return {.joint = "rail",
+          .actuator = "drive",
+          .position_sensor = "cart_pos",
+          .velocity_sensor = "cart_vel",
+          .channel = "position",
+          .counts_pulses = false,
+          .inertia_name = "mass",
+          .inertia_suffix = "kg",
+          .friction_suffix = "Ns_m",
+          .units = translation_units()};
+}
+
+void AxisSettings::bind(Fields& fields) {
+  const AxisUnits& u = axis.units;
+  const auto key = [](const std::string& stem, const std::string& suffix) {
+    return stem + "_" + suffix;
+  };
+  fields.file("model.mjcf", mjcf, "the plant");
+  physics.bind(fields);
+  run.bind(fields);
+  fields.number("plant." + key(axis.inertia_name, "ratio"), inertia_ratio, positive(),
+                "the plant's " + axis.inertia_name + " over its model file's");
+  fields.number("plant." + key("viscous_friction", axis.friction_suffix), viscous_friction,
+                not_negative(), "of the plant [" + u.force + " per " + u.velocity + "]");
+  fields.number("plant." + key("coulomb_friction", u.force_suffix), coulomb_friction,
+                not_negative(), "of the plant [" + u.force + "]");
+  fields.number("nominal." + key(axis.inertia_name, axis.inertia_suffix), nominal_inertia,
+                positive(), "what controller and observer believe");
+  fields.number("nominal." + key("viscous_friction", axis.friction_suffix), nominal_friction,
+                not_negative(), "what controller and observer believe");
+  fields.number("drive." + key("limit", u.force_suffix), drive_limit, not_negative(),
+                "0: none [" + u.force + "]");
+  fields.number("drive." + key("resolution", u.force_suffix), drive_resolution, not_negative(),
+                "one step of the PWM; 0: not quantised [" + u.force + "]");
+  if (axis.counts_pulses) {
+    fields.count("encoder.bits", encoder_bits, between(0, 60),
+                 "n: 2^n pulses per revolution; 0: not quantised");
+    fields.number("encoder.multiplication", encoder_multiplication, positive(),
+                  "edges counted per pulse");
+    fields.number("encoder.gear_ratio", encoder_gear_ratio, positive(),
+                  "revolutions of the encoder's shaft per revolution");
+    fields.only_where({"encoder.multiplication", "encoder.gear_ratio"}, "encoder.bits is not 0",
+                      [this] { return encoder_bits != 0; });
+  } else {
+    fields.number("encoder." + key("resolution", u.position_suffix), encoder_resolution,
+                  not_negative(), "one count; 0: not quantised [" + u.position + "]");
+  }
+  fields.number("encoder." + key("phase", u.position_suffix), encoder_phase, any(),
+                "how far the start lies from the middle between two edges [" + u.position + "]");
+  fields.choice("encoder.origin", encoder_origin,
+                {{"counted", EncoderOrigin::counted}, {"calibrated", EncoderOrigin::calibrated}},
+                "what it calls 0: where it starts (counted), or the true 0 (calibrated)");
+  fields.only_where({"encoder." + key("phase", u.position_suffix), "encoder.origin"},
+                    "the encoder is quantised", [this] { return quantum() != 0.0; });
+  fields.number("noise." + key("std", u.position_suffix), noise_std, not_negative(),
+                "standard deviation of the measurement's white noise [" + u.position + "]");
+  fields.number("noise." + key("input_std", u.force_suffix), input_noise_std, not_negative(),
+                "standard deviation of a force drawn at each sample [" + u.force + "]");
+  fields.count("sensor.delay_samples", delay_samples, between(0, 1e6),
+               "age of a measurement, in control periods");
+  faults.bind(fields, axis.channel);
+}
+
+double AxisSettings::pulses_per_revolution() const {
+  if (!axis.counts_pulses) return encoder_resolution > 0.0 ? 1.0 / encoder_resolution : 0.0;
+  if (encoder_bits == 0) return 0.0;
+  return EncoderCounts{static_cast<double>(encoder_bits), encoder_multiplication,
+                       encoder_gear_ratio}
+      .pulses_per_revolution();
+}
+
+double AxisSettings::quantum() const {
+  if (!axis.counts_pulses) return encoder_resolution;
+  if (encoder_bits == 0) return 0.0;
+  return EncoderCounts{static_cast<double>(encoder_bits), encoder_multiplication,
+                       encoder_gear_ratio}
+      .quantum_rad();
+}
+
+double AxisSettings::force_limit() const {
+  return drive_limit > 0.0 ? drive_limit : std::numeric_limits<double>::infinity();
+}
+
+StateSpace AxisSettings::nominal_plant() const {
+  return damped_inertia(nominal_inertia, nominal_friction);
+}
+
+SensorError AxisSettings::sensor_error() const {
+  return {Eigen::VectorXd::Constant(1, quantum()), Eigen::VectorXd::Constant(1, noise_std)};
+}
+
+void check_axis(AxisSettings& settings, const Config& config) {
+  settings.mjcf = config.find_file_of("model.mjcf", settings.mjcf);
+  settings.physics.check(config, settings.run);
+  const SensingSetup sensing = sensing_setup(settings, {});
+  settings.faults.check(config, sensing.channels);
+  const Sensing check_only(load_model(settings), sensing);
+}
+
+// Holds a force along the joint's axis: the disturbance and what noise adds to it.
+class AxisRig::HeldForce final : public ExternalForce {
+ public:
+  HeldForce(const Model& model, const std::string& joint)
+      : joint_(model.id(mjOBJ_JOINT, joint)),
+        body_(model->jnt_bodyid[joint_]),
+        part_(model->jnt_type[joint_] == mjJNT_HINGE ? 3 : 0) {}
+
+  void hold(double force) { force_ = force; }
+
+  void apply(double, const mjModel&, mjData& data) const override {
+    const mjtNum* axis = data.xaxis + static_cast<std::ptrdiff_t>(3) * joint_;
+    mjtNum* wrench = data.xfrc_applied + static_cast<std::ptrdiff_t>(6) * body_ + part_;
+    for (int i = 0; i < 3; ++i) wrench[i] += force_ * axis[i];
+  }
+
+ private:
+  int joint_;
+  int body_;
+  int part_;  // of the wrench: force or torque
+  double force_ = 0.0;
+};
+
+AxisRig::AxisRig(const AxisSettings& settings, const AxisDisturbances& disturbances,
+                 Controller& controller)
+    : units_(settings.axis.units),
+      disturbances_(disturbances),
+      input_noise_(settings.run.seed, "input"),
+      input_noise_std_(settings.input_noise_std),
+      steps_per_sample_(settings.physics.steps_per_sample()),
+      controller_(controller) {
+  Model model = load_model(settings);
+  force_ = std::make_unique<HeldForce>(model, settings.axis.joint);
+  simulation_ = std::make_unique<Simulation>(std::move(model), controller,
+                                             sensing_setup(settings, disturbances.position),
+                                             steps_per_sample_);
+  simulation_->set_pwm(0, Pwm{settings.drive_resolution});
+  simulation_->add(*force_);
+  simulation_->set_position({&settings.start_position, 1});
+  simulation_->set_velocity({&settings.start_velocity, 1});
+  position_ = &simulation_->sensor(settings.axis.position_sensor);
+  velocity_ = &simulation_->sensor(settings.axis.velocity_sensor);
+}
+
+AxisRig::~AxisRig() = default;
+
+void AxisRig::step() {
+  const std::int64_t k = simulation_->steps();
+  disturbance_ = disturbances_.force.value(simulation_->time_of(k));
+  if (k % steps_per_sample_ == 0 && input_noise_std_ > 0.0) {
+    input_noise_value_ =
+        input_noise_std_ * input_noise_(static_cast<std::uint64_t>(k / steps_per_sample_));
+  }
+  force_->hold(input_noise_value_ - disturbance_);
+  simulation_->step();
+  saturated_ = simulation_->saturated() ? 1.0 : 0.0;
+}
+
+std::vector<Signal> AxisRig::signals() const {
+  const Simulation& sim = *simulation_;
+  std::vector<Signal> signals = {
+      {"qpos", units_.position, "the engine's generalised positions", sim.qpos()},
+      {"position_true_" + units_.position_suffix, units_.position, "position, true",
+       view(*position_)},
+      {"velocity_true_" + units_.velocity_suffix, units_.velocity, "velocity, true",
+       view(*velocity_)},
+      {"d_true_" + units_.force_suffix, units_.force, "disturbance, which opposes the drive, true",
+       view(disturbance_)},
+      {"position_measured_" + units_.position_suffix, units_.position, "position as sampled",
+       view(sim.sample().y).first(1)},
+      {"command_" + units_.force_suffix, units_.force, "what the controller asks for",
+       view(sim.command())},
+      {"applied_" + units_.force_suffix, units_.force, "what the drive does, saturated and rounded",
+       view(sim.actuation())},
+      {"saturated", "1", "1 where the drive is at its limit", view(saturated_)}};
+  for (const Signal& signal : controller_.signals()) signals.push_back(signal);
+  return signals;
+}
+
+}  // namespace breakwater

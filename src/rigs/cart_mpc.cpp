@@ -1,0 +1,205 @@
+#include "rigs/cart_mpc.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "observers/disturbance_model.h"
+
+namespace breakwater {
+void CartMpcSettings::bind(Fields& fields) {
+  fields.choice("controller.disturbance_use", disturbance_use,
+                {{"none", DisturbanceUse::none},
+                 {"predict", DisturbanceUse::predict},
+                 {"cancel", DisturbanceUse::cancel},
+                 {"cancel_within_bounds", DisturbanceUse::cancel_within_bounds}},
+                "none, predict (Eq. 2.46), cancel (Eq. 2.45) or cancel_within_bounds");
+  fields.number("controller.period_s", period_s, positive(),
+                "of the optimisation; a multiple of control.period_s [s]");
+  fields.count("controller.prediction_steps", prediction_steps, between(1, 1000), "N_p");
+  fields.count("controller.control_steps", control_steps, between(1, 1000), "N_u <= N_p");
+  fields.number("controller.q_position", q_position, not_negative(), "Q: weight on position");
+  fields.number("controller.q_velocity", q_velocity, not_negative(), "Q: weight on velocity");
+  fields.number("controller.q_disturbance", q_disturbance, not_negative(),
+                "predict: Q's weight on the disturbance, which changes nothing");
+  fields.choice("controller.last_weight", last_weight,
+                {{"factor", LastWeight::factor}, {"riccati", LastWeight::riccati}},
+                "Q at step N_p: factor times Q, or riccati: the regulator's P (Eq. 2.49)");
+  fields.number("controller.last_factor", last_factor, not_negative(), "of last_weight factor");
+  fields.number("controller.r", r, positive(),
+                "R: weight on the input's change; LQR: on the input");
+
+  fields.number("constraint.position_lower_m", position_lower_m, any(), "[m]");
+  fields.number("constraint.position_m", position_upper_m, any(), "upper bound [m]");
+  fields.count("constraint.position_steps", position_steps, between(0, 1000),
+               "how many predicted steps are bounded, spread evenly up to N_p; 0: none");
+  fields.number("constraint.velocity_m_s", velocity_m_s, positive(), "bound on |v| [m/s]");
+  fields.count("constraint.velocity_steps", velocity_steps, between(0, 1000), "as position_steps");
+  fields.number("constraint.input_lower_N", input_lower_N, any(), "[N]");
+  fields.number("constraint.input_upper_N", input_upper_N, any(), "[N]");
+  fields.count("constraint.input_steps", input_steps, between(0, 1000),
+               "how many planned inputs are bounded, from the first on; 0: none");
+  fields.number("constraint.input_change_N", change_N, positive(), "bound on |du| [N]");
+  fields.count("constraint.input_change_steps", change_steps, between(0, 1000), "as input_steps");
+
+  fields.choice("solver.name", solver,
+                {{"active_set", QpSolverKind::active_set}, {"hildreth", QpSolverKind::hildreth}},
+                "active_set (exact) or hildreth (the thesis')");
+  fields.count("solver.max_iterations", max_iterations, between(1, 1e6),
+               "hildreth: cap on sweeps; active_set needs none");
+  fields.choice("solver.on_infeasible", on_infeasible,
+                {{"soften", OnInfeasible::soften}, {"stop", OnInfeasible::stop}},
+                "active_set: soften constraints, never those of inputs, or stop");
+  fields.choice("solver.soften_first", soften_first,
+                {{"position", SoftenFirst::position}, {"velocity", SoftenFirst::velocity}},
+                "which state's constraints give way before the other's: position or velocity");
+  fields.number("solver.softness", softness, positive(),
+                "of a softened constraint: 1/weight on its violation squared");
+
+  fields.only_for({"controller.q_disturbance"}, "controller.disturbance_use", {"predict"});
+  fields.only_for({"controller.last_factor"}, "controller.last_weight", {"factor"});
+  fields.only_for({"solver.softness"}, "solver.on_infeasible", {"soften"});
+  const auto only_with = [&fields](const std::vector<std::string>& keys, const std::string& steps,
+                                   const int& count) {
+    fields.only_where(keys, "constraint." + steps + " is not 0", [&count] { return count != 0; });
+  };
+  only_with({"constraint.position_lower_m", "constraint.position_m"}, "position_steps",
+            position_steps);
+  only_with({"constraint.input_change_N"}, "input_change_steps", change_steps);
+}
+
+std::vector<std::string> CartMpcSettings::regulator_keys() {
+  return {"controller.period_s", "controller.q_position", "controller.q_velocity", "controller.r"};
+}
+
+std::vector<std::string> CartMpcSettings::predictive_keys() {
+  return {"controller.disturbance_use",
+          "controller.prediction_steps",
+          "controller.control_steps",
+          "controller.q_disturbance",
+          "controller.last_weight",
+          "controller.last_factor",
+          "constraint.position_lower_m",
+          "constraint.position_m",
+          "constraint.position_steps",
+          "constraint.velocity_m_s",
+          "constraint.velocity_steps",
+          "constraint.input_lower_N",
+          "constraint.input_upper_N",
+          "constraint.input_steps",
+          "constraint.input_change_N",
+          "constraint.input_change_steps",
+          "solver.name",
+          "solver.max_iterations",
+          "solver.on_infeasible",
+          "solver.soften_first",
+          "solver.softness"};
+}
+
+void CartMpcSettings::check(const AxisSettings& axis, const Config& config) const {
+  check_multiple(config, "controller.period_s", period_s, axis.physics.control_period_s,
+                 "control.period_s");
+  if (control_steps > prediction_steps) {
+    config.fail("controller.control_steps", "must not be more than controller.prediction_steps");
+  }
+  const auto at_most = [&](const char* key, int steps, int most) {
+    if (steps > most) config.fail(key, "must not be more than " + std::to_string(most));
+  };
+  at_most("constraint.position_steps", position_steps, prediction_steps);
+  at_most("constraint.velocity_steps", velocity_steps, prediction_steps);
+  at_most("constraint.input_steps", input_steps, control_steps);
+  at_most("constraint.input_change_steps", change_steps, control_steps);
+  if (position_lower_m > position_upper_m) {
+    config.fail("constraint.position_lower_m", "must not be above constraint.position_m");
+  }
+  if (input_lower_N > input_upper_N) {
+    config.fail("constraint.input_lower_N", "must not be above constraint.input_upper_N");
+  }
+  const PredictiveControlDesign control =
+      config.blame("controller.last_weight", [&] { return design(axis); });
+  const Lmpc lmpc = config.blame("controller.prediction_steps", [&] { return Lmpc(control.lmpc); });
+  if (!lmpc.inputs_are_feasible(Eigen::VectorXd::Zero(1))) {
+    config.fail("constraint.input_change_N",
+                "no input satisfies the input constraints from rest on");
+  }
+}
+
+Eigen::MatrixXd CartMpcSettings::state_weight() const {
+  return Eigen::Vector2d(q_position, q_velocity).asDiagonal();
+}
+
+LqrDesign CartMpcSettings::regulator(const StateSpace& nominal_plant) const {
+  const StateSpace sampled = zero_order_hold(nominal_plant, period_s);
+  return dlqr(sampled.A, sampled.B, state_weight(), Eigen::MatrixXd::Constant(1, 1, r));
+}
+
+PredictiveControlDesign CartMpcSettings::design(const AxisSettings& axis) const {
+  const StateSpace nominal_plant = axis.nominal_plant();
+  const StateSpace sampled = zero_order_hold(nominal_plant, period_s);
+  PredictiveControlDesign design;
+  LmpcDesign& lmpc = design.lmpc;
+  lmpc.A = sampled.A;
+  lmpc.B = sampled.B;
+  lmpc.prediction_steps = prediction_steps;
+  lmpc.control_steps = control_steps;
+  lmpc.Q = state_weight();
+  lmpc.Q_last =
+      last_weight == LastWeight::riccati ? regulator(nominal_plant).P : last_factor * lmpc.Q;
+  lmpc.R = Eigen::MatrixXd::Constant(1, 1, r);
+  if (disturbance_use == DisturbanceUse::predict) {
+    const StateSpace extended = extend_by_disturbance_model(sampled, 0, period_s).sampled;
+    lmpc.A = extended.A;
+    lmpc.B = extended.B;
+    // Q ⊕ q_d, and P ⊕ q_d: the disturbance has no Riccati solution, as no input reaches it.
+    const double last = last_weight == LastWeight::riccati ? 1.0 : last_factor;
+    const auto extend = [](Eigen::MatrixXd& weight, double q) {
+      weight.conservativeResizeLike(Eigen::MatrixXd::Zero(weight.rows() + 1, weight.cols() + 1));
+      weight(weight.rows() - 1, weight.cols() - 1) = q;
+    };
+    extend(lmpc.Q, q_disturbance);
+    extend(lmpc.Q_last, last * q_disturbance);
+  }
+
+  if (change_steps > 0) {
+    lmpc.change_bounds.push_back({0, -change_N, change_N, first_steps(change_steps)});
+  }
+  if (input_steps > 0) {
+    lmpc.input_bounds.push_back({0, input_lower_N, input_upper_N, first_steps(input_steps)});
+  }
+  if (position_steps > 0) {
+    lmpc.state_bounds.push_back(
+        {0, position_lower_m, position_upper_m, spread_steps(position_steps, prediction_steps)});
+  }
+  if (velocity_steps > 0) {
+    lmpc.state_bounds.push_back(
+        {1, -velocity_m_s, velocity_m_s, spread_steps(velocity_steps, prediction_steps)});
+  }
+  if (soften_first == SoftenFirst::velocity)
+    std::reverse(lmpc.state_bounds.begin(), lmpc.state_bounds.end());
+  lmpc.solver = solver;
+  lmpc.max_iterations = max_iterations;
+  lmpc.on_infeasible = on_infeasible;
+  lmpc.softness = softness;
+
+  design.disturbance_use = disturbance_use;
+  design.samples_per_move = static_cast<int>(std::lround(period_s / axis.physics.control_period_s));
+  design.start_state = Eigen::VectorXd::Zero(2);
+  design.force_limit = axis.force_limit();
+  return design;
+}
+
+void add_qp_metrics(const QpStatistics& statistics, Recording& recording) {
+  std::vector<Metric>& metrics = recording.metrics;
+  const auto optimisations =
+      static_cast<double>(std::max<std::int64_t>(statistics.optimisations, 1));
+  add(metrics, "qp_iterations_mean", "1",
+      static_cast<double>(statistics.iterations) / optimisations);
+  add(metrics, "qp_iterations_max", "1", static_cast<double>(statistics.most_iterations));
+  add(metrics, "qp_unsolved_count", "1", static_cast<double>(statistics.unsolved));
+  add(metrics, "qp_softened_count", "1", static_cast<double>(statistics.softened));
+  add(metrics, "qp_capped_count", "1", static_cast<double>(statistics.capped));
+  add(recording.costs, "qp_time_mean_us", "us", 1e6 * statistics.time_s / optimisations);
+  add(recording.costs, "qp_time_max_us", "us", 1e6 * statistics.longest_s);
+}
+
+}  // namespace breakwater

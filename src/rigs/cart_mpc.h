@@ -1,0 +1,69 @@
+// Predictive control of the cart: the keys and metrics that its scenarios share.
+#pragma once
+
+#include "control/predictive_control.h"
+#include "linear/riccati.h"
+#include "record/recording.h"
+#include "rigs/axis_rig.h"
+#include "rigs/estimator_settings.h"
+#include "scenario/fields.h"
+
+namespace breakwater {
+
+enum class LastWeight { factor, riccati };
+enum class SoftenFirst { position, velocity };
+
+/// Keys `controller.…`, `constraint.…` and `solver.…` of predictive control.
+struct CartMpcSettings {
+  DisturbanceUse disturbance_use = DisturbanceUse::predict;
+  double period_s = 0.0;
+  int prediction_steps = 0;
+  int control_steps = 0;
+  double q_position = 0.0;
+  double q_velocity = 0.0;
+  double q_disturbance = 0.0;
+  LastWeight last_weight = LastWeight::factor;
+  double last_factor = 1.0;
+  double r = 0.0;
+
+  double position_lower_m = 0.0;
+  double position_upper_m = 0.0;
+  int position_steps = 0;
+  double velocity_m_s = 0.0;
+  int velocity_steps = 0;
+  double input_lower_N = 0.0;
+  double input_upper_N = 0.0;
+  int input_steps = 0;
+  double change_N = 0.0;
+  int change_steps = 0;
+
+  QpSolverKind solver = QpSolverKind::active_set;
+  int max_iterations = 0;
+  OnInfeasible on_infeasible = OnInfeasible::soften;
+  SoftenFirst soften_first = SoftenFirst::position;
+  double softness = 0.0;
+
+  void bind(Fields& fields);
+  /// The keys that a regulator takes too: those of its period and weights.
+  static std::vector<std::string> regulator_keys();
+  /// All other keys.
+  static std::vector<std::string> predictive_keys();
+
+  /// What fields cannot check, but the estimator. Throws std::invalid_argument `ORIGIN: KEY:
+  /// reason`.
+  void check(const AxisSettings& axis, const Config& config) const;
+
+  /// Weights on position and velocity, and the regulator that they and r define.
+  Eigen::MatrixXd state_weight() const;
+  LqrDesign regulator(const StateSpace& nominal_plant) const;
+
+  /// The controller of an axis, with estimates at every control period.
+  PredictiveControlDesign design(const AxisSettings& axis) const;
+};
+
+/// Metrics qp_iterations_mean, qp_iterations_max, qp_unsolved_count, qp_softened_count and
+/// qp_capped_count, and costs qp_time_mean_us and qp_time_max_us. Means and largest are those of an
+/// optimisation.
+void add_qp_metrics(const QpStatistics& statistics, Recording& recording);
+
+}  // namespace breakwater

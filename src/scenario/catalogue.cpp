@@ -1,0 +1,28 @@
+#include "scenario/catalogue.h"
+
+#include "scenario/paths.h"
+
+namespace breakwater {
+
+std::filesystem::path ScenarioKind::home() const {
+  return folder.empty() ? data_root() / "scenarios" / name : folder;
+}
+
+std::unique_ptr<Scenario> make_scenario(const Catalogue& catalogue, const std::string& name) {
+  return catalogue.get<ScenarioKind>(name).make(catalogue);
+}
+
+namespace detail {
+
+void fail_as_there_already(const std::string& what, const std::string& name) {
+  throw std::invalid_argument("there is a " + what + " \"" + name + "\" already");
+}
+
+void fail_as_not_there(const std::string& what, const std::string& name,
+                       const std::vector<std::string>& names) {
+  throw std::invalid_argument("there is no " + what + " \"" + name + "\"" +
+                              did_you_mean(name, names));
+}
+
+}  // namespace detail
+}  // namespace breakwater

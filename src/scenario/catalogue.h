@@ -1,0 +1,87 @@
+// What a program has to choose from.
+#pragma once
+
+#include <any>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <typeindex>
+#include <unordered_map>
+#include <vector>
+
+#include "scenario/scenario.h"
+
+namespace breakwater {
+
+/// An experiment by its name.
+struct ScenarioKind {
+  static constexpr const char* kWhat = "scenario";
+
+  std::string name;
+  std::unique_ptr<Scenario> (*make)(const Catalogue&);
+  /// Where NAME.toml and shots.toml are; empty: in scenarios/NAME of data_root().
+  std::filesystem::path folder = {};
+
+  /// The scenario file that belongs to it, and its shot list, which need not be there.
+  std::filesystem::path file() const { return home() / (name + ".toml"); }
+  std::filesystem::path shots() const { return home() / "shots.toml"; }
+
+ private:
+  std::filesystem::path home() const;
+};
+
+namespace detail {
+[[noreturn]] void fail_as_there_already(const std::string& what, const std::string& name);
+[[noreturn]] void fail_as_not_there(const std::string& what, const std::string& name,
+                                    const std::vector<std::string>& names);
+}  // namespace detail
+
+/// Scenarios, and the parts that they choose by name: a value that main() makes and passes on. What
+/// there may be is open: a kind is any struct with a `name` and, for messages, a `kWhat`; kinds of
+/// one type stand in the order in which they were added.
+class Catalogue {
+ public:
+  /// Throws std::invalid_argument if there is one of that type and name already.
+  template <typename Kind>
+  void add(Kind kind) {
+    std::any& shelf = shelves_[typeid(Kind)];
+    if (!shelf.has_value()) shelf = std::vector<Kind>{};
+    auto& kinds = *std::any_cast<std::vector<Kind>>(&shelf);
+    for (const Kind& other : kinds) {
+      if (other.name == kind.name) detail::fail_as_there_already(Kind::kWhat, kind.name);
+    }
+    kinds.push_back(std::move(kind));
+  }
+
+  /// All of one type.
+  template <typename Kind>
+  const std::vector<Kind>& all() const {
+    static const std::vector<Kind> none;
+    const auto found = shelves_.find(typeid(Kind));
+    return found == shelves_.end() ? none : *std::any_cast<std::vector<Kind>>(&found->second);
+  }
+
+  template <typename Kind>
+  std::vector<std::string> names() const {
+    std::vector<std::string> names;
+    for (const Kind& kind : all<Kind>()) names.push_back(kind.name);
+    return names;
+  }
+
+  /// One by its name. Throws std::invalid_argument if there is none of that name.
+  template <typename Kind>
+  const Kind& get(const std::string& name) const {
+    for (const Kind& kind : all<Kind>()) {
+      if (kind.name == name) return kind;
+    }
+    detail::fail_as_not_there(Kind::kWhat, name, names<Kind>());
+  }
+
+ private:
+  std::unordered_map<std::type_index, std::any> shelves_;
+};
+
+/// A new scenario by name. Throws std::invalid_argument if there is none of that name.
+std::unique_ptr<Scenario> make_scenario(const Catalogue& catalogue, const std::string& name);
+
+}  // namespace breakwater
