@@ -16,7 +16,9 @@ void PushMetrics::after_sample(double time_s, const Eigen::VectorXd& q, const Ei
       release_offsets_[i] = offset_rad(q, i);
     return;
   }
+  last_offset_rad_ = 0.0;
   for (std::size_t i = 0; i < release_offsets_.size(); ++i) {
+    last_offset_rad_ = std::max(last_offset_rad_, std::abs(offset_rad(q, i)));
     overshoot_rad_ =
         std::max(overshoot_rad_, -std::copysign(1.0, release_offsets_[i]) * offset_rad(q, i));
     reversals_[i].add(offset_rad(q, i));
@@ -30,11 +32,13 @@ std::vector<Metric> PushMetrics::metrics() const {
   std::vector<Metric> list;
   if (max_push_rad_) list.push_back({"max_push_rad", "rad", *max_push_rad_});
   if (!last_free_s_) return list;
-  list.push_back({"overshoot_rad", "rad", overshoot_rad_});
+  const bool is_otherwise = has_settled() && last_offset_rad_ > kOtherPosture_rad;
+  list.push_back({"overshoot_rad", "rad",
+                  is_otherwise ? std::max(overshoot_rad_, last_offset_rad_) : overshoot_rad_});
   int reversals = 0;
   for (const ReversalCount& joint : reversals_) reversals = std::max(reversals, joint.value());
   list.push_back({"reversal_count", "1", static_cast<double>(reversals)});
-  if (unsettled_until_s_ <= *last_free_s_) {
+  if (has_settled()) {
     list.push_back({"settling_time_s", "s", std::max(unsettled_until_s_ - window_.release_s, 0.0)});
   }
   list.push_back({"saturated_time_s", "s", saturated_s_});

@@ -24,7 +24,7 @@ struct PushWindow {
 /// Gathers the metrics of arm_push, sample by sample:
 ///  - max_push_rad: how far the hand turned the link, before it let go;
 ///  - overshoot_rad: the largest joint excursion past the start, on the other side of where the
-///    joint was let go;
+///    joint was let go; or, where the tip comes back in another posture, how far a joint is off;
 ///  - reversal_count: how often the joint that swings most turns back by more than 0.02 rad after
 ///    the release;
 ///  - settling_time_s: from the release until the tip stays within settled_within_m; absent if it
@@ -47,7 +47,9 @@ class PushMetrics {
 
  private:
   static constexpr double kTurn_rad = 0.02;
+  static constexpr double kOtherPosture_rad = 0.2;
 
+  bool has_settled() const { return unsettled_until_s_ <= *last_free_s_; }
   double offset_rad(const Eigen::VectorXd& q, std::size_t joint) const {
     return q(static_cast<Eigen::Index>(joint)) - window_.start_angles_rad[joint];
   }
@@ -58,6 +60,7 @@ class PushMetrics {
   std::optional<double> max_push_rad_;
   std::optional<double> last_free_s_;  // the last sample after the release
   double overshoot_rad_ = 0.0;
+  double last_offset_rad_ = 0.0;  // the largest of any joint
   double saturated_s_ = 0.0;
   double tip_error_m_ = 0.0;
   double peak_speed_rad_s_ = 0.0;

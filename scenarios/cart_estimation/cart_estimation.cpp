@@ -18,6 +18,33 @@ AxisSettings without_noise(AxisSettings settings) {
   return settings;
 }
 
+// How late an estimate is: sums of the disturbance d, its rate and the estimate's error over a
+// window. Nothing (NaN, or infinite) if the window has no samples or d does not move.
+class Lag {
+ public:
+  void add(double d, double rate, double error) {
+    d_d_ += d * d;
+    d_rate_ += d * rate;
+    rate_rate_ += rate * rate;
+    error_d_ += error * d;
+    error_rate_ += error * rate;
+  }
+
+  // T of d̂(t) = d(t) − T ḋ(t) by least squares: what a ramp's estimate is behind.
+  double of_pure_delay_s() const { return -error_rate_ / rate_rate_; }
+  // T of d̂(t) = g d(t) − T ḋ(t), so that an estimate that is too large does not pass for late.
+  double beside_gain_s() const {
+    return -(error_rate_ - error_d_ * d_rate_ / d_d_) / (rate_rate_ - d_rate_ * d_rate_ / d_d_);
+  }
+
+ private:
+  double d_d_ = 0.0;
+  double d_rate_ = 0.0;
+  double rate_rate_ = 0.0;
+  double error_d_ = 0.0;
+  double error_rate_ = 0.0;
+};
+
 }  // namespace
 
 Fields CartEstimation::fields() {
@@ -116,9 +143,7 @@ Recording CartEstimation::run(const RunControl& control) const {
   const TimeWindow window = TimeWindow{from_s_, to_s_}.within(end_s);
   WindowStatistics error(window), truth(window), position_error(window), noise_in_window(window);
   WindowStatistics noise(TimeWindow{noise_from_s_, noise_to_s_}.within(end_s));
-  // Least squares over the window: the T for which d(t) − T ḋ(t) fits what is estimated best.
-  double delayed = 0.0;
-  double squared_rates = 0.0;
+  Lag lag;
   SettlingTime settling(TimeWindow{force.start_s, to_s_}.within_and_on(end_s),
                         kSettledWithin * std::abs(force.amplitude));
 
@@ -132,11 +157,7 @@ Recording CartEstimation::run(const RunControl& control) const {
     const double d_error = controller.disturbance() - rig.disturbance();
     error.add(t, d_error);
     truth.add(t, rig.disturbance());
-    if (window.contains(t)) {
-      const double rate = force.rate(t);
-      delayed -= d_error * rate;
-      squared_rates += rate * rate;
-    }
+    if (window.contains(t)) lag.add(rig.disturbance(), force.rate(t), d_error);
     position_error.add(t, controller.reference() - sim.qpos()[0]);
     noise_N = controller.disturbance() - quiet_controller.disturbance();
     noise.add(t, noise_N);
@@ -152,7 +173,10 @@ Recording CartEstimation::run(const RunControl& control) const {
       add(metrics, "relative_rmse_disturbance", "1", *error.rms() / *truth.rms());
     }
     if (kind_ == Kind::step) add(metrics, "settling_time_5pct_s", "s", settling.value());
-    if (squared_rates > 0.0) add(metrics, "disturbance_lag_s", "s", delayed / squared_rates);
+    if (kind_ == Kind::ramp) add(metrics, "disturbance_lag_s", "s", lag.of_pure_delay_s());
+    if (kind_ == Kind::sine || kind_ == Kind::high_sine) {
+      add(metrics, "disturbance_lag_s", "s", lag.beside_gain_s());
+    }
     add(metrics, "max_noise_N", "N", noise.peak());
     add(metrics, "max_noise_deviation_N", "N", noise_in_window.largest_deviation());
     add(metrics, "rms_noise_N", "N", noise.rms());

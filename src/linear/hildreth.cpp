@@ -51,7 +51,12 @@ void HildrethQp::solve(const QpInput& input, QpSolution& solution) {
   values_.noalias() -= factors_.gram * solution.mu;
 
   solution.status = QpStatus::iteration_cap;
+  double halfway = 0.0;  // excess, after half of the sweeps
   while (solution.iterations < max_sweeps_) {
+    if (solution.iterations > 0 && solution.iterations == max_sweeps_ / 2) {
+      solution.mu = lambda_upper_ - lambda_lower_;
+      halfway = excess(input, solution.mu);
+    }
     ++solution.iterations;
     if (sweep(input) <= kTolerance) {
       solution.status = QpStatus::solved;
@@ -63,14 +68,19 @@ void HildrethQp::solve(const QpInput& input, QpSolution& solution) {
   solution.z.noalias() -= factors_.step * solution.mu;
   values_.noalias() = factors_.columns * solution.z;
   solution.kkt_residual = kkt_residual(factors_.model, input, solution, values_, gradient_);
-  if (solution.status == QpStatus::iteration_cap && diverges(input, solution.mu)) reset();
+  if (solution.status == QpStatus::iteration_cap) {
+    // Far off, and not on the way: the next problem begins anew.
+    const double excess = this->excess(input, solution.mu);
+    if (!(excess <= kDiverged) && !(excess < halfway)) reset();
+  }
   if (empty) solution.status = QpStatus::infeasible;
 }
 
 // Along c λ the dual objective is c λᵀd − ½ c² λᵀPλ, where d is what z_free violates each side by:
-// largest at c = λᵀd/λᵀPλ. Where sweeps converge c goes to 1; where no z satisfies the rows the
-// multipliers grow without z moving, and so does c.
-bool HildrethQp::diverges(const QpInput& input, const Eigen::VectorXd& mu) const {
+// largest at this c = λᵀd/λᵀPλ. Where sweeps converge c falls to 1, from far above it where rows
+// nearly oppose each other; where no z satisfies the rows the multipliers grow without z moving,
+// and so does c.
+double HildrethQp::excess(const QpInput& input, const Eigen::VectorXd& mu) const {
   double gain = 0.0;       // λᵀd
   double curvature = 0.0;  // λᵀPλ
   for (Eigen::Index i = 0; i < mu.size(); ++i) {
@@ -81,7 +91,7 @@ bool HildrethQp::diverges(const QpInput& input, const Eigen::VectorXd& mu) const
     curvature += mu(i) * (values_free_(i) - values_(i));
     curvature += input.softness(i) * (above * above + below * below);
   }
-  return !(gain <= kDiverged * curvature);  // true of NaN too
+  return gain <= kDiverged * curvature ? 1.0 : gain / curvature;
 }
 
 double HildrethQp::sweep(const QpInput& input) {

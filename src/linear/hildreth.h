@@ -31,7 +31,7 @@ class HildrethQp final : public QpSolver {
 
  private:
   double sweep(const QpInput& input);
-  bool diverges(const QpInput& input, const Eigen::VectorXd& mu) const;
+  double excess(const QpInput& input, const Eigen::VectorXd& mu) const;
   double move(Eigen::Index row, double& multiplier, double sign, double violation,
               const QpInput& input);
 

@@ -12,6 +12,7 @@
 #include <cstring>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <system_error>
@@ -50,7 +51,7 @@ std::string own_suffix() {
 }
 
 bool is_of_this_host(const std::string& suffix) {
-  return suffix.starts_with(host_name() + "-");
+  return suffix.substr(0, suffix.rfind('-')) == host_name();
 }
 
 // Whether nobody writes there any more, as far as can be told from here. This process' own number
@@ -58,7 +59,9 @@ bool is_of_this_host(const std::string& suffix) {
 bool is_of_dead_process(const std::string& suffix) {
   if (!is_of_this_host(suffix)) return false;
   pid_t pid = 0;
-  std::from_chars(suffix.data() + host_name().size() + 1, suffix.data() + suffix.size(), pid);
+  const char* const end = suffix.data() + suffix.size();
+  const auto read = std::from_chars(suffix.data() + host_name().size() + 1, end, pid);
+  if (read.ec != std::errc() || read.ptr != end) return false;
   return pid == getpid() || (pid > 0 && kill(pid, 0) != 0 && errno == ESRCH);
 }
 
@@ -94,9 +97,31 @@ void restore_earlier(const fs::path& target) {
   if (!latest.empty()) fs::rename(latest, target, error);
 }
 
-bool may_be_replaced(const fs::path& folder) {
+// What our programs put into a run's folder, and what one of them leaves that is killed at it.
+bool is_of_a_run(const std::string& name) {
+  static const std::set<std::string> names = {
+      "config.toml", "log.csv",     "log.h5",      "manifest.json", "metrics.json",
+      "strip.png",   "still.png",   "video.mp4",   "report.html",   "compare.html",
+      "compare.csv", "compare.tex", "compare.svg", "compare.pdf",   kKeptMark};
+  return names.contains(name) ||
+         (name.starts_with('.') && name.find(".partial-") != std::string::npos);
+}
+
+// Why a folder is not one that a run may take the place of; empty if it is.
+std::string complaint_of(const fs::path& folder) {
   std::error_code error;
-  return fs::is_directory(folder, error) && (fs::is_empty(folder, error) || is_run_folder(folder));
+  if (!fs::is_directory(folder, error)) return "is a file, not a folder";
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    const std::string name = entry.path().filename().string();
+    if (!is_of_a_run(name)) return "holds " + name + ", which is not a run's; it is left alone";
+  }
+  if (fs::is_empty(folder, error) || is_run_folder(folder)) return "";
+  return "holds something that is not a run, or one whose manifest.json is damaged; it is left "
+         "alone: delete it to go on";
+}
+
+bool may_be_replaced(const fs::path& folder) {
+  return complaint_of(folder).empty();
 }
 
 void remove_abandoned(const fs::path& target) {
@@ -229,13 +254,8 @@ RunFolder::RunFolder(const fs::path& target) : target_(without_slash(target)) {
   try {
     restore_earlier(target_);
     if (fs::exists(target_)) {
-      if (!fs::is_directory(target_)) {
-        throw std::invalid_argument(target.string() + ": is a file, not a folder");
-      }
-      if (!may_be_replaced(target_)) {
-        throw std::invalid_argument(target.string() +
-                                    ": holds something that is not a run; it is left alone");
-      }
+      const std::string complaint = complaint_of(target_);
+      if (!complaint.empty()) throw std::invalid_argument(target.string() + ": " + complaint);
     }
     made_parents_ = missing_parents(target_.parent_path());
     fs::create_directories(target_.parent_path());

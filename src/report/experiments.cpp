@@ -261,8 +261,7 @@ CellSpec read_cell(const Reader& reader, const Layers& cell, const Variables& va
   }
   spec.divisor = reader.number(cell, "divisor").value_or(1.0);
   if (spec.divisor == 0.0) reader.fail(*cell.get("divisor"), "divisor must not be zero");
-  spec.if_failed =
-      reader.number(cell, "if_failed").value_or(std::numeric_limits<double>::quiet_NaN());
+  spec.if_failed = reader.number(cell, "if_failed").value_or(spec.if_failed);
   spec.absent_is_never = reader.word_or(cell, "absent", {"never"}) == "never";
   spec.is_share = reader.word_or(cell, "statistic", {"median", "share"}) == "share";
   spec.printed = reader.text_or(cell, "printed", variables);
@@ -280,10 +279,51 @@ CellSpec read_cell(const Reader& reader, const Layers& cell, const Variables& va
   return spec;
 }
 
+// All texts in a table and in the tables and arrays in it, one after the other.
+void collect_texts(const toml::node& node, std::string& texts) {
+  if (const auto* string = node.as_string()) texts += string->get() + "\n";
+  if (const toml::table* table = node.as_table()) {
+    for (const auto& [key, value] : *table) collect_texts(value, texts);
+  }
+  if (const toml::array* array = node.as_array()) {
+    for (const toml::node& entry : *array) collect_texts(entry, texts);
+  }
+}
+
+// Refuses a key of a table's cells, columns and rows that is none of a cell's, no column's `key`
+// and no {VARIABLE} of any text there.
+void check_cell_keys(const Reader& reader, const toml::table& table) {
+  std::set<std::string> keys = {
+      "title",     "key",       "run",     "metric", "over",  "divisor", "over_metric", "absent",
+      "if_failed", "statistic", "printed", "says",   "shows", "above",   "below",       "why"};
+  reader.each(table, "columns", [&](const toml::node& column) {
+    keys.insert(reader.text_or(reader.table(column), "key", {}));
+  });
+  std::string texts;
+  collect_texts(table, texts);
+  const auto check = [&](const toml::node& node) {
+    for (const auto& [key, value] : reader.table(node)) {
+      const std::string name(key.str());
+      if (keys.contains(name) || texts.find("{" + name + "}") != std::string::npos) continue;
+      reader.fail(value,
+                  "there is no key " + name + did_you_mean(name, {keys.begin(), keys.end()}));
+    }
+  };
+  if (const toml::node* common = table.get("cell")) check(*common);
+  reader.each(table, "columns", check);
+  reader.each(table, "rows", [&](const toml::node& row) {
+    check(row);
+    for (const auto& [key, value] : reader.table(row)) {
+      if (value.is_table()) check(value);
+    }
+  });
+}
+
 // A cell is what the table's `cell` says, then what its column and its row say. A row may have a
 // table named like a column's `key`, for that cell alone; `false` there means that there is none.
 TableSpec read_table(const Reader& reader, const toml::table& table) {
   reader.allow(table, {"title", "unit", "rows", "columns", "cell"});
+  check_cell_keys(reader, table);
   TableSpec spec;
   spec.title = reader.text(table, "title", {});
   spec.unit = reader.text_or(table, "unit", {});

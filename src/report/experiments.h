@@ -1,6 +1,7 @@
 // data/experiments.toml: what is run, tabulated and drawn for each section of the thesis.
 #pragma once
 
+#include <limits>
 #include <map>
 #include <optional>
 #include <string>
@@ -39,7 +40,8 @@ struct CellSpec {
   /// What it is divided by: each run's by its own if it is the same run, else all by the median.
   std::optional<Quantity> over;
   double divisor = 1.0;
-  double if_failed;  ///< the value of a run that failed; none, so that nothing holds, unless given
+  /// The value of a run that failed; none, so that nothing holds, unless given.
+  double if_failed = std::numeric_limits<double>::quiet_NaN();
   bool absent_is_never = false;  ///< a run without the metric counts as infinite; else not measured
   bool is_share = false;         ///< the mean of ones and zeros is judged, not their median
   std::string printed;           ///< a path into printed-results.toml; empty if `says` is not

@@ -53,7 +53,7 @@ class Lines {
     const std::size_t point = std::min(digits.find('.'), e);
     const auto decimals = static_cast<int>(e - std::min(point + 1, e));
     const int exponent = e < digits.size() ? std::stoi(digits.substr(e + 1)) : 0;
-    return 0.5 * std::pow(10.0, exponent - decimals);
+    return std::stod(fmt::format("5e{}", exponent - decimals - 1));
   }
 
   std::string file_;

@@ -30,15 +30,17 @@ std::string verdict_list(const Reproduction& reproduction, const Measured& measu
           const Judged judged = judge_cell(*cell, measured, printed);
           const Quantity over = cell->over.value_or(Quantity{});
           const bool has_numbers = judged.numbers > 0;
-          text += csv_line(
-              {section->id, table.title, table.rows[r], table.columns[c], cell->quantity.run,
-               cell->quantity.metric, over.run, over.metric, exact(cell->divisor),
-               cell->is_share ? "share" : "median", exact(judged.median),
-               has_numbers ? exact(judged.smallest) : "", has_numbers ? exact(judged.largest) : "",
-               std::to_string(judged.values), cell->printed.empty() ? "" : judged.printed,
-               cell->says + cell->shows, judged.class_text,
-               verdict_word(judged, *cell, reproduction.experiments.is_own),
-               judged.verdict == Verdict::reproduced ? "" : reason_of(*cell, *section)});
+          text += csv_line({section->id, table.title, table.rows[r], table.columns[c],
+                            cell->quantity.run, cell->quantity.metric, over.run, over.metric,
+                            exact(cell->divisor), cell->is_share ? "share" : "median",
+                            exact(judged.median), has_numbers ? exact(judged.smallest) : "",
+                            has_numbers ? exact(judged.largest) : "", std::to_string(judged.values),
+                            cell->printed.empty() ? "" : judged.printed, cell->says + cell->shows,
+                            judged.class_text,
+                            verdict_word(judged, *cell, reproduction.experiments.is_own),
+                            judged.verdict == Verdict::reproduced || !cell->shows.empty()
+                                ? ""
+                                : reason_of(*cell, *section)});
         }
       }
     }

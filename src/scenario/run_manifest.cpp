@@ -72,7 +72,6 @@ RunManifest read_manifest(const std::filesystem::path& folder) {
   } else if (status != "complete") {
     reader.fail("status", "must be complete or failed");
   }
-  manifest.git_commit = reader.text_or_nothing("git_commit");
   manifest.program = reader.text_or_nothing("program");
   if (const json* models = reader.find("models")) {
     if (!models->is_object()) reader.fail("models", "must be an object");

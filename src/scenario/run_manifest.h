@@ -16,8 +16,7 @@ struct RunManifest {
   std::string case_name;
   std::string seed;
   std::optional<Failure> failure;  ///< if the run failed
-  std::string git_commit;
-  std::string program;  ///< program_hash()
+  std::string program;             ///< program_hash()
   ModelHashes models;
 };
 

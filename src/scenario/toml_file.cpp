@@ -115,6 +115,10 @@ toml::table parse_toml_file(const std::string& file) {
 
 std::optional<toml::table> parse_toml_value(const std::string& text, const std::string& origin) {
   if (const char* complaint = Guard(text).complaint()) {
+    // Only these nest; anything else, a path with many dots say, is a bare word.
+    const std::size_t first = text.find_first_not_of(" \t");
+    const bool may_nest = first != std::string::npos && (text[first] == '[' || text[first] == '{');
+    if (!may_nest) return std::nullopt;
     throw std::invalid_argument(origin + ": " + complaint);
   }
   try {

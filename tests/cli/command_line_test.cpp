@@ -342,7 +342,7 @@ INSTANTIATE_TEST_SUITE_P(
         Nonsense{"WindowTooEarly",
                  {"--set", "metrics.from_s=1"},
                  "metrics.from_s: must not be before force.from_s"},
-        Nonsense{"OutHoldsSomethingElse", {"--out", "thesis"}, "thesis: holds something"},
+        Nonsense{"OutHoldsSomethingElse", {"--out", "thesis"}, "thesis: holds "},
         Nonsense{"OutIsFile", {"--out", "file"}, "file: is a file"},
         Nonsense{"OutBelowFile", {"--out", "file/run"}, "file/run: cannot be made"},
         Nonsense{"OutUnwritable", {"--out", "/proc/run"}, "/proc/run: cannot be made"},

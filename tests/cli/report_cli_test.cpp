@@ -201,8 +201,8 @@ TEST_F(Reports, ShowsBesideTheRestAndSaysWhyACellDoesNotComeOut) {
   std::ofstream(folder_ / "tiny.toml")
       << statements(
              {"metric = \"rmse_velocity_rad_s\", below = 0.0, why = \"since it is, \\\"truly\\\"\"",
-              "metric = \"rmse_velocity_rad_s\", over_metric = \"rmse_raw_velocity_rad_s\", below "
-              "= 1.0"}) +
+              "metric = \"rmse_velocity_rad_s\", over_metric = \"rmse_raw_velocity_rad_s\", above "
+              "= 0.0"}) +
              "\n[[section.table]]\ntitle = \"beside\"\ncolumns = [{ title = \"c\" }]\nrows = [{ "
              "title = "
              "\"r\", shows = \"what is not claimed\", run = \"one\", metric = "

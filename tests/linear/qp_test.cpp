@@ -267,6 +267,25 @@ TEST(Hildreth, GoesOnAfterACappedColdStart) {
   }
 }
 
+// Rows that nearly oppose each other: both multipliers must grow together, from far below.
+TEST(Hildreth, GoesOnWhereMultipliersGrowTogether) {
+  for (const double second : {0.1, 0.05, 0.005}) {  // what z_free = (1, 1) violates the row by
+    const double first = std::max(second, 0.01);
+    QpInput input(2, 2);
+    input.g << -1.0, -1.0;
+    input.upper << 1.05 - first, -0.95 - second;
+    for (const int cap : {10, 40, 60}) {
+      HildrethQp hildreth(slow_model(), cap);
+      QpSolution solution(2, 2);
+      int solves = 0;
+      do {
+        hildreth.solve(input, solution);
+      } while (solution.status == QpStatus::iteration_cap && ++solves < 2000);
+      EXPECT_EQ(solution.status, QpStatus::solved) << second << " " << cap;
+    }
+  }
+}
+
 // However few sweeps a solve has, and whatever the multipliers were before.
 TEST(Hildreth, AnInfeasibleStretchLeavesNoHugeMultipliers) {
   Random random;

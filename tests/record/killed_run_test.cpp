@@ -74,7 +74,7 @@ class KilledRun : public ::testing::Test {
   std::string found() const {
     restore_run(target_);
     if (!fs::exists(target_)) return "none";
-    return is_run_folder(target_) ? text_of(target_ / "data") : "half a run";
+    return is_run_folder(target_) ? text_of(target_ / "log.csv") : "half a run";
   }
 
   // Kills a run at each of its steps; a reader then finds one of `either`.
@@ -148,7 +148,7 @@ std::set<std::string> synced_before(const std::vector<std::string>& steps, std::
 }
 
 TEST_F(KilledRun, IsOnTheDiskBeforeItTakesItsName) {
-  const std::set<std::string> all = {".", "data", "manifest.json"};
+  const std::set<std::string> all = {".", "log.csv", "manifest.json"};
   const std::string partial = base_.string() + "/.run.partial-";
   ASSERT_EQ(write("first"), 0);
   EXPECT_EQ(synced_before(steps(), step("rename " + partial), partial), all);
@@ -160,7 +160,7 @@ TEST_F(KilledRun, IsOnTheDiskBeforeItTakesItsName) {
     EXPECT_EQ(synced_before(steps(), placed, partial), all);
     // The names too are on the disk before the earlier run goes.
     EXPECT_GT(step("sync " + base_.string() + "\n"), placed);
-    EXPECT_LT(step("sync " + base_.string() + "\n"), step("unlink data"));
+    EXPECT_LT(step("sync " + base_.string() + "\n"), step("unlink log.csv"));
   }
 }
 
@@ -182,8 +182,8 @@ TEST_F(KilledRun, ThatCannotTakeItsNameIsKeptUnderAnother) {
     ASSERT_EQ(write("last", settings), 0);
     EXPECT_EQ(found(), "last");
     EXPECT_EQ(names(), (std::set<std::string>{"run", "run.kept", "run.kept-2"}));
-    EXPECT_EQ(text_of(base_ / "run.kept" / "data"), "run.kept");
-    EXPECT_EQ(text_of(base_ / "run.kept-2" / "data"), "run.kept-2");
+    EXPECT_EQ(text_of(base_ / "run.kept" / "log.csv"), "run.kept");
+    EXPECT_EQ(text_of(base_ / "run.kept-2" / "log.csv"), "run.kept-2");
   }
 }
 
@@ -197,16 +197,16 @@ TEST_F(KilledRun, ThatCanBePutNowhereIsKeptWhereItIs) {
   EXPECT_EQ(found(), "earlier");
   ASSERT_EQ(write("last"), 0);
   EXPECT_EQ(found(), "last");
-  EXPECT_EQ(text_of(kept / "data"), "new");
+  EXPECT_EQ(text_of(kept / "log.csv"), "new");
 }
 
 TEST_F(KilledRun, ThatTheDiskDoesNotTakeLeavesNothing) {
-  EXPECT_EQ(write("new", {{"STEPS_BAD_DISK", "/data"}}), 2);
+  EXPECT_EQ(write("new", {{"STEPS_BAD_DISK", "/log.csv"}}), 2);
   EXPECT_TRUE(names().empty());
   ASSERT_EQ(write("earlier"), 0);
-  EXPECT_EQ(write("new", {{"STEPS_BAD_DISK", "/data"}}), 2);
+  EXPECT_EQ(write("new", {{"STEPS_BAD_DISK", "/log.csv"}}), 2);
   EXPECT_TRUE(
-      text_of(errors_).ends_with("/data: cannot be written to the disk (Input/output error)\n"))
+      text_of(errors_).ends_with("/log.csv: cannot be written to the disk (Input/output error)\n"))
       << text_of(errors_);
   EXPECT_EQ(found(), "earlier");
   EXPECT_EQ(names(), std::set<std::string>{"run"});

@@ -1,5 +1,8 @@
 #include <gtest/gtest.h>
+#include <unistd.h>
 
+#include <array>
+#include <climits>
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
@@ -212,7 +215,7 @@ class RunFolders : public ::testing::Test {
   // As a run does: writes a manifest and one file, and commits.
   void finish(RunFolder& folder, const std::string& content) {
     write_text_file(folder.path() / "manifest.json", R"({"scenario": "s", "state_hash": "0"})");
-    write_text_file(folder.path() / "data", content);
+    write_text_file(folder.path() / "log.csv", content);
     folder.commit();
   }
   std::size_t entries() const {
@@ -228,7 +231,7 @@ TEST_F(RunFolders, AreAbsentUntilWhole) {
   const fs::path target = base_ / "deep" / "run";
   {
     RunFolder folder(target);
-    write_text_file(folder.path() / "data", "half");
+    write_text_file(folder.path() / "log.csv", "half");
     EXPECT_FALSE(fs::exists(target));
   }
   EXPECT_EQ(entries(), 0U) << "an abandoned run left something behind";
@@ -236,7 +239,7 @@ TEST_F(RunFolders, AreAbsentUntilWhole) {
     RunFolder folder(target);
     finish(folder, "whole");
   }
-  EXPECT_EQ(text_of(target / "data"), "whole");
+  EXPECT_EQ(text_of(target / "log.csv"), "whole");
 }
 
 TEST_F(RunFolders, SwapOutAnEarlierRun) {
@@ -245,7 +248,7 @@ TEST_F(RunFolders, SwapOutAnEarlierRun) {
     RunFolder folder(target);
     finish(folder, content);
   }
-  EXPECT_EQ(text_of(target / "data"), "second");
+  EXPECT_EQ(text_of(target / "log.csv"), "second");
   EXPECT_EQ(entries(), 1U);
 }
 
@@ -262,6 +265,44 @@ TEST_F(RunFolders, LeaveOtherThingsAlone) {
   EXPECT_EQ(entries(), 2U);
   fs::create_directory(base_ / "empty");
   EXPECT_NO_THROW(RunFolder(base_ / "empty"));
+}
+
+TEST_F(RunFolders, ARunWithFilesOfOnesOwnIsNotReplaced) {
+  const fs::path target = base_ / "run";
+  {
+    RunFolder folder(target);
+    finish(folder, "first");
+  }
+  for (const char* ours : {"video.mp4", ".video.mp4.partial-12", "report.html"}) {
+    write_text_file(target / ours, "");
+  }
+  {
+    RunFolder folder(target);
+    finish(folder, "second");
+  }
+  write_text_file(target / "notes.md", "what I saw");
+  try {
+    const RunFolder folder(target);
+    FAIL();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_EQ(error.what(),
+              target.string() + ": holds notes.md, which is not a run's; it is left alone");
+  }
+  EXPECT_EQ(text_of(target / "notes.md"), "what I saw");
+  EXPECT_EQ(text_of(target / "log.csv"), "second");
+}
+
+// A host whose name begins with another's.
+TEST_F(RunFolders, ARunOfAnotherHostIsNotTakenForAbandoned) {
+  std::array<char, HOST_NAME_MAX + 1> host = {};
+  gethostname(host.data(), host.size() - 1);
+  const fs::path other = base_ / (".run.partial-" + std::string(host.data()) + "-4000000-17");
+  fs::create_directory(other);
+  {
+    RunFolder folder(base_ / "run");
+    finish(folder, "mine");
+  }
+  EXPECT_TRUE(fs::exists(other));
 }
 
 TEST_F(RunFolders, SayWhenTheyCannotBeMade) {
@@ -299,7 +340,7 @@ TEST_F(RunFolders, LeaveAloneWhatAppearedMeanwhile) {
     EXPECT_THROW(finish(folder, "new"), OutputError);
   }
   EXPECT_TRUE(fs::exists(base_ / "run" / "thesis.txt"));
-  EXPECT_EQ(text_of(base_ / "run.kept" / "data"), "new");
+  EXPECT_EQ(text_of(base_ / "run.kept" / "log.csv"), "new");
   EXPECT_EQ(entries(), 2U);
 }
 

@@ -10,7 +10,7 @@ int main(int, char** argv) {
     breakwater::RunFolder folder(argv[1]);
     const std::string path = folder.path().string();
     breakwater::write_text_file(path + "/manifest.json", R"({"scenario": "s", "state_hash": "0"})");
-    breakwater::write_text_file(path + "/data", argv[2]);
+    breakwater::write_text_file(path + "/log.csv", argv[2]);
     folder.commit();
     return 0;
   } catch (const std::exception& error) {

@@ -113,8 +113,11 @@ def cart_estimation():
         return run.get(f"disturbance.{kind}_N") * omega * np.cos(omega * elapsed) * (elapsed >= 0)
 
     def lag(run):
-        slope = rate(run)[run.window()]
-        return -np.dot(error(run)[run.window()], slope) / np.dot(slope, slope)
+        if run.get("disturbance.kind") == "ramp":
+            return -np.mean(error(run)[run.window()]) / run.get("disturbance.ramp_N_s")
+        columns = np.stack([run["d_true_N"], rate(run)], axis=1)[run.window()]
+        (_, delay), *_ = np.linalg.lstsq(columns, run["d_hat_N"][run.window()], rcond=None)
+        return -delay
 
     def deviation(run):
         noise = run["d_hat_noise_N"][run.window()]
@@ -239,7 +242,9 @@ def arm_push():
         offset = run["q_true_rad"] - np.array(run.get("task.start_angles_rad"))
         free = is_free(run)
         side = np.sign(offset[np.flatnonzero(free)[0] - 1])
-        return max(np.max(-side * offset[free]), 0.0)
+        past = max(np.max(-side * offset[free]), 0.0)
+        left = np.max(np.abs(offset[-1]))
+        return max(past, left) if np.isfinite(settled(run)) and left > 0.2 else past
 
     def settled(run):
         off = np.hypot(run["x_true_m"] - START_POSE[0], run["y_true_m"] - START_POSE[1])

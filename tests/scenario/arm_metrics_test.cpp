@@ -125,6 +125,22 @@ TEST(PushMetrics, OfAHistory) {
   EXPECT_EQ(*value(m, "peak_speed_rad_s"), 2.0);
 }
 
+// The tip is back, a joint is not: it never passes its start, and that is no success.
+TEST(PushMetrics, AnotherPostureCountsAsOvershoot) {
+  PushMetrics metrics({.grip_s = 0.0,
+                       .release_s = 1.0,
+                       .start_angles_rad = {0.5, -0.5},
+                       .start_pose = TipPose(0.4, 0.0, 0.0),
+                       .settled_within_m = 0.01,
+                       .period_s = 0.1});
+  const TipPose start(0.4, 0.0, 0.0);
+  for (int k = 0; k < 20; ++k) {
+    metrics.after_sample(0.1 * k, Eigen::Vector2d(0.5 + 0.1 * k, -0.5), Eigen::Vector2d(1.0, 0.0),
+                         k < 15 ? TipPose(9, 9, 9) : start, 0.0, false);
+  }
+  EXPECT_NEAR(*value(metrics.metrics(), "overshoot_rad"), 1.9, 1e-12);
+}
+
 TEST(PushMetrics, AreAbsentWhereTheyDoNotApply) {
   EXPECT_TRUE(push_history(10).empty());
   EXPECT_EQ(push_history(20).size(), 1U);

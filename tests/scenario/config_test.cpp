@@ -264,6 +264,8 @@ TEST_F(ConfigTest, TomlThatWouldEndTheProgramIsRefused) {
   EXPECT_EQ(read("slow", {"motion.gains=" + tables}), "--set: motion.gains: is nested too deeply");
   EXPECT_EQ(read("slow", {"motion.gains={" + key + "=1}"}),
             "--set: motion.gains: has a key of too many parts");
+  // A path of many dots nests nothing.
+  EXPECT_EQ(read("slow", {"run.name=" + repeated("../", 40) + "arm.xml"}), "");
   EXPECT_EQ(read("slow", {key + "=1"}), "--set: " + repeated("a.", 20) + "...: is no key");
   EXPECT_EQ(read("slow", {"a\nb=1"}), "--set: a?b: is no key");
 
