@@ -1,4 +1,4 @@
-// renders/SCENARIO.toml: what a scenario's pictures show.
+// shots.toml of a scenario: what a scenario's pictures show.
 #pragma once
 
 #include <filesystem>

@@ -60,8 +60,8 @@ class PrintedResults {
   /// damaged.
   explicit PrintedResults(const std::filesystem::path& folder);
 
-  /// What is printed at a path such as "arm_wall_contact.force_2N.hpfc.peak_force_N" or
-  /// "motor_estimation.table_4_8.Ts_1e-3.n12[2]"; nothing if nothing is.
+  /// What is printed at a path such as "SCENARIO.force_2N.hpfc.peak_force_N" or
+  /// "SCENARIO.table_4_8.n12[2]"; nothing if nothing is.
   std::optional<PrintedResult> find(const std::string& path) const;
   /// The class of the first pattern that matches a path. Throws std::runtime_error if none does.
   const Standard& standard(const std::string& path) const;

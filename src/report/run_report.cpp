@@ -28,7 +28,7 @@ std::string stem(const std::string& name) {
   return name;
 }
 
-mustache::data metrics_data(const SavedRun& run) {
+mustache::data metrics_data(const Catalogue& catalogue, const SavedRun& run) {
   const std::map<std::string, PrintedValue> printed = printed_of(catalogue, run);
   mustache::data rows(mustache::data::type::list);
   for (const Metric& metric : run.metrics()) {
@@ -123,7 +123,7 @@ std::string run_report(const Catalogue& catalogue, const std::vector<SavedRun>& 
       section.set("failure", fmt::format("This run failed at {:.6g} s: {}. It has no metrics.",
                                          run.failure()->time_s, run.failure()->reason));
     } else {
-      section.set("metrics", metrics_data(run));
+      section.set("metrics", metrics_data(catalogue, run));
       section.set("has_metrics", true);
     }
     if (const auto video = video_data(catalogue, run, id)) section.set("video", *video);

@@ -48,8 +48,10 @@ TEST(House, WhatReachesAStateCallsNoFunctionThatDiffersByProcessor) {
   }
   ASSERT_TRUE(libm.contains("sin") && libm.contains("pow") && libm.contains("cexp"));
   for (const std::string room :
-       {"math", "linear", "plants", "observers", "control", "world", "sim", "record", "scenario"}) {
-    const std::string archive = BREAKWATER_ARCHIVES "/libbreakwater_" + room + ".a";
+       {"math", "linear", "plants", "observers", "control", "world", "sim", "record", "scenario",
+        "rigs", "scenarios"}) {
+    const std::string folder = room == "scenarios" ? room : "src";
+    const std::string archive = BREAKWATER_ARCHIVES "/" + folder + "/libbreakwater_" + room + ".a";
     const auto called = symbols("nm --undefined-only '" + archive + "'");
     EXPECT_FALSE(called.empty()) << archive;
     for (const std::string& name : called) {

@@ -52,19 +52,39 @@ TEST(House, RoomsDependOneWay) {
       {"sim", {"math", "linear", "observers", "plants", "signals", "control", "world"}},
       {"record", {"signals"}},
       {"render", {"linear", "signals", "world", "sim", "record"}},
-      {"scenario",
+      {"scenario", {"signals", "plants", "sim", "record"}},
+      {"rigs",
        {"math", "linear", "observers", "plants", "signals", "control", "world", "sim", "record",
-        "render"}},
-      {"report", {"record", "scenario"}}};
+        "scenario"}},
+      {"pictures", {"sim", "record", "render", "scenario"}},
+      {"report", {"record", "pictures", "scenario"}},
+      {"program", {"world", "scenario", "pictures", "report"}}};
   const std::vector<Include> includes = all_includes();
   ASSERT_GT(includes.size(), 100U);
   for (const Include& include : includes) {
-    if (include.room.empty()) continue;  // main of `breakwater`
     ASSERT_TRUE(allowed.contains(include.room)) << include.file << ": a room without a rule";
     const std::string target = include.header.substr(0, include.header.find('/'));
     if (!allowed.contains(target) || target == include.room) continue;
     EXPECT_TRUE(allowed.at(include.room).contains(target))
         << include.file << " includes " << include.header;
+  }
+}
+
+// Only rigs and scenarios know the thesis' plants.
+TEST(House, NoRoomKnowsAScenario) {
+  const fs::path src = testing::source_file("src");
+  for (const auto& entry : fs::directory_iterator(testing::source_file("scenarios"))) {
+    if (!entry.is_directory()) continue;
+    const std::string name = entry.path().filename().string();
+    for (const auto& file : fs::recursive_directory_iterator(src)) {
+      if (!file.is_regular_file()) continue;
+      std::ifstream stream(file.path());
+      int number = 0;
+      for (std::string line; std::getline(stream, line);) {
+        ++number;
+        EXPECT_EQ(line.find(name), std::string::npos) << file.path() << ":" << number;
+      }
+    }
   }
 }
 
@@ -87,7 +107,8 @@ TEST(House, OffscreenRenderingIsKnownInRenderAlone) {
 TEST(House, FileFormatsStayInTheirRooms) {
   expect_only_in(std::regex("urdf|tinyxml|console_bridge"), {"plants"});
   expect_only_in(std::regex("^hdf5"), {"record"});
-  expect_only_in(std::regex("toml\\+\\+|CLI/"), {"scenario", "report", ""});
+  expect_only_in(std::regex("toml\\+\\+"), {"scenario", "report"});
+  expect_only_in(std::regex("CLI/"), {"scenario", "pictures", "report", "program"});
   expect_only_in(std::regex("nlohmann"), {"record", "scenario", "report"});
   expect_only_in(std::regex("mustache"), {"report"});
 }
@@ -110,7 +131,8 @@ TEST(House, EveryScenarioHasItsFolder) {
     if (!entry.is_directory()) continue;
     const std::string name = entry.path().filename().string();
     EXPECT_TRUE(fs::exists(entry.path() / (name + ".toml"))) << name;
-    EXPECT_TRUE(fs::exists(entry.path() / "main.cpp")) << name;
+    EXPECT_TRUE(fs::exists(entry.path() / (name + ".cpp"))) << name;
+    EXPECT_TRUE(fs::exists(entry.path() / "shots.toml")) << name;
   }
 }
 

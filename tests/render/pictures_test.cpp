@@ -418,7 +418,7 @@ TEST_F(Pictures, AScenarioWithoutAShotListIsDrawnToo) {
 
 TEST_F(Pictures, ShotListsAreCheckedLikeScenarioFiles) {
   std::stringstream text;
-  text << std::ifstream(testing::source_file("renders/arm_wall_contact.toml")).rdbuf();
+  text << std::ifstream(testing::source_file("scenarios/arm_wall_contact/shots.toml")).rdbuf();
   const std::vector<std::array<std::string, 3>> cases = {
       {"speed = 0.1", "speed = 0.0", "video.speed: must be positive"},
       {"unit = \"N\"", "unti = \"N\"", "arrow.1.unti: unknown key (did you mean arrow.1.unit?)"},
