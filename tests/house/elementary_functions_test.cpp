@@ -47,9 +47,8 @@ TEST(House, WhatReachesAStateCallsNoFunctionThatDiffersByProcessor) {
     if (!kSameEverywhere.contains(name)) libm.insert(name);
   }
   ASSERT_TRUE(libm.contains("sin") && libm.contains("pow") && libm.contains("cexp"));
-  for (const std::string room :
-       {"math", "linear", "plants", "observers", "control", "world", "sim", "record", "scenario",
-        "rigs", "scenarios"}) {
+  for (const std::string room : {"math", "linear", "plants", "observers", "control", "world", "sim",
+                                 "record", "scenario", "rigs", "scenarios"}) {
     const std::string folder = room == "scenarios" ? room : "src";
     const std::string archive = BREAKWATER_ARCHIVES "/" + folder + "/libbreakwater_" + room + ".a";
     const auto called = symbols("nm --undefined-only '" + archive + "'");

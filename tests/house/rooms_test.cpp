@@ -58,7 +58,7 @@ TEST(House, RoomsDependOneWay) {
         "scenario"}},
       {"pictures", {"sim", "record", "render", "scenario"}},
       {"report", {"record", "pictures", "scenario"}},
-      {"program", {"world", "scenario", "pictures", "report"}}};
+      {"program", {"math", "world", "scenario", "pictures", "report"}}};
   const std::vector<Include> includes = all_includes();
   ASSERT_GT(includes.size(), 100U);
   for (const Include& include : includes) {
