@@ -172,7 +172,10 @@ mustache::data table_data(const TableSpec& table, const SectionSpec& section,
           verdict.set("kind", css_class(judged.verdict));
           verdict.set("class_text", judged.class_text);
           filled.set("verdict", verdict);
-          if (std::find(classes.begin(), classes.end(), judged.class_text) == classes.end()) {
+          if (!spec->says.empty()) {
+            filled.set("limit", judged.class_text);
+          } else if (std::find(classes.begin(), classes.end(), judged.class_text) ==
+                     classes.end()) {
             classes.push_back(judged.class_text);
           }
         } else {
