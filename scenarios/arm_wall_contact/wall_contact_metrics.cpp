@@ -16,7 +16,7 @@ void WallContactMetrics::after_step(double time_s, double force_N, double filter
   follow_contact(time_s, force_N, tip_speed_x_m_s);
   peak_raw_N_ = std::max(peak_raw_N_, force_N);
   peak_filtered_N_ = std::max(peak_filtered_N_, filtered_N);
-  if (in_error_window(time_s)) follow_error(window_.reference_N - filtered_N);
+  if (in_error_window(time_s)) error_N_.add(window_.reference_N - filtered_N);
 }
 
 void WallContactMetrics::after_sample(double time_s, const TipPose& tip, bool saturated) {
@@ -46,14 +46,6 @@ void WallContactMetrics::follow_contact(double time_s, double force_N, double ti
   }
 }
 
-// Welford's running mean and variance.
-void WallContactMetrics::follow_error(double error_N) {
-  ++errors_;
-  const double step = error_N - mean_error_N_;
-  mean_error_N_ += step / static_cast<double>(errors_);
-  squared_deviation_ += step * (error_N - mean_error_N_);
-}
-
 std::vector<Metric> WallContactMetrics::metrics(double simulated_s) const {
   std::vector<Metric> list;
   if (simulated_s <= window_.force_from_s) return list;
@@ -62,10 +54,9 @@ std::vector<Metric> WallContactMetrics::metrics(double simulated_s) const {
     list.push_back({"peak_force_raw_N", "N", peak_raw_N_});
     list.push_back({"peak_force_filtered_N", "N", peak_filtered_N_});
   }
-  if (simulated_s >= window_.error_to_s - 0.5 * window_.step_s && errors_ > 1) {
-    list.push_back({"mean_force_error_N", "N", mean_error_N_});
-    list.push_back({"std_force_error_N", "N",
-                    std::sqrt(squared_deviation_ / static_cast<double>(errors_ - 1))});
+  if (simulated_s >= window_.error_to_s - 0.5 * window_.step_s && error_N_.count() > 1) {
+    list.push_back({"mean_force_error_N", "N", error_N_.mean()});
+    list.push_back({"std_force_error_N", "N", *error_N_.standard_deviation()});
     if (samples_ > 0) {
       list.push_back({"saturated_share", "1",
                       static_cast<double>(saturated_samples_) / static_cast<double>(samples_)});

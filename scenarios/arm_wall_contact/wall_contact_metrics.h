@@ -7,6 +7,7 @@
 
 #include "plants/planar_chain.h"
 #include "record/recording.h"
+#include "record/window_metrics.h"
 
 namespace breakwater {
 
@@ -51,7 +52,6 @@ class WallContactMetrics {
     return time_s >= window_.error_from_s - half_step && time_s < window_.error_to_s - half_step;
   }
   void follow_contact(double time_s, double force_N, double tip_speed_x_m_s);
-  void follow_error(double error_N);
 
   WallContactWindow window_;
   std::optional<double> first_contact_s_;
@@ -61,9 +61,7 @@ class WallContactMetrics {
   double impulse_Ns_ = 0.0;
   double peak_raw_N_ = 0.0;
   double peak_filtered_N_ = 0.0;
-  std::int64_t errors_ = 0;
-  double mean_error_N_ = 0.0;
-  double squared_deviation_ = 0.0;
+  RunningVariance error_N_;  // of the force, in the window
   double saturated_s_ = 0.0;
   std::int64_t samples_ = 0;  // in the window
   std::int64_t saturated_samples_ = 0;

@@ -107,7 +107,7 @@ Recording CartConstrained::run(const RunControl& control) const {
   const double from_rest = is_pushed ? disturbance_start_s_ : 0.0;
   WindowStatistics speed(TimeWindow{}), estimated_speed(TimeWindow{}), input(TimeWindow{});
   WindowStatistics speed_error(TimeWindow{});
-  double last_v_hat = estimated_start_velocity_m_s_;
+  double last_v_hat = 0.0;
   double v_hat_travel = 0.0;
   SettlingTime settling(TimeWindow{from_rest}, settled_within_m_);
   double input_violation_s = 0.0;

@@ -33,8 +33,9 @@ FinishedRun::FinishedRun(const Catalogue& catalogue, const std::filesystem::path
   const RunManifest manifest = read_manifest(folder_);
   check_log(folder_);
   case_name_ = manifest.case_name;
-  scenario_ = make_scenario(catalogue, manifest.scenario);
-  shots_file_ = catalogue.get<ScenarioKind>(manifest.scenario).shots();
+  const ScenarioKind& kind = catalogue.get<ScenarioKind>(manifest.scenario);
+  scenario_ = kind.make(catalogue);
+  shots_file_ = kind.shots();
 
   const ScenarioFile file((folder_ / "config.toml").string(), scenario_->name());
   config_ = std::make_unique<Config>(file.config(case_name_));

@@ -8,12 +8,10 @@
 #include <vector>
 
 #include "pictures/picture_commands.h"
-#include "pictures/video_later.h"
+#include "program/run_extras.h"
 #include "program/waves_report.h"
-#include "report/printed_results.h"
 #include "report/report_commands.h"
 #include "scenario/child_program.h"
-#include "scenario/command_line.h"
 #include "scenario/process.h"
 #include "version.h"
 
@@ -33,13 +31,6 @@ void refuse_unknown_command(const Catalogue& catalogue, const CLI::App& app,
       (is_scenario ? " (did you mean run " + word + "?)" : did_you_mean(word, names)));
 }
 
-RunExtras extras() {
-  return {[](const std::filesystem::path& folder, const std::string& file, bool quiet) {
-            return make_video(own_program(), folder, file, quiet);
-          },
-          thesis_references()};
-}
-
 }  // namespace
 
 int program(int argc, const char* const* argv, const Catalogue& catalogue) {
@@ -48,7 +39,7 @@ int program(int argc, const char* const* argv, const Catalogue& catalogue) {
   if (argc >= 3 && std::string(argv[1]) == "run" && argv[2][0] != '-') {
     return guarded("breakwater", [&] {
       const std::string scenario = catalogue.get<ScenarioKind>(argv[2]).name;
-      return scenario_main(catalogue, scenario, extras(), argc - 2, argv + 2);
+      return scenario_main(catalogue, scenario, run_extras(own_program()), argc - 2, argv + 2);
     });
   }
   return guarded("breakwater", [&] {

@@ -33,6 +33,30 @@ struct TimeWindow {
   }
 };
 
+/// Mean and variance of what was added so far, by Welford's recursion.
+class RunningVariance {
+ public:
+  void add(double value) {
+    ++count_;
+    const double step = value - mean_;
+    mean_ += step / static_cast<double>(count_);
+    squared_deviation_ += step * (value - mean_);
+  }
+
+  std::int64_t count() const { return count_; }
+  double mean() const { return mean_; }
+  /// The standard deviation of a sample: of two values and more, else nothing.
+  std::optional<double> standard_deviation() const {
+    if (count_ < 2) return std::nullopt;
+    return std::sqrt(squared_deviation_ / static_cast<double>(count_ - 1));
+  }
+
+ private:
+  std::int64_t count_ = 0;
+  double mean_ = 0.0;
+  double squared_deviation_ = 0.0;
+};
+
 /// Mean, spread, root mean square and extremes of what falls into a window. Nothing, if nothing
 /// does.
 class WindowStatistics {
@@ -44,9 +68,7 @@ class WindowStatistics {
     ++count_;
     sum_ += value;
     sum_of_squares_ += value * value;
-    const double step = value - running_mean_;  // Welford's
-    running_mean_ += step / static_cast<double>(count_);
-    squared_deviation_ += step * (value - running_mean_);
+    variance_.add(value);
     largest_ = std::max(largest_, value);
     smallest_ = std::min(smallest_, value);
   }
@@ -60,10 +82,7 @@ class WindowStatistics {
   /// The largest |value|.
   std::optional<double> peak() const { return if_any(std::max(largest_, -smallest_)); }
   /// The standard deviation of a sample: of two values and more.
-  std::optional<double> standard_deviation() const {
-    if (count_ < 2) return std::nullopt;
-    return std::sqrt(squared_deviation_ / static_cast<double>(count_ - 1));
-  }
+  std::optional<double> standard_deviation() const { return variance_.standard_deviation(); }
   /// The largest |value − mean|.
   std::optional<double> largest_deviation() const {
     const double middle = sum_ / static_cast<double>(count_);
@@ -80,8 +99,7 @@ class WindowStatistics {
   std::int64_t count_ = 0;
   double sum_ = 0.0;
   double sum_of_squares_ = 0.0;
-  double running_mean_ = 0.0;
-  double squared_deviation_ = 0.0;
+  RunningVariance variance_;
   double largest_ = -std::numeric_limits<double>::infinity();
   double smallest_ = std::numeric_limits<double>::infinity();
 };

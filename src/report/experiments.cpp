@@ -63,12 +63,13 @@ class Reader {
     return *node.as_table();
   }
 
-  void allow(const toml::table& table, const std::set<std::string>& keys) const {
+  // `texts`: each key that is a {VARIABLE} there is allowed too.
+  void allow(const toml::table& table, const std::set<std::string>& keys,
+             const std::string& texts = "") const {
     for (const auto& [key, value] : table) {
-      if (!keys.contains(std::string(key.str()))) {
-        const std::string name(key.str());
-        fail(value, "there is no key " + name + did_you_mean(name, {keys.begin(), keys.end()}));
-      }
+      const std::string name(key.str());
+      if (keys.contains(name) || texts.find("{" + name + "}") != std::string::npos) continue;
+      fail(value, "there is no key " + name + did_you_mean(name, {keys.begin(), keys.end()}));
     }
   }
 
@@ -301,14 +302,7 @@ void check_cell_keys(const Reader& reader, const toml::table& table) {
   });
   std::string texts;
   collect_texts(table, texts);
-  const auto check = [&](const toml::node& node) {
-    for (const auto& [key, value] : reader.table(node)) {
-      const std::string name(key.str());
-      if (keys.contains(name) || texts.find("{" + name + "}") != std::string::npos) continue;
-      reader.fail(value,
-                  "there is no key " + name + did_you_mean(name, {keys.begin(), keys.end()}));
-    }
-  };
+  const auto check = [&](const toml::node& node) { reader.allow(reader.table(node), keys, texts); };
   if (const toml::node* common = table.get("cell")) check(*common);
   reader.each(table, "columns", check);
   reader.each(table, "rows", [&](const toml::node& row) {

@@ -238,22 +238,6 @@ const PrintedResults& printed_results() {
   return results;
 }
 
-References thesis_references() {
-  return {[](const std::string& scenario, const std::string& case_name) {
-            std::vector<ReferenceValue> values;
-            for (const PrintedValue& printed : printed_values(scenario, case_name)) {
-              values.push_back(
-                  {printed.metric, printed.number(), printed.result.text(),
-                   printed.standard.within.absolute.has_value(), [printed](double measured) {
-                     const Verdict verdict = printed.verdict(measured);
-                     return verdict == Verdict::reproduced || verdict == Verdict::within_class;
-                   }});
-            }
-            return values;
-          },
-          "* not reproduced: outside of its class (data/reproduced.toml)\n"};
-}
-
 std::vector<PrintedValue> printed_values(const std::string& scenario,
                                          const std::string& case_name) {
   const PrintedResults& results = printed_results();

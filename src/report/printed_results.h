@@ -8,8 +8,6 @@
 #include <utility>
 #include <vector>
 
-#include "scenario/report.h"
-
 namespace breakwater {
 
 enum class Verdict { reproduced, within_class, not_reproduced, not_measured };
@@ -94,9 +92,6 @@ struct PrintedValue {
   double number() const { return result.number.value(); }
   Verdict verdict(double measured) const { return judge(measured, result, standard); }
 };
-
-/// The thesis' numbers for the tables that runs end with.
-References thesis_references();
 
 /// The printed numbers of one case of a scenario. Empty if the thesis prints none. Throws
 /// std::runtime_error if the files are damaged.

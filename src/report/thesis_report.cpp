@@ -181,8 +181,7 @@ mustache::data table_data(const TableSpec& table, const SectionSpec& section,
         } else {
           filled.set("shows", judged.printed);
         }
-        const std::string why =
-            is_judged && judged.verdict != Verdict::reproduced ? reason_of(*spec, section) : "";
+        const std::string why = reason_of(judged, *spec, section);
         if (!why.empty()) {
           auto place = std::find(notes.begin(), notes.end(), why);
           if (place == notes.end()) place = notes.insert(notes.end(), why);
@@ -248,7 +247,8 @@ std::string verdict_word(const Judged& judged, const CellSpec& cell, bool is_own
   return judged.verdict == Verdict::reproduced ? "holds" : "does not hold";
 }
 
-std::string reason_of(const CellSpec& cell, const SectionSpec& section) {
+std::string reason_of(const Judged& judged, const CellSpec& cell, const SectionSpec& section) {
+  if (!cell.shows.empty() || judged.verdict == Verdict::reproduced) return "";
   if (!cell.why.empty()) return cell.why;
   const std::string path = cell.printed.empty() ? cell.quantity.run : cell.printed;
   for (const ReasonSpec& reason : section.reasons) {

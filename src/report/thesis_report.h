@@ -52,8 +52,9 @@ Judged judge_cell(const CellSpec& cell, const Measured& measured, const PrintedR
 /// own list; "shown" where nothing is judged.
 std::string verdict_word(const Judged& judged, const CellSpec& cell, bool is_own);
 
-/// Why a cell does not come out, as it or its section says; empty if neither does.
-std::string reason_of(const CellSpec& cell, const SectionSpec& section);
+/// Why a cell does not come out, as it or its section says; empty if neither does, if it comes out,
+/// or if nothing is judged.
+std::string reason_of(const Judged& judged, const CellSpec& cell, const SectionSpec& section);
 
 /// Its colour on a page: good, near, off or unknown.
 std::string css_class(Verdict verdict);

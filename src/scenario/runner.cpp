@@ -92,8 +92,8 @@ RunSummary execute(const PreparedRun& run, RunFolder& folder, const RunOptions& 
 // `scenario`; empty if there is none.
 std::string shipped_config(const Catalogue& catalogue, const Scenario& scenario,
                            const std::string& case_name) {
-  const ScenarioFile file(catalogue.get<ScenarioKind>(scenario.name()).file().string(),
-                          scenario.name());
+  const ScenarioKind& kind = catalogue.get<ScenarioKind>(scenario.name());
+  const ScenarioFile file(kind.file().string(), kind.name);
   if (std::find(file.cases().begin(), file.cases().end(), case_name) == file.cases().end()) {
     return "";
   }
@@ -101,7 +101,7 @@ std::string shipped_config(const Catalogue& catalogue, const Scenario& scenario,
   const Config config =
       file.config(case_name, {fmt::format("run.seed={}", settings.seed),
                               fmt::format("record.compression={}", settings.compression)});
-  const auto shipped = make_scenario(catalogue, scenario.name());
+  const auto shipped = kind.make(catalogue);
   Fields fields = shipped->fields();
   fields.read(config);
   shipped->check(config);
