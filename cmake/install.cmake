@@ -23,8 +23,8 @@ install(TARGETS ${rooms} EXPORT BreakwaterTargets ARCHIVE DESTINATION ${CMAKE_IN
 install(TARGETS breakwater ${BREAKWATER_SCENARIOS} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(DIRECTORY src/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/breakwater
   FILES_MATCHING PATTERN "*.h")
-install(DIRECTORY scenarios/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/breakwater
-  FILES_MATCHING PATTERN "*.h")
+install(FILES ${PROJECT_BINARY_DIR}/generated/include/breakwater/version.h
+  DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/breakwater)
 install(DIRECTORY models data scenarios renders docs DESTINATION ${CMAKE_INSTALL_DATADIR}/breakwater
   FILES_MATCHING PATTERN "*.xml" PATTERN "*.urdf" PATTERN "*.toml" PATTERN "*.md"
                  PATTERN "*.mustache" PATTERN "*.css" PATTERN "*.js")

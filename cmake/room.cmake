@@ -7,30 +7,29 @@ target_precompile_headers(breakwater_precompiled PRIVATE
   <algorithm> <filesystem> <functional> <map> <memory> <stdexcept> <string> <vector>
   <Eigen/Cholesky> <Eigen/Core> <Eigen/LU>)
 
-# breakwater_room(NAME SOURCES ... [PUBLIC ...] [PRIVATE ...] [FOLDER DIR]): one folder as one library,
-# Breakwater::NAME, that links the rooms below it. Headers are included from DIR, or else from src/.
+# Headers are included as <breakwater/ROOM/NAME.h>, from the tree as from an installation.
+file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/include)
+file(CREATE_LINK ${PROJECT_SOURCE_DIR}/src ${PROJECT_BINARY_DIR}/include/breakwater SYMBOLIC)
+
+# breakwater_room(NAME SOURCES ... [PUBLIC ...] [PRIVATE ...]): one folder as one library,
+# Breakwater::NAME, that links the rooms below it.
 function(breakwater_room name)
-  cmake_parse_arguments(ROOM "" "FOLDER" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
-  if(NOT ROOM_FOLDER)
-    set(ROOM_FOLDER ${PROJECT_SOURCE_DIR}/src)
-  endif()
+  cmake_parse_arguments(ROOM "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
   if(ROOM_SOURCES)
+    set(scope PUBLIC)
     add_library(breakwater_${name} STATIC ${ROOM_SOURCES})
     target_precompile_headers(breakwater_${name} REUSE_FROM breakwater_precompiled)
     target_link_libraries(breakwater_${name}
-      PUBLIC ${ROOM_PUBLIC}
       PRIVATE $<BUILD_INTERFACE:breakwater_options> ${ROOM_PRIVATE})
-    target_include_directories(breakwater_${name} PUBLIC
-      $<BUILD_INTERFACE:${ROOM_FOLDER}>
-      $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/breakwater>)
-    target_compile_features(breakwater_${name} PUBLIC cxx_std_20)
   else()
+    set(scope INTERFACE)
     add_library(breakwater_${name} INTERFACE)
-    target_link_libraries(breakwater_${name} INTERFACE ${ROOM_PUBLIC})
-    target_include_directories(breakwater_${name} INTERFACE
-      $<BUILD_INTERFACE:${ROOM_FOLDER}>
-      $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/breakwater>)
   endif()
+  target_link_libraries(breakwater_${name} ${scope} ${ROOM_PUBLIC})
+  target_compile_features(breakwater_${name} ${scope} cxx_std_20)
+  target_include_directories(breakwater_${name} ${scope}
+    $<BUILD_INTERFACE:${PROJECT_BINARY_DIR}/include>
+    $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
   set_target_properties(breakwater_${name} PROPERTIES EXPORT_NAME ${name})
   add_library(Breakwater::${name} ALIAS breakwater_${name})
   set_property(GLOBAL APPEND PROPERTY BREAKWATER_ROOMS breakwater_${name})

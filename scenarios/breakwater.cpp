@@ -1,5 +1,4 @@
-#include "program/program.h"
-#include "standard.h"
+#include <breakwater/program/program.h>
 
 int main(int argc, char** argv) {
   return breakwater::program(argc, argv, breakwater::standard_catalogue());

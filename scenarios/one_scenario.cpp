@@ -1,6 +1,5 @@
 // main() of each scenario's own binary.
-#include "program/program.h"
-#include "standard.h"
+#include <breakwater/program/program.h>
 
 int main(int argc, char** argv) {
   return breakwater::scenario_program(argc, argv, breakwater::standard_catalogue(),

@@ -1,4 +1,4 @@
-#include "standard.h"
+#include <breakwater/program/program.h>
 
 #include "arm_push/arm_push.h"
 #include "arm_wall_contact/arm_wall_contact.h"

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "scenario/runner.h"
-#include "standard.h"
+#include <breakwater/program/program.h>
+#include <breakwater/scenario/runner.h>
 
 namespace breakwater::testing {
 

@@ -1,9 +1,9 @@
 // Scenario arm_push: forced displacement of a link (thesis 2.4.3.3).
 #pragma once
 
-#include "rigs/arm_rig.h"
-#include "scenario/scenario.h"
-#include "world/hand.h"
+#include <breakwater/rigs/arm_rig.h>
+#include <breakwater/scenario/scenario.h>
+#include <breakwater/world/hand.h>
 
 namespace breakwater {
 

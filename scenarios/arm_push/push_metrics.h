@@ -5,9 +5,9 @@
 #include <optional>
 #include <vector>
 
-#include "plants/planar_chain.h"
-#include "record/recording.h"
-#include "record/window_metrics.h"
+#include <breakwater/plants/planar_chain.h>
+#include <breakwater/record/recording.h>
+#include <breakwater/record/window_metrics.h>
 
 namespace breakwater {
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <breakwater/scenario/run_loop.h>
 #include "arm_wall_contact/wall_contact_metrics.h"
-#include "scenario/run_loop.h"
 
 namespace breakwater {
 namespace {

@@ -2,9 +2,9 @@
 // (thesis 2.4.3.2, 2.4.3.4).
 #pragma once
 
-#include "rigs/arm_rig.h"
-#include "scenario/scenario.h"
-#include "sim/contact.h"
+#include <breakwater/rigs/arm_rig.h>
+#include <breakwater/scenario/scenario.h>
+#include <breakwater/sim/contact.h>
 
 namespace breakwater {
 

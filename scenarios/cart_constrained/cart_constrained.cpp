@@ -4,9 +4,9 @@
 #include <cmath>
 #include <utility>
 
-#include "control/lqr_control.h"
-#include "record/window_metrics.h"
-#include "scenario/run_loop.h"
+#include <breakwater/control/lqr_control.h>
+#include <breakwater/record/window_metrics.h>
+#include <breakwater/scenario/run_loop.h>
 
 namespace breakwater {
 

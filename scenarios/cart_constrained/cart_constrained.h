@@ -1,8 +1,8 @@
 // Scenario cart_constrained: constraints under disturbance and mass error (thesis 2.3.7, 3.3.4).
 #pragma once
 
-#include "rigs/cart_mpc.h"
-#include "scenario/scenario.h"
+#include <breakwater/rigs/cart_mpc.h>
+#include <breakwater/scenario/scenario.h>
 
 namespace breakwater {
 

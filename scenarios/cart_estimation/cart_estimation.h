@@ -1,11 +1,11 @@
 // Scenario cart_estimation: disturbance models and forgetting factors (thesis 4.2.4).
 #pragma once
 
-#include "control/step_reference.h"
-#include "rigs/axis_rig.h"
-#include "rigs/estimator_settings.h"
-#include "scenario/scenario.h"
-#include "world/disturbance.h"
+#include <breakwater/control/step_reference.h>
+#include <breakwater/rigs/axis_rig.h>
+#include <breakwater/rigs/estimator_settings.h>
+#include <breakwater/scenario/scenario.h>
+#include <breakwater/world/disturbance.h>
 
 namespace breakwater {
 

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <utility>
 
-#include "record/window_metrics.h"
-#include "scenario/run_loop.h"
+#include <breakwater/record/window_metrics.h>
+#include <breakwater/scenario/run_loop.h>
 
 namespace breakwater {
 

@@ -1,8 +1,8 @@
 // Scenario cart_offset_free: predictive control under input and output disturbance (2.3.6, 3.3.3).
 #pragma once
 
-#include "rigs/cart_mpc.h"
-#include "scenario/scenario.h"
+#include <breakwater/rigs/cart_mpc.h>
+#include <breakwater/scenario/scenario.h>
 
 namespace breakwater {
 

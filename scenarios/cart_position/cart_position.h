@@ -2,8 +2,8 @@
 // 2.3.4 and 4.2.5).
 #pragma once
 
-#include "rigs/cart_mpc.h"
-#include "scenario/scenario.h"
+#include <breakwater/rigs/cart_mpc.h>
+#include <breakwater/scenario/scenario.h>
 
 namespace breakwater {
 

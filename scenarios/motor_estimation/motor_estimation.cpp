@@ -6,9 +6,9 @@
 #include <string>
 #include <utility>
 
-#include "control/disturbance_cancelling_pd.h"
-#include "record/window_metrics.h"
-#include "scenario/run_loop.h"
+#include <breakwater/control/disturbance_cancelling_pd.h>
+#include <breakwater/record/window_metrics.h>
+#include <breakwater/scenario/run_loop.h>
 
 namespace breakwater {
 namespace {

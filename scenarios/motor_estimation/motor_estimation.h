@@ -1,10 +1,10 @@
 // Scenario motor_estimation: disturbance estimators behind an encoder (thesis 4.3).
 #pragma once
 
-#include "rigs/axis_rig.h"
-#include "rigs/estimator_settings.h"
-#include "scenario/scenario.h"
-#include "world/disturbance.h"
+#include <breakwater/rigs/axis_rig.h>
+#include <breakwater/rigs/estimator_settings.h>
+#include <breakwater/scenario/scenario.h>
+#include <breakwater/world/disturbance.h>
 
 namespace breakwater {
 

@@ -7,10 +7,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "record/window_metrics.h"
-#include "scenario/run_loop.h"
-#include "signals/thread_time.h"
-#include "sim/height_field.h"
+#include <breakwater/record/window_metrics.h>
+#include <breakwater/scenario/run_loop.h>
+#include <breakwater/signals/thread_time.h>
+#include <breakwater/sim/height_field.h>
 
 namespace breakwater {
 namespace {

@@ -5,9 +5,9 @@
 #include <optional>
 #include <vector>
 
-#include "control/backstepping.h"
-#include "scenario/scenario.h"
-#include "sim/underwater_force.h"
+#include <breakwater/control/backstepping.h>
+#include <breakwater/scenario/scenario.h>
+#include <breakwater/sim/underwater_force.h>
 
 namespace breakwater {
 

@@ -4,8 +4,8 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "linear/pole_placement.h"
-#include "observers/idob.h"
+#include <breakwater/linear/pole_placement.h>
+#include <breakwater/observers/idob.h>
 
 namespace breakwater {
 

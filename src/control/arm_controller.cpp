@@ -1,4 +1,4 @@
-#include "control/arm_controller.h"
+#include <breakwater/control/arm_controller.h>
 
 #include <stdexcept>
 #include <utility>

@@ -5,9 +5,9 @@
 #include <limits>
 #include <vector>
 
-#include "control/acceleration_control.h"
-#include "control/controller.h"
-#include "plants/planar_chain.h"
+#include <breakwater/control/acceleration_control.h>
+#include <breakwater/control/controller.h>
+#include <breakwater/plants/planar_chain.h>
 
 namespace breakwater {
 

@@ -1,4 +1,4 @@
-#include "control/backstepping.h"
+#include <breakwater/control/backstepping.h>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
@@ -7,7 +7,7 @@
 #include <limits>
 #include <utility>
 
-#include "linear/riccati.h"
+#include <breakwater/linear/riccati.h>
 
 namespace breakwater {
 namespace {

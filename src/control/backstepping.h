@@ -7,9 +7,9 @@
 #include <memory>
 #include <numbers>
 
-#include "control/controller.h"
-#include "control/quadrotor_estimator.h"
-#include "plants/quadrotor.h"
+#include <breakwater/control/controller.h>
+#include <breakwater/control/quadrotor_estimator.h>
+#include <breakwater/plants/quadrotor.h>
 
 namespace breakwater {
 

@@ -5,8 +5,8 @@
 #include <span>
 #include <stdexcept>
 
-#include "signals/sample.h"
-#include "signals/signal.h"
+#include <breakwater/signals/sample.h>
+#include <breakwater/signals/signal.h>
 
 namespace breakwater {
 

@@ -1,4 +1,4 @@
-#include "control/disturbance_cancelling_pd.h"
+#include <breakwater/control/disturbance_cancelling_pd.h>
 
 #include <algorithm>
 #include <stdexcept>

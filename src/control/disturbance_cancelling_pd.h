@@ -6,11 +6,11 @@
 #include <memory>
 #include <vector>
 
-#include "control/controller.h"
-#include "control/step_reference.h"
-#include "observers/disturbance_estimator.h"
-#include "observers/observer_poles.h"
-#include "signals/axis_units.h"
+#include <breakwater/control/controller.h>
+#include <breakwater/control/step_reference.h>
+#include <breakwater/observers/disturbance_estimator.h>
+#include <breakwater/observers/observer_poles.h>
+#include <breakwater/signals/axis_units.h>
 
 namespace breakwater {
 

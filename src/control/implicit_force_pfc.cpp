@@ -1,4 +1,4 @@
-#include "control/implicit_force_pfc.h"
+#include <breakwater/control/implicit_force_pfc.h>
 
 #include <algorithm>
 #include <stdexcept>

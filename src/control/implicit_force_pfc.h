@@ -3,9 +3,9 @@
 
 #include <vector>
 
-#include "control/arm_controller.h"
-#include "control/inverse_kinematics.h"
-#include "control/pfc.h"
+#include <breakwater/control/arm_controller.h>
+#include <breakwater/control/inverse_kinematics.h>
+#include <breakwater/control/pfc.h>
 
 namespace breakwater {
 

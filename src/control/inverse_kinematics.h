@@ -4,7 +4,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 
-#include "plants/planar_chain.h"
+#include <breakwater/plants/planar_chain.h>
 
 namespace breakwater {
 

@@ -1,4 +1,4 @@
-#include "control/lmpc.h"
+#include <breakwater/control/lmpc.h>
 
 #include <algorithm>
 #include <cmath>
@@ -7,9 +7,9 @@
 #include <stdexcept>
 #include <string>
 
-#include "control/controller.h"
-#include "linear/riccati.h"
-#include "signals/thread_time.h"
+#include <breakwater/control/controller.h>
+#include <breakwater/linear/riccati.h>
+#include <breakwater/signals/thread_time.h>
 
 namespace breakwater {
 namespace {

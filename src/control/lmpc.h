@@ -6,8 +6,8 @@
 #include <memory>
 #include <vector>
 
-#include "control/prediction.h"
-#include "linear/qp.h"
+#include <breakwater/control/prediction.h>
+#include <breakwater/linear/qp.h>
 
 namespace breakwater {
 

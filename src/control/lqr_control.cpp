@@ -1,4 +1,4 @@
-#include "control/lqr_control.h"
+#include <breakwater/control/lqr_control.h>
 
 #include <algorithm>
 #include <stdexcept>

@@ -6,8 +6,8 @@
 #include <memory>
 #include <vector>
 
-#include "control/controller.h"
-#include "observers/disturbance_estimator.h"
+#include <breakwater/control/controller.h>
+#include <breakwater/observers/disturbance_estimator.h>
 
 namespace breakwater {
 

@@ -1,10 +1,10 @@
-#include "control/pfc.h"
+#include <breakwater/control/pfc.h>
 
 #include <Eigen/QR>
 #include <cmath>
 #include <stdexcept>
 
-#include "math/functions.h"
+#include <breakwater/math/functions.h>
 
 namespace breakwater {
 namespace {

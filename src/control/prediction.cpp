@@ -1,4 +1,4 @@
-#include "control/prediction.h"
+#include <breakwater/control/prediction.h>
 
 #include <algorithm>
 #include <stdexcept>

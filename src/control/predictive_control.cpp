@@ -1,4 +1,4 @@
-#include "control/predictive_control.h"
+#include <breakwater/control/predictive_control.h>
 
 #include <algorithm>
 #include <stdexcept>

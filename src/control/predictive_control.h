@@ -6,10 +6,10 @@
 #include <memory>
 #include <vector>
 
-#include "control/controller.h"
-#include "control/lmpc.h"
-#include "control/step_reference.h"
-#include "observers/disturbance_estimator.h"
+#include <breakwater/control/controller.h>
+#include <breakwater/control/lmpc.h>
+#include <breakwater/control/step_reference.h>
+#include <breakwater/observers/disturbance_estimator.h>
 
 namespace breakwater {
 

@@ -1,10 +1,10 @@
-#include "control/quadrotor_estimator.h"
+#include <breakwater/control/quadrotor_estimator.h>
 
 #include <stdexcept>
 
-#include "observers/ekf.h"
-#include "observers/ukf.h"
-#include "observers/wave_frequency.h"
+#include <breakwater/observers/ekf.h>
+#include <breakwater/observers/ukf.h>
+#include <breakwater/observers/wave_frequency.h>
 
 namespace breakwater {
 namespace {

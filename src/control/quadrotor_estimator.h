@@ -5,7 +5,7 @@
 #include <memory>
 #include <optional>
 
-#include "control/quadrotor_process.h"
+#include <breakwater/control/quadrotor_process.h>
 
 namespace breakwater {
 

@@ -1,8 +1,8 @@
-#include "control/quadrotor_process.h"
+#include <breakwater/control/quadrotor_process.h>
 
 #include <stdexcept>
 
-#include "observers/resonator.h"
+#include <breakwater/observers/resonator.h>
 
 namespace breakwater {
 

@@ -3,8 +3,8 @@
 
 #include <limits>
 
-#include "observers/process.h"
-#include "plants/quadrotor.h"
+#include <breakwater/observers/process.h>
+#include <breakwater/plants/quadrotor.h>
 
 namespace breakwater {
 

@@ -1,9 +1,9 @@
-#include "control/workspace_control.h"
+#include <breakwater/control/workspace_control.h>
 
 #include <cmath>
 #include <stdexcept>
 
-#include "linear/pseudo_inverse.h"
+#include <breakwater/linear/pseudo_inverse.h>
 
 namespace breakwater {
 namespace {

@@ -1,7 +1,7 @@
 // The two conventional controllers that the thesis compares with: HPFC and DRAC (2.4.3.1).
 #pragma once
 
-#include "control/arm_controller.h"
+#include <breakwater/control/arm_controller.h>
 
 namespace breakwater {
 

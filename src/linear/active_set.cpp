@@ -1,4 +1,4 @@
-#include "linear/active_set.h"
+#include <breakwater/linear/active_set.h>
 
 #include <algorithm>
 #include <cmath>

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "linear/qp.h"
+#include <breakwater/linear/qp.h>
 
 namespace breakwater {
 

@@ -1,9 +1,9 @@
-#include "linear/high_pass.h"
+#include <breakwater/linear/high_pass.h>
 
 #include <numbers>
 #include <stdexcept>
 
-#include "math/functions.h"
+#include <breakwater/math/functions.h>
 
 namespace breakwater {
 

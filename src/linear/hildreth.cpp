@@ -1,4 +1,4 @@
-#include "linear/hildreth.h"
+#include <breakwater/linear/hildreth.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 // Hildreth's quadratic programming: coordinate ascent on the dual.
 #pragma once
 
-#include "linear/qp.h"
+#include <breakwater/linear/qp.h>
 
 namespace breakwater {
 

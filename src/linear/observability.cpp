@@ -1,4 +1,4 @@
-#include "linear/observability.h"
+#include <breakwater/linear/observability.h>
 
 #include <Eigen/QR>
 

@@ -1,4 +1,4 @@
-#include "linear/pole_placement.h"
+#include <breakwater/linear/pole_placement.h>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "math/functions.h"
+#include <breakwater/math/functions.h>
 
 namespace breakwater {
 namespace {

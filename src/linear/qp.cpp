@@ -1,4 +1,4 @@
-#include "linear/qp.h"
+#include <breakwater/linear/qp.h>
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -7,9 +7,9 @@
 #include <stdexcept>
 #include <utility>
 
-#include "linear/active_set.h"
-#include "linear/hildreth.h"
-#include "linear/riccati.h"
+#include <breakwater/linear/active_set.h>
+#include <breakwater/linear/hildreth.h>
+#include <breakwater/linear/riccati.h>
 
 namespace breakwater {
 namespace {

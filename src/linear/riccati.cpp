@@ -1,4 +1,4 @@
-#include "linear/riccati.h"
+#include <breakwater/linear/riccati.h>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
@@ -7,7 +7,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include "linear/pole_placement.h"
+#include <breakwater/linear/pole_placement.h>
 
 namespace breakwater {
 namespace {

@@ -1,4 +1,4 @@
-#include "linear/state_space.h"
+#include <breakwater/linear/state_space.h>
 
 #include <stdexcept>
 #include <unsupported/Eigen/MatrixFunctions>

@@ -1,9 +1,9 @@
-#include "observers/disturbance_model.h"
+#include <breakwater/observers/disturbance_model.h>
 
 #include <stdexcept>
 #include <string>
 
-#include "linear/observability.h"
+#include <breakwater/linear/observability.h>
 
 namespace breakwater {
 

@@ -1,7 +1,7 @@
 // Disturbance models of order 0, 1 and 2: thesis 4.2.2.
 #pragma once
 
-#include "linear/state_space.h"
+#include <breakwater/linear/state_space.h>
 
 namespace breakwater {
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "observers/nonlinear_kalman.h"
+#include <breakwater/observers/nonlinear_kalman.h>
 
 namespace breakwater {
 

@@ -1,7 +1,7 @@
 // Kalman filter with disturbance estimation that forgets at a fixed rate (FAKFD): thesis 4.2.3.
 #pragma once
 
-#include "observers/kalman_estimator.h"
+#include <breakwater/observers/kalman_estimator.h>
 
 namespace breakwater {
 

@@ -1,9 +1,9 @@
-#include "observers/idob.h"
+#include <breakwater/observers/idob.h>
 
 #include <stdexcept>
 #include <string>
 
-#include "linear/observability.h"
+#include <breakwater/linear/observability.h>
 
 namespace breakwater {
 

@@ -4,8 +4,8 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "linear/pole_placement.h"
-#include "linear/state_space.h"
+#include <breakwater/linear/pole_placement.h>
+#include <breakwater/linear/state_space.h>
 
 namespace breakwater {
 

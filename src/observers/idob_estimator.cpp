@@ -1,4 +1,4 @@
-#include "observers/idob_estimator.h"
+#include <breakwater/observers/idob_estimator.h>
 
 namespace breakwater {
 

@@ -1,9 +1,9 @@
-#include "observers/kalman_design.h"
+#include <breakwater/observers/kalman_design.h>
 
 #include <stdexcept>
 #include <string>
 
-#include "linear/riccati.h"
+#include <breakwater/linear/riccati.h>
 
 namespace breakwater {
 namespace {

@@ -1,7 +1,7 @@
 // What the Kalman filters with disturbance estimation are designed with.
 #pragma once
 
-#include "observers/disturbance_model.h"
+#include <breakwater/observers/disturbance_model.h>
 
 namespace breakwater {
 

@@ -6,8 +6,8 @@
 #include <stdexcept>
 #include <vector>
 
-#include "observers/disturbance_estimator.h"
-#include "observers/kalman_design.h"
+#include <breakwater/observers/disturbance_estimator.h>
+#include <breakwater/observers/kalman_design.h>
 
 namespace breakwater {
 

@@ -2,7 +2,7 @@
 // 3.2 and 4.2.2.
 #pragma once
 
-#include "observers/kalman_estimator.h"
+#include <breakwater/observers/kalman_estimator.h>
 
 namespace breakwater {
 

@@ -1,9 +1,9 @@
-#include "observers/mdob.h"
+#include <breakwater/observers/mdob.h>
 
 #include <cmath>
 #include <stdexcept>
 
-#include "math/functions.h"
+#include <breakwater/math/functions.h>
 
 namespace breakwater {
 

@@ -1,4 +1,4 @@
-#include "observers/mdob_estimator.h"
+#include <breakwater/observers/mdob_estimator.h>
 
 namespace breakwater {
 

@@ -4,8 +4,8 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "observers/disturbance_estimator.h"
-#include "observers/mdob.h"
+#include <breakwater/observers/disturbance_estimator.h>
+#include <breakwater/observers/mdob.h>
 
 namespace breakwater {
 

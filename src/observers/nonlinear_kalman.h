@@ -5,8 +5,8 @@
 #include <Eigen/Core>
 #include <stdexcept>
 
-#include "linear/riccati.h"
-#include "observers/process.h"
+#include <breakwater/linear/riccati.h>
+#include <breakwater/observers/process.h>
 
 namespace breakwater {
 

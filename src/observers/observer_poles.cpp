@@ -1,4 +1,4 @@
-#include "observers/observer_poles.h"
+#include <breakwater/observers/observer_poles.h>
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "math/functions.h"
+#include <breakwater/math/functions.h>
 
 namespace breakwater {
 

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "observers/disturbance_estimator.h"
+#include <breakwater/observers/disturbance_estimator.h>
 
 namespace breakwater {
 

@@ -1,4 +1,4 @@
-#include "observers/qvff.h"
+#include <breakwater/observers/qvff.h>
 
 namespace breakwater {
 namespace {

@@ -2,8 +2,8 @@
 // see.
 #pragma once
 
-#include "observers/sensor_error.h"
-#include "observers/vfakfd.h"
+#include <breakwater/observers/sensor_error.h>
+#include <breakwater/observers/vfakfd.h>
 
 namespace breakwater {
 

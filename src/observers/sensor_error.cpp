@@ -1,4 +1,4 @@
-#include "observers/sensor_error.h"
+#include <breakwater/observers/sensor_error.h>
 
 #include <stdexcept>
 

@@ -3,7 +3,7 @@
 
 #include <Eigen/QR>
 
-#include "observers/ukf.h"
+#include <breakwater/observers/ukf.h>
 
 namespace breakwater {
 

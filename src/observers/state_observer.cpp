@@ -1,4 +1,4 @@
-#include "observers/state_observer.h"
+#include <breakwater/observers/state_observer.h>
 
 namespace breakwater {
 

@@ -4,9 +4,9 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "linear/pole_placement.h"
-#include "linear/state_space.h"
-#include "observers/disturbance_estimator.h"
+#include <breakwater/linear/pole_placement.h>
+#include <breakwater/linear/state_space.h>
+#include <breakwater/observers/disturbance_estimator.h>
 
 namespace breakwater {
 

@@ -1,4 +1,4 @@
-#include "observers/stf.h"
+#include <breakwater/observers/stf.h>
 
 #include <stdexcept>
 

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "observers/kalman_estimator.h"
-#include "observers/sensor_error.h"
+#include <breakwater/observers/kalman_estimator.h>
+#include <breakwater/observers/sensor_error.h>
 
 namespace breakwater {
 

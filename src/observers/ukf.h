@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "observers/nonlinear_kalman.h"
+#include <breakwater/observers/nonlinear_kalman.h>
 
 namespace breakwater {
 namespace detail {

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "observers/kalman_estimator.h"
+#include <breakwater/observers/kalman_estimator.h>
 
 namespace breakwater {
 

@@ -1,13 +1,13 @@
-#include "observers/wave_frequency.h"
+#include <breakwater/observers/wave_frequency.h>
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
 
-#include "linear/riccati.h"
-#include "math/functions.h"
-#include "observers/resonator.h"
+#include <breakwater/linear/riccati.h>
+#include <breakwater/math/functions.h>
+#include <breakwater/observers/resonator.h>
 
 namespace breakwater {
 

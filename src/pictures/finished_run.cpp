@@ -1,4 +1,4 @@
-#include "pictures/finished_run.h"
+#include <breakwater/pictures/finished_run.h>
 
 #include <fmt/core.h>
 
@@ -6,8 +6,8 @@
 #include <optional>
 #include <stdexcept>
 
-#include "record/run_folder.h"
-#include "scenario/run_manifest.h"
+#include <breakwater/record/run_folder.h>
+#include <breakwater/scenario/run_manifest.h>
 
 namespace breakwater {
 namespace {

@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "record/hdf5_log.h"
-#include "record/series.h"
-#include "scenario/catalogue.h"
-#include "scenario/config.h"
-#include "sim/model.h"
+#include <breakwater/record/hdf5_log.h>
+#include <breakwater/record/series.h>
+#include <breakwater/scenario/catalogue.h>
+#include <breakwater/scenario/config.h>
+#include <breakwater/sim/model.h>
 
 namespace breakwater {
 

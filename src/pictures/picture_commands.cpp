@@ -1,4 +1,4 @@
-#include "pictures/picture_commands.h"
+#include <breakwater/pictures/picture_commands.h>
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -13,14 +13,14 @@
 #include <system_error>
 #include <thread>
 
-#include "pictures/staging.h"
-#include "record/text_outputs.h"
-#include "render/frame_farm.h"
-#include "render/picture.h"
-#include "render/render_error.h"
-#include "render/video_file.h"
-#include "scenario/process.h"
-#include "scenario/progress.h"
+#include <breakwater/pictures/staging.h>
+#include <breakwater/record/text_outputs.h>
+#include <breakwater/render/frame_farm.h>
+#include <breakwater/render/picture.h>
+#include <breakwater/render/render_error.h>
+#include <breakwater/render/video_file.h>
+#include <breakwater/scenario/process.h>
+#include <breakwater/scenario/progress.h>
 
 namespace breakwater {
 namespace fs = std::filesystem;

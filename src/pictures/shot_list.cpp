@@ -1,9 +1,9 @@
-#include "pictures/shot_list.h"
+#include <breakwater/pictures/shot_list.h>
 
 #include <filesystem>
 #include <limits>
 
-#include "scenario/fields.h"
+#include <breakwater/scenario/fields.h>
 
 namespace breakwater {
 namespace {

@@ -1,4 +1,4 @@
-#include "pictures/staging.h"
+#include <breakwater/pictures/staging.h>
 
 #include <fmt/core.h>
 

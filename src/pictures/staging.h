@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "pictures/finished_run.h"
-#include "pictures/shot_list.h"
-#include "render/picture.h"
+#include <breakwater/pictures/finished_run.h>
+#include <breakwater/pictures/shot_list.h>
+#include <breakwater/render/picture.h>
 
 namespace breakwater {
 

@@ -1,8 +1,8 @@
-#include "pictures/video_later.h"
+#include <breakwater/pictures/video_later.h>
 
 #include <fmt/core.h>
 
-#include "scenario/child_program.h"
+#include <breakwater/scenario/child_program.h>
 
 namespace breakwater {
 

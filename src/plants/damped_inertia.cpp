@@ -1,4 +1,4 @@
-#include "plants/damped_inertia.h"
+#include <breakwater/plants/damped_inertia.h>
 
 #include <stdexcept>
 

@@ -1,7 +1,7 @@
 // The plant of one inertia: thesis 2.2.1 (a motor) and 2.3 (a cart).
 #pragma once
 
-#include "linear/state_space.h"
+#include <breakwater/linear/state_space.h>
 
 namespace breakwater {
 

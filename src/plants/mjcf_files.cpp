@@ -1,4 +1,4 @@
-#include "plants/mjcf_files.h"
+#include <breakwater/plants/mjcf_files.h>
 
 #include <tinyxml2.h>
 

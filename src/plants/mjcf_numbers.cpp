@@ -1,4 +1,4 @@
-#include "plants/mjcf_numbers.h"
+#include <breakwater/plants/mjcf_numbers.h>
 
 #include <filesystem>
 #include <set>
@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "plants/xml_file.h"
+#include <breakwater/plants/xml_file.h>
 
 namespace breakwater {
 namespace {

@@ -1,11 +1,11 @@
-#include "plants/planar_chain.h"
+#include <breakwater/plants/planar_chain.h>
 
 #include <Eigen/Geometry>
 #include <cmath>
 #include <stdexcept>
 #include <utility>
 
-#include "math/functions.h"
+#include <breakwater/math/functions.h>
 
 namespace breakwater {
 namespace {

@@ -1,9 +1,9 @@
-#include "plants/quadrotor.h"
+#include <breakwater/plants/quadrotor.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "math/functions.h"
+#include <breakwater/math/functions.h>
 
 namespace breakwater {
 

@@ -3,7 +3,7 @@
 
 #include <Eigen/Core>
 
-#include "linear/state_space.h"
+#include <breakwater/linear/state_space.h>
 
 namespace breakwater {
 

@@ -11,9 +11,9 @@
 #include <optional>
 #include <stdexcept>
 
-#include "math/functions.h"
-#include "plants/planar_chain.h"
-#include "plants/xml_file.h"
+#include <breakwater/math/functions.h>
+#include <breakwater/plants/planar_chain.h>
+#include <breakwater/plants/xml_file.h>
 
 namespace breakwater {
 namespace {

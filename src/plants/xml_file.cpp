@@ -1,4 +1,4 @@
-#include "plants/xml_file.h"
+#include <breakwater/plants/xml_file.h>
 
 #include <algorithm>
 #include <charconv>

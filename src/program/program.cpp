@@ -1,4 +1,4 @@
-#include "program/program.h"
+#include <breakwater/program/program.h>
 
 #include <fmt/core.h>
 
@@ -7,13 +7,13 @@
 #include <string>
 #include <vector>
 
-#include "pictures/picture_commands.h"
-#include "program/run_extras.h"
-#include "program/waves_report.h"
-#include "report/report_commands.h"
-#include "scenario/child_program.h"
-#include "scenario/process.h"
-#include "version.h"
+#include <breakwater/pictures/picture_commands.h>
+#include <breakwater/program/run_extras.h>
+#include <breakwater/program/waves_report.h>
+#include <breakwater/report/report_commands.h>
+#include <breakwater/scenario/child_program.h>
+#include <breakwater/scenario/process.h>
+#include <breakwater/version.h>
 
 namespace breakwater {
 namespace {

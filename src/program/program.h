@@ -3,9 +3,12 @@
 
 #include <string>
 
-#include "scenario/catalogue.h"
+#include <breakwater/scenario/catalogue.h>
 
 namespace breakwater {
+
+/// The catalogue of all that Breakwater brings with it: component `scenarios` has it.
+Catalogue standard_catalogue();
 
 /// main() of a program with all commands over the catalogue's scenarios: run, list, video, report,
 /// reproduce, …. Returns its exit status: 0 success, 1 a defect, 2 usage or input, 3 a run failed,

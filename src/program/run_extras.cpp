@@ -1,7 +1,7 @@
-#include "program/run_extras.h"
+#include <breakwater/program/run_extras.h>
 
-#include "pictures/video_later.h"
-#include "report/printed_results.h"
+#include <breakwater/pictures/video_later.h>
+#include <breakwater/report/printed_results.h>
 
 namespace breakwater {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "scenario/command_line.h"
+#include <breakwater/scenario/command_line.h>
 
 namespace breakwater {
 

@@ -1,7 +1,7 @@
 // Apart from program.cpp: what it links, a scenario's own binary does not load.
-#include "program/program.h"
-#include "program/run_extras.h"
-#include "scenario/child_program.h"
+#include <breakwater/program/program.h>
+#include <breakwater/program/run_extras.h>
+#include <breakwater/scenario/child_program.h>
 
 namespace breakwater {
 

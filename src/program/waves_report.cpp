@@ -1,4 +1,4 @@
-#include "program/waves_report.h"
+#include <breakwater/program/waves_report.h>
 
 #include <fmt/format.h>
 
@@ -9,8 +9,8 @@
 #include <numbers>
 #include <vector>
 
-#include "math/functions.h"
-#include "world/waves.h"
+#include <breakwater/math/functions.h>
+#include <breakwater/world/waves.h>
 
 namespace breakwater {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "world/jonswap.h"
+#include <breakwater/world/jonswap.h>
 
 namespace breakwater {
 

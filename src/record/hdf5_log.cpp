@@ -1,4 +1,4 @@
-#include "record/hdf5_log.h"
+#include <breakwater/record/hdf5_log.h>
 
 #include <fmt/core.h>
 #include <hdf5.h>
@@ -10,7 +10,7 @@
 #include <mutex>
 #include <stdexcept>
 
-#include "record/text_outputs.h"
+#include <breakwater/record/text_outputs.h>
 
 namespace breakwater {
 namespace {

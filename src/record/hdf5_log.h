@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "record/output_error.h"
-#include "record/track.h"
+#include <breakwater/record/output_error.h>
+#include <breakwater/record/track.h>
 
 namespace breakwater {
 

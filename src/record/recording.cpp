@@ -1,4 +1,4 @@
-#include "record/recording.h"
+#include <breakwater/record/recording.h>
 
 #include <algorithm>
 #include <stdexcept>

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "record/track.h"
+#include <breakwater/record/track.h>
 
 namespace breakwater {
 

@@ -1,4 +1,4 @@
-#include "record/run_folder.h"
+#include <breakwater/record/run_folder.h>
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -17,7 +17,7 @@
 #include <string>
 #include <system_error>
 
-#include "record/file_hash.h"
+#include <breakwater/record/file_hash.h>
 
 namespace breakwater {
 namespace fs = std::filesystem;

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "record/output_error.h"
+#include <breakwater/record/output_error.h>
 
 namespace breakwater {
 

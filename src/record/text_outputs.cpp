@@ -1,4 +1,4 @@
-#include "record/text_outputs.h"
+#include <breakwater/record/text_outputs.h>
 
 #include <fmt/format.h>
 

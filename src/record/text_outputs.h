@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "record/output_error.h"
-#include "record/recording.h"
+#include <breakwater/record/output_error.h>
+#include <breakwater/record/recording.h>
 
 namespace breakwater {
 

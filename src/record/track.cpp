@@ -1,4 +1,4 @@
-#include "record/track.h"
+#include <breakwater/record/track.h>
 
 #include <algorithm>
 #include <stdexcept>

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "signals/signal.h"
+#include <breakwater/signals/signal.h>
 
 namespace breakwater {
 

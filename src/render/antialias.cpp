@@ -1,4 +1,4 @@
-#include "render/antialias.h"
+#include <breakwater/render/antialias.h>
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "render/canvas.h"
+#include <breakwater/render/canvas.h>
 
 #include <cmath>
 #include <numbers>

@@ -1,4 +1,4 @@
-#include "render/chart.h"
+#include <breakwater/render/chart.h>
 
 #include <fmt/format.h>
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "record/series.h"
-#include "render/canvas.h"
+#include <breakwater/record/series.h>
+#include <breakwater/render/canvas.h>
 
 namespace breakwater {
 

@@ -1,4 +1,4 @@
-#include "render/frame_farm.h"
+#include <breakwater/render/frame_farm.h>
 
 #include <fcntl.h>
 #include <poll.h>
@@ -23,7 +23,7 @@
 #include <thread>
 #include <vector>
 
-#include "render/render_error.h"
+#include <breakwater/render/render_error.h>
 
 namespace breakwater {
 namespace {

@@ -1,10 +1,10 @@
-#include "render/offscreen.h"
+#include <breakwater/render/offscreen.h>
 
 #include <GL/gl.h>
 #include <GL/osmesa.h>
 #include <dlfcn.h>
 
-#include "render/render_error.h"
+#include <breakwater/render/render_error.h>
 
 namespace breakwater {
 namespace {

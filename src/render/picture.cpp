@@ -1,4 +1,4 @@
-#include "render/picture.h"
+#include <breakwater/render/picture.h>
 
 #include <fmt/format.h>
 

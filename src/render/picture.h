@@ -6,15 +6,15 @@
 #include <string>
 #include <vector>
 
-#include "record/hdf5_log.h"
-#include "record/series.h"
-#include "render/antialias.h"
-#include "render/canvas.h"
-#include "render/chart.h"
-#include "render/look.h"
-#include "render/offscreen.h"
-#include "render/scene_view.h"
-#include "sim/model.h"
+#include <breakwater/record/hdf5_log.h>
+#include <breakwater/record/series.h>
+#include <breakwater/render/antialias.h>
+#include <breakwater/render/canvas.h>
+#include <breakwater/render/chart.h>
+#include <breakwater/render/look.h>
+#include <breakwater/render/offscreen.h>
+#include <breakwater/render/scene_view.h>
+#include <breakwater/sim/model.h>
 
 namespace breakwater {
 

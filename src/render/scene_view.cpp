@@ -1,4 +1,4 @@
-#include "render/scene_view.h"
+#include <breakwater/render/scene_view.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -7,8 +7,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include "render/render_error.h"
-#include "sim/engine_guard.h"
+#include <breakwater/render/render_error.h>
+#include <breakwater/sim/engine_guard.h>
 
 namespace breakwater {
 namespace {

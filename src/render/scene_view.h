@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
-#include "render/canvas.h"
-#include "render/look.h"
-#include "sim/model.h"
+#include <breakwater/render/canvas.h>
+#include <breakwater/render/look.h>
+#include <breakwater/sim/model.h>
 
 namespace breakwater {
 

@@ -1,4 +1,4 @@
-#include "render/video_file.h"
+#include <breakwater/render/video_file.h>
 
 #include <unistd.h>
 
@@ -15,8 +15,8 @@ extern "C" {
 #include <string>
 #include <system_error>
 
-#include "record/output_error.h"
-#include "render/render_error.h"
+#include <breakwater/record/output_error.h>
+#include <breakwater/render/render_error.h>
 
 namespace breakwater {
 namespace {

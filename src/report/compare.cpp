@@ -1,4 +1,4 @@
-#include "report/compare.h"
+#include <breakwater/report/compare.h>
 
 #include <fmt/format.h>
 
@@ -6,12 +6,12 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "report/html_page.h"
-#include "report/latex.h"
-#include "report/run_report.h"
-#include "report/thesis_report.h"
-#include "scenario/config.h"
-#include "scenario/table.h"
+#include <breakwater/report/html_page.h>
+#include <breakwater/report/latex.h>
+#include <breakwater/report/run_report.h>
+#include <breakwater/report/thesis_report.h>
+#include <breakwater/scenario/config.h>
+#include <breakwater/scenario/table.h>
 
 namespace breakwater {
 namespace mustache = kainjow::mustache;

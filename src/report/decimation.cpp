@@ -1,4 +1,4 @@
-#include "report/decimation.h"
+#include <breakwater/report/decimation.h>
 
 #include <algorithm>
 #include <cmath>

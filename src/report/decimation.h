@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-#include "record/series.h"
+#include <breakwater/record/series.h>
 
 namespace breakwater {
 

@@ -1,4 +1,4 @@
-#include "report/experiments.h"
+#include <breakwater/report/experiments.h>
 
 #include <fmt/format.h>
 
@@ -10,9 +10,9 @@
 #include <set>
 #include <stdexcept>
 
-#include "scenario/config.h"
-#include "scenario/paths.h"
-#include "scenario/toml_file.h"
+#include <breakwater/scenario/config.h>
+#include <breakwater/scenario/paths.h>
+#include <breakwater/scenario/toml_file.h>
 
 namespace breakwater {
 namespace fs = std::filesystem;

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "report/printed_results.h"
+#include <breakwater/report/printed_results.h>
 
 namespace breakwater {
 

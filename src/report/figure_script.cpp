@@ -1,10 +1,10 @@
-#include "report/figure_script.h"
+#include <breakwater/report/figure_script.h>
 
 #include <cstdlib>
 
-#include "scenario/child_program.h"
-#include "scenario/paths.h"
-#include "scenario/process.h"
+#include <breakwater/scenario/child_program.h>
+#include <breakwater/scenario/paths.h>
+#include <breakwater/scenario/process.h>
 
 namespace breakwater {
 namespace {

@@ -1,14 +1,14 @@
-#include "report/html_page.h"
+#include <breakwater/report/html_page.h>
 
 #include <unistd.h>
 
 #include <cctype>
 #include <stdexcept>
 
-#include "record/text_outputs.h"
-#include "report/file_bytes.h"
-#include "scenario/paths.h"
-#include "version.h"
+#include <breakwater/record/text_outputs.h>
+#include <breakwater/report/file_bytes.h>
+#include <breakwater/scenario/paths.h>
+#include <breakwater/version.h>
 
 namespace breakwater {
 namespace fs = std::filesystem;

@@ -5,7 +5,7 @@
 #include <kainjow/mustache.hpp>
 #include <string>
 
-#include "report/page_chart.h"
+#include <breakwater/report/page_chart.h>
 
 namespace breakwater {
 

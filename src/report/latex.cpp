@@ -1,4 +1,4 @@
-#include "report/latex.h"
+#include <breakwater/report/latex.h>
 
 #include <fmt/format.h>
 

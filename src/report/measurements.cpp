@@ -1,4 +1,4 @@
-#include "report/measurements.h"
+#include <breakwater/report/measurements.h>
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -11,7 +11,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "record/output_error.h"
+#include <breakwater/record/output_error.h>
 
 namespace breakwater {
 namespace {

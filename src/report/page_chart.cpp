@@ -1,4 +1,4 @@
-#include "report/page_chart.h"
+#include <breakwater/report/page_chart.h>
 
 #include <fmt/format.h>
 
@@ -7,7 +7,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "report/decimation.h"
+#include <breakwater/report/decimation.h>
 
 namespace breakwater {
 namespace {

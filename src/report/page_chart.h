@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "record/series.h"
+#include <breakwater/record/series.h>
 
 namespace breakwater {
 

@@ -1,4 +1,4 @@
-#include "report/printed_results.h"
+#include <breakwater/report/printed_results.h>
 
 #include <fmt/format.h>
 
@@ -8,8 +8,8 @@
 #include <fstream>
 #include <stdexcept>
 
-#include "scenario/paths.h"
-#include "scenario/toml_file.h"
+#include <breakwater/scenario/paths.h>
+#include <breakwater/scenario/toml_file.h>
 
 namespace breakwater {
 namespace {

@@ -1,4 +1,4 @@
-#include "report/report_commands.h"
+#include <breakwater/report/report_commands.h>
 
 #include <fmt/format.h>
 
@@ -6,19 +6,19 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "record/text_outputs.h"
-#include "report/compare.h"
-#include "report/figure_script.h"
-#include "report/html_page.h"
-#include "report/reproduction.h"
-#include "report/run_report.h"
-#include "report/saved_run.h"
-#include "report/thesis_report.h"
-#include "report/verdict_list.h"
-#include "scenario/child_program.h"
-#include "scenario/paths.h"
-#include "scenario/process.h"
-#include "scenario/progress.h"
+#include <breakwater/record/text_outputs.h>
+#include <breakwater/report/compare.h>
+#include <breakwater/report/figure_script.h>
+#include <breakwater/report/html_page.h>
+#include <breakwater/report/reproduction.h>
+#include <breakwater/report/run_report.h>
+#include <breakwater/report/saved_run.h>
+#include <breakwater/report/thesis_report.h>
+#include <breakwater/report/verdict_list.h>
+#include <breakwater/scenario/child_program.h>
+#include <breakwater/scenario/paths.h>
+#include <breakwater/scenario/process.h>
+#include <breakwater/scenario/progress.h>
 
 namespace breakwater {
 namespace fs = std::filesystem;

@@ -1,4 +1,4 @@
-#include "report/reproduction.h"
+#include <breakwater/report/reproduction.h>
 
 #include <fmt/format.h>
 
@@ -9,10 +9,10 @@
 #include <map>
 #include <set>
 
-#include "report/saved_run.h"
-#include "scenario/all_cores.h"
-#include "scenario/progress.h"
-#include "scenario/runner.h"
+#include <breakwater/report/saved_run.h>
+#include <breakwater/scenario/all_cores.h>
+#include <breakwater/scenario/progress.h>
+#include <breakwater/scenario/runner.h>
 
 namespace breakwater {
 namespace fs = std::filesystem;

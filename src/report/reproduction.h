@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "report/experiments.h"
-#include "report/measurements.h"
-#include "scenario/catalogue.h"
+#include <breakwater/report/experiments.h>
+#include <breakwater/report/measurements.h>
+#include <breakwater/scenario/catalogue.h>
 
 namespace breakwater {
 

@@ -1,4 +1,4 @@
-#include "report/run_report.h"
+#include <breakwater/report/run_report.h>
 
 #include <fmt/format.h>
 
@@ -7,9 +7,9 @@
 #include <set>
 #include <stdexcept>
 
-#include "report/html_page.h"
-#include "report/thesis_report.h"
-#include "scenario/runner.h"
+#include <breakwater/report/html_page.h>
+#include <breakwater/report/thesis_report.h>
+#include <breakwater/scenario/runner.h>
 
 namespace breakwater {
 namespace fs = std::filesystem;

@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "report/page_chart.h"
-#include "report/printed_results.h"
-#include "report/saved_run.h"
-#include "scenario/catalogue.h"
+#include <breakwater/report/page_chart.h>
+#include <breakwater/report/printed_results.h>
+#include <breakwater/report/saved_run.h>
+#include <breakwater/scenario/catalogue.h>
 
 namespace breakwater {
 

@@ -1,4 +1,4 @@
-#include "report/saved_run.h"
+#include <breakwater/report/saved_run.h>
 
 #include <algorithm>
 #include <array>
@@ -7,8 +7,8 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "record/run_folder.h"
-#include "scenario/config.h"
+#include <breakwater/record/run_folder.h>
+#include <breakwater/scenario/config.h>
 
 namespace breakwater {
 namespace fs = std::filesystem;

@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "record/hdf5_log.h"
-#include "record/recording.h"
-#include "record/series.h"
-#include "scenario/run_manifest.h"
+#include <breakwater/record/hdf5_log.h>
+#include <breakwater/record/recording.h>
+#include <breakwater/record/series.h>
+#include <breakwater/scenario/run_manifest.h>
 
 namespace breakwater {
 

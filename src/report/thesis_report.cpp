@@ -1,4 +1,4 @@
-#include "report/thesis_report.h"
+#include <breakwater/report/thesis_report.h>
 
 #include <fmt/format.h>
 
@@ -9,13 +9,13 @@
 #include <numeric>
 #include <set>
 
-#include "pictures/shot_list.h"
-#include "pictures/staging.h"
-#include "report/decimation.h"
-#include "report/file_bytes.h"
-#include "report/html_page.h"
-#include "report/saved_run.h"
-#include "scenario/paths.h"
+#include <breakwater/pictures/shot_list.h>
+#include <breakwater/pictures/staging.h>
+#include <breakwater/report/decimation.h>
+#include <breakwater/report/file_bytes.h>
+#include <breakwater/report/html_page.h>
+#include <breakwater/report/saved_run.h>
+#include <breakwater/scenario/paths.h>
 
 namespace breakwater {
 namespace fs = std::filesystem;

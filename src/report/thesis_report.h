@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "report/printed_results.h"
-#include "report/reproduction.h"
-#include "report/saved_run.h"
+#include <breakwater/report/printed_results.h>
+#include <breakwater/report/reproduction.h>
+#include <breakwater/report/saved_run.h>
 
 namespace breakwater {
 

@@ -1,11 +1,11 @@
-#include "report/verdict_list.h"
+#include <breakwater/report/verdict_list.h>
 
 #include <fmt/format.h>
 
 #include <cmath>
 
-#include "report/latex.h"
-#include "report/thesis_report.h"
+#include <breakwater/report/latex.h>
+#include <breakwater/report/thesis_report.h>
 
 namespace breakwater {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "report/reproduction.h"
+#include <breakwater/report/reproduction.h>
 
 namespace breakwater {
 

@@ -1,4 +1,4 @@
-#include "rigs/arm_rig.h"
+#include <breakwater/rigs/arm_rig.h>
 
 #include <cmath>
 #include <numbers>

@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
-#include "control/arm_controller.h"
-#include "control/implicit_force_pfc.h"
-#include "control/workspace_control.h"
-#include "scenario/scenario.h"
-#include "sim/simulation.h"
+#include <breakwater/control/arm_controller.h>
+#include <breakwater/control/implicit_force_pfc.h>
+#include <breakwater/control/workspace_control.h>
+#include <breakwater/scenario/scenario.h>
+#include <breakwater/sim/simulation.h>
 
 namespace breakwater {
 

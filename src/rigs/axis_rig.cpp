@@ -1,12 +1,12 @@
-#include "rigs/axis_rig.h"
+#include <breakwater/rigs/axis_rig.h>
 
 #include <cmath>
 #include <limits>
 #include <stdexcept>
 #include <utility>
 
-#include "plants/damped_inertia.h"
-#include "sim/friction.h"
+#include <breakwater/plants/damped_inertia.h>
+#include <breakwater/sim/friction.h>
 
 namespace breakwater {
 namespace {

@@ -5,13 +5,13 @@
 #include <string>
 #include <vector>
 
-#include "control/controller.h"
-#include "linear/state_space.h"
-#include "observers/sensor_error.h"
-#include "scenario/scenario.h"
-#include "signals/axis_units.h"
-#include "sim/simulation.h"
-#include "world/disturbance.h"
+#include <breakwater/control/controller.h>
+#include <breakwater/linear/state_space.h>
+#include <breakwater/observers/sensor_error.h>
+#include <breakwater/scenario/scenario.h>
+#include <breakwater/signals/axis_units.h>
+#include <breakwater/sim/simulation.h>
+#include <breakwater/world/disturbance.h>
 
 namespace breakwater {
 

@@ -1,10 +1,10 @@
-#include "rigs/cart_mpc.h"
+#include <breakwater/rigs/cart_mpc.h>
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "observers/disturbance_model.h"
+#include <breakwater/observers/disturbance_model.h>
 
 namespace breakwater {
 void CartMpcSettings::bind(Fields& fields) {

@@ -1,12 +1,12 @@
 // Predictive control of the cart: the keys and metrics that its scenarios share.
 #pragma once
 
-#include "control/predictive_control.h"
-#include "linear/riccati.h"
-#include "record/recording.h"
-#include "rigs/axis_rig.h"
-#include "rigs/estimator_settings.h"
-#include "scenario/fields.h"
+#include <breakwater/control/predictive_control.h>
+#include <breakwater/linear/riccati.h>
+#include <breakwater/record/recording.h>
+#include <breakwater/rigs/axis_rig.h>
+#include <breakwater/rigs/estimator_settings.h>
+#include <breakwater/scenario/fields.h>
 
 namespace breakwater {
 

@@ -1,16 +1,16 @@
-#include "rigs/estimator_settings.h"
+#include <breakwater/rigs/estimator_settings.h>
 
 #include <limits>
 #include <stdexcept>
 
-#include "observers/fakfd.h"
-#include "observers/idob_estimator.h"
-#include "observers/kfd.h"
-#include "observers/mdob_estimator.h"
-#include "observers/qvff.h"
-#include "observers/state_observer.h"
-#include "observers/stf.h"
-#include "observers/vfakfd.h"
+#include <breakwater/observers/fakfd.h>
+#include <breakwater/observers/idob_estimator.h>
+#include <breakwater/observers/kfd.h>
+#include <breakwater/observers/mdob_estimator.h>
+#include <breakwater/observers/qvff.h>
+#include <breakwater/observers/state_observer.h>
+#include <breakwater/observers/stf.h>
+#include <breakwater/observers/vfakfd.h>
 
 namespace breakwater {
 namespace {

@@ -4,9 +4,9 @@
 #include <memory>
 #include <vector>
 
-#include "observers/disturbance_estimator.h"
-#include "rigs/axis_rig.h"
-#include "scenario/fields.h"
+#include <breakwater/observers/disturbance_estimator.h>
+#include <breakwater/rigs/axis_rig.h>
+#include <breakwater/scenario/fields.h>
 
 namespace breakwater {
 

@@ -1,4 +1,4 @@
-#include "scenario/all_cores.h"
+#include <breakwater/scenario/all_cores.h>
 
 #include <algorithm>
 #include <atomic>

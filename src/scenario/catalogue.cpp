@@ -1,6 +1,6 @@
-#include "scenario/catalogue.h"
+#include <breakwater/scenario/catalogue.h>
 
-#include "scenario/paths.h"
+#include <breakwater/scenario/paths.h>
 
 namespace breakwater {
 

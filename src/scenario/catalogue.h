@@ -9,7 +9,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "scenario/scenario.h"
+#include <breakwater/scenario/scenario.h>
 
 namespace breakwater {
 

@@ -1,4 +1,4 @@
-#include "scenario/child_program.h"
+#include <breakwater/scenario/child_program.h>
 
 #include <fmt/core.h>
 #include <spawn.h>
@@ -10,7 +10,7 @@
 #include <cstring>
 #include <filesystem>
 
-#include "scenario/process.h"
+#include <breakwater/scenario/process.h>
 
 namespace breakwater {
 

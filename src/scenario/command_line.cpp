@@ -1,4 +1,4 @@
-#include "scenario/command_line.h"
+#include <breakwater/scenario/command_line.h>
 
 #include <fmt/core.h>
 #include <CLI/CLI.hpp>
@@ -6,12 +6,12 @@
 #include <filesystem>
 #include <stdexcept>
 
-#include "record/run_folder.h"
-#include "scenario/process.h"
-#include "scenario/progress.h"
-#include "scenario/report.h"
-#include "scenario/runner.h"
-#include "version.h"
+#include <breakwater/record/run_folder.h>
+#include <breakwater/scenario/process.h>
+#include <breakwater/scenario/progress.h>
+#include <breakwater/scenario/report.h>
+#include <breakwater/scenario/runner.h>
+#include <breakwater/version.h>
 
 namespace breakwater {
 namespace fs = std::filesystem;

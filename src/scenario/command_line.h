@@ -5,8 +5,8 @@
 #include <functional>
 #include <string>
 
-#include "scenario/catalogue.h"
-#include "scenario/report.h"
+#include <breakwater/scenario/catalogue.h>
+#include <breakwater/scenario/report.h>
 
 namespace breakwater {
 

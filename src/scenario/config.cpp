@@ -1,4 +1,4 @@
-#include "scenario/config.h"
+#include <breakwater/scenario/config.h>
 
 #include <algorithm>
 #include <cctype>
@@ -6,8 +6,8 @@
 #include <numeric>
 #include <stdexcept>
 
-#include "scenario/paths.h"
-#include "scenario/toml_file.h"
+#include <breakwater/scenario/paths.h>
+#include <breakwater/scenario/toml_file.h>
 
 namespace breakwater {
 namespace {

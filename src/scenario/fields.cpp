@@ -1,4 +1,4 @@
-#include "scenario/fields.h"
+#include <breakwater/scenario/fields.h>
 
 #include <fmt/format.h>
 
@@ -9,7 +9,7 @@
 #include <set>
 #include <stdexcept>
 
-#include "scenario/paths.h"
+#include <breakwater/scenario/paths.h>
 
 namespace breakwater {
 namespace {

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "scenario/config.h"
+#include <breakwater/scenario/config.h>
 
 namespace breakwater {
 

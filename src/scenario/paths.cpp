@@ -1,4 +1,4 @@
-#include "scenario/paths.h"
+#include <breakwater/scenario/paths.h>
 
 #include <cstdlib>
 #include <sstream>

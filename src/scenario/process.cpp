@@ -1,4 +1,4 @@
-#include "scenario/process.h"
+#include <breakwater/scenario/process.h>
 
 #include <csignal>
 

@@ -12,8 +12,8 @@
 #include <stdexcept>
 #include <string>
 
-#include "record/output_error.h"
-#include "scenario/scenario.h"
+#include <breakwater/record/output_error.h>
+#include <breakwater/scenario/scenario.h>
 
 namespace breakwater {
 

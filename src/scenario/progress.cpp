@@ -1,4 +1,4 @@
-#include "scenario/progress.h"
+#include <breakwater/scenario/progress.h>
 
 #include <fmt/format.h>
 #include <sys/ioctl.h>

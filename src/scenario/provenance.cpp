@@ -1,8 +1,8 @@
-#include "scenario/provenance.h"
+#include <breakwater/scenario/provenance.h>
 
-#include "plants/mjcf_files.h"
-#include "record/file_hash.h"
-#include "scenario/paths.h"
+#include <breakwater/plants/mjcf_files.h>
+#include <breakwater/record/file_hash.h>
+#include <breakwater/scenario/paths.h>
 
 namespace breakwater {
 

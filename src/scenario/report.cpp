@@ -1,4 +1,4 @@
-#include "scenario/report.h"
+#include <breakwater/scenario/report.h>
 
 #include <fmt/format.h>
 
@@ -8,7 +8,7 @@
 #include <map>
 #include <optional>
 
-#include "scenario/table.h"
+#include <breakwater/scenario/table.h>
 
 namespace breakwater {
 namespace {

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "scenario/runner.h"
-#include "scenario/scenario.h"
+#include <breakwater/scenario/runner.h>
+#include <breakwater/scenario/scenario.h>
 
 namespace breakwater {
 

@@ -3,9 +3,9 @@
 
 #include <cstdint>
 
-#include "scenario/scenario.h"
-#include "sim/engine_guard.h"
-#include "sim/simulation.h"
+#include <breakwater/scenario/scenario.h>
+#include <breakwater/sim/engine_guard.h>
+#include <breakwater/sim/simulation.h>
 
 namespace breakwater {
 

@@ -1,4 +1,4 @@
-#include "scenario/run_manifest.h"
+#include <breakwater/scenario/run_manifest.h>
 
 #include <fstream>
 #include <nlohmann/json.hpp>

@@ -5,8 +5,8 @@
 #include <optional>
 #include <string>
 
-#include "record/recording.h"
-#include "scenario/provenance.h"
+#include <breakwater/record/recording.h>
+#include <breakwater/scenario/provenance.h>
 
 namespace breakwater {
 

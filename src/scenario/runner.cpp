@@ -1,4 +1,4 @@
-#include "scenario/runner.h"
+#include <breakwater/scenario/runner.h>
 
 #include <fmt/format.h>
 
@@ -7,13 +7,13 @@
 #include <chrono>
 #include <nlohmann/json.hpp>
 
-#include "record/file_hash.h"
-#include "record/hdf5_log.h"
-#include "record/text_outputs.h"
-#include "scenario/all_cores.h"
-#include "scenario/progress.h"
-#include "sim/engine_guard.h"
-#include "version.h"
+#include <breakwater/record/file_hash.h>
+#include <breakwater/record/hdf5_log.h>
+#include <breakwater/record/text_outputs.h>
+#include <breakwater/scenario/all_cores.h>
+#include <breakwater/scenario/progress.h>
+#include <breakwater/sim/engine_guard.h>
+#include <breakwater/version.h>
 
 namespace breakwater {
 namespace {

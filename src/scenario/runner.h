@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "record/recording.h"
-#include "record/run_folder.h"
-#include "scenario/catalogue.h"
-#include "scenario/provenance.h"
+#include <breakwater/record/recording.h>
+#include <breakwater/record/run_folder.h>
+#include <breakwater/scenario/catalogue.h>
+#include <breakwater/scenario/provenance.h>
 
 namespace breakwater {
 

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "record/recording.h"
-#include "scenario/settings.h"
-#include "sim/model.h"
+#include <breakwater/record/recording.h>
+#include <breakwater/scenario/settings.h>
+#include <breakwater/sim/model.h>
 
 namespace breakwater {
 

@@ -1,4 +1,4 @@
-#include "scenario/settings.h"
+#include <breakwater/scenario/settings.h>
 
 #include <algorithm>
 #include <cmath>

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "scenario/fields.h"
-#include "sim/model.h"
-#include "sim/sensing.h"
+#include <breakwater/scenario/fields.h>
+#include <breakwater/sim/model.h>
+#include <breakwater/sim/sensing.h>
 
 namespace breakwater {
 

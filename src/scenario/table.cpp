@@ -1,4 +1,4 @@
-#include "scenario/table.h"
+#include <breakwater/scenario/table.h>
 
 #include <fmt/format.h>
 

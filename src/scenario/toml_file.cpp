@@ -1,4 +1,4 @@
-#include "scenario/toml_file.h"
+#include <breakwater/scenario/toml_file.h>
 
 #include <algorithm>
 #include <filesystem>

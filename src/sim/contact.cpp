@@ -1,4 +1,4 @@
-#include "sim/contact.h"
+#include <breakwater/sim/contact.h>
 
 #include <cmath>
 #include <stdexcept>

@@ -1,7 +1,7 @@
 // Contact authored in SI units.
 #pragma once
 
-#include "sim/model.h"
+#include <breakwater/sim/model.h>
 
 namespace breakwater {
 

@@ -1,4 +1,4 @@
-#include "sim/engine_guard.h"
+#include <breakwater/sim/engine_guard.h>
 
 #include <mujoco/mujoco.h>
 

@@ -1,4 +1,4 @@
-#include "sim/friction.h"
+#include <breakwater/sim/friction.h>
 
 #include <cmath>
 #include <stdexcept>

@@ -1,7 +1,7 @@
 // Friction of a joint in SI units.
 #pragma once
 
-#include "sim/model.h"
+#include <breakwater/sim/model.h>
 
 namespace breakwater {
 

@@ -1,4 +1,4 @@
-#include "sim/height_field.h"
+#include <breakwater/sim/height_field.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>

@@ -4,7 +4,7 @@
 #include <functional>
 #include <string>
 
-#include "sim/model.h"
+#include <breakwater/sim/model.h>
 
 namespace breakwater {
 

@@ -1,4 +1,4 @@
-#include "sim/model.h"
+#include <breakwater/sim/model.h>
 
 #include <algorithm>
 #include <cmath>
@@ -6,8 +6,8 @@
 #include <regex>
 #include <stdexcept>
 
-#include "plants/mjcf_numbers.h"
-#include "sim/engine_guard.h"
+#include <breakwater/plants/mjcf_numbers.h>
+#include <breakwater/sim/engine_guard.h>
 
 namespace breakwater {
 namespace {

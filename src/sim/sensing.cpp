@@ -1,12 +1,12 @@
-#include "sim/sensing.h"
+#include <breakwater/sim/sensing.h>
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
 
-#include "plants/quadrotor.h"
-#include "sim/engine_guard.h"
+#include <breakwater/plants/quadrotor.h>
+#include <breakwater/sim/engine_guard.h>
 
 namespace breakwater {
 namespace {

@@ -7,13 +7,13 @@
 #include <string>
 #include <vector>
 
-#include "signals/sample.h"
-#include "sim/model.h"
-#include "world/delay_line.h"
-#include "world/disturbance.h"
-#include "world/encoder.h"
-#include "world/low_pass.h"
-#include "world/noise.h"
+#include <breakwater/signals/sample.h>
+#include <breakwater/sim/model.h>
+#include <breakwater/world/delay_line.h>
+#include <breakwater/world/disturbance.h>
+#include <breakwater/world/encoder.h>
+#include <breakwater/world/low_pass.h>
+#include <breakwater/world/noise.h>
 
 namespace breakwater {
 

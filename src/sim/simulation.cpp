@@ -1,4 +1,4 @@
-#include "sim/simulation.h"
+#include <breakwater/sim/simulation.h>
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 #include <string>
 #include <utility>
 
-#include "sim/engine_guard.h"
+#include <breakwater/sim/engine_guard.h>
 
 namespace breakwater {
 namespace {

@@ -10,12 +10,12 @@
 #include <span>
 #include <vector>
 
-#include "control/controller.h"
-#include "sim/external_force.h"
-#include "sim/model.h"
-#include "sim/sensing.h"
-#include "sim/state_hash.h"
-#include "world/pwm.h"
+#include <breakwater/control/controller.h>
+#include <breakwater/sim/external_force.h>
+#include <breakwater/sim/model.h>
+#include <breakwater/sim/sensing.h>
+#include <breakwater/sim/state_hash.h>
+#include <breakwater/world/pwm.h>
 
 namespace breakwater {
 

@@ -1,4 +1,4 @@
-#include "sim/state_hash.h"
+#include <breakwater/sim/state_hash.h>
 
 #include <xxhash.h>
 

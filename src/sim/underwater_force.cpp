@@ -1,11 +1,11 @@
-#include "sim/underwater_force.h"
+#include <breakwater/sim/underwater_force.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
-#include "math/functions.h"
+#include <breakwater/math/functions.h>
 
 namespace breakwater {
 namespace {

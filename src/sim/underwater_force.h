@@ -5,11 +5,11 @@
 #include <optional>
 #include <string>
 
-#include "plants/quadrotor.h"
-#include "sim/external_force.h"
-#include "sim/model.h"
-#include "world/low_pass.h"
-#include "world/waves.h"
+#include <breakwater/plants/quadrotor.h>
+#include <breakwater/sim/external_force.h>
+#include <breakwater/sim/model.h>
+#include <breakwater/world/low_pass.h>
+#include <breakwater/world/waves.h>
 
 namespace breakwater {
 

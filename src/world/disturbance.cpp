@@ -1,6 +1,6 @@
-#include "world/disturbance.h"
+#include <breakwater/world/disturbance.h>
 
-#include "math/functions.h"
+#include <breakwater/math/functions.h>
 
 namespace breakwater {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "math/functions.h"
+#include <breakwater/math/functions.h>
 
 namespace breakwater {
 

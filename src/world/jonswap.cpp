@@ -1,10 +1,10 @@
-#include "world/jonswap.h"
+#include <breakwater/world/jonswap.h>
 
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
 
-#include "math/functions.h"
+#include <breakwater/math/functions.h>
 
 namespace breakwater {
 namespace {

@@ -1,4 +1,4 @@
-#include "world/noise.h"
+#include <breakwater/world/noise.h>
 
 #include <Random123/philox.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "math/functions.h"
+#include <breakwater/math/functions.h>
 
 namespace breakwater {
 namespace {

@@ -1,12 +1,12 @@
-#include "world/waves.h"
+#include <breakwater/world/waves.h>
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
 
-#include "math/functions.h"
-#include "world/noise.h"
+#include <breakwater/math/functions.h>
+#include <breakwater/world/noise.h>
 
 namespace breakwater {
 namespace {

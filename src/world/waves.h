@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "world/jonswap.h"
+#include <breakwater/world/jonswap.h>
 
 namespace breakwater {
 

@@ -7,10 +7,10 @@
 #include <cstdlib>
 #include <string>
 
-#include "pictures/staging.h"
-#include "render/offscreen.h"
-#include "render/scene_view.h"
-#include "standard.h"
+#include <breakwater/pictures/staging.h>
+#include <breakwater/program/program.h>
+#include <breakwater/render/offscreen.h>
+#include <breakwater/render/scene_view.h>
 
 using namespace breakwater;
 

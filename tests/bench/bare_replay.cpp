@@ -10,10 +10,10 @@
 #include <cstdio>
 #include <string>
 
-#include "record/hdf5_log.h"
-#include "scenario/paths.h"
-#include "sim/contact.h"
-#include "sim/model.h"
+#include <breakwater/record/hdf5_log.h>
+#include <breakwater/scenario/paths.h>
+#include <breakwater/sim/contact.h>
+#include <breakwater/sim/model.h>
 
 using namespace breakwater;
 

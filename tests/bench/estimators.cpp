@@ -5,16 +5,16 @@
 #include <ctime>
 #include <vector>
 
-#include "control/quadrotor_process.h"
-#include "observers/ekf.h"
-#include "observers/fakfd.h"
-#include "observers/idob_estimator.h"
-#include "observers/kfd.h"
-#include "observers/qvff.h"
-#include "observers/stf.h"
-#include "observers/ukf.h"
-#include "observers/vfakfd.h"
-#include "plants/damped_inertia.h"
+#include <breakwater/control/quadrotor_process.h>
+#include <breakwater/observers/ekf.h>
+#include <breakwater/observers/fakfd.h>
+#include <breakwater/observers/idob_estimator.h>
+#include <breakwater/observers/kfd.h>
+#include <breakwater/observers/qvff.h>
+#include <breakwater/observers/stf.h>
+#include <breakwater/observers/ukf.h>
+#include <breakwater/observers/vfakfd.h>
+#include <breakwater/plants/damped_inertia.h>
 
 using namespace breakwater;
 

@@ -9,12 +9,12 @@
 #include <string>
 #include <vector>
 
-#include "control/lmpc.h"
-#include "linear/riccati.h"
-#include "linear/state_space.h"
-#include "observers/disturbance_model.h"
-#include "plants/damped_inertia.h"
-#include "world/noise.h"
+#include <breakwater/control/lmpc.h>
+#include <breakwater/linear/riccati.h>
+#include <breakwater/linear/state_space.h>
+#include <breakwater/observers/disturbance_model.h>
+#include <breakwater/plants/damped_inertia.h>
+#include <breakwater/world/noise.h>
 
 using namespace breakwater;
 

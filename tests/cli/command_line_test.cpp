@@ -9,8 +9,8 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include <breakwater/record/hdf5_log.h>
 #include "cli/program.h"
-#include "record/hdf5_log.h"
 #include "support.h"
 
 namespace breakwater {

@@ -7,7 +7,7 @@
 #include <regex>
 #include <sstream>
 
-#include "scenario/scenario.h"
+#include <breakwater/scenario/scenario.h>
 #include "support.h"
 
 namespace breakwater::testing {

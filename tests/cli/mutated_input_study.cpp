@@ -1,6 +1,6 @@
 // All broken scenario files and models, each by the program itself.
+#include <breakwater/scenario/all_cores.h>
 #include "cli/mutated_input.h"
-#include "scenario/all_cores.h"
 
 namespace breakwater {
 namespace {

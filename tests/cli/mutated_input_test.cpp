@@ -6,10 +6,10 @@
 #include <map>
 #include <random>
 
+#include <breakwater/scenario/all_cores.h>
+#include <breakwater/scenario/runner.h>
 #include "catalogue.h"
 #include "cli/mutated_input.h"
-#include "scenario/all_cores.h"
-#include "scenario/runner.h"
 
 namespace breakwater {
 namespace {

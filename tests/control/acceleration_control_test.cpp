@@ -1,4 +1,4 @@
-#include "control/acceleration_control.h"
+#include <breakwater/control/acceleration_control.h>
 
 #include <gtest/gtest.h>
 

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "control/implicit_force_pfc.h"
-#include "control/workspace_control.h"
+#include <breakwater/control/implicit_force_pfc.h>
+#include <breakwater/control/workspace_control.h>
 #include "support.h"
 
 namespace breakwater {

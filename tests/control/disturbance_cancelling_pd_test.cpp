@@ -1,13 +1,13 @@
-#include "control/disturbance_cancelling_pd.h"
+#include <breakwater/control/disturbance_cancelling_pd.h>
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <stdexcept>
 
-#include "observers/idob_estimator.h"
-#include "observers/kfd.h"
-#include "plants/damped_inertia.h"
+#include <breakwater/observers/idob_estimator.h>
+#include <breakwater/observers/kfd.h>
+#include <breakwater/plants/damped_inertia.h>
 
 namespace breakwater {
 namespace {

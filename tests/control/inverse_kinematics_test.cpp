@@ -1,4 +1,4 @@
-#include "control/inverse_kinematics.h"
+#include <breakwater/control/inverse_kinematics.h>
 
 #include <gtest/gtest.h>
 

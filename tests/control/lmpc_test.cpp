@@ -1,5 +1,5 @@
 // Linear predictive control: against the regulator, its optimality conditions and its bounds.
-#include "control/lmpc.h"
+#include <breakwater/control/lmpc.h>
 
 #include <gtest/gtest.h>
 
@@ -8,10 +8,10 @@
 #include <functional>
 #include <numeric>
 
-#include "control/controller.h"
-#include "linear/riccati.h"
-#include "observers/disturbance_model.h"
-#include "plants/damped_inertia.h"
+#include <breakwater/control/controller.h>
+#include <breakwater/linear/riccati.h>
+#include <breakwater/observers/disturbance_model.h>
+#include <breakwater/plants/damped_inertia.h>
 #include "support.h"
 
 namespace breakwater {

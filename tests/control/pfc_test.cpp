@@ -1,4 +1,4 @@
-#include "control/pfc.h"
+#include <breakwater/control/pfc.h>
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <complex>
 #include <stdexcept>
 
-#include "linear/pole_placement.h"
+#include <breakwater/linear/pole_placement.h>
 #include "support.h"
 
 namespace breakwater {

@@ -1,5 +1,5 @@
 // The prediction matrices against the plant, stepped.
-#include "control/prediction.h"
+#include <breakwater/control/prediction.h>
 
 #include <gtest/gtest.h>
 

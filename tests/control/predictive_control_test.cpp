@@ -1,5 +1,5 @@
 // What the regulators and predictive controllers tell their estimators, and the input they ask for.
-#include "control/predictive_control.h"
+#include <breakwater/control/predictive_control.h>
 
 #include <gtest/gtest.h>
 
@@ -7,10 +7,10 @@
 #include <cmath>
 #include <numeric>
 
-#include "control/lqr_control.h"
-#include "linear/riccati.h"
-#include "observers/idob_estimator.h"
-#include "plants/damped_inertia.h"
+#include <breakwater/control/lqr_control.h>
+#include <breakwater/linear/riccati.h>
+#include <breakwater/observers/idob_estimator.h>
+#include <breakwater/plants/damped_inertia.h>
 #include "support.h"
 
 namespace breakwater {

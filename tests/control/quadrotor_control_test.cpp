@@ -5,11 +5,11 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "control/backstepping.h"
+#include <breakwater/control/backstepping.h>
+#include <breakwater/observers/square_root_ukf.h>
+#include <breakwater/observers/ukf.h>
+#include <breakwater/observers/wave_frequency.h>
 #include "control/quadrotor_endurance.h"
-#include "observers/square_root_ukf.h"
-#include "observers/ukf.h"
-#include "observers/wave_frequency.h"
 #include "support.h"
 
 namespace breakwater {

@@ -5,10 +5,10 @@
 
 #include <cmath>
 
-#include "control/backstepping.h"
-#include "control/quadrotor_process.h"
-#include "observers/ekf.h"
-#include "observers/ukf.h"
+#include <breakwater/control/backstepping.h>
+#include <breakwater/control/quadrotor_process.h>
+#include <breakwater/observers/ekf.h>
+#include <breakwater/observers/ukf.h>
 #include "support.h"
 
 namespace breakwater::testing {

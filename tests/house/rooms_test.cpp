@@ -13,10 +13,12 @@ namespace breakwater {
 namespace {
 namespace fs = std::filesystem;
 
+const std::string kOwn = "breakwater/";
+
 struct Include {
   std::string room;
   std::string file;
-  std::string header;
+  std::string header;  // ROOM/NAME.h of our own
 };
 
 std::vector<Include> all_includes() {
@@ -32,8 +34,9 @@ std::vector<Include> all_includes() {
       std::smatch match;
       if (std::regex_match(line, match, pattern)) {
         const bool in_room = relative.has_parent_path();
-        includes.push_back(
-            {in_room ? relative.begin()->string() : "", relative.string(), match[1]});
+        std::string header = match[1];
+        if (header.starts_with(kOwn)) header.erase(0, kOwn.size());
+        includes.push_back({in_room ? relative.begin()->string() : "", relative.string(), header});
       }
     }
   }

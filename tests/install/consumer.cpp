@@ -2,8 +2,8 @@
 #include <cmath>
 #include <cstdio>
 
-#include "control/controller.h"
-#include "sim/simulation.h"
+#include <breakwater/control/controller.h>
+#include <breakwater/sim/simulation.h>
 
 namespace {
 

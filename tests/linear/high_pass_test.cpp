@@ -1,4 +1,4 @@
-#include "linear/high_pass.h"
+#include <breakwater/linear/high_pass.h>
 
 #include <gtest/gtest.h>
 

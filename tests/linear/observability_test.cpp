@@ -1,8 +1,8 @@
-#include "linear/observability.h"
+#include <breakwater/linear/observability.h>
 
 #include <gtest/gtest.h>
 
-#include "linear/state_space.h"
+#include <breakwater/linear/state_space.h>
 #include "support.h"
 
 namespace breakwater {

@@ -1,11 +1,11 @@
-#include "linear/pole_placement.h"
+#include <breakwater/linear/pole_placement.h>
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <stdexcept>
 
-#include "linear/state_space.h"
+#include <breakwater/linear/state_space.h>
 #include "support.h"
 
 namespace breakwater {

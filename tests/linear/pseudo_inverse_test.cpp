@@ -1,4 +1,4 @@
-#include "linear/pseudo_inverse.h"
+#include <breakwater/linear/pseudo_inverse.h>
 
 #include <gtest/gtest.h>
 

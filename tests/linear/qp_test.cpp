@@ -1,5 +1,5 @@
 // The two quadratic programming solvers, against optimality conditions and each other.
-#include "linear/qp.h"
+#include <breakwater/linear/qp.h>
 
 #include <gtest/gtest.h>
 
@@ -9,8 +9,8 @@
 #include <limits>
 #include <sstream>
 
-#include "linear/active_set.h"
-#include "linear/hildreth.h"
+#include <breakwater/linear/active_set.h>
+#include <breakwater/linear/hildreth.h>
 #include "linear/random_qp.h"
 #include "python.h"
 

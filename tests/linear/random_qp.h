@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "linear/qp.h"
+#include <breakwater/linear/qp.h>
 #include "support.h"
 
 namespace breakwater::testing {

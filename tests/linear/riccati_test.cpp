@@ -1,14 +1,14 @@
 // The Riccati equation against closed forms, its residual and SciPy.
-#include "linear/riccati.h"
+#include <breakwater/linear/riccati.h>
 
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
 #include <cmath>
 
-#include "linear/pole_placement.h"
+#include <breakwater/linear/pole_placement.h>
+#include <breakwater/linear/state_space.h>
 #include "linear/scipy_riccati.h"
-#include "linear/state_space.h"
 #include "support.h"
 
 namespace breakwater {

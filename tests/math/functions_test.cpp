@@ -1,5 +1,5 @@
 // The elementary functions of math/: accuracy, special arguments, and their bits.
-#include "math/functions.h"
+#include <breakwater/math/functions.h>
 
 #include <gtest/gtest.h>
 

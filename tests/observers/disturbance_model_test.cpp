@@ -1,11 +1,11 @@
-#include "observers/disturbance_model.h"
+#include <breakwater/observers/disturbance_model.h>
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <stdexcept>
 
-#include "observers/kalman_design.h"
+#include <breakwater/observers/kalman_design.h>
 #include "support.h"
 
 namespace breakwater {

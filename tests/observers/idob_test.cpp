@@ -1,4 +1,4 @@
-#include "observers/idob.h"
+#include <breakwater/observers/idob.h>
 
 #include <gtest/gtest.h>
 

@@ -7,15 +7,15 @@
 #include <memory>
 #include <stdexcept>
 
-#include "observers/fakfd.h"
-#include "observers/idob_estimator.h"
-#include "observers/kfd.h"
-#include "observers/mdob_estimator.h"
-#include "observers/observer_poles.h"
-#include "observers/qvff.h"
+#include <breakwater/observers/fakfd.h>
+#include <breakwater/observers/idob_estimator.h>
+#include <breakwater/observers/kfd.h>
+#include <breakwater/observers/mdob_estimator.h>
+#include <breakwater/observers/observer_poles.h>
+#include <breakwater/observers/qvff.h>
+#include <breakwater/observers/stf.h>
+#include <breakwater/observers/vfakfd.h>
 #include "observers/random_plant.h"
-#include "observers/stf.h"
-#include "observers/vfakfd.h"
 
 namespace breakwater {
 namespace {

@@ -1,4 +1,4 @@
-#include "observers/mdob.h"
+#include <breakwater/observers/mdob.h>
 
 #include <gtest/gtest.h>
 

@@ -5,9 +5,9 @@
 #include <random>
 #include <stdexcept>
 
-#include "observers/ekf.h"
-#include "observers/square_root_ukf.h"
-#include "observers/ukf.h"
+#include <breakwater/observers/ekf.h>
+#include <breakwater/observers/square_root_ukf.h>
+#include <breakwater/observers/ukf.h>
 #include "support.h"
 
 namespace breakwater {

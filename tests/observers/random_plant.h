@@ -1,8 +1,8 @@
 // Plants that nobody chose.
 #pragma once
 
-#include "linear/pole_placement.h"
-#include "linear/state_space.h"
+#include <breakwater/linear/pole_placement.h>
+#include <breakwater/linear/state_space.h>
 #include "support.h"
 
 namespace breakwater::testing {

@@ -1,11 +1,11 @@
 // The plain state observer: its poles, and what a disturbance does to it.
-#include "observers/state_observer.h"
+#include <breakwater/observers/state_observer.h>
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "plants/damped_inertia.h"
+#include <breakwater/plants/damped_inertia.h>
 #include "support.h"
 
 namespace breakwater {

@@ -3,11 +3,11 @@
 
 #include <Eigen/Eigenvalues>
 
-#include "linear/pole_placement.h"
+#include <breakwater/linear/pole_placement.h>
+#include <breakwater/observers/fakfd.h>
+#include <breakwater/observers/idob.h>
+#include <breakwater/observers/kfd.h>
 #include "linear/scipy_riccati.h"
-#include "observers/fakfd.h"
-#include "observers/idob.h"
-#include "observers/kfd.h"
 #include "observers/random_plant.h"
 
 namespace breakwater {

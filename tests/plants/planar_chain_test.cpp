@@ -1,4 +1,4 @@
-#include "plants/planar_chain.h"
+#include <breakwater/plants/planar_chain.h>
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,7 @@
 #include <fstream>
 #include <stdexcept>
 
-#include "plants/planar_chain.h"
+#include <breakwater/plants/planar_chain.h>
 #include "support.h"
 
 namespace breakwater {

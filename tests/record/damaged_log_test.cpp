@@ -15,9 +15,9 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "record/file_hash.h"
-#include "record/hdf5_log.h"
-#include "record/run_folder.h"
+#include <breakwater/record/file_hash.h>
+#include <breakwater/record/hdf5_log.h>
+#include <breakwater/record/run_folder.h>
 #include "support.h"
 
 namespace breakwater {

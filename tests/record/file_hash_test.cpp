@@ -1,4 +1,4 @@
-#include "record/file_hash.h"
+#include <breakwater/record/file_hash.h>
 
 #include <gtest/gtest.h>
 

@@ -10,7 +10,7 @@
 #include <set>
 #include <sstream>
 
-#include "record/run_folder.h"
+#include <breakwater/record/run_folder.h>
 #include "support.h"
 
 namespace breakwater {

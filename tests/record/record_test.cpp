@@ -11,10 +11,10 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "record/hdf5_log.h"
-#include "record/recording.h"
-#include "record/run_folder.h"
-#include "record/text_outputs.h"
+#include <breakwater/record/hdf5_log.h>
+#include <breakwater/record/recording.h>
+#include <breakwater/record/run_folder.h>
+#include <breakwater/record/text_outputs.h>
 #include "support.h"
 
 namespace breakwater {

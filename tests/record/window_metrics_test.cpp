@@ -1,4 +1,4 @@
-#include "record/window_metrics.h"
+#include <breakwater/record/window_metrics.h>
 
 #include <gtest/gtest.h>
 

@@ -2,8 +2,8 @@
 #include <cstdio>
 #include <exception>
 
-#include "record/run_folder.h"
-#include "record/text_outputs.h"
+#include <breakwater/record/run_folder.h>
+#include <breakwater/record/text_outputs.h>
 
 int main(int, char** argv) {
   try {

@@ -6,8 +6,8 @@
 #include <fstream>
 #include <sstream>
 
+#include <breakwater/report/printed_results.h>
 #include "regression/run_case.h"
-#include "report/printed_results.h"
 #include "support.h"
 
 namespace breakwater {

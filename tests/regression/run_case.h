@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
+#include <breakwater/record/recording.h>
 #include "catalogue.h"
-#include "record/recording.h"
 
 namespace breakwater::testing {
 

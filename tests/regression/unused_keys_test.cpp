@@ -5,9 +5,9 @@
 
 #include <map>
 
+#include <breakwater/scenario/all_cores.h>
+#include <breakwater/scenario/runner.h>
 #include "catalogue.h"
-#include "scenario/all_cores.h"
-#include "scenario/runner.h"
 
 namespace breakwater {
 namespace {

@@ -1,5 +1,5 @@
 // Edges after smoothing against the area that a pixel has of each side.
-#include "render/antialias.h"
+#include <breakwater/render/antialias.h>
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // The strip chart: where its lines end, and what they show.
-#include "render/chart.h"
+#include <breakwater/render/chart.h>
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Frames from several processes: all of them, in order, whatever happens to a process.
-#include "render/frame_farm.h"
+#include <breakwater/render/frame_farm.h>
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -11,9 +11,9 @@
 #include <thread>
 #include <vector>
 
-#include "record/output_error.h"
-#include "render/render_error.h"
-#include "render/video_file.h"
+#include <breakwater/record/output_error.h>
+#include <breakwater/render/render_error.h>
+#include <breakwater/render/video_file.h>
 #include "support.h"
 
 namespace breakwater {

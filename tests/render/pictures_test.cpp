@@ -9,9 +9,9 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include <breakwater/pictures/staging.h>
 #include "catalogue.h"
 #include "cli/program.h"
-#include "pictures/staging.h"
 #include "render/media.h"
 #include "support.h"
 

@@ -1,5 +1,5 @@
 // The scene: what is drawn is where geometry says.
-#include "render/scene_view.h"
+#include <breakwater/render/scene_view.h>
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,8 @@
 #include <array>
 #include <fstream>
 
-#include "render/offscreen.h"
-#include "render/picture.h"
+#include <breakwater/render/offscreen.h>
+#include <breakwater/render/picture.h>
 #include "support.h"
 
 namespace breakwater {

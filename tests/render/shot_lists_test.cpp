@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include <breakwater/pictures/shot_list.h>
+#include <breakwater/pictures/staging.h>
 #include "catalogue.h"
 #include "cli/program.h"
-#include "pictures/shot_list.h"
-#include "pictures/staging.h"
 #include "render/media.h"
 #include "support.h"
 

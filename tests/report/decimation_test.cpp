@@ -1,5 +1,5 @@
 // Fewer points must show the same peaks.
-#include "report/decimation.h"
+#include <breakwater/report/decimation.h>
 
 #include <gtest/gtest.h>
 

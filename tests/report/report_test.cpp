@@ -11,18 +11,18 @@
 #include <set>
 #include <stdexcept>
 
+#include <breakwater/pictures/finished_run.h>
+#include <breakwater/record/output_error.h>
+#include <breakwater/report/experiments.h>
+#include <breakwater/report/html_page.h>
+#include <breakwater/report/latex.h>
+#include <breakwater/report/measurements.h>
+#include <breakwater/report/page_chart.h>
+#include <breakwater/report/reproduction.h>
+#include <breakwater/report/saved_run.h>
+#include <breakwater/report/thesis_report.h>
+#include <breakwater/scenario/runner.h>
 #include "catalogue.h"
-#include "pictures/finished_run.h"
-#include "record/output_error.h"
-#include "report/experiments.h"
-#include "report/html_page.h"
-#include "report/latex.h"
-#include "report/measurements.h"
-#include "report/page_chart.h"
-#include "report/reproduction.h"
-#include "report/saved_run.h"
-#include "report/thesis_report.h"
-#include "scenario/runner.h"
 #include "support.h"
 
 namespace breakwater {

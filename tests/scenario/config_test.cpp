@@ -1,14 +1,14 @@
-#include "scenario/config.h"
+#include <breakwater/scenario/config.h>
 
 #include <gtest/gtest.h>
 
 #include <fstream>
 #include <stdexcept>
 
-#include "pictures/shot_list.h"
-#include "report/printed_results.h"
-#include "scenario/fields.h"
-#include "scenario/table.h"
+#include <breakwater/pictures/shot_list.h>
+#include <breakwater/report/printed_results.h>
+#include <breakwater/scenario/fields.h>
+#include <breakwater/scenario/table.h>
 #include "support.h"
 
 namespace breakwater {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "sim/friction.h"
-#include "sim/simulation.h"
+#include <breakwater/sim/friction.h>
+#include <breakwater/sim/simulation.h>
 #include "sim/small_models.h"
 
 namespace breakwater {

@@ -1,5 +1,5 @@
 // Which files a model is made of: those that the engine itself opens.
-#include "plants/mjcf_files.h"
+#include <breakwater/plants/mjcf_files.h>
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <set>
 #include <string>
 
-#include "sim/model.h"
+#include <breakwater/sim/model.h>
 #include "support.h"
 
 namespace breakwater {

@@ -1,4 +1,4 @@
-#include "sim/model.h"
+#include <breakwater/sim/model.h>
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <thread>
 #include <vector>
 
-#include "plants/planar_chain.h"
+#include <breakwater/plants/planar_chain.h>
 #include "sim/small_models.h"
 
 namespace breakwater {

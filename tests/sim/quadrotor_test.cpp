@@ -5,11 +5,11 @@
 
 #include <cmath>
 
-#include "control/backstepping.h"
-#include "sim/simulation.h"
+#include <breakwater/control/backstepping.h>
+#include <breakwater/sim/simulation.h>
+#include <breakwater/sim/underwater_force.h>
+#include <breakwater/world/noise.h>
 #include "sim/small_models.h"
-#include "sim/underwater_force.h"
-#include "world/noise.h"
 
 namespace breakwater {
 namespace {

@@ -1,4 +1,4 @@
-#include "sim/simulation.h"
+#include <breakwater/sim/simulation.h>
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <thread>
 
-#include "sim/engine_guard.h"
+#include <breakwater/sim/engine_guard.h>
 #include "sim/small_models.h"
 
 namespace breakwater {

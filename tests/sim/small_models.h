@@ -6,8 +6,8 @@
 #include <functional>
 #include <string>
 
-#include "control/controller.h"
-#include "sim/model.h"
+#include <breakwater/control/controller.h>
+#include <breakwater/sim/model.h>
 #include "support.h"
 
 namespace breakwater::testing {

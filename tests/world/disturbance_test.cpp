@@ -1,12 +1,12 @@
-#include "world/disturbance.h"
+#include <breakwater/world/disturbance.h>
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <stdexcept>
 
-#include "world/delay_line.h"
-#include "world/pwm.h"
+#include <breakwater/world/delay_line.h>
+#include <breakwater/world/pwm.h>
 
 namespace breakwater {
 namespace {

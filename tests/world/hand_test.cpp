@@ -1,4 +1,4 @@
-#include "world/hand.h"
+#include <breakwater/world/hand.h>
 
 #include <gtest/gtest.h>
 

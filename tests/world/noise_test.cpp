@@ -1,4 +1,4 @@
-#include "world/noise.h"
+#include <breakwater/world/noise.h>
 
 #include <gtest/gtest.h>
 

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "world/encoder.h"
-#include "world/low_pass.h"
+#include <breakwater/world/encoder.h>
+#include <breakwater/world/low_pass.h>
 
 namespace breakwater {
 namespace {

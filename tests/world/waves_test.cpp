@@ -1,5 +1,5 @@
 // The sea: its spectrum, its realisations, and the laws of water.
-#include "world/waves.h"
+#include <breakwater/world/waves.h>
 
 #include <gtest/gtest.h>
 
