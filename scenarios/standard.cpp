@@ -13,8 +13,8 @@ namespace breakwater {
 namespace {
 
 template <typename T>
-std::unique_ptr<Scenario> make(const Catalogue&) {
-  return std::make_unique<T>();
+std::unique_ptr<Scenario> make(const Catalogue& catalogue) {
+  return std::make_unique<T>(catalogue);
 }
 
 }  // namespace
@@ -30,6 +30,11 @@ Catalogue standard_catalogue() {
   add("cart_estimation", make<CartEstimation>);
   add("motor_estimation", make<MotorEstimation>);
   add("quadrotor_waves", make<QuadrotorWaves>);
+  for (ArmControllerKind& kind : arm_controllers()) catalogue.add(std::move(kind));
+  for (AxisEstimatorKind& kind : axis_estimators()) catalogue.add(std::move(kind));
+  for (AxisControllerKind& kind : axis_controllers()) catalogue.add(std::move(kind));
+  for (QuadrotorEstimatorKind& kind : quadrotor_estimators()) catalogue.add(std::move(kind));
+  for (QuadrotorControllerKind& kind : quadrotor_controllers()) catalogue.add(std::move(kind));
   return catalogue;
 }
 

@@ -11,6 +11,8 @@ namespace breakwater {
 /// lets go: the torques saturate, and the question is how the arm comes back.
 class ArmPush final : public Scenario {
  public:
+  explicit ArmPush(const Catalogue& catalogue) : arm_(catalogue) {}
+
   std::string name() const override { return "arm_push"; }
   std::string summary() const override {
     return "forced displacement of each link: torque saturation, recovery";

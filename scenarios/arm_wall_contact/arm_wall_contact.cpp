@@ -99,8 +99,6 @@ Recording ArmWallContact::run(const RunControl& control) const {
   const std::int64_t fine_from = physics.step_at(fine_from_s_);
   const std::int64_t fine_to = std::min(physics.step_at(fine_to_s_), steps);
 
-  Track log("control", rig.signals(),
-            static_cast<std::size_t>(steps / physics.steps_per_sample() + 1));
   Track fine("physics", rig.fine_signals(),
              static_cast<std::size_t>(std::max<std::int64_t>(fine_to - fine_from, 0)));
   WallContactMetrics metrics({.force_from_s = physics.sample_time_s(force_from_s_),
@@ -111,23 +109,19 @@ Recording ArmWallContact::run(const RunControl& control) const {
                               .period_s = physics.control_period_s,
                               .start_pose = start_pose(arm_)});
 
-  Recording recording;
-  recording.failure = run_loop(steps, control, [&](std::int64_t k) {
+  const auto step = [&](std::int64_t k) {
     if (k == solid_step) sim.set_collidable(wall, true);
     sim.step();
     metrics.after_step(sim.time_s(), rig.contact_force_N(), rig.filtered_force_N(),
                        rig.tip_speed_x_m_s());
-    if (sim.sampled()) {
-      rig.observe();
-      metrics.after_sample(sim.time_s(), rig.tip(), sim.saturated());
-      log.append(sim.time_s());
-    }
     if (k >= fine_from && k < fine_to) fine.append(sim.time_s());
-  });
-
-  conclude(recording, sim);
+  };
+  const auto sample = [&](double time_s) {
+    rig.observe();
+    metrics.after_sample(time_s, rig.tip(), sim.saturated());
+  };
+  Recording recording = record_run(sim, physics, steps, rig.signals(), control, step, sample);
   if (!recording.failure) recording.metrics = metrics.metrics(recording.simulated_s);
-  recording.tracks.push_back(std::move(log));
   if (fine.rows() > 0) recording.tracks.push_back(std::move(fine));
   return recording;
 }

@@ -12,6 +12,8 @@ namespace breakwater {
 /// with `force.reference_N`. Impact force and free-motion time are the numbers of interest.
 class ArmWallContact final : public Scenario {
  public:
+  explicit ArmWallContact(const Catalogue& catalogue) : arm_(catalogue) {}
+
   std::string name() const override { return "arm_wall_contact"; }
   std::string summary() const override {
     return "hybrid position/force control against a wall: impact force, free-motion time";

@@ -4,9 +4,8 @@
 #include <cmath>
 #include <utility>
 
-#include <breakwater/control/lqr_control.h>
 #include <breakwater/record/window_metrics.h>
-#include <breakwater/scenario/run_loop.h>
+#include <breakwater/rigs/predictive_settings.h>
 
 namespace breakwater {
 
@@ -22,23 +21,14 @@ Fields CartConstrained::fields() {
   axis_.bind(fields);
   fields.number("start.position_m", start_position_m_, any(), "of the cart [m]");
   fields.number("start.velocity_m_s", start_velocity_m_s_, any(), "of the cart [m/s]");
-  estimator_.bind(fields);
+  parts_.bind(fields);
   fields.number("observer.start_position_m", estimated_start_position_m_, any(),
                 "what the estimator starts with [m]");
   fields.number("observer.start_velocity_m_s", estimated_start_velocity_m_s_, any(),
                 "what the estimator starts with [m/s]");
-  fields.choice("controller.name", controller_,
-                {{"lqr", CartControllerKind::lqr},
-                 {"lqr_observer", CartControllerKind::lqr_observer},
-                 {"mpc", CartControllerKind::mpc}},
-                "lqr (on the true state), lqr_observer (on estimates, cancelling d) or mpc");
-  mpc_.bind(fields);
-  for (const std::string& key : CartMpcSettings::predictive_keys()) {
-    // What the metrics take for the limits, whatever the controller.
-    const bool is_limit = key == "constraint.velocity_m_s" || key == "constraint.input_lower_N" ||
-                          key == "constraint.input_upper_N";
-    if (!is_limit) fields.only_for({key}, "controller.name", {"mpc"});
-  }
+  fields.number("constraint.velocity_m_s", velocity_m_s_, positive(), "bound on |v| [m/s]");
+  fields.number("constraint.input_lower_N", input_lower_N_, any(), "[N]");
+  fields.number("constraint.input_upper_N", input_upper_N_, any(), "[N]");
   fields.number("disturbance.start_s", disturbance_start_s_, not_negative(),
                 "B and C: when the force begins [s]");
   fields.only_for({"disturbance.start_s"}, "condition", {"B", "C"});
@@ -66,41 +56,21 @@ Disturbance CartConstrained::disturbance() const {
   return force;
 }
 
-Eigen::VectorXd CartConstrained::estimator_start() const {
-  return Eigen::Vector2d(estimated_start_position_m_, estimated_start_velocity_m_s_);
+AxisTask CartConstrained::task() const {
+  return {.axis = axis_.nominal(),
+          .start_state = {estimated_start_position_m_, estimated_start_velocity_m_s_},
+          .senses_true_state = true};
 }
 
 void CartConstrained::check(const Config& config) {
   check_axis(axis_, config);
-  mpc_.check(axis_, config);
-  config.blame("observer.name", [&] { make_estimator(estimator_, axis_); });
-  config.blame("controller.r", [&] { mpc_.regulator(axis_.nominal_plant()); });
-  if (controller_ != CartControllerKind::mpc && mpc_.period_s != axis_.physics.control_period_s) {
-    config.fail("controller.period_s", "must be control.period_s for a regulator");
-  }
+  parts_.check(config, task());
 }
 
 Recording CartConstrained::run(const RunControl& control) const {
-  auto estimator = make_estimator(estimator_, axis_);
-  const DisturbanceEstimator& estimates = *estimator;
-  std::unique_ptr<Controller> controller;
-  const Lmpc* lmpc = nullptr;
-  if (controller_ == CartControllerKind::mpc) {
-    PredictiveControlDesign design = mpc_.design(axis_);
-    design.start_state = estimator_start();
-    auto predictive = std::make_unique<PredictiveControl>(std::move(estimator), design);
-    lmpc = &predictive->lmpc();
-    controller = std::move(predictive);
-  } else {
-    controller = std::make_unique<LqrControl>(
-        std::move(estimator), mpc_.regulator(axis_.nominal_plant()).K, estimator_start(),
-        controller_ == CartControllerKind::lqr, axis_.force_limit());
-  }
-  AxisRig rig(plant(), {.force = disturbance()}, *controller);
-  Simulation& sim = rig.simulation();
-  const std::int64_t steps = axis_.physics.step_at(axis_.run.duration_s);
-  Track log("control", rig.signals(),
-            static_cast<std::size_t>(steps / axis_.physics.steps_per_sample() + 1));
+  const AxisLoop loop = parts_.make(task());
+  AxisRig rig(plant(), {.force = disturbance()}, *loop.controller);
+  const Simulation& sim = rig.simulation();
 
   const bool is_pushed = condition_ == CartCondition::B || condition_ == CartCondition::C;
   const double period_s = axis_.physics.control_period_s;
@@ -113,30 +83,24 @@ Recording CartConstrained::run(const RunControl& control) const {
   double input_violation_s = 0.0;
   double speed_violation_s = 0.0;
 
-  Recording recording;
-  // One step more than the duration has, so that the sample at its end is there.
-  recording.failure = run_loop(steps + 1, control, [&](std::int64_t) {
-    rig.step();
-    if (!sim.sampled()) return;
-    const double t = sim.time_s();
+  Recording recording = rig.run(control, axis_, rig.signals(), [&](double t) {
     const double u = sim.command()(0);
     const double v = sim.qvel()[0];
     speed.add(t, v);
-    const double v_hat = estimates.state()(1);
-    estimated_speed.add(t, v_hat);
-    speed_error.add(t, v_hat - v);
-    if (log.rows() > 0) v_hat_travel += std::abs(v_hat - last_v_hat);
-    last_v_hat = v_hat;
+    if (loop.estimates()) {
+      const double v_hat = loop.estimator->state()(1);
+      estimated_speed.add(t, v_hat);
+      speed_error.add(t, v_hat - v);
+      if (sim.steps() > 1) v_hat_travel += std::abs(v_hat - last_v_hat);
+      last_v_hat = v_hat;
+    }
     input.add(t, u);
     settling.add(t, sim.qpos()[0]);
-    if (u > mpc_.input_upper_N + violation_slack_ || u < mpc_.input_lower_N - violation_slack_) {
+    if (u > input_upper_N_ + violation_slack_ || u < input_lower_N_ - violation_slack_) {
       input_violation_s += period_s;
     }
-    if (std::abs(v) > mpc_.velocity_m_s + violation_slack_) speed_violation_s += period_s;
-    log.append(t);
+    if (std::abs(v) > velocity_m_s_ + violation_slack_) speed_violation_s += period_s;
   });
-
-  conclude(recording, sim);
   if (!recording.failure) {
     std::vector<Metric>& metrics = recording.metrics;
     add(metrics, "final_position_m", "m", sim.qpos()[0]);
@@ -144,14 +108,13 @@ Recording CartConstrained::run(const RunControl& control) const {
     add(metrics, "max_speed_m_s", "m/s", speed.peak());
     add(metrics, "max_estimated_speed_m_s", "m/s", estimated_speed.peak());
     add(metrics, "rms_velocity_estimate_error_m_s", "m/s", speed_error.rms());
-    add(metrics, "velocity_estimate_travel_m_s", "m/s", v_hat_travel);
+    if (loop.estimates()) add(metrics, "velocity_estimate_travel_m_s", "m/s", v_hat_travel);
     add(metrics, "max_input_N", "N", input.peak());
     add(metrics, "input_violation_time_s", "s", input_violation_s);
     add(metrics, "speed_violation_time_s", "s", speed_violation_s);
     add(metrics, "settling_time_s", "s", settling.value());
-    if (lmpc != nullptr) add_qp_metrics(lmpc->statistics(), recording);
+    add_qp_metrics(*loop.controller, recording);
   }
-  recording.tracks.push_back(std::move(log));
   return recording;
 }
 

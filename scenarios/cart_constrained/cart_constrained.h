@@ -1,7 +1,7 @@
 // Scenario cart_constrained: constraints under disturbance and mass error (thesis 2.3.7, 3.3.4).
 #pragma once
 
-#include <breakwater/rigs/cart_mpc.h>
+#include <breakwater/rigs/axis_rig.h>
 #include <breakwater/scenario/scenario.h>
 
 namespace breakwater {
@@ -15,12 +15,12 @@ enum class CartCondition {
   E   ///< one and a half times that mass
 };
 
-enum class CartControllerKind { lqr, lqr_observer, mpc };
-
 /// The cart starts displaced and moving and is to come to rest at 0. Does the controller keep its
 /// limits of input and velocity when a force pushes or the mass is wrong?
 class CartConstrained final : public Scenario {
  public:
+  explicit CartConstrained(const Catalogue& catalogue) : parts_(catalogue, "") {}
+
   std::string name() const override { return "cart_constrained"; }
   std::string summary() const override {
     return "limits of a cart's input and velocity under disturbance and mass error";
@@ -39,18 +39,20 @@ class CartConstrained final : public Scenario {
  private:
   AxisSettings plant() const;
   Disturbance disturbance() const;
-  Eigen::VectorXd estimator_start() const;
+  AxisTask task() const;
 
   AxisSettings axis_{cart_axis()};
-  EstimatorSettings estimator_;
-  CartMpcSettings mpc_;
+  AxisParts parts_;
   CartCondition condition_ = CartCondition::A;
-  CartControllerKind controller_ = CartControllerKind::mpc;
   double start_position_m_ = 0.0;
   double start_velocity_m_s_ = 0.0;
   double estimated_start_position_m_ = 0.0;
   double estimated_start_velocity_m_s_ = 0.0;
   double disturbance_start_s_ = 0.0;
+  // What counts as a limit, whatever the controller.
+  double input_lower_N_ = 0.0;
+  double input_upper_N_ = 0.0;
+  double velocity_m_s_ = 0.0;
   double violation_slack_ = 0.0;
   double settled_within_m_ = 0.0;
 };

@@ -3,9 +3,7 @@
 #include <cmath>
 #include <utility>
 
-#include <breakwater/control/disturbance_cancelling_pd.h>
 #include <breakwater/record/window_metrics.h>
-#include <breakwater/scenario/run_loop.h>
 
 namespace breakwater {
 namespace {
@@ -50,10 +48,7 @@ class Lag {
 Fields CartEstimation::fields() {
   Fields fields;
   axis_.bind(fields);
-  estimator_.bind(fields);
-  estimator_.bind_gamma(fields);
-  fields.number("controller.kp", k_p_, not_negative(), "K_p [N/m]");
-  fields.number("controller.kd", k_d_, not_negative(), "K_d [N s/m]");
+  parts_.bind(fields);
   fields.number("task.reference_m", reference_.value, any(), "y_ref [m]");
   fields.number("task.reference_from_s", reference_.from_s, not_negative(),
                 "when it is stepped to [s]");
@@ -110,7 +105,7 @@ Disturbance CartEstimation::disturbance() const {
 
 void CartEstimation::check(const Config& config) {
   check_axis(axis_, config);
-  config.blame("observer.name", [&] { make_estimator(estimator_, axis_); });
+  parts_.check(config, task(axis_));
   if (to_s_ <= from_s_) config.fail("metrics.to_s", "must be later than metrics.from_s");
   if (noise_to_s_ <= noise_from_s_) {
     config.fail("metrics.noise_to_s", "must be later than metrics.noise_from_s");
@@ -118,26 +113,17 @@ void CartEstimation::check(const Config& config) {
 }
 
 Recording CartEstimation::run(const RunControl& control) const {
-  const DisturbanceCancellingPdDesign design{.k_p = k_p_,
-                                             .k_d = k_d_,
-                                             .reference = reference_,
-                                             .force_limit = axis_.force_limit(),
-                                             .period_s = axis_.physics.control_period_s,
-                                             .units = axis_.axis.units};
   const Disturbance force = disturbance();
-  DisturbanceCancellingPd controller(make_estimator(estimator_, axis_), design);
-  AxisRig rig(axis_, {.force = force}, controller);
+  const AxisLoop loop = parts_.make(task(axis_));
+  AxisRig rig(axis_, {.force = force}, *loop.controller);
   // Beside it, the run as it would be without noise: what differs is what the noise does.
-  DisturbanceCancellingPd quiet_controller(make_estimator(estimator_, axis_), design);
-  AxisRig quiet_rig(without_noise(axis_), {.force = force}, quiet_controller);
+  const AxisLoop quiet_loop = parts_.make(task(axis_));
+  AxisRig quiet_rig(without_noise(axis_), {.force = force}, *quiet_loop.controller);
   double noise_N = 0.0;
-  Simulation& sim = rig.simulation();
-  const std::int64_t steps = axis_.physics.step_at(axis_.run.duration_s);
+  const Simulation& sim = rig.simulation();
   std::vector<Signal> signals = rig.signals();
   signals.push_back(
       {"d_hat_noise_N", "N", "what the noise adds to the estimated disturbance", view(noise_N)});
-  Track log("control", std::move(signals),
-            static_cast<std::size_t>(steps / axis_.physics.steps_per_sample() + 1));
 
   const double end_s = axis_.run.duration_s;
   const TimeWindow window = TimeWindow{from_s_, to_s_}.within(end_s);
@@ -147,29 +133,26 @@ Recording CartEstimation::run(const RunControl& control) const {
   SettlingTime settling(TimeWindow{force.start_s, to_s_}.within_and_on(end_s),
                         kSettledWithin * std::abs(force.amplitude));
 
-  Recording recording;
-  // One step more than the duration has, so that the sample at its end is there.
-  recording.failure = run_loop(steps + 1, control, [&](std::int64_t) {
+  const auto step = [&](std::int64_t) {
     rig.step();
     quiet_rig.step();
-    if (!sim.sampled()) return;
-    const double t = sim.time_s();
-    const double d_error = controller.disturbance() - rig.disturbance();
-    error.add(t, d_error);
+  };
+  Recording recording = rig.run(control, axis_, std::move(signals), step, [&](double t) {
     truth.add(t, rig.disturbance());
+    position_error.add(t, reference_.at(t) - sim.qpos()[0]);
+    if (!loop.estimates()) return;
+    const double d_hat = loop.estimator->disturbance()(0);
+    const double d_error = d_hat - rig.disturbance();
+    error.add(t, d_error);
     if (window.contains(t)) lag.add(rig.disturbance(), force.rate(t), d_error);
-    position_error.add(t, controller.reference() - sim.qpos()[0]);
-    noise_N = controller.disturbance() - quiet_controller.disturbance();
+    noise_N = d_hat - quiet_loop.estimator->disturbance()(0);
     noise.add(t, noise_N);
     noise_in_window.add(t, noise_N);
     settling.add(t, d_error);
-    log.append(t);
   });
-
-  conclude(recording, sim);
   if (!recording.failure) {
     std::vector<Metric>& metrics = recording.metrics;
-    if (truth.rms().value_or(0.0) > 0.0) {
+    if (error.rms() && truth.rms().value_or(0.0) > 0.0) {
       add(metrics, "relative_rmse_disturbance", "1", *error.rms() / *truth.rms());
     }
     if (kind_ == Kind::step) add(metrics, "settling_time_5pct_s", "s", settling.value());
@@ -182,7 +165,6 @@ Recording CartEstimation::run(const RunControl& control) const {
     add(metrics, "rms_noise_N", "N", noise.rms());
     add(metrics, "steady_state_error_m", "m", position_error.mean());
   }
-  recording.tracks.push_back(std::move(log));
   return recording;
 }
 

@@ -3,7 +3,6 @@
 
 #include <breakwater/control/step_reference.h>
 #include <breakwater/rigs/axis_rig.h>
-#include <breakwater/rigs/estimator_settings.h>
 #include <breakwater/scenario/scenario.h>
 #include <breakwater/world/disturbance.h>
 
@@ -14,6 +13,8 @@ namespace breakwater {
 /// and at what price in noise?
 class CartEstimation final : public Scenario {
  public:
+  explicit CartEstimation(const Catalogue& catalogue) : parts_(catalogue, "pd") {}
+
   std::string name() const override { return "cart_estimation"; }
   std::string summary() const override {
     return "disturbance models and forgetting factors of Kalman filters on a cart";
@@ -27,11 +28,12 @@ class CartEstimation final : public Scenario {
   enum class Kind { step, ramp, sine, high_sine };
 
   Disturbance disturbance() const;
+  AxisTask task(const AxisSettings& axis) const {
+    return {.axis = axis.nominal(), .reference = reference_};
+  }
 
   AxisSettings axis_{cart_axis()};
-  EstimatorSettings estimator_;
-  double k_p_ = 0.0;
-  double k_d_ = 0.0;
+  AxisParts parts_;
   StepReference reference_;
   Kind kind_ = Kind::step;
   Disturbance step_{.kind = DisturbanceKind::step};

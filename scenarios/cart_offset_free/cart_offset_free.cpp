@@ -4,7 +4,7 @@
 #include <utility>
 
 #include <breakwater/record/window_metrics.h>
-#include <breakwater/scenario/run_loop.h>
+#include <breakwater/rigs/predictive_settings.h>
 
 namespace breakwater {
 
@@ -14,8 +14,7 @@ Fields CartOffsetFree::fields() {
   fields.flag("noise.enabled", noise_, "whether there is any noise: true or false");
   fields.only_where({"noise.std_m", "noise.input_std_N"}, "noise.enabled is true",
                     [this] { return noise_; });
-  estimator_.bind(fields);
-  mpc_.bind(fields);
+  parts_.bind(fields);
   fields.number("reference.position_m", reference_.value, any(), "r [m]");
   fields.number("reference.start_s", reference_.from_s, not_negative(), "0 before [s]");
   fields.number("disturbance.input_N", disturbance_N_, any(), "d_i, which opposes the drive [N]");
@@ -35,29 +34,19 @@ AxisSettings CartOffsetFree::plant() const {
   return plant;
 }
 
-PredictiveControlDesign CartOffsetFree::design() const {
-  PredictiveControlDesign design = mpc_.design(axis_);
-  design.reference = reference_;
-  return design;
-}
-
 void CartOffsetFree::check(const Config& config) {
   check_axis(axis_, config);
-  mpc_.check(axis_, config);
-  config.blame("observer.name", [&] { make_estimator(estimator_, axis_); });
+  parts_.check(config, task());
   if (to_s_ <= from_s_) config.fail("metrics.to_s", "must be later than metrics.from_s");
 }
 
 Recording CartOffsetFree::run(const RunControl& control) const {
-  PredictiveControl controller(make_estimator(estimator_, plant()), design());
+  const AxisLoop loop = parts_.make(task());
   const auto step = [&](double amplitude) {
     return Disturbance{DisturbanceKind::step, amplitude, 0.0, disturbance_start_s_};
   };
-  AxisRig rig(plant(), {step(disturbance_N_), step(output_disturbance_m_)}, controller);
-  Simulation& sim = rig.simulation();
-  const std::int64_t steps = axis_.physics.step_at(axis_.run.duration_s);
-  Track log("control", rig.signals(),
-            static_cast<std::size_t>(steps / axis_.physics.steps_per_sample() + 1));
+  AxisRig rig(plant(), {step(disturbance_N_), step(output_disturbance_m_)}, *loop.controller);
+  const Simulation& sim = rig.simulation();
 
   const double end_s = axis_.run.duration_s;
   const TimeWindow window = TimeWindow{from_s_, to_s_}.within(end_s);
@@ -68,32 +57,23 @@ Recording CartOffsetFree::run(const RunControl& control) const {
   SettlingTime settling(TimeWindow{reference_.from_s, disturbance_start_s_}.within(end_s),
                         settled_within_ * std::abs(reference_.value));
 
-  Recording recording;
-  // One step more than the duration has, so that the sample at its end is there.
-  recording.failure = run_loop(steps + 1, control, [&](std::int64_t) {
-    rig.step();
-    if (!sim.sampled()) return;
-    const double t = sim.time_s();
+  Recording recording = rig.run(control, axis_, rig.signals(), [&](double t) {
     const double r = reference_.at(t);
     const double y = sim.sample().y(0);
-    const double estimate = controller.estimator().disturbance()(0);
     error.add(t, y - r);
     true_error.add(t, sim.qpos()[0] - r);
-    d_hat.add(t, estimate);
-    d_error.add(t, estimate - rig.disturbance());
     speed.add(t, sim.qvel()[0]);
     input.add(t, sim.command()(0));
     position.add(t, sim.qpos()[0]);
     position_in_window.add(t, sim.qpos()[0]);
-    estimate_error.add(t, controller.estimator().state()(0) - sim.qpos()[0]);
-    if (t < disturbance_start_s_) {
-      settling.add(t, y - r);
-      early_d_hat.add(t, estimate);
-    }
-    log.append(t);
+    if (t < disturbance_start_s_) settling.add(t, y - r);
+    if (!loop.estimates()) return;
+    const double estimate = loop.estimator->disturbance()(0);
+    d_hat.add(t, estimate);
+    d_error.add(t, estimate - rig.disturbance());
+    estimate_error.add(t, loop.estimator->state()(0) - sim.qpos()[0]);
+    if (t < disturbance_start_s_) early_d_hat.add(t, estimate);
   });
-
-  conclude(recording, sim);
   if (!recording.failure) {
     std::vector<Metric>& metrics = recording.metrics;
     add(metrics, "steady_state_error_m", "m", error.mean());
@@ -107,9 +87,8 @@ Recording CartOffsetFree::run(const RunControl& control) const {
     add(metrics, "max_early_disturbance_estimate_N", "N", early_d_hat.peak());
     add(metrics, "mean_disturbance_estimate_N", "N", d_hat.mean());
     add(metrics, "rms_disturbance_error_N", "N", d_error.rms());
-    add_qp_metrics(controller.lmpc().statistics(), recording);
+    add_qp_metrics(*loop.controller, recording);
   }
-  recording.tracks.push_back(std::move(log));
   return recording;
 }
 

@@ -1,7 +1,7 @@
 // Scenario cart_offset_free: predictive control under input and output disturbance (2.3.6, 3.3.3).
 #pragma once
 
-#include <breakwater/rigs/cart_mpc.h>
+#include <breakwater/rigs/axis_rig.h>
 #include <breakwater/scenario/scenario.h>
 
 namespace breakwater {
@@ -10,6 +10,8 @@ namespace breakwater {
 /// is off. Estimation is faster than control. Does an error remain?
 class CartOffsetFree final : public Scenario {
  public:
+  explicit CartOffsetFree(const Catalogue& catalogue) : parts_(catalogue, "mpc") {}
+
   std::string name() const override { return "cart_offset_free"; }
   std::string summary() const override {
     return "predictive control of a cart under input and output disturbance: what error remains";
@@ -21,11 +23,10 @@ class CartOffsetFree final : public Scenario {
 
  private:
   AxisSettings plant() const;
-  PredictiveControlDesign design() const;
+  AxisTask task() const { return {.axis = plant().nominal(), .reference = reference_}; }
 
   AxisSettings axis_{cart_axis()};
-  EstimatorSettings estimator_;
-  CartMpcSettings mpc_;
+  AxisParts parts_;
   StepReference reference_;
   double disturbance_N_ = 0.0;
   double output_disturbance_m_ = 0.0;

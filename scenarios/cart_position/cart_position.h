@@ -2,12 +2,10 @@
 // 2.3.4 and 4.2.5).
 #pragma once
 
-#include <breakwater/rigs/cart_mpc.h>
+#include <breakwater/rigs/axis_rig.h>
 #include <breakwater/scenario/scenario.h>
 
 namespace breakwater {
-
-enum class CartPositionController { pd, mpc };
 
 /// A cart with Coulomb and viscous friction, a drive of finite pulse-width resolution and an
 /// encoder goes to a position under PD control with disturbance cancellation (Eq. 4.10), or under
@@ -15,6 +13,8 @@ enum class CartPositionController { pd, mpc };
 /// know it.
 class CartPosition final : public Scenario {
  public:
+  explicit CartPosition(const Catalogue& catalogue) : parts_(catalogue, "") {}
+
   std::string name() const override { return "cart_position"; }
   std::string summary() const override {
     return "position control of a cart with friction, quantised drive and encoder";
@@ -25,15 +25,10 @@ class CartPosition final : public Scenario {
   Recording run(const RunControl& control) const override;
 
  private:
-  std::unique_ptr<Controller> make_controller(
-      std::unique_ptr<DisturbanceEstimator> estimator) const;
+  AxisTask task() const { return {.axis = axis_.nominal(), .reference = reference_}; }
 
   AxisSettings axis_{cart_axis()};
-  EstimatorSettings estimator_;
-  CartMpcSettings mpc_;
-  CartPositionController controller_ = CartPositionController::pd;
-  double k_p_ = 0.0;
-  double k_d_ = 0.0;
+  AxisParts parts_;
   StepReference reference_;
   double from_s_ = 0.0;
   double to_s_ = 0.0;

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <breakwater/rigs/axis_rig.h>
-#include <breakwater/rigs/estimator_settings.h>
 #include <breakwater/scenario/scenario.h>
 #include <breakwater/world/disturbance.h>
 
@@ -13,6 +12,8 @@ namespace breakwater {
 /// see what is not measured?
 class MotorEstimation final : public Scenario {
  public:
+  explicit MotorEstimation(const Catalogue& catalogue) : parts_(catalogue, "pd") {}
+
   std::string name() const override { return "motor_estimation"; }
   std::string summary() const override {
     return "disturbance estimators on a motor: encoder quantisation and white noise";
@@ -23,11 +24,10 @@ class MotorEstimation final : public Scenario {
   Recording run(const RunControl& control) const override;
 
  private:
+  AxisTask task() const { return {.axis = axis_.nominal()}; }
+
   AxisSettings axis_{motor_axis()};
-  EstimatorSettings estimator_;
-  double lambda_ = 1.0;
-  double k_p_ = 0.0;
-  double k_d_ = 0.0;
+  AxisParts parts_;
   Disturbance disturbance_;
   double from_s_ = 0.0;
   double to_s_ = 0.0;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 
+#include <breakwater/control/backstepping.h>
 #include <breakwater/record/window_metrics.h>
 #include <breakwater/scenario/run_loop.h>
 #include <breakwater/signals/thread_time.h>
@@ -90,26 +91,28 @@ class StationMetrics {
         saturated_(window),
         nees_(window) {}
 
-  void after_sample(double t, const Truth& truth, const Simulation& sim,
-                    const QuadrotorEstimator& estimator) {
+  void after_sample(double t, const Truth& truth, const Simulation& sim) {
     tracking_.add(t, truth.error);
     for (int i = 0; i < 3; ++i) axes_[static_cast<std::size_t>(i)].add(t, truth.error(i));
     error_.add(t, truth.error.norm());
+    measured_position_.add(t, sim.sample().y.head<3>() - truth.motion.head<3>());
+    roll_rate_of_zero_.add(t, truth.motion(9));
+    const Eigen::Vector3d& force = truth.wave_force;
+    vertical_of_zero_.add(t, force.z());
+    horizontal_of_zero_.add(t, force.head<2>());
+    thrust_.add(t, sim.actuation());
+    saturated_.add(t, truth.saturated);
+  }
+
+  void after_estimate(double t, const Truth& truth, const QuadrotorEstimator& estimator) {
     Eigen::Matrix<double, 12, 1> off = estimator.motion() - truth.motion;
     for (int i = 3; i < 6; ++i) off(i) = wrapped(off(i));
     position_.add(t, off.head<3>());
     attitude_.add(t, off.segment<3>(3));
-    measured_position_.add(t, sim.sample().y.head<3>() - truth.motion.head<3>());
     roll_rate_.add(t, off(9));
-    roll_rate_of_zero_.add(t, truth.motion(9));
-    const Eigen::Vector3d& force = truth.wave_force;
-    const Eigen::Vector3d force_off = estimator.force() - force;
+    const Eigen::Vector3d force_off = estimator.force() - truth.wave_force;
     vertical_.add(t, force_off.z());
-    vertical_of_zero_.add(t, force.z());
     horizontal_.add(t, force_off.head<2>());
-    horizontal_of_zero_.add(t, force.head<2>());
-    thrust_.add(t, sim.actuation());
-    saturated_.add(t, truth.saturated);
     nees_.add(t, off.dot(estimator.motion_covariance().llt().solve(off)));
   }
 
@@ -181,38 +184,15 @@ double QuadrotorWaves::deviation(double V) const {
   return interpretation_ == NoiseInterpretation::variance ? std::sqrt(V) : V;
 }
 
-Backstepping QuadrotorWaves::law() const {
-  BacksteppingDesign design;
-  const double period_s = physics_.control_period_s;
-  switch (gains_) {
-    case Gains::retuned:
-      design.alpha = retuned_gains(parameters_, period_s);
-      break;
-    case Gains::dlqr:
-      design.alpha = dlqr_gains(parameters_, period_s);
-      break;
-    case Gains::printed:
-      design.alpha = printed_gains();
-      break;
-  }
-  design.reference.head<3>() = vector3(reference_m_);
-  design.position_clamp_m = position_clamp_m_;
-  design.thrust_floor_N = thrust_floor_N_;
-  return {plant(), design};
-}
-
-QuadrotorEstimatorDesign QuadrotorWaves::estimator_design() const {
-  QuadrotorEstimatorDesign design = estimator_;
-  const bool printed = covariance_ == MeasurementCovariance::printed;
-  design.position_std_m = printed ? std::sqrt(V_m_) : deviation(V_m_);
-  design.angle_std_rad = printed ? std::sqrt(V_p_) : deviation(V_p_);
-  design.period_s = physics_.control_period_s;
-  // The resonators' place is where the force's energy is, at the depth that is to be held.
-  SeaState assumed = wave_setup().sea;
-  if (assumed_period_s_ > 0.0) assumed.peak_period_s = assumed_period_s_;
-  design.wave_frequency_rad_s = mean_acceleration_frequency(assumed, -reference_m_[2]);
-  design.estimates_wave_frequency = frequency_source_ == WaveFrequencySource::estimated;
-  return design;
+QuadrotorTask QuadrotorWaves::task() const {
+  return {.plant = plant(),
+          .period_s = physics_.control_period_s,
+          .reference_m = vector3(reference_m_),
+          .position_std_m = deviation(V_m_),
+          .angle_std_rad = deviation(V_p_),
+          .position_noise = V_m_,
+          .angle_noise = V_p_,
+          .sea = wave_setup().sea};
 }
 
 WaveLoadSetup QuadrotorWaves::wave_setup() const {
@@ -287,89 +267,16 @@ Fields QuadrotorWaves::fields() {
                 "what V_m and V_p are: variance or standard_deviation");
   faults_.bind(fields, "x, y, z, roll, pitch, yaw");
 
-  fields.choice("estimator.filter", estimator_.filter,
-                {{"ukf", QuadrotorFilter::ukf}, {"ekf", QuadrotorFilter::ekf}}, "ukf or ekf");
-  fields.choice("estimator.disturbance", estimator_.order,
-                {{"none", DisturbanceOrder::none},
-                 {"zero", DisturbanceOrder::zero},
-                 {"second", DisturbanceOrder::second},
-                 {"resonator", DisturbanceOrder::resonator}},
-                "the disturbance model: none, zero or second order at the thrusters, resonator");
-  fields.choice("estimator.process_noise", estimator_.noise,
-                {{"printed", ProcessNoiseSource::printed},
-                 {"input", ProcessNoiseSource::input},
-                 {"tuned", ProcessNoiseSource::tuned}},
-                "printed: Q_ukf; input: W_s through the thrusts, EKF only; tuned: as below");
-  fields.choice("estimator.process_noise_mode", estimator_.noise_mode,
-                {{"per_step", ProcessNoiseMode::per_step},
-                 {"delta", ProcessNoiseMode::delta},
-                 {"delta_squared", ProcessNoiseMode::delta_squared}},
-                "printed Q is added at each sample as it is, times delta, or times delta^2");
-  fields.choice(
-      "estimator.measurement_covariance", covariance_,
-      {{"printed", MeasurementCovariance::printed}, {"actual", MeasurementCovariance::actual}},
-      "R: printed, diag(V) whatever V is taken for; actual: the noise's own");
-  fields.number("estimator.input_noise", estimator_.input_noise, positive(), "W_s [N^2]");
-  fields.number("estimator.tuned_velocity_std_m_s", estimator_.velocity_std_m_s, positive(),
-                "walk of the velocities at each sample [m/s]");
-  fields.number("estimator.tuned_rate_std_rad_s", estimator_.rate_std_rad_s, positive(),
-                "walk of the angular rates at each sample [rad/s]");
-  fields.number("estimator.tuned_disturbance_std", estimator_.disturbance_std, positive(),
-                "walk of d, or of its second derivative, at each sample [N, N/s^2]");
-  fields.choice(
-      "estimator.wave_frequency", frequency_source_,
-      {{"given", WaveFrequencySource::given}, {"estimated", WaveFrequencySource::estimated}},
-      "resonator: the frequency follows from a given T_p, or is estimated on line from there");
-  fields.number("estimator.assumed_period_s", assumed_period_s_, not_negative(),
-                "resonator: the sea's T_p that is given or guessed; 0: wave.peak_period_s [s]");
-  ResonatorDesign& resonator = estimator_.resonator;
-  fields.number("estimator.resonator_damping", resonator.damping, between(0.001, 0.999),
-                "relative");
-  fields.number("estimator.resonator_force_std_N", resonator.force_std_N, positive(),
-                "of each resonator, stationary [N]");
-  fields.number("estimator.resonator_velocity_std_m_s", resonator.velocity_std_m_s, positive(),
-                "walk of the velocities at each sample [m/s]");
-  fields.number("estimator.resonator_rate_std_rad_s", resonator.rate_std_rad_s, positive(),
-                "walk of the angular rates at each sample [rad/s]");
-  fields.number("estimator.resonator_bias_std_N", resonator.bias_std_N, positive(),
-                "walk of the constant forces at each sample [N]");
-  fields.number("estimator.resonator_torque_std_Nm", resonator.torque_std_Nm, positive(),
-                "walk of the torques at each sample [N m]");
-
+  parts_.bind(fields);
   fields.only_for({"wave.current_m_s", "wave.buoyancy_arm_m"}, "wave.mode", {"physical"});
   fields.only_for({"wave.torque_per_angle_Nm_rad"}, "wave.mode", {"thesis"});
   fields.only_where({"wave.change_to_period_s"}, "wave.change_at_s is not 0",
                     [this] { return waves_.change_at_s > 0.0; });
-  fields.only_for(
-      {"estimator.process_noise", "estimator.process_noise_mode", "estimator.input_noise",
-       "estimator.tuned_velocity_std_m_s", "estimator.tuned_rate_std_rad_s"},
-      "estimator.disturbance", {"none", "zero", "second"});
-  fields.only_for({"estimator.tuned_disturbance_std"}, "estimator.disturbance", {"zero", "second"});
-  fields.only_for({"estimator.process_noise_mode"}, "estimator.process_noise", {"printed"});
-  fields.only_for({"estimator.input_noise"}, "estimator.process_noise", {"input"});
-  fields.only_for({"estimator.tuned_velocity_std_m_s", "estimator.tuned_rate_std_rad_s",
-                   "estimator.tuned_disturbance_std"},
-                  "estimator.process_noise", {"tuned"});
-  fields.only_for({"estimator.wave_frequency", "estimator.assumed_period_s",
-                   "estimator.resonator_damping", "estimator.resonator_force_std_N",
-                   "estimator.resonator_velocity_std_m_s", "estimator.resonator_rate_std_rad_s",
-                   "estimator.resonator_bias_std_N", "estimator.resonator_torque_std_Nm"},
-                  "estimator.disturbance", {"resonator"});
-
-  fields.choice("controller.gains", gains_,
-                {{"retuned", Gains::retuned}, {"dlqr", Gains::dlqr}, {"printed", Gains::printed}},
-                "retuned for the physical plant, dlqr with Q_z = 1e4, or printed");
-  fields.flag("controller.compensate", compensates_, "take the estimated disturbance off");
-  fields.number("controller.position_clamp_m", position_clamp_m_, not_negative(),
-                "position errors are held below it; 0: no clamp [m]");
-  fields.number("controller.thrust_floor_N", thrust_floor_N_, positive(),
-                "least U_z in divisors [N]");
   fields.number("metrics.window_s", window_s_, positive(), "the metrics' window: the last … [s]");
   return fields;
 }
 
 void QuadrotorWaves::check(const Config& config) {
-  mjcf_ = config.find_file_of("model.mjcf", mjcf_);
   physics_.check(config, run_);
   const auto is_point = [&](const char* key, const std::vector<double>& point) {
     if (point.size() != 3) config.fail(key, "must have 3 numbers: x, y and z");
@@ -387,15 +294,21 @@ void QuadrotorWaves::check(const Config& config) {
   const Model model = Model::load(mjcf_);
   if (model->nu != 4) throw std::invalid_argument(mjcf_ + ": needs 4 thrusters");
   for (int i = 1; i <= 4; ++i) model.id(mjOBJ_SITE, "t" + std::to_string(i));
-  sea_.emplace(model, parameters_, physics_kind_, wave_setup(), vector3(start_m_));
-  config.blame("estimator.filter", [&] { make_quadrotor_estimator(estimator_design(), plant()); });
+  water(model);
+  parts_.check(config, task());
   const SensingSetup sensing = sensing_setup();
   faults_.check(config, sensing.channels);
   const Sensing check_only(model, sensing);
 }
 
+UnderwaterForce QuadrotorWaves::water(const Model& model) const {
+  return {model, parameters_, physics_kind_, wave_setup(), vector3(start_m_)};
+}
+
 std::vector<std::string> QuadrotorWaves::warnings() const {
-  const double pole = slowest_pole(law(), plant());
+  const QuadrotorLoop loop = parts_.make(task());
+  const auto* controller = dynamic_cast<const QuadrotorController*>(loop.controller.get());
+  const double pole = controller != nullptr ? slowest_pole(controller->law(), plant()) : 0.0;
   if (pole <= 0.0) return {};
   return {
       fmt::format("controller.gains are unstable on this plant.model (a pole at {:+.3f}/s)", pole)};
@@ -403,18 +316,17 @@ std::vector<std::string> QuadrotorWaves::warnings() const {
 
 void QuadrotorWaves::animate_scene(Model& model, double time_s) const {
   if (model.geoms_named("surface").empty()) return;  // a model of the user's own
-  set_heights(model, "surface", [&](double x, double y) { return sea_->elevation(time_s, x, y); });
+  const UnderwaterForce sea = water(model);
+  set_heights(model, "surface", [&](double x, double y) { return sea.elevation(time_s, x, y); });
 }
 
 Recording QuadrotorWaves::run(const RunControl& control) const {
-  QuadrotorController controller(law(), make_quadrotor_estimator(estimator_design(), plant()),
-                                 compensates_);
-  const QuadrotorEstimator& estimator = controller.estimator();
+  const QuadrotorLoop loop = parts_.make(task());
   Model model = Model::load(mjcf_);
   model.set_physics(physics_.timestep_s, physics_.integrator);
-  Simulation sim(std::move(model), controller, sensing_setup(), physics_.steps_per_sample());
-  UnderwaterForce water(sim.model(), parameters_, physics_kind_, wave_setup(), vector3(start_m_));
-  sim.add(water);
+  Simulation sim(std::move(model), *loop.controller, sensing_setup(), physics_.steps_per_sample());
+  UnderwaterForce waves = water(sim.model());
+  sim.add(waves);
   sim.set_position(std::vector<double>{start_m_[0], start_m_[1], start_m_[2], 1, 0, 0, 0});
 
   Truth truth;
@@ -429,32 +341,31 @@ Recording QuadrotorWaves::run(const RunControl& control) const {
       {"wave_force_N", "N", "of the waves, in the world, true", view(truth.wave_force)},
       {"wave_torque_Nm", "N m", "of the waves, in the world, true", view(truth.wave_torque)},
       {"surface_elevation_m", "m", "of the surface above the vehicle", view(truth.elevation_m)}};
-  for (const Signal& signal : controller.signals()) signals.push_back(signal);
+  for (const Signal& signal : loop.controller->signals()) signals.push_back(signal);
   const std::int64_t steps = physics_.step_at(run_.duration_s);
-  Track log("control", std::move(signals),
-            static_cast<std::size_t>(steps / physics_.steps_per_sample() + 1));
   const TimeWindow window{run_.duration_s - window_s_, run_.duration_s};
   StationMetrics metrics(window.within(run_.duration_s));
   const Eigen::Vector3d reference = vector3(reference_m_);
 
-  Recording recording;
-  recording.failure = run_loop(steps, control, [&](std::int64_t) {
-    sim.step();
-    if (sim.sampled()) {
-      truth.observe(sim, water, reference);
-      metrics.after_sample(sim.time_s(), truth, sim, estimator);
-      log.append(sim.time_s());
+  const auto step = [&](std::int64_t) {
+    if (sim.steps() > 0) {
+      waves.advance(sim.time_of(sim.steps()), FreeMotion(sim.data().qpos, sim.data().qvel));
     }
-    water.advance(sim.time_of(sim.steps()), FreeMotion(sim.data().qpos, sim.data().qvel));
-  });
-
-  conclude(recording, sim);
+    sim.step();
+  };
+  const auto sample = [&](double time_s) {
+    truth.observe(sim, waves, reference);
+    metrics.after_sample(time_s, truth, sim);
+    if (loop.estimates()) metrics.after_estimate(time_s, truth, *loop.estimator);
+  };
+  Recording recording = record_run(sim, physics_, steps, std::move(signals), control, step, sample);
   if (!recording.failure) {
-    recording.metrics = metrics.metrics(estimator.models_disturbance());
-    const auto fresh = make_quadrotor_estimator(estimator_design(), plant());
-    add(recording.costs, "filter_time_us", "us", filter_time_us(log, *fresh));
+    recording.metrics = metrics.metrics(loop.estimates() && loop.estimator->models_disturbance());
+    if (loop.estimates()) {
+      add(recording.costs, "filter_time_us", "us",
+          filter_time_us(recording.tracks.front(), *parts_.make_estimator(task())));
+    }
   }
-  recording.tracks.push_back(std::move(log));
   return recording;
 }
 

@@ -1,11 +1,9 @@
 // Scenario quadrotor_waves: a quadrotor holds station under waves (thesis 3.4).
 #pragma once
 
-#include <memory>
-#include <optional>
 #include <vector>
 
-#include <breakwater/control/backstepping.h>
+#include <breakwater/rigs/quadrotor_parts.h>
 #include <breakwater/scenario/scenario.h>
 #include <breakwater/sim/underwater_force.h>
 
@@ -15,6 +13,8 @@ namespace breakwater {
 /// that is fed by one of several nonlinear estimators.
 class QuadrotorWaves final : public Scenario {
  public:
+  explicit QuadrotorWaves(const Catalogue& catalogue) : parts_(catalogue) {}
+
   std::string name() const override { return "quadrotor_waves"; }
   std::string summary() const override {
     return "underwater quadrotor under JONSWAP waves: nonlinear estimators, backstepping";
@@ -27,16 +27,13 @@ class QuadrotorWaves final : public Scenario {
   void animate_scene(Model& model, double time_s) const override;
 
  private:
-  enum class Gains { retuned, dlqr, printed };
   enum class NoiseInterpretation { variance, standard_deviation };
-  enum class WaveFrequencySource { given, estimated };
-  enum class MeasurementCovariance { printed, actual };
 
   // V as a standard deviation.
   double deviation(double V) const;
   QuadrotorModel plant() const { return {parameters_, physics_kind_}; }
-  Backstepping law() const;
-  QuadrotorEstimatorDesign estimator_design() const;
+  QuadrotorTask task() const;
+  UnderwaterForce water(const Model& model) const;
   WaveLoadSetup wave_setup() const;
   SensingSetup sensing_setup() const;
 
@@ -53,16 +50,8 @@ class QuadrotorWaves final : public Scenario {
   double V_m_ = 0.0;
   double V_p_ = 0.0;
   NoiseInterpretation interpretation_ = NoiseInterpretation::standard_deviation;
-  QuadrotorEstimatorDesign estimator_;
-  MeasurementCovariance covariance_ = MeasurementCovariance::actual;
-  WaveFrequencySource frequency_source_ = WaveFrequencySource::given;
-  double assumed_period_s_ = 0.0;
-  Gains gains_ = Gains::retuned;
-  bool compensates_ = true;
-  double position_clamp_m_ = 0.0;
-  double thrust_floor_N_ = 0.5;
+  QuadrotorParts parts_;
   double window_s_ = 0.0;
-  std::optional<UnderwaterForce> sea_;  // for pictures; once read
 };
 
 }  // namespace breakwater

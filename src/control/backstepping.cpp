@@ -100,7 +100,7 @@ double slowest_pole(const Backstepping& law, const QuadrotorModel& plant) {
 }
 
 QuadrotorController::QuadrotorController(const Backstepping& law,
-                                         std::unique_ptr<QuadrotorEstimator> estimator,
+                                         std::shared_ptr<QuadrotorEstimator> estimator,
                                          bool compensates)
     : law_(law),
       estimator_(std::move(estimator)),

@@ -70,18 +70,19 @@ class QuadrotorController final : public Controller {
  public:
   /// `compensates`: whether it takes the estimated disturbance off, T − d̂, or feeds the estimated
   /// world force forward.
-  QuadrotorController(const Backstepping& law, std::unique_ptr<QuadrotorEstimator> estimator,
+  QuadrotorController(const Backstepping& law, std::shared_ptr<QuadrotorEstimator> estimator,
                       bool compensates);
 
   void reset(const Sample& first) override;
   void update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u) override;
   std::span<const Signal> signals() const override { return signals_; }
 
+  const Backstepping& law() const { return law_; }
   const QuadrotorEstimator& estimator() const { return *estimator_; }
 
  private:
   Backstepping law_;
-  std::unique_ptr<QuadrotorEstimator> estimator_;
+  std::shared_ptr<QuadrotorEstimator> estimator_;
   bool compensates_;
   Eigen::PartialPivLU<Eigen::Matrix4d> to_thrusts_;
   Eigen::Vector4d held_thrusts_ = Eigen::Vector4d::Zero();

@@ -6,7 +6,7 @@
 
 namespace breakwater {
 
-DisturbanceCancellingPd::DisturbanceCancellingPd(std::unique_ptr<DisturbanceEstimator> estimator,
+DisturbanceCancellingPd::DisturbanceCancellingPd(std::shared_ptr<DisturbanceEstimator> estimator,
                                                  const DisturbanceCancellingPdDesign& design)
     : estimator_(std::move(estimator)),
       design_(design),
@@ -34,12 +34,12 @@ DisturbanceCancellingPd::DisturbanceCancellingPd(std::unique_ptr<DisturbanceEsti
 }
 
 void DisturbanceCancellingPd::reset(const Sample&) {
-  estimator_->reset(Eigen::VectorXd::Zero(2));
+  estimator_->reset(design_.start_state);
   held_input_.setZero();
 }
 
 void DisturbanceCancellingPd::update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u) {
-  estimator_->update(held_input_, y.y);
+  estimator_->update(held_input_, y.y.head<1>());
   poles_.update();
   reference_ = design_.reference.at(y.time_s);
   u(0) = design_.k_p * (reference_ - position()) - design_.k_d * velocity() + disturbance();

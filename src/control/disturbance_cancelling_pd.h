@@ -21,6 +21,7 @@ struct DisturbanceCancellingPdDesign {
   double force_limit = std::numeric_limits<double>::infinity();  ///< of the drive
   double period_s = 0.0;                                         ///< T_s
   AxisUnits units;
+  Eigen::Vector2d start_state = Eigen::Vector2d::Zero();  ///< of the estimator
 };
 
 /// One axis with the state fed back that an estimator gives:
@@ -28,12 +29,12 @@ struct DisturbanceCancellingPdDesign {
 /// The estimates are those of the same sample. The estimator is told of u as the drive's limit
 /// clips it; what else the drive does to it, the estimator must find.
 ///
-/// Expects one measurement, the position, of a plant at rest at 0.
+/// Expects samples whose first entry is the measured position.
 class DisturbanceCancellingPd final : public Controller {
  public:
   /// Throws std::invalid_argument unless period and limit are positive and the estimator is one of
   /// a single axis.
-  DisturbanceCancellingPd(std::unique_ptr<DisturbanceEstimator> estimator,
+  DisturbanceCancellingPd(std::shared_ptr<DisturbanceEstimator> estimator,
                           const DisturbanceCancellingPdDesign& design);
 
   void reset(const Sample& first) override;
@@ -46,7 +47,7 @@ class DisturbanceCancellingPd final : public Controller {
   double disturbance() const { return estimator_->disturbance()(0); }
 
  private:
-  std::unique_ptr<DisturbanceEstimator> estimator_;
+  std::shared_ptr<DisturbanceEstimator> estimator_;
   DisturbanceCancellingPdDesign design_;
   ObserverPoles poles_;
   double reference_ = 0.0;

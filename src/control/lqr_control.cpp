@@ -6,7 +6,7 @@
 
 namespace breakwater {
 
-LqrControl::LqrControl(std::unique_ptr<DisturbanceEstimator> estimator, Eigen::RowVectorXd K,
+LqrControl::LqrControl(std::shared_ptr<DisturbanceEstimator> estimator, Eigen::RowVectorXd K,
                        Eigen::VectorXd start_state, bool uses_true_state, double force_limit)
     : estimator_(std::move(estimator)),
       K_(std::move(K)),

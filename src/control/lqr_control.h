@@ -19,7 +19,7 @@ class LqrControl final : public Controller {
   /// The estimator runs along in either case, so that a log has its estimates. It is told of u as
   /// the drive's limit clips it. `K` is 1×n; the estimator starts at `start_state` (n). Throws
   /// std::invalid_argument if they do not fit or the limit is not positive.
-  LqrControl(std::unique_ptr<DisturbanceEstimator> estimator, Eigen::RowVectorXd K,
+  LqrControl(std::shared_ptr<DisturbanceEstimator> estimator, Eigen::RowVectorXd K,
              Eigen::VectorXd start_state, bool uses_true_state,
              double force_limit = std::numeric_limits<double>::infinity());
 
@@ -30,7 +30,7 @@ class LqrControl final : public Controller {
   const DisturbanceEstimator& estimator() const { return *estimator_; }
 
  private:
-  std::unique_ptr<DisturbanceEstimator> estimator_;
+  std::shared_ptr<DisturbanceEstimator> estimator_;
   Eigen::RowVectorXd K_;
   Eigen::VectorXd start_state_;
   bool uses_true_state_;

@@ -6,7 +6,7 @@
 
 namespace breakwater {
 
-PredictiveControl::PredictiveControl(std::unique_ptr<DisturbanceEstimator> estimator,
+PredictiveControl::PredictiveControl(std::shared_ptr<DisturbanceEstimator> estimator,
                                      const PredictiveControlDesign& design)
     : estimator_(std::move(estimator)),
       design_(design),

@@ -43,7 +43,7 @@ struct PredictiveControlDesign {
 class PredictiveControl final : public Controller {
  public:
   /// Throws std::invalid_argument if the estimator, the model and the design do not fit.
-  PredictiveControl(std::unique_ptr<DisturbanceEstimator> estimator,
+  PredictiveControl(std::shared_ptr<DisturbanceEstimator> estimator,
                     const PredictiveControlDesign& design);
 
   void reset(const Sample& first) override;
@@ -54,7 +54,7 @@ class PredictiveControl final : public Controller {
   const Lmpc& lmpc() const { return lmpc_; }
 
  private:
-  std::unique_ptr<DisturbanceEstimator> estimator_;
+  std::shared_ptr<DisturbanceEstimator> estimator_;
   PredictiveControlDesign design_;
   Lmpc lmpc_;
   Eigen::Index plant_states_;

@@ -6,9 +6,6 @@
 #include <optional>
 #include <stdexcept>
 
-#include <breakwater/record/run_folder.h>
-#include <breakwater/scenario/run_manifest.h>
-
 namespace breakwater {
 namespace {
 
@@ -23,31 +20,38 @@ std::vector<Series> columns(const std::vector<double>& times_s, const LoggedSign
 }  // namespace
 
 FinishedRun::FinishedRun(const Catalogue& catalogue, const std::filesystem::path& folder)
-    : folder_(folder) {
-  restore_run(folder_);
-  for (const char* file : {"manifest.json", "config.toml", "log.h5"}) {
-    if (!std::filesystem::is_regular_file(folder_ / file)) {
-      throw std::invalid_argument(folder_.string() + ": is not a finished run: it has no " + file);
-    }
-  }
-  const RunManifest manifest = read_manifest(folder_);
-  check_log(folder_);
-  case_name_ = manifest.case_name;
-  const ScenarioKind& kind = catalogue.get<ScenarioKind>(manifest.scenario);
+    : saved_(folder) {
+  const ScenarioKind& kind = catalogue.get<ScenarioKind>(saved_.scenario());
   scenario_ = kind.make(catalogue);
   shots_file_ = kind.shots();
-
-  const ScenarioFile file((folder_ / "config.toml").string(), scenario_->name());
-  config_ = std::make_unique<Config>(file.config(case_name_));
-  Fields fields = scenario_->fields();
-  fields.read(file, *config_);
-  scenario_->check(*config_);
+  const ScenarioFile file((folder / "config.toml").string(), kind.name);
+  config_ = std::make_unique<Config>(file.config(case_name()));
+  read_settings(kind);
 
   times_s_ = read_hdf5_signal(log_file(), "control/time_s").values;
   qpos_ = read_hdf5_signal(log_file(), "control/qpos");
   if (times_s_.size() < 2 || qpos_.rows != times_s_.size()) {
     throw std::invalid_argument(log_file() + ": is too short to show anything");
   }
+}
+
+// Pictures need few keys, and none of a controller's: what this program does not know is no fault.
+void FinishedRun::read_settings(const ScenarioKind& kind) {
+  Fields fields = scenario_->fields();
+  const std::vector<std::string> missing = fields.read_finished(*config_);
+  if (missing.empty() || !std::filesystem::exists(kind.file())) return;
+  const ScenarioFile shipped(kind.file().string(), kind.name);
+  const auto& cases = shipped.cases();
+  const bool has_case = std::find(cases.begin(), cases.end(), case_name()) != cases.end();
+  const Config values = shipped.config(has_case ? case_name() : shipped.default_case());
+  for (const std::string& key : missing) {
+    const ConfigEntry* entry = values.find(key);
+    if (entry == nullptr) continue;
+    config_->apply({{key, *entry}});
+    notes_.push_back(fmt::format("{}: has no {}, being of another version: taken as in {}",
+                                 (folder() / "config.toml").string(), key, entry->origin));
+  }
+  fields.read_finished(*config_);
 }
 
 Model FinishedRun::load_scene() const {

@@ -10,6 +10,7 @@
 #include <breakwater/record/series.h>
 #include <breakwater/scenario/catalogue.h>
 #include <breakwater/scenario/config.h>
+#include <breakwater/scenario/saved_run.h>
 #include <breakwater/sim/model.h>
 
 namespace breakwater {
@@ -21,8 +22,11 @@ class FinishedRun {
   /// catalogue lacks its scenario.
   FinishedRun(const Catalogue& catalogue, const std::filesystem::path& folder);
 
-  const std::filesystem::path& folder() const { return folder_; }
-  const std::string& case_name() const { return case_name_; }
+  const std::filesystem::path& folder() const { return saved_.folder(); }
+  const std::string& case_name() const { return saved_.case_name(); }
+  /// What a user should know, one line each: keys that an older version did not have, and as what
+  /// they were taken.
+  const std::vector<std::string>& notes() const { return notes_; }
   const Scenario& scenario() const { return *scenario_; }
   /// Where its scenario's shot list is, if there is one.
   const std::filesystem::path& shots_file() const { return shots_file_; }
@@ -37,6 +41,10 @@ class FinishedRun {
   /// The plant as it looks in pictures.
   Model load_scene() const;
 
+  /// Whether the log has what an arrow or a line may name: a signal, or a key of the configuration.
+  bool has(const std::string& key_or_signal) const {
+    return config_->number(key_or_signal) || saved_.has_signal(key_or_signal);
+  }
   /// A signal at the control rate, NAME or NAME[3] for the third of its values. Throws
   /// std::invalid_argument if the log does not have it.
   Series signal(const std::string& name) const;
@@ -48,10 +56,11 @@ class FinishedRun {
   std::string fill_in(const std::string& text) const;
 
  private:
-  std::string log_file() const { return (folder_ / "log.h5").string(); }
+  std::string log_file() const { return (folder() / "log.h5").string(); }
+  void read_settings(const ScenarioKind& kind);
 
-  std::filesystem::path folder_;
-  std::string case_name_;
+  SavedRun saved_;
+  std::vector<std::string> notes_;
   std::filesystem::path shots_file_;
   std::unique_ptr<Scenario> scenario_;
   std::unique_ptr<Config> config_;

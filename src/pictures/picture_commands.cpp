@@ -106,7 +106,13 @@ Stage set_stage(const std::deque<FinishedRun>& runs, const ShotList& shots,
   Stage stage{shots, {}, {}};
   std::vector<ChartLine> lines;
   for (const FinishedRun& run : runs) {
-    stage.runs.push_back(breakwater::stage(run, shots, arguments.camera));
+    std::vector<std::string> missing;
+    stage.runs.push_back(breakwater::stage(run, shots, arguments.camera, &missing));
+    for (const std::string& note : run.notes()) fmt::print(stderr, "pictures: {}\n", note);
+    for (const std::string& signal : missing) {
+      fmt::print(stderr, "pictures: {}: its log has no signal {}, which the shot list names\n",
+                 run.folder().string(), signal);
+    }
     const auto& own = stage.runs.back().lines;
     lines.insert(lines.end(), own.begin(), own.end());
   }

@@ -36,7 +36,13 @@ ArrowTrack stage_arrow(const FinishedRun& run, const ShotArrow& shot, const Mode
 
 }  // namespace
 
-PictureRun stage(const FinishedRun& run, const ShotList& shots, const std::string& camera) {
+PictureRun stage(const FinishedRun& run, const ShotList& shots, const std::string& camera,
+                 std::vector<std::string>* missing) {
+  const auto is_missing = [&](const std::string& signal) {
+    if (missing == nullptr || run.has(signal)) return false;
+    missing->push_back(signal);
+    return true;
+  };
   PictureRun staged{.model = run.load_scene()};
   const Scenario* const scenario = &run.scenario();
   staged.animate = [scenario](Model& model, double time_s) {
@@ -46,10 +52,12 @@ PictureRun stage(const FinishedRun& run, const ShotList& shots, const std::strin
   staged.times_s = run.times_s();
   staged.qpos = run.qpos();
   for (const ShotArrow& shot : shots.arrows) {
+    if (is_missing(shot.signal)) continue;
     const Colour& colour = staged.arrows.empty() ? kForce : kOtherForce;
     staged.arrows.push_back(stage_arrow(run, shot, staged.model, colour));
   }
   for (const ShotLine& line : shots.lines) {
+    if (is_missing(line.value)) continue;
     staged.lines.push_back(
         {line.label, run.value(line.value), line.style == ShotLine::Style::dashed});
   }
@@ -111,6 +119,7 @@ Window choose_window(const std::deque<FinishedRun>& runs, const ShotList& shots,
 std::optional<double> time_of(const ShotMoment& moment, const FinishedRun& run) {
   double time_s = moment.at_s;
   if (!moment.first_positive.empty()) {
+    if (!run.has(moment.first_positive)) return std::nullopt;
     const Series signal = run.signal(moment.first_positive);
     std::size_t i = 0;
     while (i < signal.values.size() &&

@@ -13,8 +13,11 @@
 namespace breakwater {
 
 /// Reads from a run all that its pictures show. `camera` replaces the shot list's unless empty. The
-/// run outlives it. Throws std::invalid_argument, one line.
-PictureRun stage(const FinishedRun& run, const ShotList& shots, const std::string& camera);
+/// run outlives it. With `missing`, arrows and lines of signals that the run's log does not have,
+/// since they are another controller's, are left out, and their names go there. Throws
+/// std::invalid_argument, one line.
+PictureRun stage(const FinishedRun& run, const ShotList& shots, const std::string& camera,
+                 std::vector<std::string>* missing = nullptr);
 
 /// What was asked for, in place of the shot list's.
 struct Wish {

@@ -31,6 +31,21 @@ void refuse_unknown_command(const Catalogue& catalogue, const CLI::App& app,
       (is_scenario ? " (did you mean run " + word + "?)" : did_you_mean(word, names)));
 }
 
+void print_list(const Catalogue& catalogue, bool parts) {
+  if (!parts) {
+    for (const ScenarioKind& kind : catalogue.all<ScenarioKind>()) {
+      fmt::print("{:<20}{}\n", kind.name, kind.make(catalogue)->summary());
+    }
+    return;
+  }
+  std::string what;
+  for (const ListedPart& part : catalogue.parts()) {
+    if (part.what != what) fmt::print("{}{}\n", what.empty() ? "" : "\n", part.what);
+    what = part.what;
+    fmt::print("  {:<18}{}\n", part.name, part.help);
+  }
+}
+
 }  // namespace
 
 int program(int argc, const char* const* argv, const Catalogue& catalogue) {
@@ -46,7 +61,9 @@ int program(int argc, const char* const* argv, const Catalogue& catalogue) {
     CLI::App app("Breakwater: a testbed for robust model-based motion control.", "breakwater");
     app.require_subcommand(1);
     app.set_version_flag("--version", std::string(kVersion) + " (" + kGitCommit + ")");
-    const CLI::App* list = app.add_subcommand("list", "print the scenarios and what they study");
+    CLI::App* list = app.add_subcommand("list", "print the scenarios and what they study");
+    bool parts = false;
+    list->add_flag("--parts", parts, "the controllers and estimators instead");
     std::string scenario;
     CLI::App* run = app.add_subcommand(
         "run", "run a scenario, the same as its own binary: breakwater run NAME [OPTION...]");
@@ -66,11 +83,7 @@ int program(int argc, const char* const* argv, const Catalogue& catalogue) {
     if (argc >= 2 && argv[1][0] != '-') refuse_unknown_command(catalogue, app, argv[1]);
     if (const auto status = parse(app, argc, argv)) return *status;
     if (waves->parsed()) fmt::print("{}", waves_report(sea));
-    if (list->parsed()) {
-      for (const ScenarioKind& kind : catalogue.all<ScenarioKind>()) {
-        fmt::print("{:<20}{}\n", kind.name, kind.make(catalogue)->summary());
-      }
-    }
+    if (list->parsed()) print_list(catalogue, parts);
     return static_cast<int>(kSuccess);
   });
 }

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include <breakwater/report/printed_results.h>
-#include <breakwater/report/saved_run.h>
+#include <breakwater/scenario/saved_run.h>
 #include <breakwater/scenario/catalogue.h>
 
 namespace breakwater {

@@ -12,7 +12,7 @@
 #include <breakwater/report/html_page.h>
 #include <breakwater/report/reproduction.h>
 #include <breakwater/report/run_report.h>
-#include <breakwater/report/saved_run.h>
+#include <breakwater/scenario/saved_run.h>
 #include <breakwater/report/thesis_report.h>
 #include <breakwater/report/verdict_list.h>
 #include <breakwater/scenario/child_program.h>

@@ -9,7 +9,7 @@
 #include <map>
 #include <set>
 
-#include <breakwater/report/saved_run.h>
+#include <breakwater/scenario/saved_run.h>
 #include <breakwater/scenario/all_cores.h>
 #include <breakwater/scenario/progress.h>
 #include <breakwater/scenario/runner.h>

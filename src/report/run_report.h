@@ -7,7 +7,7 @@
 
 #include <breakwater/report/page_chart.h>
 #include <breakwater/report/printed_results.h>
-#include <breakwater/report/saved_run.h>
+#include <breakwater/scenario/saved_run.h>
 #include <breakwater/scenario/catalogue.h>
 
 namespace breakwater {

@@ -14,7 +14,7 @@
 #include <breakwater/report/decimation.h>
 #include <breakwater/report/file_bytes.h>
 #include <breakwater/report/html_page.h>
-#include <breakwater/report/saved_run.h>
+#include <breakwater/scenario/saved_run.h>
 #include <breakwater/scenario/paths.h>
 
 namespace breakwater {

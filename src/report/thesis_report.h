@@ -8,7 +8,7 @@
 
 #include <breakwater/report/printed_results.h>
 #include <breakwater/report/reproduction.h>
-#include <breakwater/report/saved_run.h>
+#include <breakwater/scenario/saved_run.h>
 
 namespace breakwater {
 

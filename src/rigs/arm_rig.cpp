@@ -25,23 +25,6 @@ AccelerationControlDesign acceleration_design(const ArmSettings& settings,
   return design;
 }
 
-std::vector<PfcDesign> pfc_designs(const ArmSettings& settings) {
-  std::vector<PfcDesign> designs;
-  for (const double t_ref_s : settings.t_ref_s) {
-    designs.push_back({t_ref_s, settings.physics.control_period_s, settings.coincidence_points,
-                       settings.basis_functions});
-  }
-  return designs;
-}
-
-LmDesign lm_design(const ArmSettings& settings) {
-  LmDesign design;
-  design.weights = to_eigen(settings.ik_weights);
-  design.damping = settings.ik_damping;
-  design.form = settings.ik_form;
-  return design;
-}
-
 ArmTask arm_task(const ArmSettings& settings, const ArmRole& role, const PlanarChain& chain) {
   ArmTask task;
   task.start_angles_rad = to_eigen(settings.start_angles_rad);
@@ -52,23 +35,9 @@ ArmTask arm_task(const ArmSettings& settings, const ArmRole& role, const PlanarC
   return task;
 }
 
-std::unique_ptr<Controller> make_controller(const ArmSettings& settings, const ArmRole& role,
-                                            const PlanarChain& chain) {
-  const AccelerationControlDesign acceleration = acceleration_design(settings, chain);
-  const ArmTask task = arm_task(settings, role, chain);
-  const WorkspaceControlDesign workspace{settings.k_position, settings.k_force,
-                                         settings.singular_value_floor};
-  switch (settings.controller) {
-    case ArmControllerKind::proposed:
-      return std::make_unique<ImplicitForcePfc>(
-          chain, acceleration, task,
-          ImplicitForcePfcDesign{pfc_designs(settings), lm_design(settings), settings.positioning});
-    case ArmControllerKind::hpfc:
-      return std::make_unique<Hpfc>(chain, acceleration, task, workspace);
-    case ArmControllerKind::drac:
-      return std::make_unique<Drac>(chain, acceleration, task, workspace);
-  }
-  throw std::logic_error("unknown arm controller");
+ArmSetup arm_setup(const ArmSettings& settings, const ArmRole& role, const PlanarChain& chain) {
+  return {chain, acceleration_design(settings, chain), arm_task(settings, role, chain),
+          settings.physics.control_period_s};
 }
 
 SensingSetup sensing_setup(const ArmSettings& settings, const ArmRole& role,
@@ -136,39 +105,7 @@ void ArmSettings::bind(Fields& fields) {
   run.bind(fields);
   fields.numbers("task.start_angles_rad", start_angles_rad, any(),
                  "q_0^ref, the start posture; its tip pose is X_0^ref [rad]");
-  fields.choice("controller.name", controller,
-                {{"proposed", ArmControllerKind::proposed},
-                 {"hpfc", ArmControllerKind::hpfc},
-                 {"drac", ArmControllerKind::drac}},
-                "proposed, hpfc or drac");
-  fields.choice("controller.positioning", positioning,
-                {{"joint", Positioning::joint}, {"workspace", Positioning::workspace}},
-                "proposed: how it holds the start pose without force control: joint or workspace");
-  fields.numbers("controller.t_ref_s", t_ref_s, positive(),
-                 "proposed: target response time of each joint's PFC [s]");
-  fields.count("controller.coincidence_points", coincidence_points, between(1, 100),
-               "proposed: n of the PFC");
-  fields.count("controller.basis_functions", basis_functions, between(1, 3),
-               "proposed: 1 step, 2 and ramp, 3 and parabola");
-  fields.numbers("controller.ik_weights", ik_weights, positive(),
-                 "proposed: W_e of the inverse kinematics, for x, y, phi");
-  fields.number("controller.ik_damping", ik_damping, positive(),
-                "proposed: lambda of the inverse kinematics");
-  fields.choice("controller.ik_form", ik_form,
-                {{"printed", LmForm::printed}, {"sugihara", LmForm::sugihara}},
-                "proposed: printed (Eqs. 2.66, 2.68; three joints), or sugihara for any number");
-  fields.number("controller.k_position", k_position, not_negative(),
-                "hpfc, drac: position gain K_phx or K_px; the velocity gain is 2 sqrt(it) [1/s^2]");
-  fields.number("controller.k_force", k_force, not_negative(), "hpfc: force gain K_phf");
-  fields.number("controller.singular_value_floor", singular_value_floor, not_negative(),
-                "hpfc, drac: of the pseudo-inverse");
-  fields.only_for({"controller.positioning", "controller.t_ref_s", "controller.coincidence_points",
-                   "controller.basis_functions", "controller.ik_weights", "controller.ik_damping",
-                   "controller.ik_form"},
-                  "controller.name", {"proposed"});
-  fields.only_for({"controller.k_position", "controller.singular_value_floor"}, "controller.name",
-                  {"hpfc", "drac"});
-  fields.only_for({"controller.k_force"}, "controller.name", {"hpfc"});
+  controller.bind(fields);
   fields.numbers("observer.nominal_inertia_kgm2", nominal_inertia_kgm2, positive(),
                  "diagonal of J_n [kg m^2]");
   fields.number_groups("observer.poles_rad_s", observer_poles_rad_s, any(),
@@ -185,13 +122,8 @@ void ArmSettings::bind(Fields& fields) {
   faults.bind(fields, "q1, q2, ..., force");
 }
 
-void check_arm(ArmSettings& settings, const ArmRole& role, const Config& config) {
-  settings.mjcf = config.find_file_of("model.mjcf", settings.mjcf);
-  settings.urdf = config.find_file_of("model.urdf", settings.urdf);
+void check_arm(const ArmSettings& settings, const ArmRole& role, const Config& config) {
   settings.physics.check(config, settings.run);
-  if (settings.ik_weights.size() != 3) {
-    config.fail("controller.ik_weights", "must have 3 numbers, for x, y and phi");
-  }
   const PlanarChain chain = load_planar_chain(settings.urdf);
   const auto one_per_joint = [&](const char* key, std::size_t size) {
     if (size != static_cast<std::size_t>(chain.joints())) {
@@ -200,17 +132,12 @@ void check_arm(ArmSettings& settings, const ArmRole& role, const Config& config)
     }
   };
   one_per_joint("task.start_angles_rad", settings.start_angles_rad.size());
-  one_per_joint("controller.t_ref_s", settings.t_ref_s.size());
   one_per_joint("observer.nominal_inertia_kgm2", settings.nominal_inertia_kgm2.size());
   one_per_joint("observer.poles_rad_s", settings.observer_poles_rad_s.size());
 
   config.blame("observer.poles_rad_s",
                [&] { AccelerationControl design(acceleration_design(settings, chain)); });
-  config.blame("controller.t_ref_s", [&] {
-    for (const PfcDesign& design : pfc_designs(settings)) Pfc pfc(design);
-  });
-  config.blame("controller.ik_form",
-               [&] { LmInverseKinematics ik(lm_design(settings), chain.joints()); });
+  settings.controller.check(config, arm_setup(settings, role, chain));
   check_actuators(Model::load(settings.mjcf), chain);
   const std::vector<SensorChannel> channels = sensing_setup(settings, role, chain).channels;
   settings.faults.check(config, channels);
@@ -228,7 +155,7 @@ void show_geoms(Model& model, const std::string& prefix, bool visible) {
 
 ArmRig::ArmRig(const ArmSettings& settings, const ArmRole& role)
     : chain_(load_planar_chain(settings.urdf)),
-      controller_(make_controller(settings, role, chain_)),
+      controller_(settings.controller.make(arm_setup(settings, role, chain_))),
       q_(Eigen::VectorXd::Zero(chain_.joints())),
       dq_(q_),
       tip_(TipPose::Zero()) {

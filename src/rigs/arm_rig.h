@@ -7,35 +7,23 @@
 #include <string>
 #include <vector>
 
-#include <breakwater/control/arm_controller.h>
-#include <breakwater/control/implicit_force_pfc.h>
-#include <breakwater/control/workspace_control.h>
+#include <breakwater/rigs/arm_parts.h>
 #include <breakwater/scenario/scenario.h>
 #include <breakwater/sim/simulation.h>
 
 namespace breakwater {
 
-enum class ArmControllerKind { proposed, hpfc, drac };
-
 /// Keys that all arm scenarios have.
 struct ArmSettings {
+  explicit ArmSettings(const Catalogue& catalogue) : controller(catalogue, "controller.name") {}
+
   std::string mjcf;
   std::string urdf;
   PhysicsSettings physics;
   RunSettings run;
 
   std::vector<double> start_angles_rad;  ///< q_0^ref
-  ArmControllerKind controller = ArmControllerKind::proposed;
-  Positioning positioning = Positioning::joint;
-  std::vector<double> t_ref_s;
-  int coincidence_points = 0;
-  int basis_functions = 0;
-  std::vector<double> ik_weights;
-  double ik_damping = 0.0;
-  LmForm ik_form = LmForm::printed;
-  double k_position = 0.0;
-  double k_force = 0.0;
-  double singular_value_floor = 0.0;
+  PartChoice<ArmControllerKind> controller;
 
   std::vector<double> nominal_inertia_kgm2;
   std::vector<std::vector<double>> observer_poles_rad_s;
@@ -60,9 +48,9 @@ struct ArmRole {
       prepare_model;  ///< may be empty; called before the simulation is made
 };
 
-/// Checks what fields cannot: file names, sizes, periods, the design of controller and observer.
-/// Makes the model files' names absolute. Throws std::invalid_argument `ORIGIN: KEY: reason`.
-void check_arm(ArmSettings& settings, const ArmRole& role, const Config& config);
+/// Checks what fields cannot: sizes, periods, the design of controller and observer. Throws
+/// std::invalid_argument `ORIGIN: KEY: reason`.
+void check_arm(const ArmSettings& settings, const ArmRole& role, const Config& config);
 
 /// The tip's X at q_0^ref.
 TipPose start_pose(const ArmSettings& settings);

@@ -148,44 +148,22 @@ double AxisSettings::force_limit() const {
   return drive_limit > 0.0 ? drive_limit : std::numeric_limits<double>::infinity();
 }
 
-StateSpace AxisSettings::nominal_plant() const {
-  return damped_inertia(nominal_inertia, nominal_friction);
+NominalAxis AxisSettings::nominal() const {
+  return {
+      .plant = damped_inertia(nominal_inertia, nominal_friction),
+      .period_s = physics.control_period_s,
+      .force_limit = force_limit(),
+      .sensor = {Eigen::VectorXd::Constant(1, quantum()), Eigen::VectorXd::Constant(1, noise_std)},
+      .pulses_per_revolution = pulses_per_revolution(),
+      .units = axis.units};
 }
 
-SensorError AxisSettings::sensor_error() const {
-  return {Eigen::VectorXd::Constant(1, quantum()), Eigen::VectorXd::Constant(1, noise_std)};
-}
-
-void check_axis(AxisSettings& settings, const Config& config) {
-  settings.mjcf = config.find_file_of("model.mjcf", settings.mjcf);
+void check_axis(const AxisSettings& settings, const Config& config) {
   settings.physics.check(config, settings.run);
   const SensingSetup sensing = sensing_setup(settings, {});
   settings.faults.check(config, sensing.channels);
   const Sensing check_only(load_model(settings), sensing);
 }
-
-// Holds a force along the joint's axis: the disturbance and what noise adds to it.
-class AxisRig::HeldForce final : public ExternalForce {
- public:
-  HeldForce(const Model& model, const std::string& joint)
-      : joint_(model.id(mjOBJ_JOINT, joint)),
-        body_(model->jnt_bodyid[joint_]),
-        part_(model->jnt_type[joint_] == mjJNT_HINGE ? 3 : 0) {}
-
-  void hold(double force) { force_ = force; }
-
-  void apply(double, const mjModel&, mjData& data) const override {
-    const mjtNum* axis = data.xaxis + static_cast<std::ptrdiff_t>(3) * joint_;
-    mjtNum* wrench = data.xfrc_applied + static_cast<std::ptrdiff_t>(6) * body_ + part_;
-    for (int i = 0; i < 3; ++i) wrench[i] += force_ * axis[i];
-  }
-
- private:
-  int joint_;
-  int body_;
-  int part_;  // of the wrench: force or torque
-  double force_ = 0.0;
-};
 
 AxisRig::AxisRig(const AxisSettings& settings, const AxisDisturbances& disturbances,
                  Controller& controller)
@@ -196,7 +174,7 @@ AxisRig::AxisRig(const AxisSettings& settings, const AxisDisturbances& disturban
       steps_per_sample_(settings.physics.steps_per_sample()),
       controller_(controller) {
   Model model = load_model(settings);
-  force_ = std::make_unique<HeldForce>(model, settings.axis.joint);
+  force_ = std::make_unique<JointForce>(model, settings.axis.joint);
   simulation_ = std::make_unique<Simulation>(std::move(model), controller,
                                              sensing_setup(settings, disturbances.position),
                                              steps_per_sample_);
@@ -207,8 +185,6 @@ AxisRig::AxisRig(const AxisSettings& settings, const AxisDisturbances& disturban
   position_ = &simulation_->sensor(settings.axis.position_sensor);
   velocity_ = &simulation_->sensor(settings.axis.velocity_sensor);
 }
-
-AxisRig::~AxisRig() = default;
 
 void AxisRig::step() {
   const std::int64_t k = simulation_->steps();

@@ -6,10 +6,10 @@
 #include <vector>
 
 #include <breakwater/control/controller.h>
-#include <breakwater/linear/state_space.h>
-#include <breakwater/observers/sensor_error.h>
+#include <breakwater/rigs/axis_parts.h>
+#include <breakwater/scenario/run_loop.h>
 #include <breakwater/scenario/scenario.h>
-#include <breakwater/signals/axis_units.h>
+#include <breakwater/sim/joint_force.h>
 #include <breakwater/sim/simulation.h>
 #include <breakwater/world/disturbance.h>
 
@@ -72,8 +72,7 @@ struct AxisSettings {
   double quantum() const;                ///< Δ of the encoder; 0: not quantised
   double pulses_per_revolution() const;  ///< b_reso, or counts per metre; 0: not quantised
   double force_limit() const;            ///< of the drive; infinity: none
-  StateSpace nominal_plant() const;      ///< continuous
-  SensorError sensor_error() const;      ///< as a data sheet would tell it
+  NominalAxis nominal() const;           ///< what estimator and controller are told
 };
 
 /// What acts on the axis besides its drive and friction.
@@ -82,9 +81,9 @@ struct AxisDisturbances {
   Disturbance position;  ///< d_o, added to what is measured
 };
 
-/// Checks what fields cannot: the model file and its names, periods. Makes the file's name
-/// absolute. Throws std::invalid_argument `ORIGIN: KEY: reason`.
-void check_axis(AxisSettings& settings, const Config& config);
+/// Checks what fields cannot: the names in the model file, periods. Throws std::invalid_argument
+/// `ORIGIN: KEY: reason`.
+void check_axis(const AxisSettings& settings, const Config& config);
 
 /// The plant of one axis under a controller, and the truth about it for log and metrics.
 class AxisRig {
@@ -92,7 +91,6 @@ class AxisRig {
   /// The controller outlives the rig.
   AxisRig(const AxisSettings& settings, const AxisDisturbances& disturbances,
           Controller& controller);
-  ~AxisRig();
   AxisRig(const AxisRig&) = delete;
   AxisRig& operator=(const AxisRig&) = delete;
 
@@ -100,23 +98,38 @@ class AxisRig {
   /// a step begins there exactly, whatever the integrator.
   void step();
 
-  Simulation& simulation() { return *simulation_; }
+  const Simulation& simulation() const { return *simulation_; }
   /// d of the last step's beginning, without noise and friction.
   double disturbance() const { return disturbance_; }
 
   /// All that the log holds at the control rate: true, measured, estimated, commanded.
   std::vector<Signal> signals() const;
 
- private:
-  class HeldForce;
+  /// A run of the settings' duration, with the sample at its end: record_run() where each step is
+  /// `step(k)`, or one of this rig alone.
+  template <typename Step, typename Sample>
+  Recording run(const RunControl& control, const AxisSettings& settings,
+                std::vector<Signal> signals, Step&& step, Sample&& sample) {
+    return record_run(*simulation_, settings.physics,
+                      settings.physics.step_at(settings.run.duration_s) + 1, std::move(signals),
+                      control, std::forward<Step>(step), std::forward<Sample>(sample));
+  }
+  template <typename Sample>
+  Recording run(const RunControl& control, const AxisSettings& settings,
+                std::vector<Signal> signals, Sample&& sample) {
+    return run(
+        control, settings, std::move(signals), [this](std::int64_t) { this->step(); },
+        std::forward<Sample>(sample));
+  }
 
+ private:
   AxisUnits units_;
   AxisDisturbances disturbances_;
   Noise input_noise_;
   double input_noise_std_;
   int steps_per_sample_;
   Controller& controller_;
-  std::unique_ptr<HeldForce> force_;
+  std::unique_ptr<JointForce> force_;
   std::unique_ptr<Simulation> simulation_;
   const double* position_;
   const double* velocity_;

@@ -30,6 +30,13 @@ struct ScenarioKind {
   std::filesystem::path home() const;
 };
 
+/// What a part of the catalogue is, for people: "estimator of an axis", its name, one line of help.
+struct ListedPart {
+  std::string what;
+  std::string name;
+  std::string help;
+};
+
 namespace detail {
 [[noreturn]] void fail_as_there_already(const std::string& what, const std::string& name);
 [[noreturn]] void fail_as_not_there(const std::string& what, const std::string& name,
@@ -50,6 +57,7 @@ class Catalogue {
     for (const Kind& other : kinds) {
       if (other.name == kind.name) detail::fail_as_there_already(Kind::kWhat, kind.name);
     }
+    if constexpr (requires { kind.help; }) parts_.push_back({Kind::kWhat, kind.name, kind.help});
     kinds.push_back(std::move(kind));
   }
 
@@ -68,6 +76,9 @@ class Catalogue {
     return names;
   }
 
+  /// Everything that has a line of help, in the order in which it was added.
+  const std::vector<ListedPart>& parts() const { return parts_; }
+
   /// One by its name. Throws std::invalid_argument if there is none of that name.
   template <typename Kind>
   const Kind& get(const std::string& name) const {
@@ -79,6 +90,7 @@ class Catalogue {
 
  private:
   std::unordered_map<std::type_index, std::any> shelves_;
+  std::vector<ListedPart> parts_;
 };
 
 /// A new scenario by name. Throws std::invalid_argument if there is none of that name.

@@ -133,91 +133,101 @@ Range between(double lower, double upper) {
 
 void Fields::number(const std::string& key, double& target, const Range& range,
                     const std::string& doc) {
-  fields_.push_back(
-      {key, doc, [&target, range](const ConfigValue& v) { return read_number(v, range, target); },
+  add(key,
+      {part_, doc, [&target, range](const ConfigValue& v) { return read_number(v, range, target); },
        [&target] { return print_number(target); }});
 }
 
 void Fields::count(const std::string& key, int& target, const Range& range,
                    const std::string& doc) {
-  fields_.push_back(
-      {key, doc, [&target, range](const ConfigValue& v) { return read_count(v, range, target); },
+  add(key,
+      {part_, doc, [&target, range](const ConfigValue& v) { return read_count(v, range, target); },
        [&target] { return std::to_string(target); }});
 }
 
 void Fields::count(const std::string& key, std::uint64_t& target, const Range& range,
                    const std::string& doc) {
-  fields_.push_back(
-      {key, doc, [&target, range](const ConfigValue& v) { return read_count(v, range, target); },
+  add(key,
+      {part_, doc, [&target, range](const ConfigValue& v) { return read_count(v, range, target); },
        [&target] { return std::to_string(target); }});
 }
 
 void Fields::flag(const std::string& key, bool& target, const std::string& doc) {
-  fields_.push_back({key, doc,
-                     [&target](const ConfigValue& v) -> Error {
-                       const auto* flag = std::get_if<bool>(&v.data);
-                       if (flag == nullptr) return "must be true or false, is " + describe(v);
-                       target = *flag;
-                       return std::nullopt;
-                     },
-                     [&target] { return std::string(target ? "true" : "false"); }});
+  add(key, {part_, doc,
+            [&target](const ConfigValue& v) -> Error {
+              const auto* flag = std::get_if<bool>(&v.data);
+              if (flag == nullptr) return "must be true or false, is " + describe(v);
+              target = *flag;
+              return std::nullopt;
+            },
+            [&target] { return std::string(target ? "true" : "false"); }});
 }
 
 void Fields::text(const std::string& key, std::string& target, const std::string& doc) {
-  fields_.push_back({key, doc, [&target](const ConfigValue& v) { return read_text(v, target); },
-                     [&target] { return toml_string(target); }});
+  add(key, {part_, doc, [&target](const ConfigValue& v) { return read_text(v, target); },
+            [&target] { return toml_string(target); }});
 }
 
 void Fields::file(const std::string& key, std::string& target, const std::string& doc) {
-  fields_.push_back({key, doc, [&target](const ConfigValue& v) { return read_text(v, target); },
-                     [&target] { return toml_string(portable_path(target)); }});
-  files_.push_back(&target);
+  add(key, {part_, doc, [&target](const ConfigValue& v) { return read_text(v, target); },
+            [&target] { return toml_string(portable_path(target)); }, &target});
 }
 
 void Fields::numbers(const std::string& key, std::vector<double>& target, const Range& range,
                      const std::string& doc) {
-  fields_.push_back(
-      {key, doc, [&target, range](const ConfigValue& v) { return read_numbers(v, range, target); },
-       [&target] { return print_numbers(target); }});
+  add(key, {part_, doc,
+            [&target, range](const ConfigValue& v) { return read_numbers(v, range, target); },
+            [&target] { return print_numbers(target); }});
 }
 
 void Fields::number_groups(const std::string& key, std::vector<std::vector<double>>& target,
                            const Range& range, const std::string& doc) {
-  fields_.push_back({key, doc,
-                     [&target, range](const ConfigValue& v) -> Error {
-                       const auto* array = std::get_if<ConfigValue::Array>(&v.data);
-                       if (array == nullptr) return "must be an array of arrays of numbers";
-                       target.assign(array->size(), {});
-                       for (std::size_t i = 0; i < array->size(); ++i) {
-                         if (Error e = read_numbers((*array)[i], range, target[i])) return e;
-                       }
-                       return std::nullopt;
-                     },
-                     [&target] {
-                       std::vector<std::string> groups;
-                       for (const auto& group : target) groups.push_back(print_numbers(group));
-                       return fmt::format("[{}]", fmt::join(groups, ", "));
-                     }});
+  add(key, {part_, doc,
+            [&target, range](const ConfigValue& v) -> Error {
+              const auto* array = std::get_if<ConfigValue::Array>(&v.data);
+              if (array == nullptr) return "must be an array of arrays of numbers";
+              target.assign(array->size(), {});
+              for (std::size_t i = 0; i < array->size(); ++i) {
+                if (Error e = read_numbers((*array)[i], range, target[i])) return e;
+              }
+              return std::nullopt;
+            },
+            [&target] {
+              std::vector<std::string> groups;
+              for (const auto& group : target) groups.push_back(print_numbers(group));
+              return fmt::format("[{}]", fmt::join(groups, ", "));
+            }});
 }
 
 void Fields::add_choice(const std::string& key, const std::vector<std::string>& names,
                         std::function<void(std::size_t)> assign, std::function<std::string()> print,
                         const std::string& doc) {
-  fields_.push_back({key, doc,
-                     [names, assign = std::move(assign)](const ConfigValue& v) -> Error {
-                       const auto* string = std::get_if<std::string>(&v.data);
-                       const std::string options = fmt::format("{}", fmt::join(names, ", "));
-                       if (string == nullptr)
-                         return "must be one of " + options + ", is " + describe(v);
-                       const auto found = std::find(names.begin(), names.end(), *string);
-                       if (found == names.end()) {
-                         return "must be one of " + options + ", is " + describe(v) +
-                                did_you_mean(*string, names);
-                       }
-                       assign(static_cast<std::size_t>(found - names.begin()));
-                       return std::nullopt;
-                     },
-                     [print = std::move(print)] { return toml_string(print()); }});
+  add(key, {part_, doc,
+            [names, assign = std::move(assign)](const ConfigValue& v) -> Error {
+              const auto* string = std::get_if<std::string>(&v.data);
+              const std::string options = fmt::format("{}", fmt::join(names, ", "));
+              if (string == nullptr) return "must be one of " + options + ", is " + describe(v);
+              const auto found = std::find(names.begin(), names.end(), *string);
+              if (found == names.end()) {
+                return "must be one of " + options + ", is " + describe(v) +
+                       did_you_mean(*string, names);
+              }
+              assign(static_cast<std::size_t>(found - names.begin()));
+              return std::nullopt;
+            },
+            [print = std::move(print)] { return toml_string(print()); }});
+}
+
+void Fields::add(const std::string& key, Variable variable) {
+  auto field = std::find_if(fields_.begin(), fields_.end(),
+                            [&](const Field& other) { return other.key == key; });
+  if (field == fields_.end()) field = fields_.insert(field, Field{key, {}});
+  for (const Variable& other : field->variables) {
+    if (other.part.choice == variable.part.choice && other.part.name == variable.part.name) {
+      throw std::logic_error("the key " + key + " is bound twice");
+    }
+  }
+  field->variables.push_back(std::move(variable));
 }
 
 const Fields::Field* Fields::find(const std::string& key) const {
@@ -226,43 +236,128 @@ const Fields::Field* Fields::find(const std::string& key) const {
   return found != fields_.end() ? &*found : nullptr;
 }
 
-Fields::Field& Fields::at(const std::string& key) {
-  const Field* field = find(key);
-  if (field == nullptr) throw std::logic_error("there is no key " + key);
-  return fields_[static_cast<std::size_t>(field - fields_.data())];
+// What a statement on a key is about: the variable of the part that is being bound; outside of
+// parts, all that are bound to it.
+std::vector<Fields::Variable*> Fields::at(const std::string& key) {
+  std::vector<Variable*> variables;
+  for (Field& field : fields_) {
+    if (field.key != key) continue;
+    for (Variable& variable : field.variables) {
+      const bool is_this_part =
+          variable.part.choice == part_.choice && variable.part.name == part_.name;
+      if (is_this_part || part_.name.empty()) variables.push_back(&variable);
+    }
+  }
+  if (variables.empty()) throw std::logic_error("there is no key " + key);
+  return variables;
+}
+
+void Fields::standard(const std::string& key, const ConfigValue& value) {
+  for (Variable* variable : at(key)) variable->standard = value;
 }
 
 void Fields::only_for(const std::vector<std::string>& keys, const std::string& choice,
                       const std::vector<std::string>& names) {
   std::vector<std::string> values;
   for (const std::string& name : names) values.push_back(toml_string(name));
-  const Condition condition{fmt::format("{} is {}", choice, fmt::join(names, " or ")),
-                            [choice, values](const Fields& fields) {
-                              const Field* field = fields.find(choice);
-                              return field != nullptr && std::find(values.begin(), values.end(),
-                                                                   field->print()) != values.end();
-                            }};
-  for (const std::string& key : keys) at(key).conditions.push_back(condition);
+  const Condition condition{
+      fmt::format("{} is {}", choice, fmt::join(names, " or ")),
+      [choice, values](const Fields& fields) {
+        const Field* field = fields.find(choice);
+        const Variable* variable = field != nullptr ? fields.in_use(*field) : nullptr;
+        return variable != nullptr &&
+               std::find(values.begin(), values.end(), variable->print()) != values.end();
+      }};
+  add_condition(keys, condition);
 }
 
 void Fields::only_where(const std::vector<std::string>& keys, const std::string& condition,
                         std::function<bool()> holds) {
   const auto test = [holds = std::move(holds)](const Fields&) { return holds(); };
-  for (const std::string& key : keys) at(key).conditions.push_back({condition, test});
+  add_condition(keys, {condition, test});
+}
+
+void Fields::add_condition(const std::vector<std::string>& keys, const Condition& condition) {
+  for (const std::string& key : keys) {
+    for (Variable* variable : at(key)) variable->conditions.push_back(condition);
+  }
+}
+
+std::string Fields::Field::doc() const {
+  // What several parts say of it in the same words is said once.
+  std::vector<std::pair<std::string, std::string>> docs;  // the words, and the parts' names
+  for (const Variable& variable : variables) {
+    if (variable.part.name.empty()) return variable.doc;
+    const auto same = std::find_if(docs.begin(), docs.end(),
+                                   [&](const auto& other) { return other.first == variable.doc; });
+    if (same != docs.end()) {
+      same->second += ", " + variable.part.name;
+    } else {
+      docs.emplace_back(variable.doc, variable.part.name);
+    }
+  }
+  std::string text;
+  for (const auto& [words, names] : docs) {
+    text += (text.empty() ? "" : "; ") + names + ": " + words;
+  }
+  return text;
+}
+
+bool Fields::is_chosen(const Part& part) const {
+  if (part.name.empty()) return true;
+  const Field* choice = find(part.choice);
+  return choice != nullptr && choice->variables.front().print() == toml_string(part.name);
+}
+
+const Fields::Variable* Fields::in_use(const Field& field) const {
+  const auto find = [&](auto&& counts) {
+    const auto found = std::find_if(field.variables.begin(), field.variables.end(), counts);
+    return found != field.variables.end() ? &*found : nullptr;
+  };
+  const Variable* own = find([](const Variable& v) { return v.part.name.empty(); });
+  return own != nullptr ? own : find([this](const Variable& v) { return is_chosen(v.part); });
+}
+
+Fields::Error Fields::assign(Field& field, const ConfigValue& value, const Variable* counts) {
+  Error first;
+  Error of_counting;
+  const Variable* suited = nullptr;
+  for (const Variable& variable : field.variables) {
+    const Error error = variable.read(value);
+    if (!error && suited == nullptr) suited = &variable;
+    if (error && !first) first = error;
+    if (&variable == counts) of_counting = error;
+  }
+  if (suited != nullptr) {
+    field.suited = static_cast<std::size_t>(suited - field.variables.data());
+  }
+  if (counts != nullptr) return of_counting;
+  return suited != nullptr ? std::nullopt : first;
 }
 
 std::vector<UnusedKey> Fields::unused() const {
   std::vector<UnusedKey> keys;
   for (const Field& field : fields_) {
-    const auto fails = std::find_if(field.conditions.begin(), field.conditions.end(),
+    if (!field.was_read) continue;
+    const Variable* variable = in_use(field);
+    if (variable == nullptr) {
+      std::vector<std::string> names;
+      for (const Variable& of_part : field.variables) names.push_back(of_part.part.name);
+      keys.push_back(
+          {field.key, fmt::format("has an effect only where {} is {}",
+                                  field.variables.front().part.choice, fmt::join(names, " or "))});
+      continue;
+    }
+    const auto fails = std::find_if(variable->conditions.begin(), variable->conditions.end(),
                                     [this](const Condition& c) { return !c.holds(*this); });
-    if (fails != field.conditions.end()) {
+    if (fails != variable->conditions.end()) {
       keys.push_back({field.key, "has an effect only where " + fails->text});
     }
   }
   return keys;
 }
 
+// A table of a file: whatever runs, a key that it has must be one, and its value suit somebody.
 void Fields::check(const Config& table) {
   std::set<std::string> keys;
   for (const Field& field : fields_) keys.insert(field.key);
@@ -273,15 +368,39 @@ void Fields::check(const Config& table) {
   for (Field& field : fields_) {
     const ConfigEntry* entry = table.find(field.key);
     if (entry == nullptr) continue;
-    if (const Error error = field.read(entry->value)) table.fail(field.key, *error);
+    if (const Error error = assign(field, entry->value, nullptr)) table.fail(field.key, *error);
   }
 }
 
-void Fields::read(const Config& config) {
-  check(config);
-  for (const Field& field : fields_) {
-    if (config.find(field.key) == nullptr) config.fail(field.key, "is missing: " + field.doc);
+// What the config does not have, and need not: first of all, since a choice may be among them.
+void Fields::assign_standards(const Config& config) {
+  for (Field& field : fields_) {
+    field.was_read = config.find(field.key) != nullptr;
+    if (field.was_read) continue;
+    for (const Variable& variable : field.variables) {
+      if (variable.standard) variable.read(*variable.standard);
+    }
   }
+}
+
+void Fields::find_file(const Config& config, const Field& field) const {
+  const Variable* variable = in_use(field);
+  if (variable == nullptr || variable->file == nullptr) return;
+  *variable->file = config.find_file_of(field.key, *variable->file);
+}
+
+void Fields::read(const Config& config) {
+  assign_standards(config);
+  check(config);  // and now each choice has chosen
+  for (Field& field : fields_) {
+    const Variable* counts = in_use(field);
+    if (const ConfigEntry* entry = config.find(field.key)) {
+      if (const Error error = assign(field, entry->value, counts)) config.fail(field.key, *error);
+    } else if (counts != nullptr && !counts->standard) {
+      config.fail(field.key, "is missing: " + counts->doc);
+    }
+  }
+  for (const Field& field : fields_) find_file(config, field);
 }
 
 void Fields::read(const ScenarioFile& file, const Config& config) {
@@ -289,20 +408,47 @@ void Fields::read(const ScenarioFile& file, const Config& config) {
   read(config);
 }
 
+std::vector<std::string> Fields::read_finished(const Config& config) {
+  assign_standards(config);
+  std::set<std::string> not_understood;
+  for (Field& field : fields_) {
+    const ConfigEntry* entry = config.find(field.key);
+    if (entry != nullptr && assign(field, entry->value, nullptr)) not_understood.insert(field.key);
+  }
+  std::vector<std::string> missing;
+  for (const Field& field : fields_) {
+    const Variable* counts = in_use(field);
+    if (counts == nullptr || not_understood.contains(counts->part.choice)) continue;
+    if (field.was_read) {
+      find_file(config, field);
+    } else if (!counts->standard) {
+      missing.push_back(field.key);
+    }
+  }
+  return missing;
+}
+
 std::string Fields::print(const std::string& scenario, const std::string& case_name) const {
   std::string text = fmt::format("scenario = {}\ndefault_case = {}\n", toml_string(scenario),
                                  toml_string(case_name));
-  std::vector<std::string> tables = {""};  // the root's keys come first
+  // Keys of parts that are not chosen are there if they were given.
+  std::vector<const Field*> printed;
   for (const Field& field : fields_) {
-    const std::string table = table_of(field.key);
+    if (in_use(field) != nullptr || field.was_read) printed.push_back(&field);
+  }
+  std::vector<std::string> tables = {""};  // the root's keys come first
+  for (const Field* field : printed) {
+    const std::string table = table_of(field->key);
     if (std::find(tables.begin(), tables.end(), table) == tables.end()) tables.push_back(table);
   }
   for (const std::string& table : tables) {
     if (!table.empty()) text += fmt::format("\n[{}]\n", table);
-    for (const Field& field : fields_) {
-      if (table_of(field.key) != table) continue;
-      const std::string name = table.empty() ? field.key : field.key.substr(table.size() + 1);
-      text += fmt::format("# {}\n{} = {}\n", field.doc, name, field.print());
+    for (const Field* field : printed) {
+      if (table_of(field->key) != table) continue;
+      const std::string name = table.empty() ? field->key : field->key.substr(table.size() + 1);
+      const Variable* variable = in_use(*field);
+      if (variable == nullptr) variable = &field->variables[field->suited];
+      text += fmt::format("# {}\n{} = {}\n", field->doc(), name, variable->print());
     }
   }
   return text + fmt::format("\n[case.{}]\n", toml_key(case_name));
@@ -310,7 +456,10 @@ std::string Fields::print(const std::string& scenario, const std::string& case_n
 
 std::vector<std::string> Fields::files() const {
   std::vector<std::string> files;
-  for (const std::string* file : files_) files.push_back(*file);
+  for (const Field& field : fields_) {
+    const Variable* variable = in_use(field);
+    if (variable != nullptr && variable->file != nullptr) files.push_back(*variable->file);
+  }
   return files;
 }
 

@@ -36,8 +36,25 @@ struct UnusedKey {
 
 /// The keys of a scenario in the order in which they are printed. Each is bound to a variable of
 /// the settings: read() fills them from a config, print() writes them out as a scenario file.
+///
+/// A key that is bound while an OfPart lives is that part's: it must be there only where the part
+/// is chosen. Several parts may bind one key, each to a variable of its own.
 class Fields {
  public:
+  /// What is bound during its life belongs to the part that the choice `choice` calls `name`.
+  class OfPart {
+   public:
+    OfPart(Fields& fields, std::string choice, std::string name) : fields_(fields) {
+      fields_.part_ = {std::move(choice), std::move(name)};
+    }
+    OfPart(const OfPart&) = delete;
+    OfPart& operator=(const OfPart&) = delete;
+    ~OfPart() { fields_.part_ = {}; }
+
+   private:
+    Fields& fields_;
+  };
+
   void number(const std::string& key, double& target, const Range& range, const std::string& doc);
   void count(const std::string& key, int& target, const Range& range, const std::string& doc);
   void count(const std::string& key, std::uint64_t& target, const Range& range,
@@ -68,6 +85,9 @@ class Fields {
         doc);
   }
 
+  /// What a key is where a file does not have it: such a key need not be there.
+  void standard(const std::string& key, const ConfigValue& value);
+
   /// Says that `keys` count only where the choice `choice` has one of the values `names`: where it
   /// has another, setting them has no effect. Several such statements on a key must all hold.
   void only_for(const std::vector<std::string>& keys, const std::string& choice,
@@ -76,14 +96,20 @@ class Fields {
   void only_where(const std::vector<std::string>& keys, const std::string& condition,
                   std::function<bool()> holds);
 
-  /// Reads every key. Throws std::invalid_argument `ORIGIN: KEY: reason` for the first key that is
-  /// unknown, missing, of the wrong type or out of range.
+  /// Reads every key, and makes files' names absolute. Throws std::invalid_argument `ORIGIN: KEY:
+  /// reason` for the first key that is unknown, missing, of the wrong type or out of range, or
+  /// names a file that is not there.
   void read(const Config& config);
   /// The same for a run of `file`, of which every table is checked first, whichever case runs: a
   /// value that is wrong is refused even where another overrides it.
   void read(const ScenarioFile& file, const Config& config);
 
-  /// The keys that have no effect with what was read, and why.
+  /// Reads what it can of a run that is finished: a key that is unknown, or whose value this
+  /// program does not know (a controller of another's, say), counts for nothing. Returns the keys
+  /// that are missing where the run would need them.
+  std::vector<std::string> read_finished(const Config& config);
+
+  /// The keys that were read and have no effect, and why.
   std::vector<UnusedKey> unused() const;
 
   /// The scenario file that gives these values again, with one case and no overrides.
@@ -99,23 +125,48 @@ class Fields {
     std::string text;
     std::function<bool(const Fields&)> holds;
   };
-  struct Field {
-    std::string key;
+  // One of the parts among which a choice chooses; of none, the scenario itself.
+  struct Part {
+    std::string choice;
+    std::string name;
+  };
+  struct Variable {
+    Part part;
     std::string doc;
     std::function<Error(const ConfigValue&)> read;
     std::function<std::string()> print;
+    std::string* file = nullptr;             // its name, if it is one
     std::vector<Condition> conditions = {};  // of its having an effect
+    std::optional<ConfigValue> standard = {};
+  };
+  struct Field {
+    std::string key;
+    std::vector<Variable> variables;
+    bool was_read = false;
+    std::size_t suited = 0;  // the first variable whom its value suited
+
+    std::string doc() const;
   };
 
+  void add(const std::string& key, Variable variable);
   const Field* find(const std::string& key) const;
-  Field& at(const std::string& key);
+  std::vector<Variable*> at(const std::string& key);
+  void add_condition(const std::vector<std::string>& keys, const Condition& condition);
+  bool is_chosen(const Part& part) const;
+  // The one that counts: the scenario's own or the chosen part's; null if there is none.
+  const Variable* in_use(const Field& field) const;
+  // To every variable. An error if the value does not suit the one that counts; if none does
+  // (null), unless it suits some.
+  static Error assign(Field& field, const ConfigValue& value, const Variable* counts);
+  void assign_standards(const Config& config);
   void check(const Config& table);
+  void find_file(const Config& config, const Field& field) const;
   void add_choice(const std::string& key, const std::vector<std::string>& names,
                   std::function<void(std::size_t)> assign, std::function<std::string()> print,
                   const std::string& doc);
 
   std::vector<Field> fields_;
-  std::vector<const std::string*> files_;
+  Part part_;  // whose keys are being bound
 };
 
 }  // namespace breakwater

@@ -19,7 +19,7 @@
 #include <breakwater/report/measurements.h>
 #include <breakwater/report/page_chart.h>
 #include <breakwater/report/reproduction.h>
-#include <breakwater/report/saved_run.h>
+#include <breakwater/scenario/saved_run.h>
 #include <breakwater/report/thesis_report.h>
 #include <breakwater/scenario/runner.h>
 #include "catalogue.h"

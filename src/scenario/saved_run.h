@@ -35,6 +35,7 @@ class SavedRun {
   std::optional<double> metric(const std::string& name) const;
 
   const std::vector<LogEntry>& signals() const { return signals_; }
+  bool has_signal(const std::string& name) const;
   /// A signal, GROUP/NAME, NAME of the group control, or NAME[3] for the third of its values.
   /// Throws std::invalid_argument if the log does not have it.
   Series signal(const std::string& name) const;
@@ -45,6 +46,7 @@ class SavedRun {
 
  private:
   void read_metrics();
+  const LogEntry* find(const std::string& place) const;
   const LoggedSignal& dataset(const std::string& path) const;
 
   std::filesystem::path folder_;

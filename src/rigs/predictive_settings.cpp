@@ -1,4 +1,4 @@
-#include <breakwater/rigs/cart_mpc.h>
+#include <breakwater/rigs/predictive_settings.h>
 
 #include <algorithm>
 #include <cmath>
@@ -7,27 +7,43 @@
 #include <breakwater/observers/disturbance_model.h>
 
 namespace breakwater {
-void CartMpcSettings::bind(Fields& fields) {
+
+void RegulatorSettings::bind(Fields& fields) {
+  fields.number("controller.period_s", period_s, positive(),
+                "of the decisions; a multiple of control.period_s [s]");
+  fields.number("controller.q_position", q_position, not_negative(), "Q: weight on position");
+  fields.number("controller.q_velocity", q_velocity, not_negative(), "Q: weight on velocity");
+  fields.number("controller.r", r, positive(),
+                "R: weight on the input's change; LQR: on the input");
+}
+
+Eigen::MatrixXd RegulatorSettings::state_weight() const {
+  return Eigen::Vector2d(q_position, q_velocity).asDiagonal();
+}
+
+LqrDesign RegulatorSettings::regulator(const StateSpace& nominal_plant) const {
+  return blame("controller.r", [&] {
+    const StateSpace sampled = zero_order_hold(nominal_plant, period_s);
+    return dlqr(sampled.A, sampled.B, state_weight(), Eigen::MatrixXd::Constant(1, 1, r));
+  });
+}
+
+void PredictiveSettings::bind(Fields& fields) {
+  weights.bind(fields);
   fields.choice("controller.disturbance_use", disturbance_use,
                 {{"none", DisturbanceUse::none},
                  {"predict", DisturbanceUse::predict},
                  {"cancel", DisturbanceUse::cancel},
                  {"cancel_within_bounds", DisturbanceUse::cancel_within_bounds}},
                 "none, predict (Eq. 2.46), cancel (Eq. 2.45) or cancel_within_bounds");
-  fields.number("controller.period_s", period_s, positive(),
-                "of the optimisation; a multiple of control.period_s [s]");
   fields.count("controller.prediction_steps", prediction_steps, between(1, 1000), "N_p");
   fields.count("controller.control_steps", control_steps, between(1, 1000), "N_u <= N_p");
-  fields.number("controller.q_position", q_position, not_negative(), "Q: weight on position");
-  fields.number("controller.q_velocity", q_velocity, not_negative(), "Q: weight on velocity");
   fields.number("controller.q_disturbance", q_disturbance, not_negative(),
                 "predict: Q's weight on the disturbance, which changes nothing");
   fields.choice("controller.last_weight", last_weight,
                 {{"factor", LastWeight::factor}, {"riccati", LastWeight::riccati}},
                 "Q at step N_p: factor times Q, or riccati: the regulator's P (Eq. 2.49)");
   fields.number("controller.last_factor", last_factor, not_negative(), "of last_weight factor");
-  fields.number("controller.r", r, positive(),
-                "R: weight on the input's change; LQR: on the input");
 
   fields.number("constraint.position_lower_m", position_lower_m, any(), "[m]");
   fields.number("constraint.position_m", position_upper_m, any(), "upper bound [m]");
@@ -68,84 +84,46 @@ void CartMpcSettings::bind(Fields& fields) {
   only_with({"constraint.input_change_N"}, "input_change_steps", change_steps);
 }
 
-std::vector<std::string> CartMpcSettings::regulator_keys() {
-  return {"controller.period_s", "controller.q_position", "controller.q_velocity", "controller.r"};
-}
-
-std::vector<std::string> CartMpcSettings::predictive_keys() {
-  return {"controller.disturbance_use",
-          "controller.prediction_steps",
-          "controller.control_steps",
-          "controller.q_disturbance",
-          "controller.last_weight",
-          "controller.last_factor",
-          "constraint.position_lower_m",
-          "constraint.position_m",
-          "constraint.position_steps",
-          "constraint.velocity_m_s",
-          "constraint.velocity_steps",
-          "constraint.input_lower_N",
-          "constraint.input_upper_N",
-          "constraint.input_steps",
-          "constraint.input_change_N",
-          "constraint.input_change_steps",
-          "solver.name",
-          "solver.max_iterations",
-          "solver.on_infeasible",
-          "solver.soften_first",
-          "solver.softness"};
-}
-
-void CartMpcSettings::check(const AxisSettings& axis, const Config& config) const {
-  check_multiple(config, "controller.period_s", period_s, axis.physics.control_period_s,
-                 "control.period_s");
+void PredictiveSettings::check(const NominalAxis& axis) const {
+  const double samples = weights.period_s / axis.period_s;
+  if (std::abs(samples - std::round(samples)) > 1e-6 || std::round(samples) < 1.0) {
+    throw WrongKey("controller.period_s", "must be a whole multiple of control.period_s");
+  }
   if (control_steps > prediction_steps) {
-    config.fail("controller.control_steps", "must not be more than controller.prediction_steps");
+    throw WrongKey("controller.control_steps", "must not be more than controller.prediction_steps");
   }
   const auto at_most = [&](const char* key, int steps, int most) {
-    if (steps > most) config.fail(key, "must not be more than " + std::to_string(most));
+    if (steps > most) throw WrongKey(key, "must not be more than " + std::to_string(most));
   };
   at_most("constraint.position_steps", position_steps, prediction_steps);
   at_most("constraint.velocity_steps", velocity_steps, prediction_steps);
   at_most("constraint.input_steps", input_steps, control_steps);
   at_most("constraint.input_change_steps", change_steps, control_steps);
   if (position_lower_m > position_upper_m) {
-    config.fail("constraint.position_lower_m", "must not be above constraint.position_m");
+    throw WrongKey("constraint.position_lower_m", "must not be above constraint.position_m");
   }
   if (input_lower_N > input_upper_N) {
-    config.fail("constraint.input_lower_N", "must not be above constraint.input_upper_N");
-  }
-  const PredictiveControlDesign control =
-      config.blame("controller.last_weight", [&] { return design(axis); });
-  const Lmpc lmpc = config.blame("controller.prediction_steps", [&] { return Lmpc(control.lmpc); });
-  if (!lmpc.inputs_are_feasible(Eigen::VectorXd::Zero(1))) {
-    config.fail("constraint.input_change_N",
-                "no input satisfies the input constraints from rest on");
+    throw WrongKey("constraint.input_lower_N", "must not be above constraint.input_upper_N");
   }
 }
 
-Eigen::MatrixXd CartMpcSettings::state_weight() const {
-  return Eigen::Vector2d(q_position, q_velocity).asDiagonal();
-}
-
-LqrDesign CartMpcSettings::regulator(const StateSpace& nominal_plant) const {
-  const StateSpace sampled = zero_order_hold(nominal_plant, period_s);
-  return dlqr(sampled.A, sampled.B, state_weight(), Eigen::MatrixXd::Constant(1, 1, r));
-}
-
-PredictiveControlDesign CartMpcSettings::design(const AxisSettings& axis) const {
-  const StateSpace nominal_plant = axis.nominal_plant();
-  const StateSpace sampled = zero_order_hold(nominal_plant, period_s);
+PredictiveControlDesign PredictiveSettings::design(const AxisTask& task) const {
+  const NominalAxis& axis = task.axis;
+  check(axis);
+  const double period_s = weights.period_s;
+  const StateSpace sampled = zero_order_hold(axis.plant, period_s);
   PredictiveControlDesign design;
   LmpcDesign& lmpc = design.lmpc;
   lmpc.A = sampled.A;
   lmpc.B = sampled.B;
   lmpc.prediction_steps = prediction_steps;
   lmpc.control_steps = control_steps;
-  lmpc.Q = state_weight();
+  lmpc.Q = weights.state_weight();
   lmpc.Q_last =
-      last_weight == LastWeight::riccati ? regulator(nominal_plant).P : last_factor * lmpc.Q;
-  lmpc.R = Eigen::MatrixXd::Constant(1, 1, r);
+      last_weight == LastWeight::riccati
+          ? blame("controller.last_weight", [&] { return weights.regulator(axis.plant).P; })
+          : Eigen::MatrixXd(last_factor * lmpc.Q);
+  lmpc.R = Eigen::MatrixXd::Constant(1, 1, weights.r);
   if (disturbance_use == DisturbanceUse::predict) {
     const StateSpace extended = extend_by_disturbance_model(sampled, 0, period_s).sampled;
     lmpc.A = extended.A;
@@ -182,13 +160,23 @@ PredictiveControlDesign CartMpcSettings::design(const AxisSettings& axis) const 
   lmpc.softness = softness;
 
   design.disturbance_use = disturbance_use;
-  design.samples_per_move = static_cast<int>(std::lround(period_s / axis.physics.control_period_s));
-  design.start_state = Eigen::VectorXd::Zero(2);
-  design.force_limit = axis.force_limit();
+  design.samples_per_move = static_cast<int>(std::lround(period_s / axis.period_s));
+  design.reference = task.reference;
+  design.start_state = task.start_state;
+  design.force_limit = axis.force_limit;
+
+  const Lmpc trial = blame("controller.prediction_steps", [&] { return Lmpc(lmpc); });
+  if (!trial.inputs_are_feasible(Eigen::VectorXd::Zero(1))) {
+    throw WrongKey("constraint.input_change_N",
+                   "no input satisfies the input constraints from rest on");
+  }
   return design;
 }
 
-void add_qp_metrics(const QpStatistics& statistics, Recording& recording) {
+void add_qp_metrics(const Controller& controller, Recording& recording) {
+  const auto* predictive = dynamic_cast<const PredictiveControl*>(&controller);
+  if (predictive == nullptr) return;
+  const QpStatistics& statistics = predictive->lmpc().statistics();
   std::vector<Metric>& metrics = recording.metrics;
   const auto optimisations =
       static_cast<double>(std::max<std::int64_t>(statistics.optimisations, 1));

@@ -1,4 +1,4 @@
-#include <breakwater/report/saved_run.h>
+#include <breakwater/scenario/saved_run.h>
 
 #include <algorithm>
 #include <array>
@@ -83,11 +83,21 @@ const LoggedSignal& SavedRun::dataset(const std::string& path) const {
   return read_.emplace(path, read_hdf5_signal((folder_ / "log.h5").string(), path)).first->second;
 }
 
+const LogEntry* SavedRun::find(const std::string& place) const {
+  const auto found = std::find_if(signals_.begin(), signals_.end(), [&](const LogEntry& entry) {
+    return entry.group + "/" + entry.name == place;
+  });
+  return found != signals_.end() ? &*found : nullptr;
+}
+
+bool SavedRun::has_signal(const std::string& name) const {
+  return find(place_of(name).name) != nullptr;
+}
+
 const LogEntry& SavedRun::entry(const std::string& name) const {
-  const SignalName place = place_of(name);
+  if (const LogEntry* found = find(place_of(name).name)) return *found;
   std::vector<std::string> names;
   for (const LogEntry& entry : signals_) {
-    if (entry.group + "/" + entry.name == place.name) return entry;
     names.push_back(entry.group == "control" ? entry.name : entry.group + "/" + entry.name);
   }
   throw std::invalid_argument((folder_ / "log.h5").string() + ": has no signal " + name +

@@ -1,0 +1,107 @@
+// Breakwater's controllers of the arm: the keys of each, and how it is made of them.
+#include <breakwater/control/implicit_force_pfc.h>
+#include <breakwater/control/workspace_control.h>
+#include <breakwater/rigs/arm_parts.h>
+
+namespace breakwater {
+namespace {
+
+struct ProposedSettings {
+  Positioning positioning = Positioning::joint;
+  std::vector<double> t_ref_s;
+  int coincidence_points = 0;
+  int basis_functions = 0;
+  std::vector<double> ik_weights;
+  double ik_damping = 0.0;
+  LmForm ik_form = LmForm::printed;
+
+  std::vector<PfcDesign> joints(double period_s) const {
+    std::vector<PfcDesign> designs;
+    for (const double response_time_s : t_ref_s) {
+      designs.push_back({response_time_s, period_s, coincidence_points, basis_functions});
+    }
+    return designs;
+  }
+  LmDesign inverse_kinematics() const {
+    LmDesign design;
+    design.weights = Eigen::Map<const Eigen::Vector3d>(ik_weights.data());
+    design.damping = ik_damping;
+    design.form = ik_form;
+    return design;
+  }
+};
+
+void bind_proposed(Fields& fields, ProposedSettings& settings) {
+  fields.choice("controller.positioning", settings.positioning,
+                {{"joint", Positioning::joint}, {"workspace", Positioning::workspace}},
+                "how it holds the start pose without force control: joint or workspace");
+  fields.numbers("controller.t_ref_s", settings.t_ref_s, positive(),
+                 "target response time of each joint's PFC [s]");
+  fields.count("controller.coincidence_points", settings.coincidence_points, between(1, 100),
+               "n of the PFC");
+  fields.count("controller.basis_functions", settings.basis_functions, between(1, 3),
+               "1 step, 2 and ramp, 3 and parabola");
+  fields.numbers("controller.ik_weights", settings.ik_weights, positive(),
+                 "W_e of the inverse kinematics, for x, y, phi");
+  fields.number("controller.ik_damping", settings.ik_damping, positive(),
+                "lambda of the inverse kinematics");
+  fields.choice("controller.ik_form", settings.ik_form,
+                {{"printed", LmForm::printed}, {"sugihara", LmForm::sugihara}},
+                "printed (Eqs. 2.66, 2.68; three joints), or sugihara for any number");
+}
+
+void check_proposed(const ProposedSettings& settings, const ArmSetup& arm) {
+  if (settings.ik_weights.size() != 3) {
+    throw WrongKey("controller.ik_weights", "must have 3 numbers, for x, y and phi");
+  }
+  if (settings.t_ref_s.size() != static_cast<std::size_t>(arm.chain.joints())) {
+    throw WrongKey("controller.t_ref_s", "must have one entry for each of the URDF's " +
+                                             std::to_string(arm.chain.joints()) + " joints");
+  }
+  blame("controller.t_ref_s", [&] {
+    for (const PfcDesign& design : settings.joints(arm.period_s)) Pfc pfc(design);
+  });
+  blame("controller.ik_form",
+        [&] { LmInverseKinematics(settings.inverse_kinematics(), arm.chain.joints()); });
+}
+
+std::unique_ptr<Controller> make_proposed(const ProposedSettings& settings, const ArmSetup& arm) {
+  check_proposed(settings, arm);
+  return std::make_unique<ImplicitForcePfc>(
+      arm.chain, arm.acceleration, arm.task,
+      ImplicitForcePfcDesign{settings.joints(arm.period_s), settings.inverse_kinematics(),
+                             settings.positioning});
+}
+
+void bind_drac(Fields& fields, WorkspaceControlDesign& design) {
+  fields.number("controller.k_position", design.k_p, not_negative(),
+                "position gain K_phx or K_px; the velocity gain is 2 sqrt(it) [1/s^2]");
+  fields.number("controller.singular_value_floor", design.singular_value_floor, not_negative(),
+                "of the pseudo-inverse");
+}
+
+void bind_hpfc(Fields& fields, WorkspaceControlDesign& design) {
+  bind_drac(fields, design);
+  fields.number("controller.k_force", design.k_f, not_negative(), "force gain K_phf");
+}
+
+std::unique_ptr<Controller> make_hpfc(const WorkspaceControlDesign& design, const ArmSetup& arm) {
+  return std::make_unique<Hpfc>(arm.chain, arm.acceleration, arm.task, design);
+}
+
+std::unique_ptr<Controller> make_drac(const WorkspaceControlDesign& design, const ArmSetup& arm) {
+  return std::make_unique<Drac>(arm.chain, arm.acceleration, arm.task, design);
+}
+
+}  // namespace
+
+std::vector<ArmControllerKind> arm_controllers() {
+  return {{"proposed", "implicit force control over torque-limited PFC joints (2.4.2)",
+           bind_proposed, make_proposed},
+          {"hpfc", "hybrid position/force control by acceleration control (2.4.3.1)", bind_hpfc,
+           make_hpfc},
+          {"drac", "resolved acceleration control with implicit force control (2.4.3.1)", bind_drac,
+           make_drac}};
+}
+
+}  // namespace breakwater

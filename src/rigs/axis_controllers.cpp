@@ -1,0 +1,83 @@
+// Breakwater's controllers of an axis: the keys of each, and how it is made of them.
+#include <breakwater/control/disturbance_cancelling_pd.h>
+#include <breakwater/control/lqr_control.h>
+#include <breakwater/rigs/axis_parts.h>
+#include <breakwater/rigs/predictive_settings.h>
+
+namespace breakwater {
+namespace {
+
+using Estimator = std::shared_ptr<DisturbanceEstimator>;
+
+struct PdGains {
+  double k_p = 0.0;
+  double k_d = 0.0;
+};
+
+void bind_pd(Fields& fields, PdGains& gains) {
+  fields.number("controller.kp", gains.k_p, not_negative(), "K_p [force per position]");
+  fields.number("controller.kd", gains.k_d, not_negative(), "K_d [force per velocity]");
+}
+
+std::unique_ptr<Controller> make_pd(const PdGains& gains, const AxisTask& task,
+                                    Estimator estimator) {
+  return std::make_unique<DisturbanceCancellingPd>(
+      std::move(estimator), DisturbanceCancellingPdDesign{.k_p = gains.k_p,
+                                                          .k_d = gains.k_d,
+                                                          .reference = task.reference,
+                                                          .force_limit = task.axis.force_limit,
+                                                          .period_s = task.axis.period_s,
+                                                          .units = task.axis.units,
+                                                          .start_state = task.start_state});
+}
+
+void bind_regulator(Fields& fields, RegulatorSettings& settings) {
+  settings.bind(fields);
+}
+
+std::unique_ptr<Controller> regulator(const RegulatorSettings& settings, const AxisTask& task,
+                                      Estimator estimator, bool uses_true_state) {
+  if (settings.period_s != task.axis.period_s) {
+    throw WrongKey("controller.period_s", "must be control.period_s for a regulator");
+  }
+  if (task.reference.value != 0.0) {
+    throw std::invalid_argument("a regulator brings the axis to 0, and knows no reference");
+  }
+  if (uses_true_state && !task.senses_true_state) {
+    throw std::invalid_argument("this scenario does not give the true state: take lqr_observer");
+  }
+  return std::make_unique<LqrControl>(std::move(estimator), settings.regulator(task.axis.plant).K,
+                                      task.start_state, uses_true_state, task.axis.force_limit);
+}
+
+std::unique_ptr<Controller> make_lqr(const RegulatorSettings& settings, const AxisTask& task,
+                                     Estimator estimator) {
+  return regulator(settings, task, std::move(estimator), true);
+}
+
+std::unique_ptr<Controller> make_lqr_observer(const RegulatorSettings& settings,
+                                              const AxisTask& task, Estimator estimator) {
+  return regulator(settings, task, std::move(estimator), false);
+}
+
+void bind_mpc(Fields& fields, PredictiveSettings& settings) {
+  settings.bind(fields);
+}
+
+std::unique_ptr<Controller> make_mpc(const PredictiveSettings& settings, const AxisTask& task,
+                                     Estimator estimator) {
+  return std::make_unique<PredictiveControl>(std::move(estimator), settings.design(task));
+}
+
+}  // namespace
+
+std::vector<AxisControllerKind> axis_controllers() {
+  return {{"pd", "PD control that cancels the estimated disturbance (Eqs. 4.10, 4.22)", bind_pd,
+           make_pd},
+          {"lqr", "regulator on the true state", bind_regulator, make_lqr},
+          {"lqr_observer", "regulator on estimates, which cancels the disturbance", bind_regulator,
+           make_lqr_observer},
+          {"mpc", "constrained predictive control (2.3)", bind_mpc, make_mpc}};
+}
+
+}  // namespace breakwater

@@ -1,0 +1,240 @@
+// Breakwater's estimators of an axis: the keys of each, and how it is made of them.
+#include <breakwater/observers/fakfd.h>
+#include <breakwater/observers/idob_estimator.h>
+#include <breakwater/observers/kfd.h>
+#include <breakwater/observers/mdob_estimator.h>
+#include <breakwater/observers/qvff.h>
+#include <breakwater/observers/state_observer.h>
+#include <breakwater/observers/stf.h>
+#include <breakwater/observers/vfakfd.h>
+#include <breakwater/rigs/axis_parts.h>
+
+namespace breakwater {
+namespace {
+
+using Estimator = std::unique_ptr<DisturbanceEstimator>;
+
+struct Poles {
+  std::vector<double> poles_rad_s;
+
+  std::vector<PoleGroup> groups() const { return {{poles_rad_s.begin(), poles_rad_s.end()}}; }
+};
+
+void bind_poles(Fields& fields, Poles& settings) {
+  fields.numbers("observer.poles_rad_s", settings.poles_rad_s, any(), "continuous poles [1/s]");
+}
+
+Estimator make_state_observer(const Poles& settings, const NominalAxis& axis) {
+  return std::make_unique<StateObserver>(axis.plant, settings.groups(), axis.period_s);
+}
+
+Estimator make_idob(const Poles& settings, const NominalAxis& axis) {
+  return std::make_unique<IdobEstimator>(axis.plant, settings.groups(), axis.period_s);
+}
+
+struct MdobCutoffs {
+  double derivative_rad_s = 0.0;  // g_d; 0: the raw difference
+  double observer_rad_s = 0.0;    // g_w
+};
+
+void bind_mdob(Fields& fields, MdobCutoffs& settings) {
+  fields.number("observer.derivative_cutoff_rad_s", settings.derivative_rad_s, not_negative(),
+                "g_d of the pseudo-derivative; 0: the raw difference [rad/s]");
+  fields.number("observer.low_pass_cutoff_rad_s", settings.observer_rad_s, positive(),
+                "g_w [rad/s]");
+}
+
+Estimator make_mdob(const MdobCutoffs& settings, const NominalAxis& axis) {
+  MdobDesign design;
+  design.nominal_inertia = 1.0 / axis.plant.B(1, 0);
+  design.derivative_cutoff_rad_s = settings.derivative_rad_s > 0.0
+                                       ? settings.derivative_rad_s
+                                       : std::numeric_limits<double>::infinity();
+  design.observer_cutoff_rad_s = settings.observer_rad_s;
+  return std::make_unique<MdobEstimator>(design, axis.period_s);
+}
+
+struct DisturbanceModel {
+  int order = 0;
+
+  void bind(Fields& fields) {
+    fields.count("observer.disturbance_order", order, between(0, 2),
+                 "the disturbance is a step (0), ramp (1) or parabola (2)");
+  }
+  ExtendedPlant extend(const NominalAxis& axis) const {
+    return extend_by_disturbance_model(zero_order_hold(axis.plant, axis.period_s), order,
+                                       axis.period_s);
+  }
+};
+
+enum class ProcessNoise { input, all, disturbance };
+
+// Of the Kalman filters; those with a variable forgetting factor know no R.
+struct KalmanNoise {
+  DisturbanceModel model;
+  ProcessNoise process_noise_on = ProcessNoise::input;
+  double process_noise = 0.0;
+  double observation_noise = 1.0;
+  std::vector<double> initial_covariance;
+
+  void bind(Fields& fields) {
+    model.bind(fields);
+    fields.choice("observer.process_noise_on", process_noise_on,
+                  {{"input", ProcessNoise::input},
+                   {"all", ProcessNoise::all},
+                   {"disturbance", ProcessNoise::disturbance}},
+                  "input (B Q B^T, the KFD), all (Q I) or disturbance (the DKF)");
+    fields.number("observer.process_noise", process_noise, not_negative(), "Q");
+    fields.numbers("observer.initial_covariance", initial_covariance, positive(),
+                   "diagonal of P0, of position, velocity, d, ...");
+  }
+  void bind_observation(Fields& fields) {
+    fields.number("observer.observation_noise", observation_noise, positive(), "R");
+  }
+
+  KalmanDesign design(const NominalAxis& axis) const {
+    const ExtendedPlant plant = model.extend(axis);
+    const auto& P0 = initial_covariance;
+    if (static_cast<Eigen::Index>(P0.size()) != plant.states()) {
+      throw WrongKey("observer.initial_covariance",
+                     "needs one initial covariance for each of the " +
+                         std::to_string(plant.states()) + " extended states");
+    }
+    const Eigen::Index p = plant.outputs();
+    return {plant, Q(plant), observation_noise * Eigen::MatrixXd::Identity(p, p),
+            Eigen::Map<const Eigen::VectorXd>(P0.data(), plant.states()).asDiagonal()};
+  }
+
+ private:
+  Eigen::MatrixXd Q(const ExtendedPlant& plant) const {
+    switch (process_noise_on) {
+      case ProcessNoise::input:
+        return input_noise(plant, process_noise);
+      case ProcessNoise::all:
+        return uniform_noise(plant, process_noise);
+      case ProcessNoise::disturbance:
+        return disturbance_noise(plant, process_noise);
+    }
+    throw std::logic_error("unknown process noise");
+  }
+};
+
+void bind_kfd(Fields& fields, KalmanNoise& settings) {
+  settings.bind(fields);
+  settings.bind_observation(fields);
+}
+
+Estimator make_kfd(const KalmanNoise& settings, const NominalAxis& axis) {
+  return std::make_unique<Kfd<>>(settings.design(axis));
+}
+
+struct FakfdSettings {
+  KalmanNoise noise;
+  double gamma = 1.0;
+  double lambda = 1.0;
+  double gamma_d = 1.0;
+};
+
+void bind_fakfd(Fields& fields, FakfdSettings& settings) {
+  bind_kfd(fields, settings.noise);
+  fields.number("observer.gamma", settings.gamma, between(1, 100),
+                "the factor of all states (Eq. 4.6)");
+  fields.number("observer.lambda", settings.lambda, between(0.01, 1),
+                "the same as a forgetting factor, 1/gamma");
+  fields.number("observer.gamma_d", settings.gamma_d, between(1, 100),
+                "that of the disturbance and its derivatives, on top (Eq. 4.7)");
+  for (const char* key : {"observer.gamma", "observer.lambda", "observer.gamma_d"}) {
+    fields.standard(key, {1.0});
+  }
+}
+
+Estimator make_fakfd(const FakfdSettings& settings, const NominalAxis& axis) {
+  if (settings.gamma != 1.0 && settings.lambda != 1.0) {
+    throw WrongKey("observer.lambda", "must be 1 where observer.gamma says the same otherwise");
+  }
+  const KalmanDesign design = settings.noise.design(axis);
+  return std::make_unique<Fakfd<>>(
+      design, scalar_gamma(design.plant, settings.gamma / settings.lambda)
+                  .cwiseProduct(diagonal_gamma(design.plant, settings.gamma_d)));
+}
+
+struct ForgettingLimits {
+  double lambda_min = 0.0;
+  double lambda_max = 0.0;
+
+  void bind(Fields& fields) {
+    fields.number("observer.lambda_min", lambda_min, between(0, 1), "of the forgetting factor");
+    fields.number("observer.lambda_max", lambda_max, between(0, 1), "of the forgetting factor");
+  }
+  void apply(VfakfdDesign& design) const {
+    design.lambda_min = lambda_min;
+    design.lambda_max = lambda_max;
+  }
+};
+
+struct VfakfdSettings {
+  KalmanNoise noise;
+  double alpha = 0.0;
+  ForgettingLimits limits;
+};
+
+void bind_vfakfd(Fields& fields, VfakfdSettings& settings) {
+  settings.noise.bind(fields);
+  fields.number("observer.alpha", settings.alpha, not_negative(),
+                "alpha of Eq. 4.20; 0: 1/(b_reso T_s), Eq. 4.26");
+  settings.limits.bind(fields);
+}
+
+Estimator make_vfakfd(const VfakfdSettings& settings, const NominalAxis& axis) {
+  if (settings.alpha == 0.0 && axis.pulses_per_revolution == 0.0) {
+    throw std::invalid_argument("alpha = 0 means Eq. 4.26, which needs a quantised encoder");
+  }
+  VfakfdDesign design;
+  design.alpha = Eigen::VectorXd::Constant(
+      1, settings.alpha > 0.0 ? settings.alpha
+                              : vfakfd_alpha(axis.pulses_per_revolution, axis.period_s));
+  design.dead_zone = Eigen::VectorXd::Zero(1);
+  settings.limits.apply(design);
+  return std::make_unique<Vfakfd<>>(settings.noise.design(axis), design);
+}
+
+struct QvffSettings {
+  DisturbanceModel model;
+  ForgettingLimits limits;
+};
+
+void bind_qvff(Fields& fields, QvffSettings& settings) {
+  settings.model.bind(fields);
+  settings.limits.bind(fields);
+}
+
+Estimator make_qvff(const QvffSettings& settings, const NominalAxis& axis) {
+  VfakfdDesign design = qvff_design(axis.sensor);
+  settings.limits.apply(design);
+  return std::make_unique<Vfakfd<>>(
+      variable_forgetting_design(settings.model.extend(axis), kQvffInitialCovariance), design);
+}
+
+void bind_stf(Fields& fields, DisturbanceModel& settings) {
+  settings.bind(fields);
+}
+
+Estimator make_stf(const DisturbanceModel& settings, const NominalAxis& axis) {
+  return std::make_unique<Stf<>>(stf_design(settings.extend(axis), axis.sensor, axis.period_s),
+                                 axis.sensor);
+}
+
+}  // namespace
+
+std::vector<AxisEstimatorKind> axis_estimators() {
+  return {{"state_observer", "by poles, without a disturbance", bind_poles, make_state_observer},
+          {"mdob", "the conventional disturbance observer", bind_mdob, make_mdob},
+          {"idob", "disturbance observer by poles", bind_poles, make_idob},
+          {"kfd", "Kalman filter with a disturbance model", bind_kfd, make_kfd},
+          {"fakfd", "the same with fixed forgetting factors", bind_fakfd, make_fakfd},
+          {"vfakfd", "the same with a variable one", bind_vfakfd, make_vfakfd},
+          {"qvff", "the same, designed for quantisation and noise", bind_qvff, make_qvff},
+          {"stf", "strong tracking filter", bind_stf, make_stf}};
+}
+
+}  // namespace breakwater

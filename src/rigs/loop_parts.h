@@ -1,0 +1,61 @@
+// An estimator and a controller that a scenario chooses by name.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include <breakwater/control/controller.h>
+#include <breakwater/scenario/parts.h>
+
+namespace breakwater {
+
+/// An estimator and the controller that was given it.
+template <typename Estimator>
+struct ControlLoop {
+  std::shared_ptr<Estimator> estimator;
+  std::unique_ptr<Controller> controller;
+
+  /// Whether the controller kept the estimator, and so keeps it up to date.
+  bool estimates() const { return estimator.use_count() > 1; }
+};
+
+/// Which estimator and which controller a loop has. The estimator is told `what_is_known(task)`,
+/// the controller the whole task and the estimator.
+template <typename Estimator, typename EstimatorKind, typename ControllerKind, typename Task>
+class LoopParts {
+ public:
+  /// Keys of the two choices, and what each is in files without it; empty: it must be there.
+  LoopParts(const Catalogue& catalogue, const std::string& estimator_key,
+            const std::string& standard_estimator, const std::string& standard_controller)
+      : estimator_(catalogue, estimator_key, standard_estimator),
+        controller_(catalogue, "controller.name", standard_controller) {}
+
+  void bind(Fields& fields) {
+    estimator_.bind(fields);
+    controller_.bind(fields);
+  }
+
+  /// Throws std::invalid_argument `ORIGIN: KEY: reason` unless make() succeeds.
+  void check(const Config& config, const Task& task) const {
+    estimator_.check(config, what_is_known(task));
+    controller_.check(config, task, std::shared_ptr<Estimator>(make_estimator(task)));
+  }
+
+  ControlLoop<Estimator> make(const Task& task) const {
+    ControlLoop<Estimator> loop;
+    loop.estimator = make_estimator(task);
+    loop.controller = controller_.make(task, loop.estimator);
+    return loop;
+  }
+
+  /// Another of the same, alone.
+  std::unique_ptr<Estimator> make_estimator(const Task& task) const {
+    return estimator_.make(what_is_known(task));
+  }
+
+ private:
+  PartChoice<EstimatorKind> estimator_;
+  PartChoice<ControllerKind> controller_;
+};
+
+}  // namespace breakwater
