@@ -14,8 +14,8 @@
 #include <breakwater/report/decimation.h>
 #include <breakwater/report/file_bytes.h>
 #include <breakwater/report/html_page.h>
-#include <breakwater/scenario/saved_run.h>
 #include <breakwater/scenario/paths.h>
+#include <breakwater/scenario/saved_run.h>
 
 namespace breakwater {
 namespace fs = std::filesystem;
