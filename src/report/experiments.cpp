@@ -20,7 +20,7 @@ namespace {
 
 using Variables = std::map<std::string, std::string>;
 
-std::string at_line(const std::string& file, std::size_t line) {
+std::string place_in(const std::string& file, std::size_t line) {
   return fmt::format("{}:{}: ", file, line);
 }
 
@@ -55,7 +55,7 @@ class Reader {
 
   template <typename Place>
   [[noreturn]] void fail(const Place& place, const std::string& what) const {
-    throw std::invalid_argument(at_line(file_, line_of(place)) + what);
+    throw std::invalid_argument(place_in(file_, line_of(place)) + what);
   }
 
   const toml::table& table(const toml::node& node) const {
@@ -461,7 +461,7 @@ class Check {
 
  private:
   [[noreturn]] void fail(std::size_t line, const std::string& what) const {
-    throw std::invalid_argument(at_line(experiments_.file, line) + what);
+    throw std::invalid_argument(place_in(experiments_.file, line) + what);
   }
 
   void run(const std::string& name, std::size_t line) const {
