@@ -40,9 +40,9 @@ class DisturbanceEstimator {
   virtual std::span<const Signal> signals() const = 0;
 
   /// How many poles it has, and writes the matrix whose eigenvalues they are: A̅ − K(k) C̅ of this
-  /// sample (thesis 4.3.4). Allocates nothing.
-  virtual Eigen::Index poles() const = 0;
-  virtual void pole_matrix(Eigen::Ref<Eigen::MatrixXd> F) const = 0;
+  /// sample (thesis 4.3.4). Allocates nothing. One that does not tell them needs neither.
+  virtual Eigen::Index poles() const { return 0; }
+  virtual void pole_matrix(Eigen::Ref<Eigen::MatrixXd> /*F*/) const {}
 };
 
 /// An estimator's signals for a log, where its output is measured in `output_unit`.

@@ -31,9 +31,11 @@ ObserverPoles::ObserverPoles(const DisturbanceEstimator& estimator, double perio
   if (!(period_s > 0.0)) {
     throw std::invalid_argument("observer poles: the sampling period must be positive");
   }
+  if (estimator.poles() == 0) signals_.clear();
 }
 
 void ObserverPoles::update() {
+  if (discrete_.size() == 0) return;
   estimator_.pole_matrix(matrix_);
   solver_.compute(matrix_, false);
   discrete_ = solver_.eigenvalues();

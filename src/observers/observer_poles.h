@@ -23,7 +23,7 @@ class ObserverPoles {
   const Eigen::VectorXcd& discrete() const { return discrete_; }
   const Eigen::VectorXcd& continuous() const { return continuous_; }
 
-  /// Real and imaginary parts of both.
+  /// Real and imaginary parts of both; none of an estimator that tells of no poles.
   std::span<const Signal> signals() const { return signals_; }
 
  private:

@@ -25,7 +25,7 @@ panels = [{ title = "disturbance", signals = ["d_hat_Nm"], once = ["d_true_Nm"] 
 
 [[section]]
 id = "4.3.2"
-plant = "motor"
+group = "motor"
 title = "Behind an encoder"
 text = "A few."
 docs = "methods/disturbance-kalman-filters.md"
@@ -154,7 +154,7 @@ std::string statements(const std::vector<std::string>& rows, const std::string& 
 panels = [{ title = "velocity", signals = ["velocity_true_rad_s"] }]
 [[section]]
 id = "1"
-plant = "motor"
+group = "motor"
 title = "Mine"
 [[section.run]]
 name = "one"

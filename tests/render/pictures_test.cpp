@@ -243,7 +243,7 @@ TEST_F(Pictures, NonsenseIsRefusedInOneLine) {
       {{"video", "run", "--size", "99999999999x180"}, "must be even"},
       {{"video", "run", "--size", "640x360x2"}, "must be of the form"},
       {{"strip", "run"}, "none of the shot list's moments"},
-      {{"video", "nowhere"}, "is not a finished run"}};
+      {{"video", "nowhere"}, "there is no such folder"}};
   for (const auto& [arguments, text] : cases) {
     expect_failure(breakwater(arguments), 2, text, kRunFiles, "run");
   }

@@ -203,8 +203,6 @@ class Constant final : public DisturbanceEstimator {
   View state() const override { return {state_.data(), 2}; }
   View disturbance() const override { return {disturbance_.data(), 1}; }
   std::span<const Signal> signals() const override { return {}; }
-  Eigen::Index poles() const override { return 0; }
-  void pole_matrix(Eigen::Ref<Eigen::MatrixXd>) const override {}
 
  private:
   Eigen::Vector2d state_ = Eigen::Vector2d::Zero();
