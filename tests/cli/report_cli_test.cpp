@@ -104,6 +104,8 @@ TEST_F(Reports, AKilledReproductionGoesOnAndGivesTheSamePage) {
       std::string::npos)
       << whole.out;
   EXPECT_NE(whole.out.find("report: whole/report.html"), std::string::npos);
+  const std::string page = text_of(folder_ / "whole/report.html");
+  EXPECT_NE(page.find("Permission is hereby granted"), std::string::npos) << "dygraphs' licence";
 
   std::size_t kills = 0;
   for (const double part : {0.25, 0.4, 0.6}) {

@@ -1,0 +1,62 @@
+# Debian packages, made by `./dev package`: breakwater (programs, data, pages) and libbreakwater-dev
+# (the rooms, for programs of one's own).
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_NAME breakwater)
+set(CPACK_PACKAGE_VENDOR "The Breakwater developers")
+set(CPACK_PACKAGE_CONTACT "The Breakwater developers <breakwater@localhost>")
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_OUTPUT_FILE_PREFIX ${PROJECT_BINARY_DIR}/packages)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_COMPONENTS_ALL runtime development)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_DEBIAN_ENABLE_COMPONENT_DEPENDS OFF)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_RELEASE 1)
+set(CPACK_DEBIAN_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_PACKAGE_PRIORITY optional)
+
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_NAME breakwater)
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_SHLIBDEPS ON)
+# What is loaded or read at run time, which shlibdeps cannot see.
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_DEPENDS "libosmesa6, fonts-dejavu-core, libjs-dygraphs")
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_RECOMMENDS "python3, python3-h5py, python3-matplotlib")
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_SUGGESTS libbreakwater-dev)
+set(CPACK_COMPONENT_RUNTIME_DESCRIPTION "testbed for robust model-based motion control
+ Runs experiments of motion control in MuJoCo without a screen: a plant, a
+ disturbance, an observer and a controller, each chosen by name. Leaves numbers,
+ a log, pictures and videos, and compares runs. It has disturbance observers,
+ Kalman filters that estimate disturbances, constrained predictive control,
+ force control of an arm and an underwater quadrotor in waves.")
+
+# A program of one's own is built against all of them: what the build needs but its tools.
+file(STRINGS ${PROJECT_SOURCE_DIR}/packages/build.txt lines REGEX "^[a-z]")
+set(depends "breakwater (= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE})")
+foreach(line IN LISTS lines)
+  string(REGEX MATCH "^[a-z0-9.+-]+" package "${line}")
+  if(NOT package MATCHES "^(ccache|git|ninja-build|musl-dev|fonts-dejavu-core|libjs-dygraphs)$")
+    string(APPEND depends ", ${package}")
+  endif()
+endforeach()
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libbreakwater-dev)
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "${depends}")
+set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "testbed for robust model-based motion control (library)
+ The rooms of Breakwater as static libraries with headers and CMake files, for
+ controllers, observers and scenarios of one's own: `breakwater new' writes a
+ project that uses them.")
+set(CPACK_COMPONENT_RUNTIME_REQUIRED ON)
+include(CPack)
+
+# Both packages have their licences and changes where Debian wants them, and the programs their man
+# pages, which `./dev package` makes of the help texts.
+foreach(component IN ITEMS runtime development)
+  string(TOUPPER ${component} name)
+  set(doc ${CMAKE_INSTALL_DATAROOTDIR}/doc/${CPACK_DEBIAN_${name}_PACKAGE_NAME})
+  install(FILES debian/copyright DESTINATION ${doc} COMPONENT ${component})
+  install(FILES ${PROJECT_BINARY_DIR}/package/changelog.Debian.gz DESTINATION ${doc}
+    COMPONENT ${component} OPTIONAL)
+endforeach()
+install(DIRECTORY ${PROJECT_BINARY_DIR}/package/man1 DESTINATION ${CMAKE_INSTALL_MANDIR}
+  COMPONENT runtime OPTIONAL)
+set(completions ${CMAKE_INSTALL_DATAROOTDIR}/bash-completion/completions)
+install(FILES scripts/completion.bash DESTINATION ${completions} RENAME breakwater COMPONENT runtime)
