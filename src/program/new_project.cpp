@@ -125,7 +125,7 @@ void check_project_name(const Catalogue& catalogue, const std::string& name) {
   }
   const auto refuse = [&](const std::string& what) {
     throw std::invalid_argument(
-        fmt::format("new: there is a {} \"{}\" already: choose another name", what, name));
+        fmt::format("new: NAME is taken: there is the {} \"{}\"", what, name));
   };
   for (const ScenarioKind& kind : catalogue.all<ScenarioKind>()) {
     if (kind.name == name) refuse(ScenarioKind::kWhat);
