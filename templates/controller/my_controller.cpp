@@ -26,12 +26,12 @@ MyController::MyController(const ArmSetup& arm, const MyControllerDesign& design
 
 void MyController::decide(Eigen::Ref<Eigen::VectorXd> a) {
   const TipPose velocity = J_ * dq_hat_;
-  TipPose acceleration = design_.k_p * (task().start_pose - X_hat_) -
-                         2.0 * std::sqrt(design_.k_p) * velocity;
+  TipPose acceleration =
+      design_.k_p * (task().start_pose - X_hat_) - 2.0 * std::sqrt(design_.k_p) * velocity;
   if (force_control_) {
-    virtual_acceleration_m_s2_ = (task().force_reference_N - force_N_ -
-                                  design_.virtual_damping_Ns_m * velocity[0]) /
-                                 design_.virtual_mass_kg;
+    virtual_acceleration_m_s2_ =
+        (task().force_reference_N - force_N_ - design_.virtual_damping_Ns_m * velocity[0]) /
+        design_.virtual_mass_kg;
     acceleration[0] = virtual_acceleration_m_s2_;
   }
   breakwater::pseudo_inverse(J_, design_.singular_value_floor, J_plus_);

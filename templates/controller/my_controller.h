@@ -24,8 +24,8 @@ struct MyControllerDesign {
 /// disturbance observer takes friction, coupling and the contact force away.
 class MyController final : public breakwater::ArmController {
  public:
-  /// Throws std::invalid_argument unless mass and damping are positive and the rest is not negative,
-  /// or as ArmController does.
+  /// Throws std::invalid_argument unless mass and damping are positive and the rest is not
+  /// negative, or as ArmController does.
   MyController(const breakwater::ArmSetup& arm, const MyControllerDesign& design);
 
  private:

@@ -11,16 +11,16 @@
 namespace my_observer_lab {
 
 /// The axis J q̈ = u − d − c q̇ is extended by its disturbance, ḋ = 0, to x̄ = [q; q̇; d], and sampled
-/// under a held input, x̄(k+1) = Φ x̄(k) + Γ u(k). The observer predicts, and then corrects by what is
-/// measured now,
+/// under a held input, x̄(k+1) = Φ x̄(k) + Γ u(k). The observer predicts, and then corrects by what
+/// is measured now,
 ///     x̄⁻(k) = Φ x̂(k−1) + Γ u(k−1),   x̂(k) = x̄⁻(k) + L (y(k) − C x̄⁻(k)),
-/// so that its error follows e(k) = (I − L C) Φ e(k−1). All three poles are at −ω_o, sampled exactly:
-/// at e^{−ω_o T_s}, inside of the unit circle for every ω_o and T_s. As ω_o T_s grows, L → [1 …], and
-/// the observer believes what it measures, noise and all.
+/// so that its error follows e(k) = (I − L C) Φ e(k−1). All three poles are at −ω_o, sampled
+/// exactly: at e^{−ω_o T_s}, inside of the unit circle for every ω_o and T_s. The larger ω_o T_s, the
+/// more it believes what it measures, noise and all.
 ///
 /// Source: Z. Gao, "Scaling and bandwidth-parameterization based controller tuning", ACC 2003; the
-/// sampled form: R. Miklosovic, A. Radke, Z. Gao, "Discrete implementation and generalization of the
-/// extended state observer", ACC 2006.
+/// sampled form: R. Miklosovic, A. Radke, Z. Gao, "Discrete implementation and generalization of
+/// the extended state observer", ACC 2006.
 class MyObserver final : public breakwater::DisturbanceEstimator {
  public:
   /// `plant`: continuous, position and velocity under a force, the position measured. Throws

@@ -1,4 +1,5 @@
-// Scenario my_scenario: a pendulum is held against gravity by any estimator and controller of an axis.
+// Scenario my_scenario: a pendulum is held against gravity by any estimator and controller of an
+// axis.
 #pragma once
 
 #include <string>

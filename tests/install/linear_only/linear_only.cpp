@@ -13,7 +13,7 @@ int main() {
   const breakwater::IdobEstimator idob(plant, {{-1.0, -2.0, -3.0}}, 0.1);
   Eigen::MatrixXd F(3, 3);
   idob.pole_matrix(F);
-  const bool is_right = std::abs(sampled.B(0) - 0.005) < 1e-12 &&
-                        std::abs(F.determinant() - std::exp(-0.6)) < 1e-9;
+  const bool is_right =
+      std::abs(sampled.B(0) - 0.005) < 1e-12 && std::abs(F.determinant() - std::exp(-0.6)) < 1e-9;
   return is_right ? 0 : 1;
 }
