@@ -171,8 +171,7 @@ int new_project_main(const Catalogue& catalogue, int argc, const char* const* ar
     std::string kind;
     std::string name;
     std::string out;
-    app.add_option("KIND", kind,
-                   "controller (of the arm), observer (of one axis), or scenario (with a plant)")
+    app.add_option("KIND", kind, "controller, observer, or scenario (with a plant of its own)")
         ->required();
     app.add_option("NAME", name, "what it is called: [a-z][a-z0-9_]*")->required();
     app.add_option("--out", out, "the project's folder (default: NAME)")->type_name("DIR");

@@ -9,7 +9,7 @@
 namespace my_controller_lab {
 
 struct MyControllerDesign {
-  double virtual_mass_kg = 10.0;
+  double virtual_mass_kg = 2.0;
   double virtual_damping_Ns_m = 100.0;
   double k_p = 30.0;                   ///< of what is not admittance-controlled [1/s²]
   double singular_value_floor = 0.02;  ///< of the pseudo-inverse

@@ -117,14 +117,14 @@ Recording MyScenario::run(const RunControl& control) const {
   sim.add(push);
 
   // What the log has: views of what is brought up to date at each sample.
-  double reference_rad = 0.0;
+  double target_rad = 0.0;
   double push_Nm = 0.0;
   std::vector<Signal> signals = {
       {"qpos", "rad", "the engine's generalised positions", sim.qpos()},
       {"angle_true_rad", "rad", "true", view(sim.sensor("angle"))},
       {"rate_true_rad_s", "rad/s", "true", view(sim.sensor("rate"))},
       {"angle_measured_rad", "rad", "as sampled", view(sim.sample().y)},
-      {"reference_rad", "rad", "where it is to be", view(reference_rad)},
+      {"target_rad", "rad", "where it is to be", view(target_rad)},
       {"push_Nm", "N m", "against the motor", view(push_Nm)},
       {"torque_Nm", "N m", "the motor's, within its limit", view(sim.actuation())}};
   for (const Signal& signal : loop.controller->signals()) signals.push_back(signal);
@@ -140,8 +140,8 @@ Recording MyScenario::run(const RunControl& control) const {
     sim.step();
   };
   const auto sample = [&](double t) {
-    reference_rad = reference_.at(t);
-    const double missing = reference_rad - sim.qpos()[0];
+    target_rad = reference_.at(t);
+    const double missing = target_rad - sim.qpos()[0];
     error.add(t, missing);
     settling.add(t, missing);
     whole.add(t, sim.qpos()[0]);
