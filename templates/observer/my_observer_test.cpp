@@ -1,6 +1,7 @@
 // The observer alone, against what is known in closed form.
 #include "my_observer.h"
 
+#include <Eigen/LU>
 #include <cmath>
 #include <cstdio>
 

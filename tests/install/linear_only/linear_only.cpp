@@ -1,3 +1,4 @@
+#include <Eigen/LU>
 #include <cmath>
 
 #include <breakwater/linear/state_space.h>
