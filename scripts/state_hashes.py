@@ -3,16 +3,23 @@
 
     scripts/state_hashes.py check  [--bin build/bin]     the goldens: tests/regression/state_hashes.json
     scripts/state_hashes.py rebase [--bin build/bin]     writes them anew
-    scripts/state_hashes.py compare [--bin build/bin] [--against OTHER_BIN] [--scenario NAME ...]
+    scripts/state_hashes.py compare [--bin build/bin] [--against OTHER] [--scenario NAME ...]
+                                    [--whole] [--expect-same]
 
 A golden is one hash, or one for each class of processors where they differ, since glibc's functions,
 which MuJoCo calls, choose by processor. On a processor with FMA `check` and `rebase` run everything
 once more as on one without: glibc is told so.
 
-`compare` runs every case of every scenario in both ways, or with two builds (--against), and prints in
-how many cases the state hashes differ and by how much the metrics.
+`compare` runs every case of every scenario in both ways, or with two builds, and prints in how many
+cases the state hashes differ and by how much the metrics. OTHER is a folder of binaries, or a commit,
+which is built in a folder of its own and thrown away: that a change of structure changed no bit, shows
+
+    scripts/state_hashes.py compare --against COMMIT --expect-same
+
+The longest runs are shortened unless --whole is given.
 """
 import argparse
+import contextlib
 import json
 import math
 import os
@@ -102,26 +109,57 @@ def largest_change(a, b):
     return max(changes)
 
 
+@contextlib.contextmanager
+def binaries_of(other):
+    """The folder of a build's binaries: `other` itself, or built from the commit that it names."""
+    if other is None or Path(other).is_dir():
+        yield other and Path(other).resolve()
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        tree = Path(folder) / "tree"
+        git = ["git", "-C", ROOT, "worktree"]
+        subprocess.run([*git, "add", "--quiet", "--detach", tree, other], check=True)
+        try:
+            print(f"building {other} ...", file=sys.stderr, flush=True)
+            for command in (["cmake", "--preset", "release", "-DBUILD_TESTING=OFF", "-Wno-dev"],
+                            ["cmake", "--build", "--preset", "release"]):
+                subprocess.run(command, cwd=tree, check=True, stdout=subprocess.DEVNULL)
+            yield tree / "build/bin"
+        finally:
+            subprocess.run([*git, "remove", "--force", tree], check=True)
+
+
 def compare(options):
-    if not options.against and own_class() != FMA:
+    with binaries_of(options.against) as against:
+        differ = compare_with(against, options)
+    if differ and options.expect_same:
+        sys.exit(f"{differ} state hashes differ")
+
+
+def compare_with(against, options):
+    """How many cases have another hash. Prints the table."""
+    if not against and own_class() != FMA:
         sys.exit("this processor has no FMA: there is nothing to compare with")
     names = options.scenario or sorted(p.name for p in (ROOT / "scenarios").iterdir() if p.is_dir())
     print("| scenario | cases | hashes that differ | largest relative change of a metric |")
     print("|---|---|---|---|")
+    differ = 0
     for name in names:
         listed = subprocess.run([options.bin / name, "--list-cases"], capture_output=True, text=True,
                                 check=True).stdout.split()
         different, worst = [], (0.0, "", "")
         for case in listed:
-            arguments = ["--case", case, *SHORTENED.get(name, [])]
+            arguments = ["--case", case, *([] if options.whole else SHORTENED.get(name, []))]
             one = run(options.bin / name, arguments, own_class())
-            other = run((options.against or options.bin) / name, arguments,
-                        own_class() if options.against else NO_FMA)
+            other = run((against or options.bin) / name, arguments,
+                        own_class() if against else NO_FMA)
             if one[0] != other[0]:
                 different.append(case)
             worst = max(worst, (*largest_change(one[1], other[1]), case))
+        differ += len(different)
         change = f"{worst[0]:.1e} ({worst[1]}, {worst[2]})" if worst[0] else "none"
         print(f"| {name} | {len(listed)} | {', '.join(different) or 'none'} | {change} |", flush=True)
+    return differ
 
 
 def main():
@@ -129,8 +167,10 @@ def main():
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("command", choices=["check", "rebase", "compare"])
     parser.add_argument("--bin", type=Path, default=ROOT / "build/bin")
-    parser.add_argument("--against", type=Path)
+    parser.add_argument("--against", metavar="OTHER")
     parser.add_argument("--scenario", nargs="+")
+    parser.add_argument("--whole", action="store_true")
+    parser.add_argument("--expect-same", action="store_true")
     options = parser.parse_args()
     {"check": check, "rebase": rebase, "compare": compare}[options.command](options)
 

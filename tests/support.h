@@ -77,6 +77,9 @@ class Removed {
 /// A file of the project.
 std::string source_file(const std::string& relative);
 
+/// All of a file.
+std::string text_of(const std::filesystem::path& file);
+
 /// The folder of the built programs.
 std::filesystem::path bin_folder();
 

@@ -26,6 +26,7 @@ struct AccelerationControlDesign {
 /// Makes each joint of a manipulator a double integrator q̈ = a, whatever the coupling, friction
 /// and external torques, by cancelling the disturbance that an IDOB estimates (Eqs. 2.53–2.58):
 ///     τ = J_n a + τ̂_d   (Eq. 2.82; 2.88 and 2.92 must read so too).
+/// Eq. 2.15 is this disturbance of one joint, with the other sign.
 ///
 /// Used once a sample: read the estimates, decide a, then command(a, q).
 class AccelerationControl {
@@ -41,7 +42,7 @@ class AccelerationControl {
   auto dq_hat() const { return observer_.extended_state().segment(joints(), joints()); }
   auto d_hat() const { return observer_.extended_state().tail(joints()); }
 
-  /// The accelerations that keep each joint within its torque limit (Eq. 2.84) [rad/s²].
+  /// The accelerations that keep each joint within its torque limit (Eqs. 2.83, 2.84) [rad/s²].
   double lower_acceleration(Eigen::Index joint) const;
   double upper_acceleration(Eigen::Index joint) const;
 

@@ -136,9 +136,8 @@ void Lmpc::add_rows(RowKind kind, const std::vector<PredictedBound>& bounds, Eig
 
 // What all bounds together say of the first step.
 Lmpc::Range Lmpc::first_step(const std::vector<PredictedBound>& bounds, Eigen::Index width) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  Range range{Eigen::VectorXd::Constant(width, -kInfinity),
-              Eigen::VectorXd::Constant(width, kInfinity)};
+  Range range{Eigen::VectorXd::Constant(width, -kNoBound),
+              Eigen::VectorXd::Constant(width, kNoBound)};
   for (const PredictedBound& bound : bounds) {
     if (std::find(bound.steps.begin(), bound.steps.end(), 0) == bound.steps.end()) continue;
     range.lower(bound.component) = std::max(range.lower(bound.component), bound.lower);

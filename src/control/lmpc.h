@@ -40,7 +40,7 @@ struct LmpcDesign {
   int prediction_steps = 0;  ///< N_p
   int control_steps = 0;     ///< N_u ≤ N_p: the input stays after that
   Eigen::MatrixXd Q;         ///< n×n, positive semidefinite: weight on the states' errors
-  Eigen::MatrixXd Q_last;    ///< n×n, the same at step N_p: a terminal penalty
+  Eigen::MatrixXd Q_last;    ///< n×n, the same at step N_p: a terminal penalty (Eq. 2.49)
   Eigen::MatrixXd R;         ///< m×m, positive semidefinite: weight on Δu
   Eigen::MatrixXd S;         ///< m×m, positive semidefinite: weight on u; empty: none
 

@@ -16,7 +16,7 @@ namespace breakwater {
 /// What the controller does with the estimated disturbance.
 enum class DisturbanceUse {
   none,     ///< nothing
-  predict,  ///< it is a state of the prediction model (Eqs. 2.46–2.48): the proposed method
+  predict,  ///< it is a state of the prediction model (Eqs. 2.46–2.48, 3.12): the proposed method
   cancel,   ///< ũ = u + d̂ (Eq. 2.45); u alone is bounded
   /// The same, and u_low − d̂ ≤ u ≤ u_upp − d̂: the second remedy of 2.3.4. d̂ moves between two
   /// optimisations; there ũ is clipped to [u_low, u_upp].

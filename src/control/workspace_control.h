@@ -13,8 +13,9 @@ struct WorkspaceControlDesign {
 
 /// Hybrid position/force control by acceleration control (Eqs. 2.88–2.91):
 ///     a = J⁺ {K_ph S (X_0^ref − X̂) − K_dh J q̇} + K_phf Jᵀ (I − S) (F^ref − F),  K_dh = 2 √K_ph,
-/// S = diag(0, 1, 1) in force control and I before. The velocity term stands outside K_ph and is
-/// not selected by S; Jᵀ, not J⁺, carries the force, since near a singular posture J⁺ runs away.
+/// S = diag(0, 1, 1) in force control and I before. Eq. 2.90 prints the velocity term as
+/// K_ph J⁺ K_dh q̇, which does not fit in dimension; S does not select it. Jᵀ carries the force, as
+/// printed: near a singular posture J⁺ runs away.
 class Hpfc final : public ArmController {
  public:
   /// Throws std::invalid_argument if a gain is negative or as ArmController does.

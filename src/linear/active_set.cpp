@@ -2,13 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 
 namespace breakwater {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kViolation = 5e-9;          // what a row may be violated by, in its own unit
 constexpr double kDoubtfulViolation = 1e-6;  // below: may be rounding of what is held
 constexpr double kWrongSign = 1e-11;         // of a multiplier, relative to max(1, ‖g‖∞)
@@ -164,7 +162,7 @@ ActiveSetQp::Violation ActiveSetQp::worst_violation(const QpInput& input) const 
     if (amount <= kViolation || is_active_[static_cast<std::size_t>(i)] != 0) continue;
     const double length = std::sqrt(factors_.gram(i, i) + input.softness(i));
     if (amount > most * length) {
-      most = length > 0.0 ? amount / length : kInfinity;
+      most = length > 0.0 ? amount / length : kNoBound;
       worst = {i, amount, above > below};
     }
   }
@@ -180,7 +178,7 @@ QpStatus ActiveSetQp::drive_to_bound(const QpInput& input, Violation violation,
     --changes_left_;
     ++solution.iterations;
     const double pivot = pivot_towards(violation.row);
-    const double whole_step = pivot > 0.0 ? violation.amount / pivot : kInfinity;
+    const double whole_step = pivot > 0.0 ? violation.amount / pivot : kNoBound;
     double step = whole_step;
     Eigen::Index blocking = -1;
     for (Eigen::Index j = 0; j < active(); ++j) {

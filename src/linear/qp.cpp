@@ -14,15 +14,14 @@
 namespace breakwater {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kChangesPerRow = 20;  // far more than any working set is changed
 
 }  // namespace
 
 QpInput::QpInput(Eigen::Index n, Eigen::Index m)
     : g(Eigen::VectorXd::Zero(n)),
-      lower(Eigen::VectorXd::Constant(m, -kInfinity)),
-      upper(Eigen::VectorXd::Constant(m, kInfinity)),
+      lower(Eigen::VectorXd::Constant(m, -kNoBound)),
+      upper(Eigen::VectorXd::Constant(m, kNoBound)),
       softness(Eigen::VectorXd::Zero(m)) {}
 
 QpSolution::QpSolution(Eigen::Index n, Eigen::Index m)
@@ -49,13 +48,13 @@ double kkt_residual(const QpModel& model, const QpInput& input, const QpSolution
     const double value = values(i) - input.softness(i) * mu;
     const double above = value - input.upper(i);
     const double below = input.lower(i) - value;
-    is_finite &= std::abs(value) < kInfinity;
+    is_finite &= std::abs(value) < kNoBound;
     residual = std::max(residual, std::max(above, below));
     if (mu == 0.0) continue;
     residual = std::max(residual, std::abs(mu * (mu > 0.0 ? above : below)) / scale);
     gradient += mu * model.Omega.row(i).transpose();
   }
-  if (!is_finite || !gradient.allFinite()) return kInfinity;
+  if (!is_finite || !gradient.allFinite()) return kNoBound;
   return std::max(residual, gradient.lpNorm<Eigen::Infinity>() / scale);
 }
 
@@ -86,13 +85,13 @@ QpFactors::QpFactors(QpModel qp) : model(std::move(qp)) {
 QpStatus QpFactors::examine(const QpInput& input) {
   bool is_finite = true;
   bool is_possible = true;
-  for (Eigen::Index j = 0; j < input.g.size(); ++j) is_finite &= std::abs(input.g(j)) < kInfinity;
+  for (Eigen::Index j = 0; j < input.g.size(); ++j) is_finite &= std::abs(input.g(j)) < kNoBound;
   for (Eigen::Index i = 0; i < input.lower.size(); ++i) {
     // Comparisons with NaN are false.
-    is_finite &= input.lower(i) < kInfinity;
-    is_finite &= input.upper(i) > -kInfinity;
+    is_finite &= input.lower(i) < kNoBound;
+    is_finite &= input.upper(i) > -kNoBound;
     is_finite &= input.softness(i) >= 0.0;
-    is_finite &= input.softness(i) < kInfinity;
+    is_finite &= input.softness(i) < kNoBound;
     is_possible &= input.lower(i) <= input.upper(i);
   }
   if (!is_finite) return QpStatus::not_finite;

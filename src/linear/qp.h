@@ -2,9 +2,12 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 #include <memory>
 
 namespace breakwater {
+
+inline constexpr double kNoBound = std::numeric_limits<double>::infinity();
 
 /// The problem, of n variables and m rows:
 ///     minimise ½ zᵀ H z + gᵀ z   subject to   lower ≤ Ω z ≤ upper.

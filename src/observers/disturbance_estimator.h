@@ -11,7 +11,7 @@
 namespace breakwater {
 
 /// Estimates the state x (n) of a plant and the disturbance d (m) that opposes its inputs,
-///     x(k+1) = A x(k) + B (u(k) − d(k)),   y(k) = C x(k) + noise,
+///     x(k+1) = A x(k) + B (u(k) − d(k)),   y(k) = C x(k) + noise   (Eqs. 3.1, 3.2),
 /// from what it was given and what was measured. Used once a sample: update(), then read.
 class DisturbanceEstimator {
  public:

@@ -18,7 +18,7 @@ struct ExtendedPlant {
 };
 
 /// Extends a sampled plant x(k+1) = A_d x + B_d u by a chain of sums for each input's disturbance
-/// (Eqs. 3.3 and 3.4, 4.1 and 4.2, 4.3 and 4.4):
+/// (order 0: Eqs. 2.46, 2.47, 3.3, 3.4; 1: Eqs. 4.1, 4.2; 2: Eqs. 4.3, 4.4):
 ///     A̅ = [A_d −B_d 0; 0 I T_s·I; 0 0 I],  B̅ = [B_d; 0; 0],  C̅ = [C_d 0 0]      (order 1).
 ///
 /// Throws std::invalid_argument if the order is not 0, 1 or 2, the period is not positive, or the

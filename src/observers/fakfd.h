@@ -19,8 +19,9 @@ inline Eigen::VectorXd diagonal_gamma(const ExtendedPlant& plant, double gamma_d
 
 /// The KFD whose covariance is inflated after each measurement,
 ///     P(k|k) = √Γ (I − K C̅) P(k|k−1) √Γ.
-/// With Γ = γ·I this is Eq. 4.18. With a diagonal Γ the printed {Γ − K C̅} P and Γ (I − K C̅) P are
-/// not symmetric, hence no covariances; the symmetric form gives the printed noise of Table 4.5.
+/// With Γ = γ·I this is Eq. 4.18. With a diagonal Γ the printed {Γ − K C̅} P (Eq. 4.5) and
+/// Γ (I − K C̅) P are not symmetric, hence no covariances; the symmetric form gives the printed
+/// noise of Table 4.5.
 template <int N = Eigen::Dynamic, int m = Eigen::Dynamic, int p = Eigen::Dynamic>
 class Fakfd final : public KalmanEstimator<N, m, p> {
  public:

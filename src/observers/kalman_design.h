@@ -9,7 +9,7 @@ namespace breakwater {
 struct KalmanDesign {
   ExtendedPlant plant;
   Eigen::MatrixXd Q;   ///< N×N: what the process noise adds to P(k|k−1) at each sample
-  Eigen::MatrixXd R;   ///< p×p: covariance of the observation noise
+  Eigen::MatrixXd R;   ///< p×p: covariance of the observation noise (Eq. 3.6)
   Eigen::MatrixXd P0;  ///< N×N: P(0|−1), the prior of the first measurement
 };
 
@@ -17,8 +17,8 @@ struct KalmanDesign {
 /// and P0 symmetric and positive definite.
 void check(const KalmanDesign& design);
 
-/// The process noise of the KFD: it enters as the input does, Q = B̅ q B̅ᵀ (Eqs. 3.8 and 4.12). It
-/// does not reach the disturbance, whose gain therefore fades as 1/k.
+/// The process noise of the KFD: it enters as the input does, Q = B̅ q B̅ᵀ (Eqs. 3.5, 3.8 and
+/// 4.12). It does not reach the disturbance, whose gain therefore fades as 1/k.
 Eigen::MatrixXd input_noise(const ExtendedPlant& plant, double q);
 
 /// The other form of the KFD, Q = q·I: every state walks.

@@ -15,7 +15,7 @@ struct MdobDesign {
 ///     d̂ = g_w/(s + g_w)·{τ + g_w J_n G_d(s) q} − g_w J_n G_d(s) q,   G_d(s) = g_d s/(s + g_d),
 /// which is g_w/(s + g_w)·{τ − J_n s G_d(s) q}: the torque less what the nominal inertia's
 /// acceleration takes. As everywhere in this project d̂ opposes the input, J_n q̈ = τ − d̂; the
-/// line above Eq. 2.6 prints the other sign.
+/// first line of Eq. 2.6 prints the other sign.
 ///
 /// Sampled: the torque is held, so its low-pass is exact; the angle's filters are the backward
 /// differences of theirs.

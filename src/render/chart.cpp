@@ -13,7 +13,7 @@ namespace breakwater {
 namespace {
 
 constexpr Colour kPaper{1.0, 1.0, 1.0, 1.0};
-constexpr Colour kInk{0.13, 0.15, 0.18, 1.0};
+constexpr Colour kChartInk{0.13, 0.15, 0.18, 1.0};
 constexpr Colour kGrid{0.88, 0.89, 0.90, 1.0};
 constexpr Colour kMark{0.45, 0.47, 0.50, 1.0};
 // Okabe and Ito's palette, told apart by colour-blind readers too.
@@ -117,11 +117,11 @@ void Chart::draw_frame(const std::string& title) {
   plot_.height = height - plot_.top - 2.0 * size;
 
   canvas.fill({0.0, 0.0, width, height}, kPaper);
-  canvas.text({plot_.left, 1.45 * size}, title, size, kInk, Align::left, true);
+  canvas.text({plot_.left, 1.45 * size}, title, size, kChartInk, Align::left, true);
   for (const double v : levels) {
     const double y = std::round(place(range_.from_s, v).y) + 0.5;
     canvas.line({{plot_.left, y}, {plot_.right(), y}}, kGrid, 1.0);
-    canvas.text({plot_.left - 0.4 * size, y + 0.36 * size}, tick_text(v, levels), size, kInk,
+    canvas.text({plot_.left - 0.4 * size, y + 0.36 * size}, tick_text(v, levels), size, kChartInk,
                 Align::right);
   }
   for (const double t : instants) {
@@ -129,7 +129,7 @@ void Chart::draw_frame(const std::string& title) {
     canvas.line({{x, plot_.top}, {x, plot_.bottom()}}, kGrid, 1.0);
     const double half = 0.5 * canvas.text_width(tick_text(t, instants) + " s", size);
     canvas.text({std::min(x, width - half - 0.4 * size), plot_.bottom() + 1.3 * size},
-                tick_text(t, instants) + (t == instants.back() ? " s" : ""), size, kInk,
+                tick_text(t, instants) + (t == instants.back() ? " s" : ""), size, kChartInk,
                 Align::center);
   }
 
@@ -150,7 +150,7 @@ void Chart::draw_legend(double baseline) {
   for (std::size_t i = lines_.size(); i-- > 0;) {
     if (lines_[i].label.empty()) continue;
     const double text = frame_->text_width(lines_[i].label, size);
-    frame_->text({x, baseline}, lines_[i].label, size, kInk, Align::right);
+    frame_->text({x, baseline}, lines_[i].label, size, kChartInk, Align::right);
     const double y = std::round(baseline - 0.35 * size) + 0.5;
     const std::vector<double> dashes =
         lines_[i].dashed ? std::vector{0.35 * size, 0.25 * size} : std::vector<double>{};
@@ -212,7 +212,7 @@ void Chart::mark(double time_s, const std::string& caption) {
   const double x = std::round(place(time_s, 0.0).x) + 0.5;
   frame_->line({{x, plot_.top}, {x, plot_.bottom()}}, kMark, 1.5 * unit_px_,
                {4.0 * unit_px_, 3.0 * unit_px_});
-  frame_->text({x + 0.3 * size, plot_.top + 1.1 * size}, caption, size, kInk);
+  frame_->text({x + 0.3 * size, plot_.top + 1.1 * size}, caption, size, kChartInk);
 }
 
 }  // namespace breakwater

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include <breakwater/report/printed_results.h>
-#include <breakwater/scenario/saved_run.h>
 #include <breakwater/scenario/catalogue.h>
+#include <breakwater/scenario/saved_run.h>
 
 namespace breakwater {
 

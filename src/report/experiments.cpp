@@ -20,7 +20,7 @@ namespace {
 
 using Variables = std::map<std::string, std::string>;
 
-std::string at_line(const std::string& file, std::size_t line) {
+std::string place_in(const std::string& file, std::size_t line) {
   return fmt::format("{}:{}: ", file, line);
 }
 
@@ -55,7 +55,7 @@ class Reader {
 
   template <typename Place>
   [[noreturn]] void fail(const Place& place, const std::string& what) const {
-    throw std::invalid_argument(at_line(file_, line_of(place)) + what);
+    throw std::invalid_argument(place_in(file_, line_of(place)) + what);
   }
 
   const toml::table& table(const toml::node& node) const {
@@ -212,8 +212,8 @@ class Reader {
 
 void read_runs(const Reader& reader, const toml::table& table,
                std::map<std::string, RunSpec>& runs) {
-  reader.allow(table, {"name", "scenario", "case", "sets", "for", "and", "seeds", "phases",
-                       "count_rad", "except"});
+  reader.allow(table,
+               {"name", "scenario", "case", "sets", "for", "and", "seeds", "spread", "except"});
   for (const Variables& variables : reader.combinations(table)) {
     RunSpec run;
     run.name = reader.text(table, "name", variables);
@@ -226,12 +226,15 @@ void read_runs(const Reader& reader, const toml::table& table,
       for (int seed = 1; seed <= seeds; ++seed) {
         run.repetitions.push_back({fmt::format("run.seed={}", seed)});
       }
-    } else if (table.contains("phases")) {
-      const double count_rad = reader.real(table, "count_rad", variables);
-      const int phases = count_rad > 0.0 ? reader.repetitions(table, "phases") : 1;
-      for (int i = 0; i < phases; ++i) {
-        const double phase_rad = count_rad * ((i + 0.5) / phases - 0.5);
-        run.repetitions.push_back({fmt::format("encoder.phase_rad={:.17g}", phase_rad)});
+    } else if (const toml::node* spread = table.get("spread")) {
+      const toml::table& over = reader.table(*spread);
+      reader.allow(over, {"key", "width", "count"});
+      const std::string key = reader.text(over, "key", variables);
+      const double width = reader.real(over, "width", variables);
+      const int count = width > 0.0 ? reader.repetitions(over, "count") : 1;
+      for (int i = 0; i < count; ++i) {
+        run.repetitions.push_back(
+            {fmt::format("{}={:.17g}", key, width * ((i + 0.5) / count - 0.5))});
       }
     } else {
       run.repetitions = {{}};
@@ -399,11 +402,11 @@ void read_figures(const Reader& reader, const toml::table& table, const toml::ta
 
 SectionSpec read_section(const Reader& reader, const toml::table& table, const toml::table& forms,
                          std::map<std::string, RunSpec>& runs) {
-  reader.allow(table, {"id", "plant", "title", "text", "docs", "video", "strip", "strip_number",
+  reader.allow(table, {"id", "group", "title", "text", "docs", "video", "strip", "strip_number",
                        "run", "table", "reasons", "figures", "missing"});
   SectionSpec section;
   section.id = reader.text(table, "id", {});
-  section.plant = reader.text(table, "plant", {});
+  section.group = reader.text(table, "group", {});
   section.title = reader.text(table, "title", {});
   section.text = reader.text_or(table, "text", {});
   section.docs = reader.text_or(table, "docs", {});
@@ -458,7 +461,7 @@ class Check {
 
  private:
   [[noreturn]] void fail(std::size_t line, const std::string& what) const {
-    throw std::invalid_argument(at_line(experiments_.file, line) + what);
+    throw std::invalid_argument(place_in(experiments_.file, line) + what);
   }
 
   void run(const std::string& name, std::size_t line) const {

@@ -101,7 +101,7 @@ struct ReasonSpec {
 
 struct SectionSpec {
   std::string id;     ///< the thesis': "2.4.3.2"
-  std::string plant;  ///< arm, cart, motor or quadrotor
+  std::string group;  ///< what --only may name beside the id: "arm"
   std::string title;
   std::string text;
   std::string docs;   ///< a page of docs/

@@ -22,7 +22,7 @@ struct Line {
 };
 
 // Nothing, if it is not as add() writes it.
-std::optional<Line> parse(const std::string& text) {
+std::optional<Line> parse_line(const std::string& text) {
   const auto json = nlohmann::json::parse(text, nullptr, false);
   if (!json.is_object()) return std::nullopt;
   const auto key = json.find("key");
@@ -64,7 +64,7 @@ void Measurements::read() {
   for (std::string text; std::getline(stream, text);) {
     is_torn_ = stream.eof();  // no end of line behind it
     if (is_torn_) break;
-    if (const auto line = parse(text)) known_[line->key] = line->measurement;
+    if (const auto line = parse_line(text)) known_[line->key] = line->measurement;
   }
 }
 

@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <set>
 #include <stdexcept>
 
 #include <breakwater/record/text_outputs.h>
@@ -33,23 +34,25 @@ struct ReproduceArguments {
   bool quiet = false;
 };
 
-// Those of a plant, or those whose number begins with `only`: "2.4" has 2.4.3.2.
+// Those of a group, or those whose number begins with `only`: "2.4" has 2.4.3.2.
 std::vector<const SectionSpec*> choose_sections(const Experiments& experiments,
                                                 const std::string& only) {
   std::vector<const SectionSpec*> chosen;
   std::vector<std::string> names;
+  std::set<std::string> groups;
   for (const SectionSpec& section : experiments.sections) {
     names.push_back(section.id);
-    names.push_back(section.plant);
-    if (only == "all" || only == section.plant || only == section.id ||
+    names.push_back(section.group);
+    groups.insert(section.group);
+    if (only == "all" || only == section.group || only == section.id ||
         section.id.starts_with(only + ".")) {
       chosen.push_back(&section);
     }
   }
   if (chosen.empty()) {
-    throw std::invalid_argument(
-        "--only " + only + ": must be all, arm, cart, motor, quadrotor or a section, such as 2.4" +
-        did_you_mean(only, names));
+    throw std::invalid_argument(fmt::format(
+        "--only {}: must be all, {} or a section, such as {}{}", only, fmt::join(groups, ", "),
+        experiments.sections.front().id, did_you_mean(only, names)));
   }
   return chosen;
 }

@@ -9,10 +9,10 @@
 #include <map>
 #include <set>
 
-#include <breakwater/scenario/saved_run.h>
 #include <breakwater/scenario/all_cores.h>
 #include <breakwater/scenario/progress.h>
 #include <breakwater/scenario/runner.h>
+#include <breakwater/scenario/saved_run.h>
 
 namespace breakwater {
 namespace fs = std::filesystem;

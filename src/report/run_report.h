@@ -7,8 +7,8 @@
 
 #include <breakwater/report/page_chart.h>
 #include <breakwater/report/printed_results.h>
-#include <breakwater/scenario/saved_run.h>
 #include <breakwater/scenario/catalogue.h>
+#include <breakwater/scenario/saved_run.h>
 
 namespace breakwater {
 

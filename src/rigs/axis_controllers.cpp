@@ -7,7 +7,7 @@
 namespace breakwater {
 namespace {
 
-using Estimator = std::shared_ptr<DisturbanceEstimator>;
+using SharedEstimator = std::shared_ptr<DisturbanceEstimator>;
 
 struct PdGains {
   double k_p = 0.0;
@@ -20,7 +20,7 @@ void bind_pd(Fields& fields, PdGains& gains) {
 }
 
 std::unique_ptr<Controller> make_pd(const PdGains& gains, const AxisTask& task,
-                                    Estimator estimator) {
+                                    SharedEstimator estimator) {
   return std::make_unique<DisturbanceCancellingPd>(
       std::move(estimator), DisturbanceCancellingPdDesign{.k_p = gains.k_p,
                                                           .k_d = gains.k_d,
@@ -36,7 +36,7 @@ void bind_regulator(Fields& fields, RegulatorSettings& settings) {
 }
 
 std::unique_ptr<Controller> regulator(const RegulatorSettings& settings, const AxisTask& task,
-                                      Estimator estimator, bool uses_true_state) {
+                                      SharedEstimator estimator, bool uses_true_state) {
   if (settings.period_s != task.axis.period_s) {
     throw WrongKey("controller.period_s", "must be control.period_s for a regulator");
   }
@@ -51,12 +51,12 @@ std::unique_ptr<Controller> regulator(const RegulatorSettings& settings, const A
 }
 
 std::unique_ptr<Controller> make_lqr(const RegulatorSettings& settings, const AxisTask& task,
-                                     Estimator estimator) {
+                                     SharedEstimator estimator) {
   return regulator(settings, task, std::move(estimator), true);
 }
 
 std::unique_ptr<Controller> make_lqr_observer(const RegulatorSettings& settings,
-                                              const AxisTask& task, Estimator estimator) {
+                                              const AxisTask& task, SharedEstimator estimator) {
   return regulator(settings, task, std::move(estimator), false);
 }
 
@@ -65,7 +65,7 @@ void bind_mpc(Fields& fields, PredictiveSettings& settings) {
 }
 
 std::unique_ptr<Controller> make_mpc(const PredictiveSettings& settings, const AxisTask& task,
-                                     Estimator estimator) {
+                                     SharedEstimator estimator) {
   return std::make_unique<PredictiveControl>(std::move(estimator), settings.design(task));
 }
 

@@ -75,7 +75,7 @@ struct AxisSettings {
   NominalAxis nominal() const;           ///< what estimator and controller are told
 };
 
-/// What acts on the axis besides its drive and friction.
+/// What acts on the axis besides its drive and friction, and on its sensor (Eqs. 2.5, 2.36, 2.37).
 struct AxisDisturbances {
   Disturbance force;     ///< d, which opposes the drive
   Disturbance position;  ///< d_o, added to what is measured

@@ -14,7 +14,7 @@
 namespace breakwater {
 namespace {
 
-constexpr std::size_t kLongestShown = 200;  // of a value that is none
+constexpr std::size_t kLongestValue = 200;  // of a value that is none
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 using Error = std::optional<std::string>;
@@ -62,7 +62,7 @@ std::string describe(const ConfigValue& value) {
     std::string operator()(std::int64_t i) const { return std::to_string(i); }
     std::string operator()(double d) const { return fmt::format("{}", d); }
     std::string operator()(const std::string& s) const {
-      return s.size() <= kLongestShown ? toml_string(s) : "a long text";
+      return s.size() <= kLongestValue ? toml_string(s) : "a long text";
     }
     std::string operator()(const ConfigValue::Array&) const { return "an array"; }
   };

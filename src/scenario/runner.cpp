@@ -20,32 +20,32 @@ namespace {
 
 std::string manifest(const PreparedRun& run, const ModelHashes& models, const Recording& recording,
                      double wall_s, const std::string& log_hash) {
-  nlohmann::ordered_json json;
-  json["scenario"] = run.scenario->name();
-  json["case"] = run.case_name;
-  json["seed"] = run.scenario->run_settings().seed;
-  json["status"] = recording.failure ? "failed" : "complete";
+  nlohmann::ordered_json entries;
+  entries["scenario"] = run.scenario->name();
+  entries["case"] = run.case_name;
+  entries["seed"] = run.scenario->run_settings().seed;
+  entries["status"] = recording.failure ? "failed" : "complete";
   if (recording.failure) {
-    json["reason"] = recording.failure->reason;
-    json["time_s"] = recording.failure->time_s;
+    entries["reason"] = recording.failure->reason;
+    entries["time_s"] = recording.failure->time_s;
   }
-  json["state_hash"] = fmt::format("{:016x}", recording.state_hash);
-  json["log_hash"] = log_hash;
-  json["simulated_s"] = recording.simulated_s;
-  json["dropped_samples"] = recording.dropped_samples;
-  json["wall_time_s"] = wall_s;
-  json["costs"] = nlohmann::ordered_json::object();
-  for (const Metric& cost : recording.costs) json["costs"][cost.name] = cost.value;
-  json["breakwater"] = kVersion;
-  json["git_commit"] = kGitCommit;
-  json["program"] = program_hash();
-  json["models"] = models;
-  json["versions"] = {{"mujoco", engine_version()},
+  entries["state_hash"] = fmt::format("{:016x}", recording.state_hash);
+  entries["log_hash"] = log_hash;
+  entries["simulated_s"] = recording.simulated_s;
+  entries["dropped_samples"] = recording.dropped_samples;
+  entries["wall_time_s"] = wall_s;
+  entries["costs"] = nlohmann::ordered_json::object();
+  for (const Metric& cost : recording.costs) entries["costs"][cost.name] = cost.value;
+  entries["breakwater"] = kVersion;
+  entries["git_commit"] = kGitCommit;
+  entries["program"] = program_hash();
+  entries["models"] = models;
+  entries["versions"] = {{"mujoco", engine_version()},
                       {"eigen", fmt::format("{}.{}.{}", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION,
                                             EIGEN_MINOR_VERSION)},
                       {"hdf5", hdf5_version()},
                       {"compiler", __VERSION__}};
-  return json.dump(2) + "\n";
+  return entries.dump(2) + "\n";
 }
 
 // Given back last first: the first one may have made parent folders for all, and can remove them

@@ -6,7 +6,7 @@
 namespace breakwater {
 namespace {
 
-constexpr double kImpedance = 0.001;  // d, ten times the engine's smallest
+constexpr double kSoftImpedance = 0.001;  // d, ten times the engine's smallest
 
 }  // namespace
 
@@ -47,9 +47,9 @@ void author_contact(Model& model, int geom1, int geom2, const ContactLaw& law) {
   for (const int geom : {geom1, geom2}) {
     mjtNum* solref = m.geom_solref + static_cast<ptrdiff_t>(mjNREF) * geom;
     mjtNum* solimp = m.geom_solimp + static_cast<ptrdiff_t>(mjNIMP) * geom;
-    solref[0] = -law.stiffness_N_m * invweight * (1.0 - kImpedance);
-    solref[1] = -law.damping_Ns_m * invweight * (1.0 - kImpedance);
-    solimp[0] = solimp[1] = kImpedance;
+    solref[0] = -law.stiffness_N_m * invweight * (1.0 - kSoftImpedance);
+    solref[1] = -law.damping_Ns_m * invweight * (1.0 - kSoftImpedance);
+    solimp[0] = solimp[1] = kSoftImpedance;
   }
 }
 

@@ -6,7 +6,7 @@
 namespace breakwater {
 namespace {
 
-constexpr double kImpedance = 0.9999;         // d, the engine's largest
+constexpr double kHardImpedance = 0.9999;         // d, the engine's largest
 constexpr double kStepsOfTimeConstant = 2.0;  // the fewest that the engine takes
 
 }  // namespace
@@ -25,7 +25,7 @@ void author_friction(Model& model, int joint, double viscous, double coulomb) {
   mjtNum* solref = m.dof_solref + static_cast<ptrdiff_t>(mjNREF) * dof;
   mjtNum* solimp = m.dof_solimp + static_cast<ptrdiff_t>(mjNIMP) * dof;
   solref[0] = kStepsOfTimeConstant * m.opt.timestep;
-  solimp[0] = solimp[1] = kImpedance;
+  solimp[0] = solimp[1] = kHardImpedance;
 }
 
 }  // namespace breakwater

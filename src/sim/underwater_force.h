@@ -41,7 +41,7 @@ struct FreeMotion {
   Eigen::Vector3d euler;       ///< roll, pitch, yaw
 };
 
-/// What acts on the quadrotor besides thrust and the engine's gravity.
+/// What acts on the quadrotor besides thrust and the engine's gravity: the rest of Eq. 3.15, and F.
 ///
 /// Waves, physical: with u the water's velocity at the vehicle and a its acceleration,
 ///     F = ρ V C_m a + D(v) − D(v − u),   τ = z_B e_z × (−ρ g V s),

@@ -13,12 +13,6 @@
 namespace breakwater::testing {
 namespace {
 
-std::string text_of(const std::string& file) {
-  std::stringstream text;
-  text << std::ifstream(source_file(file), std::ios::binary).rdbuf();
-  return text.str();
-}
-
 // ---- what is broken ----------------------------------------------------------------------------
 
 // What can happen to a file as a whole.
@@ -45,7 +39,7 @@ void add_broken_files(const Mutant& whole, const std::string& root, const std::s
 }
 
 std::vector<Mutant> scenario_mutants(const std::string& scenario) {
-  const std::string text = text_of("scenarios/" + scenario + "/" + scenario + ".toml");
+  const std::string text = text_of(source_file("scenarios/" + scenario + "/" + scenario + ".toml"));
   const Mutant whole{scenario, "--config", "mutant.toml", "", "", text};
   std::vector<Mutant> mutants;
   add_broken_files(whole, "\"" + scenario + "\"", "\"nonsense\"", mutants);
@@ -104,7 +98,7 @@ std::vector<std::pair<std::string, std::string>> changed_values(const std::strin
 
 std::vector<Mutant> model_mutants(const std::string& file, const std::string& scenario) {
   const bool is_urdf = file.ends_with(".urdf");
-  const std::string text = text_of("models/" + file);
+  const std::string text = text_of(source_file("models/" + file));
   const Mutant whole{scenario,
                      is_urdf ? "model.urdf" : "model.mjcf",
                      is_urdf ? "mutant.urdf" : "mutant.xml",

@@ -14,16 +14,6 @@
 #include "support.h"
 
 namespace breakwater::testing {
-namespace {
-
-std::string text_of(const std::filesystem::path& file) {
-  std::stringstream text;
-  text << std::ifstream(file).rdbuf();
-  return text.str();
-}
-
-}  // namespace
-
 ProgramResult run_program(const std::vector<std::string>& arguments,
                           const std::filesystem::path& folder, double kill_after_s, int signal) {
   static std::atomic<int> calls = 0;  // on several threads at once

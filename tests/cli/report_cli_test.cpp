@@ -16,6 +16,7 @@ namespace fs = std::filesystem;
 
 using testing::ProgramResult;
 using testing::run_program;
+using testing::text_of;
 
 // Two runs with logs, a row of a table, and many small runs.
 const char* const kExperiments = R"(
@@ -58,12 +59,6 @@ rows = [{ title = "velocity", says = "is small", run = "many", metric = "rmse_ve
 form = "motor"
 list = [{ n = "4.34", title = "Two", runs = [["one-kfd", "KFD"], ["one-fakfd-0998", "FAKFD"]] }]
 )";
-
-std::string text_of(const fs::path& file) {
-  std::stringstream text;
-  text << std::ifstream(file).rdbuf();
-  return text.str();
-}
 
 int lines_of(const std::string& text) {
   return static_cast<int>(std::count(text.begin(), text.end(), '\n'));

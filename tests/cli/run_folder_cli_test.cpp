@@ -16,12 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 using testing::ProgramResult;
 using testing::run_program;
-
-std::string text_of(const fs::path& file) {
-  std::stringstream text;
-  text << std::ifstream(file).rdbuf();
-  return text.str();
-}
+using testing::text_of;
 
 std::string output_of(const std::string& command) {
   std::string output;

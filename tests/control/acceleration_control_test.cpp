@@ -7,7 +7,7 @@
 
 #include "support.h"
 
-namespace breakwater {
+namespace breakwater::acceleration_control_test {
 namespace {
 
 AccelerationControlDesign design() {
@@ -102,4 +102,4 @@ TEST(AccelerationControl, RefusesNonsense) {
 }
 
 }  // namespace
-}  // namespace breakwater
+}  // namespace breakwater::acceleration_control_test

@@ -9,7 +9,7 @@
 #include <breakwater/observers/kfd.h>
 #include <breakwater/plants/damped_inertia.h>
 
-namespace breakwater {
+namespace breakwater::disturbance_cancelling_pd_test {
 namespace {
 
 constexpr double kPeriod = 0.01;
@@ -97,4 +97,4 @@ TEST(DisturbanceCancellingPd, RefusesNonsense) {
 }
 
 }  // namespace
-}  // namespace breakwater
+}  // namespace breakwater::disturbance_cancelling_pd_test

@@ -13,7 +13,7 @@
 #include <breakwater/plants/damped_inertia.h>
 #include "support.h"
 
-namespace breakwater {
+namespace breakwater::predictive_control_test {
 namespace {
 
 constexpr double kPeriod = 0.01;
@@ -100,4 +100,4 @@ TEST(PredictiveControl, MovedBoundsHoldBetweenTheOptimisationsToo) {
 }
 
 }  // namespace
-}  // namespace breakwater
+}  // namespace breakwater::predictive_control_test

@@ -1,21 +1,13 @@
 // The code in the documentation is code that is built.
 #include <gtest/gtest.h>
 
-#include <fstream>
 #include <regex>
-#include <sstream>
 
 #include "support.h"
 
 namespace breakwater {
 namespace {
 namespace fs = std::filesystem;
-
-std::string all_of(const fs::path& file) {
-  std::stringstream text;
-  text << std::ifstream(file).rdbuf();
-  return text.str();
-}
 
 // A fenced block behind <!-- FILE --> is a piece of that file, word for word. The install tests
 // build and run the templates.
@@ -24,11 +16,11 @@ TEST(Docs, CodeIsWordForWordThatOfTheTemplates) {
   const std::regex pattern("<!-- (templates/\\S+) -->\n```[a-z]*\n([^`]*)```");
   for (const auto& entry : fs::directory_iterator(testing::source_file("docs"))) {
     if (entry.path().extension() != ".md") continue;
-    const std::string page = all_of(entry.path());
+    const std::string page = testing::text_of(entry.path());
     for (std::sregex_iterator block(page.begin(), page.end(), pattern), end; block != end;
          ++block) {
       ++blocks;
-      const std::string code = all_of(testing::source_file((*block)[1]));
+      const std::string code = testing::text_of(testing::source_file((*block)[1]));
       EXPECT_NE(code.find((*block)[2]), std::string::npos)
           << entry.path() << ": not in " << (*block)[1] << ":\n"
           << (*block)[2];
@@ -50,7 +42,7 @@ TEST(Docs, HeadersThatAreNamedAreThere) {
   const std::regex pattern("<breakwater/([a-z_]+/[a-z_]+\\.h)>");
   for (const auto& entry : fs::recursive_directory_iterator(testing::source_file("docs"))) {
     if (entry.path().extension() != ".md") continue;
-    const std::string page = all_of(entry.path());
+    const std::string page = testing::text_of(entry.path());
     for (std::sregex_iterator name(page.begin(), page.end(), pattern), end; name != end; ++name) {
       EXPECT_TRUE(fs::exists(testing::source_file("src/" + (*name)[1].str())))
           << entry.path() << " names " << (*name)[0];

@@ -3,9 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include <fstream>
 #include <set>
-#include <sstream>
 
 #include <breakwater/record/text_outputs.h>
 
@@ -61,11 +59,7 @@ class NewProject : public ::testing::Test {
   void write(const std::string& file, const std::string& text) const {
     write_text_file((root_ / file).string(), text);
   }
-  std::string text(const fs::path& file) const {
-    std::stringstream text;
-    text << std::ifstream(root_ / file).rdbuf();
-    return text.str();
-  }
+  std::string text(const fs::path& file) const { return testing::text_of(root_ / file); }
   std::string refusal(const std::string& name, const fs::path& out) const {
     try {
       make(name, out);

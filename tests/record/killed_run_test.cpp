@@ -16,14 +16,9 @@
 namespace breakwater {
 namespace {
 namespace fs = std::filesystem;
+using testing::text_of;
 
 using Settings = std::map<std::string, std::string>;
-
-std::string text_of(const fs::path& file) {
-  std::stringstream text;
-  text << std::ifstream(file).rdbuf();
-  return text.str();
-}
 
 class KilledRun : public ::testing::Test {
  protected:

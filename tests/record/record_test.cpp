@@ -20,12 +20,7 @@
 namespace breakwater {
 namespace {
 namespace fs = std::filesystem;
-
-std::string text_of(const fs::path& file) {
-  std::stringstream text;
-  text << std::ifstream(file).rdbuf();
-  return text.str();
-}
+using testing::text_of;
 
 // A track of one scalar and one vector signal, with values that need all their digits.
 class Recorded {

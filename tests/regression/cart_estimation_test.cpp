@@ -7,7 +7,7 @@
 #include "regression/run_case.h"
 #include "support.h"
 
-namespace breakwater {
+namespace breakwater::cart_estimation_test {
 namespace {
 
 using Sets = std::vector<std::string>;
@@ -119,4 +119,4 @@ TEST(CartEstimation, TheKfdAverages) {
 }
 
 }  // namespace
-}  // namespace breakwater
+}  // namespace breakwater::cart_estimation_test

@@ -5,7 +5,7 @@
 
 #include "regression/run_case.h"
 
-namespace breakwater {
+namespace breakwater::cart_position_test {
 namespace {
 
 Recording run(const std::string& case_name, const std::vector<std::string>& sets = {}) {
@@ -61,4 +61,4 @@ TEST(CartPosition, RefusesAHighPassThatTheSamplesCannotCarry) {
 }
 
 }  // namespace
-}  // namespace breakwater
+}  // namespace breakwater::cart_position_test

@@ -8,7 +8,7 @@
 #include "regression/run_case.h"
 #include "support.h"
 
-namespace breakwater {
+namespace breakwater::motor_estimation_test {
 namespace {
 
 using testing::median;
@@ -288,4 +288,4 @@ TEST(MotorEstimation, DelayCosts) {
 }
 
 }  // namespace
-}  // namespace breakwater
+}  // namespace breakwater::motor_estimation_test

@@ -7,7 +7,7 @@
 
 #include "regression/run_case.h"
 
-namespace breakwater {
+namespace breakwater::quadrotor_waves_test {
 namespace {
 
 using testing::run_case;
@@ -162,4 +162,4 @@ TEST(QuadrotorWaves, NanEndsTheRunUnlessDropped) {
 }
 
 }  // namespace
-}  // namespace breakwater
+}  // namespace breakwater::quadrotor_waves_test

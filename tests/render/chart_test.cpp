@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdlib>
 
-namespace breakwater {
+namespace breakwater::chart_test {
 namespace {
 
 constexpr int kWidth = 460;
@@ -108,4 +108,4 @@ TEST(Series, IsStraightBetweenItsPoints) {
 }
 
 }  // namespace
-}  // namespace breakwater
+}  // namespace breakwater::chart_test

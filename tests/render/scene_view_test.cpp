@@ -11,7 +11,7 @@
 #include <breakwater/render/picture.h>
 #include "support.h"
 
-namespace breakwater {
+namespace breakwater::scene_view_test {
 namespace {
 
 constexpr int kWidth = 320;
@@ -196,4 +196,4 @@ TEST(Picture, ShowsWhatTheScenarioMoves) {
 }
 
 }  // namespace
-}  // namespace breakwater
+}  // namespace breakwater::scene_view_test

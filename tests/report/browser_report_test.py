@@ -32,7 +32,7 @@ panels = [{ title = "angle", signals = ["position_true_rad", "position_measured_
 
 [[section]]
 id = "2.4.3.3"
-plant = "arm"
+group = "arm"
 title = "The arm"
 text = "Held."
 docs = "experiments/arm-push.md"
@@ -48,7 +48,7 @@ list = [{ n = "2.50", title = "The tip", run = "push" }]
 
 [[section]]
 id = "4.3.2"
-plant = "motor"
+group = "motor"
 title = "The motor"
 text = "Disturbed."
 docs = "methods/disturbance-kalman-filters.md"

@@ -306,11 +306,12 @@ def runs_of(experiments):
             repetitions = [[]]
             if "seeds" in entry:
                 repetitions = [[f"run.seed={seed + 1}"] for seed in range(entry["seeds"][1])]
-            elif "phases" in entry:
-                count = float(filled(entry["count_rad"], variables))
-                phases = entry["phases"][1] if count > 0 else 1
-                repetitions = [[f"encoder.phase_rad={count * ((i + 0.5) / phases - 0.5):.17g}"]
-                               for i in range(phases)]
+            elif "spread" in entry:
+                spread = entry["spread"]
+                width = float(filled(spread["width"], variables))
+                count = spread["count"][1] if width > 0 else 1
+                repetitions = [[f"{spread['key']}={width * ((i + 0.5) / count - 0.5):.17g}"]
+                               for i in range(count)]
             runs[filled(entry["name"], variables)] = (
                 entry["scenario"], filled(entry["case"], variables), sets, repetitions)
     return runs

@@ -19,9 +19,9 @@
 #include <breakwater/report/measurements.h>
 #include <breakwater/report/page_chart.h>
 #include <breakwater/report/reproduction.h>
-#include <breakwater/scenario/saved_run.h>
 #include <breakwater/report/thesis_report.h>
 #include <breakwater/scenario/runner.h>
+#include <breakwater/scenario/saved_run.h>
 #include "catalogue.h"
 #include "support.h"
 
@@ -492,7 +492,7 @@ TEST(Experiments, MistakesAreSaidWithTheirLine) {
     }
     return "";
   };
-  const std::string section = "[[section]]\nid = \"1\"\nplant = \"arm\"\ntitle = \"t\"\n";
+  const std::string section = "[[section]]\nid = \"1\"\ngroup = \"arm\"\ntitle = \"t\"\n";
   EXPECT_EQ(message(section), "");
   EXPECT_NE(message(section + "colour = 1\n").find(":5: there is no key colour"),
             std::string::npos);
@@ -512,9 +512,8 @@ TEST(Experiments, MistakesAreSaidWithTheirLine) {
   const std::string run = section +
                           "[[section.run]]\nname = \"x\"\nscenario = \"arm_push\"\n"
                           "case = \"c\"\n";
-  EXPECT_NE(message(run + "phases = [1, 1]\ncount_rad = \"wide\"\n")
-                .find(":10: count_rad: \"wide\" is no number"),
-            std::string::npos);
+  const std::string spread = "spread = { key = \"k\", count = [1, 1], width = \"wide\" }\n";
+  EXPECT_NE(message(run + spread).find(":9: width: \"wide\" is no number"), std::string::npos);
   // A cell is made of the table's `cell` (line 11), its column (12) and its row (14); its own table
   // stands in the row.
   const auto of_cell = [&](const std::string& row) {

@@ -8,7 +8,7 @@
 #include <breakwater/sim/simulation.h>
 #include "sim/small_models.h"
 
-namespace breakwater {
+namespace breakwater::actuation_test {
 namespace {
 
 using testing::FunctionController;
@@ -152,4 +152,4 @@ TEST(Sensing, RefusesANegativeDelay) {
 }
 
 }  // namespace
-}  // namespace breakwater
+}  // namespace breakwater::actuation_test

@@ -9,7 +9,7 @@
 #include <breakwater/sim/engine_guard.h>
 #include "sim/small_models.h"
 
-namespace breakwater {
+namespace breakwater::simulation_test {
 namespace {
 
 using testing::FunctionController;
@@ -354,4 +354,4 @@ TEST(EngineGuard, FatalErrorsInsideAStepEndTheRun) {
 }
 
 }  // namespace
-}  // namespace breakwater
+}  // namespace breakwater::simulation_test

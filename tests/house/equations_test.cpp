@@ -1,0 +1,200 @@
+// docs/from-equation-to-code.md and the equations' numbers in comments say the same.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <regex>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "support.h"
+
+namespace breakwater {
+namespace {
+namespace fs = std::filesystem;
+
+struct Equation {
+  int chapter;
+  int number;
+  auto operator<=>(const Equation&) const = default;
+};
+
+std::ostream& operator<<(std::ostream& out, const Equation& equation) {
+  return out << equation.chapter << '.' << equation.number;
+}
+
+using Equations = std::vector<Equation>;
+
+/// The last one of each chapter.
+const std::vector<Equation> kLast = {{2, 93}, {3, 31}, {4, 27}};
+
+const std::string kNumber = "([2-9])\\.([0-9]+)(?!\\.?[0-9])";  // and no section's
+
+Equation equation_of(const std::smatch& match, std::size_t first = 1) {
+  return {std::stoi(match[first]), std::stoi(match[first + 1])};
+}
+
+/// Reads "2.4", "2.1–2.3", "2.9, 2.10 and 4.1–4.4" from a place on, adds them, and returns the end.
+/// A range that does not go up in its chapter fails.
+std::string::const_iterator read_list(std::string::const_iterator at,
+                                      std::string::const_iterator end, Equations& equations) {
+  static const std::regex first(kNumber);
+  static const std::regex next("(–|-| to |, and |, |; | and | or )" + kNumber);
+  const auto here = std::regex_constants::match_continuous;
+  std::smatch match;
+  if (!std::regex_search(at, end, match, first, here)) return at;
+  equations.push_back(equation_of(match));
+  at = match[0].second;
+  while (std::regex_search(at, end, match, next, here)) {
+    const Equation before = equations.back();
+    const Equation equation = equation_of(match, 2);
+    const std::string separator = match[1];
+    if (separator == "–" || separator == "-" || separator == " to ") {
+      EXPECT_TRUE(before.chapter == equation.chapter && before.number < equation.number)
+          << "no range: " << before << " to " << equation;
+      for (int i = before.number + 1; i < equation.number; ++i) {
+        equations.push_back({equation.chapter, i});
+      }
+    }
+    equations.push_back(equation);
+    at = match[0].second;
+  }
+  return at;
+}
+
+/// All that a text names by "Eq." or "Eqs.". A list may go on in the next line of its comment.
+std::set<Equation> named(const std::string& source) {
+  static const std::regex line_break("[ \t]*\r?\n[ \t]*(///?<?|#)?[ \t]*");
+  static const std::regex mark("\\bEqs?\\. ");
+  const std::string text = std::regex_replace(source, line_break, " ");
+  Equations equations;
+  auto at = text.cbegin();
+  for (std::smatch match; std::regex_search(at, text.cend(), match, mark);) {
+    at = read_list(match[0].second, text.cend(), equations);
+  }
+  return {equations.begin(), equations.end()};
+}
+
+std::string text_of(const fs::path& file) {
+  std::ifstream stream(file);
+  EXPECT_TRUE(stream) << file;
+  std::ostringstream text;
+  text << stream.rdbuf();
+  return text.str();
+}
+
+/// A line of the page that begins with equations: a row of a table, which links to the code, or an
+/// item of a list, which says why there is none.
+struct Entry {
+  int line;
+  bool is_row;
+  Equations equations;
+  std::vector<std::string> code;  // from the project's folder on
+};
+
+const std::string kPage = "docs/from-equation-to-code.md";
+
+std::vector<Entry> entries_of_the_page() {
+  std::vector<Entry> entries;
+  const std::regex code("\\]\\(\\.\\./((?:src|scenarios)/[^)#]+)\\)");
+  std::istringstream page(text_of(testing::source_file(kPage)));
+  int number = 0;
+  for (std::string line; std::getline(page, line);) {
+    ++number;
+    const bool is_row = line.starts_with("| ");
+    if (!is_row && !line.starts_with("- ")) continue;
+    Entry entry{number, is_row, {}, {}};
+    const auto end = read_list(line.cbegin() + 2, line.cend(), entry.equations);
+    if (entry.equations.empty()) continue;  // a table's head
+    EXPECT_TRUE(std::string(end, line.cend()).starts_with(is_row ? " |" : ": "))
+        << kPage << ":" << number << ": what follows the equations?";
+    for (std::sregex_iterator link(line.begin(), line.end(), code), none; link != none; ++link) {
+      entry.code.push_back((*link)[1]);
+    }
+    entries.push_back(entry);
+  }
+  return entries;
+}
+
+TEST(Equations, ReadAsTheyAreWritten) {
+  const auto text = [](const std::string& source) {
+    std::ostringstream out;
+    for (const Equation& equation : named(source)) out << equation << ' ';
+    return out.str();
+  };
+  EXPECT_EQ(text("/// (Eq. 2.6): 0.5, 2.4"), "2.6 ");
+  EXPECT_EQ(text("// Eqs. 2.60–2.62, or Eqs. 3.7-3.9."), "2.60 2.61 2.62 3.7 3.8 3.9 ");
+  EXPECT_EQ(text("(Eqs. 2.3, 2.54, 2.55)"), "2.3 2.54 2.55 ");
+  EXPECT_EQ(text("Eqs. 3.3 and 3.4, 4.1 to 4.3; 4.10"), "3.3 3.4 4.1 4.2 4.3 4.10 ");
+  EXPECT_EQ(text("  /// as Eqs. 2.71,\n  /// 2.72 say\n# Eq. 2.7\n# 3.5 kg"), "2.7 2.71 2.72 ");
+  EXPECT_EQ(text("the thesis' 2.4.3, and 4.2; Eq. 2.4.3, Eq. 2.5.1"), "");
+}
+
+TEST(Equations, EachOfTheThesisIsOnThePageOnce) {
+  std::map<Equation, int> count;
+  for (const Entry& entry : entries_of_the_page()) {
+    for (const Equation& equation : entry.equations) ++count[equation];
+  }
+  std::size_t all = 0;
+  for (const auto& [chapter, last] : kLast) {
+    for (int number = 1; number <= last; ++number) {
+      EXPECT_EQ((count[{chapter, number}]), 1) << chapter << '.' << number;
+      ++all;
+    }
+  }
+  EXPECT_EQ(count.size(), all) << "the page has an equation that the thesis has not";
+}
+
+TEST(Equations, TheFilesOfARowNameItsEquations) {
+  int rows = 0;
+  for (const Entry& entry : entries_of_the_page()) {
+    const std::string place = kPage + ":" + std::to_string(entry.line);
+    if (!entry.is_row) {
+      EXPECT_TRUE(entry.code.empty()) << place << ": an item of the list has code";
+      continue;
+    }
+    ++rows;
+    EXPECT_FALSE(entry.code.empty()) << place << ": no file";
+    for (const std::string& file : entry.code) {
+      const std::set<Equation> there = named(text_of(testing::source_file(file)));
+      for (const Equation& equation : entry.equations) {
+        EXPECT_TRUE(there.contains(equation)) << place << ": " << file << " lacks Eq. " << equation;
+      }
+    }
+  }
+  EXPECT_GT(rows, 50);
+}
+
+TEST(Equations, WhatTheCodeNamesHasARow) {
+  std::set<Equation> in_rows;
+  for (const Entry& entry : entries_of_the_page()) {
+    if (entry.is_row) in_rows.insert(entry.equations.begin(), entry.equations.end());
+  }
+  int files = 0;
+  for (const std::string folder : {"src", "scenarios"}) {
+    for (const auto& file : fs::recursive_directory_iterator(testing::source_file(folder))) {
+      const std::string extension = file.path().extension().string();
+      if (extension != ".h" && extension != ".cpp" && extension != ".toml") continue;
+      const std::set<Equation> there = named(text_of(file.path()));
+      if (!there.empty()) ++files;
+      for (const Equation& equation : there) {
+        EXPECT_TRUE(in_rows.contains(equation)) << file.path() << " names Eq. " << equation;
+      }
+    }
+  }
+  EXPECT_GT(files, 30);
+}
+
+TEST(Equations, ThePagesLinksLeadSomewhere) {
+  const std::regex link("\\]\\(([^)#]+)(#[^)]*)?\\)");
+  const std::string page = text_of(testing::source_file(kPage));
+  for (std::sregex_iterator i(page.begin(), page.end(), link), none; i != none; ++i) {
+    EXPECT_TRUE(fs::exists(testing::source_file("docs/" + (*i)[1].str()))) << (*i)[1];
+  }
+}
+
+}  // namespace
+}  // namespace breakwater
