@@ -1,5 +1,6 @@
 # Of breakwater_run_test: runs a program and checks numbers of the run that it leaves.
 #   cmake -DPROGRAM= -DOUT= -DMETRICS="NAME < NUMBER|..." -P run_test.cmake -- run ARG...
+cmake_minimum_required(VERSION 3.25)
 set(arguments "")
 set(is_argument FALSE)
 math(EXPR last "${CMAKE_ARGC} - 1")

@@ -1,5 +1,6 @@
 # One program that adds a controller, an estimator and a scenario at once.
 #   cmake -DSOURCE_DIR= -DWORK_DIR= -P all_at_once_test.cmake
+cmake_minimum_required(VERSION 3.25)
 include(${CMAKE_CURRENT_LIST_DIR}/common.cmake)
 set(all ${WORK_DIR}/all)
 file(REMOVE_RECURSE ${all})

@@ -1,5 +1,6 @@
 # Builds and runs a project that uses installed rooms.
 #   cmake -DSOURCE_DIR= -DWORK_DIR= -DPROGRAM= -DARGUMENTS= -DOPTIONS= -P consumer_test.cmake
+cmake_minimum_required(VERSION 3.25)
 include(${CMAKE_CURRENT_LIST_DIR}/common.cmake)
 set(build ${WORK_DIR}/${PROGRAM})
 separate_arguments(ARGUMENTS)

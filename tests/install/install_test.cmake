@@ -1,5 +1,6 @@
 # Installs the build into a fresh folder and runs an installed binary.
 #   cmake -DBUILD_DIR= -DWORK_DIR= -P install_test.cmake
+cmake_minimum_required(VERSION 3.25)
 file(REMOVE_RECURSE ${WORK_DIR})
 include(${CMAKE_CURRENT_LIST_DIR}/common.cmake)
 run(${CMAKE_COMMAND} --install ${BUILD_DIR} --prefix ${prefix})

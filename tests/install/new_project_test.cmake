@@ -1,6 +1,7 @@
 # Makes a project by the installed `breakwater new`, builds and tests it, and does with its program
 # what its README says.
 #   cmake -DWORK_DIR= -DKIND=controller|observer|scenario -P new_project_test.cmake
+cmake_minimum_required(VERSION 3.25)
 include(${CMAKE_CURRENT_LIST_DIR}/common.cmake)
 set(name own_${KIND})
 set(folder ${WORK_DIR}/${name})
