@@ -9,7 +9,7 @@ foreach(kind controller observer scenario)
   run_in(${all} ${prefix}/bin/breakwater new ${kind} own_${kind})
 endforeach()
 run(${CMAKE_COMMAND} -S ${SOURCE_DIR} -B ${all}/build -G Ninja -DCMAKE_BUILD_TYPE=Release ${fast}
-    -DPROJECTS=${all})
+    -DPROJECTS=${all} -DCMAKE_UNITY_BUILD=ON)  # each compiles alone in its own test
 run(${CMAKE_COMMAND} --build ${all}/build)
 set(lab ${all}/build/all_lab)
 execute_process(COMMAND ${lab} list --parts OUTPUT_VARIABLE parts COMMAND_ERROR_IS_FATAL ANY)
