@@ -15,8 +15,8 @@ namespace my_observer_lab {
 /// is measured now,
 ///     x̄⁻(k) = Φ x̂(k−1) + Γ u(k−1),   x̂(k) = x̄⁻(k) + L (y(k) − C x̄⁻(k)),
 /// so that its error follows e(k) = (I − L C) Φ e(k−1). All three poles are at −ω_o, sampled
-/// exactly: at e^{−ω_o T_s}, inside of the unit circle for every ω_o and T_s. The larger ω_o T_s, the
-/// more it believes what it measures, noise and all.
+/// exactly: at e^{−ω_o T_s}, inside of the unit circle for every ω_o and T_s. The larger ω_o T_s,
+/// the more it believes what it measures, noise and all.
 ///
 /// Source: Z. Gao, "Scaling and bandwidth-parameterization based controller tuning", ACC 2003; the
 /// sampled form: R. Miklosovic, A. Radke, Z. Gao, "Discrete implementation and generalization of
