@@ -1,34 +1,66 @@
-# Everything comes from Debian packages; `./dev setup` installs them. An installed Breakwater finds
-# them by this same file.
-find_package(Threads REQUIRED)
-find_package(Eigen3 3.4 REQUIRED NO_MODULE)
-find_package(fmt REQUIRED)
-find_package(tomlplusplus REQUIRED)
-find_package(nlohmann_json REQUIRED)
-find_package(CLI11 REQUIRED)
+# The packages that the rooms link, all from Debian (`./dev setup` installs them), and how each is
+# found. In the tree all are looked for; an installed Breakwater, which has this same file, looks for
+# those of the wanted rooms alone.
 
+# breakwater_package(TARGET DEBIAN CODE): CODE makes the imported target; in it ${how} is REQUIRED or
+# QUIET.
+function(breakwater_package target debian code)
+  get_property(packages GLOBAL PROPERTY BREAKWATER_PACKAGES)
+  if(NOT target IN_LIST packages)
+    set_property(GLOBAL APPEND PROPERTY BREAKWATER_PACKAGES ${target})
+  endif()
+  set_property(GLOBAL PROPERTY BREAKWATER_DEBIAN_${target} ${debian})
+  set_property(GLOBAL PROPERTY BREAKWATER_FIND_${target} "${code}")
+endfunction()
+
+# breakwater_find(TARGET REQUIRED|QUIET)
+function(breakwater_find target how)
+  if(NOT TARGET ${target})
+    get_property(code GLOBAL PROPERTY BREAKWATER_FIND_${target})
+    cmake_language(EVAL CODE "${code}")
+  endif()
+endfunction()
+
+# breakwater_pkg_config(REQUIRED|QUIET NAME MODULE...): PkgConfig::NAME.
+function(breakwater_pkg_config how name)
+  find_package(PkgConfig ${how})
+  if(PKG_CONFIG_FOUND)
+    pkg_check_modules(${name} ${how} IMPORTED_TARGET ${ARGN})
+  endif()
+endfunction()
+
+breakwater_package(Threads::Threads libc6-dev [[find_package(Threads ${how})]])
+breakwater_package(Eigen3::Eigen libeigen3-dev [[find_package(Eigen3 3.4 ${how} NO_MODULE)]])
+breakwater_package(fmt::fmt libfmt-dev [[find_package(fmt ${how})]])
+breakwater_package(tomlplusplus::tomlplusplus libtomlplusplus-dev
+  [[find_package(tomlplusplus ${how})]])
+breakwater_package(nlohmann_json::nlohmann_json nlohmann-json3-dev
+  [[find_package(nlohmann_json ${how})]])
+breakwater_package(CLI11::CLI11 libcli11-dev [[find_package(CLI11 ${how})]])
 # Debian's mujoco package names libqhull's headers and OpenGL without depending on them.
-find_package(mujoco 2.2.2 EXACT REQUIRED NO_MODULE)
-
-find_package(PkgConfig REQUIRED)
-pkg_check_modules(urdfdom REQUIRED IMPORTED_TARGET urdfdom)
-pkg_check_modules(tinyxml2 REQUIRED IMPORTED_TARGET tinyxml2)
-pkg_check_modules(xxhash REQUIRED IMPORTED_TARGET libxxhash)
-pkg_check_modules(hdf5 REQUIRED IMPORTED_TARGET hdf5-serial)
+breakwater_package(mujoco::mujoco "libmujoco-dev, libqhull-dev, libgl-dev and libopengl-dev"
+  [[find_package(mujoco 2.2.2 EXACT ${how} NO_MODULE)]])
+breakwater_package(PkgConfig::urdfdom liburdfdom-dev [[breakwater_pkg_config(${how} urdfdom urdfdom)]])
+breakwater_package(PkgConfig::tinyxml2 libtinyxml2-dev
+  [[breakwater_pkg_config(${how} tinyxml2 tinyxml2)]])
+breakwater_package(PkgConfig::xxhash libxxhash-dev [[breakwater_pkg_config(${how} xxhash libxxhash)]])
+breakwater_package(PkgConfig::hdf5 libhdf5-dev [[breakwater_pkg_config(${how} hdf5 hdf5-serial)]])
 # The high-level library (dimension scales) has no pkg-config file.
-find_library(HDF5_HL_LIBRARY NAMES hdf5_serial_hl REQUIRED)
-add_library(hdf5::hl INTERFACE IMPORTED)
-target_link_libraries(hdf5::hl INTERFACE ${HDF5_HL_LIBRARY} PkgConfig::hdf5)
-
-find_path(RANDOM123_INCLUDE_DIR Random123/philox.h REQUIRED)
-add_library(random123::random123 INTERFACE IMPORTED)
-target_include_directories(random123::random123 SYSTEM INTERFACE ${RANDOM123_INCLUDE_DIR})
-
-# Pictures. Mesa's OSMesa is not linked: render/ loads it when the first picture is drawn.
-pkg_check_modules(osmesa REQUIRED IMPORTED_TARGET osmesa)
-pkg_check_modules(cairo REQUIRED IMPORTED_TARGET cairo)
-pkg_check_modules(ffmpeg REQUIRED IMPORTED_TARGET libavformat libavcodec libswscale libavutil)
-
-# Reports. dygraphs is read when a page is written, and goes into it whole.
-find_path(MUSTACHE_INCLUDE_DIR kainjow/mustache.hpp REQUIRED)
-find_path(DYGRAPHS_DIR dygraph.min.js PATHS /usr/share/javascript/dygraphs NO_DEFAULT_PATH REQUIRED)
+breakwater_package(hdf5::hl libhdf5-dev [[
+  breakwater_find(PkgConfig::hdf5 ${how})
+  find_library(HDF5_HL_LIBRARY NAMES hdf5_serial_hl)
+  if(HDF5_HL_LIBRARY AND TARGET PkgConfig::hdf5)
+    add_library(hdf5::hl INTERFACE IMPORTED)
+    target_link_libraries(hdf5::hl INTERFACE ${HDF5_HL_LIBRARY} PkgConfig::hdf5)
+  elseif(how STREQUAL "REQUIRED")
+    message(FATAL_ERROR "hdf5_serial_hl is not there (Debian: libhdf5-dev)")
+  endif()]])
+breakwater_package(random123::random123 librandom123-dev [[
+  find_path(RANDOM123_INCLUDE_DIR Random123/philox.h ${how})
+  if(RANDOM123_INCLUDE_DIR)
+    add_library(random123::random123 INTERFACE IMPORTED)
+    target_include_directories(random123::random123 SYSTEM INTERFACE ${RANDOM123_INCLUDE_DIR})
+  endif()]])
+breakwater_package(PkgConfig::cairo libcairo2-dev [[breakwater_pkg_config(${how} cairo cairo)]])
+breakwater_package(PkgConfig::ffmpeg "libavformat-dev, libavcodec-dev, libswscale-dev and libavutil-dev"
+  [[breakwater_pkg_config(${how} ffmpeg libavformat libavcodec libswscale libavutil)]])

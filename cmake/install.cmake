@@ -6,7 +6,9 @@ get_property(rooms GLOBAL PROPERTY BREAKWATER_ROOMS)
 
 # Says what to do where something is not built yet, before anything is installed.
 set(artefacts "")
-foreach(target IN LISTS rooms ITEMS breakwater ${BREAKWATER_SCENARIOS})
+set(libraries ${rooms})
+list(TRANSFORM libraries PREPEND breakwater_)
+foreach(target IN LISTS libraries ITEMS breakwater ${BREAKWATER_SCENARIOS})
   get_target_property(type ${target} TYPE)
   if(NOT type STREQUAL "INTERFACE_LIBRARY")
     list(APPEND artefacts "$<TARGET_FILE:${target}>")
@@ -19,13 +21,13 @@ foreach(artefact IN LISTS artefacts)
   endif()
 endforeach()")
 
-install(TARGETS ${rooms} EXPORT BreakwaterTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(TARGETS breakwater ${BREAKWATER_SCENARIOS} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(DIRECTORY src/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/breakwater
   FILES_MATCHING PATTERN "*.h")
 install(FILES ${PROJECT_BINARY_DIR}/generated/include/breakwater/version.h
   DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/breakwater)
-install(DIRECTORY models data scenarios renders docs DESTINATION ${CMAKE_INSTALL_DATADIR}/breakwater
+install(DIRECTORY templates DESTINATION ${CMAKE_INSTALL_DATADIR}/breakwater)
+install(DIRECTORY models data renders docs DESTINATION ${CMAKE_INSTALL_DATADIR}/breakwater
   FILES_MATCHING PATTERN "*.xml" PATTERN "*.urdf" PATTERN "*.toml" PATTERN "*.md"
                  PATTERN "*.mustache" PATTERN "*.css" PATTERN "*.js")
 # libbreakwater_math.a, and so every program, holds a part of musl (MIT).
@@ -33,9 +35,21 @@ install(FILES /usr/share/doc/musl-dev/copyright DESTINATION ${CMAKE_INSTALL_DOCD
 install(PROGRAMS scripts/figures.py DESTINATION ${CMAKE_INSTALL_DATADIR}/breakwater/scripts)
 
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/Breakwater)
-install(EXPORT BreakwaterTargets NAMESPACE Breakwater:: DESTINATION ${package_dir})
+# An export of its own for each room, so that one can do without the others' packages.
+set(needs "set(Breakwater_ROOMS ${rooms})\n")
+foreach(room IN LISTS rooms)
+  install(TARGETS breakwater_${room} EXPORT Breakwater-${room}
+    ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+  install(EXPORT Breakwater-${room} NAMESPACE Breakwater:: DESTINATION ${package_dir})
+  get_property(needs_of_room GLOBAL PROPERTY BREAKWATER_NEEDS_${room})
+  string(APPEND needs "set(Breakwater_${room}_NEEDS ${needs_of_room})\n")
+endforeach()
+file(WRITE ${PROJECT_BINARY_DIR}/generated/BreakwaterRooms.cmake
+  "# The rooms, from the bottom up, and what each links: written by cmake/install.cmake.\n${needs}")
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/BreakwaterConfigVersion.cmake
   COMPATIBILITY SameMinorVersion)
-install(FILES cmake/BreakwaterConfig.cmake cmake/dependencies.cmake
+install(FILES cmake/BreakwaterConfig.cmake cmake/dependencies.cmake cmake/run_test.cmake
+              ${PROJECT_BINARY_DIR}/generated/BreakwaterRooms.cmake
               ${PROJECT_BINARY_DIR}/BreakwaterConfigVersion.cmake
   DESTINATION ${package_dir})
+install(FILES cmake/functions.cmake DESTINATION ${package_dir} RENAME BreakwaterFunctions.cmake)

@@ -19,6 +19,7 @@
 #include <breakwater/render/picture.h>
 #include <breakwater/render/render_error.h>
 #include <breakwater/render/video_file.h>
+#include <breakwater/scenario/child_program.h>
 #include <breakwater/scenario/process.h>
 #include <breakwater/scenario/progress.h>
 
@@ -392,7 +393,7 @@ bool is_picture_command(const std::string& name) {
 
 int picture_main(const Catalogue& catalogue, int argc, const char* const* argv) {
   const Command& command = *find_command(argv[0]);
-  const std::string program = std::string("breakwater ") + command.name;
+  const std::string program = own_program_name() + " " + command.name;
   return guarded(program, [&] {
     CLI::App app(command.summary, program);
     app.footer(

@@ -8,6 +8,8 @@
 #include <vector>
 
 #include <breakwater/pictures/picture_commands.h>
+#include <breakwater/program/new_project.h>
+#include <breakwater/program/own_places.h>
 #include <breakwater/program/run_extras.h>
 #include <breakwater/program/waves_report.h>
 #include <breakwater/report/report_commands.h>
@@ -27,7 +29,7 @@ void refuse_unknown_command(const Catalogue& catalogue, const CLI::App& app,
   const std::vector<std::string> scenarios = catalogue.names<ScenarioKind>();
   const bool is_scenario = std::find(scenarios.begin(), scenarios.end(), word) != scenarios.end();
   throw std::invalid_argument(
-      "breakwater: there is no command \"" + word + "\"" +
+      own_program_name() + ": there is no command \"" + word + "\"" +
       (is_scenario ? " (did you mean run " + word + "?)" : did_you_mean(word, names)));
 }
 
@@ -48,17 +50,25 @@ void print_list(const Catalogue& catalogue, bool parts) {
 
 }  // namespace
 
-int program(int argc, const char* const* argv, const Catalogue& catalogue) {
+namespace detail {
+
+int program(int argc, const char* const* argv, const Catalogue& catalogue,
+            const char* installation) {
+  const std::string own_name = own_program_name();
+  set_places(catalogue, installation);
   if (argc >= 2 && is_picture_command(argv[1])) return picture_main(catalogue, argc - 1, argv + 1);
   if (argc >= 2 && is_report_command(argv[1])) return report_main(catalogue, argc - 1, argv + 1);
+  if (argc >= 2 && std::string(argv[1]) == kNewProject) {
+    return new_project_main(catalogue, argc - 1, argv + 1);
+  }
   if (argc >= 3 && std::string(argv[1]) == "run" && argv[2][0] != '-') {
-    return guarded("breakwater", [&] {
+    return guarded(own_name, [&] {
       const std::string scenario = catalogue.get<ScenarioKind>(argv[2]).name;
       return scenario_main(catalogue, scenario, run_extras(own_program()), argc - 2, argv + 2);
     });
   }
-  return guarded("breakwater", [&] {
-    CLI::App app("Breakwater: a testbed for robust model-based motion control.", "breakwater");
+  return guarded(own_name, [&] {
+    CLI::App app("Breakwater: a testbed for robust model-based motion control.", own_name);
     app.require_subcommand(1);
     app.set_version_flag("--version", std::string(kVersion) + " (" + kGitCommit + ")");
     CLI::App* list = app.add_subcommand("list", "print the scenarios and what they study");
@@ -66,8 +76,8 @@ int program(int argc, const char* const* argv, const Catalogue& catalogue) {
     list->add_flag("--parts", parts, "the controllers and estimators instead");
     std::string scenario;
     CLI::App* run = app.add_subcommand(
-        "run", "run a scenario, the same as its own binary: breakwater run NAME [OPTION...]");
-    run->add_option("NAME", scenario, "which scenario (breakwater list)")->required();
+        "run", "run a scenario: run NAME [OPTION...]; run NAME --help says which");
+    run->add_option("NAME", scenario, "which scenario (see list)")->required();
     SeaState sea;
     sea.significant_height_m = 2.0;
     CLI::App* waves = app.add_subcommand("waves", "check a sea's spectrum and its water");
@@ -78,6 +88,8 @@ int program(int argc, const char* const* argv, const Catalogue& catalogue) {
         ->capture_default_str();
     waves->add_option("--components", sea.components, "of the realisation")->capture_default_str();
     waves->add_option("--seed", sea.seed, "of the realisation")->capture_default_str();
+    app.add_subcommand(kNewProject,
+                       "make a project of your own: new controller|observer|scenario NAME");
     for (const auto& [name, summary] : picture_commands()) app.add_subcommand(name, summary);
     for (const auto& [name, summary] : report_commands()) app.add_subcommand(name, summary);
     if (argc >= 2 && argv[1][0] != '-') refuse_unknown_command(catalogue, app, argv[1]);
@@ -88,4 +100,5 @@ int program(int argc, const char* const* argv, const Catalogue& catalogue) {
   });
 }
 
+}  // namespace detail
 }  // namespace breakwater

@@ -22,7 +22,8 @@ std::vector<ReferenceValue> printed_references(const std::string& scenario,
 }  // namespace
 
 RunExtras run_extras(const std::string& video_program) {
-  return {[video_program](const std::filesystem::path& folder, const std::string& file,
+  return {std::filesystem::path(video_program).filename().string(),
+          [video_program](const std::filesystem::path& folder, const std::string& file,
                           bool quiet) { return make_video(video_program, folder, file, quiet); },
           {printed_references, "* not reproduced: outside of its class (data/reproduced.toml)\n"}};
 }

@@ -10,6 +10,7 @@
 #include <breakwater/report/latex.h>
 #include <breakwater/report/run_report.h>
 #include <breakwater/report/thesis_report.h>
+#include <breakwater/scenario/child_program.h>
 #include <breakwater/scenario/config.h>
 #include <breakwater/scenario/table.h>
 
@@ -43,8 +44,8 @@ void check(const std::vector<SavedRun>& runs) {
     if (run.failure()) {
       throw std::invalid_argument(fmt::format(
           "{}: the run failed at {:.6g} s and has no metrics: leave it out, or look at it "
-          "with breakwater report",
-          run.folder().string(), run.failure()->time_s));
+          "with {} report",
+          run.folder().string(), run.failure()->time_s, own_program_name()));
     }
   }
 }

@@ -414,7 +414,7 @@ SectionSpec read_section(const Reader& reader, const toml::table& table, const t
   section.strip = reader.text_or(table, "strip", {});
   section.strip_number = reader.text_or(table, "strip_number", {});
   section.line = line_of(table);
-  if (!section.docs.empty() && !fs::is_regular_file(data_root() / "docs" / section.docs)) {
+  if (!section.docs.empty() && !look_for("docs/" + section.docs)) {
     reader.fail(*table.get("docs"), "there is no page docs/" + section.docs);
   }
   reader.each(table, "run",
@@ -539,7 +539,7 @@ Experiments read_experiments(const std::string& file, Effort effort) {
   Experiments experiments;
   experiments.file = file;
   std::error_code ignored;
-  experiments.is_own = !fs::equivalent(file, data_root() / "data" / "experiments.toml", ignored);
+  experiments.is_own = !fs::equivalent(file, data_file("data/experiments.toml"), ignored);
   experiments.title = reader.text_or(root, "title", {});
   experiments.video = reader.text_or(root, "video", {});
   const toml::table no_forms;

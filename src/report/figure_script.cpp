@@ -13,7 +13,7 @@ namespace {
 std::vector<std::string> script() {
   const char* python = std::getenv("BREAKWATER_PYTHON");
   return {python == nullptr ? "/usr/bin/python3" : python,
-          (data_root() / "scripts" / "figures.py").string()};
+          data_file("scripts/figures.py").string()};
 }
 
 }  // namespace

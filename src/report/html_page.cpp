@@ -16,7 +16,7 @@ namespace mustache = kainjow::mustache;
 namespace {
 
 fs::path part(const std::string& name) {
-  return data_root() / "data" / "report" / name;
+  return data_file("data/report/" + name);
 }
 
 std::string fill_in(const fs::path& file, const mustache::data& data) {

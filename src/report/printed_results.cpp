@@ -234,7 +234,7 @@ bool matches_pattern(const std::string& pattern, const std::string& path) {
 }
 
 const PrintedResults& printed_results() {
-  static const PrintedResults results(data_root() / "data");
+  static const PrintedResults results(data_file("data/reproduced.toml").parent_path());
   return results;
 }
 

@@ -91,7 +91,7 @@ int make_pictures(const Reproduction& reproduction, bool with_video) {
 
 int reproduce(const Catalogue& catalogue, const ReproduceArguments& arguments) {
   const fs::path file =
-      arguments.file.empty() ? data_root() / "data" / "experiments.toml" : fs::path(arguments.file);
+      arguments.file.empty() ? data_file("data/experiments.toml") : fs::path(arguments.file);
   const Effort effort = arguments.quick ? Effort::quick : Effort::full;
   const Experiments experiments = read_experiments(file.string(), effort);
   check_out(arguments.out);
@@ -114,8 +114,9 @@ int reproduce(const Catalogue& catalogue, const ReproduceArguments& arguments) {
 
 int reproduce_main(const Catalogue& catalogue, int argc, const char* const* argv) {
   CLI::App app(
-      "breakwater reproduce: run every experiment of the thesis, and put its results beside "
-      "the printed ones.",
+      own_program_name() +
+          " reproduce: run every experiment of the thesis, and put its results beside the printed "
+          "ones.",
       "reproduce");
   ReproduceArguments arguments;
   app.add_option("--only", arguments.only,
@@ -207,9 +208,9 @@ int report(const Catalogue& catalogue, const RunsArguments& arguments) {
 }
 
 int runs_main(const Catalogue& catalogue, bool is_comparison, int argc, const char* const* argv) {
-  CLI::App app(is_comparison
-                   ? "breakwater compare: metrics and signals of finished runs side by side."
-                   : "breakwater report: one page about finished runs.",
+  CLI::App app(own_program_name() +
+                   (is_comparison ? " compare: metrics and signals of finished runs side by side."
+                                  : " report: one page about finished runs."),
                argv[0]);
   RunsArguments arguments;
   app.add_option("RUN", arguments.runs, "the folders of finished runs")->required();
@@ -244,8 +245,8 @@ int runs_main(const Catalogue& catalogue, bool is_comparison, int argc, const ch
 const std::vector<std::pair<std::string, std::string>>& report_commands() {
   static const std::vector<std::pair<std::string, std::string>> commands = {
       {"reproduce", "run every experiment of the thesis, beside what is printed"},
-      {"report", "one page about finished runs: breakwater report RUN..."},
-      {"compare", "finished runs side by side: breakwater compare RUN RUN..."}};
+      {"report", "one page about finished runs: report RUN..."},
+      {"compare", "finished runs side by side: compare RUN RUN..."}};
   return commands;
 }
 

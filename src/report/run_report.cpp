@@ -9,6 +9,7 @@
 
 #include <breakwater/report/html_page.h>
 #include <breakwater/report/thesis_report.h>
+#include <breakwater/scenario/child_program.h>
 #include <breakwater/scenario/runner.h>
 
 namespace breakwater {
@@ -116,8 +117,8 @@ std::string run_report(const Catalogue& catalogue, const std::vector<SavedRun>& 
     section.set("case", run.case_name());
     section.set("seed", run.seed());
     section.set("folder", run.folder().string());
-    section.set("command", fmt::format("breakwater run {} --config {} --out again", run.scenario(),
-                                       (run.folder() / "config.toml").string()));
+    section.set("command", fmt::format("{} run {} --config {} --out again", own_program_name(),
+                                       run.scenario(), (run.folder() / "config.toml").string()));
     section.set("config", run.config_text());
     if (run.failure()) {
       section.set("failure", fmt::format("This run failed at {:.6g} s: {}. It has no metrics.",

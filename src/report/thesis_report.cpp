@@ -14,6 +14,7 @@
 #include <breakwater/report/decimation.h>
 #include <breakwater/report/file_bytes.h>
 #include <breakwater/report/html_page.h>
+#include <breakwater/scenario/child_program.h>
 #include <breakwater/scenario/paths.h>
 #include <breakwater/scenario/saved_run.h>
 
@@ -403,7 +404,8 @@ std::string format_number(double value) {
 }
 
 std::string command_of(const RunSpec& run, std::size_t repetition) {
-  std::string command = fmt::format("breakwater run {} --case {}", run.scenario, run.case_name);
+  std::string command =
+      fmt::format("{} run {} --case {}", own_program_name(), run.scenario, run.case_name);
   std::vector<std::string> sets = run.sets;
   const std::vector<std::string>& more = run.repetitions.at(repetition);
   sets.insert(sets.end(), more.begin(), more.end());
@@ -516,7 +518,7 @@ ThesisReport thesis_report(const Reproduction& reproduction, const Measured& mea
     mustache::data entry;
     entry.set("name", "docs/" + name);
     entry.set("anchor", anchor(name));
-    entry.set("text", bytes_of(data_root() / "docs" / name));
+    entry.set("text", bytes_of(data_file("docs/" + name)));
     pages << entry;
   }
 

@@ -5,7 +5,9 @@
 namespace breakwater {
 
 std::filesystem::path ScenarioKind::home() const {
-  return folder.empty() ? data_root() / "scenarios" / name : folder;
+  std::error_code error;
+  if (!folder.empty() && std::filesystem::is_directory(folder, error)) return folder;
+  return data_file("scenarios/" + name);
 }
 
 std::unique_ptr<Scenario> make_scenario(const Catalogue& catalogue, const std::string& name) {

@@ -18,6 +18,10 @@ std::string own_program() {
   return std::filesystem::read_symlink("/proc/self/exe").string();
 }
 
+std::string own_program_name() {
+  return std::filesystem::path(own_program()).filename().string();
+}
+
 std::string neighbour_program(const std::string& name) {
   return (std::filesystem::path(own_program()).parent_path() / name).string();
 }

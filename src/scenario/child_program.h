@@ -6,8 +6,10 @@
 
 namespace breakwater {
 
-/// The running program, and one that stands beside it.
+/// The running program, its name ("breakwater", or a user's "door_lab"), and one that stands beside
+/// it.
 std::string own_program();
+std::string own_program_name();
 std::string neighbour_program(const std::string& name);
 
 /// Calls a program, words[0] being its path or a name to be found. Returns its exit status. If it

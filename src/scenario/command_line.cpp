@@ -35,7 +35,7 @@ struct Arguments {
   bool print_config = false;
 };
 
-void describe(CLI::App& app, Arguments& arguments) {
+void describe(CLI::App& app, const RunExtras& extras, Arguments& arguments) {
   app.add_option("--case", arguments.case_name,
                  "which case to run (--list-cases), or all: every case, on all cores")
       ->type_name("NAME");
@@ -54,7 +54,8 @@ void describe(CLI::App& app, Arguments& arguments) {
       ->type_name("DIR");
   arguments.video = app.add_option("--video", arguments.video_file,
                                    "make a video of the run as well: video.mp4 in its folder, or\n"
-                                   "this file (breakwater video makes one later)")
+                                   "this file (" +
+                                       extras.video_program + " video makes one later)")
                         ->type_name("FILE")
                         ->expected(0, 1);
   app.add_flag("--csv", arguments.csv, "write log.csv as well");
@@ -253,7 +254,7 @@ int scenario_main(const Catalogue& catalogue, const std::string& scenario, const
   return guarded(scenario, [&] {
     CLI::App app(scenario + ": " + make_scenario(catalogue, scenario)->summary(), scenario);
     Arguments arguments;
-    describe(app, arguments);
+    describe(app, extras, arguments);
     if (const auto status = parse(app, argc, argv)) return *status;
 
     const std::string path = arguments.config.empty()

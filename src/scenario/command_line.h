@@ -12,6 +12,7 @@ namespace breakwater {
 
 /// What other rooms add to a run.
 struct RunExtras {
+  std::string video_program;  ///< the name of the one that has the command `video`
   /// --video: makes the video of the run in a folder, `file` or, if that is empty, its default.
   /// Prints one line if it fails. Returns an exit status.
   std::function<int(const std::filesystem::path& folder, const std::string& file, bool quiet)>

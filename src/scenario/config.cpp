@@ -180,13 +180,13 @@ std::string Config::find_file_of(const std::string& key, const std::string& name
   const bool is_set = entry != nullptr && entry->origin == kSetOrigin;
   const std::filesystem::path folder =
       is_set ? std::filesystem::path() : std::filesystem::path(file_).parent_path();
-  const std::filesystem::path file = find_file(name, folder);
+  const auto file = find_file(name, folder);
   std::error_code error;
-  if (!std::filesystem::is_regular_file(file, error)) {
+  if (!file || !std::filesystem::is_regular_file(*file, error)) {
     const std::string place = folder.empty() ? "the working folder" : folder.string();
-    fail(key, "there is no file " + name + " in " + place + " or " + data_root().string());
+    fail(key, "there is no file " + name + " in " + place + " or any of " + searched_places());
   }
-  return file.string();
+  return file->string();
 }
 
 void Config::fail(const std::string& key, const std::string& message) const {

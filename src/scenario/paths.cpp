@@ -1,66 +1,138 @@
 #include <breakwater/scenario/paths.h>
 
+#include <fmt/format.h>
+
+#include <cstdio>
 #include <cstdlib>
+#include <mutex>
 #include <sstream>
 #include <stdexcept>
-#include <vector>
 
 namespace breakwater {
 namespace fs = std::filesystem;
 namespace {
 
-bool holds_the_data(const fs::path& folder) {
+constexpr const char* kVariable = "BREAKWATER_PATH";
+
+bool is_folder(const fs::path& path) {
   std::error_code error;
-  return fs::is_directory(folder / "models", error) &&
-         fs::is_directory(folder / "scenarios", error);
+  return fs::is_directory(path, error);
 }
 
-// Where the data may be, in that order.
-std::vector<fs::path> candidates() {
-  std::vector<fs::path> folders;
-  if (const char* variable = std::getenv("BREAKWATER_PATH")) {
-    std::stringstream list(variable);
-    for (std::string folder; std::getline(list, folder, ':');) {
-      if (!folder.empty()) folders.push_back(fs::absolute(folder));
+bool is_there(const fs::path& path) {
+  std::error_code error;
+  return fs::exists(path, error);
+}
+
+bool is_source_tree(const fs::path& folder) {
+  return is_folder(folder / "models") && is_folder(folder / "scenarios");
+}
+
+// The search path of this process, made when it is first asked for.
+class OwnSearch {
+ public:
+  void set(const DataPlaces& places) {
+    const std::lock_guard lock(mutex_);
+    places_ = places;
+    path_.reset();
+  }
+
+  SearchPath path() {
+    const std::lock_guard lock(mutex_);
+    if (!path_) {
+      const char* variable = std::getenv(kVariable);
+      path_ = search_path(variable != nullptr ? variable : "", fs::read_symlink("/proc/self/exe"),
+                          places_);
+      if (!has_warned_) {
+        for (const std::string& warning : path_->warnings) fmt::print(stderr, "{}\n", warning);
+      }
+      has_warned_ = true;
     }
+    return *path_;
   }
-  const fs::path binary = fs::read_symlink("/proc/self/exe");
-  for (fs::path folder = binary.parent_path();; folder = folder.parent_path()) {
-    folders.push_back(folder / "share" / "breakwater");
-    folders.push_back(folder);
-    if (folder == folder.root_path()) return folders;
-  }
-}
 
-fs::path find_data_root() {
-  std::string searched;
-  for (const fs::path& folder : candidates()) {
-    if (holds_the_data(folder)) return folder;
-    searched += (searched.empty() ? "" : ", ") + folder.string();
-  }
-  throw std::invalid_argument(
-      "Breakwater's models/ and scenarios/ are in none of " + searched +
-      ": name the folder that holds both in the environment variable BREAKWATER_PATH");
+ private:
+  std::mutex mutex_;
+  DataPlaces places_;
+  std::optional<SearchPath> path_;
+  bool has_warned_ = false;
+};
+
+OwnSearch& own_search() {
+  static OwnSearch search;
+  return search;
 }
 
 }  // namespace
 
-fs::path data_root() {
-  static const fs::path root = find_data_root();
-  return root;
+void set_data_places(const DataPlaces& places) {
+  own_search().set(places);
 }
 
-fs::path find_file(const std::string& name, const fs::path& folder) {
+SearchPath search_path(const std::string& variable, const fs::path& program,
+                       const DataPlaces& places) {
+  SearchPath path;
+  const auto add = [&](const fs::path& folder, bool is_one) {
+    path.candidates.push_back(folder);
+    if (is_one) path.folders.push_back(folder);
+  };
+  for (const fs::path& folder : places.scenarios) add(folder, is_folder(folder));
+  std::stringstream list(variable);
+  for (std::string name; std::getline(list, name, ':');) {
+    if (name.empty()) continue;
+    const fs::path folder = fs::absolute(name).lexically_normal();
+    add(folder, is_folder(folder));
+    if (is_folder(folder)) continue;
+    path.warnings.push_back(
+        fmt::format("warning: {}: {} is no folder", kVariable, folder.string()));
+  }
+  for (fs::path folder = program.parent_path();; folder = folder.parent_path()) {
+    const fs::path share = folder / "share" / "breakwater";
+    add(share, is_folder(share));
+    add(folder, is_source_tree(folder));
+    if (folder == folder.parent_path()) break;
+  }
+  const fs::path& installation = places.installation;
+  if (!installation.empty()) add(installation, is_folder(installation));
+  return path;
+}
+
+std::optional<fs::path> look_for(const std::string& name) {
+  for (const fs::path& folder : own_search().path().folders) {
+    if (is_there(folder / name)) return folder / name;
+  }
+  return std::nullopt;
+}
+
+fs::path data_file(const std::string& name) {
+  if (const auto found = look_for(name)) return *found;
+  throw std::invalid_argument(fmt::format(
+      "{} is in none of {}: name the folder that holds it in the environment variable {}", name,
+      searched_places(), kVariable));
+}
+
+std::string searched_places() {
+  std::string text;
+  for (const fs::path& folder : own_search().path().candidates) {
+    text += (text.empty() ? "" : ", ") + folder.string();
+  }
+  return text;
+}
+
+std::optional<fs::path> find_file(const std::string& name, const fs::path& folder) {
   const fs::path path(name);
   if (path.is_absolute()) return path.lexically_normal();
   const fs::path beside = fs::absolute(folder / path).lexically_normal();
-  return fs::exists(beside) ? beside : data_root() / path;
+  return is_there(beside) ? beside : look_for(name);
 }
 
 std::string portable_path(const fs::path& file) {
-  const fs::path relative = file.lexically_relative(data_root());
-  const bool is_inside = !relative.empty() && *relative.begin() != "..";
-  return (is_inside ? relative : file).string();
+  for (const fs::path& folder : own_search().path().folders) {
+    const fs::path relative = file.lexically_relative(folder);
+    if (relative.empty() || *relative.begin() == "..") continue;
+    if (look_for(relative.string()) == folder / relative) return relative.string();
+  }
+  return file.string();
 }
 
 }  // namespace breakwater

@@ -30,7 +30,7 @@ int main(int argc, char** argv) {
 
   const double timestep_s = number("physics.timestep_s");
   Model model = Model::load(
-      find_file(config.at_path("model.mjcf").value<std::string>().value(), run).string());
+      find_file(config.at_path("model.mjcf").value<std::string>().value(), run).value().string());
   model.set_physics(timestep_s, Integrator::euler);
   const int wall = model.id(mjOBJ_GEOM, "wall");
   mjModel& m = *model.get();

@@ -452,6 +452,37 @@ TEST_F(CommandLine, AForeignProgramIsToldWhereTheDataWasSought) {
   EXPECT_TRUE(result.out.starts_with("proposed-2N\n"));
 }
 
+TEST_F(CommandLine, NewMakesAProjectOrSaysWhyNotInOneLine) {
+  const ProgramResult made = run({"breakwater", "new", "observer", "own", "--out", "folder"});
+  EXPECT_EQ(made.status, 0) << made.err;
+  EXPECT_TRUE(fs::exists(folder_ / "folder/own.cpp"));
+  const auto refused = [&](const std::vector<std::string>& words) {
+    std::vector<std::string> arguments = {"breakwater", "new"};
+    arguments.insert(arguments.end(), words.begin(), words.end());
+    const ProgramResult result = run(arguments);
+    EXPECT_EQ(result.status, 2) << result.err;
+    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+    return result.err;
+  };
+  EXPECT_EQ(refused({"observer", "own", "--out", "folder"}), "folder: is there already\n");
+  EXPECT_EQ(refused({"observr", "own"}),
+            "new: KIND must be one of controller, observer, scenario, is \"observr\" (did you mean "
+            "observer?)\n");
+  EXPECT_EQ(refused({"observer", "stf"}),
+            "new: NAME is taken: there is the estimator of an axis \"stf\"\n");
+  refused({"observer", "Own"});
+  refused({"observer"});
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 1);
+}
+
+TEST_F(CommandLine, AnEntryOfThePathThatIsNoFolderIsWarnedOf) {
+  setenv("BREAKWATER_PATH", "/nowhere", 1);
+  const ProgramResult result = run({"arm_wall_contact", "--list-cases"});
+  unsetenv("BREAKWATER_PATH");
+  EXPECT_EQ(result.status, 0);
+  EXPECT_EQ(result.err, "warning: BREAKWATER_PATH: /nowhere is no folder\n");
+}
+
 // ---- runs that fail ----------------------------------------------------------------------------
 
 TEST_F(CommandLine, ABrokenSensorEndsTheRun) {

@@ -1,12 +1,8 @@
-# Installs the build into a fresh folder, runs an installed binary, and builds and runs a project
-# that uses the installed rooms.
-#   cmake -DBUILD_DIR= -DSOURCE_DIR= -DWORK_DIR= -P install_test.cmake
-function(run)
-  execute_process(COMMAND ${ARGN} COMMAND_ERROR_IS_FATAL ANY)
-endfunction()
-
+# Installs the build into a fresh folder and runs an installed binary.
+#   cmake -DBUILD_DIR= -DWORK_DIR= -P install_test.cmake
+cmake_minimum_required(VERSION 3.25)
 file(REMOVE_RECURSE ${WORK_DIR})
-set(prefix ${WORK_DIR}/prefix)
+include(${CMAKE_CURRENT_LIST_DIR}/common.cmake)
 run(${CMAKE_COMMAND} --install ${BUILD_DIR} --prefix ${prefix})
 file(GLOB binaries ${prefix}/bin/*)
 foreach(binary IN LISTS binaries)
@@ -17,8 +13,3 @@ foreach(binary IN LISTS binaries)
   endif()
 endforeach()
 run(${prefix}/bin/breakwater run arm_push --duration 0.1 --quiet --out ${WORK_DIR}/run)
-run(${CMAKE_COMMAND} -S ${SOURCE_DIR} -B ${WORK_DIR}/consumer -G Ninja
-    -DCMAKE_PREFIX_PATH=${prefix} -DCMAKE_BUILD_TYPE=Release)
-run(${CMAKE_COMMAND} --build ${WORK_DIR}/consumer)
-run(${WORK_DIR}/consumer/consumer ${prefix}/share/breakwater/models/motor.xml shaft_pos)
-file(REMOVE_RECURSE ${WORK_DIR})

@@ -1,0 +1,12 @@
+# What the tree needs besides what its rooms link: an installed Breakwater does without.
+get_property(packages GLOBAL PROPERTY BREAKWATER_PACKAGES)
+foreach(package IN LISTS packages)
+  breakwater_find(${package} REQUIRED)
+endforeach()
+
+find_package(PkgConfig REQUIRED)
+# Mesa's OSMesa is not linked: render/ loads it when the first picture is drawn.
+pkg_check_modules(osmesa REQUIRED IMPORTED_TARGET osmesa)
+# dygraphs is read when a page is written, and goes into it whole.
+find_path(MUSTACHE_INCLUDE_DIR kainjow/mustache.hpp REQUIRED)
+find_path(DYGRAPHS_DIR dygraph.min.js PATHS /usr/share/javascript/dygraphs NO_DEFAULT_PATH REQUIRED)

@@ -1,0 +1,41 @@
+# What a program with Breakwater's commands is made with: Breakwater's own, and those of users.
+set(BREAKWATER_FUNCTIONS_DIR ${CMAKE_CURRENT_LIST_DIR})
+
+# breakwater_program(NAME SOURCES FILE...): a program whose main() makes a catalogue and hands it to
+# breakwater::program() (docs/your-own-controller.md). It links Breakwater::program and ::scenarios.
+function(breakwater_program name)
+  cmake_parse_arguments(PROGRAM "" "" "SOURCES" ${ARGN})
+  add_executable(${name} ${PROGRAM_SOURCES})
+  target_link_libraries(${name} PRIVATE Breakwater::scenarios Breakwater::program)
+endfunction()
+
+# breakwater_scenario(TARGET NAME [SOURCES FILE...]): adds the scenario in the folder NAME, with
+# NAME.cpp, NAME.toml, shots.toml and models of its own, to a program or library; SOURCES are what it
+# has besides, in that folder. In a project of its own NAME_FOLDER, in capitals, is defined as the
+# folder's path, for ScenarioKind. Installed, the data goes to share/breakwater/scenarios/NAME, where
+# the installed program finds it.
+function(breakwater_scenario target name)
+  cmake_parse_arguments(SCENARIO "" "" "SOURCES" ${ARGN})
+  set(folder ${CMAKE_CURRENT_SOURCE_DIR}/${name})
+  list(TRANSFORM SCENARIO_SOURCES PREPEND ${folder}/)
+  target_sources(${target} PRIVATE ${folder}/${name}.cpp ${SCENARIO_SOURCES})
+  # Breakwater's own programs find theirs from where they lie: no installed one reads the tree.
+  if(NOT PROJECT_NAME STREQUAL "Breakwater")
+    string(TOUPPER ${name} capitals)
+    target_compile_definitions(${target} PRIVATE ${capitals}_FOLDER="${folder}")
+  endif()
+  include(GNUInstallDirs)
+  install(DIRECTORY ${folder} DESTINATION ${CMAKE_INSTALL_DATADIR}/breakwater/scenarios
+    PATTERN "*.cpp" EXCLUDE PATTERN "*.h" EXCLUDE)
+endfunction()
+
+# breakwater_run_test(NAME PROGRAM ARGUMENTS ARG... [METRICS "free_motion_time_s < 10"...]): a test
+# that runs `PROGRAM run ARG...` and then, if METRICS are given, that each is there and as it says:
+# NAME < NUMBER or NAME > NUMBER.
+function(breakwater_run_test name program)
+  cmake_parse_arguments(TEST "" "" "ARGUMENTS;METRICS" ${ARGN})
+  string(REPLACE ";" "|" metrics "${TEST_METRICS}")
+  add_test(NAME ${name} COMMAND ${CMAKE_COMMAND} -DPROGRAM=$<TARGET_FILE:${program}>
+    "-DMETRICS=${metrics}" -DOUT=${CMAKE_CURRENT_BINARY_DIR}/test-runs/${name}
+    -P ${BREAKWATER_FUNCTIONS_DIR}/run_test.cmake -- run ${TEST_ARGUMENTS})
+endfunction()

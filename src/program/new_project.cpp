@@ -1,0 +1,186 @@
+#include <breakwater/program/new_project.h>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cctype>
+#include <fstream>
+#include <map>
+#include <sstream>
+#include <stdexcept>
+#include <vector>
+
+#include <breakwater/record/text_outputs.h>
+#include <breakwater/scenario/child_program.h>
+#include <breakwater/scenario/paths.h>
+#include <breakwater/scenario/process.h>
+
+namespace breakwater {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr std::size_t kLongestName = 64;
+
+// "AnOwnName" of "an_own_name".
+std::string camel_case(const std::string& name) {
+  std::string result;
+  bool begins = true;
+  for (const char c : name) {
+    if (c != '_') {
+      result += begins ? static_cast<char>(std::toupper(static_cast<unsigned char>(c))) : c;
+    }
+    begins = c == '_';
+  }
+  return result;
+}
+
+std::string upper_case(std::string name) {
+  for (char& c : name) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  return name;
+}
+
+std::string replaced(std::string text, const std::string& word, const std::string& by) {
+  for (std::size_t at = text.find(word); at != std::string::npos;
+       at = text.find(word, at + by.size())) {
+    text.replace(at, word.size(), by);
+  }
+  return text;
+}
+
+std::string instantiated(const std::string& text, const std::string& placeholder,
+                         const std::string& name) {
+  std::string result = replaced(text, placeholder, name);
+  result = replaced(result, camel_case(placeholder), camel_case(name));
+  return replaced(result, upper_case(placeholder), upper_case(name));
+}
+
+std::string text_of(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::stringstream text;
+  text << stream.rdbuf();
+  if (!stream) throw std::invalid_argument(file.string() + ": cannot be read");
+  return text.str();
+}
+
+// Of a template: files by what they will be called, relative to the project's folder.
+std::map<fs::path, fs::path> files_of(const fs::path& from, const std::string& placeholder,
+                                      const std::string& name) {
+  std::map<fs::path, fs::path> files;
+  for (const auto& entry : fs::recursive_directory_iterator(from)) {
+    if (!entry.is_regular_file()) continue;
+    const std::string old_name = entry.path().lexically_relative(from).string();
+    const fs::path new_name = instantiated(old_name, placeholder, name);
+    if (!files.emplace(new_name, entry.path()).second) {
+      throw std::invalid_argument(fmt::format(
+          "{}: the project has a {} already: choose another name", name, new_name.string()));
+    }
+  }
+  return files;
+}
+
+std::vector<std::string> kinds_of_projects(const fs::path& templates) {
+  std::vector<std::string> kinds;
+  for (const auto& entry : fs::directory_iterator(templates)) {
+    if (entry.is_directory()) kinds.push_back(entry.path().filename().string());
+  }
+  std::sort(kinds.begin(), kinds.end());
+  return kinds;
+}
+
+int new_project(const Catalogue& catalogue, const std::string& kind, const std::string& name,
+                const std::string& folder) {
+  const fs::path templates = data_file("templates");
+  const std::vector<std::string> kinds = kinds_of_projects(templates);
+  if (std::find(kinds.begin(), kinds.end(), kind) == kinds.end()) {
+    throw std::invalid_argument(fmt::format("new: KIND must be one of {}, is \"{}\"{}",
+                                            fmt::join(kinds, ", "), kind,
+                                            did_you_mean(kind, kinds)));
+  }
+  check_project_name(catalogue, name);
+  const fs::path out = folder.empty() ? name : folder;
+  make_project(templates / kind, "my_" + kind, name, out);
+  fmt::print(
+      "a new {0}: {1}\n\n"
+      "cd {1} && cmake --preset release && cmake --build --preset release && ctest --preset "
+      "release\n\n"
+      "{1}/README.md says how to go on.\n",
+      kind, out.string());
+  return kSuccess;
+}
+
+}  // namespace
+
+void check_project_name(const Catalogue& catalogue, const std::string& name) {
+  const bool is_one = !name.empty() && name.size() <= kLongestName && name[0] >= 'a' &&
+                      name[0] <= 'z' && std::all_of(name.begin(), name.end(), [](char c) {
+                        return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_';
+                      });
+  if (!is_one) {
+    throw std::invalid_argument(fmt::format(
+        "new: NAME must be a letter from a to z, then such letters, digits and _, {} at most, is "
+        "\"{}\"",
+        kLongestName, name.substr(0, 2 * kLongestName)));
+  }
+  const auto refuse = [&](const std::string& what) {
+    throw std::invalid_argument(
+        fmt::format("new: NAME is taken: there is the {} \"{}\"", what, name));
+  };
+  for (const ScenarioKind& kind : catalogue.all<ScenarioKind>()) {
+    if (kind.name == name) refuse(ScenarioKind::kWhat);
+  }
+  for (const ListedPart& part : catalogue.parts()) {
+    if (part.name == name) refuse(part.what);
+  }
+}
+
+void make_project(const fs::path& from, const std::string& placeholder, const std::string& name,
+                  const fs::path& out) {
+  fs::path folder = fs::absolute(out).lexically_normal();
+  if (!folder.has_filename()) folder = folder.parent_path();
+  if (fs::symlink_status(folder).type() != fs::file_type::not_found) {
+    throw std::invalid_argument(out.string() + ": is there already");
+  }
+  if (!fs::is_directory(folder.parent_path())) {
+    throw std::invalid_argument(folder.parent_path().string() + ": is no folder");
+  }
+  const std::map<fs::path, fs::path> files = files_of(from, placeholder, name);
+  const fs::path partial =
+      folder.parent_path() / fmt::format(".{}.partial-{}", folder.filename().string(), getpid());
+  try {
+    fs::create_directory(partial);
+    for (const auto& [file, original] : files) {
+      fs::create_directories((partial / file).parent_path());
+      write_text_file((partial / file).string(),
+                      instantiated(text_of(original), placeholder, name));
+    }
+    fs::rename(partial, folder);
+  } catch (...) {
+    std::error_code ignored;
+    fs::remove_all(partial, ignored);
+    throw;
+  }
+}
+
+int new_project_main(const Catalogue& catalogue, int argc, const char* const* argv) {
+  const std::string program = own_program_name() + " " + kNewProject;
+  return guarded(program, [&] {
+    CLI::App app("Makes a project of your own, which builds against an installed Breakwater.",
+                 program);
+    std::string kind;
+    std::string name;
+    std::string out;
+    app.add_option("KIND", kind, "controller, observer, or scenario (with a plant of its own)")
+        ->required();
+    app.add_option("NAME", name, "what it is called: [a-z][a-z0-9_]*")->required();
+    app.add_option("--out", out, "the project's folder (default: NAME)")->type_name("DIR");
+    app.footer(
+        "The folder has CMakeLists.txt, presets, C++ that works, a scenario file, tests and a\n"
+        "README.md. Exit status: 0 success, 1 a defect, 2 usage or input.");
+    if (const auto status = parse(app, argc, argv)) return *status;
+    return new_project(catalogue, kind, name, out);
+  });
+}
+
+}  // namespace breakwater

@@ -1,0 +1,70 @@
+#include "my_controller.h"
+
+#include <cmath>
+#include <memory>
+#include <stdexcept>
+
+#include <breakwater/linear/pseudo_inverse.h>
+
+namespace my_controller_lab {
+
+using breakwater::ArmSetup;
+using breakwater::Fields;
+using breakwater::TipPose;
+
+MyController::MyController(const ArmSetup& arm, const MyControllerDesign& design)
+    : ArmController(arm.chain, arm.acceleration, arm.task),
+      design_(design),
+      J_plus_(arm.chain.joints(), 3) {
+  if (!(design.virtual_mass_kg > 0.0) || !(design.virtual_damping_Ns_m > 0.0) ||
+      !(design.k_p >= 0.0) || !(design.singular_value_floor >= 0.0)) {
+    throw std::invalid_argument("mass and damping must be positive, gains not negative");
+  }
+  publish({"virtual_acceleration_m_s2", "m/s^2", "of the tip in x, by the admittance",
+           breakwater::view(virtual_acceleration_m_s2_)});
+}
+
+void MyController::decide(Eigen::Ref<Eigen::VectorXd> a) {
+  const TipPose velocity = J_ * dq_hat_;
+  TipPose acceleration =
+      design_.k_p * (task().start_pose - X_hat_) - 2.0 * std::sqrt(design_.k_p) * velocity;
+  if (force_control_) {
+    virtual_acceleration_m_s2_ =
+        (task().force_reference_N - force_N_ - design_.virtual_damping_Ns_m * velocity[0]) /
+        design_.virtual_mass_kg;
+    acceleration[0] = virtual_acceleration_m_s2_;
+  }
+  breakwater::pseudo_inverse(J_, design_.singular_value_floor, J_plus_);
+  a.noalias() = J_plus_ * (acceleration - chain().tip_bias_acceleration(q_hat_, dq_hat_));
+}
+
+namespace {
+
+// Keys that Breakwater's own controllers have too keep their names: a file's value serves both.
+void bind(Fields& fields, MyControllerDesign& design) {
+  fields.number("controller.virtual_mass_kg", design.virtual_mass_kg, breakwater::positive(),
+                "M of the admittance [kg]");
+  fields.number("controller.virtual_damping_Ns_m", design.virtual_damping_Ns_m,
+                breakwater::positive(), "D of the admittance; free motion is at F^ref/D [N s/m]");
+  fields.number("controller.k_position", design.k_p, breakwater::not_negative(),
+                "of the held pose; the velocity gain is 2 sqrt(it) [1/s^2]");
+  fields.number("controller.singular_value_floor", design.singular_value_floor,
+                breakwater::not_negative(), "of the pseudo-inverse");
+  // Files that know nothing of this controller need not have its keys.
+  fields.standard("controller.virtual_mass_kg", {design.virtual_mass_kg});
+  fields.standard("controller.virtual_damping_Ns_m", {design.virtual_damping_Ns_m});
+}
+
+std::unique_ptr<breakwater::Controller> make(const MyControllerDesign& design,
+                                             const ArmSetup& arm) {
+  return std::make_unique<MyController>(arm, design);
+}
+
+}  // namespace
+
+breakwater::ArmControllerKind my_controller_kind() {
+  return {"my_controller", "the tip as a virtual mass and damper under the force error", bind,
+          make};
+}
+
+}  // namespace my_controller_lab

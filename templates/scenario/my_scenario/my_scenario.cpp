@@ -1,0 +1,171 @@
+#include "my_scenario.h"
+
+#include <cmath>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include <breakwater/plants/damped_inertia.h>
+#include <breakwater/record/window_metrics.h>
+#include <breakwater/scenario/run_loop.h>
+#include <breakwater/sim/friction.h>
+#include <breakwater/sim/joint_force.h>
+
+namespace my_scenario_lab {
+
+using namespace breakwater;  // a scenario uses much of it
+
+// ---- its keys ----------------------------------------------------------------------------------
+
+Fields MyScenario::fields() {
+  Fields fields;
+  fields.file("model.mjcf", mjcf_, "the plant");
+  physics_.bind(fields);
+  run_.bind(fields);
+  fields.number("plant.mass_ratio", mass_ratio_, positive(),
+                "the plant's masses and inertias over its model file's");
+  fields.number("plant.viscous_friction_Nms_rad", friction_Nms_rad_, not_negative(),
+                "of the hinge [N m s/rad]");
+  fields.number("sensor.resolution_rad", resolution_rad_, not_negative(),
+                "one count of the encoder; 0: not quantised [rad]");
+  fields.number("nominal.inertia_kgm2", nominal_inertia_kgm2_, positive(),
+                "J, what estimator and controller believe [kg m^2]");
+  parts_.bind(fields);
+  fields.number("task.reference_rad", reference_.value, between(-3.0, 3.0),
+                "where the pendulum is held; 0 hangs [rad]");
+  fields.number("task.reference_from_s", reference_.from_s, not_negative(),
+                "from when on; before, at 0 [s]");
+  fields.choice("push.kind", push_.kind,
+                {{"none", DisturbanceKind::none},
+                 {"step", DisturbanceKind::step},
+                 {"sine", DisturbanceKind::sine}},
+                "none, step or sine");
+  fields.number("push.amplitude_Nm", push_.amplitude, any(), "against the motor [N m]");
+  fields.number("push.frequency_rad_s", push_.frequency_rad_s, any(), "of a sine [rad/s]");
+  fields.number("push.start_s", push_.start_s, not_negative(), "when it begins [s]");
+  fields.only_for({"push.amplitude_Nm", "push.start_s"}, "push.kind", {"step", "sine"});
+  fields.only_for({"push.frequency_rad_s"}, "push.kind", {"sine"});
+  fields.number("metrics.from_s", from_s_, not_negative(), "the errors' window begins [s]");
+  fields.number("metrics.to_s", to_s_, not_negative(), "the errors' window ends [s]");
+  fields.number("metrics.settled_within_rad", settled_within_rad_, positive(),
+                "settled: the pendulum stays this close to the reference [rad]");
+  return fields;
+}
+
+void MyScenario::check(const Config& config) {
+  physics_.check(config, run_);
+  parts_.check(config, task());
+  config.blame("model.mjcf", [&] {
+    const Model model = plant();
+    if (model->nv != 1 || model->nu != 1) {
+      throw std::invalid_argument(model.file() + ": must have one joint and one actuator");
+    }
+    const Sensing check_only(model, sensing());
+  });
+  if (to_s_ <= from_s_) config.fail("metrics.to_s", "must be later than metrics.from_s");
+}
+
+// ---- the plant ---------------------------------------------------------------------------------
+
+// By name the model must have: joint "hinge", actuator "motor", sensors "angle" and "rate".
+Model MyScenario::plant() const {
+  Model model = Model::load(mjcf_);
+  model.set_physics(physics_.timestep_s, physics_.integrator);
+  model.scale_inertia(mass_ratio_);
+  author_friction(model, model.id(mjOBJ_JOINT, "hinge"), friction_Nms_rad_, 0.0);
+  model.id(mjOBJ_ACTUATOR, "motor");
+  return model;
+}
+
+SensingSetup MyScenario::sensing() const {
+  SensorChannel angle;
+  angle.name = "angle";
+  angle.sensor = "angle";
+  angle.encoder.quantum = resolution_rad_;
+  SensingSetup setup;
+  setup.channels = {angle};
+  setup.seed = run_.seed;
+  return setup;
+}
+
+AxisTask MyScenario::task() const {
+  AxisTask task;
+  task.axis.plant = damped_inertia(nominal_inertia_kgm2_, 0.0);
+  task.axis.period_s = physics_.control_period_s;
+  task.axis.sensor = {Eigen::VectorXd::Constant(1, resolution_rad_), Eigen::VectorXd::Zero(1)};
+  task.axis.units = rotation_units();
+  task.reference = reference_;
+  return task;
+}
+
+// m g l sin q at the reference: what holds the pendulum there.
+double MyScenario::hold_torque_Nm(const Model& model) const {
+  const int body = model.id(mjOBJ_BODY, "pendulum");
+  const double* centre_m = model->body_ipos + 3 * body;
+  const double length_m = std::hypot(centre_m[0], centre_m[2]);
+  return model->body_mass[body] * -model->opt.gravity[2] * length_m * std::sin(reference_.value);
+}
+
+// ---- a run -------------------------------------------------------------------------------------
+
+Recording MyScenario::run(const RunControl& control) const {
+  const AxisLoop loop = parts_.make(task());
+  Model model = plant();
+  const double hold_Nm = hold_torque_Nm(model);
+  JointForce push(model, "hinge");
+  Simulation sim(std::move(model), *loop.controller, sensing(), physics_.steps_per_sample());
+  sim.add(push);
+
+  // What the log has: views of what is brought up to date at each sample.
+  double target_rad = 0.0;
+  double push_Nm = 0.0;
+  std::vector<Signal> signals = {
+      {"qpos", "rad", "the engine's generalised positions", sim.qpos()},
+      {"angle_true_rad", "rad", "true", view(sim.sensor("angle"))},
+      {"rate_true_rad_s", "rad/s", "true", view(sim.sensor("rate"))},
+      {"angle_measured_rad", "rad", "as sampled", view(sim.sample().y)},
+      {"target_rad", "rad", "where it is to be", view(target_rad)},
+      {"push_Nm", "N m", "against the motor", view(push_Nm)},
+      {"torque_Nm", "N m", "the motor's, within its limit", view(sim.actuation())}};
+  for (const Signal& signal : loop.controller->signals()) signals.push_back(signal);
+
+  const TimeWindow window = TimeWindow{from_s_, to_s_}.within(run_.duration_s);
+  WindowStatistics error(window), torque(window), estimate(window), whole(TimeWindow{});
+  SettlingTime settling(TimeWindow{reference_.from_s, to_s_}.within(run_.duration_s),
+                        settled_within_rad_);
+
+  const auto step = [&](std::int64_t k) {
+    push_Nm = push_.value(sim.time_of(k));
+    push.hold(-push_Nm);
+    sim.step();
+  };
+  const auto sample = [&](double t) {
+    target_rad = reference_.at(t);
+    const double missing = target_rad - sim.qpos()[0];
+    error.add(t, missing);
+    settling.add(t, missing);
+    whole.add(t, sim.qpos()[0]);
+    torque.add(t, sim.actuation()(0));
+    if (loop.estimates()) estimate.add(t, loop.estimator->disturbance()(0));
+  };
+  Recording recording = record_run(sim, physics_, physics_.step_at(run_.duration_s) + 1,
+                                   std::move(signals), control, step, sample);
+  if (recording.failure) return recording;
+  std::vector<Metric>& metrics = recording.metrics;
+  add(metrics, "rmse_angle_rad", "rad", error.rms());
+  add(metrics, "settling_time_s", "s", settling.value());
+  add(metrics, "largest_angle_rad", "rad", whole.largest());
+  add(metrics, "mean_torque_Nm", "N m", torque.mean());
+  add(metrics, "mean_estimate_Nm", "N m", estimate.mean());
+  add(metrics, "hold_torque_Nm", "N m", hold_Nm);
+  return recording;
+}
+
+ScenarioKind my_scenario_kind() {
+  const auto make = [](const Catalogue& catalogue) -> std::unique_ptr<Scenario> {
+    return std::make_unique<MyScenario>(catalogue);
+  };
+  return {"my_scenario", make, MY_SCENARIO_FOLDER};
+}
+
+}  // namespace my_scenario_lab

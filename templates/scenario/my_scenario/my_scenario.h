@@ -1,0 +1,57 @@
+// Scenario my_scenario: a pendulum is held against gravity by any estimator and controller of an
+// axis.
+#pragma once
+
+#include <string>
+
+#include <breakwater/rigs/axis_parts.h>
+#include <breakwater/scenario/catalogue.h>
+#include <breakwater/scenario/scenario.h>
+#include <breakwater/sim/simulation.h>
+
+namespace my_scenario_lab {
+
+/// A pendulum on a motor, J q̈ = u − d − c q̇, where the disturbance d is all that estimator and
+/// controller are not told: gravity, m g l sin q, and a push. The motor turns the pendulum from
+/// hanging to a reference angle; then something pushes it. How well is it held, and what does the
+/// estimator make of it?
+class MyScenario final : public breakwater::Scenario {
+ public:
+  explicit MyScenario(const breakwater::Catalogue& catalogue) : parts_(catalogue, "pd") {}
+
+  std::string name() const override { return "my_scenario"; }
+  std::string summary() const override { return "a pendulum, held against gravity and a push"; }
+  breakwater::Fields fields() override;
+  void check(const breakwater::Config& config) override;
+  const breakwater::RunSettings& run_settings() const override { return run_; }
+  breakwater::Recording run(const breakwater::RunControl& control) const override;
+
+ private:
+  breakwater::Model plant() const;
+  breakwater::SensingSetup sensing() const;
+  breakwater::AxisTask task() const;
+  double hold_torque_Nm(const breakwater::Model& model) const;
+
+  // Which plant.
+  std::string mjcf_;
+  double mass_ratio_ = 1.0;
+  double friction_Nms_rad_ = 0.0;
+  double resolution_rad_ = 0.0;
+  // What is done with it.
+  breakwater::PhysicsSettings physics_;
+  breakwater::RunSettings run_;
+  breakwater::StepReference reference_;
+  breakwater::Disturbance push_;
+  // Who does it, and what they believe.
+  breakwater::AxisParts parts_;
+  double nominal_inertia_kgm2_ = 0.0;
+  // How it is judged.
+  double from_s_ = 0.0;
+  double to_s_ = 0.0;
+  double settled_within_rad_ = 0.0;
+};
+
+/// For the catalogue: its name, how it is made, and where its files are.
+breakwater::ScenarioKind my_scenario_kind();
+
+}  // namespace my_scenario_lab

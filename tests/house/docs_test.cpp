@@ -1,0 +1,54 @@
+// The code in the documentation is code that is built.
+#include <gtest/gtest.h>
+
+#include <regex>
+
+#include "support.h"
+
+namespace breakwater {
+namespace {
+namespace fs = std::filesystem;
+
+// A fenced block behind <!-- FILE --> is a piece of that file, word for word. The install tests
+// build and run the templates.
+TEST(Docs, CodeIsWordForWordThatOfTheTemplates) {
+  int blocks = 0;
+  const std::regex pattern("<!-- (templates/\\S+) -->\n```[a-z]*\n([^`]*)```");
+  for (const auto& entry : fs::directory_iterator(testing::source_file("docs"))) {
+    if (entry.path().extension() != ".md") continue;
+    const std::string page = testing::text_of(entry.path());
+    for (std::sregex_iterator block(page.begin(), page.end(), pattern), end; block != end;
+         ++block) {
+      ++blocks;
+      const std::string code = testing::text_of(testing::source_file((*block)[1]));
+      EXPECT_NE(code.find((*block)[2]), std::string::npos)
+          << entry.path() << ": not in " << (*block)[1] << ":\n"
+          << (*block)[2];
+    }
+    std::size_t marks = 0;
+    for (std::size_t at = page.find("<!-- templates/"); at != std::string::npos;
+         at = page.find("<!-- templates/", at + 1)) {
+      ++marks;
+    }
+    EXPECT_EQ(marks, static_cast<std::size_t>(std::distance(
+                         std::sregex_iterator(page.begin(), page.end(), pattern), {})))
+        << entry.path() << ": a mark without a block behind it";
+  }
+  EXPECT_GT(blocks, 15);
+}
+
+// The libraries' users need no look into src/: what the pages include is installed.
+TEST(Docs, HeadersThatAreNamedAreThere) {
+  const std::regex pattern("<breakwater/([a-z_]+/[a-z_]+\\.h)>");
+  for (const auto& entry : fs::recursive_directory_iterator(testing::source_file("docs"))) {
+    if (entry.path().extension() != ".md") continue;
+    const std::string page = testing::text_of(entry.path());
+    for (std::sregex_iterator name(page.begin(), page.end(), pattern), end; name != end; ++name) {
+      EXPECT_TRUE(fs::exists(testing::source_file("src/" + (*name)[1].str())))
+          << entry.path() << " names " << (*name)[0];
+    }
+  }
+}
+
+}  // namespace
+}  // namespace breakwater

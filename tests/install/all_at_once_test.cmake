@@ -1,0 +1,26 @@
+# One program that adds a controller, an estimator and a scenario at once.
+#   cmake -DSOURCE_DIR= -DWORK_DIR= -P all_at_once_test.cmake
+cmake_minimum_required(VERSION 3.25)
+include(${CMAKE_CURRENT_LIST_DIR}/common.cmake)
+set(all ${WORK_DIR}/all)
+file(REMOVE_RECURSE ${all})
+file(MAKE_DIRECTORY ${all})
+foreach(kind controller observer scenario)
+  run_in(${all} ${prefix}/bin/breakwater new ${kind} own_${kind})
+endforeach()
+run(${CMAKE_COMMAND} -S ${SOURCE_DIR} -B ${all}/build -G Ninja -DCMAKE_BUILD_TYPE=Release ${fast}
+    -DPROJECTS=${all} -DCMAKE_UNITY_BUILD=ON)  # each compiles alone in its own test
+run(${CMAKE_COMMAND} --build ${all}/build)
+set(lab ${all}/build/all_lab)
+execute_process(COMMAND ${lab} list --parts OUTPUT_VARIABLE parts COMMAND_ERROR_IS_FATAL ANY)
+if(NOT parts MATCHES "  own_controller .*  own_observer ")
+  message(FATAL_ERROR "${parts}")
+endif()
+run_in(${all} ${lab} run arm_push --set controller.name=own_controller --duration 0.1 --quiet)
+# The scenario chooses the estimator, which came from elsewhere.
+run_in(${all} ${lab} run own_scenario --set observer.name=own_observer --quiet --out with)
+file(READ ${all}/with/metrics.json metrics)
+string(JSON estimate GET "${metrics}" mean_estimate_Nm)
+if(estimate LESS 4.08 OR estimate GREATER 4.18)
+  message(FATAL_ERROR "the estimator of the one does not serve the other: ${estimate} N m")
+endif()
