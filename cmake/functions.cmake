@@ -26,7 +26,7 @@ function(breakwater_scenario target name)
   endif()
   include(GNUInstallDirs)
   install(DIRECTORY ${folder} DESTINATION ${CMAKE_INSTALL_DATADIR}/breakwater/scenarios
-    PATTERN "*.cpp" EXCLUDE PATTERN "*.h" EXCLUDE)
+    COMPONENT runtime PATTERN "*.cpp" EXCLUDE PATTERN "*.h" EXCLUDE)
 endfunction()
 
 # breakwater_run_test(NAME PROGRAM ARGUMENTS ARG... [METRICS "free_motion_time_s < 10"...]): a test

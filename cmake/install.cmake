@@ -21,26 +21,30 @@ foreach(artefact IN LISTS artefacts)
   endif()
 endforeach()")
 
-install(TARGETS breakwater ${BREAKWATER_SCENARIOS} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
-install(DIRECTORY src/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/breakwater
+install(TARGETS breakwater ${BREAKWATER_SCENARIOS} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR}
+  COMPONENT runtime)
+install(DIRECTORY src/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/breakwater COMPONENT development
   FILES_MATCHING PATTERN "*.h")
 install(FILES ${PROJECT_BINARY_DIR}/generated/include/breakwater/version.h
-  DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/breakwater)
-install(DIRECTORY templates DESTINATION ${CMAKE_INSTALL_DATADIR}/breakwater)
+  DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/breakwater COMPONENT development)
+install(DIRECTORY templates DESTINATION ${CMAKE_INSTALL_DATADIR}/breakwater COMPONENT runtime)
 install(DIRECTORY models data renders docs DESTINATION ${CMAKE_INSTALL_DATADIR}/breakwater
-  FILES_MATCHING PATTERN "*.xml" PATTERN "*.urdf" PATTERN "*.toml" PATTERN "*.md"
+  COMPONENT runtime FILES_MATCHING PATTERN "*.xml" PATTERN "*.urdf" PATTERN "*.toml" PATTERN "*.md"
                  PATTERN "*.mustache" PATTERN "*.css" PATTERN "*.js")
 # libbreakwater_math.a, and so every program, holds a part of musl (MIT).
-install(FILES /usr/share/doc/musl-dev/copyright DESTINATION ${CMAKE_INSTALL_DOCDIR} RENAME musl-copyright)
-install(PROGRAMS scripts/figures.py DESTINATION ${CMAKE_INSTALL_DATADIR}/breakwater/scripts)
+install(FILES /usr/share/doc/musl-dev/copyright
+  DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/doc/breakwater RENAME musl-copyright COMPONENT runtime)
+install(PROGRAMS scripts/figures.py DESTINATION ${CMAKE_INSTALL_DATADIR}/breakwater/scripts
+  COMPONENT runtime)
 
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/Breakwater)
 # An export of its own for each room, so that one can do without the others' packages.
 set(needs "set(Breakwater_ROOMS ${rooms})\n")
 foreach(room IN LISTS rooms)
   install(TARGETS breakwater_${room} EXPORT Breakwater-${room}
-    ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
-  install(EXPORT Breakwater-${room} NAMESPACE Breakwater:: DESTINATION ${package_dir})
+    ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development)
+  install(EXPORT Breakwater-${room} NAMESPACE Breakwater:: DESTINATION ${package_dir}
+    COMPONENT development)
   get_property(needs_of_room GLOBAL PROPERTY BREAKWATER_NEEDS_${room})
   string(APPEND needs "set(Breakwater_${room}_NEEDS ${needs_of_room})\n")
 endforeach()
@@ -51,5 +55,6 @@ write_basic_package_version_file(${PROJECT_BINARY_DIR}/BreakwaterConfigVersion.c
 install(FILES cmake/BreakwaterConfig.cmake cmake/dependencies.cmake cmake/run_test.cmake
               ${PROJECT_BINARY_DIR}/generated/BreakwaterRooms.cmake
               ${PROJECT_BINARY_DIR}/BreakwaterConfigVersion.cmake
-  DESTINATION ${package_dir})
-install(FILES cmake/functions.cmake DESTINATION ${package_dir} RENAME BreakwaterFunctions.cmake)
+  DESTINATION ${package_dir} COMPONENT development)
+install(FILES cmake/functions.cmake DESTINATION ${package_dir} RENAME BreakwaterFunctions.cmake
+  COMPONENT development)
