@@ -22,18 +22,18 @@ set(CPACK_DEBIAN_RUNTIME_PACKAGE_DEPENDS "libosmesa6, fonts-dejavu-core, libjs-d
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_RECOMMENDS "python3, python3-h5py, python3-matplotlib")
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SUGGESTS libbreakwater-dev)
 set(CPACK_COMPONENT_RUNTIME_DESCRIPTION "testbed for robust model-based motion control
- Runs experiments of motion control in MuJoCo without a screen: a plant, a
- disturbance, an observer and a controller, each chosen by name. Leaves numbers,
- a log, pictures and videos, and compares runs. It has disturbance observers,
- Kalman filters that estimate disturbances, constrained predictive control,
- force control of an arm and an underwater quadrotor in waves.")
+ Runs experiments of motion control in MuJoCo without a screen: a plant,
+ a disturbance, an observer and a controller, each chosen by name. Leaves
+ numbers, a log, pictures and videos, and compares runs. It has disturbance
+ observers, Kalman filters that estimate disturbances, constrained
+ predictive control, force control of an arm and an underwater quadrotor.")
 
 # A program of one's own is built against all of them: what the build needs but its tools.
 file(STRINGS ${PROJECT_SOURCE_DIR}/packages/build.txt lines REGEX "^[a-z]")
 set(depends "breakwater (= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE})")
 foreach(line IN LISTS lines)
   string(REGEX MATCH "^[a-z0-9.+-]+" package "${line}")
-  if(NOT package MATCHES "^(ccache|git|ninja-build|musl-dev|fonts-dejavu-core|libjs-dygraphs)$")
+  if(NOT package MATCHES "^(ccache|git|musl-dev|fonts-dejavu-core|libjs-dygraphs)$")
     string(APPEND depends ", ${package}")
   endif()
 endforeach()
@@ -52,6 +52,9 @@ include(CPack)
 foreach(component IN ITEMS runtime development)
   string(TOUPPER ${component} name)
   set(doc ${CMAKE_INSTALL_DATAROOTDIR}/doc/${CPACK_DEBIAN_${name}_PACKAGE_NAME})
+  install(FILES debian/${CPACK_DEBIAN_${name}_PACKAGE_NAME}.lintian-overrides
+    DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/lintian/overrides
+    RENAME ${CPACK_DEBIAN_${name}_PACKAGE_NAME} COMPONENT ${component})
   install(FILES debian/copyright DESTINATION ${doc} COMPONENT ${component})
   install(FILES ${PROJECT_BINARY_DIR}/package/changelog.Debian.gz DESTINATION ${doc}
     COMPONENT ${component} OPTIONAL)

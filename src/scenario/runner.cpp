@@ -41,10 +41,10 @@ std::string manifest(const PreparedRun& run, const ModelHashes& models, const Re
   entries["program"] = program_hash();
   entries["models"] = models;
   entries["versions"] = {{"mujoco", engine_version()},
-                      {"eigen", fmt::format("{}.{}.{}", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION,
-                                            EIGEN_MINOR_VERSION)},
-                      {"hdf5", hdf5_version()},
-                      {"compiler", __VERSION__}};
+                         {"eigen", fmt::format("{}.{}.{}", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION,
+                                               EIGEN_MINOR_VERSION)},
+                         {"hdf5", hdf5_version()},
+                         {"compiler", __VERSION__}};
   return entries.dump(2) + "\n";
 }
 

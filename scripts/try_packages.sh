@@ -1,0 +1,33 @@
+#!/usr/bin/env bash
+# Installs the packages in a clean Debian 12 and uses them there as a plain user, with nothing of the
+# source tree at hand: try_packages.sh FOLDER_OF_DEBS. Needs root (or user namespaces) and mmdebstrap.
+set -euo pipefail
+debs=$(readlink -f "$1")
+root=$(mktemp -d)
+trap 'umount "$root/root/proc" 2>/dev/null || true; rm -rf "$root"' EXIT
+
+say() { printf '\n== %s\n' "$*"; }
+
+say 'a clean Debian 12'
+mmdebstrap --variant=apt --quiet bookworm "$root/root"
+cp "$debs"/*.deb "$root/root/tmp/"
+mount -t proc proc "$root/root/proc"
+inside() { chroot "$root/root" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin LC_ALL=C.UTF-8 DEBIAN_FRONTEND=noninteractive "$@"; }
+as_user() { inside su - tester -c "$1"; }
+
+say 'the programs alone'
+inside apt-get -qy update >/dev/null
+inside sh -c 'apt-get -qy install --no-install-recommends /tmp/breakwater_*.deb' >"$root/log" || { cat "$root/log"; exit 1; }
+inside useradd --create-home tester
+as_user 'breakwater --version && breakwater list'
+as_user 'breakwater run arm_push --case drac-link1 --duration 2 --set push.start_s=0.2 --out run --quiet'
+as_user 'breakwater video run --size 320x180 --quiet && breakwater report run --quiet && ls run'
+as_user 'breakwater reproduce --only 2.4.3.2 --quick --no-video --quiet --out page && ls page | head -4'
+inside sh -c 'man -w breakwater >/dev/null 2>&1 || ls /usr/share/man/man1/breakwater.1.gz'
+
+say 'a project of one'"'"'s own'
+inside sh -c 'apt-get -qy install --no-install-recommends /tmp/*.deb ninja-build' >"$root/log" || { cat "$root/log"; exit 1; }
+as_user 'breakwater new controller admittance && cd admittance && cmake --preset release >/dev/null &&
+  cmake --build --preset release >/dev/null && ctest --preset release | tail -3 &&
+  build/admittance_lab run arm_push --set controller.name=admittance --duration 1 --quiet && ls runs/arm_push'
+say 'the packages work in a clean Debian 12'
