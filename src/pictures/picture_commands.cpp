@@ -1,20 +1,17 @@
 #include <breakwater/pictures/picture_commands.h>
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <charconv>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <memory>
-#include <system_error>
 #include <thread>
 
 #include <breakwater/pictures/staging.h>
-#include <breakwater/record/text_outputs.h>
+#include <breakwater/record/partial_file.h>
 #include <breakwater/render/frame_farm.h>
 #include <breakwater/render/picture.h>
 #include <breakwater/render/render_error.h>
@@ -138,21 +135,6 @@ void report(const PictureArguments& arguments, const std::string& what, const fs
   if (!arguments.quiet) fmt::print("{}: {}\n", what, file.string());
 }
 
-// Beside its name first: a picture is there whole, or as it was before.
-void write_png(const fs::path& file, const Canvas& canvas) {
-  const fs::path partial =
-      file.parent_path() / fmt::format(".{}.partial-{}", file.filename().string(), getpid());
-  try {
-    write_text_file(partial.string(), canvas.png());
-    fs::rename(partial, file);
-  } catch (const std::exception&) {
-    const std::string reason = std::generic_category().message(errno);
-    std::error_code ignored;
-    fs::remove(partial, ignored);
-    throw OutputError(fmt::format("{}: cannot be written ({})", file.string(), reason));
-  }
-}
-
 int video(const Catalogue& catalogue, const PictureArguments& arguments) {
   const auto begin = std::chrono::steady_clock::now();
   const std::deque<FinishedRun> runs = open_runs(catalogue, arguments.runs);
@@ -220,7 +202,7 @@ int still(const Catalogue& catalogue, const PictureArguments& arguments) {
   warn_if_slow(picture.offscreen());
   Canvas canvas(size.width, size.height);
   std::copy_n(picture.draw(arguments.at_s), 4 * size.width * size.height, canvas.pixels());
-  write_png(file, canvas);
+  replace_file(file, canvas.png());
   report(arguments, "still", file);
   return kSuccess;
 }
@@ -295,7 +277,7 @@ int strip(const Catalogue& catalogue, const PictureArguments& arguments) {
     }
     chart.draw(page, 0, size.height + caption, window.to_s);
   }
-  write_png(file, page);
+  replace_file(file, page.png());
   report(arguments, fmt::format("strip of {}", count), file);
   return kSuccess;
 }

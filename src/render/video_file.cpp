@@ -1,6 +1,5 @@
 #include <breakwater/render/video_file.h>
 
-#include <unistd.h>
 
 extern "C" {
 #include <libavcodec/avcodec.h>
@@ -96,11 +95,7 @@ struct VideoFile::Streams {
 };
 
 VideoFile::VideoFile(const std::filesystem::path& file, const VideoFormat& format)
-    : file_(file),
-      partial_(file.parent_path() /
-               ("." + file.filename().string() + ".partial-" + std::to_string(getpid()))),
-      format_(format),
-      streams_(std::make_unique<Streams>()) {
+    : partial_(file), format_(format), streams_(std::make_unique<Streams>()) {
   av_log_set_level(AV_LOG_QUIET);
   Streams& s = *streams_;
   const AVCodec* codec = avcodec_find_encoder_by_name(format.encoder.c_str());
@@ -111,7 +106,7 @@ VideoFile::VideoFile(const std::filesystem::path& file, const VideoFormat& forma
   s.frame = av_frame_alloc();
   s.packet = av_packet_alloc();
   // By its name the file is opened a second time, to put the index in front.
-  avformat_alloc_output_context2(&s.container, nullptr, "mp4", partial_.c_str());
+  avformat_alloc_output_context2(&s.container, nullptr, "mp4", partial_.path().c_str());
   if (s.encoder == nullptr || s.frame == nullptr || s.packet == nullptr || s.container == nullptr) {
     throw RenderError("video: no memory for the encoder");
   }
@@ -146,31 +141,21 @@ VideoFile::VideoFile(const std::filesystem::path& file, const VideoFormat& forma
   s.frame->width = e.width;
   s.frame->height = e.height;
 
-  try {
-    check(avio_open(&s.container->pb, partial_.c_str(), AVIO_FLAG_WRITE));
-    AVDictionary* options = nullptr;
-    av_dict_set(&options, "movflags", "+faststart", 0);
-    const int status = avformat_write_header(s.container, &options);
-    av_dict_free(&options);
-    check(status);
-  } catch (...) {
-    std::error_code ignored;
-    std::filesystem::remove(partial_, ignored);
-    throw;
-  }
+  check(avio_open(&s.container->pb, partial_.path().c_str(), AVIO_FLAG_WRITE));
+  AVDictionary* options = nullptr;
+  av_dict_set(&options, "movflags", "+faststart", 0);
+  const int status = avformat_write_header(s.container, &options);
+  av_dict_free(&options);
+  check(status);
 }
 
-VideoFile::~VideoFile() {
-  streams_.reset();
-  std::error_code ignored;
-  std::filesystem::remove(partial_, ignored);
-}
+VideoFile::~VideoFile() = default;
 
 void VideoFile::check(int status) const {
   if (status >= 0) return;
   std::array<char, AV_ERROR_MAX_STRING_SIZE> reason{};
   av_strerror(status, reason.data(), reason.size());
-  throw OutputError(file_.string() + ": cannot be written (" + reason.data() + ")");
+  throw OutputError(partial_.file().string() + ": cannot be written (" + reason.data() + ")");
 }
 
 // A null frame asks for what the encoder still holds.
@@ -207,9 +192,7 @@ void VideoFile::finish() {
   avio_flush(s.container->pb);
   check(s.container->pb->error);
   check(avio_closep(&s.container->pb));
-  std::error_code error;
-  std::filesystem::rename(partial_, file_, error);
-  if (error) throw OutputError(file_.string() + ": cannot be written (" + error.message() + ")");
+  partial_.commit();
 }
 
 }  // namespace breakwater

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include <breakwater/record/partial_file.h>
+
 namespace breakwater {
 
 struct VideoFormat {
@@ -59,8 +61,7 @@ class VideoFile {
   void encode(const void* frame);
   void check(int status) const;
 
-  std::filesystem::path file_;
-  std::filesystem::path partial_;
+  PartialFile partial_;
   VideoFormat format_;
   std::int64_t frames_ = 0;
   std::unique_ptr<Streams> streams_;

@@ -1,11 +1,8 @@
 #include <breakwater/report/html_page.h>
 
-#include <unistd.h>
-
 #include <cctype>
 #include <stdexcept>
 
-#include <breakwater/record/text_outputs.h>
 #include <breakwater/report/file_bytes.h>
 #include <breakwater/scenario/paths.h>
 #include <breakwater/version.h>
@@ -55,19 +52,6 @@ std::string data_address(const fs::path& file, const std::string& type) {
   if (!fs::exists(file)) return "";
   const std::string bytes = bytes_of(file);
   return "data:" + type + ";base64," + base64(bytes.data(), bytes.size());
-}
-
-void write_page(const fs::path& file, const std::string& html) {
-  const fs::path partial = file.parent_path() / ("." + file.filename().string() + ".partial-" +
-                                                 std::to_string(getpid()));
-  try {
-    write_text_file(partial.string(), html);
-    fs::rename(partial, file);
-  } catch (const std::exception&) {
-    std::error_code ignored;
-    fs::remove(partial, ignored);
-    throw OutputError(file.string() + ": cannot be written (is the disk full?)");
-  }
 }
 
 std::string anchor(const std::string& text) {

@@ -20,9 +20,6 @@ kainjow::mustache::data chart_data(const PageChart& chart);
 /// A file's bytes as a data: address. Empty if there is no such file.
 std::string data_address(const std::filesystem::path& file, const std::string& type);
 
-/// Writes the page so that it is there whole or as it was. Throws OutputError.
-void write_page(const std::filesystem::path& file, const std::string& html);
-
 /// A text as part of an address: all but letters, digits and '-' become '-'.
 std::string anchor(const std::string& text);
 

@@ -7,6 +7,7 @@
 #include <set>
 #include <stdexcept>
 
+#include <breakwater/record/partial_file.h>
 #include <breakwater/record/text_outputs.h>
 #include <breakwater/report/compare.h>
 #include <breakwater/report/figure_script.h>
@@ -104,7 +105,7 @@ int reproduce(const Catalogue& catalogue, const ReproduceArguments& arguments) {
   if (status == kInterrupted) throw Interrupted(measured.size());
   const ThesisReport report = thesis_report(reproduction, measured, effort);
   const fs::path page = reproduction.out / "report.html";
-  write_page(page, report.html);
+  replace_file(page, report.html);
   const fs::path verdicts = reproduction.out / "verdicts.csv";
   write_text_file(verdicts.string(), verdict_list(reproduction, measured));
   fmt::print("{}\n{} figures\nreport: {}\nverdicts: {}\n", report.score.text(), report.figures,
@@ -176,7 +177,7 @@ int compare(const Catalogue& catalogue, const RunsArguments& arguments) {
   if (has_figures && !can_draw_figures()) return kUsage;
   const fs::path out = made_folder(arguments.out);
   std::vector<fs::path> written = {out / "compare.html"};
-  write_page(written[0], comparison.html());
+  replace_file(written[0], comparison.html());
   const auto write = [&](const char* name, const std::string& text) {
     written.push_back(out / name);
     write_text_file(written.back().string(), text);
@@ -202,7 +203,7 @@ int compare(const Catalogue& catalogue, const RunsArguments& arguments) {
 int report(const Catalogue& catalogue, const RunsArguments& arguments) {
   const std::vector<SavedRun> runs = open_all(arguments.runs);
   const fs::path file = made_folder(arguments.out) / "report.html";
-  write_page(file, run_report(catalogue, runs));
+  replace_file(file, run_report(catalogue, runs));
   if (!arguments.quiet) fmt::print("report: {}\n", file.string());
   return kSuccess;
 }
