@@ -34,7 +34,7 @@ if(BREAKWATER_NATIVE)
   # GCC 12 takes its own AVX-512 intrinsics for uninitialised (GCC bug 105593). Fused multiply-adds
   # are allowed: no golden is made of this build.
   target_compile_options(breakwater_options INTERFACE -march=native -ffp-contract=fast
-    $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
+    $<$<CXX_COMPILER_ID:GNU>:-Wno-uninitialized;-Wno-maybe-uninitialized>)
 endif()
 if(BREAKWATER_SANITIZER STREQUAL "address")
   # Instrumented, GCC 12 takes libstdc++'s own std::regex for uninitialised.

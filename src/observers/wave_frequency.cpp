@@ -1,7 +1,6 @@
 #include <breakwater/observers/wave_frequency.h>
 
 #include <algorithm>
-#include <cmath>
 #include <numbers>
 #include <stdexcept>
 
@@ -31,10 +30,10 @@ WaveFrequency::WaveFrequency(const WaveFrequencyDesign& design, double first_gue
     c.A(1, 2) = c.A(1, 4) = dt / design.mass_kg;
     c.A.block<2, 2>(2, 2) = resonator_step(omega, design.damping, dt);
     Eigen::Matrix<double, 5, 1> q;
-    q << 0.0, std::pow(design.velocity_std_m_s, 2), 0.0,
+    q << 0.0, design.velocity_std_m_s * design.velocity_std_m_s, 0.0,
         resonator_noise(omega, design.damping, design.force_std_N, dt),
-        std::pow(design.bias_std_N, 2);
-    const double r = std::pow(design.position_std_m, 2);
+        design.bias_std_N * design.bias_std_N;
+    const double r = design.position_std_m * design.position_std_m;
     const Eigen::MatrixXd P =
         solve_dare(c.A.transpose(), Eigen::MatrixXd::Identity(5, 1),
                    Eigen::MatrixXd(q.asDiagonal()), Eigen::MatrixXd::Constant(1, 1, r));
