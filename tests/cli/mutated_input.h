@@ -14,7 +14,7 @@
 
 namespace breakwater::testing {
 
-constexpr double kAtOnce_s = 1.5;
+constexpr double kAtOnce_s = 1.5 * kSlowness;
 
 class MutatedInput : public ::testing::Test {
  protected:

@@ -7,6 +7,13 @@
 
 namespace breakwater::testing {
 
+/// What is not optimised may take longer.
+#ifdef NDEBUG
+constexpr double kSlowness = 1.0;
+#else
+constexpr double kSlowness = 5.0;
+#endif
+
 struct ProgramResult {
   int status = -1;  ///< exit status, or 128 + the signal that ended it
   std::string out;
