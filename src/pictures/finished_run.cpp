@@ -21,6 +21,11 @@ std::vector<Series> columns(const std::vector<double>& times_s, const LoggedSign
 
 FinishedRun::FinishedRun(const Catalogue& catalogue, const std::filesystem::path& folder)
     : saved_(folder) {
+  if (!catalogue.has<ScenarioKind>(saved_.scenario())) {
+    throw std::invalid_argument(folder.string() + ": is a run of scenario \"" + saved_.scenario() +
+                                "\", which this program does not have: the program that made it "
+                                "can draw it");
+  }
   const ScenarioKind& kind = catalogue.get<ScenarioKind>(saved_.scenario());
   scenario_ = kind.make(catalogue);
   shots_file_ = kind.shots();

@@ -40,11 +40,17 @@ void print_list(const Catalogue& catalogue, bool parts) {
     }
     return;
   }
-  std::string what;
+  std::vector<std::string> headings;
   for (const ListedPart& part : catalogue.parts()) {
-    if (part.what != what) fmt::print("{}{}\n", what.empty() ? "" : "\n", part.what);
-    what = part.what;
-    fmt::print("  {:<18}{}\n", part.name, part.help);
+    if (std::find(headings.begin(), headings.end(), part.what) == headings.end()) {
+      headings.push_back(part.what);
+    }
+  }
+  for (const std::string& heading : headings) {
+    fmt::print("{}{}\n", heading == headings.front() ? "" : "\n", heading);
+    for (const ListedPart& part : catalogue.parts()) {
+      if (part.what == heading) fmt::print("  {:<18}{}\n", part.name, part.help);
+    }
   }
 }
 

@@ -127,7 +127,10 @@ std::string run_report(const Catalogue& catalogue, const std::vector<SavedRun>& 
       section.set("metrics", metrics_data(catalogue, run));
       section.set("has_metrics", true);
     }
-    if (const auto video = video_data(catalogue, run, id)) section.set("video", *video);
+    // A run of another program's scenario: what its video shows only that program knows.
+    if (catalogue.has<ScenarioKind>(run.scenario())) {
+      if (const auto video = video_data(catalogue, run, id)) section.set("video", *video);
+    }
     mustache::data charts(mustache::data::type::list);
     for (const PageChart& chart : all_charts(run, id)) charts << chart_data(chart);
     section.set("charts", charts);

@@ -1,6 +1,7 @@
 // What a program has to choose from.
 #pragma once
 
+#include <algorithm>
 #include <any>
 #include <filesystem>
 #include <memory>
@@ -75,6 +76,13 @@ class Catalogue {
     std::vector<std::string> names;
     for (const Kind& kind : all<Kind>()) names.push_back(kind.name);
     return names;
+  }
+
+  template <typename Kind>
+  bool has(const std::string& name) const {
+    const auto& kinds = all<Kind>();
+    return std::any_of(kinds.begin(), kinds.end(),
+                       [&](const Kind& kind) { return kind.name == name; });
   }
 
   /// Everything that has a line of help, in the order in which it was added.

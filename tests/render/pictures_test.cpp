@@ -255,6 +255,14 @@ TEST_F(Pictures, NonsenseIsRefusedInOneLine) {
     EXPECT_NE(result.err.find(std::string("it has no ") + file), std::string::npos) << result.err;
     fs::rename(folder_ / "aside", folder_ / "run" / file);
   }
+  const std::string manifest = testing::text_of(folder_ / "run/manifest.json");
+  std::string theirs = manifest;
+  theirs.replace(theirs.find("arm_push"), 8, "door");
+  std::ofstream(folder_ / "run/manifest.json") << theirs;
+  expect_failure(breakwater({"video", "run"}), 2,
+                 "run: is a run of scenario \"door\", which this program does not have", kRunFiles,
+                 "run");
+  std::ofstream(folder_ / "run/manifest.json") << manifest;
   fs::resize_file(folder_ / "run/log.h5", 3000);
   const ProgramResult result = breakwater({"video", "run"});
   EXPECT_EQ(result.status, 2);

@@ -188,6 +188,8 @@ TEST_F(PartsTest, TheCatalogueListsThem) {
   EXPECT_EQ(catalogue_.parts()[1].what, "toy");
   EXPECT_EQ(catalogue_.parts()[1].name, "large");
   EXPECT_EQ(catalogue_.parts()[1].help, "a large one");
+  EXPECT_TRUE(catalogue_.has<ToyKind>("small"));
+  EXPECT_FALSE(catalogue_.has<ToyKind>("Small"));
   EXPECT_THROW(catalogue_.add(ToyKind("large", "another", bind_large, make_number<'l'>)),
                std::invalid_argument);
 }
