@@ -1,6 +1,5 @@
 #include <breakwater/render/video_file.h>
 
-
 extern "C" {
 #include <libavcodec/avcodec.h>
 #include <libavformat/avformat.h>
