@@ -1,0 +1,332 @@
+#include <breakwater/observers/filter_bank.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include <breakwater/math/functions.h>
+#include <breakwater/math/mills_ratio.h>
+#include <breakwater/observers/code_likelihood.h>
+
+namespace breakwater {
+namespace {
+
+constexpr double kRounding = 2e-10;       // of the arithmetic, in the output's unit
+constexpr double kSlowest_rad_s = 0.5;    // of the bandwidths
+constexpr double kBandwidthRatio = 3.0;   // from one to the next
+constexpr double kFastestSamples = 30.0;  // w T_s of the fastest at most
+constexpr double kInertiaStd = 0.25;      // of θ
+constexpr double kSmallestGain = 0.5;     // of 1 + θ
+constexpr double kLargestGain = 2.0;
+constexpr double kGainVariance = 1e-3;  // of the pseudo-measurement that keeps it there
+constexpr double kSurprise = 4.0;       // standard deviations
+constexpr double kLargestInflation = 1e12;
+constexpr double kFineQuantum = 0.05;  // of √S: below it the code is a number
+constexpr double kKnownCode = 0.01;    // s² over Δ² up to which the code is known
+constexpr double kShortestWay = 1e-6;  // of Δ, since an edge was passed
+constexpr double kSmallestOutside = 1e-300;
+constexpr double kSmallestFall = 1e-12;  // of a variance, that is worth the work
+constexpr double kChances_per_s = 0.5;   // of each model to be right next
+constexpr double kForgotten = 6.0;       // below a chance
+constexpr double kCounts = 3.0;          // in the mean: below the best
+
+double log_density(double e, double S) {
+  return -0.5 * (e * e / S + math::log(S)) - math::kLogRootTwoPi;
+}
+
+// E[max(v, 0)] of v ~ N(mean, std²).
+double mean_positive(double mean, double std) {
+  if (!(std > 0.0)) return std::max(mean, 0.0);
+  const double z = mean / std;
+  const double density = math::exp(-0.5 * z * z - math::kLogRootTwoPi);
+  const double tail = density * math::mills_ratio(std::abs(z));  // beyond |z|
+  return std * density + mean * (z > 0.0 ? 1.0 - tail : tail);
+}
+
+// What is learnt of z = x̄_i + noise, z ~ N(ẑ, S), reaches the states by their covariance with it:
+// z's mean is off by `shift`, and its variance S falls by the part `fall`. As the Kalman update
+// that does this, R = S/fall − P_ii, the covariance in Joseph's form.
+void learn(FilterBank::Model& model, int i, double S, double shift, double fall) {
+  const Eigen::Vector4d cross = model.P.col(i);
+  model.x += cross * (shift / S);
+  if (!(fall > kSmallestFall)) return;
+  const double R = S / fall - cross(i);
+  const Eigen::Vector4d K = cross * (fall / S);
+  const Eigen::Matrix4d M = model.P - K * cross.transpose();
+  const Eigen::Matrix4d P = M + (K * R - M.col(i)) * K.transpose();
+  model.P = 0.5 * (P + P.transpose());
+}
+
+// Rounding has made its covariance none: d and θ are hardly told apart while the input is constant.
+bool is_lost(const FilterBank::Model& model) {
+  return !std::isfinite(model.log_weight) || !model.x.allFinite() || !model.P.allFinite() ||
+         !(model.P.diagonal().minCoeff() >= 0.0);
+}
+
+}  // namespace
+
+// What a sample tells.
+struct FilterBank::Observation {
+  double y;
+  double moved;  // counts since the last one; NaN: the code is not known
+};
+
+FilterBank::FilterBank(const FilterBankDesign& design) : period_s_(design.period_s) {
+  check(design.plant);
+  check(design.sensor, 1);
+  const StateSpace& plant = design.plant;
+  const bool is_axis = plant.states() == 2 && plant.inputs() == 1 && plant.outputs() == 1 &&
+                       plant.A.col(0).isZero(0.0) && plant.A(0, 1) == 1.0 && plant.B(0, 0) == 0.0 &&
+                       plant.B(1, 0) > 0.0 && plant.C(0, 0) == 1.0 && plant.C(0, 1) == 0.0;
+  if (!is_axis) {
+    throw std::invalid_argument(
+        "filter bank: needs a plant of one axis, [position; velocity], its position measured");
+  }
+  if (!(design.largest_d > 0.0) || !std::isfinite(design.largest_d)) {
+    throw std::invalid_argument("filter bank: the largest disturbance must be positive");
+  }
+  const StateSpace sampled = zero_order_hold(plant, period_s_);
+  A_ = sampled.A;
+  B_ = sampled.B;
+  quantum_ = design.sensor.quantum(0);
+  const double sigma = design.sensor.noise_std(0);
+  noise_variance_ = sigma * sigma + kRounding * kRounding;
+  prior_variance_ = std::max(quantum_ * quantum_ / 12.0 + sigma * sigma, kRounding * kRounding);
+  code_is_known_ = quantum_ > 0.0 && noise_variance_ < kKnownCode * quantum_ * quantum_;
+  chance_ = std::max(math::log(1.0 / (kChances_per_s * period_s_)), 0.0);
+
+  const double J = 1.0 / plant.B(1, 0);
+  const double rho = std::sqrt(prior_variance_);
+  const double fastest =
+      std::min(math::pow(design.largest_d / (J * rho * std::sqrt(period_s_)), 0.4) / 1.5,
+               kFastestSamples / period_s_);
+  const auto add = [this](Kind kind, double bandwidth, double step_variance) {
+    Model model;
+    model.kind = kind;
+    model.bandwidth_rad_s = bandwidth;
+    model.step_variance = step_variance;
+    models_.push_back(model);
+  };
+  add(Kind::constant, 0.0, 0.0);
+  add(Kind::inertia, 0.0, 0.0);
+  for (double w = kSlowest_rad_s; w <= fastest; w *= kBandwidthRatio) {
+    const double per_sample = w * w * w * rho * period_s_ * J;
+    add(Kind::walk, w, per_sample * per_sample);
+    add(Kind::ramp, w, w * w * per_sample * per_sample);
+  }
+  shares_.setZero(static_cast<Eigen::Index>(models_.size()));
+  signals_ = {
+      {"innovation", "", "e = y - q(k|k-1) of the best model", view(innovation_)},
+      {"bank_weight", "1",
+       "each model's share of the belief: constant, inertia, then walk "
+       "and ramp of each bandwidth",
+       view(shares_)},
+      {"bank_best", "1", "which model is believed most, from 0", view(best_number_)},
+      {"bank_bandwidth_rad_s", "rad/s", "its bandwidth; 0: constant", view(best_bandwidth_)}};
+  start(Eigen::Vector2d::Zero());
+}
+
+void FilterBank::reset(const Vector& x) {
+  start(x.head<2>());
+}
+
+void FilterBank::start(const Eigen::Vector2d& x) {
+  has_begun_ = has_output_ = false;
+  last_input_ = 0.0;
+  for (Model& model : models_) {
+    model.x << x(0), x(1), 0.0, 0.0;
+    model.P = prior_variance_ * Eigen::Matrix4d::Identity();
+    model.P(3, 3) = 0.0;
+    if (model.kind == Kind::inertia) model.P(3, 3) = kInertiaStd * kInertiaStd;
+    if (model.kind == Kind::ramp) {
+      model.P(3, 3) = model.bandwidth_rad_s * model.bandwidth_rad_s * prior_variance_;
+    }
+    model.log_weight = 0.0;
+    model.outside = 1.0;
+  }
+  best_ = 0;
+  innovation_ = 0.0;
+  combine();
+}
+
+void FilterBank::update(const Vector& held_input, const Vector& y) {
+  if (std::isfinite(held_input(0))) last_input_ = held_input(0);
+  if (has_begun_) {
+    for (Model& model : models_) predict(model, last_input_);
+  }
+  has_begun_ = true;
+  innovation_ = 0.0;
+  if (std::isfinite(y(0))) {
+    innovation_ = y(0) - models_[best_].x(0);
+    Observation seen{y(0), NAN};
+    if (code_is_known_ && has_output_) seen.moved = std::round((y(0) - last_output_) / quantum_);
+    last_output_ = y(0);
+    has_output_ = true;
+    for (Model& model : models_) model.log_weight += observe(model, seen);
+    weigh();
+  }
+  combine();
+}
+
+// x̄ ← F x̄ + [B u; 0; 0], P ← F P Fᵀ + Q.
+void FilterBank::predict(Model& model, double u) const {
+  Eigen::Matrix4d F = Eigen::Matrix4d::Identity();
+  F.topLeftCorner<2, 2>() = A_;
+  F.block<2, 1>(0, 2) = -B_;
+  if (model.kind == Kind::inertia) F.block<2, 1>(0, 3) = B_ * u;
+  if (model.kind == Kind::ramp) F(2, 3) = period_s_;
+  model.x = (F * model.x).eval();
+  model.x.head<2>() += B_ * u;
+  const Eigen::Matrix4d FP = F * model.P;
+  model.P.noalias() = FP * F.transpose();
+  if (model.kind == Kind::walk) model.P(2, 2) += model.step_variance;
+  if (model.kind == Kind::ramp) model.P(3, 3) += model.step_variance;
+}
+
+// Of an output that is e off: of the code y, the probability of its interval.
+double FilterBank::log_likelihood(double e, double S) const {
+  const double root = std::sqrt(S);
+  if (!code_is_known_ || quantum_ < kFineQuantum * root) {
+    const double width = quantum_ > 0.0 ? math::log(quantum_) : 0.0;
+    return log_density(e, S + quantum_ * quantum_ / 12.0) + width;
+  }
+  return CodeInterval((e - 0.5 * quantum_) / root, (e + 0.5 * quantum_) / root).log_mass();
+}
+
+// One model's update. Returns the log-likelihood of what was seen.
+double FilterBank::observe(Model& model, const Observation& seen) const {
+  const double half = 0.5 * quantum_;
+  double e = seen.y - model.x(0);
+  double S = model.P(0, 0) + noise_variance_;
+
+  // Consistency: a model that is surprised beyond kSurprise knows less than it believes.
+  double charged = INFINITY;
+  const double excess = std::max(std::abs(e) - half, 0.0);
+  if (excess > kSurprise * std::sqrt(S)) {
+    charged = log_likelihood(e, S);
+    const double wanted = excess * excess / (kSurprise * kSurprise) - noise_variance_;
+    model.P *= std::clamp(wanted / model.P(0, 0), 1.0, kLargestInflation);
+    S = model.P(0, 0) + noise_variance_;
+  }
+  const double root = std::sqrt(S);
+  double found;
+  if (!code_is_known_ || quantum_ < kFineQuantum * root) {
+    found = log_likelihood(e, S);
+    learn(model, 0, S + quantum_ * quantum_ / 12.0, e, 1.0);
+    found += keep_inertia(model);
+    model.outside = 1.0;
+    return std::min(found, charged);
+  }
+  const CodeInterval interval((e - half) / root, (e + half) / root);
+  if (std::abs(seen.moved) == 1.0) {
+    // The edge between the two codes was passed within the last period.
+    const double way = mean_positive(seen.moved * model.x(1), std::sqrt(model.P(1, 1))) * period_s_;
+    const double passed = std::clamp(way, kShortestWay * quantum_, quantum_);
+    e = e - seen.moved * (half - 0.5 * passed);
+    const double R = noise_variance_ + passed * passed / 12.0;
+    found = log_density(e, model.P(0, 0) + R) + math::log(passed);
+    learn(model, 0, model.P(0, 0) + R, e, 1.0);
+  } else {
+    double share = 1.0;
+    found = interval.log_mass();
+    if (seen.moved == 0.0) {
+      // That the code is still the same is news only of what has left its interval since.
+      const double outside = interval.outside();
+      share =
+          outside < kSmallestOutside ? 0.0 : std::clamp(1.0 - model.outside / outside, 0.0, 1.0);
+      found = math::log(1.0 - share * outside);
+    }
+    if (share > 0.0) {
+      const auto [mean, variance] = interval.moments();
+      learn(model, 0, S, share * root * mean, share * std::clamp(1.0 - variance, 0.0, 1.0));
+    }
+  }
+  found += keep_inertia(model);
+  const double after = std::sqrt(model.P(0, 0) + noise_variance_);
+  const double rest = seen.y - model.x(0);
+  model.outside = CodeInterval((rest - half) / after, (rest + half) / after).outside();
+  return std::min(found, charged);
+}
+
+// A pseudo-measurement. Returns its log-likelihood.
+double FilterBank::keep_inertia(Model& model) const {
+  if (model.kind != Kind::inertia) return 0.0;
+  const double gain = 1.0 + model.x(3);
+  const double e = std::clamp(gain, kSmallestGain, kLargestGain) - gain;
+  if (e == 0.0) return 0.0;
+  const double S = model.P(3, 3) + kGainVariance;
+  learn(model, 3, S, e, 1.0);
+  return -0.5 * e * e / S;
+}
+
+void FilterBank::weigh() {
+  double largest = -INFINITY;
+  for (std::size_t i = 0; i < models_.size(); ++i) {
+    Model& model = models_[i];
+    if (is_lost(model)) model.log_weight = -INFINITY;
+    if (model.log_weight > largest) {
+      largest = model.log_weight;
+      best_ = i;
+    }
+  }
+  if (std::isinf(largest)) return start({last_output_, 0.0});
+  for (Model& model : models_) {
+    model.log_weight -= largest;
+    if (model.log_weight < -(chance_ + kForgotten)) seed(model, models_[best_]);
+  }
+}
+
+// `model` believes what `from` does, as far as it has the states, and is given a chance.
+void FilterBank::seed(Model& model, const Model& from) const {
+  const Kind had = from.kind;
+  Eigen::Vector4d x = from.x;
+  Eigen::Matrix4d P = from.P;
+  const double u = last_input_;
+  if (had != model.kind) {
+    if (had == Kind::inertia) {
+      // (1 + θ) u − d′ is u − d with d = d′ − θ u.
+      Eigen::Matrix4d T = Eigen::Matrix4d::Identity();
+      T(2, 3) = -u;
+      x = (T * x).eval();
+      P = (T * P * T.transpose()).eval();
+    }
+    x(3) = 0.0;
+    P.row(3).setZero();
+    P.col(3).setZero();
+    if (model.kind == Kind::inertia) {
+      constexpr double variance = kInertiaStd * kInertiaStd;
+      P(3, 3) = variance;
+      P(2, 3) = P(3, 2) = variance * u;
+      P(2, 2) += variance * u * u;
+    } else if (model.kind == Kind::ramp) {
+      P(3, 3) = model.bandwidth_rad_s * model.bandwidth_rad_s * P(2, 2);
+    }
+  }
+  model.x = x;
+  model.P = P;
+  model.outside = from.outside;
+  model.log_weight = -chance_;
+}
+
+void FilterBank::combine() {
+  estimate_.setZero();
+  shares_.setZero();
+  double sum = 0.0;
+  for (std::size_t i = 0; i < models_.size(); ++i) {
+    const Model& model = models_[i];
+    const double share = math::exp(model.log_weight);
+    shares_(static_cast<Eigen::Index>(i)) = share;
+    if (model.log_weight <= -kCounts) continue;
+    const double gain = model.kind == Kind::inertia
+                            ? std::clamp(1.0 + model.x(3), kSmallestGain, kLargestGain)
+                            : 1.0;
+    estimate_ += share * Eigen::Vector3d(model.x(0), model.x(1), model.x(2) / gain);
+    sum += share;
+  }
+  estimate_ /= sum;
+  shares_ /= shares_.sum();
+  best_number_ = static_cast<double>(best_);
+  best_bandwidth_ = models_[best_].bandwidth_rad_s;
+}
+
+}  // namespace breakwater

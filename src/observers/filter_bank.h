@@ -1,0 +1,104 @@
+// A bank of Kalman filters with the encoder's exact likelihood (QBANK).
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include <breakwater/linear/state_space.h>
+#include <breakwater/observers/disturbance_estimator.h>
+#include <breakwater/observers/sensor_error.h>
+
+namespace breakwater {
+
+struct FilterBankDesign {
+  StateSpace plant;        ///< continuous, one axis: J q̈ = u − d − c q̇ with q measured
+  double period_s = 0.0;   ///< T_s
+  SensorError sensor;      ///< Δ and σ of q; the noise is added to the code, not before rounding
+  double largest_d = 0.0;  ///< D > 0, how large a disturbance can be: bounds the bank
+};
+
+/// Many beliefs about what d does, each a Kalman filter on x̄ = [q, v, d, ·], and one belief about
+/// which of them is right. With ρ² = Δ²/12 + σ², u the input that was held:
+///     constant: d(k+1) = d(k);
+///     inertia:  the same, and the plant's inertia is J/(1 + θ), θ ~ N(0, ¼²), so that q̈ = ((1 +
+///               θ) u − d′ − c q̇)/J and d̂ = d′/(1 + θ̂); 1 + θ̂ is kept within [½, 2];
+///     walk:     d(k+1) = d(k) + N(0, w⁶ρ²T_sJ²T_s),  a filter of bandwidth w;
+///     ramp:     d(k+1) = d(k) + T_s ḋ(k), ḋ(k+1) = ḋ(k) + N(0, w⁸ρ²T_s²J²);
+/// w = ½·3ⁱ [1/s] up to (D/(J ρ √T_s))^0.4/1.5, and not beyond 3/T_s.
+///
+/// Each model is updated by what the code y says: that q lies within y ± Δ/2. How it is told so,
+/// and how likely the model found it, filter_bank.cpp and
+/// docs/methods/filter-bank.md say. Log-likelihoods add up to the models' log-weights, of which
+/// the best is 0. One that falls below −(L₀ + 6), L₀ = ln(2/T_s), is seeded anew from the best with
+/// the weight −L₀: about twice a second each belief is given another chance, and no belief is ever
+/// lost. x̂ and d̂ are the weighted means of the models above −3.
+///
+/// An output that is no number is not used: the models predict. Allocates nothing after
+/// construction.
+class FilterBank final : public DisturbanceEstimator {
+ public:
+  enum class Kind { constant, inertia, walk, ramp };
+
+  /// One belief.
+  struct Model {
+    Kind kind = Kind::constant;
+    double bandwidth_rad_s = 0.0;                 ///< w; 0 of a constant
+    double step_variance = 0.0;                   ///< what its last state's grows by at a sample
+    Eigen::Vector4d x = Eigen::Vector4d::Zero();  ///< [q, v, d, θ or ḋ]
+    Eigen::Matrix4d P = Eigen::Matrix4d::Zero();
+    double log_weight = 0.0;
+    double outside = 1.0;  ///< the probability outside of the code's interval after the last update
+  };
+
+  /// Throws std::invalid_argument unless the plant is one axis, its position measured, T_s and D
+  /// are positive and the sensor's error is some, or 0.
+  explicit FilterBank(const FilterBankDesign& design);
+
+  void reset(const Vector& x) override;
+  void update(const Vector& held_input, const Vector& y) override;
+
+  View state() const override { return {estimate_.data(), 2}; }
+  View disturbance() const override { return {estimate_.data() + 2, 1}; }
+  /// The innovation of the best model, each model's share of the belief, which model is the best,
+  /// and its bandwidth.
+  std::span<const Signal> signals() const override { return signals_; }
+
+  const std::vector<Model>& models() const { return models_; }
+  const Model& best() const { return models_[best_]; }
+
+ private:
+  struct Observation;
+
+  void start(const Eigen::Vector2d& x);
+  void predict(Model& model, double u) const;
+  double observe(Model& model, const Observation& seen) const;
+  double keep_inertia(Model& model) const;
+  double log_likelihood(double e, double S) const;
+  void weigh();
+  void seed(Model& model, const Model& from) const;
+  void combine();
+
+  double period_s_;
+  Eigen::Matrix2d A_;  // of the sampled plant
+  Eigen::Vector2d B_;
+  double quantum_;         // Δ
+  double noise_variance_;  // s² = σ² + the arithmetic's
+  double prior_variance_;  // ρ²
+  bool code_is_known_;
+  double chance_;  // L₀
+  double last_input_ = 0.0;
+  double last_output_ = 0.0;
+  bool has_begun_ = false;
+  bool has_output_ = false;
+
+  std::vector<Model> models_;
+  std::size_t best_ = 0;
+  Eigen::Vector3d estimate_ = Eigen::Vector3d::Zero();
+  double innovation_ = 0.0;
+  Eigen::VectorXd shares_;
+  double best_number_ = 0.0;
+  double best_bandwidth_ = 0.0;
+  std::vector<Signal> signals_;
+};
+
+}  // namespace breakwater
