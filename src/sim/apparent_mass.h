@@ -1,0 +1,41 @@
+// What a blow at a point of a mechanism meets.
+#pragma once
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <string>
+
+#include <breakwater/sim/model.h>
+
+namespace breakwater {
+
+/// The mass that a short force along a fixed direction e of the world meets at a site, with every
+/// joint free to recoil:
+///     m = 1 / (eᵀ J M⁻¹ Jᵀ e)    [kg]
+/// J (3 × n): the site's translational Jacobian, M (n × n): the joint-space inertia, armatures
+/// included.
+///
+/// Source: O. Khatib, Int. J. Robotics Research 14 (1995) 19–36.
+class ApparentMass {
+ public:
+  /// Throws std::invalid_argument if the model has no such site or no joint. `direction` is of unit
+  /// length.
+  ApparentMass(const Model& model, const std::string& site, const Eigen::Vector3d& direction);
+
+  /// Of the configuration that the engine last computed; infinite where the site cannot move along
+  /// e. Does not allocate.
+  double operator()(const Model& model, const mjData& data);
+
+ private:
+  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+  int site_;
+  Eigen::Vector3d direction_;
+  RowMajor jacobian_;
+  RowMajor inertia_;
+  Eigen::LLT<Eigen::MatrixXd> cholesky_;
+  Eigen::VectorXd along_;   // Jᵀ e
+  Eigen::VectorXd recoil_;  // M⁻¹ Jᵀ e
+};
+
+}  // namespace breakwater

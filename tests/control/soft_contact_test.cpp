@@ -1,0 +1,217 @@
+// Torque-limited soft contact: its formulas against integration, its parts against what they
+// estimate, and the law against a wall of its own.
+#include <breakwater/control/soft_contact.h>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <stdexcept>
+
+#include "support.h"
+
+namespace breakwater::soft_contact_test {
+namespace {
+
+// The largest force behind a lag when x = v t − ½ a t² presses on a spring, by small steps.
+double peak_by_integration(double speed, double stiffness, double braking, double lag) {
+  constexpr double kStep = 1e-6;
+  double filtered = 0.0, largest = 0.0;
+  for (double t = 0.0; t < 2.0 * speed / braking; t += kStep) {
+    const double force = stiffness * (speed * t - 0.5 * braking * t * t);
+    filtered = lag > 0.0 ? filtered + kStep / lag * (force - filtered) : force;
+    largest = std::max(largest, filtered);
+  }
+  return largest;
+}
+
+TEST(ContactPeak, IsThatOfTheMotionIntegrated) {
+  for (const double speed : {0.02, 0.2, 0.6}) {
+    for (const double braking : {0.3, 4.0, 20.0}) {
+      for (const double lag : {0.0, 0.01, 0.05}) {
+        const double expected = peak_by_integration(speed, 1000.0, braking, lag);
+        EXPECT_NEAR(contact_peak_N(speed, 1000.0, braking, lag), expected, 2e-4 * expected)
+            << speed << " " << braking << " " << lag;
+      }
+    }
+  }
+  // Without a lag: all kinetic energy, ½v²/a_b deep.
+  EXPECT_NEAR(contact_peak_N(0.2, 1000.0, 4.0, 0.0), 1000.0 * 0.04 / 8.0, 1e-9);
+}
+
+TEST(ContactSpeed, IsTheLargestThatIsAllowed) {
+  for (const double allowed : {0.5, 4.2, 7.2}) {
+    for (const double braking : {0.5, 4.0}) {
+      const double v = contact_speed(1000.0, braking, 0.05, 0.005, allowed);
+      const auto worst = [&](double speed) {
+        return contact_peak_N(speed, 1000.0, braking, 0.05) + 1000.0 * speed * 0.005;
+      };
+      EXPECT_LE(worst(v), allowed);
+      EXPECT_GT(worst(v + 1e-6), allowed);
+    }
+  }
+  EXPECT_LT(contact_speed(1000.0, 4.0, 0.05, 0.005, 1e-9), 1e-4);
+}
+
+// A contact of known K and B, pressed in some way, its force behind the lag, with noise.
+TEST(ContactStiffness, FindsStiffnessAndUndoesTheLag) {
+  constexpr double kLag = 0.05, kPeriod = 1e-3;
+  const double forget = std::exp(-kPeriod / kLag);
+  testing::Random random(3);
+  for (const double K : {300.0, 1000.0, 1e4, 1e5}) {
+    for (const double B : {0.0, 20.0}) {
+      SCOPED_TRACE(K);
+      ContactStiffness contact(kLag, kPeriod);
+      contact.reset();
+      double filtered = 0.0, force = 0.0;
+      for (int k = 0; k < 400; ++k) {
+        const double t = k * kPeriod;
+        const double depth = 3.0 / K * (1.0 - std::cos(20.0 * t));
+        const double rate = 60.0 / K * std::sin(20.0 * t);
+        force = K * depth + B * rate;
+        filtered += (1.0 - forget) * (force - filtered);
+        contact.update(depth, rate, filtered + 0.02 * random.uniform(-1.7, 1.7));
+      }
+      EXPECT_NEAR(contact.stiffness_N_m(), K, 0.03 * K);
+      if (B == 0.0) {
+        EXPECT_NEAR(contact.force_N(), force, 0.1);
+      }
+      EXPECT_GT(std::abs(force - filtered), 0.4) << "else the lag would not matter";
+    }
+  }
+  ContactStiffness contact(kLag, kPeriod);
+  EXPECT_EQ(contact.stiffness_N_m(), 1000.0);
+  EXPECT_THROW(ContactStiffness(-1.0, kPeriod), std::invalid_argument);
+  EXPECT_THROW(ContactStiffness(kLag, 0.0), std::invalid_argument);
+}
+
+class SoftContactLaw : public ::testing::Test {
+ protected:
+  SoftContactLaw() : chain_(load_planar_chain(testing::source_file("models/arm.urdf"))) {
+    acceleration_.nominal_inertia_kgm2 = Eigen::Vector3d(1.0, 0.87, 0.82);
+    acceleration_.torque_limit_Nm = chain_.effort_limits_Nm();
+    acceleration_.observer_poles.assign(3, {-150.0, -157.5, -165.0});
+    acceleration_.period_s = kPeriod;
+    const double bend = std::acos(0.625);
+    task_.start_angles_rad = Eigen::Vector3d(bend, -2 * bend, bend);
+    task_.start_pose = chain_.tip_pose(task_.start_angles_rad);
+    task_.force_control_from_s = 0.0;
+    task_.force_reference_N = 2.0;
+    task_.force_lag_s = 0.05;
+    design_.positioning = Positioning::workspace;
+    design_.joints.assign(3, PfcDesign{});
+    design_.across.target_response_time_s = 0.2;
+    design_.approach.target_response_time_s = 0.1;
+    design_.contact.target_response_time_s = 0.08;
+  }
+
+  static double signal(const Controller& controller, const std::string& name) {
+    for (const Signal& s : controller.signals()) {
+      if (s.name == name) return s.values[0];
+    }
+    ADD_FAILURE() << "no signal " << name;
+    return NAN;
+  }
+
+  struct Course {
+    double free_s = -1.0;  // until the wall was touched
+    double peak_N = 0.0;   // of the force behind the lag
+    double last_N = 0.0;
+    double stiffness = 0.0;
+    double across = 0.0;  // largest |y|
+    int onsets = 0;
+  };
+
+  // An arm of three independent inertias J_n without friction, and a wall, by Euler's method.
+  Course run(double stiffness, double duration_s) {
+    SoftContact law(chain_, acceleration_, task_, design_);
+    Eigen::Vector3d q = task_.start_angles_rad, dq = Eigen::Vector3d::Zero();
+    const double wall_x = task_.start_pose[0] + 0.05;
+    constexpr int kSubsteps = 20;
+    const double h = kPeriod / kSubsteps;
+    Sample sample;
+    sample.y.resize(5);
+    Eigen::VectorXd u(3);
+    TipJacobian J(3, 3);
+    Course course;
+    double force = 0.0, filtered = 0.0;
+    for (int k = 0; k * kPeriod < duration_s; ++k) {
+      sample.time_s = k * kPeriod;
+      sample.y << q, filtered, force;
+      if (k == 0) law.reset(sample);
+      law.update(sample, u);
+      EXPECT_TRUE(u.allFinite());
+      EXPECT_TRUE((u.cwiseAbs() - acceleration_.torque_limit_Nm).maxCoeff() < 1e-9);
+      for (int i = 0; i < kSubsteps; ++i) {
+        const TipPose tip = chain_.tip_pose(q);
+        chain_.tip_jacobian(q, J);
+        const double depth = tip[0] - wall_x;
+        const double before = force;
+        force = depth > 0.0 ? std::max(0.0, stiffness * depth + 10.0 * (J * dq)[0]) : 0.0;
+        if (before == 0.0 && force > 0.0) ++course.onsets;
+        if (course.free_s < 0.0 && force > 0.0) course.free_s = k * kPeriod;
+        filtered += h / task_.force_lag_s * (force - filtered);
+        course.peak_N = std::max(course.peak_N, filtered);
+        course.across = std::max(course.across, std::abs(tip[1] - task_.start_pose[1]));
+        const Eigen::Vector3d torque = u - J.row(0).transpose() * force;
+        dq += h * torque.cwiseQuotient(acceleration_.nominal_inertia_kgm2);
+        q += h * dq;
+      }
+    }
+    course.last_N = filtered;
+    course.stiffness = signal(law, "contact_stiffness_hat_N_m");
+    EXPECT_EQ(signal(law, "phase"), 3.0);
+    return course;
+  }
+
+  static constexpr double kPeriod = 1e-3;
+  PlanarChain chain_;
+  AccelerationControlDesign acceleration_;
+  ArmTask task_;
+  SoftContactDesign design_;
+};
+
+TEST_F(SoftContactLaw, MeetsAWallOnceAndPressesWithTheReference) {
+  for (const double stiffness : {500.0, 1000.0, 5000.0}) {
+    SCOPED_TRACE(stiffness);
+    const Course course = run(stiffness, 3.0);
+    EXPECT_EQ(course.onsets, 1);
+    EXPECT_NEAR(course.last_N, 2.0, 0.01);
+    EXPECT_NEAR(course.stiffness, stiffness, 0.1 * stiffness);
+    EXPECT_LT(course.across, 5e-4);
+    if (stiffness <= 1000.0) {
+      EXPECT_LT(course.peak_N, task_.force_reference_N + design_.peak_margin_N);
+    }
+  }
+}
+
+TEST_F(SoftContactLaw, AllowedMoreItIsFasterAndHitsHarder) {
+  const Course soft = run(1000.0, 2.0);
+  design_.peak_margin_N = 5.0;
+  const Course hard = run(1000.0, 2.0);
+  EXPECT_LT(hard.free_s, 0.9 * soft.free_s);
+  EXPECT_GT(hard.peak_N, 1.2 * soft.peak_N);
+}
+
+TEST_F(SoftContactLaw, HoldsItsPoseBeforeForceControl) {
+  task_.force_control_from_s = 10.0;
+  SoftContact law(chain_, acceleration_, task_, design_);
+  Sample sample;
+  sample.y.resize(5);
+  sample.y << task_.start_angles_rad, 0.0, 0.0;
+  law.reset(sample);
+  Eigen::VectorXd u(3);
+  law.update(sample, u);
+  EXPECT_LT(u.norm(), 1e-9);
+  EXPECT_EQ(signal(law, "phase"), 1.0);
+}
+
+TEST_F(SoftContactLaw, RefusesWhatItCannotBeMadeOf) {
+  design_.wall_stiffness_N_m = 0.0;
+  EXPECT_THROW(SoftContact(chain_, acceleration_, task_, design_), std::invalid_argument);
+  design_.wall_stiffness_N_m = 1000.0;
+  design_.joints.pop_back();
+  EXPECT_THROW(SoftContact(chain_, acceleration_, task_, design_), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace breakwater::soft_contact_test
