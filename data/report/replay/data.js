@@ -1,0 +1,149 @@
+// The data of a replay, unpacked: motions, meshes, textures.
+"use strict";
+const Replay = {};
+(() => {
+  function bytesOf(base64) {
+    const text = atob(base64);
+    const bytes = new Uint8Array(text.length);
+    for (let i = 0; i < text.length; ++i) bytes[i] = text.charCodeAt(i);
+    return bytes;
+  }
+
+  // A zlib stream in base64.
+  async function unpacked(base64) {
+    const stream = new Blob([bytesOf(base64)]).stream().pipeThrough(new DecompressionStream("deflate"));
+    return new Uint8Array(await new Response(stream).arrayBuffer());
+  }
+
+  // Channels of `frames` numbers each, as src/pictures/motion_codec.h writes them.
+  function channelsOf(bytes, channels, frames) {
+    let at = 0;
+    const all = [];
+    for (let c = 0; c < channels; ++c) {
+      const values = new Float64Array(frames);
+      let last = 0;
+      for (let i = 0; i < frames; ++i) {
+        let word = 0, factor = 1, byte = 128;
+        while (byte & 128) {
+          byte = bytes[at++];
+          word += (byte & 127) * factor;
+          factor *= 128;
+        }
+        last += word % 2 === 0 ? word / 2 : -(word + 1) / 2;
+        values[i] = last;
+      }
+      all.push(values);
+    }
+    return all;
+  }
+
+  // When the frames of a run are: pieces of equal steps.
+  class Times {
+    constructor(spans) {
+      let first = 0;
+      this.spans = spans.map(([from, step, count]) => {
+        const span = {from, step, count, first};
+        first += count;
+        return span;
+      });
+      this.frames = first;
+      const last = this.spans[this.spans.length - 1];
+      this.begin = this.spans[0].from;
+      this.end = last.from + (last.count - 1) * last.step;
+    }
+
+    // The frame at or before a time, and how far it is to the next.
+    place(time) {
+      if (!(time > this.begin)) return {frame: 0, part: 0};
+      if (time >= this.end) return {frame: this.frames - 1, part: 0};
+      let span = this.spans[0];
+      for (const other of this.spans) if (time >= other.from) span = other;
+      const exact = (time - span.from) / span.step;
+      const i = Math.min(Math.floor(exact + 1e-9), span.count - 1);
+      return {frame: span.first + i, part: Math.min(Math.max(exact - i, 0), 1)};
+    }
+
+    timeOf(frame) {
+      let span = this.spans[0];
+      for (const other of this.spans) if (frame >= other.first) span = other;
+      return span.from + (frame - span.first) * span.step;
+    }
+  }
+
+  // Where a body, camera or light is: seven numbers, or seven channels.
+  class Track {
+    constructor(json, channels) {
+      this.still = json.pose || null;
+      if (this.still) return;
+      this.columns = channels.slice(json.channel, json.channel + 7);
+      this.units = json.units;
+    }
+
+    get moves() { return !this.still; }
+
+    // Between two frames on the straight line, and on the short way round.
+    write(place, position, rotation) {
+      if (this.still) {
+        const [x, y, z, w, a, b, c] = this.still;
+        position.set(x, y, z);
+        rotation.set(a, b, c, w);
+        return;
+      }
+      const {frame, part} = place;
+      const next = part > 0 ? frame + 1 : frame;
+      const at = (k) => {
+        const column = this.columns[k];
+        return (column[frame] + part * (column[next] - column[frame])) * this.units[k < 3 ? 0 : 1];
+      };
+      position.set(at(0), at(1), at(2));
+      rotation.set(at(4), at(5), at(6), at(3)).normalize();
+    }
+  }
+
+  // A number over time.
+  class Signal {
+    constructor(json, channels) {
+      this.column = channels[json.channel];
+      this.unit = json.unit;
+    }
+
+    at({frame, part}) {
+      const next = part > 0 ? frame + 1 : frame;
+      return (this.column[frame] + part * (this.column[next] - this.column[frame])) * this.unit;
+    }
+  }
+
+  async function assetOf(json) {
+    if (json.kind === "mesh") {
+      const [vertices, normals, texcoords, faces] = await Promise.all(
+        [json.vertices, json.normals, json.texcoords, json.faces].map((text) => text ? unpacked(text) : null));
+      return {
+        vertices: new Float32Array(vertices.buffer), normals: new Float32Array(normals.buffer),
+        texcoords: texcoords && new Float32Array(texcoords.buffer),
+        faces: json.wide ? new Uint32Array(faces.buffer) : new Uint16Array(faces.buffer)};
+    }
+    if (json.kind === "field") {
+      const heights = json.heights ? new Float32Array((await unpacked(json.heights)).buffer)
+                                   : new Float32Array(json.rows * json.columns);
+      return {rows: json.rows, columns: json.columns, size: json.size, heights};
+    }
+    return {width: json.width, height: json.height, cube: json.cube, rgb: await unpacked(json.rgb)};
+  }
+
+  async function runOf(json) {
+    const times = new Times(json.times);
+    const channels = channelsOf(await unpacked(json.motion), json.channels, times.frames);
+    const tracks = (list) => list.map((one) => new Track(one, channels));
+    return {
+      label: json.label, times, scene: json.scene, visibility: json.visibility, surfaces: json.surfaces,
+      bodies: tracks(json.bodies), cameras: tracks(json.cameras), lights: tracks(json.lights),
+      arrows: json.arrows.map((arrow) => ({...arrow, signals: arrow.values.map((one) => new Signal(one, channels))})),
+    };
+  }
+
+  Replay.load = async (json) => ({
+    ...json,
+    assets: await Promise.all(json.assets.map(assetOf)),
+    runs: await Promise.all(json.runs.map(runOf)),
+  });
+})();

@@ -1,0 +1,538 @@
+// The runs of a replay as one scene of three.js, posed at any time.
+"use strict";
+(() => {
+  const RUN_COLOURS = ["#1b6ca8", "#d1495b", "#2a8c5c", "#b8741a"];
+  const GHOST_OPACITY = 0.42;
+  const TRAIL_POINTS = 1500;
+  const SHORTEST_ARROW_M = 1e-4;
+
+  const vector = ([x, y, z]) => new THREE.Vector3(x, y, z);
+
+  function place(object, [x, y, z, w, a, b, c]) {
+    object.position.set(x, y, z);
+    object.quaternion.set(a, b, c, w);
+  }
+
+  // How often a texture is repeated for one metre.
+  function repeatsOf(geom) {
+    return [0, 1].map((k) => geom.uniform || !(geom.size[k] > 0) ? geom.repeat[k] : geom.repeat[k] / geom.size[k]);
+  }
+
+  // Water as a grid in the world whose heights are the sum of its waves. Waves of one direction are
+  // one table over the way along it.
+  class Water {
+    constructor(geom, asset, waves, material) {
+      this.groups = [];
+      for (const [amplitude, kx, ky, omega, phase, before, after, from, to] of waves) {
+        const k = Math.hypot(kx, ky), dx = k > 0 ? kx / k : 1, dy = k > 0 ? ky / k : 0;
+        let group = this.groups.find((g) => Math.abs(g.dx - dx) + Math.abs(g.dy - dy) < 1e-9);
+        if (!group) this.groups.push(group = {dx, dy, waves: []});
+        group.waves.push({amplitude, k, omega, phase, before, after, from, to});
+      }
+      const frame = new THREE.Object3D();
+      place(frame, geom.pose);
+      frame.updateMatrix();
+      const {rows, columns, size} = asset;
+      const flat = new Float32Array(3 * rows * columns);
+      const local = new Float32Array(3 * rows * columns);
+      const point = new THREE.Vector3();
+      for (let r = 0; r < rows; ++r) {
+        for (let c = 0; c < columns; ++c) {
+          const i = 3 * (r * columns + c);
+          point.set(size[0] * (2 * c / (columns - 1) - 1), size[1] * (2 * r / (rows - 1) - 1), 0);
+          local.set([point.x, point.y, 0], i);
+          point.applyMatrix4(frame.matrix);
+          flat.set([point.x, point.y, 0], i);
+        }
+      }
+      // The finest that is worth it: ten points to the shortest wave, as far as the grid goes.
+      this.reach = Math.hypot(size[0], size[1]) + Math.hypot(geom.pose[0], geom.pose[1]);
+      const shortest = Math.max(...this.groups.flatMap((g) => g.waves.map((w) => w.k)), 1e-6);
+      this.entries = Math.min(4096, Math.max(64, Math.ceil(2 * this.reach * shortest / 0.6)));
+      for (const group of this.groups) {
+        group.height = new Float64Array(this.entries);
+        group.slope = new Float64Array(this.entries);
+      }
+      const index = Replay.shapes.gridIndex(rows, columns);
+      this.geometry = Replay.shapes.geometry(flat, new Float32Array(flat.length), index);
+      this.flips = frame.matrix.elements[10] < 0;
+      if (this.flips) for (let i = 0; i < index.length; i += 3) [index[i + 1], index[i + 2]] = [index[i + 2], index[i + 1]];
+      // The texture lies in the geom's own frame.
+      this.geometry.setAttribute("uv", new THREE.BufferAttribute(new Float32Array(2 * rows * columns), 2));
+      this.local = local;
+      this.mesh = new THREE.Mesh(this.geometry, material);
+      this.mesh.frustumCulled = false;
+      this.mesh.renderOrder = 1;
+    }
+
+    uvBy([sx, sy]) {
+      const uv = this.geometry.attributes.uv;
+      for (let i = 0; i < uv.count; ++i) uv.setXY(i, 0.5 * sx * this.local[3 * i] - 0.5, -0.5 * sy * this.local[3 * i + 1] - 0.5);
+    }
+
+    pose(time) {
+      const step = 2 * this.reach / (this.entries - 1);
+      for (const group of this.groups) {
+        group.height.fill(0);
+        group.slope.fill(0);
+        for (const wave of group.waves) {
+          const part = wave.to > wave.from ? Math.min(Math.max((time - wave.from) / (wave.to - wave.from), 0), 1)
+                                           : time > wave.from ? 1 : 0;
+          const a = wave.amplitude * (wave.before + part * (wave.after - wave.before));
+          if (a === 0) continue;
+          // cos and sin of equally spaced angles, by turning the first one on.
+          const first = -wave.k * this.reach - wave.omega * time + wave.phase;
+          const cs = Math.cos(wave.k * step), sn = Math.sin(wave.k * step);
+          let c = Math.cos(first), s = Math.sin(first);
+          for (let i = 0; i < this.entries; ++i) {
+            group.height[i] += a * c;
+            group.slope[i] -= a * wave.k * s;
+            [c, s] = [c * cs - s * sn, s * cs + c * sn];
+          }
+        }
+      }
+      const position = this.geometry.attributes.position, normal = this.geometry.attributes.normal;
+      const p = position.array, n = normal.array;
+      for (let i = 0; i < p.length; i += 3) {
+        let z = 0, nx = 0, ny = 0;
+        for (const group of this.groups) {
+          const exact = (p[i] * group.dx + p[i + 1] * group.dy + this.reach) / step;
+          const k = Math.min(Math.max(Math.floor(exact), 0), this.entries - 2), part = exact - k;
+          z += group.height[k] + part * (group.height[k + 1] - group.height[k]);
+          const slope = group.slope[k] + part * (group.slope[k + 1] - group.slope[k]);
+          nx -= slope * group.dx;
+          ny -= slope * group.dy;
+        }
+        const length = Math.hypot(nx, ny, 1);
+        p[i + 2] = z;
+        n[i] = nx / length;
+        n[i + 1] = ny / length;
+        n[i + 2] = 1 / length;
+      }
+      position.needsUpdate = normal.needsUpdate = true;
+    }
+  }
+
+  class Arrow {
+    constructor(json, shared) {
+      this.json = json;
+      this.object = new THREE.Group();
+      const material = Replay.shading.material(
+        {rgba: [...json.colour, 1], emission: 0.45, specular: 0.5, shininess: 0.5}, shared);
+      this.material = material;
+      this.shaft = new THREE.Mesh(Replay.shapes.cylinder(0.006, 0.5).translate(0, 0, 0.5), material);
+      this.tip = new THREE.Mesh(Replay.shapes.cone(0.0105, 1), material);
+      this.mark = new THREE.Mesh(Replay.shapes.sphere(), material);
+      this.mark.scale.setScalar(json.mark || 1);
+      this.object.add(this.shaft, this.tip);
+      this.from = new THREE.Vector3();
+      this.to = new THREE.Vector3();
+      this.site = new THREE.Vector3();
+      this.value = 0;
+    }
+
+    paint(colour) {
+      this.colour = colour;
+      this.material.uniforms.colour.value.fromArray(colour);
+    }
+
+    pose(run, frame, bodies, shown) {
+      const {json} = this;
+      const body = bodies[json.body];
+      const [x, y, z, w, a, b, c] = json.site;
+      this.site.set(x, y, z).applyQuaternion(body.quaternion).add(body.position);
+      const values = json.signals.map((signal) => signal.at(frame));
+      const force = vector(json.along.map((factor, k) => factor * (values.length === 3 ? values[k] : values[0])));
+      this.value = force.length();
+      const reach = force.clone().multiplyScalar(json.scale);
+      if (json.inSite) {
+        reach.applyQuaternion(new THREE.Quaternion(a, b, c, w)).applyQuaternion(body.quaternion);
+      }
+      this.from.copy(this.site).add(vector(json.offset));
+      this.to.copy(this.from).add(reach);
+      const length = reach.length();
+      const isSeen = shown.arrows && length > SHORTEST_ARROW_M;
+      this.object.visible = isSeen;
+      this.mark.visible = shown.contacts && json.mark > 0 && this.value > 0;
+      this.mark.position.copy(this.site);
+      if (!isSeen) return;
+      this.object.position.copy(this.from);
+      this.object.quaternion.setFromUnitVectors(new THREE.Vector3(0, 0, 1), reach.divideScalar(length));
+      this.shaft.scale.set(1, 1, length * 2 / 3);
+      this.tip.scale.set(1, 1, length / 3);
+      this.tip.position.z = length * 2 / 3;
+    }
+  }
+
+  // The way that a point has come.
+  class Trail {
+    constructor(run, body, point, colour) {
+      this.run = run;
+      this.body = body;
+      this.point = vector(point);
+      this.step = Math.max(1, Math.ceil(run.times.frames / TRAIL_POINTS));
+      const count = Math.ceil(run.times.frames / this.step) + 1;
+      this.positions = new Float32Array(3 * count);
+      const position = new THREE.Vector3(), rotation = new THREE.Quaternion();
+      for (let i = 0; i + 1 < count; ++i) {
+        run.bodies[body].write({frame: i * this.step, part: 0}, position, rotation);
+        this.at(position, rotation).toArray(this.positions, 3 * i);
+      }
+      const geometry = new THREE.BufferGeometry();
+      geometry.setAttribute("position", new THREE.BufferAttribute(this.positions.slice(), 3));
+      this.object = new THREE.Line(geometry, new THREE.LineBasicMaterial({color: colour, transparent: true, opacity: 0.85}));
+      this.object.frustumCulled = false;
+    }
+
+    at(position, rotation) { return this.point.clone().applyQuaternion(rotation).add(position); }
+
+    pose(frame, bodies) {
+      const whole = Math.floor(frame.frame / this.step) + 1;
+      const now = this.at(bodies[this.body].position, bodies[this.body].quaternion);
+      const attribute = this.object.geometry.attributes.position;
+      attribute.array.set(this.positions);
+      now.toArray(attribute.array, 3 * whole);
+      attribute.needsUpdate = true;
+      this.object.geometry.setDrawRange(0, whole + 1);
+    }
+  }
+
+  // Axes of a body: x red, y green, z blue.
+  function axes(length) {
+    const made = new THREE.AxesHelper(length);
+    made.material.depthTest = false;
+    made.renderOrder = 5;
+    return made;
+  }
+
+  // A joint's axis, its range and where it is in it.
+  class Limits {
+    constructor(json, size) {
+      this.json = json;
+      this.object = new THREE.Group();
+      this.pointer = new THREE.Group();
+      const line = (points, colour, parent) => {
+        const geometry = new THREE.BufferGeometry().setFromPoints(points);
+        const made = new THREE.Line(geometry, new THREE.LineBasicMaterial({color: colour, depthTest: false}));
+        made.renderOrder = 5;
+        parent.add(made);
+      };
+      const anchor = vector(json.anchor), axis = vector(json.axis), zero = vector(json.pointer);
+      line([anchor.clone().addScaledVector(axis, -0.6 * size), anchor.clone().addScaledVector(axis, 0.6 * size)],
+           "#7a3fb0", this.object);
+      if (json.hinge) {
+        const spoke = (angle) => zero.clone().applyAxisAngle(axis, angle).multiplyScalar(size).add(anchor);
+        if (json.limited) {
+          const [low, high] = json.range;
+          const points = Array.from({length: 49}, (_, i) => spoke(low + (high - low) * i / 48));
+          line([anchor, ...points, anchor], "#7a3fb0", this.object);
+        }
+        line([new THREE.Vector3(), vector(json.bodyPointer).multiplyScalar(size)], "#e0a000", this.pointer);
+      } else if (json.limited) {
+        line(json.range.map((value) => anchor.clone().addScaledVector(axis, value)), "#7a3fb0", this.object);
+      }
+    }
+
+    pose(bodies) {
+      const parent = bodies[this.json.parent], body = bodies[this.json.body];
+      this.object.position.copy(parent.position);
+      this.object.quaternion.copy(parent.quaternion);
+      this.pointer.position.copy(vector(this.json.anchor).applyQuaternion(parent.quaternion).add(parent.position));
+      this.pointer.quaternion.copy(body.quaternion);
+    }
+  }
+
+  // One run in the scene.
+  class Actor {
+    constructor(run, number, data, stage) {
+      this.run = run;
+      this.number = number;
+      this.colour = RUN_COLOURS[number % RUN_COLOURS.length];
+      this.root = new THREE.Group();
+      this.bodies = run.scene.bodies.map(() => new THREE.Group());
+      for (const body of this.bodies) this.root.add(body);
+      this.meshes = [];
+      this.waters = [];
+      for (const geom of run.scene.geoms) this.addGeom(geom, data, stage);
+      this.visibility = run.visibility.map((one) => ({...one, mesh: this.meshes.find((m) => m.geom.id === one.geom)}));
+      this.arrows = run.arrows.map((json) => new Arrow(json, stage.shared));
+      for (const arrow of this.arrows) this.root.add(arrow.object, arrow.mark);
+      this.trails = this.makeTrails();
+      for (const trail of this.trails) this.root.add(trail.object);
+      const size = this.size = this.reachOfBodies();
+      this.moving = this.bodies.map((_, i) => i).filter((i) => run.bodies[i].moves);
+      this.frames = this.moving.map((i) => ({body: i, object: axes(0.35 * size)}));
+      this.limits = run.scene.joints.map((json) => new Limits(json, 0.3 * size));
+      for (const {body, object} of this.frames) this.bodies[body].add(object);
+      for (const limit of this.limits) this.root.add(limit.object, limit.pointer);
+    }
+
+    addGeom(geom, data, stage) {
+      const asset = geom.asset === undefined ? null : data.assets[geom.asset];
+      const waves = this.run.surfaces.find((surface) => surface.geom === geom.name);
+      const texture = geom.texture >= 0 ? stage.textureOf(geom.texture) : null;
+      const given = Boolean(asset && asset.texcoords) || Boolean(waves);
+      const repeats = texture && (texture.isCubeTexture
+        ? (geom.uniform ? [1, 1, 1] : geom.size.map((v) => v > 0 ? 1 / v : 1)) : repeatsOf(geom));
+      const look = {...geom, repeats, givenUv: given, water: waves ? 0.78 : 0, bothSides: Boolean(waves)};
+      const material = Replay.shading.material(look, stage.shared, texture);
+      const moves = this.run.bodies[geom.body].moves;
+      let mesh;
+      if (waves) {
+        const water = new Water(geom, asset, waves.waves, material);
+        if (texture) water.uvBy(repeatsOf(geom));
+        this.waters.push(water);
+        mesh = water.mesh;
+        this.root.add(mesh);
+      } else {
+        mesh = new THREE.Mesh(Replay.shapes.of(geom, asset, stage.far), material);
+        place(mesh, geom.pose);
+        this.bodies[geom.body].add(mesh);
+      }
+      mesh.receiveShadow = !waves;
+      mesh.geometry.computeBoundingSphere();
+      const ghost = Replay.shading.material(
+        {...geom, rgba: [...new THREE.Color(this.colour).toArray(), GHOST_OPACITY], emission: 0.1}, stage.shared);
+      // Where it coincides with the whole run, that one is seen.
+      Object.assign(ghost, {depthWrite: true, polygonOffset: true, polygonOffsetFactor: 2, polygonOffsetUnits: 4});
+      const isBounded = !waves && geom.shape !== "plane" && geom.shape !== "field";
+      mesh.castShadow = isBounded && geom.rgba[3] > 0.5;
+      this.meshes.push({geom, mesh, material, ghost, moves, isBounded, casts: mesh.castShadow});
+    }
+
+    // Of the first arrow's site, or else of the last body that moves.
+    makeTrails() {
+      const {run} = this;
+      const arrow = run.arrows.find((a) => run.bodies[a.body].moves);
+      const last = run.bodies.map((track, i) => track.moves ? i : -1).filter((i) => i > 0).pop();
+      if (!arrow && last === undefined) return [];
+      return [arrow ? new Trail(run, arrow.body, arrow.site, this.colour) : new Trail(run, last, [0, 0, 0], this.colour)];
+    }
+
+    // The radius of what moves, at the beginning.
+    reachOfBodies() {
+      const radii = this.meshes.filter((m) => m.moves && m.isBounded).map((m) => m.mesh.geometry.boundingSphere.radius);
+      return radii.length > 0 ? 2 * Math.max(...radii) : 0.5 * this.run.scene.extent;
+    }
+
+    pose(time, shown) {
+      const {run} = this;
+      const frame = this.frame = run.times.place(time);
+      run.bodies.forEach((track, i) => track.write(frame, this.bodies[i].position, this.bodies[i].quaternion));
+      for (const {mesh, atFirst, changes} of this.visibility) {
+        if (mesh) mesh.hidden = atFirst === (changes.filter((at) => at <= frame.frame).length % 2 === 1);
+      }
+      for (const water of this.waters) water.pose(Math.min(Math.max(time, run.times.begin), run.times.end));
+      for (const arrow of this.arrows) arrow.pose(run, frame, this.bodies, shown);
+      for (const trail of this.trails) {
+        trail.object.visible = shown.trails;
+        if (shown.trails) trail.pose(frame, this.bodies);
+      }
+      for (const {object} of this.frames) object.visible = shown.frames;
+      for (const limit of this.limits) {
+        limit.object.visible = limit.pointer.visible = shown.joints;
+        if (shown.joints) limit.pose(this.bodies);
+      }
+    }
+
+    // "whole": as it is; "ghost": what moves, in the run's colour; "none".
+    appear(how, shadows) {
+      this.root.visible = how !== "none";
+      for (const arrow of this.arrows) arrow.paint(how === "ghost" ? new THREE.Color(this.colour).toArray() : arrow.json.colour);
+      for (const one of this.meshes) {
+        const {mesh, material, ghost, moves, casts} = one;
+        mesh.material = how === "ghost" ? ghost : material;
+        mesh.visible = !one.hidden && (how === "whole" || moves);
+        mesh.castShadow = shadows && casts && how === "whole";
+        mesh.receiveShadow = how === "whole" && !this.waters.some((w) => w.mesh === mesh);
+      }
+    }
+
+    // Small balls along what moves now, in the world: where a number would be in the way.
+    beads() {
+      const beads = [];
+      for (const {geom, moves, isBounded, mesh} of this.meshes) {
+        if (!moves || !isBounded) continue;
+        const body = this.bodies[geom.body];
+        const [x, y, z] = geom.size;
+        const [radius, half, axis] = geom.shape === "capsule" || geom.shape === "cylinder" ? [x, y, 2]
+          : geom.shape === "sphere" ? [x, 0, 2]
+          : geom.shape === "mesh" ? [0.7 * mesh.geometry.boundingSphere.radius, 0, 2]
+          : (() => { const k = geom.size.indexOf(Math.max(x, y, z)); return [Math.max(...geom.size.filter((_, i) => i !== k)), geom.size[k], k]; })();
+        const count = Math.max(1, Math.min(9, Math.ceil(half / Math.max(radius, 1e-6))));
+        for (let i = 0; i < count; ++i) {
+          const way = count === 1 ? 0 : half * (2 * i / (count - 1) - 1);
+          const centre = new THREE.Vector3().setComponent(axis, way);
+          if (geom.shape === "mesh") centre.copy(mesh.geometry.boundingSphere.center);
+          beads.push({radius, centre: centre.applyQuaternion(mesh.quaternion).add(mesh.position)
+            .applyQuaternion(body.quaternion).add(body.position)});
+        }
+      }
+      return beads;
+    }
+
+    // A ball around what moves now, in the world.
+    ball() {
+      const ball = new THREE.Sphere(new THREE.Vector3(), -1);
+      for (const {mesh, moves, isBounded, geom} of this.meshes) {
+        if (!moves || !isBounded) continue;
+        const body = this.bodies[geom.body];
+        const own = mesh.geometry.boundingSphere;
+        const centre = own.center.clone().applyQuaternion(mesh.quaternion).add(mesh.position)
+          .applyQuaternion(body.quaternion).add(body.position);
+        include(ball, centre, own.radius);
+      }
+      return ball;
+    }
+  }
+
+  // The smallest ball around two, in place of the first.
+  function include(ball, centre, radius) {
+    if (ball.radius < 0) {
+      ball.center.copy(centre);
+      ball.radius = radius;
+      return;
+    }
+    const way = centre.distanceTo(ball.center);
+    if (way + radius <= ball.radius) return;
+    if (way + ball.radius <= radius) {
+      ball.center.copy(centre);
+      ball.radius = radius;
+      return;
+    }
+    const whole = 0.5 * (way + radius + ball.radius);
+    ball.center.lerp(centre, (whole - ball.radius) / way);
+    ball.radius = whole;
+  }
+
+  class Stage {
+    constructor(data, anisotropy) {
+      this.data = data;
+      this.anisotropy = anisotropy;
+      this.textures = new Map();
+      this.scene = new THREE.Scene();
+      this.shared = Replay.shading.lightUniforms();
+      const {scene} = data.runs[0];
+      this.far = scene.far;
+      this.actors = data.runs.map((run, i) => new Actor(run, i, data, this));
+      for (const actor of this.actors) this.scene.add(actor.root);
+      this.backdrop = Replay.shading.backdrop();
+      this.scene.add(this.backdrop);
+      if (scene.sky >= 0) this.scene.add(Replay.shading.sky(this.textureOf(scene.sky)));
+      this.makeLights(scene);
+      this.shown = {arrows: true, contacts: true, trails: false, joints: false, frames: false};
+      this.mode = "ghosts";
+      this.shadows = true;
+    }
+
+    textureOf(asset) {
+      if (!this.textures.has(asset)) {
+        const data = this.data.assets[asset];
+        this.textures.set(asset, data.cube ? Replay.shading.cube(data) : Replay.shading.picture(data, this.anisotropy));
+      }
+      return this.textures.get(asset);
+    }
+
+    makeLights(scene) {
+      const {shared} = this;
+      const {headlight, lights} = scene;
+      const ambient = vector(headlight.ambient);
+      shared.headDiffuse.value.fromArray(headlight.diffuse);
+      shared.headSpecular.value.fromArray(headlight.specular);
+      if (lights.length === 0 && headlight.diffuse.every((v) => v === 0)) ambient.addScalar(0.3);
+      this.lights = [];
+      // Those with shadows come first, as three.js sorts them.
+      const order = lights.map((light, i) => ({light, i})).sort((a, b) => Number(b.light.shadow) - Number(a.light.shadow));
+      for (const {light, i} of order) {
+        ambient.add(vector(light.ambient));
+        const colour = new THREE.Color(...light.diffuse);
+        const made = light.directional ? new THREE.DirectionalLight(colour, 1)
+                                       : new THREE.SpotLight(colour, 1, 0, Math.min(light.cutoff, 89) * Math.PI / 180, 0, light.exponent);
+        (light.directional ? shared.directionalSpecular : shared.spotSpecular).value.push(vector(light.specular));
+        (light.directional ? shared.directionalApart : shared.spotApart).value.push(light.shadow ? 1 : 0);
+        made.target = new THREE.Object3D();
+        this.scene.add(made, made.target);
+        this.lights.push({made, json: light, track: this.data.runs[0].lights[i]});
+      }
+      shared.ambient.value.copy(ambient);
+    }
+
+    poseLights() {
+      const ball = this.ball();
+      const position = new THREE.Vector3(), rotation = new THREE.Quaternion();
+      for (const {made, json, track} of this.lights) {
+        track.write(this.actors[0].frame, position, rotation);
+        const direction = new THREE.Vector3(0, 0, -1).applyQuaternion(rotation);
+        made.castShadow = this.shadows && json.shadow;
+        if (json.directional) {
+          // Its map is fitted to what moves and what stands near.
+          const r = 1.1 * ball.radius;
+          made.target.position.copy(ball.center);
+          made.position.copy(ball.center).addScaledVector(direction, -4 * r);
+          if (made.castShadow) {
+            Object.assign(made.shadow.camera, {left: -r, right: r, top: r, bottom: -r, near: 0.5 * r, far: 12 * r});
+            made.shadow.bias = -0.0006;
+            made.shadow.camera.updateProjectionMatrix();
+          }
+        } else {
+          made.position.copy(position);
+          made.target.position.copy(position).add(direction);
+          if (made.castShadow) {
+            Object.assign(made.shadow.camera, {near: 0.05 * ball.radius, far: 4 * (ball.radius + position.distanceTo(ball.center))});
+            made.shadow.bias = -0.0006;
+          }
+        }
+        made.updateMatrixWorld();
+        made.target.updateMatrixWorld();
+      }
+    }
+
+    // A ball around what moves, and what bounded things stand near it.
+    ball() {
+      const ball = this.actors[0].ball();
+      if (ball.radius < 0) {
+        ball.center.fromArray(this.data.runs[0].scene.centre);
+        ball.radius = this.data.runs[0].scene.extent;
+        return ball;
+      }
+      const reach = 3 * ball.radius, middle = ball.center.clone();
+      for (const {mesh, moves, isBounded, geom} of this.actors[0].meshes) {
+        if (moves || !isBounded) continue;
+        const own = mesh.geometry.boundingSphere;
+        const centre = vector(geom.pose).add(this.actors[0].bodies[geom.body].position);
+        if (own.radius < reach && centre.distanceTo(middle) < reach) include(ball, centre, own.radius);
+      }
+      return ball;
+    }
+
+    pose(time) {
+      for (const actor of this.actors) actor.pose(time, this.shown);
+      this.poseLights();
+    }
+
+    // For the picture of one run beside others, or of all in one.
+    appear(only) {
+      this.actors.forEach((actor, i) => {
+        if (only !== null) actor.appear(i === only ? "whole" : "none", this.shadows);
+        else actor.appear(i === 0 ? "whole" : this.mode === "ghosts" ? "ghost" : "none", this.shadows);
+      });
+    }
+
+    setShadowMap(side) {
+      for (const {made} of this.lights) {
+        if (made.shadow.mapSize.x === side) continue;
+        made.shadow.mapSize.set(side, side);
+        if (made.shadow.map) made.shadow.map.dispose();
+        made.shadow.map = null;
+      }
+    }
+
+    setBackdrop(top, bottom) {
+      this.backdrop.material.uniforms.top.value.fromArray(top);
+      this.backdrop.material.uniforms.bottom.value.fromArray(bottom);
+    }
+  }
+
+  Replay.Stage = Stage;
+  Replay.runColour = (i) => RUN_COLOURS[i % RUN_COLOURS.length];
+})();

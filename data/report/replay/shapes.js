@@ -1,0 +1,145 @@
+// Shapes as MuJoCo has them: their axis is z, their sizes are half lengths.
+"use strict";
+(() => {
+  const SLICES = 40;
+
+  // A profile (radius, z, and its normal) turned about z.
+  function turned(profile) {
+    const position = [], normal = [], index = [];
+    const rows = profile.length;
+    for (let i = 0; i <= SLICES; ++i) {
+      const angle = 2 * Math.PI * i / SLICES, c = Math.cos(angle), s = Math.sin(angle);
+      for (const [r, z, nr, nz] of profile) {
+        position.push(r * c, r * s, z);
+        normal.push(nr * c, nr * s, nz);
+      }
+    }
+    for (let i = 0; i < SLICES; ++i) {
+      for (let k = 0; k + 1 < rows; ++k) {
+        const a = i * rows + k, b = a + rows;
+        index.push(a, b, b + 1, a, b + 1, a + 1);
+      }
+    }
+    return geometry(position, normal, index);
+  }
+
+  function geometry(position, normal, index, uv) {
+    const made = new THREE.BufferGeometry();
+    made.setAttribute("position", new THREE.BufferAttribute(new Float32Array(position), 3));
+    made.setAttribute("normal", new THREE.BufferAttribute(new Float32Array(normal), 3));
+    if (uv) made.setAttribute("uv", new THREE.BufferAttribute(new Float32Array(uv), 2));
+    made.setIndex(index instanceof Uint32Array || index instanceof Uint16Array ? new THREE.BufferAttribute(index, 1)
+                                                                              : index);
+    return made;
+  }
+
+  // A quarter of a circle or more, from angle a to b above the equator, about height z0.
+  function arc(radius, z0, a, b, steps) {
+    return Array.from({length: steps + 1}, (_, i) => {
+      const angle = a + (b - a) * i / steps, c = Math.cos(angle), s = Math.sin(angle);
+      return [radius * c, z0 + radius * s, c, s];
+    });
+  }
+
+  function sphere() { return turned(arc(1, 0, -Math.PI / 2, Math.PI / 2, SLICES / 2)); }
+
+  function capsule(radius, half) {
+    return turned([...arc(radius, -half, -Math.PI / 2, 0, SLICES / 4), ...arc(radius, half, 0, Math.PI / 2, SLICES / 4)]);
+  }
+
+  function cylinder(radius, half) {
+    return turned([[0, -half, 0, -1], [radius, -half, 0, -1], [radius, -half, 1, 0], [radius, half, 1, 0],
+                   [radius, half, 0, 1], [0, half, 0, 1]]);
+  }
+
+  // From z = 0 to its tip at z = length.
+  function cone(radius, length) {
+    const slope = Math.hypot(radius, length);
+    const nr = length / slope, nz = radius / slope;
+    return turned([[0, 0, 0, -1], [radius, 0, 0, -1], [radius, 0, nr, nz], [0, length, nr, nz]]);
+  }
+
+  function ellipsoid([x, y, z]) {
+    const made = sphere();
+    const position = made.attributes.position, normal = made.attributes.normal;
+    for (let i = 0; i < position.count; ++i) {
+      const n = new THREE.Vector3(normal.getX(i) / x, normal.getY(i) / y, normal.getZ(i) / z).normalize();
+      normal.setXYZ(i, n.x, n.y, n.z);
+      position.setXYZ(i, x * position.getX(i), y * position.getY(i), z * position.getZ(i));
+    }
+    return made;
+  }
+
+  // A size of 0 goes on as far as one sees.
+  function plane([x, y], far) {
+    const a = x > 0 ? x : far, b = y > 0 ? y : far;
+    return geometry([-a, -b, 0, a, -b, 0, a, b, 0, -a, b, 0], [0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1], [0, 1, 2, 0, 2, 3]);
+  }
+
+  function gridIndex(rows, columns) {
+    const index = new Uint32Array(6 * (rows - 1) * (columns - 1));
+    let at = 0;
+    for (let r = 0; r + 1 < rows; ++r) {
+      for (let c = 0; c + 1 < columns; ++c) {
+        const a = r * columns + c, b = a + columns;
+        index.set([a, a + 1, b + 1, a, b + 1, b], at);
+        at += 6;
+      }
+    }
+    return index;
+  }
+
+  function field({rows, columns, size, heights}) {
+    const position = new Float32Array(3 * rows * columns);
+    for (let r = 0; r < rows; ++r) {
+      for (let c = 0; c < columns; ++c) {
+        const i = r * columns + c;
+        position[3 * i] = size[0] * (2 * c / (columns - 1) - 1);
+        position[3 * i + 1] = size[1] * (2 * r / (rows - 1) - 1);
+        position[3 * i + 2] = size[2] * heights[i];
+      }
+    }
+    const made = geometry(position, new Float32Array(position.length), gridIndex(rows, columns));
+    made.computeVertexNormals();
+    return made;
+  }
+
+  // An edge is sharp where a vertex' normal is far from the face's, as MuJoCo has it; a mesh with
+  // texture coordinates brings normals that are right.
+  const SHARP = 0.8;
+
+  function mesh({vertices, normals, texcoords, faces}) {
+    if (texcoords) return geometry(vertices, normals, faces, texcoords);
+    const position = new Float32Array(3 * faces.length), normal = new Float32Array(3 * faces.length);
+    const [a, b, c, n] = Array.from({length: 4}, () => new THREE.Vector3());
+    for (let f = 0; f < faces.length; f += 3) {
+      [a, b, c].forEach((corner, k) => corner.fromArray(vertices, 3 * faces[f + k]));
+      const face = b.clone().sub(a).cross(c.clone().sub(a)).normalize();
+      [a, b, c].forEach((corner, k) => {
+        n.fromArray(normals, 3 * faces[f + k]);
+        corner.toArray(position, 3 * (f + k));
+        (n.dot(face) < SHARP ? face : n).toArray(normal, 3 * (f + k));
+      });
+    }
+    const made = new THREE.BufferGeometry();
+    made.setAttribute("position", new THREE.BufferAttribute(position, 3));
+    made.setAttribute("normal", new THREE.BufferAttribute(normal, 3));
+    return made;
+  }
+
+  function of(geom, asset, far) {
+    const [x, y, z] = geom.size;
+    switch (geom.shape) {
+      case "plane": return plane(geom.size, far);
+      case "sphere": return sphere().scale(x, x, x);
+      case "capsule": return capsule(x, y);
+      case "cylinder": return cylinder(x, y);
+      case "ellipsoid": return ellipsoid(geom.size);
+      case "box": return new THREE.BoxBufferGeometry(2 * x, 2 * y, 2 * z);
+      case "field": return field(asset);
+      default: return mesh(asset);
+    }
+  }
+
+  Replay.shapes = {of, sphere, cylinder, cone, geometry, gridIndex};
+})();

@@ -1,0 +1,656 @@
+// A replay on the page: its picture, its camera, its controls, and its time.
+"use strict";
+(() => {
+  const SPEEDS = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10];
+  // What is framed at this width to height stays in sight when a picture is narrower: as in stills.
+  const FRAMED_ASPECT = 4 / 3;
+  const LIGHT = {top: [200 / 255, 212 / 255, 224 / 255], bottom: [240 / 255, 243 / 255, 246 / 255]};
+  const DARK = {top: [0.10, 0.12, 0.15], bottom: [0.20, 0.23, 0.27]};
+  // From the best to the quickest: pixels per pixel of the page, side of the shadow map (0: none).
+  const QUALITIES = [{pixels: 2, shadow: 2048}, {pixels: 1, shadow: 1024}, {pixels: 0.75, shadow: 512},
+                     {pixels: 0.66, shadow: 0}, {pixels: 0.45, shadow: 0}];
+  const SLOW_MS = 55, QUICK_MS = 22;
+  const REST_MS = 350;  // then what stands still is drawn once more, as well as can be
+
+  const prefersStill = matchMedia("(prefers-reduced-motion: reduce)");
+  const prefersDark = matchMedia("(prefers-color-scheme: dark)");
+
+  function element(kind, className, parent, text) {
+    const made = document.createElement(kind);
+    made.className = className;
+    if (text !== undefined) made.textContent = text;
+    if (parent) parent.appendChild(made);
+    return made;
+  }
+
+  const ICONS = {
+    play: "M7 4v16l13-8z", pause: "M6 4h4v16H6zM14 4h4v16h-4z", back: "M6 4h3v16H6zM20 4v16l-10-8z",
+    on: "M15 4h3v16h-3zM4 4v16l10-8z", full: "M4 4h6v2H6v4H4zM14 4h6v6h-2V6h-4zM4 14h2v4h4v2H4zM18 14h2v6h-6v-2h4z"};
+
+  // A button's sign, drawn: fonts lack them.
+  function icon(button, name) {
+    const svg = document.createElementNS("http://www.w3.org/2000/svg", "svg");
+    svg.setAttribute("viewBox", "0 0 24 24");
+    svg.setAttribute("aria-hidden", "true");
+    const path = document.createElementNS("http://www.w3.org/2000/svg", "path");
+    path.setAttribute("d", ICONS[name]);
+    svg.appendChild(path);
+    button.replaceChildren(svg);
+  }
+
+  function numberText(value) {
+    return value < 0.995 ? value.toFixed(2) : value < 99.95 ? value.toFixed(1) : value.toFixed(0);
+  }
+
+  function speedText(speed) {
+    return speed === 1 ? "1×" : speed < 1 ? Number((1 / speed).toPrecision(3)) + "× slower"
+                                          : Number(speed.toPrecision(3)) + "× faster";
+  }
+
+  function canDraw() {
+    try {
+      const canvas = document.createElement("canvas");
+      const gl = canvas.getContext("webgl2") || canvas.getContext("webgl");
+      if (!gl) return false;
+      const lose = gl.getExtension("WEBGL_lose_context");
+      if (lose) lose.loseContext();
+      return true;
+    } catch (error) {
+      return false;
+    }
+  }
+
+  class View {
+    constructor(box) {
+      this.box = box;
+      box.replay = this;
+      this.picture = box.querySelector(".picture");
+      this.time = Number(box.dataset.time);
+      this.isPlaying = false;
+      this.player = null;  // what the page's charts know of it
+      this.quality = 1;
+      this.look = "auto";
+      this.intervals = [];
+      this.layout = "ghosts";
+    }
+
+    get isReady() { return Boolean(this.stage); }
+
+    async start() {
+      if (this.starting) return this.starting;
+      return this.starting = this.prepare().catch((error) => this.refuse(
+        "This replay cannot be shown here: " + (error && error.message ? error.message : String(error))));
+    }
+
+    refuse(text) {
+      this.box.classList.add("still");
+      element("p", "refusal", this.box, text).setAttribute("role", "status");
+      this.box.dataset.state = "refused";
+    }
+
+    async prepare() {
+      if (typeof DecompressionStream === "undefined" || !canDraw()) {
+        this.refuse("This browser cannot draw in three dimensions (it has no WebGL): here are pictures of the run instead.");
+        return;
+      }
+      const json = JSON.parse(document.getElementById(this.box.dataset.replay).textContent);
+      this.data = await Replay.load(json);
+      this.begin = json.begin;
+      this.end = Math.max(...this.data.runs.map((run) => run.times.end));
+      this.speed = json.window.speed;
+      const canvas = this.canvas = element("canvas", "", this.picture);
+      canvas.tabIndex = 0;
+      canvas.setAttribute("role", "application");
+      canvas.setAttribute("aria-label", this.box.dataset.alt);
+      const context = canvas.getContext("webgl2", {antialias: false, alpha: false, powerPreference: "high-performance"})
+        || canvas.getContext("webgl", {antialias: false, alpha: false});
+      this.renderer = new THREE.WebGLRenderer({canvas, context, antialias: false});
+      this.renderer.autoClear = false;
+      this.renderer.shadowMap.type = THREE.PCFSoftShadowMap;
+      this.renderer.debug.checkShaderErrors = false;
+      const info = context.getExtension("WEBGL_debug_renderer_info");
+      const name = info ? String(context.getParameter(info.UNMASKED_RENDERER_WEBGL)) : "";
+      this.isSoftware = /swiftshader|llvmpipe|softpipe|software|basic render/i.test(name);
+      this.stage = new Replay.Stage(this.data, this.isSoftware ? 1 : 8);
+      this.camera = new THREE.PerspectiveCamera(45, 1, 0.01, 100);
+      this.camera.up.set(0, 0, 1);
+      this.quality = this.isSoftware ? 1 : 0;
+      this.labels = element("div", "labels", this.picture);
+      this.captions = element("div", "captions", this.picture);
+      this.makeControls(json);
+      this.makeOrbit();
+      this.useCamera(json.camera);
+      canvas.addEventListener("webglcontextlost", (event) => { event.preventDefault(); this.pause(); });
+      canvas.addEventListener("webglcontextrestored", () => this.invalidate());
+      new ResizeObserver(() => this.resize()).observe(this.picture);
+      prefersDark.addEventListener("change", () => this.invalidate());
+      this.box.classList.add("live");
+      this.resize();
+      this.seek(this.time);
+      this.draw();
+      this.box.dataset.state = "ready";
+      this.box.dispatchEvent(new Event("ready"));
+    }
+
+    // ---- controls
+
+    button(parent, label, sign, act) {
+      const made = element("button", "", parent);
+      if (sign) icon(made, sign);
+      made.type = "button";
+      made.title = label;
+      made.setAttribute("aria-label", label);
+      made.addEventListener("click", act);
+      return made;
+    }
+
+    select(parent, label, options, act) {
+      const made = element("select", "", parent);
+      made.setAttribute("aria-label", label);
+      made.title = label;
+      for (const [value, text] of options) {
+        const option = element("option", "", made, text);
+        option.value = value;
+      }
+      made.addEventListener("change", () => act(made.value));
+      return made;
+    }
+
+    makeControls(json) {
+      const bar = element("div", "bar", this.box);
+      bar.setAttribute("role", "group");
+      bar.setAttribute("aria-label", "Replay");
+      this.playButton = this.button(bar, "Play (space)", "play", () => this.toggle());
+      this.button(bar, "One frame back (,)", "back", () => this.step(-1));
+      this.button(bar, "One frame on (.)", "on", () => this.step(1));
+      const track = element("div", "track", bar);
+      this.slider = element("input", "slider", track);
+      this.slider.type = "range";
+      this.slider.setAttribute("aria-label", "Time [s]");
+      Object.assign(this.slider, {min: this.begin, max: this.end, step: "any"});
+      this.slider.addEventListener("input", () => { this.pause(); this.seek(Number(this.slider.value), true); });
+      const part = (time) => 100 * (time - this.begin) / (this.end - this.begin) + "%";
+      const window = element("i", "window", track);
+      window.style.left = part(json.window.from);
+      window.style.right = 100 - 100 * (json.window.to - this.begin) / (this.end - this.begin) + "%";
+      for (const moment of json.moments) {
+        const mark = this.button(track, moment.caption, null, () => { this.pause(); this.seek(moment.time, true); });
+        mark.className = "moment";
+        mark.style.left = part(moment.time);
+      }
+      this.clock = element("output", "clock", bar);
+      const speeds = Array.from(new Set([...SPEEDS, json.window.speed])).sort((a, b) => a - b);
+      this.speedChoice = this.select(bar, "Speed", speeds.map((v) => [v, speedText(v)]), (v) => this.setSpeed(Number(v)));
+      this.speedChoice.value = String(this.speed);
+      const {scene} = this.data.runs[0];
+      const cameras = [["-1", "whole scene"], ...scene.cameras.map((c, i) => [String(i), c.name || "camera " + (i + 1)]),
+                       ["free", "free"]];
+      this.cameraChoice = this.select(bar, "Camera", cameras, (v) => v === "free" ? this.freeCamera() : this.useCamera(Number(v)));
+      const bodies = this.stage.actors[0].moving.map((i) => [String(i), "follow " + (scene.bodies[i] || "body " + i)]);
+      this.followChoice = this.select(bar, "Follow a body", [["", "follow nothing"], ...bodies], (v) => this.follow(v === "" ? null : Number(v)));
+      const more = element("details", "more", bar);
+      element("summary", "", more, "Show");
+      const menu = element("div", "menu", more);
+      this.switches = {};
+      const shown = this.stage.shown;
+      const switches = [["arrows", "forces (A)", this.data.runs.some((r) => r.arrows.length > 0)],
+                        ["contacts", "contact points", this.data.runs.some((r) => r.arrows.some((a) => a.mark > 0))],
+                        ["trails", "trails (T)", this.stage.actors.some((a) => a.trails.length > 0)],
+                        ["joints", "joints and limits (J)", scene.joints.length > 0],
+                        ["frames", "frames of bodies (B)", true]];
+      for (const [key, text, isThere] of switches) {
+        if (!isThere) continue;
+        const label = element("label", "", menu);
+        const box = this.switches[key] = element("input", "", label);
+        box.type = "checkbox";
+        box.checked = shown[key];
+        label.append(" " + text);
+        box.addEventListener("change", () => { shown[key] = box.checked; this.seek(this.time); });
+      }
+      if (this.data.runs.length > 1) {
+        this.layoutChoice = this.select(menu, "Runs", [["ghosts", "ghosts in one scene (G)"], ["beside", "side by side (G)"], ["first", "the first alone"]],
+                                        (v) => this.setLayout(v));
+      }
+      this.lookChoice = this.select(menu, "Look", [["auto", "look: as the machine can"], ["full", "look: full"], ["fast", "look: fast"]],
+                                    (v) => this.setLook(v));
+      element("p", "keys-help", menu, "Drag to turn, right drag or two fingers to move, wheel or pinch to zoom. Keys: space plays, , and . step, "
+              + "← → a second, [ ] slower and faster, 1–9 cameras, 0 back to the camera, F follows.");
+      this.button(bar, "Full screen", "full", () => this.fullScreen()).classList.add("wide-only");
+      this.box.addEventListener("keydown", (event) => this.key(event));
+      this.makeCaptions();
+    }
+
+    makeCaptions() {
+      this.captions.textContent = "";
+      this.runLabels = this.data.runs.map((run, i) => {
+        const caption = element("div", "caption", this.captions);
+        if (this.data.runs.length > 1) element("i", "", caption).style.background = Replay.runColour(i);
+        element("b", "", caption, run.label);
+        return caption;
+      });
+    }
+
+    key(event) {
+      if (event.ctrlKey || event.metaKey || event.altKey) return;
+      const isTyped = /^(SELECT|INPUT)$/.test(event.target.tagName);
+      const toggled = {a: "arrows", t: "trails", j: "joints", b: "frames"}[event.key.toLowerCase()];
+      if (toggled && this.switches[toggled] && !isTyped) {
+        this.switches[toggled].click();
+        event.preventDefault();
+        return;
+      }
+      if (isTyped && event.target !== this.slider && event.key !== "Escape") return;
+      if (event.target.tagName === "BUTTON" && (event.key === " " || event.key === "Enter")) return;
+      const by = (seconds) => { this.pause(); this.seek(this.time + seconds, true); };
+      switch (event.key) {
+        case " ": this.toggle(); break;
+        case ",": this.step(-1); break;
+        case ".": this.step(1); break;
+        case "ArrowLeft": by(event.shiftKey ? -10 : -this.speed); break;
+        case "ArrowRight": by(event.shiftKey ? 10 : this.speed); break;
+        case "Home": by(this.begin - this.time); break;
+        case "End": by(this.end - this.time); break;
+        case "[": this.changeSpeed(-1); break;
+        case "]": this.changeSpeed(1); break;
+        case "0": this.useCamera(this.data.camera); break;
+        case "g": case "G": if (this.layoutChoice) this.setLayout(this.layout === "ghosts" ? "beside" : "ghosts"); break;
+        case "f": case "F": this.follow(this.followed === null ? this.stage.actors[0].moving[0] : null); break;
+        default: {
+          const camera = Number(event.key) - 1;
+          if (!(camera >= 0 && camera < this.data.runs[0].scene.cameras.length)) return;
+          this.useCamera(camera);
+        }
+      }
+      event.preventDefault();
+    }
+
+    fullScreen() {
+      if (document.fullscreenElement) document.exitFullscreen();
+      else if (this.box.requestFullscreen) this.box.requestFullscreen();
+    }
+
+    setSpeed(speed) {
+      this.speed = speed;
+      this.speedChoice.value = String(speed);
+      this.showTime();
+    }
+
+    changeSpeed(by) {
+      const index = this.speedChoice.selectedIndex + by;
+      const option = this.speedChoice.options[Math.min(Math.max(index, 0), this.speedChoice.options.length - 1)];
+      this.setSpeed(Number(option.value));
+    }
+
+    setLayout(layout) {
+      this.layout = layout;
+      this.stage.mode = layout;
+      if (this.layoutChoice) this.layoutChoice.value = layout;
+      this.makeCaptions();
+      this.resize();
+    }
+
+    // "auto" lowers and raises itself; "full" has shadows always, "fast" never.
+    setLook(look) {
+      this.look = look;
+      this.lookChoice.value = look;
+      this.quality = look === "fast" ? 3 : look === "full" ? 1 : this.isSoftware ? 1 : 0;
+      this.intervals = [];
+      this.invalidate();
+    }
+
+    // ---- time
+
+    toggle() { if (this.isPlaying) this.pause(); else this.play(); }
+
+    play() {
+      if (this.time >= this.end - 1e-9) this.seek(this.data.window.from, true);
+      this.isPlaying = true;
+      icon(this.playButton, "pause");
+      this.playButton.title = "Pause (space)";
+      this.playButton.setAttribute("aria-label", this.playButton.title);
+      this.lastTick = null;
+      this.intervals = [];
+      this.invalidate();
+    }
+
+    pause() {
+      if (!this.isPlaying) return;
+      this.isPlaying = false;
+      icon(this.playButton, "play");
+      this.playButton.title = "Play (space)";
+      this.playButton.setAttribute("aria-label", this.playButton.title);
+      this.invalidate();
+    }
+
+    step(by) {
+      this.pause();
+      const {times} = this.data.runs[0];
+      const {frame, part} = times.place(this.time);
+      const next = by < 0 && part > 1e-6 ? frame : frame + by;
+      this.seek(times.timeOf(Math.min(Math.max(next, 0), times.frames - 1)), true);
+    }
+
+    // `tells`: the page's charts too.
+    seek(time, tells) {
+      if (!this.isReady) {
+        this.time = time;
+        return;
+      }
+      this.time = Math.min(Math.max(time, this.begin), this.end);
+      this.stage.pose(this.time);
+      this.showTime();
+      if (tells && this.player) this.player.told(this.time);
+      this.invalidate();
+    }
+
+    showTime() {
+      this.slider.value = String(this.time);
+      this.slider.setAttribute("aria-valuetext", this.time.toFixed(3) + " s");
+      this.clock.textContent = "t = " + this.time.toFixed(3) + " s";
+    }
+
+    // ---- cameras
+
+    makeOrbit() {
+      const orbit = this.orbit = new THREE.OrbitControls(this.camera, this.canvas);
+      orbit.enableKeys = false;
+      orbit.screenSpacePanning = true;
+      orbit.enableDamping = false;
+      orbit.addEventListener("change", () => this.invalidate());
+      // A drag or a turn of the wheel takes the model's camera over.
+      for (const event of ["mousedown", "touchstart", "wheel"]) {
+        this.canvas.addEventListener(event, () => this.freeCamera(), {capture: true, passive: true});
+      }
+    }
+
+    cameraPose(number) {
+      const {scene} = this.data.runs[0];
+      const position = new THREE.Vector3(), rotation = new THREE.Quaternion();
+      if (number < 0) {
+        const [x, y, z, w, a, b, c] = scene.free.pose;
+        return {position: position.set(x, y, z), rotation: rotation.set(a, b, c, w), fovy: scene.free.fovy};
+      }
+      this.data.runs[0].cameras[number].write(this.stage.actors[0].frame, position, rotation);
+      return {position, rotation, fovy: scene.cameras[number].fovy};
+    }
+
+    useCamera(number) {
+      this.fixed = number;
+      this.followed = null;
+      this.orbit.enabled = true;
+      this.cameraChoice.value = String(number);
+      this.followChoice.value = "";
+      this.invalidate();
+    }
+
+    // From where the model's camera stands; what moves with a body goes on following it.
+    freeCamera() {
+      if (this.fixed === null) return;
+      const number = this.fixed;
+      this.placeCamera();
+      const isCarried = number >= 0 && this.data.runs[0].cameras[number].moves;
+      this.fixed = null;
+      this.cameraChoice.value = "free";
+      const ball = this.stage.ball();
+      const forward = new THREE.Vector3(0, 0, -1).applyQuaternion(this.camera.quaternion);
+      const depth = ball.center.clone().sub(this.camera.position).dot(forward);
+      const {extent} = this.data.runs[0].scene;
+      this.orbit.target.copy(this.camera.position).addScaledVector(forward, depth > 0.02 * extent ? depth : Math.max(ball.radius, 0.02 * extent));
+      this.orbit.update();
+      if (isCarried) this.follow(this.stage.actors[0].moving[0]);
+    }
+
+    follow(body) {
+      if (body !== null && body !== undefined) this.freeCamera();
+      this.followed = body === undefined ? null : body;
+      this.followChoice.value = this.followed === null ? "" : String(this.followed);
+      this.followedAt = this.followed === null ? null : this.stage.actors[0].bodies[this.followed].position.clone();
+      this.invalidate();
+    }
+
+    placeCamera() {
+      const {camera} = this;
+      if (this.fixed !== null) {
+        const {position, rotation, fovy} = this.cameraPose(this.fixed);
+        camera.position.copy(position);
+        camera.quaternion.copy(rotation);
+        this.fovy = fovy;
+      } else if (this.followed !== null) {
+        const now = this.stage.actors[0].bodies[this.followed].position;
+        const way = now.clone().sub(this.followedAt);
+        camera.position.add(way);
+        this.orbit.target.add(way);
+        this.followedAt.copy(now);
+      }
+      const {scene} = this.data.runs[0];
+      camera.near = scene.near;
+      camera.far = scene.far;
+      if (this.fixed === null) {
+        const way = camera.position.distanceTo(this.orbit.target);
+        camera.near = Math.min(scene.near, 0.05 * way);
+        camera.far = Math.max(scene.far, 3 * way);
+      }
+    }
+
+    setAspect(aspect) {
+      const {camera} = this;
+      const half = Math.tan(0.5 * this.fovy * Math.PI / 180) * (aspect < FRAMED_ASPECT ? FRAMED_ASPECT / aspect : 1);
+      camera.fov = 2 * Math.atan(half) * 180 / Math.PI;
+      camera.aspect = aspect;
+      camera.updateProjectionMatrix();
+      camera.updateMatrixWorld();
+    }
+
+    // ---- drawing
+
+    resize() {
+      if (!this.isReady) return;
+      this.width = Math.max(2, this.picture.clientWidth);
+      this.height = Math.max(2, this.picture.clientHeight);
+      this.canvas.style.width = this.width + "px";
+      this.canvas.style.height = this.height + "px";
+      this.invalidate();
+    }
+
+    // One to three runs stand in a row, four in a square; on what is higher than wide they stand in a
+    // column.
+    panels() {
+      const count = this.data.runs.length;
+      if (this.layout !== "beside" || count === 1) return [{x: 0, y: 0, w: 1, h: 1, only: null}];
+      let columns = count === 4 ? 2 : count;
+      if (this.height > this.width) columns = count === 4 ? 2 : 1;
+      const rows = Math.ceil(count / columns);
+      return Array.from({length: count}, (_, i) => ({
+        x: (i % columns) / columns, y: Math.floor(i / columns) / rows, w: 1 / columns, h: 1 / rows, only: i}));
+    }
+
+    draw(best) {
+      const {renderer, stage} = this;
+      const quality = QUALITIES[best && this.look !== "fast" ? 0 : this.quality];
+      const pixels = quality.pixels * (quality.pixels >= 1 ? Math.min(devicePixelRatio || 1, quality.pixels === 2 ? 1 : 2) : 1);
+      if (renderer.getPixelRatio() !== pixels) renderer.setPixelRatio(pixels);
+      const size = renderer.getSize(new THREE.Vector2());
+      if (size.x !== this.width || size.y !== this.height) renderer.setSize(this.width, this.height, false);
+      renderer.shadowMap.enabled = quality.shadow > 0;
+      if (stage.shadows !== quality.shadow > 0) {
+        stage.shadows = quality.shadow > 0;
+        stage.poseLights();
+      }
+      if (quality.shadow > 0) stage.setShadowMap(quality.shadow);
+      const tone = prefersDark.matches && !matchMedia("print").matches ? DARK : LIGHT;
+      stage.setBackdrop(tone.top, tone.bottom);
+      this.placeCamera();
+      const panels = this.panels();
+      renderer.setScissorTest(panels.length > 1);
+      this.labels.textContent = "";
+      for (const panel of panels) {
+        const x = Math.round(panel.x * this.width), w = Math.round((panel.x + panel.w) * this.width) - x;
+        const top = Math.round(panel.y * this.height), h = Math.round((panel.y + panel.h) * this.height) - top;
+        const y = this.height - top - h;
+        renderer.setViewport(x, y, w, h);
+        renderer.setScissor(x, y, w, h);
+        renderer.clear();
+        this.setAspect(w / h);
+        stage.appear(panel.only);
+        renderer.render(stage.scene, this.camera);
+        this.label(panel.only, {x, top, w, h});
+      }
+      this.captions.style.display = "";
+      this.runLabels.forEach((caption, i) => {
+        const panel = panels.length > 1 ? panels[i] : null;
+        caption.hidden = this.layout === "first" && i > 0;
+        caption.style.position = panel ? "absolute" : "";
+        caption.style.left = panel ? `calc(${100 * panel.x}% + 8px)` : "";
+        caption.style.top = panel ? `calc(${100 * panel.y}% + 8px)` : "";
+      });
+      if (!this.box.dataset.firstMs) this.box.dataset.firstMs = String(Math.round(performance.now()));
+    }
+
+    // The numbers beside the arrows: beyond the tip, or where else nothing of the plant is.
+    label(only, area) {
+      const shown = this.stage.shown.arrows ? this.stage.actors : [];
+      const placed = [];
+      shown.forEach((actor, i) => {
+        if (!(only === null ? i === 0 || this.layout === "ghosts" : i === only)) return;
+        const plant = this.balls(actor, area);
+        for (const arrow of actor.arrows) {
+          if (!arrow.json.unit || !arrow.object.visible || arrow.from.distanceTo(arrow.to) < 0.004) continue;
+          const from = this.project(arrow.from, area), to = this.project(arrow.to, area);
+          if (!from || !to) continue;
+          const text = numberText(arrow.value) + " " + arrow.json.unit;
+          const at = this.freePlace(from, to, text, area, [...plant, ...placed]);
+          placed.push({x: at.x, y: at.y, r: 12});
+          const made = element("span", "force", this.labels, text);
+          made.style.color = `rgb(${arrow.colour.map((v) => Math.round(255 * v)).join(",")})`;
+          made.style.left = area.x + at.x + "px";
+          made.style.top = area.top + at.y + "px";
+        }
+      });
+    }
+
+    // In pixels of the panel; nothing for what is behind the camera.
+    project(point, area) {
+      const p = point.clone().applyMatrix4(this.camera.matrixWorldInverse);
+      if (p.z > -this.camera.near) return null;
+      const scale = 0.5 * area.h * this.camera.projectionMatrix.elements[5] / -p.z;
+      return {x: 0.5 * area.w + scale * p.x, y: 0.5 * area.h - scale * p.y, scale};
+    }
+
+    // What moves, as circles on the picture.
+    balls(actor, area) {
+      const circles = [];
+      for (const {centre, radius} of actor.beads()) {
+        const at = this.project(centre, area);
+        if (at) circles.push({x: at.x, y: at.y, r: radius * at.scale});
+      }
+      return circles;
+    }
+
+    freePlace(from, to, text, area, circles) {
+      const half = {x: 0.31 * 15 * text.length, y: 9};
+      const length = Math.max(Math.hypot(to.x - from.x, to.y - from.y), 1);
+      const along = {x: (to.x - from.x) / length, y: (to.y - from.y) / length};
+      const reach = (d) => Math.abs(d.x) * half.x + Math.abs(d.y) * half.y + 6;
+      const middle = {x: (from.x + to.x) / 2, y: (from.y + to.y) / 2};
+      const up = along.x >= 0 ? {x: along.y, y: -along.x} : {x: -along.y, y: along.x};
+      const down = {x: -up.x, y: -up.y}, back = {x: -along.x, y: -along.y};
+      let best = null;
+      for (const [base, d] of [[to, along], [middle, up], [middle, down], [from, back], [to, up], [to, down]]) {
+        const x = Math.min(Math.max(base.x + reach(d) * d.x, half.x), area.w - half.x);
+        const y = Math.min(Math.max(base.y + reach(d) * d.y, half.y), area.h - half.y);
+        // How far the number's box is from the nearest circle.
+        const room = Math.min(...circles.map((c) => Math.hypot(Math.max(Math.abs(c.x - x) - half.x, 0), Math.max(Math.abs(c.y - y) - half.y, 0)) - c.r), 2);
+        if (!best || room > best.room + 1e-9) best = {x, y, room};
+      }
+      return best;
+    }
+
+    invalidate() {
+      if (!this.isReady) return;
+      clearTimeout(this.resting);
+      if (this.waiting) return;
+      this.waiting = requestAnimationFrame((now) => {
+        this.waiting = null;
+        this.tick(now);
+      });
+    }
+
+    tick(now) {
+      if (this.isPlaying) {
+        if (this.lastTick !== null) {
+          const passed = now - this.lastTick;
+          this.adapt(passed);
+          const time = this.time + Math.min(passed, 250) / 1000 * this.speed;
+          if (time >= this.end) this.pause();
+          this.lastTick = now;
+          this.seek(time, true);
+        } else {
+          this.lastTick = now;
+        }
+      }
+      this.draw();
+      if (this.isPlaying) this.invalidate();
+      else this.resting = setTimeout(() => this.rest(), REST_MS);
+    }
+
+    // What stands still is drawn as well as can be.
+    rest() {
+      if (this.isReady && !this.isPlaying && !this.waiting) this.draw(true);
+    }
+
+    // Where drawing is slow, less is drawn; where it is quick again, more.
+    adapt(passed) {
+      if (this.look !== "auto") return;
+      this.intervals.push(passed);
+      if (this.intervals.length < 12) return;
+      const middle = this.intervals.sort((a, b) => a - b)[6];
+      this.intervals = [];
+      if (middle > SLOW_MS && this.quality + 1 < QUALITIES.length) ++this.quality;
+      else if (middle < QUICK_MS && this.quality > (this.isSoftware ? 1 : 0) && !this.wasLowered) --this.quality;
+      if (middle > SLOW_MS) this.wasLowered = true;
+    }
+
+    // Frees the graphics card; start() makes it all again.
+    stop() {
+      if (!this.isReady) return;
+      this.pause();
+      clearTimeout(this.resting);
+      cancelAnimationFrame(this.waiting);
+      this.waiting = null;
+      this.renderer.forceContextLoss();
+      this.renderer.dispose();
+      this.picture.textContent = "";
+      this.box.querySelector(".bar").remove();
+      this.stage = this.starting = null;
+      this.box.classList.remove("live");
+    }
+  }
+
+  // At most so many pictures are alive at once: browsers have few contexts.
+  const MOST_ALIVE = 6;
+  const alive = [];
+
+  function enliven(view) {
+    if (alive.includes(view)) return;
+    alive.push(view);
+    while (alive.length > MOST_ALIVE) alive.shift().stop();
+    view.start();
+  }
+
+  const boxes = Array.from(document.querySelectorAll(".replay"));
+  for (const box of boxes) {
+    const view = new View(box);
+    if (box.dataset.group && window.pagePlayers) {
+      view.player = pagePlayers.add(box.dataset.group, {seek: (time) => { view.pause(); view.seek(time); }, begin: view.time});
+    }
+  }
+  if (boxes.length === 1) {
+    enliven(boxes[0].replay);
+  } else if (boxes.length > 1) {
+    const seen = new IntersectionObserver((entries) => {
+      for (const entry of entries) if (entry.isIntersecting) enliven(entry.target.replay);
+    }, {rootMargin: "200px"});
+    boxes.forEach((box) => seen.observe(box));
+  }
+  Replay.prefersStill = prefersStill;
+})();

@@ -1,0 +1,399 @@
+#include <breakwater/pictures/replay_data.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include <breakwater/pictures/motion_codec.h>
+#include <breakwater/pictures/page_data.h>
+#include <breakwater/pictures/replay_motion.h>
+
+namespace breakwater {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// A position to a millionth of its way, or a micrometre; a rotation to a hundred-thousandth; a
+// force to a hundred-thousandth of its range.
+constexpr double kPositionSteps = 1e6;
+constexpr double kSmallestPosition_m = 1e-6;
+constexpr double kRotationUnit = 1e-5;
+constexpr double kSignalSteps = 1e5;
+
+// Pictures of a model are looked at: eight digits.
+double rounded(double value) {
+  if (!std::isfinite(value) || value == 0.0) return 0.0;
+  const double unit = std::pow(10.0, 7.0 - std::floor(std::log10(std::abs(value))));
+  const double near = std::round(value * unit) / unit;
+  return std::isfinite(near) ? near : value;
+}
+
+template <typename Numbers>
+Json list(const Numbers& numbers) {
+  Json all = Json::array();
+  for (const auto value : numbers) all.push_back(rounded(static_cast<double>(value)));
+  return all;
+}
+
+template <typename Number>
+std::string packed(const std::vector<Number>& numbers) {
+  return packed_bytes(
+      {reinterpret_cast<const std::uint8_t*>(numbers.data()), numbers.size() * sizeof(Number)});
+}
+
+// Vertices are numbered by 16 or 32 bits.
+std::string packed_faces(const std::vector<int>& faces, std::size_t vertices) {
+  if (vertices <= 65536) return packed(std::vector<std::uint16_t>(faces.begin(), faces.end()));
+  return packed(std::vector<std::uint32_t>(faces.begin(), faces.end()));
+}
+
+Json pose_json(const Pose& pose) {
+  Json all = list(pose.position_m);
+  for (const double value : pose.rotation) all.push_back(rounded(value));
+  return all;
+}
+
+// Assets that several runs share are in the page once.
+class Assets {
+ public:
+  int of(const Json& asset) {
+    const auto [place, is_new] = numbers_.emplace(asset.dump(), static_cast<int>(all_.size()));
+    if (is_new) all_.push_back(asset);
+    return place->second;
+  }
+  const Json& all() const { return all_; }
+
+ private:
+  std::map<std::string, int> numbers_;
+  Json all_ = Json::array();
+};
+
+Json mesh_json(const SceneMesh& mesh) {
+  return {{"kind", "mesh"},
+          {"vertices", packed(mesh.vertices)},
+          {"normals", packed(mesh.normals)},
+          {"texcoords", mesh.texcoords.empty() ? "" : packed(mesh.texcoords)},
+          {"wide", mesh.vertices.size() / 3 > 65536},
+          {"faces", packed_faces(mesh.faces, mesh.vertices.size() / 3)}};
+}
+
+Json field_json(const SceneHeightField& field, bool is_waving) {
+  // What the waves say is not said twice.
+  return {{"kind", "field"},
+          {"rows", field.rows},
+          {"columns", field.columns},
+          {"size", list(field.size)},
+          {"heights", is_waving ? "" : packed(field.heights)}};
+}
+
+Json texture_json(const SceneTexture& texture) {
+  return {{"kind", "texture"},
+          {"width", texture.width},
+          {"height", texture.height},
+          {"cube", texture.is_cube},
+          {"rgb", packed(texture.rgb)}};
+}
+
+const char* shape_name(SceneGeom::Shape shape) {
+  switch (shape) {
+    case SceneGeom::Shape::plane:
+      return "plane";
+    case SceneGeom::Shape::height_field:
+      return "field";
+    case SceneGeom::Shape::sphere:
+      return "sphere";
+    case SceneGeom::Shape::capsule:
+      return "capsule";
+    case SceneGeom::Shape::ellipsoid:
+      return "ellipsoid";
+    case SceneGeom::Shape::cylinder:
+      return "cylinder";
+    case SceneGeom::Shape::box:
+      return "box";
+    case SceneGeom::Shape::mesh:
+      break;
+  }
+  return "mesh";
+}
+
+Json light_json(const SceneLight& light) {
+  return {{"directional", light.is_directional}, {"shadow", light.casts_shadow},
+          {"ambient", list(light.ambient)},      {"diffuse", list(light.diffuse)},
+          {"specular", list(light.specular)},    {"cutoff", rounded(light.cutoff_deg)},
+          {"exponent", rounded(light.exponent)}};
+}
+
+Json scene_json(const SceneDescription& scene, const std::vector<WavingSurface>& surfaces,
+                Assets& assets) {
+  const auto is_waving = [&](const std::string& name) {
+    return std::any_of(surfaces.begin(), surfaces.end(),
+                       [&](const WavingSurface& surface) { return surface.geom == name; });
+  };
+  const auto texture = [&](int id) {
+    return id < 0 ? -1 : assets.of(texture_json(scene.textures[static_cast<std::size_t>(id)]));
+  };
+  Json geoms = Json::array();
+  for (const SceneGeom& geom : scene.geoms) {
+    Json one = {{"id", geom.id},
+                {"name", geom.name},
+                {"body", geom.body},
+                {"shape", shape_name(geom.shape)},
+                {"size", list(geom.size)},
+                {"pose", pose_json(geom.pose)},
+                {"rgba", list(geom.rgba)},
+                {"emission", rounded(geom.emission)},
+                {"specular", rounded(geom.specular)},
+                {"shininess", rounded(geom.shininess)}};
+    if (geom.texture >= 0) {
+      one["texture"] = texture(geom.texture);
+      one["repeat"] = list(geom.texture_repeat);
+      one["uniform"] = geom.texture_is_uniform;
+    }
+    if (geom.mesh >= 0) {
+      one["asset"] = assets.of(mesh_json(scene.meshes[static_cast<std::size_t>(geom.mesh)]));
+    }
+    if (geom.height_field >= 0) {
+      one["asset"] = assets.of(field_json(
+          scene.height_fields[static_cast<std::size_t>(geom.height_field)], is_waving(geom.name)));
+    }
+    geoms.push_back(one);
+  }
+  Json cameras = Json::array();
+  for (const SceneCamera& camera : scene.cameras) {
+    cameras.push_back({{"name", camera.name}, {"fovy", rounded(camera.field_of_view_deg)}});
+  }
+  Json lights = Json::array();
+  for (const SceneLight& light : scene.lights) lights.push_back(light_json(light));
+  Json joints = Json::array();
+  for (const SceneJoint& joint : scene.joints) {
+    joints.push_back({{"name", joint.name},
+                      {"hinge", joint.is_hinge},
+                      {"body", joint.body},
+                      {"parent", joint.parent},
+                      {"anchor", list(joint.anchor_m)},
+                      {"axis", list(joint.axis)},
+                      {"limited", joint.is_limited},
+                      {"range", list(joint.range)},
+                      {"pointer", list(joint.pointer)},
+                      {"bodyPointer", list(joint.body_pointer)}});
+  }
+  return {
+      {"bodies", scene.bodies},
+      {"geoms", geoms},
+      {"sky", texture(scene.sky)},
+      {"cameras", cameras},
+      {"lights", lights},
+      {"joints", joints},
+      {"headlight", light_json(scene.headlight)},
+      {"centre", list(scene.centre_m)},
+      {"extent", rounded(scene.extent_m)},
+      {"near", rounded(scene.near_m)},
+      {"far", rounded(scene.far_m)},
+      {"free",
+       {{"pose", pose_json(scene.free_camera)}, {"fovy", rounded(scene.free_field_of_view_deg)}}}};
+}
+
+// The smallest and the largest of some values that are finite.
+std::pair<double, double> range_of(std::span<const double> values) {
+  double low = INFINITY;
+  double high = -INFINITY;
+  for (const double value : values) {
+    if (!std::isfinite(value)) continue;
+    low = std::min(low, value);
+    high = std::max(high, value);
+  }
+  return low <= high ? std::pair(low, high) : std::pair(0.0, 0.0);
+}
+
+// Collects the channels of a run, and says where each is.
+class Channels {
+ public:
+  explicit Channels(std::size_t frames) : frames_(frames) {}
+
+  // A track as its seven numbers where it stands still, else as the number of its first channel and
+  // the unit of its positions.
+  Json track(const PoseTrack& track) {
+    const bool stands = std::all_of(track.begin(), track.end(), [&](const Pose& pose) {
+      return pose.position_m == track.front().position_m && pose.rotation == track.front().rotation;
+    });
+    if (stands) return {{"pose", pose_json(track.front())}};
+    std::array<std::vector<double>, 7> columns;
+    std::array<double, 4> last = track.front().rotation;
+    double way = 0.0;
+    for (const Pose& pose : track) {
+      for (std::size_t k = 0; k < 3; ++k) columns[k].push_back(pose.position_m[k]);
+      // q and −q are the same rotation: the one nearer to the last.
+      double dot = 0.0;
+      for (std::size_t k = 0; k < 4; ++k) dot += pose.rotation[k] * last[k];
+      for (std::size_t k = 0; k < 4; ++k)
+        last[k] = dot < 0.0 ? -pose.rotation[k] : pose.rotation[k];
+      for (std::size_t k = 0; k < 4; ++k) columns[3 + k].push_back(last[k]);
+    }
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto [low, high] = range_of(columns[k]);
+      way = std::max(way, high - low);
+    }
+    const double unit = std::max(way / kPositionSteps, kSmallestPosition_m);
+    const Json place = {{"channel", count_}, {"units", {unit, kRotationUnit}}};
+    for (std::size_t k = 0; k < 7; ++k) add(columns[k], k < 3 ? unit : kRotationUnit);
+    return place;
+  }
+
+  Json signal(const Series& series, const std::vector<double>& times_s) {
+    std::vector<double> values;
+    for (const double time_s : times_s) values.push_back(series.at(time_s));
+    const auto [low, high] = range_of(values);
+    const double unit = std::max((high - low) / kSignalSteps, 1e-12);
+    const Json place = {{"channel", count_}, {"unit", unit}};
+    add(values, unit);
+    return place;
+  }
+
+  int count() const { return count_; }
+  std::size_t frames() const { return frames_; }
+  std::string bytes() const { return packed_bytes(bytes_); }
+
+ private:
+  void add(std::span<const double> values, double unit) {
+    append_channel(values, unit, bytes_);
+    ++count_;
+  }
+
+  std::size_t frames_;
+  int count_ = 0;
+  std::vector<std::uint8_t> bytes_;
+};
+
+Json arrow_json(const ArrowTrack& track, const Model& model, const std::vector<double>& times_s,
+                Channels& channels) {
+  const SiteOnBody site = site_on_body(model, track.arrow.site);
+  Json components = Json::array();
+  for (const Series& series : track.components) {
+    components.push_back(channels.signal(series, times_s));
+  }
+  const Colour& colour = track.arrow.colour;
+  return {{"name", track.name},
+          {"unit", track.unit},
+          {"body", site.body},
+          {"site", pose_json(site.pose)},
+          {"offset", list(track.arrow.offset_m)},
+          {"along", list(track.along)},
+          {"inSite", track.arrow.in_site_frame},
+          {"scale", rounded(track.metres_per_unit)},
+          {"mark", rounded(track.arrow.contact_mark_m)},
+          {"colour", list(std::array{colour.red, colour.green, colour.blue})},
+          {"values", components}};
+}
+
+Json wave_json(const SurfaceWave& wave) {
+  return list(std::array{wave.amplitude_m, wave.wave_x_rad_m, wave.wave_y_rad_m, wave.omega_rad_s,
+                         wave.phase_rad, wave.weight_before, wave.weight_after, wave.change_from_s,
+                         wave.change_to_s});
+}
+
+Json surfaces_json(const std::vector<WavingSurface>& surfaces) {
+  Json all = Json::array();
+  for (const WavingSurface& surface : surfaces) {
+    Json waves = Json::array();
+    for (const SurfaceWave& wave : surface.waves) waves.push_back(wave_json(wave));
+    all.push_back({{"geom", surface.geom}, {"waves", waves}});
+  }
+  return all;
+}
+
+Json tracks_json(const std::vector<PoseTrack>& tracks, Channels& channels) {
+  Json all = Json::array();
+  for (const PoseTrack& track : tracks) all.push_back(channels.track(track));
+  return all;
+}
+
+Json visibility_json(const std::vector<Visibility>& changes) {
+  Json all = Json::array();
+  for (const Visibility& geom : changes) {
+    all.push_back({{"geom", geom.geom}, {"atFirst", geom.at_first}, {"changes", geom.changes}});
+  }
+  return all;
+}
+
+Json run_json(const LabelledRun& labelled, PictureRun& staged, const Window& window, Assets& assets,
+              std::vector<std::string>& notes) {
+  const std::vector<TimeSpan> spans = replay_times(staged.times_s, window);
+  const std::vector<double> times_s = times_of(spans);
+  const ReplayMotion motion = replay_motion(staged, times_s);
+  const SceneDescription scene = describe_scene(staged.model, motion.geoms);
+  const std::string folder = labelled.run.folder().string();
+  if (scene.skipped > 0) {
+    notes.push_back(
+        fmt::format("{}: {} skins and tendons of its model are not shown", folder, scene.skipped));
+  }
+  if (motion.is_incomplete) {
+    notes.push_back(folder +
+                    ": its scenario changes colours or places of geoms in pictures, which the "
+                    "page shows as they are at the end");
+  }
+  Channels channels(times_s.size());
+  Json run;
+  run["label"] = labelled.label;
+  Json time = Json::array();
+  for (const TimeSpan& span : spans) time.push_back({span.from_s, span.step_s, span.count});
+  run["times"] = time;
+  run["scene"] = scene_json(scene, staged.surfaces, assets);
+  run["bodies"] = tracks_json(motion.bodies, channels);
+  run["cameras"] = tracks_json(motion.cameras, channels);
+  run["lights"] = tracks_json(motion.lights, channels);
+  run["visibility"] = visibility_json(motion.visibility);
+  run["surfaces"] = surfaces_json(staged.surfaces);
+  run["arrows"] = Json::array();
+  for (const ArrowTrack& arrow : staged.arrows) {
+    run["arrows"].push_back(arrow_json(arrow, staged.model, times_s, channels));
+  }
+  run["channels"] = channels.count();
+  run["motion"] = channels.bytes();
+  return run;
+}
+
+}  // namespace
+
+ReplayData replay_data(const std::vector<LabelledRun>& runs, const ShotList& shots,
+                       const std::string& camera) {
+  ReplayData data;
+  std::vector<const FinishedRun*> finished;
+  for (const LabelledRun& run : runs) finished.push_back(&run.run);
+  data.window = choose_window(finished, shots, {});
+  const Window whole = data.whole = whole_window(finished);
+  Assets assets;
+  Json json;
+  json["title"] = shots.title;
+  json["begin"] = whole.from_s;
+  json["end"] = whole.to_s;
+  json["window"] = {
+      {"from", data.window.from_s}, {"to", data.window.to_s}, {"speed", data.window.speed}};
+  Json all = Json::array();
+  for (const LabelledRun& run : runs) {
+    std::vector<std::string> missing;
+    data.staged.push_back(stage(run.run, shots, camera, &missing));
+    for (const std::string& signal : missing) {
+      data.notes.push_back(fmt::format("{}: its log has no signal {}, which the shot list names",
+                                       run.run.folder().string(), signal));
+    }
+    data.notes.insert(data.notes.end(), run.run.notes().begin(), run.run.notes().end());
+    all.push_back(run_json(run, data.staged.back(), data.window, assets, data.notes));
+  }
+  json["camera"] = data.staged.front().camera;
+  Json moments = Json::array();
+  for (const ShotMoment& moment : shots.moments) {
+    if (const auto time_s = time_of(moment, runs.front().run)) {
+      moments.push_back({{"caption", moment.caption}, {"time", *time_s}});
+    }
+  }
+  json["moments"] = moments;
+  json["assets"] = assets.all();
+  json["runs"] = all;
+  data.json = script_safe(json.dump(-1, ' ', false, Json::error_handler_t::replace));
+  return data;
+}
+
+}  // namespace breakwater

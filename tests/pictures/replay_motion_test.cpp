@@ -1,0 +1,102 @@
+// What a replay's page carries: its times, and numbers in few bytes.
+#include <breakwater/pictures/replay_motion.h>
+
+#include <gtest/gtest.h>
+#include <zlib.h>
+
+#include <cmath>
+#include <limits>
+
+#include <breakwater/pictures/motion_codec.h>
+#include <breakwater/pictures/page_data.h>
+#include "support.h"
+
+namespace breakwater::replay_motion_test {
+namespace {
+
+TEST(MotionCodec, NumbersComeBackToTheirUnit) {
+  testing::Random random(3);
+  std::vector<double> values;
+  for (int i = 0; i < 500; ++i) values.push_back(random.uniform(-2.0, 2.0) * std::pow(10.0, i % 7));
+  std::vector<std::uint8_t> bytes;
+  append_channel(values, 1e-3, bytes);
+  std::size_t at = 0;
+  const std::vector<double> back = read_channel(bytes, at, values.size(), 1e-3);
+  EXPECT_EQ(at, bytes.size());
+  for (std::size_t i = 0; i < values.size(); ++i) EXPECT_NEAR(back[i], values[i], 0.51e-3);
+}
+
+// By hand: 3, −1 and 200 units are the steps 3, −4, 201; zigzag 6, 7, 402 = 3·128 + 18.
+TEST(MotionCodec, HasTheBytesThatItsDescriptionSays) {
+  std::vector<std::uint8_t> bytes;
+  append_channel(std::vector{0.3, -0.1, 20.0}, 0.1, bytes);
+  EXPECT_EQ(bytes, (std::vector<std::uint8_t>{6, 7, 128 + 18, 3}));
+}
+
+TEST(MotionCodec, WhatIsNotFiniteRepeatsTheLastAndACutOffChannelIsRefused) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  std::vector<std::uint8_t> bytes;
+  append_channel(std::vector{1.0, nan, 1.0 / 0.0, 2.0}, 0.5, bytes);
+  std::size_t at = 0;
+  EXPECT_EQ(read_channel(bytes, at, 4, 0.5), (std::vector{1.0, 1.0, 1.0, 2.0}));
+  at = 0;
+  EXPECT_THROW(read_channel(bytes, at, 5, 0.5), std::invalid_argument);
+}
+
+TEST(PageData, BytesArePackedAsAZlibStream) {
+  const std::vector<std::uint8_t> bytes(10000, 7);
+  const std::string text = packed_bytes(bytes);
+  EXPECT_LT(text.size(), 100U);
+  // Decoded here: base64, then zlib.
+  std::vector<std::uint8_t> stream;
+  const std::string digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  for (std::size_t i = 0; i < text.size(); i += 4) {
+    unsigned word = 0;
+    for (std::size_t k = 0; k < 4; ++k) {
+      word =
+          word << 6U | (text[i + k] == '=' ? 0U : static_cast<unsigned>(digits.find(text[i + k])));
+    }
+    for (unsigned shift : {16U, 8U, 0U}) stream.push_back(static_cast<std::uint8_t>(word >> shift));
+  }
+  std::vector<std::uint8_t> back(bytes.size());
+  uLongf size = back.size();
+  ASSERT_EQ(uncompress(back.data(), &size, stream.data(), stream.size()), Z_OK);
+  EXPECT_EQ(back, bytes);
+}
+
+TEST(PageData, NothingEndsAScript) {
+  EXPECT_EQ(script_safe(R"({"a":"</script><!--"})"), R"({"a":"\u003c/script>\u003c!--"})");
+}
+
+std::vector<double> log_times(double end_s, double step_s) {
+  std::vector<double> times;
+  for (int i = 0; i <= std::lround(end_s / step_s); ++i) times.push_back(i * step_s);
+  return times;
+}
+
+TEST(ReplayTimes, AreSixtyASecondAndInSlowMotionSixtyASecondOfWatching) {
+  const std::vector<TimeSpan> spans = replay_times(log_times(100.0, 0.001), {29.9, 31.5, 0.1});
+  const std::vector<double> times = times_of(spans);
+  EXPECT_EQ(times.front(), 0.0);
+  EXPECT_NEAR(times.back(), 100.0, 1e-9);
+  double inside = 0.0;
+  double outside = 0.0;
+  for (std::size_t i = 1; i < times.size(); ++i) {
+    ASSERT_GT(times[i], times[i - 1]);
+    double& largest = times[i] > 29.9 && times[i] < 31.5 ? inside : outside;
+    largest = std::max(largest, times[i] - times[i - 1]);
+  }
+  EXPECT_NEAR(outside, 1.0 / 60.0, 1e-4);
+  EXPECT_NEAR(inside, 0.1 / 60.0, 1e-5);
+}
+
+TEST(ReplayTimes, AreNeitherFinerThanTheLogNorMoreThanAPageHolds) {
+  const auto coarse = times_of(replay_times(log_times(10.0, 0.1), {2.0, 4.0, 0.01}));
+  EXPECT_EQ(coarse.size(), 101U);
+  const auto many = times_of(replay_times(log_times(1e5, 0.5), {0.0, 1e5, 1.0}));
+  EXPECT_LE(many.size(), 40001U);
+  EXPECT_NEAR(many.back(), 1e5, 1e-6);
+}
+
+}  // namespace
+}  // namespace breakwater::replay_motion_test

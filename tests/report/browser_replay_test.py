@@ -1,0 +1,321 @@
+"""A replay works in Chromium with software WebGL, and shows what the stills show.
+
+Short runs of the arm, one of them of a model outside of the tree with a mesh, and of the quadrotor
+are replayed; a page on this machine alone uses the replays as a reader would and reports back what
+it saw and the pixels that were drawn.
+
+Usage: browser_replay_test.py BUILD_BIN_FOLDER
+"""
+
+import base64
+import io
+import json
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+
+import matplotlib.image
+import numpy
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+from chromium import visit  # noqa: E402
+
+TREE = pathlib.Path(__file__).resolve().parents[2]
+TIMEOUT_S = 200
+SIZE = (640, 360)  # of what is compared with stills
+TIMES_S = (1.0, 4.5, 5.4)  # before contact: a still has a number beside an arrow
+
+# Contact at about 5.5 s.
+SHORT_WALL = ["--duration", "6", "--set", "wall.solid_from_s=4", "force.from_s=5",
+              "metrics.from_s=5.5", "metrics.to_s=6", "record.fine_from_s=5", "record.fine_to_s=6"]
+
+MESH = ('<mesh name="blade" vertex="0 -0.03 -0.02  0 0.03 -0.02  0 0 0.04  '
+        '0.16 -0.008 -0.008  0.16 0.008 -0.008  0.16 0 0.012"/>')
+
+READER = """<!doctype html><body style="margin:0"><script>
+const seen = {errors: [], pages: {}};
+const wait = (ms) => new Promise((done) => setTimeout(done, ms));
+const until = async (what, test) => {
+  for (let i = 0; i < 800; ++i) { const value = test(); if (value) return value; await wait(25); }
+  throw new Error("waited in vain: " + what);
+};
+const TIMES = %(times)s;
+
+async function open(name, width, height) {
+  const frame = document.createElement("iframe");
+  frame.style.cssText = `border:0;width:${width}px;height:${height}px`;
+  const begin = performance.now();
+  frame.src = name + ".html";
+  document.body.replaceChildren(frame);
+  await new Promise((done) => frame.addEventListener("load", done, {once: true}));
+  const page = frame.contentWindow, dom = frame.contentDocument;
+  page.addEventListener("error", (e) => seen.errors.push(e.message));
+  dom.addEventListener("securitypolicyviolation", (e) => seen.errors.push("asked for " + e.blockedURI));
+  const box = dom.querySelector(".replay");
+  await until("the first picture of " + name, () => box.dataset.state !== "waiting");
+  if (box.dataset.state !== "ready") throw new Error(box.textContent.slice(-200));
+  return {frame, page, dom, box, view: box.replay, firstMs: performance.now() - begin};
+}
+
+// What is drawn at that time, as well as can be, in a picture of the stills' size.
+function shot(view, time) {
+  Object.assign(view.picture.style, {width: "%(width)dpx", height: "%(height)dpx", aspectRatio: "auto"});
+  view.resize();
+  view.seek(time);
+  view.draw(true);
+  return view.canvas.toDataURL("image/png").split(",")[1];
+}
+
+async function framesPerSecond(page, view, look) {
+  view.setLook(look);
+  view.setSpeed(1);
+  view.play();
+  let frames = 0;
+  const draw = view.draw.bind(view);
+  view.draw = (best) => { ++frames; draw(best); };
+  await wait(700);
+  const first = frames, begin = performance.now();
+  await wait(2000);
+  const rate = 1000 * (frames - first) / (performance.now() - begin);
+  view.pause();
+  delete view.draw;
+  return rate;
+}
+
+async function look() {
+  for (const name of ["green", "mesh"]) {
+    const {view, firstMs} = await open(name, 1320, 1000);
+    seen.pages[name] = {firstMs, shots: TIMES.map((time) => shot(view, time))};
+  }
+
+  // Slider, chart and scene are at one time, whichever is moved.
+  const {page, dom, view, box} = await open("wall", 1320, 1000);
+  const chart = dom.querySelector(".chart").chart;
+  const trueAt = (time) => chart.at(time, 1);
+  const force = () => view.stage.actors[0].arrows[0].value;
+  view.slider.value = "5.6";
+  view.slider.dispatchEvent(new page.Event("input", {bubbles: true}));
+  seen.afterSlider = {view: view.time, chart: chart.group.time, cursor: Number(chart.cursor.getAttribute("aria-valuenow")),
+                      force: force(), charted: trueAt(5.6),
+                      label: (view.draw(), dom.querySelector(".force").textContent)};
+  const plot = chart.plot.getBoundingClientRect(), grip = chart.cursor.getBoundingClientRect();
+  const pointer = (target, kind, x) => target.dispatchEvent(new page.PointerEvent(kind,
+    {bubbles: true, cancelable: true, clientX: x, clientY: grip.top + 20}));
+  pointer(chart.cursor, "pointerdown", grip.left + 7);
+  pointer(page, "pointermove", plot.left + chart.graph.toDomXCoord(5.93));
+  pointer(page, "pointerup", plot.left + chart.graph.toDomXCoord(5.93));
+  seen.afterChart = {view: view.time, slider: Number(view.slider.value), force: force(), charted: trueAt(view.time)};
+  const key = (name) => box.dispatchEvent(new page.KeyboardEvent("keydown", {key: name, bubbles: true}));
+  const before = view.time;
+  key(",");
+  seen.stepBack = before - view.time;
+  key("t");
+  seen.trails = view.stage.shown.trails;
+  key("2");
+  seen.camera = view.cameraChoice.selectedOptions[0].textContent;
+  view.seek(1, true);
+  key(" ");
+  await wait(400);
+  key(" ");
+  seen.played = view.time - 1;
+  seen.isPaused = !view.isPlaying;
+
+  // A drag takes the camera over, and turns it.
+  key("0");
+  view.draw();
+  const from = view.camera.position.clone();
+  const mouse = (kind, x, y) => (kind === "mousedown" ? view.canvas : dom).dispatchEvent(new page.MouseEvent(kind,
+    {bubbles: true, cancelable: true, view: page, button: 0, clientX: x, clientY: y}));
+  mouse("mousedown", 400, 300);
+  mouse("mousemove", 480, 320);
+  mouse("mouseup", 480, 320);
+  view.draw();
+  seen.turned = from.distanceTo(view.camera.position);
+  seen.afterDrag = view.cameraChoice.value;
+  view.useCamera(view.data.camera);
+  seen.unnamed = Array.from(box.querySelectorAll("button, select, input, canvas")).filter((e) =>
+    !(e.getAttribute("aria-label") || e.textContent.trim() || e.closest("label"))).length;
+
+  // Phone width.
+  const phone = await open("wall", 390, 800);
+  seen.phone = {overflow: phone.dom.scrollingElement.scrollWidth - 390, canvas: phone.view.canvas.clientWidth};
+
+  // Runs in one scene and side by side.
+  const both = await open("both", 1320, 1000);
+  seen.both = {runs: both.view.runLabels.map((label) => label.textContent), panels: both.view.panels().length};
+  both.view.setLayout("beside");
+  both.view.draw();
+  seen.both.beside = both.view.panels().length;
+
+  // How quick it is, with shadows and water.
+  const sea = await open("sea", 1320, 1000);
+  Object.assign(sea.view.picture.style, {width: "1280px", height: "720px", aspectRatio: "auto"});
+  sea.view.resize();
+  seen.sea = {full: await framesPerSecond(sea.page, sea.view, "full"), fast: await framesPerSecond(sea.page, sea.view, "fast"),
+              shadowsInFast: sea.view.renderer.shadowMap.enabled, firstMs: sea.firstMs};
+
+  // Hostile names are text.
+  const hostile = await open("hostile", 1320, 1000);
+  seen.hostile = {pwned: hostile.page.pwned === true, text: hostile.view.runLabels[0].textContent,
+                  cameras: Array.from(hostile.view.cameraChoice.options, (o) => o.textContent).join("|"),
+                  moments: Array.from(hostile.dom.querySelectorAll(".moment"), (m) => m.title).join("|")};
+
+  // Without WebGL a strip is shown, and said why.
+  const plain = document.createElement("iframe");
+  plain.style.cssText = "border:0;width:1000px;height:800px";
+  plain.src = "nowebgl.html";
+  document.body.replaceChildren(plain);
+  await new Promise((done) => plain.addEventListener("load", done, {once: true}));
+  const refused = plain.contentDocument.querySelector(".replay");
+  await until("the refusal", () => refused.dataset.state === "refused");
+  const strip = refused.querySelector(".fallback");
+  seen.refused = {text: refused.querySelector(".refusal").textContent, strip: strip.naturalWidth, shown: strip.clientWidth};
+}
+
+look().catch((e) => seen.errors.push(String(e.stack))).then(() => fetch("/seen", {method: "POST", body: JSON.stringify(seen)}));
+</script>"""
+
+
+def variants(folder):
+    """Models outside of the tree, on a green table, which tells the plant from it; one with a mesh."""
+    arm = (TREE / "models/arm.xml").read_text()
+    table = 'rgb1="0.80 0.81 0.82" rgb2="0.74 0.75 0.77"'
+    link = '<geom name="link3" class="link" fromto="0 0 0 0.16 0 0"/>'
+    assert table in arm and link in arm
+    green = arm.replace(table, 'rgb1="0 0.6 0" rgb2="0 0.5 0"').replace("0.68 0.69 0.71", "0 0.4 0")
+    blade = '<geom name="link3" type="mesh" mesh="blade" mass="0" material="link"/>'
+    meshed = green.replace("<asset>", "<asset>" + MESH).replace(link, blade)
+    files = {}
+    for name, text in (("green", green), ("mesh", meshed)):
+        files[name] = folder / (name + ".xml")
+        files[name].write_text(text)
+    return files
+
+
+def run(*words):
+    subprocess.run([str(word) for word in words], check=True)
+
+
+def hostile_run(bin_folder, folder):
+    """A run of a model whose camera and geoms are named against the page, in such a folder."""
+    evil = '&lt;/script&gt;&lt;script&gt;window.pwned=true&lt;/script&gt;&quot;&apos;'
+    arm = (TREE / "models/arm.xml").read_text()
+    model = folder / "hostile.xml"
+    model.write_text(arm.replace('name="top"', f'name="{evil}"').replace('name="wall_foot"', f'name="wall_{evil}"'))
+    home = folder / "<script>window.pwned=true<"
+    run(bin_folder / "breakwater", "run", "arm_push", "--quiet", "--duration", "0.4", "--set",
+        f"model.mjcf={model}", "--out", home)
+    return home
+
+
+def make(bin_folder, folder):
+    breakwater = bin_folder / "breakwater"
+    files = variants(folder)
+    run(breakwater, "run", "arm_wall_contact", "--quiet", "--case", "proposed-2N", *SHORT_WALL,
+        "--out", folder / "wall")
+    for name, file in files.items():
+        run(breakwater, "run", "arm_wall_contact", "--quiet", "--case", "proposed-2N", *SHORT_WALL,
+            f"model.mjcf={file}", "--out", folder / name)
+    run(breakwater, "run", "quadrotor_waves", "--quiet", "--duration", "20", "--set",
+        "metrics.window_s=5", "--out", folder / "sea")
+    pages = {}
+    for name in ("wall", "sea", *files):
+        run(breakwater, "replay", folder / name, "--quiet")
+        pages[name] = (folder / name / "replay.html").read_text()
+    run(breakwater, "replay", folder / "wall", folder / "mesh", "--quiet", "--out", folder / "both.html")
+    pages["both"] = (folder / "both.html").read_text()
+    home = hostile_run(bin_folder, folder)
+    run(breakwater, "replay", home, home, "--quiet", "--out", folder / "hostile.html")
+    pages["hostile"] = (folder / "hostile.html").read_text()
+    # The same page in a browser that has no WebGL.
+    pages["nowebgl"] = pages["wall"].replace(
+        "<head>", '<head><script>HTMLCanvasElement.prototype.getContext = ((get) => function (kind, ...rest) {'
+        ' return kind.startsWith("webgl") ? null : get.call(this, kind, ...rest); })(HTMLCanvasElement.prototype.getContext);'
+        "</script>", 1)
+    stills = {}
+    for name in files:
+        stills[name] = []
+        for time in TIMES_S:
+            file = folder / f"{name}-{time}.png"
+            run(breakwater, "still", folder / name, "--at", time, "--size", f"{SIZE[0]}x{SIZE[1]}",
+                "--look", "full", "--quiet", "--out", file)
+            stills[name].append(matplotlib.image.imread(file)[:, :, :3])
+    return pages, stills
+
+
+def shrunk(shot):
+    """A picture of two by two samples a pixel, as replays that stand still are drawn."""
+    image = matplotlib.image.imread(io.BytesIO(base64.b64decode(shot)))[:, :, :3]
+    assert image.shape[:2] == (2 * SIZE[1], 2 * SIZE[0]), image.shape
+    return image.reshape(SIZE[1], 2, SIZE[0], 2, 3).mean(axis=(1, 3))
+
+
+def overlap(a, b):
+    """Intersection over union of what is not green, but for where a still has letters and chart."""
+    def silhouette(image):
+        part = image[int(0.40 * SIZE[1]):int(0.92 * SIZE[1])]
+        return part[:, :, 1] < 1.2 * numpy.maximum(part[:, :, 0], part[:, :, 2])
+    first, second = silhouette(a), silhouette(b)
+    assert 3000 < second.sum() < 0.5 * second.size, second.sum()
+    return (first & second).sum() / (first | second).sum()
+
+
+def main():
+    bin_folder = pathlib.Path(sys.argv[1]).resolve()
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as name:
+        folder = pathlib.Path(name)
+        pages, stills = make(bin_folder, folder)
+        html = "text/html; charset=utf-8"
+        served = {f"/{name}.html": (page.encode(), html) for name, page in pages.items()}
+        served["/"] = ((READER % {"times": json.dumps(TIMES_S), "width": SIZE[0], "height": SIZE[1]}).encode(), html)
+        # No name is resolved: only this machine is there.
+        seen, log, asked = visit(served, folder, [
+            "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist",
+            "--enable-logging=stderr", "--window-size=1400,1100",
+            "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1"], TIMEOUT_S)
+    drawn = {name: [shrunk(shot) for shot in page.pop("shots", [])] for name, page in seen["pages"].items()}
+    print(json.dumps(seen, indent=1))
+    assert seen["errors"] == [], seen["errors"]
+    console = [line for line in log.splitlines() if "CONSOLE" in line and "GPU stall" not in line]
+    assert console == [], console
+    assert sorted(set(asked) - {"/favicon.ico"}) == sorted(served), asked
+
+    for name in ("green", "mesh"):
+        assert len(drawn[name]) == len(TIMES_S), name
+        for time, shot, still in zip(TIMES_S, drawn[name], stills[name]):
+            share = overlap(shot, still)
+            print(f"silhouettes of {name} at {time} s: {100 * share:.1f} %")
+            assert share >= 0.95, (name, time, share)
+
+    for name, page in pages.items():
+        assert len(page) < 2e6, (name, len(page))
+        sources = re.findall(r"""(?:src|href|action|poster)\s*=\s*["']([^"']*)""",
+                             re.sub(r"<script.*?</script>", "", page, flags=re.S))
+        assert all(s.startswith(("#", "data:")) for s in sources), sources
+    slider, chart = seen["afterSlider"], seen["afterChart"]
+    assert abs(slider["view"] - 5.6) < 1e-9 and abs(slider["chart"] - 5.6) < 1e-9, slider
+    assert abs(slider["cursor"] - 5.6) < 1e-9, slider
+    assert slider["force"] > 7.0 and abs(slider["force"] - slider["charted"]) < 0.2, slider
+    assert slider["label"] == f"{slider['force']:.1f} N", slider
+    assert abs(chart["view"] - 5.93) < 0.01 and abs(chart["slider"] - chart["view"]) < 1e-6, chart
+    assert chart["force"] > 2.0 and abs(chart["force"] - chart["charted"]) < 0.2, chart
+    assert 1e-4 < seen["stepBack"] < 0.02 and seen["trails"], seen
+    assert seen["camera"] == "top" and seen["played"] > 0 and seen["isPaused"], seen
+    assert seen["turned"] > 0.05 and seen["afterDrag"] == "free" and seen["unnamed"] == 0, seen
+    assert seen["phone"]["overflow"] <= 0 and 300 < seen["phone"]["canvas"] <= 390, seen["phone"]
+    assert seen["both"]["panels"] == 1 and seen["both"]["beside"] == 2, seen["both"]
+    assert "model.mjcf" in seen["both"]["runs"][0], seen["both"]
+    # A machine that does other things too has no rate to hold; docs/pictures-and-videos.md has
+    # what a frame costs.
+    assert seen["sea"]["fast"] > seen["sea"]["full"] > 0, seen["sea"]
+    assert not seen["sea"]["shadowsInFast"], seen["sea"]
+    assert not seen["hostile"]["pwned"], seen["hostile"]
+    assert "<script>window.pwned" in seen["hostile"]["text"] + seen["hostile"]["cameras"], seen["hostile"]
+    assert "WebGL" in seen["refused"]["text"] and seen["refused"]["strip"] > 400, seen["refused"]
+    assert seen["refused"]["shown"] > 400, seen["refused"]
+
+
+if __name__ == "__main__":
+    main()
