@@ -1,0 +1,95 @@
+"""Breakwater: a headless testbed for robust model-based motion control.
+
+    import breakwater as bw
+    run = bw.run("arm_wall_contact", case="hpfc-2N", set={"wall.distance_m": 0.1})
+    run.metrics["peak_force_filtered_N"]      # what it is judged by
+    run["force_true_N"], run.time_s           # the log, as NumPy arrays without a copy
+    run.to_pandas(), run.to_xarray()
+    run.video("impact.mp4", speed=0.1)
+
+Runs:         run, load, scenarios, cases; Run
+Your own:     Controller, Estimator; ArmSample, AxisSample, QuadrotorSample; PlanarChain
+Design:       dare, lqr, place_poles, place_observer_poles, zero_order_hold, damped_inertia,
+              extend_by_disturbance_model, observability_rank; QpSolver, solve_qp
+On your data: Stf, Qvff, Vfakfd, Fakfd, Kfd, Idob, Mdob, StateObserver, QuadrotorFilter
+Errors:       InputError, RunFailed
+
+docs/python.md has the tutorial.
+"""
+
+from ._core import PlanarChain, __version__
+from .errors import InputError, RunFailed
+from .linear import (
+    Plant,
+    QpSolution,
+    QpSolver,
+    Regulator,
+    damped_inertia,
+    dare,
+    extend_by_disturbance_model,
+    lqr,
+    observability_rank,
+    place_observer_poles,
+    place_poles,
+    solve_qp,
+    zero_order_hold,
+)
+from .observers import (
+    Estimates,
+    Fakfd,
+    Filter,
+    Idob,
+    Kfd,
+    Mdob,
+    Motions,
+    Qvff,
+    QuadrotorFilter,
+    StateObserver,
+    Stf,
+    Vfakfd,
+)
+from .parts import Controller, Estimator
+from .runs import Run, cases, load, run, scenarios
+from .samples import ArmSample, AxisSample, QuadrotorSample
+
+__all__ = [
+    "ArmSample",
+    "AxisSample",
+    "Controller",
+    "Estimates",
+    "Estimator",
+    "Fakfd",
+    "Filter",
+    "Idob",
+    "InputError",
+    "Kfd",
+    "Mdob",
+    "Motions",
+    "PlanarChain",
+    "Plant",
+    "QpSolution",
+    "QpSolver",
+    "QuadrotorFilter",
+    "QuadrotorSample",
+    "Qvff",
+    "Regulator",
+    "Run",
+    "RunFailed",
+    "StateObserver",
+    "Stf",
+    "Vfakfd",
+    "__version__",
+    "cases",
+    "damped_inertia",
+    "dare",
+    "extend_by_disturbance_model",
+    "load",
+    "lqr",
+    "observability_rank",
+    "place_observer_poles",
+    "place_poles",
+    "run",
+    "scenarios",
+    "solve_qp",
+    "zero_order_hold",
+]

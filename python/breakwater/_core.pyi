@@ -1,0 +1,167 @@
+"""The compiled part. What is for users is documented where the package gives it to them."""
+
+import os
+
+import numpy as np
+import numpy.typing as npt
+
+__version__: str
+
+class PlanarChain:
+    """A planar serial manipulator, as a URDF file describes it: kinematics, masses and limits.
+
+    Its tip is the frame of the one link without children. InputError, with file and line, if the file is no
+    URDF of a planar chain.
+    """
+
+    def __init__(self, urdf: str) -> None: ...
+    @property
+    def joints(self) -> int:
+        """How many there are: n."""
+
+    @property
+    def effort_limits_Nm(self) -> np.ndarray:
+        """Of the joints' torques (n) [N m]."""
+
+    def tip_pose(self, q_rad: npt.ArrayLike) -> np.ndarray:
+        """The tip's x, y and angle [m, m, rad] at the joint angles q_rad (n) [rad]."""
+
+    def tip_jacobian(self, q_rad: npt.ArrayLike) -> np.ndarray:
+        """The pose's derivative with respect to the angles, (3, n)."""
+
+    def mass_matrix(self, q_rad: npt.ArrayLike) -> np.ndarray:
+        """(n, n) [kg m^2], symmetric positive definite, without the motors' armature."""
+
+class OwnRun:
+    """A run that this process has made."""
+
+    @property
+    def scenario(self) -> str: ...
+    @property
+    def case(self) -> str: ...
+    @property
+    def config_text(self) -> str: ...
+    @property
+    def metrics(self) -> dict[str, float]: ...
+    @property
+    def costs(self) -> dict[str, float]: ...
+    @property
+    def failure(self) -> tuple[float, str] | None: ...
+    @property
+    def state_hash(self) -> str: ...
+    @property
+    def signals(self) -> list[tuple[str, str, str, str, int]]: ...
+    def warnings(self, has_python_parts: bool) -> list[str]: ...
+    def array(self, group: str, name: str) -> np.ndarray: ...
+    def save(self, folder: str) -> None: ...
+
+class SavedRun:
+    """A run's folder."""
+
+    def __init__(self, folder: str | os.PathLike[str]) -> None: ...
+    @property
+    def scenario(self) -> str: ...
+    @property
+    def case(self) -> str: ...
+    @property
+    def config_text(self) -> str: ...
+    @property
+    def metrics(self) -> dict[str, float]: ...
+    @property
+    def failure(self) -> tuple[float, str] | None: ...
+    @property
+    def state_hash(self) -> str: ...
+    @property
+    def signals(self) -> list[tuple[str, str, str, str, int]]: ...
+    def array(self, group: str, name: str) -> np.ndarray: ...
+
+class ArrayEstimator:
+    """An estimator of a plant's state x (n) and disturbance d (m) on arrays."""
+
+    def __init__(self, kind: str, arguments: dict[str, object]) -> None: ...
+    def reset(self, x0: npt.ArrayLike | None = None) -> None:
+        """Starts from state x0 (n; zeros) and no disturbance."""
+
+    def update(self, u: npt.ArrayLike, y: npt.ArrayLike) -> tuple[np.ndarray, np.ndarray]:
+        """One sample: u (m) acted since the last one, y (p) is measured now. Returns (x, d)."""
+
+    def filter_record(
+        self, u: npt.ArrayLike, y: npt.ArrayLike, x0: npt.ArrayLike | None
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]: ...
+    @property
+    def x(self) -> np.ndarray:
+        """The estimated state (n), a copy."""
+
+    @property
+    def d(self) -> np.ndarray:
+        """The estimated disturbance (m), which opposes the input, a copy."""
+
+    @property
+    def innovation(self) -> np.ndarray:
+        """y - C x(k|k-1) (p), a copy; empty of one that has none."""
+
+    @property
+    def pole_matrix(self) -> np.ndarray:
+        """The matrix whose eigenvalues are its poles at this sample."""
+
+class ArrayQuadrotorFilter:
+    """A Kalman filter of the underwater quadrotor on arrays."""
+
+    def __init__(self, arguments: dict[str, object]) -> None: ...
+    def reset(self, pose: npt.ArrayLike) -> None:
+        """Starts at rest at a pose (6), with no disturbance."""
+
+    def update(self, u: npt.ArrayLike, y: npt.ArrayLike) -> tuple[np.ndarray, np.ndarray]:
+        """One sample: u (4) thrusts held since the last one [N], y (6) the pose measured now. Returns
+        (motion, force): [pose; its rate] (12), and the disturbing force (3) [N]."""
+
+    def filter_record(
+        self, u: npt.ArrayLike, y: npt.ArrayLike
+    ) -> tuple[np.ndarray, np.ndarray]: ...
+
+class Qp:
+    """A solver of quadratic programs of one shape."""
+
+    def __init__(
+        self, H: npt.ArrayLike, Omega: npt.ArrayLike, solver: str, max_iterations: int
+    ) -> None: ...
+    def solve(
+        self,
+        g: npt.ArrayLike,
+        lower: npt.ArrayLike | None,
+        upper: npt.ArrayLike | None,
+        softness: npt.ArrayLike | None,
+    ) -> tuple[np.ndarray, np.ndarray, str, int, float]: ...
+    def reset(self) -> None: ...
+
+def run(
+    scenario: str,
+    case: str | None,
+    config: str | None,
+    sets: list[str],
+    controller: object | None,
+    estimator: object | None,
+    out: str | None,
+) -> OwnRun: ...
+def scenarios() -> dict[str, str]: ...
+def cases(scenario: str) -> list[str]: ...
+def did_you_mean(word: str, candidates: list[str]) -> str: ...
+def dare(
+    A: npt.ArrayLike, B: npt.ArrayLike, Q: npt.ArrayLike, R: npt.ArrayLike
+) -> tuple[np.ndarray, np.ndarray]: ...
+def place_observer_poles(
+    A: npt.ArrayLike, C: npt.ArrayLike, poles: list[list[complex]]
+) -> np.ndarray: ...
+def place_poles(
+    A: npt.ArrayLike, B: npt.ArrayLike, poles: list[list[complex]]
+) -> np.ndarray: ...
+def zero_order_hold(
+    A: npt.ArrayLike, B: npt.ArrayLike, C: npt.ArrayLike, period_s: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]: ...
+def extend_by_disturbance_model(
+    A: npt.ArrayLike, B: npt.ArrayLike, C: npt.ArrayLike, order: int, period_s: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]: ...
+def damped_inertia(
+    inertia: float, viscous_friction: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]: ...
+def observability_rank(A: npt.ArrayLike, C: npt.ArrayLike) -> int: ...

@@ -1,0 +1,437 @@
+"""Runs: made here, or read from the folder that any program of Breakwater left."""
+
+from __future__ import annotations
+
+import functools
+import json
+import math
+import operator
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import tempfile
+import tomllib
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from . import _core
+from .errors import InputError, RunFailed
+from .parts import Controller, Estimator
+
+if TYPE_CHECKING:
+    import pandas
+    import xarray
+
+_CONTROL = "control"
+_PLACE = re.compile(r"(?:(?P<group>[^/\[]+)/)?(?P<name>[^/\[]+)(?:\[(?P<index>[1-9][0-9]*)\])?")
+
+
+def _toml(value: Any, where: str) -> str:
+    """A value of `set=` as TOML."""
+    if isinstance(value, np.ndarray):
+        value = value.tolist()
+    if isinstance(value, (bool, np.bool_)):
+        return "true" if value else "false"
+    if isinstance(value, str):
+        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+    if isinstance(value, (float, np.floating)):
+        if not math.isfinite(value):
+            raise InputError(f"{where}: must be finite, is {value}")
+        return repr(float(value))
+    if isinstance(value, (list, tuple, range)):
+        return "[" + ", ".join(_toml(entry, where) for entry in value) + "]"
+    try:
+        return str(operator.index(value))
+    except TypeError:
+        raise InputError(
+            f"{where}: must be a number, a bool, a str or a list of them, is {type(value).__name__}"
+        ) from None
+
+
+def _sets(values: Mapping[str, Any] | None) -> list[str]:
+    if values is None:
+        return []
+    if not isinstance(values, Mapping):
+        raise InputError(f"set: must be a dict of keys and values, is {type(values).__name__}")
+    lines = []
+    for key, value in values.items():
+        if not isinstance(key, str):
+            raise InputError(f"set: keys must be str, one is {type(key).__name__}")
+        if "=" in key:
+            raise InputError(f"set: there is no key {key!r}")
+        lines.append(f"{key}={_toml(value, f'set: {key}')}")
+    return lines
+
+
+def _text(value: Any, name: str) -> str | None:
+    if value is None or isinstance(value, str):
+        return value
+    raise InputError(f"{name}: must be a str, is {type(value).__name__}")
+
+
+def _path(value: Any, name: str) -> str | None:
+    if value is None:
+        return None
+    try:
+        return os.fsdecode(value)
+    except TypeError:
+        raise InputError(f"{name}: must be a path, is {type(value).__name__}") from None
+
+
+def _folder(value: Any) -> pathlib.Path:
+    try:
+        return pathlib.Path(os.fsdecode(value))
+    except TypeError:
+        raise InputError(f"folder: must be a path, is {type(value).__name__}") from None
+
+
+def _part(value: Any, base: type, name: str) -> Any:
+    if value is None or isinstance(value, base):
+        return value
+    hint = " (did you mean an object of it?)" if isinstance(value, type) else ""
+    raise InputError(f"{name}: must be a bw.{base.__name__}, is {type(value).__name__}{hint}")
+
+
+class _Handle:
+    """A controller or estimator as a run gets it: by its class' name. The run keeps what it was made of, but must
+    not keep the part, which may keep the run: so the handle lets go."""
+
+    def __init__(self, part: Any):
+        self.__dict__.update(
+            part=part, reset=part.reset, update=part.update, signals=part.signals
+        )
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        setattr(self.part, name, value)
+
+    def let_go(self) -> None:
+        self.__dict__.clear()
+
+
+@functools.lru_cache(maxsize=None)
+def _handle_class(name: str) -> type[_Handle]:
+    return type(name, (_Handle,), {})
+
+
+def _handle(part: Any) -> _Handle | None:
+    return None if part is None else _handle_class(type(part).__name__)(part)
+
+
+def program() -> str:
+    """The program `breakwater` that belongs to this module: of its build, or of the installation."""
+    built = pathlib.Path(_core.__file__).resolve().parents[2] / "bin" / "breakwater"
+    found = str(built) if built.exists() else shutil.which("breakwater")
+    if found is None:
+        raise FileNotFoundError("there is no program breakwater: install the package breakwater")
+    return found
+
+
+class Run:
+    """One run: its numbers, its log, and what it was made of.
+
+    run["force_true_N"] is a signal of the log at the control rate, an array of shape (samples,) or
+    (samples, width): a view without a copy, not to be written, which keeps the run alive. NAME[2] is the
+    second of its values, GROUP/NAME one of another group ("physics/force_true_N"), and time_s its time.
+    """
+
+    def __init__(self, core: Any, folder: pathlib.Path | None, warnings: list[str]):
+        self._core = core
+        self._folder = folder
+        self._warnings = warnings
+        self._config: dict[str, Any] | None = None
+        self._arrays: dict[tuple[str, str], np.ndarray] = {}
+        self._signals = {
+            (group, name): (unit, description, width)
+            for group, name, unit, description, width in core.signals
+        }
+
+    @property
+    def scenario(self) -> str:
+        """The scenario's name."""
+        return self._core.scenario
+
+    @property
+    def case(self) -> str:
+        """The case's name."""
+        return self._core.case
+
+    @property
+    def metrics(self) -> dict[str, float]:
+        """The numbers that it is judged by, with the unit in the name; none if it failed."""
+        return self._core.metrics
+
+    @property
+    def state_hash(self) -> str:
+        """16 hexadecimal digits of all its states: the same config gives the same."""
+        return self._core.state_hash
+
+    @property
+    def folder(self) -> pathlib.Path | None:
+        """Where it is saved; None if it is not."""
+        return self._folder
+
+    @property
+    def warnings(self) -> list[str]:
+        """What one should know about it, one line each."""
+        return list(self._warnings)
+
+    @property
+    def config_text(self) -> str:
+        """The effective configuration, as a scenario file that gives the same bits again."""
+        return self._core.config_text
+
+    @property
+    def config(self) -> dict[str, Any]:
+        """The same, read: config["wall"]["distance_m"]."""
+        if self._config is None:
+            self._config = tomllib.loads(self.config_text)
+        return self._config
+
+    @property
+    def failure(self) -> tuple[float, str] | None:
+        """When [s] and why it failed; None if it did not."""
+        return self._core.failure
+
+    @property
+    def time_s(self) -> np.ndarray:
+        """The times of the control samples, (samples,) [s]."""
+        return self["time_s"]
+
+    @property
+    def signals(self) -> list[str]:
+        """What run[...] takes, without the times: NAME, or GROUP/NAME outside of `control`."""
+        return [name if group == _CONTROL else f"{group}/{name}" for group, name in self._signals]
+
+    @property
+    def groups(self) -> list[str]:
+        """Of the log: `control`, and in some scenarios `physics`, at the engine's rate."""
+        return list(dict.fromkeys(group for group, _ in self._signals))
+
+    def _place(self, signal: str) -> tuple[str, str, int | None]:
+        match = _PLACE.fullmatch(signal) if isinstance(signal, str) else None
+        if match is not None:
+            group = match["group"] or _CONTROL
+            name = match["name"]
+            if (group, name) in self._signals or (name == "time_s" and group in self.groups):
+                return group, name, int(match["index"]) if match["index"] else None
+        near = _core.did_you_mean(str(signal), self.signals)
+        raise KeyError(f"signal: there is no {signal!r} in the log{near}")
+
+    def __getitem__(self, signal: str) -> np.ndarray:
+        group, name, index = self._place(signal)
+        if (group, name) not in self._arrays:
+            self._arrays[group, name] = self._core.array(group, name)
+        values = self._arrays[group, name]
+        if index is None:
+            return values
+        width = 1 if values.ndim == 1 else values.shape[1]
+        if index > width:
+            raise KeyError(f"signal: {signal!r}: has {width} value{'s' if width > 1 else ''}")
+        return values if values.ndim == 1 else values[:, index - 1]
+
+    def __contains__(self, signal: object) -> bool:
+        try:
+            self._place(signal)  # type: ignore[arg-type]
+        except KeyError:
+            return False
+        return True
+
+    def unit(self, signal: str) -> str:
+        """Of a signal: "N", or of a vector whose entries have different ones "m, m, rad"."""
+        group, name, _ = self._place(signal)
+        return "s" if name == "time_s" else self._signals[group, name][0]
+
+    def description(self, signal: str) -> str:
+        """One line on a signal."""
+        group, name, _ = self._place(signal)
+        return "time of each row" if name == "time_s" else self._signals[group, name][1]
+
+    def _of_group(self, group: str) -> dict[str, tuple[str, str, int]]:
+        if group not in self.groups:
+            raise InputError(f"group: must be one of {', '.join(self.groups)}, is {group!r}")
+        return {name: about for (g, name), about in self._signals.items() if g == group}
+
+    def to_pandas(self, group: str = _CONTROL) -> pandas.DataFrame:
+        """A group of the log as a DataFrame with the index time_s; of a vector NAME_1, NAME_2, ..."""
+        import pandas
+
+        columns = {}
+        for name, (_, _, width) in self._of_group(group).items():
+            values = self[f"{group}/{name}"]
+            if values.ndim == 1:
+                columns[name] = values
+            else:
+                columns.update({f"{name}_{i + 1}": values[:, i] for i in range(width)})
+        return pandas.DataFrame(
+            columns, index=pandas.Index(self[f"{group}/time_s"], name="time_s"), copy=True
+        )
+
+    def to_xarray(self, group: str = _CONTROL) -> xarray.Dataset:
+        """A group of the log as a Dataset over time_s, with units; the second dimension of a vector of
+        n is index_n, 1 to n. The same as xarray.open_dataset("log.h5", group=group, engine="h5netcdf").
+        """
+        import xarray
+
+        variables: dict[str, Any] = {}
+        coordinates: dict[str, Any] = {
+            "time_s": ("time_s", self[f"{group}/time_s"], {"units": "s"})
+        }
+        for name, (unit, description, width) in self._of_group(group).items():
+            values = self[f"{group}/{name}"]
+            dimensions = ["time_s"]
+            if values.ndim == 2:
+                dimensions.append(f"index_{width}")
+                coordinates[f"index_{width}"] = np.arange(1.0, width + 1.0)
+            variables[name] = (dimensions, values, {"units": unit, "description": description})
+        attributes = {
+            "scenario": self.scenario,
+            "case": self.case,
+            "state_hash": self.state_hash,
+        }
+        return xarray.Dataset(variables, coordinates, attributes)
+
+    def save(self, folder: str | os.PathLike[str]) -> pathlib.Path:
+        """Writes config.toml, metrics.json, manifest.json and log.h5 into a folder, in place of an earlier
+        run there. Returns it."""
+        target = _folder(folder)
+        if isinstance(self._core, _core.SavedRun):
+            if self._folder is not None and target.resolve() != self._folder.resolve():
+                shutil.copytree(self._folder, target)
+            return target
+        self._core.save(str(target))
+        if self._folder is None:
+            self._folder = target
+        return target
+
+    def video(
+        self,
+        file: str | os.PathLike[str] | None = None,
+        *,
+        speed: float | None = None,
+        from_s: float | None = None,
+        to_s: float | None = None,
+        camera: str | None = None,
+        size: str | None = None,
+        look: str | None = None,
+    ) -> pathlib.Path:
+        """Makes a video of the run, as `breakwater video` does, and returns its file: by default
+        video.mp4 in its folder. speed 0.1 is ten times slower than it was.
+
+        Raises RuntimeError with the program's own message if it cannot be made.
+        """
+        if file is None and self._folder is None:
+            raise InputError("file: must be given for a run that has no folder")
+        words = [program(), "video", "--quiet"]
+        options = {"--out": _path(file, "file"), "--speed": speed, "--from": from_s, "--to": to_s,
+                   "--camera": camera, "--size": size, "--look": look}  # fmt: skip
+        for option, value in options.items():
+            if value is not None:
+                words += [option, str(value)]
+        with tempfile.TemporaryDirectory() as temporary:
+            folder = self._folder
+            if folder is None:
+                folder = pathlib.Path(temporary) / "run"
+                self._core.save(str(folder))
+            done = subprocess.run([*words, str(folder)], capture_output=True, text=True)
+            if done.returncode != 0:
+                error = InputError if done.returncode == 2 else RuntimeError
+                raise error(f"video: {done.stderr.strip()}")
+            return folder / "video.mp4" if file is None else pathlib.Path(_path(file, "file") or "")
+
+    def __repr__(self) -> str:
+        state = f"failed at {self.failure[0]:.6g} s" if self.failure else f"{len(self.metrics)} metrics"
+        return (
+            f"<Run {self.scenario} {self.case}: {len(self.time_s)} samples, {state}, "
+            f"state hash {self.state_hash}>"
+        )
+
+    def _repr_html_(self) -> str:
+        import html
+
+        rows = "".join(
+            f"<tr><td>{html.escape(name)}</td><td>{value:.6g}</td></tr>"
+            for name, value in self.metrics.items()
+        )
+        return f"<p>{html.escape(repr(self))}</p><table>{rows}</table>"
+
+
+def run(
+    scenario: str,
+    case: str | None = None,
+    *,
+    set: Mapping[str, Any] | None = None,
+    seed: int | None = None,
+    duration: float | None = None,
+    config: str | os.PathLike[str] | None = None,
+    controller: Controller | None = None,
+    estimator: Estimator | None = None,
+    out: str | os.PathLike[str] | None = None,
+) -> Run:
+    """Runs a case of a scenario, and returns the run.
+
+    The same case, keys and seed give the same state hash as the program `breakwater run`.
+
+    case: bw.cases(scenario) has them; by default the scenario file's own. set: keys of the scenario file
+    over the case's, {"wall.distance_m": 0.1}. seed, duration [s]: the same as set={"run.seed": ...,
+    "run.duration_s": ...}. config: another scenario file, such as a run's own config.toml. controller,
+    estimator: objects of your own classes, in the place of the case's. out: the folder that the run is
+    saved in; without it nothing is written.
+
+    Raises InputError for what is wrong with the arguments, keys and values; RunFailed if the run did not
+    reach its end; and what a controller or estimator of your own raises. Ctrl-C stops it.
+    """
+    scenario_name = _text(scenario, "scenario")
+    if scenario_name is None:
+        raise InputError("scenario: must be a str, is None")
+    sets = _sets(set)
+    if seed is not None:
+        sets += _sets({"run.seed": seed})
+    if duration is not None:
+        sets += _sets({"run.duration_s": duration})
+    parts = [
+        _handle(_part(controller, Controller, "controller")),
+        _handle(_part(estimator, Estimator, "estimator")),
+    ]
+    folder = _path(out, "out")
+    core = _core.run(
+        scenario_name,
+        _text(case, "case"),
+        _path(config, "config"),
+        sets,
+        *parts,
+        folder,
+    )
+    warnings = core.warnings(any(parts))
+    for part in parts:
+        if part is not None:
+            part.let_go()
+    finished = Run(core, None if folder is None else pathlib.Path(folder), warnings)
+    if finished.failure is not None:
+        raise RunFailed(*finished.failure, finished)
+    return finished
+
+
+def load(folder: str | os.PathLike[str]) -> Run:
+    """Reads the folder that a run left, of whatever program. Its signals are read when they are asked for.
+
+    Raises InputError if it is no run's folder, or damaged. A failed run has `failure` and no metrics.
+    """
+    path = _folder(folder)
+    return Run(_core.SavedRun(path), path, [])
+
+
+def scenarios() -> dict[str, str]:
+    """The scenarios, and what each studies."""
+    return _core.scenarios()
+
+
+def cases(scenario: str) -> list[str]:
+    """The cases of a scenario."""
+    name = _text(scenario, "scenario")
+    if name is None:
+        raise InputError("scenario: must be a str, is None")
+    return _core.cases(name)

@@ -1,0 +1,59 @@
+// The compiled part of the Python package; python/breakwater/_core.pyi says what is in it.
+#include <dlfcn.h>
+#include <pybind11/pybind11.h>
+
+#include <filesystem>
+#include <new>
+#include <stdexcept>
+
+#include <breakwater/record/output_error.h>
+#include <breakwater/scenario/paths.h>
+#include <breakwater/version.h>
+#include "linear.h"
+#include "observers.h"
+#include "runs.h"
+
+namespace breakwater::python {
+namespace py = pybind11;
+namespace {
+
+constexpr const char* kTooLong = "run.duration_s: the log of so long a run does not fit in memory";
+
+// Models and scenarios are looked for from where this module lies.
+void set_places() {
+  Dl_info own{};
+  dladdr(reinterpret_cast<void*>(&set_places), &own);
+  DataPlaces places;
+  places.program = std::filesystem::canonical(own.dli_fname);
+  set_data_places(places);
+}
+
+void translate(std::exception_ptr thrown) {
+  try {
+    if (thrown) std::rethrow_exception(thrown);
+  } catch (const OutputError& error) {
+    PyErr_SetString(PyExc_OSError, error.what());
+  } catch (const std::filesystem::filesystem_error& error) {
+    PyErr_SetString(PyExc_OSError, error.what());
+  } catch (const std::length_error&) {
+    PyErr_SetString(PyExc_MemoryError, kTooLong);
+  } catch (const std::bad_alloc&) {
+    PyErr_SetString(PyExc_MemoryError, kTooLong);
+  } catch (const std::invalid_argument& error) {
+    const py::object type = py::module_::import("breakwater.errors").attr("InputError");
+    PyErr_SetString(type.ptr(), error.what());
+  }
+}
+
+}  // namespace
+}  // namespace breakwater::python
+
+PYBIND11_MODULE(_core, module) {
+  using namespace breakwater::python;  // NOLINT: the module's own
+  set_places();
+  pybind11::register_local_exception_translator(translate);
+  module.attr("__version__") = breakwater::kVersion;
+  bind_linear(module);
+  bind_observers(module);
+  bind_runs(module);
+}

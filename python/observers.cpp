@@ -1,0 +1,408 @@
+#include "observers.h"
+
+#include <pybind11/complex.h>
+#include <pybind11/stl.h>
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <mutex>
+#include <stdexcept>
+#include <string>
+
+#include <breakwater/control/quadrotor_estimator.h>
+#include <breakwater/observers/fakfd.h>
+#include <breakwater/observers/idob_estimator.h>
+#include <breakwater/observers/kfd.h>
+#include <breakwater/observers/mdob_estimator.h>
+#include <breakwater/observers/qvff.h>
+#include <breakwater/observers/state_observer.h>
+#include <breakwater/observers/stf.h>
+#include <breakwater/observers/vfakfd.h>
+#include "arrays.h"
+
+namespace breakwater::python {
+namespace {
+
+using Estimator = std::unique_ptr<DisturbanceEstimator>;
+using Vector = Eigen::Ref<const Eigen::VectorXd>;
+
+// The arguments of a Python class, by their names there.
+class Arguments {
+ public:
+  explicit Arguments(py::dict arguments) : arguments_(std::move(arguments)) {}
+
+  py::object at(const char* name) const { return arguments_[name]; }
+  bool has(const char* name) const { return !at(name).is_none(); }
+  double number(const char* name) const { return python::number(at(name), name); }
+
+  // In continuous time; and sampled, where the arguments are continuous if they have a period.
+  StateSpace plant() const {
+    StateSpace plant{matrix(at("A"), "A"), matrix(at("B"), "B"), matrix(at("C"), "C")};
+    check(plant);
+    return plant;
+  }
+  StateSpace sampled_plant() const {
+    return has("period_s") ? zero_order_hold(plant(), number("period_s")) : plant();
+  }
+  // Without a period time counts in samples.
+  double period_s() const { return has("period_s") ? number("period_s") : 1.0; }
+
+  ExtendedPlant extended() const {
+    return extend_by_disturbance_model(sampled_plant(), at("order").cast<int>(), period_s());
+  }
+
+  std::vector<PoleGroup> poles() const { return at("poles").cast<std::vector<PoleGroup>>(); }
+
+  SensorError sensor(Eigen::Index outputs) const {
+    SensorError error{vector_of(at("delta"), outputs, "delta"),
+                      vector_of(at("sigma"), outputs, "sigma")};
+    return error;
+  }
+
+  KalmanDesign kalman() const {
+    const ExtendedPlant plant = extended();
+    const Eigen::Index N = plant.states();
+    KalmanDesign design{plant, {}, square("R", plant.outputs()), square("P0", N)};
+    const auto on = at("noise_on").cast<std::string>();
+    if (numbers(at("Q"), "Q").ndim() != 0) {
+      design.Q = matrix_of(at("Q"), N, N, "Q");
+    } else if (on == "input") {
+      design.Q = input_noise(plant, number("Q"));
+    } else if (on == "all") {
+      design.Q = uniform_noise(plant, number("Q"));
+    } else if (on == "disturbance") {
+      design.Q = disturbance_noise(plant, number("Q"));
+    } else {
+      throw std::invalid_argument("noise_on: must be input, all or disturbance, is \"" + on + "\"");
+    }
+    return design;
+  }
+
+  void limit(VfakfdDesign& design) const {
+    design.lambda_min = number("lambda_min");
+    design.lambda_max = number("lambda_max");
+  }
+
+ private:
+  // A number is that times I, a vector a diagonal.
+  Eigen::MatrixXd square(const char* name, Eigen::Index size) const {
+    if (numbers(at(name), name).ndim() == 2) return matrix_of(at(name), size, size, name);
+    return vector_of(at(name), size, name).asDiagonal();
+  }
+
+  py::dict arguments_;
+};
+
+Estimator make_mdob(const Arguments& arguments) {
+  MdobDesign design;
+  design.nominal_inertia = arguments.number("inertia");
+  design.derivative_cutoff_rad_s = arguments.has("derivative_cutoff_rad_s")
+                                       ? arguments.number("derivative_cutoff_rad_s")
+                                       : std::numeric_limits<double>::infinity();
+  design.observer_cutoff_rad_s = arguments.number("cutoff_rad_s");
+  return std::make_unique<MdobEstimator>(design, arguments.number("period_s"));
+}
+
+Estimator make_fakfd(const Arguments& arguments) {
+  const KalmanDesign design = arguments.kalman();
+  return std::make_unique<Fakfd<>>(
+      design, scalar_gamma(design.plant, arguments.number("gamma"))
+                  .cwiseProduct(diagonal_gamma(design.plant, arguments.number("gamma_d"))));
+}
+
+Estimator make_vfakfd(const Arguments& arguments) {
+  const KalmanDesign kalman = arguments.kalman();
+  const Eigen::Index p = kalman.plant.outputs();
+  VfakfdDesign design;
+  design.alpha = vector_of(arguments.at("alpha"), p, "alpha");
+  design.dead_zone = vector_of(arguments.at("dead_zone"), p, "dead_zone");
+  arguments.limit(design);
+  return std::make_unique<Vfakfd<>>(kalman, design);
+}
+
+Estimator make_qvff(const Arguments& arguments) {
+  const ExtendedPlant plant = arguments.extended();
+  VfakfdDesign design = qvff_design(arguments.sensor(plant.outputs()));
+  arguments.limit(design);
+  return std::make_unique<Vfakfd<>>(variable_forgetting_design(plant, kQvffInitialCovariance),
+                                    design);
+}
+
+Estimator make_stf(const Arguments& arguments) {
+  const ExtendedPlant plant = arguments.extended();
+  const SensorError error = arguments.sensor(plant.outputs());
+  return std::make_unique<Stf<>>(stf_design(plant, error, arguments.period_s()), error);
+}
+
+Estimator make(const std::string& kind, const Arguments& arguments) {
+  if (kind == "state_observer") {
+    return std::make_unique<StateObserver>(arguments.plant(), arguments.poles(),
+                                           arguments.number("period_s"));
+  }
+  if (kind == "idob") {
+    return std::make_unique<IdobEstimator>(arguments.plant(), arguments.poles(),
+                                           arguments.number("period_s"));
+  }
+  if (kind == "mdob") return make_mdob(arguments);
+  if (kind == "kfd") return std::make_unique<Kfd<>>(arguments.kalman());
+  if (kind == "fakfd") return make_fakfd(arguments);
+  if (kind == "vfakfd") return make_vfakfd(arguments);
+  if (kind == "qvff") return make_qvff(arguments);
+  if (kind == "stf") return make_stf(arguments);
+  throw std::invalid_argument("there is no estimator \"" + kind + "\"");
+}
+
+// A record: rows × width, finite.
+class Record {
+ public:
+  Record(const py::object& object, Eigen::Index width, const char* name)
+      : values_(numbers(object, name)) {
+    const bool is_column = width == 1 && values_.ndim() == 1;
+    if (!is_column && !(values_.ndim() == 2 && values_.shape(1) == width)) {
+      throw std::invalid_argument(std::string(name) + ": must be of shape (samples" +
+                                  (width == 1 ? ",)" : ", " + std::to_string(width) + ")") +
+                                  ", is " + description(object));
+    }
+    rows_ = values_.shape(0);
+    width_ = width;
+    const double* const data = values_.data();
+    const auto* const wrong =
+        std::find_if(data, data + values_.size(), [](double v) { return !std::isfinite(v); });
+    if (wrong != data + values_.size()) {
+      throw std::invalid_argument(std::string(name) + ": must be finite; sample " +
+                                  std::to_string((wrong - data) / width) + " is not");
+    }
+  }
+
+  py::ssize_t rows() const { return rows_; }
+  Eigen::Map<const Eigen::VectorXd> row(py::ssize_t k) const {
+    return {values_.data() + k * width_, width_};
+  }
+
+ private:
+  py::array_t<double> values_;
+  py::ssize_t rows_ = 0;
+  Eigen::Index width_ = 0;
+};
+
+void check_same_length(const Record& u, const Record& y) {
+  if (u.rows() == y.rows()) return;
+  throw std::invalid_argument("u: must have as many samples as y, " + std::to_string(y.rows()) +
+                              ", has " + std::to_string(u.rows()));
+}
+
+// Rows of an array that is filled one by one.
+class Column {
+ public:
+  Column(py::ssize_t rows, std::size_t width)
+      : values_({rows, static_cast<py::ssize_t>(width)}), next_(values_.mutable_data()) {}
+  void append(const double* from, std::size_t width) { next_ = std::copy_n(from, width, next_); }
+  const py::array_t<double>& array() const { return values_; }
+
+ private:
+  py::array_t<double> values_;
+  double* next_;
+};
+
+// One estimator. Used by one thread at a time: others wait, without the interpreter's lock.
+class ArrayEstimator {
+ public:
+  ArrayEstimator(const std::string& kind, const py::dict& dict) {
+    const Arguments arguments(dict);
+    estimator_ = make(kind, arguments);
+    n_ = estimator_->state().size();
+    m_ = estimator_->disturbance().size();
+    C_ = kind == "mdob" ? Eigen::MatrixXd(Eigen::RowVector2d(1.0, 0.0)) : arguments.plant().C;
+    innovation_ = published("innovation");
+    lambda_ = published("lambda");
+    estimator_->reset(Eigen::VectorXd::Zero(n_));
+  }
+
+  void reset(const py::object& x0) {
+    const Eigen::VectorXd x = x0.is_none() ? Eigen::VectorXd::Zero(n_) : vector_of(x0, n_, "x0");
+    const std::lock_guard lock(mutex_);
+    estimator_->reset(x);
+  }
+
+  py::tuple update(const py::object& u, const py::object& y) {
+    const Eigen::VectorXd held = vector_of(u, m_, "u");
+    const Eigen::VectorXd measured = vector_of(y, C_.rows(), "y");
+    const std::lock_guard lock(mutex_);
+    estimator_->update(held, measured);
+    return py::make_tuple(array(Vector(estimator_->state())),
+                          array(Vector(estimator_->disturbance())));
+  }
+
+  py::tuple filter(const py::object& u_object, const py::object& y_object, const py::object& x0) {
+    const Record u(u_object, m_, "u");
+    const Record y(y_object, C_.rows(), "y");
+    check_same_length(u, y);
+    // Without x0: the least state that would give y(0).
+    const bool is_guess = x0.is_none() && y.rows() > 0;
+    const Eigen::VectorXd start =
+        is_guess       ? Eigen::VectorXd(C_.completeOrthogonalDecomposition().solve(y.row(0)))
+        : x0.is_none() ? Eigen::VectorXd::Zero(n_)
+                       : vector_of(x0, n_, "x0");
+    Column x(y.rows(), static_cast<std::size_t>(n_));
+    Column d(y.rows(), static_cast<std::size_t>(m_));
+    Column innovation(y.rows(), innovation_.size());
+    Column lambda(y.rows(), lambda_.size());
+    {
+      const py::gil_scoped_release unlocked;
+      const std::lock_guard lock(mutex_);
+      estimator_->reset(start);
+      const double* const state = estimator_->state().data();
+      const double* const disturbance = estimator_->disturbance().data();
+      for (py::ssize_t k = 0; k < y.rows(); ++k) {
+        estimator_->update(u.row(std::max<py::ssize_t>(k - 1, 0)), y.row(k));
+        x.append(state, static_cast<std::size_t>(n_));
+        d.append(disturbance, static_cast<std::size_t>(m_));
+        innovation.append(innovation_.data(), innovation_.size());
+        lambda.append(lambda_.data(), lambda_.size());
+      }
+    }
+    return py::make_tuple(x.array(), d.array(), innovation.array(), lambda.array());
+  }
+
+  py::array_t<double> state() const { return array(Vector(estimator_->state())); }
+  py::array_t<double> disturbance() const { return array(Vector(estimator_->disturbance())); }
+  py::array_t<double> innovation() const { return array(innovation_); }
+
+  py::object pole_matrix() const {
+    const Eigen::Index poles = estimator_->poles();
+    Eigen::MatrixXd F(poles, poles);
+    if (poles > 0) estimator_->pole_matrix(F);
+    return matrix_array(F);
+  }
+
+ private:
+  std::span<const double> published(const char* name) const {
+    for (const Signal& signal : estimator_->signals()) {
+      if (signal.name == name) return signal.values;
+    }
+    return {};
+  }
+
+  Estimator estimator_;
+  Eigen::Index n_ = 0;
+  Eigen::Index m_ = 0;
+  Eigen::MatrixXd C_;
+  std::span<const double> innovation_;
+  std::span<const double> lambda_;
+  std::mutex mutex_;
+};
+
+template <typename Enum>
+Enum choice(const py::dict& arguments, const char* name,
+            const std::vector<std::pair<const char*, Enum>>& options) {
+  const auto chosen = arguments[name].cast<std::string>();
+  std::string names;
+  for (const auto& [option, value] : options) {
+    if (chosen == option) return value;
+    names += (names.empty() ? "" : ", ") + std::string(option);
+  }
+  throw std::invalid_argument(std::string(name) + ": must be one of " + names + ", is \"" + chosen +
+                              "\"");
+}
+
+// The filters of the underwater quadrotor with the thesis' parameters.
+class ArrayQuadrotorFilter {
+ public:
+  explicit ArrayQuadrotorFilter(const py::dict& arguments) {
+    QuadrotorEstimatorDesign design;
+    design.filter = choice<QuadrotorFilter>(
+        arguments, "kind", {{"ukf", QuadrotorFilter::ukf}, {"ekf", QuadrotorFilter::ekf}});
+    design.order = choice<DisturbanceOrder>(arguments, "disturbance",
+                                            {{"none", DisturbanceOrder::none},
+                                             {"zero", DisturbanceOrder::zero},
+                                             {"second", DisturbanceOrder::second},
+                                             {"resonator", DisturbanceOrder::resonator}});
+    design.noise = ProcessNoiseSource::tuned;
+    const auto set = [&](double& target, const char* name) {
+      target = number(arguments[name], name);
+    };
+    set(design.velocity_std_m_s, "velocity_std_m_s");
+    set(design.rate_std_rad_s, "rate_std_rad_s");
+    set(design.disturbance_std, "disturbance_std");
+    set(design.wave_frequency_rad_s, "wave_frequency_rad_s");
+    set(design.position_std_m, "position_std_m");
+    set(design.angle_std_rad, "angle_std_rad");
+    set(design.period_s, "period_s");
+    design.estimates_wave_frequency = arguments["estimates_wave_frequency"].cast<bool>();
+    filter_ = make_quadrotor_estimator(
+        design, QuadrotorModel(QuadrotorParameters(), QuadrotorPhysics::physical));
+    filter_->reset(Vector6d::Zero());
+  }
+
+  void reset(const py::object& pose) {
+    const Eigen::VectorXd start = vector_of(pose, 6, "pose");
+    const std::lock_guard lock(mutex_);
+    filter_->reset(start);
+  }
+
+  py::tuple update(const py::object& u, const py::object& y) {
+    const Eigen::Vector4d thrusts = vector_of(u, 4, "u");
+    const Vector6d pose = vector_of(y, 6, "y");
+    const std::lock_guard lock(mutex_);
+    filter_->update(thrusts, pose);
+    const Eigen::Vector3d force = filter_->force();
+    return py::make_tuple(array(Vector(filter_->motion())), array(Vector(force)));
+  }
+
+  py::tuple filter(const py::object& u_object, const py::object& y_object) {
+    const Record u(u_object, 4, "u");
+    const Record y(y_object, 6, "y");
+    check_same_length(u, y);
+    Column motion(y.rows(), 12);
+    Column force(y.rows(), 3);
+    if (y.rows() > 0) {
+      const py::gil_scoped_release unlocked;
+      const std::lock_guard lock(mutex_);
+      filter_->reset(y.row(0));
+      for (py::ssize_t k = 0; k < y.rows(); ++k) {
+        filter_->update(u.row(std::max<py::ssize_t>(k - 1, 0)), y.row(k));
+        motion.append(filter_->motion().data(), 12);
+        const Eigen::Vector3d now = filter_->force();
+        force.append(now.data(), 3);
+      }
+    }
+    return py::make_tuple(motion.array(), force.array());
+  }
+
+ private:
+  std::unique_ptr<QuadrotorEstimator> filter_;
+  std::mutex mutex_;
+};
+
+}  // namespace
+
+void bind_observers(py::module_& module) {
+  py::class_<ArrayEstimator>(module, "ArrayEstimator")
+      .def(py::init<const std::string&, const py::dict&>())
+      .def("reset", &ArrayEstimator::reset, py::arg("x0") = py::none(),
+           "Starts from state x0 (n; zeros) and no disturbance.")
+      .def("update", &ArrayEstimator::update, py::arg("u"), py::arg("y"),
+           "One sample: u (m) acted since the last one, y (p) is measured now. Returns (x, d).\n\n"
+           "Nothing acted before the first sample after a reset: its u is ignored.")
+      .def("filter_record", &ArrayEstimator::filter)
+      .def_property_readonly("x", &ArrayEstimator::state, "The estimated state (n), a copy.")
+      .def_property_readonly("d", &ArrayEstimator::disturbance,
+                             "The estimated disturbance (m), which opposes the input, a copy.")
+      .def_property_readonly("innovation", &ArrayEstimator::innovation,
+                             "y - C x(k|k-1) (p), a copy; empty of one that has none.")
+      .def_property_readonly("pole_matrix", &ArrayEstimator::pole_matrix,
+                             "The matrix whose eigenvalues are its poles at this sample.");
+  py::class_<ArrayQuadrotorFilter>(module, "ArrayQuadrotorFilter")
+      .def(py::init<const py::dict&>())
+      .def("reset", &ArrayQuadrotorFilter::reset, py::arg("pose"),
+           "Starts at rest at a pose (6), with no disturbance.")
+      .def("update", &ArrayQuadrotorFilter::update, py::arg("u"), py::arg("y"),
+           "One sample: u (4) thrusts held since the last one [N], y (6) the pose measured now.\n"
+           "Returns (motion, force): [pose; its rate] (12), and the disturbing force (3) [N].")
+      .def("filter_record", &ArrayQuadrotorFilter::filter);
+}
+
+}  // namespace breakwater::python

@@ -1,0 +1,388 @@
+#include "parts.h"
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <stdexcept>
+#include <tuple>
+
+#include <breakwater/rigs/arm_parts.h>
+#include <breakwater/rigs/axis_parts.h>
+#include <breakwater/rigs/quadrotor_parts.h>
+#include "arrays.h"
+
+namespace breakwater::python {
+namespace {
+
+using Input = Eigen::Ref<const Eigen::VectorXd>;
+
+std::string class_name(const py::handle& object) {
+  return py::type::of(object).attr("__name__").cast<std::string>();
+}
+
+py::object steal_or_throw(PyObject* result) {
+  if (result == nullptr) throw py::error_already_set();
+  return py::reinterpret_steal<py::object>(result);
+}
+
+// A Python object that a run calls at every sample: with the lock held, and with new arrays, which
+// it may keep.
+class Part {
+ public:
+  // `sample_class`: of y, in breakwater.samples.
+  Part(const py::object& part, const char* sample_class)
+      : name_(class_name(part)),
+        part_(share(part)),
+        reset_(share(part.attr("reset"))),
+        update_(share(part.attr("update"))),
+        sample_class_(share(py::module_::import("breakwater.samples").attr(sample_class))),
+        dtype_(share(py::dtype::of<double>())) {}
+
+  const std::string& name() const { return name_; }
+
+  py::object call_update(const py::object& first, const py::object& second) const {
+    return call(update_, first, second);
+  }
+  void call_reset(const py::object& first, const py::object& second) const {
+    call(reset_, first, second);
+  }
+  void call_reset(const py::object& state) const { py::handle(reset_.get())(state); }
+
+  // A new y.
+  py::object sample(const double* values, Eigen::Index size) const {
+    Py_INCREF(dtype_.get());  // which is taken over
+    const Py_intptr_t shape[] = {size};
+    py::object array = steal_or_throw(py::detail::npy_api::get().PyArray_NewFromDescr_(
+        reinterpret_cast<PyTypeObject*>(sample_class_.get()), dtype_.get(), 1, shape, nullptr,
+        nullptr, 0, nullptr));
+    std::memcpy(py::detail::array_proxy(array.ptr())->data, values,
+                static_cast<std::size_t>(size) * sizeof(double));
+    return array;
+  }
+
+  // Copies `size` numbers that a method returned. Throws std::invalid_argument, one line.
+  void take(const py::handle& result, double* target, Eigen::Index size, const char* what) const {
+    if (size == 1 && PyFloat_Check(result.ptr())) {
+      *target = PyFloat_AS_DOUBLE(result.ptr());
+      return;
+    }
+    const auto& api = py::detail::npy_api::get();
+    if (api.PyArray_Check_(result.ptr())) {
+      const auto* array = py::detail::array_proxy(result.ptr());
+      if (array->descr == dtype_.get() && array->nd == 1 && array->dimensions[0] == size &&
+          array->strides[0] == sizeof(double)) {
+        std::memcpy(target, array->data, static_cast<std::size_t>(size) * sizeof(double));
+        return;
+      }
+    }
+    const std::string returned = name_ + ".update() returned " + what;
+    if (result.is_none()) refuse(result, size, what);
+    const py::array_t<double> values = numbers(result, returned);
+    if (values.size() != size || values.ndim() > 1) refuse(result, size, what);
+    std::memcpy(target, values.data(), static_cast<std::size_t>(size) * sizeof(double));
+  }
+
+  [[noreturn]] void refuse(const py::handle& result, Eigen::Index size, const char* what) const {
+    throw std::invalid_argument(name_ + ".update() returned " + what + ": must be " +
+                                std::to_string(size) + (size == 1 ? " number" : " numbers") +
+                                ", is " + description(result));
+  }
+
+  void tell_setup(const py::object& setup) const { py::setattr(part_.get(), "setup", setup); }
+
+  // What signals() returns, a dict NAME: (unit, description, array). The arrays are kept.
+  std::vector<Signal> signals() {
+    std::vector<Signal> list;
+    const py::object published = py::handle(part_.get()).attr("signals")();
+    const std::string place = name_ + ".signals()";
+    if (!py::isinstance<py::dict>(published)) {
+      throw std::invalid_argument(place + ": must return a dict, is " + description(published));
+    }
+    for (const auto& [key, value] : published.cast<py::dict>()) {
+      const std::string name = py::str(key).cast<std::string>();
+      const std::string where = place + ": " + name;
+      const bool is_entry = py::isinstance<py::tuple>(value) && py::len(value) == 3;
+      if (!is_entry) {
+        throw std::invalid_argument(where + ": must be a tuple (unit, description, array), is " +
+                                    description(value));
+      }
+      const auto entry = py::reinterpret_borrow<py::tuple>(value);
+      const py::object values = entry[2];
+      constexpr int kContiguous = py::array::c_style;
+      if (!py::array_t<double, kContiguous>::check_(values) ||
+          values.cast<py::array>().ndim() != 1) {
+        throw std::invalid_argument(
+            where + ": must be an array of float64 of one dimension that is written in place, is " +
+            description(values));
+      }
+      const auto array = values.cast<py::array_t<double>>();
+      kept_.push_back(share(values));
+      list.push_back({name,
+                      py::str(entry[0]).cast<std::string>(),
+                      py::str(entry[1]).cast<std::string>(),
+                      {array.data(), static_cast<std::size_t>(array.size())}});
+    }
+    return list;
+  }
+
+ private:
+  static py::object call(const SharedObject& method, const py::object& first,
+                         const py::object& second) {
+    PyObject* arguments[] = {nullptr, first.ptr(), second.ptr()};
+    return steal_or_throw(PyObject_Vectorcall(method.get(), arguments + 1,
+                                              2 | PY_VECTORCALL_ARGUMENTS_OFFSET, nullptr));
+  }
+
+  std::string name_;
+  SharedObject part_;
+  SharedObject reset_;
+  SharedObject update_;
+  SharedObject sample_class_;
+  SharedObject dtype_;
+  std::vector<SharedObject> kept_;
+};
+
+py::object namespace_of(const py::dict& entries) {
+  return py::module_::import("types").attr("SimpleNamespace")(**entries);
+}
+
+class PythonController final : public Controller {
+ public:
+  PythonController(const py::object& part, const char* sample_class, const py::object& setup,
+                   const char* command)
+      : part_(part, sample_class), command_(command) {
+    part_.tell_setup(setup);
+    signals_ = part_.signals();
+  }
+
+  void reset(const Sample& first) override {
+    const py::gil_scoped_acquire lock;
+    part_.call_reset(py::float_(first.time_s), part_.sample(first.y.data(), first.y.size()));
+  }
+  void update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u) override {
+    const py::gil_scoped_acquire lock;
+    const py::object result =
+        part_.call_update(py::float_(y.time_s), part_.sample(y.y.data(), y.y.size()));
+    part_.take(result, u.data(), u.size(), command_);
+  }
+  std::span<const Signal> signals() const override { return signals_; }
+
+ private:
+  Part part_;
+  const char* command_;
+  std::vector<Signal> signals_;
+};
+
+class PythonAxisEstimator final : public DisturbanceEstimator {
+ public:
+  PythonAxisEstimator(const py::object& part, const py::object& setup) : part_(part, "AxisSample") {
+    part_.tell_setup(setup);
+    signals_ = part_.signals();
+  }
+
+  void reset(const Vector& x) override {
+    const py::gil_scoped_acquire lock;
+    estimate_ << x, 0.0;
+    part_.call_reset(array(x));
+  }
+  void update(const Vector& held_input, const Vector& y) override {
+    const py::gil_scoped_acquire lock;
+    const py::object result =
+        part_.call_update(array(held_input), part_.sample(y.data(), y.size()));
+    part_.take(result, estimate_.data(), 3, "[position, velocity, disturbance]");
+  }
+  View state() const override { return {estimate_.data(), 2}; }
+  View disturbance() const override { return {estimate_.data() + 2, 1}; }
+  std::span<const Signal> signals() const override { return signals_; }
+
+ private:
+  Part part_;
+  Eigen::Vector3d estimate_ = Eigen::Vector3d::Zero();
+  std::vector<Signal> signals_;
+};
+
+class PythonQuadrotorEstimator final : public QuadrotorEstimator {
+ public:
+  PythonQuadrotorEstimator(const py::object& part, const py::object& setup)
+      : part_(part, "QuadrotorSample") {
+    part_.tell_setup(setup);
+  }
+
+  void reset(const Vector6d& pose) override {
+    const py::gil_scoped_acquire lock;
+    motion_ << pose, Vector6d::Zero();
+    force_.setZero();
+    part_.call_reset(array(Input(pose)));
+  }
+  void update(const Eigen::Vector4d& held_thrusts, const Vector6d& pose) override {
+    const py::gil_scoped_acquire lock;
+    const py::object result =
+        part_.call_update(array(Input(held_thrusts)), part_.sample(pose.data(), pose.size()));
+    Eigen::Matrix<double, 15, 1> values;
+    part_.take(result, values.data(), 15, "[pose, its rate, force]");
+    motion_ = values.head<12>();
+    force_ = values.tail<3>();
+  }
+  const Motion& motion() const override { return motion_; }
+  // It does not say how sure it is: the run then has no nees_mean.
+  MotionCovariance motion_covariance() const override {
+    return MotionCovariance::Constant(std::numeric_limits<double>::quiet_NaN());
+  }
+  Eigen::Vector4d thrust_disturbance() const override { return Eigen::Vector4d::Zero(); }
+  Eigen::Vector3d force() const override { return force_; }
+  bool models_world_force() const override { return true; }
+  bool models_disturbance() const override { return true; }
+
+ private:
+  Part part_;
+  Motion motion_ = Motion::Zero();
+  Eigen::Vector3d force_ = Eigen::Vector3d::Zero();
+};
+
+py::object setup_of(const ArmSetup& arm) {
+  return namespace_of(py::dict(
+      py::arg("period_s") = arm.period_s, py::arg("chain") = arm.chain,
+      py::arg("torque_limit_Nm") = array(Input(arm.acceleration.torque_limit_Nm)),
+      py::arg("nominal_inertia_kgm2") = array(Input(arm.acceleration.nominal_inertia_kgm2)),
+      py::arg("start_angles_rad") = array(Input(arm.task.start_angles_rad)),
+      py::arg("start_pose") = array(Input(arm.task.start_pose)),
+      py::arg("force_control_from_s") = arm.task.force_control_from_s,
+      py::arg("force_reference_N") = arm.task.force_reference_N,
+      py::arg("convert_gain_N_m") = arm.task.convert_gain_N_m));
+}
+
+py::object setup_of(const NominalAxis& axis) {
+  return namespace_of(
+      py::dict(py::arg("period_s") = axis.period_s, py::arg("A") = matrix_array(axis.plant.A),
+               py::arg("B") = matrix_array(axis.plant.B), py::arg("C") = matrix_array(axis.plant.C),
+               py::arg("force_limit") = axis.force_limit,
+               py::arg("quantum") = array(Input(axis.sensor.quantum)),
+               py::arg("noise_std") = array(Input(axis.sensor.noise_std))));
+}
+
+py::object setup_of(const AxisTask& task) {
+  py::object setup = setup_of(task.axis);
+  setup.attr("start_state") = array(Input(task.start_state));
+  setup.attr("reference") =
+      py::cpp_function([reference = task.reference](double t) { return reference.at(t); });
+  return setup;
+}
+
+py::object setup_of(const QuadrotorTask& task) {
+  const QuadrotorParameters& plant = task.plant.parameters();
+  return namespace_of(py::dict(
+      py::arg("period_s") = task.period_s, py::arg("reference_m") = array(Input(task.reference_m)),
+      py::arg("mass_kg") = plant.mass_kg,
+      py::arg("inertia_kgm2") = array(Input(plant.inertia_kgm2)),
+      py::arg("net_weight_N") = plant.net_weight_N(),
+      py::arg("thrust_limit_N") = plant.thrust_limit_N,
+      py::arg("thruster_matrix") = matrix_array(thruster_matrix(plant.thruster_arm_m)),
+      py::arg("position_std_m") = task.position_std_m,
+      py::arg("angle_std_rad") = task.angle_std_rad));
+}
+
+// A part without keys.
+template <typename Product, typename... Context>
+class Keyless final : public PartKind<Product, Context...>::Part {
+ public:
+  using Make = std::function<std::unique_ptr<Product>(Context...)>;
+  explicit Keyless(Make make) : make_(std::move(make)) {}
+  void bind(Fields&) override {}
+  std::unique_ptr<Product> make(Context... context) const override {
+    return make_(std::forward<Context>(context)...);
+  }
+
+ private:
+  Make make_;
+};
+
+// A kind whose parts `make` makes with the lock held; `asked` is called where a scenario takes such
+// parts.
+template <typename Kind, typename Product, typename... Context, typename Make>
+Kind kind_of(const PartKind<Product, Context...>*, const std::string& name, Make make,
+             const std::function<void()>& asked) {
+  return Kind(name, "written in Python", [make, asked] {
+    asked();
+    return std::make_unique<Keyless<Product, Context...>>(
+        [make](Context... context) -> std::unique_ptr<Product> {
+          const py::gil_scoped_acquire lock;
+          return make(context...);
+        });
+  });
+}
+template <typename Kind, typename Make>
+Kind kind_of(const std::string& name, Make make, const std::function<void()>& asked) {
+  return kind_of<Kind>(static_cast<const Kind*>(nullptr), name, make, asked);
+}
+
+constexpr const char* kTorques = "torques [N m]";
+constexpr const char* kForce = "one force";
+constexpr const char* kThrusts = "thrusts [N]";
+
+}  // namespace
+
+PythonParts::PythonParts(const Catalogue& standard, const py::object& controller,
+                         const py::object& estimator)
+    : catalogue_(standard), uses_(std::make_shared<Uses>()) {
+  const std::shared_ptr<Uses> uses = uses_;
+  if (!controller.is_none()) {
+    controller_ = class_name(controller);
+    const auto asked = [uses] { uses->controller = true; };
+    const SharedObject part = share(controller);
+    const auto object = [part] { return py::reinterpret_borrow<py::object>(part.get()); };
+    catalogue_.add(kind_of<ArmControllerKind>(
+        controller_,
+        [object](const ArmSetup& arm) {
+          return std::make_unique<PythonController>(object(), "ArmSample", setup_of(arm), kTorques);
+        },
+        asked));
+    catalogue_.add(kind_of<AxisControllerKind>(
+        controller_,
+        [object](const AxisTask& task, const std::shared_ptr<DisturbanceEstimator>&) {
+          return std::make_unique<PythonController>(object(), "AxisSample", setup_of(task), kForce);
+        },
+        asked));
+    catalogue_.add(kind_of<QuadrotorControllerKind>(
+        controller_,
+        [object](const QuadrotorTask& task, const std::shared_ptr<QuadrotorEstimator>&) {
+          return std::make_unique<PythonController>(object(), "QuadrotorSample", setup_of(task),
+                                                    kThrusts);
+        },
+        asked));
+  }
+  if (!estimator.is_none()) {
+    estimator_ = class_name(estimator);
+    const SharedObject part = share(estimator);
+    const auto object = [part] { return py::reinterpret_borrow<py::object>(part.get()); };
+    catalogue_.add(kind_of<AxisEstimatorKind>(
+        estimator_,
+        [object](const NominalAxis& axis) {
+          return std::make_unique<PythonAxisEstimator>(object(), setup_of(axis));
+        },
+        [uses] { uses->estimator_key = "observer.name"; }));
+    catalogue_.add(kind_of<QuadrotorEstimatorKind>(
+        estimator_,
+        [object](const QuadrotorTask& task) {
+          return std::make_unique<PythonQuadrotorEstimator>(object(), setup_of(task));
+        },
+        [uses] { uses->estimator_key = "estimator.name"; }));
+  }
+}
+
+std::vector<std::string> PythonParts::choices(const std::string& scenario) const {
+  make_scenario(catalogue_, scenario);
+  std::vector<std::string> sets;
+  const auto choose = [&](const std::string& part, const char* key, const std::string& name) {
+    if (key == nullptr) {
+      throw std::invalid_argument(part + ": " + scenario + " takes none");
+    }
+    sets.push_back(std::string(key) + "=\"" + name + "\"");
+  };
+  if (!controller_.empty()) {
+    choose("controller", uses_->controller ? "controller.name" : nullptr, controller_);
+  }
+  if (!estimator_.empty()) choose("estimator", uses_->estimator_key, estimator_);
+  return sets;
+}
+
+}  // namespace breakwater::python

@@ -1,0 +1,217 @@
+#include "runs.h"
+
+#include <fmt/format.h>
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <breakwater/program/program.h>
+#include <breakwater/scenario/runner.h>
+#include <breakwater/scenario/saved_run.h>
+#include "arrays.h"
+#include "parts.h"
+
+namespace breakwater::python {
+namespace {
+namespace fs = std::filesystem;
+
+const Catalogue& standard() {
+  static const Catalogue all = standard_catalogue();
+  return all;
+}
+
+// A run that this process has made.
+struct OwnRun {
+  PreparedRun prepared;
+  ModelHashes models;
+  Recording recording;
+  double wall_s = 0.0;
+};
+
+// HDF5 is not built thread-safe, and h5py may use it too, with the interpreter's lock held: so must
+// we.
+void write(const OwnRun& own, RunFolder& folder) {
+  write_run(own.prepared, own.models, own.recording, own.wall_s, folder, false);
+}
+
+// Ctrl-C is looked for where a run reports its progress. Handlers of signals run in the main thread
+// alone; elsewhere this does nothing.
+void obey_signals(double /*fraction_done*/) {
+  const py::gil_scoped_acquire lock;
+  if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+}
+
+OwnRun run(const std::string& scenario, const std::optional<std::string>& case_name,
+           const std::optional<std::string>& config, std::vector<std::string> sets,
+           const py::object& controller, const py::object& estimator,
+           const std::optional<std::string>& out) {
+  const PythonParts parts(standard(), controller, estimator);
+  OwnRun own;
+  std::optional<RunFolder> folder;
+  {
+    const py::gil_scoped_release unlocked;
+    const auto start = std::chrono::steady_clock::now();
+    for (std::string& choice : parts.choices(scenario)) sets.push_back(std::move(choice));
+    const ScenarioFile file(
+        config ? *config : parts.catalogue().get<ScenarioKind>(scenario).file().string(), scenario);
+    own.prepared = prepare_run(parts.catalogue(), scenario, file,
+                               case_name ? *case_name : file.default_case(), sets);
+    if (out) folder.emplace(*out);
+    own.models = model_hashes(own.prepared.model_files);
+    own.recording = own.prepared.scenario->run({.progress = obey_signals});
+    own.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  }
+  if (folder) write(own, *folder);
+  return own;
+}
+
+// As the command line prints them. What a case says of a part that a Python one replaces is no
+// mistake: of those, what `set` gives counts alone.
+std::vector<std::string> warnings(const OwnRun& own, bool has_python_parts) {
+  std::vector<std::string> lines;
+  for (const VainKey& vain : own.prepared.vain) {
+    const bool is_set = vain.origin == "--set";
+    if (has_python_parts && !is_set) continue;
+    lines.push_back(fmt::format("{}: {}: {}", is_set ? "set" : vain.origin, vain.key, vain.reason));
+  }
+  for (const std::string& warning : own.prepared.scenario->warnings()) lines.push_back(warning);
+  return lines;
+}
+
+py::dict dict_of(const std::vector<Metric>& metrics) {
+  py::dict values;
+  for (const Metric& metric : metrics) values[py::str(metric.name)] = metric.value;
+  return values;
+}
+
+py::object failure_of(const std::optional<Failure>& failure) {
+  if (!failure) return py::none();
+  return py::make_tuple(failure->time_s, failure->reason);
+}
+
+// (group, name, unit, description, width) of each signal, time bases left out.
+py::list signals_of(const Recording& recording) {
+  py::list list;
+  for (const Track& track : recording.tracks) {
+    for (std::size_t i = 0; i < track.signals(); ++i) {
+      const Signal& signal = track.signal(i);
+      list.append(py::make_tuple(track.name(), signal.name, signal.unit, signal.description,
+                                 signal.values.size()));
+    }
+  }
+  return list;
+}
+
+// The rows of one signal of a track, as they lie there.
+py::array array_of(const py::object& self, const std::string& group, const std::string& name) {
+  constexpr auto kSize = static_cast<py::ssize_t>(sizeof(double));
+  const Track& track = self.cast<const OwnRun&>().recording.track(group);
+  std::size_t column = 0;
+  std::size_t width = 1;
+  if (name != "time_s") {
+    column = 1;
+    std::size_t i = 0;
+    while (i < track.signals() && track.signal(i).name != name) {
+      column += track.signal(i++).values.size();
+    }
+    if (i == track.signals()) throw py::key_error(group + "/" + name);
+    width = track.signal(i).values.size();
+  }
+  const auto rows = static_cast<py::ssize_t>(track.rows());
+  if (rows == 0) {
+    std::vector<py::ssize_t> shape = {0};
+    if (width > 1) shape.push_back(static_cast<py::ssize_t>(width));
+    return py::array_t<double>(shape);
+  }
+  const auto stride = static_cast<py::ssize_t>(track.row(0).size()) * kSize;
+  const double* const data = track.row(0).data() + column;
+  if (width == 1) return view_of(data, {rows}, {stride}, self);
+  return view_of(data, {rows, static_cast<py::ssize_t>(width)}, {stride, kSize}, self);
+}
+
+void save(const OwnRun& own, const std::string& folder) {
+  RunFolder target(folder);
+  write(own, target);
+}
+
+py::array array_of(const SavedRun& run, const std::string& group, const std::string& name) {
+  auto values = std::make_unique<LoggedSignal>(
+      read_hdf5_signal((run.folder() / "log.h5").string(), group + "/" + name));
+  const auto rows = static_cast<py::ssize_t>(values->rows);
+  const auto width = static_cast<py::ssize_t>(values->width);
+  const double* const data = values->values.data();
+  const py::capsule owner(values.release(),
+                          [](void* pointer) { delete static_cast<LoggedSignal*>(pointer); });
+  constexpr auto kSize = static_cast<py::ssize_t>(sizeof(double));
+  if (width == 1) return view_of(data, {rows}, {kSize}, owner);
+  return view_of(data, {rows, width}, {width * kSize, kSize}, owner);
+}
+
+py::list signals_of(const SavedRun& run) {
+  py::list list;
+  for (const LogEntry& entry : run.signals()) {
+    list.append(
+        py::make_tuple(entry.group, entry.name, entry.unit, entry.description, entry.width));
+  }
+  return list;
+}
+
+}  // namespace
+
+void bind_runs(py::module_& module) {
+  py::class_<OwnRun>(module, "OwnRun")
+      .def_property_readonly("scenario",
+                             [](const OwnRun& own) { return own.prepared.scenario->name(); })
+      .def_property_readonly("case", [](const OwnRun& own) { return own.prepared.case_name; })
+      .def_property_readonly("config_text",
+                             [](const OwnRun& own) { return own.prepared.config_text; })
+      .def_property_readonly("metrics",
+                             [](const OwnRun& own) { return dict_of(own.recording.metrics); })
+      .def_property_readonly("costs",
+                             [](const OwnRun& own) { return dict_of(own.recording.costs); })
+      .def_property_readonly("failure",
+                             [](const OwnRun& own) { return failure_of(own.recording.failure); })
+      .def_property_readonly(
+          "state_hash",
+          [](const OwnRun& own) { return fmt::format("{:016x}", own.recording.state_hash); })
+      .def_property_readonly("signals", [](const OwnRun& own) { return signals_of(own.recording); })
+      .def("warnings", warnings)
+      .def("array", [](const py::object& self, const std::string& group,
+                       const std::string& name) { return array_of(self, group, name); })
+      .def("save", save);
+  module.def("run", run);
+
+  py::class_<SavedRun>(module, "SavedRun")
+      .def(py::init<const fs::path&>())
+      .def_property_readonly("scenario", &SavedRun::scenario)
+      .def_property_readonly("case", &SavedRun::case_name)
+      .def_property_readonly("config_text", &SavedRun::config_text)
+      .def_property_readonly("metrics", [](const SavedRun& run) { return dict_of(run.metrics()); })
+      .def_property_readonly("failure",
+                             [](const SavedRun& run) { return failure_of(run.failure()); })
+      .def_property_readonly("state_hash", &SavedRun::state_hash)
+      .def_property_readonly("signals", [](const SavedRun& run) { return signals_of(run); })
+      .def("array", [](const SavedRun& run, const std::string& group, const std::string& name) {
+        return array_of(run, group, name);
+      });
+
+  module.def("did_you_mean", did_you_mean);
+  module.def("scenarios", [] {
+    py::dict summaries;
+    for (const ScenarioKind& kind : standard().all<ScenarioKind>()) {
+      summaries[py::str(kind.name)] = kind.make(standard())->summary();
+    }
+    return summaries;
+  });
+  module.def("cases", [](const std::string& scenario) {
+    return ScenarioFile(standard().get<ScenarioKind>(scenario).file().string(), scenario).cases();
+  });
+}
+
+}  // namespace breakwater::python

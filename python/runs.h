@@ -1,0 +1,10 @@
+// Runs, from Python: made, or read from their folders.
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+namespace breakwater::python {
+
+void bind_runs(pybind11::module_& module);
+
+}  // namespace breakwater::python

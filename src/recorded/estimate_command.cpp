@@ -1,0 +1,151 @@
+#include <breakwater/recorded/estimate_command.h>
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <filesystem>
+#include <memory>
+
+#include <breakwater/record/file_hash.h>
+#include <breakwater/recorded/recorded_estimation.h>
+#include <breakwater/scenario/child_program.h>
+#include <breakwater/scenario/paths.h>
+#include <breakwater/scenario/process.h>
+#include <breakwater/scenario/report.h>
+#include <breakwater/scenario/runner.h>
+
+namespace breakwater {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr const char* kEstimate = "estimate";
+
+struct Arguments {
+  std::string csv;
+  std::string observer;
+  std::string config;
+  std::vector<std::string> sets;
+  std::string out;
+  bool print_config = false;
+  bool quiet = false;
+};
+
+std::string quoted(const std::string& text) {
+  std::string result = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') result += '\\';
+    result += c;
+  }
+  return result + "\"";
+}
+
+PreparedRun prepare(const Catalogue& catalogue, const Arguments& arguments) {
+  const ScenarioFile file(arguments.config.empty()
+                              ? data_file("data/estimate/estimate.toml").string()
+                              : arguments.config,
+                          kEstimate);
+  // The file has settings for each of our estimators; another's are all in --set.
+  const bool has_settings = file.has_case(arguments.observer);
+  std::vector<std::string> sets;
+  if (!arguments.csv.empty()) sets.push_back("csv.file=" + quoted(arguments.csv));
+  if (!arguments.observer.empty() && !has_settings) {
+    sets.push_back("observer.name=" + quoted(arguments.observer));
+  }
+  sets.insert(sets.end(), arguments.sets.begin(), arguments.sets.end());
+
+  PreparedRun run;
+  run.case_name = has_settings ? arguments.observer : file.default_case();
+  run.scenario = std::make_unique<RecordedEstimation>(catalogue);
+  const Config config = file.config(run.case_name, sets);
+  Fields fields = run.scenario->fields();
+  fields.check(file);
+  fields.read(config);
+  run.scenario->check(config);
+  for (const UnusedKey& unused : fields.unused()) {
+    const ConfigEntry& entry = *config.find(unused.key);
+    if (entry.is_chosen) run.vain.push_back({entry.origin, unused.key, unused.reason});
+  }
+  run.config_text = fields.print(kEstimate, run.case_name);
+  run.is_as_shipped = false;
+  return run;
+}
+
+int estimate(const Catalogue& catalogue, const Arguments& arguments) {
+  stop_on_signals();
+  const PreparedRun run = prepare(catalogue, arguments);
+  if (arguments.print_config) {
+    fmt::print("{}", run.config_text);
+    return kSuccess;
+  }
+  const std::string name = arguments.observer.empty() ? run.case_name : arguments.observer;
+  RunFolder folder(arguments.out.empty() ? fs::path("runs") / kEstimate / name
+                                         : fs::path(arguments.out));
+  if (!arguments.quiet) {
+    for (const VainKey& vain : run.vain) {
+      fmt::print(stderr, "{}: warning: {}: {}: {}\n", kEstimate, vain.origin, vain.key,
+                 vain.reason);
+    }
+    for (const std::string& warning : run.scenario->warnings()) {
+      fmt::print(stderr, "{}: warning: {}\n", kEstimate, warning);
+    }
+  }
+  const std::string& csv = static_cast<const RecordedEstimation&>(*run.scenario).file();
+  const ModelHashes made_of = {{portable_path(csv), file_hash(csv)}};
+  const auto start = std::chrono::steady_clock::now();
+  const Recording recording = run.scenario->run({.stop = &interrupted()});
+  const double wall_s =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  write_run(run, made_of, recording, wall_s, folder, true);
+  if (arguments.quiet) return kSuccess;
+  RunSummary summary;
+  summary.case_name = run.case_name;
+  summary.folder = folder.target();
+  summary.metrics = recording.metrics;
+  summary.is_as_shipped = false;
+  fmt::print("{} {}: {:.6g} s of {}\nresults: {}\n\n{}", kEstimate, name, recording.simulated_s,
+             csv, folder.target().string(), metrics_table(kEstimate, summary, {}));
+  return kSuccess;
+}
+
+int estimate_main(const Catalogue& catalogue, int argc, const char* const* argv) {
+  const std::string program = own_program_name() + " " + kEstimate;
+  return guarded(program, [&] {
+    CLI::App app("Runs a disturbance estimator on data of your own, without any simulation.",
+                 program);
+    Arguments arguments;
+    app.add_option("--csv", arguments.csv, "the record: a table with columns time_s, u and y")
+        ->type_name("FILE");
+    app.add_option("--observer", arguments.observer,
+                   "which estimator of an axis (" + own_program_name() +
+                       " list --parts), or which\nof the file's cases (default: stf)")
+        ->type_name("NAME");
+    app.add_option("--config", arguments.config,
+                   "settings of your own, such as an earlier result's config.toml")
+        ->type_name("FILE");
+    app.add_option(
+           "--set", arguments.sets,
+           "override keys: of the plant, the encoder, units (--print-config shows them all)")
+        ->type_name("KEY=VALUE");
+    app.add_option("--out", arguments.out, "the folder of the result (default: runs/estimate/NAME)")
+        ->type_name("DIR");
+    app.add_flag("--quiet", arguments.quiet, "print errors only");
+    app.add_flag("--print-config", arguments.print_config,
+                 "print the effective configuration and exit");
+    app.footer(
+        "The folder has log.csv and log.h5 with the estimates of each row, metrics.json,\n"
+        "config.toml and manifest.json. Gaps and jitter of time_s are warned of; nothing is\n"
+        "interpolated. Exit status: 0 success, 1 a defect, 2 usage or input, 130 interrupted.");
+    if (const auto status = parse(app, argc, argv)) return *status;
+    return estimate(catalogue, arguments);
+  });
+}
+
+}  // namespace
+
+CommandKind estimate_command() {
+  return {kEstimate, "run an estimator on recorded data: estimate --csv FILE --observer NAME",
+          estimate_main};
+}
+
+}  // namespace breakwater

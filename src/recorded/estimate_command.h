@@ -1,0 +1,11 @@
+// The command `estimate`.
+#pragma once
+
+#include <breakwater/scenario/command_kind.h>
+
+namespace breakwater {
+
+/// Runs an estimator of the catalogue on recorded data, and leaves a folder as a run does.
+CommandKind estimate_command();
+
+}  // namespace breakwater

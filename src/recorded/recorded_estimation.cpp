@@ -1,0 +1,220 @@
+#include <breakwater/recorded/recorded_estimation.h>
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <span>
+
+#include <breakwater/plants/damped_inertia.h>
+#include <breakwater/record/window_metrics.h>
+#include <breakwater/sim/state_hash.h>
+
+namespace breakwater {
+namespace {
+
+constexpr std::size_t kMostGapsNamed = 3;
+constexpr std::size_t kRowsBetweenReports = 100000;
+
+// What is published under a name; empty if there is none such.
+std::span<const double> published(const DisturbanceEstimator& estimator, const std::string& name) {
+  for (const Signal& signal : estimator.signals()) {
+    if (signal.name == name) return signal.values;
+  }
+  return {};
+}
+
+// How far a sequence repeats itself from one value to the next: 0 of white noise, within ±2/√N.
+class LagOneCorrelation {
+ public:
+  void add(double value) {
+    squares_ += value * value;
+    if (has_last_) products_ += value * last_;
+    last_ = value;
+    has_last_ = true;
+  }
+  void interrupt() { has_last_ = false; }
+  std::optional<double> value() const {
+    if (squares_ == 0.0) return std::nullopt;
+    return products_ / squares_;
+  }
+
+ private:
+  double squares_ = 0.0;
+  double products_ = 0.0;
+  double last_ = 0.0;
+  bool has_last_ = false;
+};
+
+}  // namespace
+
+Fields RecordedEstimation::fields() {
+  Fields fields;
+  fields.file("csv.file", file_, "the record: columns time_s, u and y");
+  fields.number("csv.input_scale", input_scale_, any(),
+                "N m (or N) for 1 of the column u: a torque constant, say, with its sign");
+  fields.number("csv.position_scale", position_scale_, any(), "rad (or m) for 1 of the column y");
+  fields.choice("csv.input_acts", input_acts_,
+                {{"after", InputActs::after}, {"before", InputActs::before}},
+                "u of a row acts after it, until the next one, or acted before it, since the last");
+  fields.number("csv.period_s", period_s_, not_negative(),
+                "T_s; 0: the mean interval, gaps left out [s]");
+  fields.number("csv.gap_periods", gap_periods_, between(1, 1e9),
+                "a longer interval is a gap, behind which the estimator starts again [T_s]");
+  fields.number("csv.jitter_share", jitter_share_, not_negative(),
+                "intervals off by more than this are warned of [T_s]");
+  fields.choice("plant.motion", motion_,
+                {{"rotation", Motion::rotation}, {"translation", Motion::translation}},
+                "rotation (rad, N m) or translation (m, N)");
+  fields.number("plant.inertia", inertia_, positive(), "moving inertia [kg m^2] or mass [kg]");
+  fields.number("plant.viscous_friction", viscous_friction_, not_negative(),
+                "[N m s/rad] or [N s/m]");
+  fields.number("encoder.quantum", quantum_, not_negative(),
+                "what one count is worth; 0: not quantised [rad or m]");
+  fields.number("encoder.pulses_per_revolution", pulses_, not_negative(),
+                "b_reso of Eq. 4.26, or counts per metre; 0: not known");
+  fields.number("noise.std", noise_std_, not_negative(),
+                "standard deviation of y's white noise [rad or m]");
+  estimator_.bind(fields);
+  fields.count("record.compression", run_.compression, between(0, 9),
+               "of log.h5, by deflate: 0 fastest, 9 smallest");
+  return fields;
+}
+
+NominalAxis RecordedEstimation::axis() const {
+  return {
+      .plant = damped_inertia(inertia_, viscous_friction_),
+      .period_s = timing_.period_s,
+      .sensor = {Eigen::VectorXd::Constant(1, quantum_), Eigen::VectorXd::Constant(1, noise_std_)},
+      .pulses_per_revolution = pulses_,
+      .units = motion_ == Motion::rotation ? rotation_units() : translation_units()};
+}
+
+void RecordedEstimation::check(const Config& config) {
+  for (const char* key : {"csv.input_scale", "csv.position_scale"}) {
+    if (config.number(key) == 0.0) config.fail(key, "must not be 0");
+  }
+  record_ = read_recorded_axis(file_);
+  for (double& input : record_.inputs) input *= input_scale_;
+  for (double& position : record_.positions) position *= position_scale_;
+  timing_ = timing_of(record_.times_s, period_s_, gap_periods_, jitter_share_);
+  estimator_.check(config, axis());
+}
+
+std::vector<std::string> RecordedEstimation::warnings() const {
+  std::vector<std::string> lines;
+  const std::vector<double>& t = record_.times_s;
+  if (!timing_.gaps.empty()) {
+    std::string places;
+    for (std::size_t i = 0; i < std::min(kMostGapsNamed, timing_.gaps.size()); ++i) {
+      const std::size_t k = timing_.gaps[i];
+      places += fmt::format("{} {:.6g} s for {:.6g} s", i == 0 ? " after" : ",", t[k - 1],
+                            t[k] - t[k - 1]);
+    }
+    if (timing_.gaps.size() > kMostGapsNamed) places += ", ...";
+    lines.push_back(
+        fmt::format("{}: {} gap{}{}: nothing is interpolated; the estimator starts "
+                    "again behind each",
+                    file_, timing_.gaps.size(), timing_.gaps.size() == 1 ? "" : "s", places));
+  }
+  if (timing_.irregular > 0) {
+    lines.push_back(fmt::format(
+        "{}: {} of {} intervals are off T_s = {:.6g} s by more than {:.3g} T_s, by {:.3g} s at "
+        "most: each is taken for one period",
+        file_, timing_.irregular, t.size() - 1, timing_.period_s, jitter_share_,
+        timing_.jitter_max_s));
+  }
+  return lines;
+}
+
+Recording RecordedEstimation::run(const RunControl& control) const {
+  const NominalAxis axis = this->axis();
+  const AxisUnits& units = axis.units;
+  const auto estimator = estimator_.make(axis);
+  double position = 0.0;
+  double input = 0.0;
+  double raw_velocity = 0.0;
+  double stretch = 1.0;
+  const auto part = [](const DisturbanceEstimator::View& values, Eigen::Index i) {
+    return view(*(values.data() + i));
+  };
+  std::vector<Signal> signals = {
+      {"position_measured_" + units.position_suffix, units.position, "y of the record",
+       view(position)},
+      {"applied_" + units.force_suffix, units.force, "u of the record", view(input)},
+      {"position_hat_" + units.position_suffix, units.position, "position, estimated",
+       part(estimator->state(), 0)},
+      {"velocity_hat_" + units.velocity_suffix, units.velocity, "velocity, estimated",
+       part(estimator->state(), 1)},
+      {"velocity_raw_" + units.velocity_suffix, units.velocity,
+       "raw difference of y over an interval; 0 where there is none", view(raw_velocity)},
+      {"d_hat_" + units.force_suffix, units.force,
+       "disturbance, which opposes the input, estimated", part(estimator->disturbance(), 0)},
+      {"stretch", "1", "which stretch of the record without a gap, from 1 on", view(stretch)}};
+  for (const Signal& signal : signals_of(*estimator, units.position)) signals.push_back(signal);
+  const std::span<const double> innovation = published(*estimator, "innovation");
+
+  const std::size_t rows = record_.times_s.size();
+  Track log("control", std::move(signals), rows);
+  StateHash hash;
+  WindowStatistics d(TimeWindow{-std::numeric_limits<double>::infinity()});
+  WindowStatistics innovations = d;
+  LagOneCorrelation correlation;
+  Eigen::VectorXd held = Eigen::VectorXd::Zero(1);
+  Eigen::VectorXd y = held;
+  Eigen::VectorXd start = Eigen::VectorXd::Zero(2);
+  std::size_t gap = 0;  // the next one
+  for (std::size_t k = 0; k < rows; ++k) {
+    if (k % kRowsBetweenReports == 0) {
+      if (control.stop != nullptr && *control.stop) throw Interrupted();
+      if (control.progress) control.progress(static_cast<double>(k) / static_cast<double>(rows));
+    }
+    const double time_s = record_.times_s[k];
+    const bool starts_again = gap < timing_.gaps.size() && timing_.gaps[gap] == k;
+    const bool starts = k == 0 || starts_again;
+    if (starts_again) {
+      ++gap;
+      stretch += 1.0;
+      correlation.interrupt();
+    }
+    y(0) = record_.positions[k];
+    raw_velocity = starts ? 0.0 : (y(0) - position) / (time_s - record_.times_s[k - 1]);
+    if (starts) {
+      start(0) = y(0);
+      estimator->reset(start);
+    }
+    held(0) = input_acts_ == InputActs::before ? record_.inputs[k] : starts ? 0.0 : input;
+    position = y(0);
+    input = record_.inputs[k];
+    estimator->update(held, y);
+    log.append(time_s);
+    const double estimates[] = {estimator->state()(0), estimator->state()(1),
+                                estimator->disturbance()(0)};
+    hash.update(estimates);
+    d.add(time_s, estimates[2]);
+    if (!innovation.empty() && !starts) {
+      innovations.add(time_s, innovation.front());
+      correlation.add(innovation.front());
+    }
+  }
+
+  Recording recording;
+  recording.state_hash = hash.digest();
+  recording.simulated_s = record_.times_s.back() - record_.times_s.front();
+  recording.tracks.push_back(std::move(log));
+  std::vector<Metric>& metrics = recording.metrics;
+  const auto with = [](const char* stem, const std::string& suffix) {
+    return std::string(stem) + "_" + suffix;
+  };
+  add(metrics, "sample_count", "1", static_cast<double>(rows));
+  add(metrics, "period_s", "s", timing_.period_s);
+  add(metrics, "jitter_rms_s", "s", timing_.jitter_rms_s);
+  add(metrics, "jitter_max_s", "s", timing_.jitter_max_s);
+  add(metrics, "gap_count", "1", static_cast<double>(timing_.gaps.size()));
+  add(metrics, with("mean_disturbance", units.force_suffix), units.force, d.mean());
+  add(metrics, with("std_disturbance", units.force_suffix), units.force, d.standard_deviation());
+  add(metrics, with("rms_innovation", units.position_suffix), units.position, innovations.rms());
+  add(metrics, "innovation_correlation_1", "1", correlation.value());
+  return recording;
+}
+
+}  // namespace breakwater

@@ -1,0 +1,58 @@
+// An estimator of an axis on what a lab recorded, without any simulation.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <breakwater/record/recording.h>
+#include <breakwater/recorded/recorded_axis.h>
+#include <breakwater/rigs/axis_parts.h>
+#include <breakwater/scenario/scenario.h>
+
+namespace breakwater {
+
+/// It has settings and a run as every scenario does, but no plant: its run is the estimator's, and
+/// its state hash that of the estimates.
+class RecordedEstimation final : public Scenario {
+ public:
+  explicit RecordedEstimation(const Catalogue& catalogue)
+      : estimator_(catalogue, "observer.name") {}
+
+  std::string name() const override { return "estimate"; }
+  std::string summary() const override { return "an estimator on recorded data of one axis"; }
+  Fields fields() override;
+  void check(const Config& config) override;
+  const RunSettings& run_settings() const override { return run_; }
+  /// Jitter and gaps.
+  std::vector<std::string> warnings() const override;
+  Recording run(const RunControl& control) const override;
+
+  const std::string& file() const { return file_; }
+
+ private:
+  enum class Motion { rotation, translation };
+  enum class InputActs { after, before };
+
+  NominalAxis axis() const;
+
+  RunSettings run_;
+  std::string file_;
+  double input_scale_ = 1.0;
+  double position_scale_ = 1.0;
+  InputActs input_acts_ = InputActs::after;
+  double period_s_ = 0.0;
+  double gap_periods_ = 0.0;
+  double jitter_share_ = 0.0;
+  Motion motion_ = Motion::rotation;
+  double inertia_ = 0.0;
+  double viscous_friction_ = 0.0;
+  double quantum_ = 0.0;
+  double pulses_ = 0.0;
+  double noise_std_ = 0.0;
+  PartChoice<AxisEstimatorKind> estimator_;
+
+  RecordedAxis record_;  // once checked
+  RecordedTiming timing_;
+};
+
+}  // namespace breakwater

@@ -1,0 +1,138 @@
+"""`breakwater estimate`, and the log's HDF5 as others read it."""
+
+import csv
+import subprocess
+import unittest
+
+import h5py
+import numpy as np
+
+import breakwater as bw
+from support import BIN, temporary_folder
+
+QUANTUM = 2 * np.pi / 2**12
+
+
+def write(file, time_s, u, y, head=("time_s", "u", "y")):
+    with open(file, "w", newline="") as stream:
+        writer = csv.writer(stream)
+        writer.writerow(head)
+        writer.writerows(zip(map(repr, time_s.tolist()), map(repr, u.tolist()), map(repr, y.tolist())))
+
+
+def estimate(folder, *arguments, status=0):
+    done = subprocess.run([BIN / "breakwater", "estimate", *map(str, arguments)], cwd=folder, text=True,
+                          capture_output=True)
+    assert done.returncode == status, (done.returncode, done.stderr)
+    return done
+
+
+class Estimate(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.run_of_stf = bw.run("motor_estimation", case="stf", duration=1.5)
+        run = cls.run_of_stf
+        cls.record = run.time_s, run["applied_Nm"], run["position_measured_rad"]
+
+    def setUp(self):
+        self.folder = self.enterContext(temporary_folder())
+        write(self.folder / "motor.csv", *self.record)
+        self.period = ["csv.period_s=0.001", f"encoder.quantum={QUANTUM!r}"]
+
+    def test_a_recorded_run_gives_the_estimates_that_it_had(self):
+        estimate(self.folder, "--csv", "motor.csv", "--observer", "stf", "--out", "est", "--set",
+                 *self.period)
+        estimates = bw.load(self.folder / "est")
+        for name in ("position_hat_rad", "velocity_hat_rad_s", "d_hat_Nm", "innovation", "lambda"):
+            np.testing.assert_array_equal(estimates[name], self.run_of_stf[name], name)
+        np.testing.assert_allclose(estimates["velocity_raw_rad_s"], self.run_of_stf["velocity_raw_rad_s"])
+        self.assertEqual(estimates.metrics["gap_count"], 0)
+        self.assertEqual(estimates.metrics["sample_count"], len(self.record[0]))
+        with open(self.folder / "est" / "log.csv", newline="") as stream:
+            rows = list(csv.DictReader(stream))
+        self.assertEqual([float(row["d_hat_Nm"]) for row in rows], estimates["d_hat_Nm"].tolist())
+        # Its own config.toml gives the same again.
+        estimate(self.folder, "--config", "est/config.toml", "--out", "again", "--quiet")
+        self.assertEqual(bw.load(self.folder / "again").state_hash, estimates.state_hash)
+
+    def test_every_estimator_works_and_a_whole_python_record_says_the_same(self):
+        for name in ("qvff", "kfd", "dkf", "fakfd", "idob", "mdob", "state_observer", "vfakfd"):
+            with self.subTest(name):
+                estimate(self.folder, "--csv", "motor.csv", "--observer", name, "--out", name, "--quiet",
+                         "--set", *self.period, "encoder.pulses_per_revolution=4096")
+        f = bw.Qvff(*bw.damped_inertia(1.0), delta=QUANTUM, period_s=1e-3)
+        np.testing.assert_array_equal(f.filter(*self.record[1:]).d[:, 0],
+                                      bw.load(self.folder / "qvff")["d_hat_Nm"])
+
+    def test_other_units_and_the_row_that_u_belongs_to(self):
+        time_s, u, y = self.record
+        write(self.folder / "counts.csv", time_s + 17, -u / 0.5, np.round(y / QUANTUM))
+        estimate(self.folder, "--csv", "counts.csv", "--out", "counts", "--quiet", "--set", *self.period,
+                 "csv.input_scale=-0.5", f"csv.position_scale={QUANTUM!r}")
+        np.testing.assert_allclose(bw.load(self.folder / "counts")["d_hat_Nm"],
+                                   self.run_of_stf["d_hat_Nm"], atol=1e-6)
+        write(self.folder / "before.csv", time_s[1:], u[:-1], y[1:])
+        estimate(self.folder, "--csv", "before.csv", "--out", "before", "--quiet", "--set", *self.period,
+                 "csv.input_acts=before")
+        f = bw.Stf(*bw.damped_inertia(1.0), delta=QUANTUM, period_s=1e-3)
+        np.testing.assert_array_equal(bw.load(self.folder / "before")["d_hat_Nm"],
+                                      f.filter(u[1:], y[1:]).d[:, 0])
+
+    def test_gaps_and_jitter_are_said_and_nothing_is_interpolated(self):
+        time_s, u, y = self.record
+        kept = (time_s < 0.4) | (time_s > 0.45)
+        jitter = np.random.default_rng(2).uniform(-1e-4, 1e-4, time_s.size)
+        write(self.folder / "rig.csv", (time_s + jitter)[kept], u[kept], y[kept])
+        done = estimate(self.folder, "--csv", "rig.csv", "--out", "rig")
+        self.assertRegex(done.stderr, r"warning: \S*rig.csv: 1 gap after 0\.39\d+ s for 0\.05\d* s: nothing "
+                                      r"is interpolated; the estimator starts again behind each\n")
+        self.assertRegex(done.stderr, r"of \d+ intervals are off T_s = 0\.0010\d* s by more than 0\.1 T_s")
+        run = bw.load(self.folder / "rig")
+        np.testing.assert_array_equal(run.time_s, (time_s + jitter)[kept])
+        behind = np.flatnonzero(np.diff(run["stretch"]))[0] + 1
+        self.assertGreater(np.diff(run.time_s)[behind - 1], 0.05)
+        self.assertEqual(run["d_hat_Nm"][behind], 0.0)
+        self.assertEqual(run["position_hat_rad"][behind], y[kept][behind])
+        self.assertEqual(run["velocity_raw_rad_s"][behind], 0.0)
+
+    def test_nonsense_is_one_line_and_leaves_nothing(self):
+        (self.folder / "bad.csv").write_text("time_s,u,y\n0,0,0\n1e-3,x,0\n")
+        for arguments, line in (
+            (["--csv", "nowhere.csv"], r'^--set: csv.file: .*nowhere.csv'),
+            ([], r"csv.file: is missing"),
+            (["--csv", "bad.csv"], r'^\S*bad.csv:3: u: must be a finite number, is "x"$'),
+            (["--csv", "motor.csv", "--observer", "stff"], r'observer.name.*did you mean stf'),
+            (["--csv", "motor.csv", "--set", "encoder.quantum=-1"], r"^--set: encoder.quantum: must"),
+            (["--csv", "motor.csv", "--set", "plant.inertai=1"], r"did you mean plant.inertia"),
+            (["--csv", "motor.csv", "--set", "csv.input_scale=0"], r"csv.input_scale: must not be 0"),
+            (["--csv", "motor.csv", "--observer", "vfakfd"], r"observer.name: alpha = 0 means"),
+            (["--csv", "motor.csv", "--observer", "kfd", "--set", "observer.initial_covariance=[1]"],
+             r"observer.initial_covariance: needs one"),
+        ):
+            with self.subTest(line):
+                done = estimate(self.folder, *arguments, "--out", "none", status=2)
+                self.assertRegex(done.stderr, line)
+                self.assertEqual(done.stderr.count("\n"), 1)
+        self.assertEqual(sorted(p.name for p in self.folder.iterdir()), ["bad.csv", "motor.csv"])
+
+
+class Log(unittest.TestCase):
+    def test_datasets_have_units_and_scales(self):
+        with temporary_folder() as folder:
+            bw.run("arm_push", case="drac-link1", duration=0.05, out=folder / "run",
+                   set={"record.compression": 1})
+            with h5py.File(folder / "run" / "log.h5") as file:
+                group = file["control"]
+                self.assertTrue(h5py.h5ds.is_scale(group["time_s"].id))
+                for name, dataset in group.items():
+                    self.assertEqual(dataset.attrs["unit"], dataset.attrs["units"], name)
+                    if h5py.h5ds.is_scale(dataset.id):
+                        continue
+                    self.assertEqual(dataset.dims[0][0].name, "/control/time_s")
+                    if dataset.ndim == 2:
+                        index = dataset.dims[1][0]
+                        self.assertEqual(index[:].tolist(), [1.0, 2.0, 3.0])
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,280 @@
+"""The library on arrays, against NumPy, SciPy, CVXOPT and the runs of the programs."""
+
+import threading
+import unittest
+
+import numpy as np
+import scipy.linalg
+import scipy.signal
+
+import breakwater as bw
+
+A = np.array([[0.0, 1.0], [0.0, -0.3]])
+B = np.array([[0.0], [2.0]])
+C = np.array([[1.0, 0.0]])
+PERIOD = 0.01
+
+
+def record(samples, seed=1):
+    """Of a motor with a disturbance that steps, behind an encoder."""
+    random = np.random.default_rng(seed)
+    A_d, B_d, _ = bw.zero_order_hold(A, B, C, PERIOD)
+    u = random.normal(size=samples)
+    x = np.zeros(2)
+    y = np.empty(samples)
+    for k in range(samples):
+        y[k] = np.round(x[0] / 1e-3) * 1e-3
+        x = A_d @ x + B_d[:, 0] * (u[k] - (0.5 if k > samples // 2 else 0.0))
+    return u, y
+
+
+def every_filter():
+    plant = dict(A=A, B=B, C=C, period_s=PERIOD)
+    return {
+        "Stf": bw.Stf(**plant, delta=1e-3, sigma=1e-5),
+        "Stf of order 1": bw.Stf(**plant, delta=1e-3, order=1),
+        "Qvff": bw.Qvff(**plant, delta=1e-3),
+        "Vfakfd": bw.Vfakfd(**plant, alpha=1e-6, P0=1e-8),
+        "Fakfd": bw.Fakfd(**plant, Q=0.0, gamma=1.01, gamma_d=1.02),
+        "Kfd": bw.Kfd(**plant, Q=100.0, P0=[1.0, 2.0, 3.0]),
+        "Idob": bw.Idob(**plant, poles=[-10, -20 + 3j, -20 - 3j]),
+        "StateObserver": bw.StateObserver(**plant, poles=[-10, -20]),
+        "Mdob": bw.Mdob(0.5, cutoff_rad_s=20, derivative_cutoff_rad_s=50, period_s=PERIOD),
+    }
+
+
+class Design(unittest.TestCase):
+    def setUp(self):
+        random = np.random.default_rng(3)
+        self.A = random.normal(size=(4, 4))
+        self.B = random.normal(size=(4, 2))
+        self.C = random.normal(size=(2, 4))
+
+    def test_riccati_is_that_of_scipy(self):
+        Q, R = np.diag([1.0, 2, 3, 4]), np.array([[2.0, 0.5], [0.5, 1.0]])
+        K, S = bw.dare(self.A, self.B, Q, R)
+        np.testing.assert_allclose(S, scipy.linalg.solve_discrete_are(self.A, self.B, Q, R), rtol=1e-9)
+        np.testing.assert_allclose(
+            K, np.linalg.solve(R + self.B.T @ S @ self.B, self.B.T @ S @ self.A), rtol=1e-9)
+        np.testing.assert_array_equal(bw.lqr(self.A, self.B, Q, R).K, K)
+        K, S = bw.dare(2.0, 1, 1, 1)  # numbers are 1x1
+        self.assertAlmostEqual(S[0, 0], 2 + np.sqrt(5))
+
+    def test_poles_are_where_they_were_asked_for(self):
+        def eigenvalues(matrix):
+            return sorted(np.linalg.eigvals(matrix), key=lambda z: (round(z.real, 6), z.imag))
+
+        groups = [[0.1, 0.2], [0.3 + 0.1j, 0.3 - 0.1j]]
+        expected = sorted([pole for group in groups for pole in group],
+                          key=lambda z: (np.real(z), np.imag(z)))
+        L = bw.place_observer_poles(self.A, self.C, groups)
+        self.assertEqual(L.shape, (4, 2))
+        np.testing.assert_allclose(eigenvalues(self.A - L @ self.C), expected, atol=1e-9)
+        K = bw.place_poles(self.A, self.B, groups)
+        np.testing.assert_allclose(eigenvalues(self.A - self.B @ K), expected, atol=1e-9)
+        L = bw.place_observer_poles(A, C, np.array([-3.0, -4.0]))
+        np.testing.assert_allclose(eigenvalues(A - L @ C), [-4, -3], atol=1e-9)
+
+    def test_a_sampled_plant_is_that_of_scipy(self):
+        A_d, B_d, C_d = bw.zero_order_hold(self.A, self.B, self.C, 0.3)
+        theirs = scipy.signal.cont2discrete((self.A, self.B, self.C, np.zeros((2, 2))), 0.3)
+        for ours, its in zip((A_d, B_d, C_d), theirs):
+            np.testing.assert_allclose(ours, its, rtol=1e-10, atol=1e-12)
+        self.assertEqual(bw.observability_rank(A, C), 2)
+        self.assertEqual(bw.observability_rank(A, [[0, 1]]), 1)
+        np.testing.assert_array_equal(bw.damped_inertia(0.5, 0.15).A, A)
+        extended = bw.extend_by_disturbance_model(A_d, B_d, C_d, 1, 0.3)
+        self.assertEqual(extended.A.shape, (8, 8))
+
+    def test_quadratic_programs_are_solved_by_both_solvers(self):
+        H, g = np.diag([2.0, 4.0]), np.array([-4.0, -8.0])
+        Omega = np.array([[1.0, 1.0], [1.0, -1.0]])
+        for solver in ("active_set", "hildreth"):
+            # The minimiser (2, 2) is cut off at z1 + z2 = 2: Lagrange gives (2/3, 4/3).
+            solution = bw.solve_qp(H, g, Omega, None, [2.0, np.inf], solver=solver)
+            self.assertEqual(solution.status, "solved")
+            np.testing.assert_allclose(solution.z, [2 / 3, 4 / 3], atol=1e-7)
+            np.testing.assert_allclose(solution.mu, [8 / 3, 0.0], atol=1e-6)
+        qp = bw.QpSolver(H, Omega)
+        np.testing.assert_allclose(qp.solve(g).z, [2, 2])
+        self.assertEqual(qp.solve(g, [3, 0], [2, 1]).status, "infeasible")
+        soft = qp.solve(g, None, [2.0, np.inf], softness=[1e3, 0.0])
+        self.assertGreater(soft.z.sum(), 3.9)
+
+    def test_the_arms_kinematics(self):
+        chain = bw.PlanarChain("models/arm.urdf")
+        q = np.array([0.3, -0.4, 0.5])
+        J = chain.tip_jacobian(q)
+        for i, step in enumerate(1e-6 * np.eye(3)):
+            difference = (chain.tip_pose(q + step) - chain.tip_pose(q - step)) / 2e-6
+            np.testing.assert_allclose(J[:, i], difference, atol=1e-8)
+        M = chain.mass_matrix(q)
+        np.testing.assert_allclose(M, M.T)
+        self.assertGreater(np.linalg.eigvalsh(M)[0], 0)
+
+
+class Filters(unittest.TestCase):
+    def test_a_record_is_the_steps_one_by_one(self):
+        u, y = record(400)
+        for name, f in every_filter().items():
+            with self.subTest(name):
+                x, d, innovation, forgetting = f.filter(u, y)
+                self.assertEqual((x.shape, d.shape, forgetting.shape), ((400, 2), (400, 1), (400,)))
+                f.reset([y[0], 0.0])
+                for k in range(400):
+                    x_k, d_k = f.update(u[k - 1] if k else 0.0, y[k])
+                    np.testing.assert_array_equal(x_k, x[k])
+                    np.testing.assert_array_equal(d_k, d[k])
+                    np.testing.assert_array_equal(f.innovation, innovation[k])
+                np.testing.assert_array_equal(f.x, x[-1])
+                np.testing.assert_array_equal(f.d, d[-1])
+
+    def test_they_find_the_disturbance(self):
+        u, y = record(4000)
+        for name, f in every_filter().items():
+            if name in ("StateObserver", "Kfd", "Mdob"):  # which knows none, forgets it, sees no friction
+                continue
+            with self.subTest(name):
+                self.assertAlmostEqual(np.median(f.filter(u, y).d[-500:]), 0.5, delta=0.1)
+
+    def test_the_estimates_of_a_run_come_out_of_its_own_record(self):
+        run = bw.run("motor_estimation", case="stf", duration=2)
+        plant = bw.damped_inertia(1.0)
+        quantum = 2 * np.pi / 2**12
+        period_s = run.config["control"]["period_s"]
+        f = bw.Stf(*plant, delta=quantum, period_s=period_s)
+        estimates = f.filter(run["applied_Nm"], run["position_measured_rad"], x0=[0.0, 0.0])
+        np.testing.assert_array_equal(estimates.x[:, 0], run["position_hat_rad"])
+        np.testing.assert_array_equal(estimates.x[:, 1], run["velocity_hat_rad_s"])
+        np.testing.assert_array_equal(estimates.d[:, 0], run["d_hat_Nm"])
+        np.testing.assert_array_equal(estimates.innovation[:, 0], run["innovation"])
+        np.testing.assert_array_equal(estimates.forgetting, run["lambda"])
+        # The plant may be sampled already, and the period then only scales the prior.
+        sampled = bw.Stf(*bw.zero_order_hold(*plant, period_s), delta=quantum)
+        again = sampled.filter(run["applied_Nm"], run["position_measured_rad"], x0=[0.0, 0.0])
+        self.assertLess(np.abs(again.d[-1] - estimates.d[-1])[0], 0.5)
+
+    def test_the_kalman_filter_is_that_of_the_textbook(self):
+        u, y = record(200)
+        A_e, B_e, C_e = bw.extend_by_disturbance_model(*bw.zero_order_hold(A, B, C, PERIOD), 0, PERIOD)
+        x, P = np.array([y[0], 0.0, 0.0]), np.diag([1.0, 2.0, 3.0])
+        expected = []
+        for k in range(200):
+            if k > 0:
+                x = A_e @ x + B_e[:, 0] * u[k - 1]
+                P = A_e @ P @ A_e.T + 100.0 * B_e @ B_e.T
+            K = P @ C_e.T / (C_e @ P @ C_e.T + 1.0)
+            x = x + K[:, 0] * (y[k] - C_e[0] @ x)
+            P = P - K @ C_e @ P
+            expected.append(x)
+        f = every_filter()["Kfd"]
+        estimates = f.filter(u, y)
+        np.testing.assert_allclose(np.hstack([estimates.x, estimates.d]), expected, rtol=1e-7, atol=1e-9)
+        np.testing.assert_allclose(np.sort(np.linalg.eigvals(f.pole_matrix)),
+                                   np.sort(np.linalg.eigvals(A_e - K @ C_e)), rtol=1e-6)
+
+    def test_several_inputs_and_outputs(self):
+        A2, B2, C2 = (scipy.linalg.block_diag(M, M) for M in (A, B, C))
+        poles = [[-10, -11, -12], [-10, -11, -12]]
+        u, y = record(300)
+        one = bw.Idob(A, B, C, poles=poles[0], period_s=PERIOD).filter(u, y)
+        two = bw.Idob(A2, B2, C2, poles=poles, period_s=PERIOD).filter(
+            np.column_stack([u, 0 * u]), np.column_stack([y, 0 * y]))
+        np.testing.assert_allclose(two.d[:, 0], one.d[:, 0], atol=1e-9)
+        np.testing.assert_allclose(two.d[:, 1], 0.0, atol=1e-12)
+
+    def test_the_quadrotors_filter_gives_the_estimates_of_its_run(self):
+        run = bw.run("quadrotor_waves", case="resonator", duration=1)
+        settings = run.config["estimator"]
+        self.assertEqual(settings["filter"], "ukf")
+        f = bw.QuadrotorFilter("ukf", disturbance="none", position_std_m=0.1, angle_std_rad=0.01)
+        motion, force = f.filter(run["thrust_applied_N"], run["pose_measured"])
+        self.assertEqual((motion.shape, force.shape), ((100, 12), (100, 3)))
+        f.reset(run["pose_measured"][0])
+        for k in range(100):
+            one, _ = f.update(run["thrust_applied_N"][max(k - 1, 0)], run["pose_measured"][k])
+            np.testing.assert_array_equal(one, motion[k])
+        off = motion[:, :3] - run["motion_true"][:, :3]
+        self.assertLess(np.sqrt((off[50:] ** 2).mean()), 0.1)  # better than the measurement
+
+    def test_lists_float32_and_strides_are_taken(self):
+        u, y = record(50)
+        f = every_filter()["Stf"]
+        x = f.filter(u, y).x
+        np.testing.assert_array_equal(f.filter(list(u), y.tolist()).x, x)
+        np.testing.assert_array_equal(f.filter(np.repeat(u, 2)[::2], y.reshape(-1, 1)).x, x)
+        f.filter(u.astype(np.float32), np.round(1e3 * y).astype(int))
+        empty = f.filter([], [])
+        self.assertEqual(empty.x.shape, (0, 2))
+
+    def test_one_filter_in_two_threads_does_not_crash(self):
+        u, y = record(20000)
+        f = every_filter()["Stf"]
+        expected = f.filter(u, y).x[-1]
+        results = []
+        threads = [threading.Thread(target=lambda: results.append(f.filter(u, y).x[-1])) for _ in range(4)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        for result in results:
+            np.testing.assert_array_equal(result, expected)
+
+
+class Nonsense(unittest.TestCase):
+    def test_is_an_input_error_that_names_the_argument(self):
+        u, y = record(20)
+        stf = bw.Stf(A, B, C, delta=1e-3, period_s=PERIOD)
+        nan = np.where(np.arange(20) == 7, np.nan, y)
+        eye = np.eye(2)
+        for pattern, call in {
+            "A: must be a matrix, of two dimensions": lambda: bw.dare([1.0, 2.0], B, eye, 1),
+            "A: must be an array of real numbers, is None": lambda: bw.dare(None, B, eye, 1),
+            "B: must be finite, entry 1 is nan": lambda: bw.dare(eye, [[0], [np.nan]], eye, 1),
+            "A and Q must be": lambda: bw.dare(A, B, np.eye(3), 1),
+            "Q must be symmetric": lambda: bw.dare(A, B, [[1, 2], [0, 1]], 1),
+            "no stabilising": lambda: bw.dare(2 * eye, np.zeros((2, 1)), eye, 1),
+            "Q: must be an array of real numbers, is of type str": lambda: bw.dare(A, B, "eye", 1),
+            "R: must be an array of real numbers.*complex": lambda: bw.dare(A, B, eye, 1j),
+            "poles: must be numbers": lambda: bw.place_observer_poles(A, C, ["a", "b"]),
+            "poles: must be 2 lists": lambda: bw.place_observer_poles(eye, eye, [[0.1, 0.2]]),
+            "pole placement": lambda: bw.place_observer_poles(A, C, [0.1, 0.2, 0.3]),
+            "C: must be a matrix": lambda: bw.place_observer_poles(A, [1.0, 0.0], [0.1, 0.2]),
+            "period_s: must be a number, is str": lambda: bw.zero_order_hold(A, B, C, "1"),
+            "period must be positive": lambda: bw.zero_order_hold(A, B, C, -1.0),
+            "order: must be a whole number": lambda: bw.Stf(A, B, C, delta=1, order=1.5),
+            "the order must be 0, 1 or 2": lambda: bw.Stf(A, B, C, delta=1, order=7),
+            "delta: must be of 1 numbers": lambda: bw.Stf(A, B, C, delta=[1, 2]),
+            "delta: must be finite": lambda: bw.Stf(A, B, C, delta=np.inf),
+            "delta: must be an array of real numbers, is None": lambda: bw.Stf(A, B, C, delta=None),
+            "quantum": lambda: bw.Stf(A, B, C, delta=-1.0),
+            "alpha": lambda: bw.Vfakfd(A, B, C, alpha=0.0),
+            "noise_on: must be": lambda: bw.Kfd(A, B, C, Q=1.0, noise_on="output"),
+            "Q: must be 3x3": lambda: bw.Kfd(A, B, C, Q=np.eye(2)),
+            "P0: must be of 3 numbers": lambda: bw.Kfd(A, B, C, Q=1.0, P0=[1, 2]),
+            "state space": lambda: bw.Stf(A, B, [[1.0]], delta=1.0),
+            "not observable": lambda: bw.Idob(A, B, [[0.0, 1.0]], poles=[-1, -2, -3], period_s=PERIOD),
+            "u: must have as many samples as y, 20, has 19": lambda: stf.filter(u[1:], y),
+            r"u: must be of shape \(samples,\), is an array": lambda: stf.filter(np.zeros((20, 2)), y),
+            "y: must be finite; sample 7 is not": lambda: stf.filter(u, nan),
+            "y: must be an array of real numbers": lambda: stf.filter(u, y.astype(complex)),
+            "y: must be an array of real numbers, is of": lambda: stf.filter(u, "y"),
+            "x0: must be of 2 numbers": lambda: stf.filter(u, y, x0=[1, 2, 3]),
+            "u: must be finite": lambda: stf.update(np.nan, 0.0),
+            "y: must be of 1 numbers": lambda: stf.update(0.0, [0.0, 1.0]),
+            "H must be symmetric positive definite": lambda: bw.solve_qp(-eye, [0, 0], eye),
+            "g: must be of 2 numbers": lambda: bw.solve_qp(eye, [0, 0, 0], eye),
+            "upper: must not be nan": lambda: bw.solve_qp(eye, [0, 0], eye, None, [np.nan, 0]),
+            "lower: must be 2 numbers": lambda: bw.solve_qp(eye, [0, 0], eye, [1.0]),
+            "solver: must be": lambda: bw.solve_qp(eye, [0, 0], eye, solver="simplex"),
+            "softness: must not be negative": lambda: bw.solve_qp(eye, [0, 0], eye, softness=-1.0),
+            "kind: must be one of": lambda: bw.QuadrotorFilter("pf"),
+            "pose: must be of 6 numbers": lambda: bw.QuadrotorFilter().reset([1, 2]),
+            "nowhere.urdf": lambda: bw.PlanarChain("nowhere.urdf"),
+        }.items():
+            with self.subTest(pattern), self.assertRaisesRegex(bw.InputError, pattern):
+                call()
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,263 @@
+"""Controllers and estimators written in Python. One that repeats what a C++ one did gives its bits."""
+
+import traceback
+import unittest
+
+import numpy as np
+
+import breakwater as bw
+
+CASES = {
+    "arm_wall_contact": dict(case="hpfc-2N", u="torque_command_Nm", y=["q_measured_rad", "force_measured_N"]),
+    "motor_estimation": dict(case="stf", u="command_Nm", y=["position_measured_rad"]),
+    "cart_constrained": dict(case="proposed-idob", u="command_N", y=["position_measured_m"]),
+    "quadrotor_waves": dict(case="ukf-zero", u="thrust_command_N", y=["pose_measured"]),
+}
+
+
+class Repeat(bw.Controller):
+    """Commands what another run's controller did, and checks that it is told the same."""
+
+    def __init__(self, run, u, y):
+        self.u = np.atleast_2d(run[u].T).T
+        self.y = np.hstack([np.atleast_2d(run[name].T).T for name in y])
+        self.time_s = run.time_s
+        self.k = -1
+
+    def reset(self, t, y):
+        assert self.k == -1 and t == 0.0
+        assert np.array_equal(y[: self.y.shape[1]], self.y[0])
+        self.k = 0
+
+    def update(self, t, y):
+        assert t == self.time_s[self.k]
+        assert np.array_equal(y[: self.y.shape[1]], self.y[self.k])
+        self.k += 1
+        return self.u[self.k - 1]
+
+
+class RepeatEstimates(bw.Estimator):
+    def __init__(self, run):
+        self.rows = np.column_stack([run[f"{name}_{unit}"] for name, unit in (
+            ("position_hat", "rad"), ("velocity_hat", "rad_s"), ("d_hat", "Nm"))])
+        self.y = run["position_measured_rad"]
+        self.u = run["applied_Nm"]
+        self.k = None
+
+    def reset(self, x0):
+        assert x0.shape == (2,)
+        self.k = 0
+
+    def update(self, u, y):
+        k, self.k = self.k, self.k + 1
+        assert y.position == self.y[k]
+        assert u.shape == (1,) and (k == 0 or u[0] == self.u[k - 1])
+        return self.rows[k]
+
+
+class Same(unittest.TestCase):
+    def test_a_controller_that_repeats_the_commands_gives_the_same_bits(self):
+        for scenario, about in CASES.items():
+            with self.subTest(scenario):
+                theirs = bw.run(scenario, case=about["case"], duration=0.2)
+                repeat = Repeat(theirs, about["u"], about["y"])
+                ours = bw.run(scenario, case=about["case"], duration=0.2, controller=repeat)
+                self.assertEqual(ours.state_hash, theirs.state_hash)
+                self.assertEqual(repeat.k, len(theirs.time_s))
+                self.assertEqual(ours.config["controller"]["name"], "Repeat")
+                self.assertEqual(ours.warnings, [])
+
+    def test_an_estimator_that_repeats_the_estimates_gives_the_same_bits(self):
+        theirs = bw.run("motor_estimation", case="idob", duration=0.5)
+        ours = bw.run("motor_estimation", case="idob", duration=0.5, estimator=RepeatEstimates(theirs))
+        self.assertEqual(ours.state_hash, theirs.state_hash)
+        np.testing.assert_array_equal(ours["d_hat_Nm"], theirs["d_hat_Nm"])
+        self.assertEqual(ours.config["observer"]["name"], "RepeatEstimates")
+
+    def test_an_estimator_of_the_quadrotor_steers_it(self):
+        theirs = bw.run("quadrotor_waves", case="ukf-zero", duration=0.3)
+
+        class Motion(bw.Estimator):
+            def reset(self, x0):
+                self.k = 0
+
+            def update(self, u, y):
+                self.k += 1
+                return np.concatenate([theirs["motion_estimate"][self.k - 1], [1.0, 2.0, 3.0]])
+
+        ours = bw.run("quadrotor_waves", case="ukf-zero", duration=0.3, estimator=Motion(),
+                      set={"controller.compensate": False, "metrics.window_s": 0.2})
+        np.testing.assert_array_equal(ours["motion_estimate"][:3], theirs["motion_estimate"][:3])
+        self.assertIn("vertical_force_rmse_N", ours.metrics)
+        self.assertNotIn("nees_mean", ours.metrics)
+
+
+class Told(unittest.TestCase):
+    def test_named_fields_and_setup(self):
+        class Look(bw.Controller):
+            def reset(self, t, y):
+                self.seen = []
+
+            def update(self, t, y):
+                self.seen.append(y)
+                return self.command
+
+        arm = Look()
+        arm.command = [0.0, 0, 0]
+        run = bw.run("arm_push", case="hpfc-link1", duration=0.01, controller=arm)
+        self.assertEqual([type(y) for y in arm.seen], [bw.ArmSample] * len(arm.seen))
+        np.testing.assert_array_equal([y.q_rad for y in arm.seen], run["q_measured_rad"])
+        np.testing.assert_array_equal([y.force_N for y in arm.seen], run["force_measured_N"])
+        np.testing.assert_array_equal([y.raw_force_N for y in arm.seen],
+                                      run["force_raw_measured_N"])
+        setup = arm.setup
+        self.assertEqual(setup.period_s, 1e-3)
+        np.testing.assert_allclose(setup.chain.tip_pose(setup.start_angles_rad), setup.start_pose)
+        self.assertEqual(setup.chain.joints, 3)
+        self.assertEqual(setup.torque_limit_Nm.shape, (3,))
+
+        axis = Look()
+        axis.command = 0
+        run = bw.run("cart_constrained", duration=0.1, controller=axis)
+        np.testing.assert_array_equal([y.position for y in axis.seen], run["position_measured_m"])
+        np.testing.assert_array_equal(axis.setup.C, [[1, 0]])
+        self.assertEqual(axis.setup.reference(1e3), 0.0)
+
+        quadrotor = Look()
+        quadrotor.command = (1, 1, 1, 1)
+        run = bw.run("quadrotor_waves", duration=0.1, controller=quadrotor)
+        poses = np.array([[*y.position_m, *y.attitude_rad] for y in quadrotor.seen])
+        np.testing.assert_array_equal(poses, run["pose_measured"])
+        self.assertEqual(quadrotor.setup.thruster_matrix.shape, (4, 4))
+
+    def test_published_signals_are_logged(self):
+        class Count(bw.Controller):
+            def __init__(self):
+                self.count = np.zeros(2)
+
+            def signals(self):
+                return {"count": ("1", "how often it was called", self.count)}
+
+            def update(self, t, y):
+                self.count += 1, 2
+                return 0.0
+
+        run = bw.run("motor_estimation", duration=0.05, controller=Count())
+        np.testing.assert_array_equal(run["count"], np.outer(np.arange(1, len(run.time_s) + 1), [1, 2]))
+        self.assertEqual(run.unit("count"), "1")
+
+    def test_what_set_gives_without_effect_is_warned_of(self):
+        class Rest(bw.Controller):
+            def update(self, t, y):
+                return np.zeros(3)
+
+        run = bw.run("arm_push", duration=0.01, controller=Rest(), set={"controller.k_position": 3.0})
+        self.assertEqual(len(run.warnings), 1)
+        self.assertRegex(run.warnings[0], "set: controller.k_position: has an effect only where controller.name is hpfc")
+
+
+class Returns(bw.Controller):
+    def __init__(self, value):
+        self.value = value
+
+    def update(self, t, y):
+        return self.value
+
+
+class Nonsense(unittest.TestCase):
+    def test_of_a_controller_is_named(self):
+        for value, pattern in {
+            "None": r"Returns.update\(\) returned torques.*must be 3 numbers, is None",
+            "[1.0, 2.0]": "must be 3 numbers, is a list of length 2",
+            "[[1.0, 2.0, 3.0]]": "must be 3 numbers",
+            "[[1.0], [2.0, 3.0]]": "must be an array of real numbers, is a list of length 2",
+            "1.0": "must be 3 numbers, is 1.0",
+            "'123'": "must be an array of real numbers, is of type str",
+            "['1', '2', '3']": "must be an array of real numbers",
+            "np.zeros(3, complex)": "must be an array of real numbers.*complex128",
+            "np.zeros(3, object)": "must be an array of real numbers.*object",
+            "np.zeros(4)": r"must be 3 numbers, is an array of shape \(4,\)",
+            "{}": "must be an array of real numbers, is of type dict",
+            "object()": "must be an array of real numbers, is of type object",
+        }.items():
+            with self.subTest(value), self.assertRaisesRegex(bw.InputError, pattern):
+                bw.run("arm_push", duration=0.01, controller=Returns(eval(value)))
+        for value in (np.zeros(3, np.float32), [0, 0, 0], (0.0, 0.0, 0.0), np.zeros(6)[::2]):
+            bw.run("arm_push", duration=0.01, controller=Returns(value))
+        for value in (0, 0.0, [0.0], np.zeros(1), np.float32(0.0), np.array(0)):
+            bw.run("motor_estimation", duration=0.02, controller=Returns(value))
+        with self.assertRaisesRegex(bw.RunFailed, "command of actuator 2 is not finite") as caught:
+            bw.run("arm_push", duration=0.01, controller=Returns([0, np.nan, 0]))
+        self.assertEqual(caught.exception.time_s, 0.0)
+
+    def test_an_exception_leaves_with_its_own_traceback(self):
+        class Breaks(bw.Controller):
+            def update(self, t, y):
+                if t > 0.005:
+                    raise ZeroDivisionError("at last")
+                return np.zeros(3)
+
+        try:
+            bw.run("arm_push", duration=0.1, controller=Breaks())
+            self.fail("nothing was raised")
+        except ZeroDivisionError as error:
+            frame = traceback.extract_tb(error.__traceback__)[-1]
+            self.assertEqual((frame.name, frame.line), ("update", 'raise ZeroDivisionError("at last")'))
+        # And the next run knows nothing of it.
+        bw.run("arm_push", duration=0.01, controller=Returns([0, 0, 0]))
+
+        class BreaksAtOnce(bw.Controller):
+            def reset(self, t, y):
+                raise KeyError("reset")
+
+        with self.assertRaisesRegex(KeyError, "reset"):
+            bw.run("arm_push", duration=0.1, controller=BreaksAtOnce())
+        with self.assertRaisesRegex(NotImplementedError, "Controller has no update"):
+            bw.run("arm_push", duration=0.1, controller=bw.Controller())
+
+        class WrongSignature(bw.Controller):
+            def update(self, t):
+                return 0
+
+        with self.assertRaisesRegex(TypeError, "update"):
+            bw.run("arm_push", duration=0.1, controller=WrongSignature())
+
+        class Exits(bw.Controller):
+            def update(self, t, y):
+                raise SystemExit(3)
+
+        with self.assertRaises(SystemExit):
+            bw.run("arm_push", duration=0.1, controller=Exits())
+
+    def test_of_signals_and_estimators_is_named(self):
+        def publishing(value):
+            controller = Returns([0, 0, 0])
+            controller.signals = lambda: value
+            return controller
+
+        for value, pattern in ((None, "must return a dict, is None"),
+                               ({"x": 1}, "x: must be a tuple"),
+                               ({"x": ("m", "x", [1.0])}, "x: must be an array of float64"),
+                               ({"x": ("m", "x", np.zeros(1, int))}, "x: must be an array of float64"),
+                               ({"x": ("m", "x", np.zeros((2, 2)))}, "of one dimension"),
+                               ({"time_s": ("m", "x", np.zeros(1))}, "cannot be named"),
+                               ({"qpos": ("m", "x", np.zeros(1))}, "two signals have this name")):
+            with self.subTest(pattern), self.assertRaisesRegex(bw.InputError, pattern):
+                bw.run("arm_push", duration=0.01, controller=publishing(value))
+
+        class Wrong(bw.Estimator):
+            def update(self, u, y):
+                return [0.0, 0.0]
+
+        with self.assertRaisesRegex(bw.InputError, r"Wrong.update\(\).*position, velocity, disturbance"):
+            bw.run("motor_estimation", duration=0.1, estimator=Wrong())
+
+        class pd(Returns):
+            pass
+
+        with self.assertRaisesRegex(bw.InputError, 'there is a controller of an axis "pd" already'):
+            bw.run("motor_estimation", duration=0.1, controller=pd(0.0))
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,83 @@
+// Tables that a lab recorded: what is read, what is refused, and what their times are.
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <stdexcept>
+
+#include <breakwater/recorded/recorded_axis.h>
+#include "support.h"
+
+namespace breakwater::recorded_axis_test {
+namespace {
+
+class RecordedAxisFile : public ::testing::Test {
+ protected:
+  RecordedAxis read(const std::string& text) const {
+    std::ofstream(file_, std::ios::binary) << text;
+    return read_recorded_axis(file_.string());
+  }
+
+  // The error, without the file's name.
+  std::string error_of(const std::string& text) const {
+    try {
+      read(text);
+    } catch (const std::invalid_argument& error) {
+      const std::string line = error.what();
+      EXPECT_TRUE(line.starts_with(file_.string() + ":")) << line;
+      return line.substr(file_.string().size() + 1);
+    }
+    return "";
+  }
+
+  std::filesystem::path file_ = testing::temporary_path("recorded.csv");
+  testing::Removed removed_{file_};
+};
+
+TEST_F(RecordedAxisFile, ColumnsStandInAnyOrderBetweenOthersAndComments) {
+  const RecordedAxis axis = read(
+      "\xef\xbb\xbf# of a rig, saved by a spreadsheet\r\n"
+      "y, note ,time_s,u\r\n\r\n"
+      "1.5,a,0,-2\r\n+2.5,b, 1e-3 ,3e2\r\n");
+  EXPECT_EQ(axis.times_s, (std::vector<double>{0.0, 1e-3}));
+  EXPECT_EQ(axis.inputs, (std::vector<double>{-2.0, 300.0}));
+  EXPECT_EQ(axis.positions, (std::vector<double>{1.5, 2.5}));
+}
+
+TEST_F(RecordedAxisFile, WhatIsWrongIsSaidWithItsLine) {
+  const std::string head = "time_s,u,y\n";
+  EXPECT_EQ(error_of(""), " is empty");
+  EXPECT_EQ(error_of("time,u,y\n"),
+            "1: there is no column time_s: the first line must name time_s, u and y");
+  EXPECT_EQ(error_of("time_s,u,y,u\n"), "1: there are two columns u");
+  EXPECT_EQ(error_of(head + "0,1,2\n"), " has fewer than two rows");
+  EXPECT_EQ(error_of(head + "0,1,2\n1,2\n"), "3: has 2 values, the first line 3");
+  EXPECT_EQ(error_of(head + "0,1,2\n0,2,3\n"), "3: time_s: must be later than in the row before");
+  EXPECT_EQ(error_of(head + "0,1,2\n1,nan,3\n"), "3: u: must be a finite number, is \"nan\"");
+  EXPECT_EQ(error_of(head + "0,1,2\n1,2,\n"), "3: y: must be a finite number, is \"\"");
+  EXPECT_EQ(error_of(head + "0,1,2\n1,0x10,1\n"), "3: u: must be a finite number, is \"0x10\"");
+  EXPECT_EQ(error_of(head + "0,1,2\n1,1e999,1\n"), "3: u: must be a finite number, is \"1e999\"");
+  EXPECT_EQ(error_of("time_s;u;y\n0;1;2\n"),
+            "1: there is no column time_s: the first line must name time_s, u and y");
+  EXPECT_THROW(read_recorded_axis("/nowhere/record.csv"), std::invalid_argument);
+}
+
+TEST(RecordedTiming, GapsAreLeftOutOfThePeriodAndNamedByTheRowsBehindThem) {
+  const RecordedTiming timing = timing_of({0.0, 1.0, 2.0, 7.0, 8.0, 9.0, 12.0}, 0.0, 1.5, 0.1);
+  EXPECT_EQ(timing.period_s, 1.0);
+  EXPECT_EQ(timing.gaps, (std::vector<std::size_t>{3, 6}));
+  EXPECT_EQ(timing.jitter_max_s, 0.0);
+  EXPECT_EQ(timing.irregular, 0U);
+}
+
+TEST(RecordedTiming, JitterIsCountedAndAveragedOut) {
+  const RecordedTiming timing = timing_of({0.0, 1.2, 2.0, 3.0, 4.0}, 0.0, 1.5, 0.1);
+  EXPECT_DOUBLE_EQ(timing.period_s, 1.0);
+  EXPECT_EQ(timing.irregular, 2U);
+  EXPECT_NEAR(timing.jitter_max_s, 0.2, 1e-12);
+  EXPECT_NEAR(timing.jitter_rms_s, std::sqrt((0.04 + 0.04) / 4.0), 1e-12);
+  EXPECT_EQ(timing_of({0.0, 1.2, 2.0, 3.0, 4.0}, 0.8, 1.6, 0.5).period_s, 0.8);
+  EXPECT_EQ(timing_of({0.0, 1.0, 2.0}, 0.5, 1.5, 0.1).gaps.size(), 2U);
+}
+
+}  // namespace
+}  // namespace breakwater::recorded_axis_test
