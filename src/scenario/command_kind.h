@@ -1,0 +1,20 @@
+// A command of a program, besides those that every program has.
+#pragma once
+
+#include <string>
+
+namespace breakwater {
+
+class Catalogue;
+
+/// `PROGRAM NAME [OPTION...]`.
+struct CommandKind {
+  static constexpr const char* kWhat = "command";
+
+  std::string name;
+  std::string summary;  ///< one line, for PROGRAM --help
+  /// Returns the exit status. argv[0] is the command's name.
+  int (*run)(const Catalogue&, int argc, const char* const* argv);
+};
+
+}  // namespace breakwater

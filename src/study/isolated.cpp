@@ -1,0 +1,99 @@
+#include <breakwater/study/isolated.h>
+
+#include <fmt/format.h>
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <csignal>
+#include <cstring>
+#include <stdexcept>
+#include <string>
+
+#include <breakwater/scenario/all_cores.h>
+#include <breakwater/scenario/child_program.h>
+#include <breakwater/study/sweep.h>
+#include <breakwater/study/sweep_command.h>
+
+namespace breakwater {
+namespace {
+
+constexpr std::size_t kMostOfAChild =
+    200;  // points: what a new process costs is little beside them
+
+}  // namespace
+
+std::size_t run_isolated(const std::vector<std::size_t>& points, const PointSource& source,
+                         const StudyFolder& folder, Shard& shard, const ExecutorOptions& options) {
+  const std::size_t jobs = options.threads > 0 ? options.threads : usable_cores();
+  const std::size_t share = std::clamp<std::size_t>(points.size() / (8 * jobs), 1, kMostOfAChild);
+  const std::size_t shares = (points.size() + share - 1) / share;
+  std::atomic<std::size_t> finished = 0;
+  std::atomic<bool> is_stopped = false;
+
+  const auto index_of = [&](std::size_t point) {
+    return static_cast<std::size_t>(std::lower_bound(points.begin(), points.end(), point) -
+                                    points.begin());
+  };
+  const auto run_share = [&](std::size_t nth) {
+    std::size_t next = nth * share;
+    const std::size_t end = std::min(next + share, points.size());
+    while (next < end && !is_stopped) {
+      const std::vector<std::size_t> rest(points.begin() + static_cast<std::ptrdiff_t>(next),
+                                          points.begin() + static_cast<std::ptrdiff_t>(end));
+      // It says "begin N" and "end N", a line each.
+      ReadProgram child({own_program(), kSweep, folder.path().string(), "--points",
+                         print_points(rest), "--jobs", "1", "--announce", "--quiet"});
+      bool is_under_way = false;  // points[next]
+      bool was_told = false;
+      while (const auto line = child.next()) {
+        if (line->starts_with("begin ")) {
+          // Points that somebody else has done meanwhile are left out.
+          next = index_of(std::stoul(line->substr(6)));
+          is_under_way = true;
+        }
+        if (line->starts_with("end ")) {
+          is_under_way = false;
+          if (options.progress) options.progress(next, 1.0);
+          PointResult ended;
+          ended.number = points[next];
+          const bool is_complete = line->ends_with(" " + name_of(PointStatus::complete));
+          ended.status = is_complete ? PointStatus::complete : PointStatus::failed;
+          if (options.on_result) options.on_result(ended);
+          ++next;
+          ++finished;
+        }
+        const bool stop =
+            (options.stop != nullptr && *options.stop) || (options.is_over && options.is_over());
+        if (stop && !was_told) {
+          is_stopped = was_told = true;
+          child.interrupt();
+        }
+      }
+      const int status = child.wait();
+      if (is_stopped) break;
+      if (WIFSIGNALED(status) && is_under_way) {
+        PointResult crash;
+        crash.number = points[next];
+        crash.key = source.unprepared_key(crash.number);
+        crash.status = PointStatus::crashed;
+        crash.reason = fmt::format("signal {} ({})", WTERMSIG(status), strsignal(WTERMSIG(status)));
+        shard.add(crash);
+        if (options.on_result) options.on_result(crash);
+        ++next;
+        ++finished;
+      } else if (!WIFEXITED(status) || (WEXITSTATUS(status) != 0 && WEXITSTATUS(status) != 130)) {
+        is_stopped = true;  // it has said why
+        throw std::invalid_argument(
+            fmt::format("--isolate: a process of the study ended with {}", status));
+      } else if (WIFEXITED(status) && WEXITSTATUS(status) == 0) {
+        break;
+      } else {
+        is_stopped = true;
+      }
+    }
+  };
+  on_all_cores(shares, run_share, jobs);
+  return finished;
+}
+
+}  // namespace breakwater

@@ -1,0 +1,18 @@
+// Points in processes of their own.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include <breakwater/study/executor.h>
+#include <breakwater/study/study_folder.h>
+
+namespace breakwater {
+
+/// As run_points(), but in child processes, `sweep DIR --points …` of this program, each of which
+/// runs some points and keeps their results itself. One that a signal ends costs the point that it
+/// was at: that has crashed, which goes into `shard`; another child goes on behind it.
+std::size_t run_isolated(const std::vector<std::size_t>& points, const PointSource& source,
+                         const StudyFolder& folder, Shard& shard, const ExecutorOptions& options);
+
+}  // namespace breakwater

@@ -1,0 +1,199 @@
+#include <breakwater/study/plan.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <stdexcept>
+#include <utility>
+
+#include <breakwater/scenario/config.h>
+#include <breakwater/scenario/toml_text.h>
+
+namespace breakwater {
+namespace {
+
+constexpr double kMostOfAStudy = 1e7;
+constexpr double kMostCandidates = 1000;
+constexpr std::size_t kMostProbes = 1000;  // of a key's values, or of a list
+
+std::optional<SamplingMethod> sampling_method(Method method) {
+  switch (method) {
+    case Method::random:
+      return SamplingMethod::random;
+    case Method::latin_hypercube:
+      return SamplingMethod::latin_hypercube;
+    case Method::sobol:
+      return SamplingMethod::sobol;
+    case Method::saltelli:
+      return SamplingMethod::saltelli;
+    case Method::grid:
+    case Method::list:
+      break;
+  }
+  return std::nullopt;
+}
+
+// Every combination of the keys' values, the last key's changing first: that of this number.
+std::vector<std::string> combination(const std::vector<VariedKey>& keys, std::size_t number) {
+  std::vector<std::string> values(keys.size());
+  for (std::size_t i = keys.size(); i-- > 0;) {
+    const std::size_t count = keys[i].values.size();
+    values[i] = keys[i].values[number % count];
+    number /= count;
+  }
+  return values;
+}
+
+double combinations(const std::vector<VariedKey>& keys) {
+  double count = 1.0;
+  for (const VariedKey& key : keys) count *= static_cast<double>(key.values.size());
+  return count;
+}
+
+std::vector<Candidate> make_candidates(const Study& study) {
+  const double count = static_cast<double>(study.cases.size()) * combinations(study.compare);
+  if (count > kMostCandidates) {
+    throw std::invalid_argument(
+        fmt::format("compare: {:.0f} candidates are more than {:.0f}", count, kMostCandidates));
+  }
+  const auto others = static_cast<std::size_t>(combinations(study.compare));
+  std::vector<Candidate> candidates;
+  for (const std::string& name : study.cases) {
+    for (std::size_t i = 0; i < others; ++i) {
+      Candidate candidate{name, combination(study.compare, i), ""};
+      std::vector<std::string> parts;
+      if (study.cases.size() > 1 || study.compare.empty()) parts.push_back(name);
+      for (std::size_t k = 0; k < study.compare.size(); ++k) {
+        parts.push_back(
+            fmt::format("{} = {}", study.compare[k].key, plain_text(candidate.values[k])));
+      }
+      candidate.label = fmt::format("{}", fmt::join(parts, ", "));
+      candidates.push_back(std::move(candidate));
+    }
+  }
+  return candidates;
+}
+
+void check_baseline(const Study& study, const std::vector<Candidate>& candidates) {
+  if (study.baseline.empty()) return;
+  std::vector<std::string> labels;
+  for (const Candidate& candidate : candidates) {
+    if (candidate.label == study.baseline) return;
+    labels.push_back(candidate.label);
+  }
+  throw std::invalid_argument(
+      fmt::format("compare.baseline: \"{}\" is not among what is compared: {}{}", study.baseline,
+                  fmt::join(labels, "; "), did_you_mean(study.baseline, labels)));
+}
+
+}  // namespace
+
+Plan::Plan(Study study) : study_(std::move(study)), candidates_(make_candidates(study_)) {
+  check_baseline(study_, candidates_);
+  seeds_ = std::max<std::size_t>(1, study_.seeds.size());
+  double samples = 1.0;
+  const auto method = sampling_method(study_.method);
+  if (method) {
+    const auto d = static_cast<Eigen::Index>(study_.vary.size());
+    sampler_ = make_sampler(*method, study_.samples, d, study_.sampling_seed);
+    samples = static_cast<double>(sampler_->size());
+  } else if (study_.method == Method::list) {
+    if (!study_.vary.empty()) samples = static_cast<double>(study_.vary.front().values.size());
+  } else {
+    samples = combinations(study_.vary);
+  }
+  const double points =
+      samples * static_cast<double>(seeds_) * static_cast<double>(candidates_.size());
+  if (points > kMostOfAStudy) {
+    throw std::invalid_argument(
+        fmt::format("vary: {:.3g} points are more than {:.0f}: {:.3g} samples, {} seeds, {} "
+                    "candidates",
+                    points, kMostOfAStudy, samples, seeds_, candidates_.size()));
+  }
+  samples_ = static_cast<std::size_t>(samples);
+}
+
+std::vector<std::string> Plan::values(std::size_t sample) const {
+  if (!sampler_) {
+    if (study_.method == Method::grid) return combination(study_.vary, sample);
+    std::vector<std::string> values;
+    for (const VariedKey& key : study_.vary) values.push_back(key.values[sample]);
+    return values;
+  }
+  const Eigen::VectorXd u = sampler_->point(sample);
+  std::vector<std::string> values;
+  for (std::size_t i = 0; i < study_.vary.size(); ++i) {
+    const VariedKey& key = study_.vary[i];
+    const double ui = u(static_cast<Eigen::Index>(i));
+    if (key.distribution) {
+      values.push_back(toml_number(key.distribution->quantile(ui)));
+    } else {
+      const std::size_t count = key.values.size();
+      const auto nth = static_cast<std::size_t>(ui * static_cast<double>(count));
+      values.push_back(key.values[std::min(nth, count - 1)]);
+    }
+  }
+  return values;
+}
+
+StudyPoint Plan::make_point(std::vector<std::string> values, std::size_t sample, std::size_t seed,
+                            std::size_t candidate) const {
+  StudyPoint point;
+  point.sample = sample;
+  point.candidate = candidate;
+  point.values = std::move(values);
+  point.sets = study_.sets;
+  for (std::size_t i = 0; i < study_.compare.size(); ++i) {
+    point.sets.push_back(study_.compare[i].key + "=" + candidates_[candidate].values[i]);
+  }
+  for (std::size_t i = 0; i < study_.vary.size(); ++i) {
+    point.sets.push_back(study_.vary[i].key + "=" + point.values[i]);
+  }
+  if (!study_.seeds.empty()) {
+    point.seed = study_.seeds[seed];
+    point.sets.push_back(fmt::format("run.seed={}", *point.seed));
+  }
+  return point;
+}
+
+StudyPoint Plan::point(std::size_t number) const {
+  const std::size_t candidate = number % candidates_.size();
+  const std::size_t seed = number / candidates_.size() % seeds_;
+  const std::size_t sample = number / candidates_.size() / seeds_;
+  return make_point(values(sample), sample, seed, candidate);
+}
+
+std::vector<StudyPoint> Plan::probes() const {
+  constexpr double kNearTheEnd = 1e-9;
+  std::vector<StudyPoint> probes;
+  const std::vector<std::string> first = values(0);
+  for (std::size_t c = 0; c < candidates_.size(); ++c) probes.push_back(make_point(first, 0, 0, c));
+  if (study_.method == Method::list) {  // what stands together belongs together
+    const std::size_t stride = 1 + samples_ / kMostProbes;
+    for (std::size_t s = stride; s < samples_; s += stride) {
+      probes.push_back(make_point(values(s), s, 0, 0));
+    }
+    return probes;
+  }
+  for (std::size_t i = 0; i < study_.vary.size(); ++i) {
+    const VariedKey& key = study_.vary[i];
+    std::vector<std::string> others;
+    const std::size_t stride = 1 + key.values.size() / kMostProbes;
+    for (std::size_t k = 0; k < key.values.size(); k += stride) others.push_back(key.values[k]);
+    if (key.distribution && key.distribution->is_bounded()) {
+      for (const double u : {kNearTheEnd, 1.0 - kNearTheEnd}) {
+        others.push_back(toml_number(key.distribution->quantile(u)));
+      }
+    }
+    for (const std::string& value : others) {
+      if (value == first[i]) continue;
+      std::vector<std::string> values = first;
+      values[i] = value;
+      probes.push_back(make_point(std::move(values), 0, 0, 0));
+    }
+  }
+  return probes;
+}
+
+}  // namespace breakwater

@@ -1,0 +1,22 @@
+// Quantiles of a sample.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+namespace breakwater {
+
+/// The p-quantile of n ≥ 1 values x₀ ≤ x₁ ≤ …, linear between them, for 0 ≤ p ≤ 1:
+///     Q(p) = x_⌊h⌋ + (h − ⌊h⌋)(x_⌊h⌋₊₁ − x_⌊h⌋),  h = (n − 1) p
+///
+/// Source: R. J. Hyndman, Y. Fan, Amer. Statist. 50 (1996) 361–365, definition 7.
+inline double quantile(const std::vector<double>& sorted, double p) {
+  const double at = p * static_cast<double>(sorted.size() - 1);
+  const auto below = static_cast<std::size_t>(at);
+  const std::size_t above = std::min(below + 1, sorted.size() - 1);
+  return std::lerp(sorted[below], sorted[above], at - static_cast<double>(below));
+}
+
+}  // namespace breakwater

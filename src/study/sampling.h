@@ -1,0 +1,84 @@
+// Points in the unit cube: what a study's samples are made of.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+namespace breakwater {
+
+enum class SamplingMethod { random, latin_hypercube, sobol, saltelli };
+
+/// The points u₀, u₁, … of a plan in the open unit cube (0, 1)ᵈ: a coordinate is never 0 or 1, so
+/// that every distribution has a value there. A point is a pure function of the seed and its
+/// number: it costs O(d) whichever it is, with no memory of the others, on any thread, and has the
+/// same bits on every processor.
+class Sampler {
+ public:
+  Sampler(const Sampler&) = delete;
+  Sampler& operator=(const Sampler&) = delete;
+  virtual ~Sampler() = default;
+
+  /// The number of points.
+  std::uint64_t size() const { return size_; }
+  /// d.
+  Eigen::Index dimension() const { return dimension_; }
+  /// Point i < size().
+  Eigen::VectorXd point(std::uint64_t i) const;
+
+ protected:
+  Sampler(std::uint64_t size, Eigen::Index dimension) : size_(size), dimension_(dimension) {}
+
+ private:
+  virtual void write(std::uint64_t i, Eigen::VectorXd& u) const = 0;
+
+  std::uint64_t size_;
+  Eigen::Index dimension_;
+};
+
+/// n samples of d quantities by
+/// - random: independent uniform points; the first of them are those of every larger n.
+/// - latin_hypercube: u_ij = (π_j(i) + r_ij)/n with random permutations π_j of 0 … n − 1 and
+///   uniform r_ij: of the n equal intervals of each coordinate, each is hit exactly once
+///   (M. D. McKay, R. J. Beckman, W. J. Conover, Technometrics 21 (1979) 239–245).
+/// - sobol: Sobol' points (SobolSequence), each coordinate's bits XORed with random bits: a digital
+///   shift, which keeps what is even about them, and has no point at the cube's corner (P.
+///   L'Ecuyer, C. Lemieux, in: Modeling Uncertainty, 2002, 419–474). The first 2ᵏ points hit each
+///   interval of length 2⁻ᵏ of each coordinate exactly once, so n is best a power of two. The first
+///   points are those of every larger n.
+/// - saltelli: the design for first-order and total sensitivity indices. Points A_j and B_j are the
+///   two halves of a shifted Sobol' point of 2d dimensions; AB_j⁽ⁱ⁾ is A_j with B_j's coordinate i.
+///   n (d + 2) points in the order A₀, AB₀⁽¹⁾ … AB₀⁽ᵈ⁾, B₀, A₁, …: rows of n × (d + 2), which
+///   sensitivity_indices() takes. n is best a power of two, and the first rows are those of every
+///   larger n (A. Saltelli et al., Comput. Phys. Commun. 181 (2010) 259–270).
+///
+/// Throws std::invalid_argument if n or d is 0, there would be more than 2⁴⁰ points, or d is more
+/// than the directions suffice for (sobol 3667, saltelli 1833).
+std::unique_ptr<const Sampler> make_sampler(SamplingMethod method, std::uint64_t n, Eigen::Index d,
+                                            std::uint64_t seed);
+
+/// Sobol' points in the order of their Gray code, with Joe's and Kuo's directions for good
+/// two-dimensional projections:
+///     x_i = ⊕_k g_k v_k,  g = i ⊕ ⌊i/2⌋        (g_k: bit k of g; v_k: the k-th direction)
+/// x₀ = 0, and 2ᵐ points of number 0 … 2ᵐ − 1 are a net.
+///
+/// Sources: I. M. Sobol', USSR Comput. Math. Math. Phys. 7 (1967) 86–112; I. A. Antonov, V. M.
+/// Saleev, ibid. 19 (1979) 252–256; S. Joe, F. Y. Kuo, SIAM J. Sci. Comput. 30 (2008) 2635–2654.
+class SobolSequence {
+ public:
+  /// Throws std::invalid_argument unless 1 ≤ dimension ≤ kMostDimensions.
+  explicit SobolSequence(Eigen::Index dimension);
+
+  static constexpr Eigen::Index kMostDimensions = 3667;
+
+  Eigen::Index dimension() const { return dimension_; }
+  /// Coordinate j of point i < 2⁴⁰, times 2⁶⁴.
+  std::uint64_t coordinate(std::uint64_t i, Eigen::Index j) const;
+
+ private:
+  Eigen::Index dimension_;
+  std::vector<std::uint64_t> directions_;  // v_k of coordinate j at k·dimension + j
+};
+
+}  // namespace breakwater

@@ -1,0 +1,305 @@
+#include <breakwater/study/shards.h>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <cstring>
+#include <limits>
+#include <optional>
+#include <stdexcept>
+#include <string_view>
+
+#include <breakwater/record/file_hash.h>
+#include <breakwater/scenario/process.h>
+
+namespace breakwater {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kHashLength = 16;
+constexpr std::string_view kSuffix = ".shard";
+constexpr std::string_view kPoint = "point";  // kinds of lines
+constexpr std::string_view kModel = "model";
+
+const std::array<std::string, 4>& statuses() {
+  static const std::array<std::string, 4> names = {"complete", "failed", "refused", "crashed"};
+  return names;
+}
+
+// A line's parts between tabs, one after the other.
+class Parts {
+ public:
+  explicit Parts(std::string_view line) : rest_(line) {}
+
+  bool at_end() const { return is_done_; }
+  std::string_view next() {
+    const std::size_t tab = rest_.find('\t');
+    const std::string_view part = rest_.substr(0, tab);
+    is_done_ = tab == std::string_view::npos;
+    rest_ = is_done_ ? std::string_view() : rest_.substr(tab + 1);
+    return part;
+  }
+
+ private:
+  std::string_view rest_;
+  bool is_done_ = false;
+};
+
+template <typename Number>
+bool read_number(std::string_view text, Number& number) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  return error == std::errc() && end == text.data() + text.size();
+}
+
+// What stands before the metrics; nothing if it is no such line.
+std::optional<PointResult> read_head(Parts& parts) {
+  PointResult result;
+  if (!read_number(parts.next(), result.number)) return std::nullopt;
+  result.key = parts.next();
+  const auto status = std::find(statuses().begin(), statuses().end(), parts.next());
+  if (status == statuses().end()) return std::nullopt;
+  result.status = static_cast<PointStatus>(status - statuses().begin());
+  result.state_hash = parts.next();
+  if (!read_number(parts.next(), result.cost_s)) return std::nullopt;
+  return result;
+}
+
+// The rest of a line behind its checksum, if that is right.
+std::optional<std::string_view> checked(std::string_view line) {
+  if (line.size() <= kHashLength || line[kHashLength] != '\t') return std::nullopt;
+  const std::string_view rest = line.substr(kHashLength + 1);
+  if (text_hash(rest) != line.substr(0, kHashLength)) return std::nullopt;
+  return rest;
+}
+
+// The result that the rest of a line holds; nothing if it holds none.
+std::optional<PointResult> read_result(std::string_view rest) {
+  Parts parts(rest);
+  if (parts.next() != kPoint) return std::nullopt;
+  auto result = read_head(parts);
+  if (!result) return std::nullopt;
+  result->reason = parts.next();
+  while (!parts.at_end()) {
+    const std::string_view part = parts.next();
+    const std::size_t equals = part.rfind('=');
+    double value = 0.0;
+    if (equals == std::string_view::npos || !read_number(part.substr(equals + 1), value)) {
+      return std::nullopt;
+    }
+    result->metrics.emplace_back(part.substr(0, equals), value);
+  }
+  return result;
+}
+
+[[noreturn]] void fail_to_read(const fs::path& file) {
+  throw std::invalid_argument(
+      fmt::format("{}: cannot be read ({})", file.string(), std::strerror(errno)));
+}
+
+// A file's bytes, as long as it lives.
+class MappedFile {
+ public:
+  explicit MappedFile(const fs::path& file) {
+    const int descriptor = open(file.c_str(), O_RDONLY | O_CLOEXEC);
+    if (descriptor < 0) fail_to_read(file);
+    struct stat status = {};
+    if (fstat(descriptor, &status) == 0 && status.st_size > 0) {
+      size_ = static_cast<std::size_t>(status.st_size);
+      memory_ = mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, descriptor, 0);
+    }
+    close(descriptor);
+    if (memory_ == MAP_FAILED) fail_to_read(file);
+  }
+  ~MappedFile() {
+    if (memory_ != nullptr) munmap(memory_, size_);
+  }
+  MappedFile(const MappedFile&) = delete;
+  MappedFile& operator=(const MappedFile&) = delete;
+
+  std::string_view text() const { return {static_cast<const char*>(memory_), size_}; }
+
+ private:
+  void* memory_ = nullptr;
+  std::size_t size_ = 0;
+};
+
+// Calls body(offset, length, rest) for each line of a shard whose checksum is right: where it is,
+// how long, and what stands behind the checksum.
+template <typename Body>
+void each_line(const fs::path& file, Body&& body) {
+  const MappedFile mapped(file);
+  const std::string_view text = mapped.text();
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = text.find('\n', begin);
+    if (end == std::string_view::npos) return;  // it is torn
+    const std::string_view line = text.substr(begin, end - begin);
+    if (const auto rest = checked(line)) body(begin, line.size(), *rest);
+    begin = end + 1;
+  }
+}
+
+std::vector<fs::path> shards_of(const fs::path& folder) {
+  std::vector<fs::path> files;
+  std::error_code error;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
+       entry.increment(error)) {
+    if (entry->path().extension() == kSuffix) files.push_back(entry->path());
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+[[noreturn]] void fail_to_write(const fs::path& file) {
+  throw OutputError(fmt::format("{}: cannot be written ({})", file.string(), std::strerror(errno)));
+}
+
+std::string host_name() {
+  std::array<char, 256> name{};
+  gethostname(name.data(), name.size() - 1);
+  return name.data();
+}
+
+}  // namespace
+
+const std::string& name_of(PointStatus status) {
+  return statuses()[static_cast<std::size_t>(status)];
+}
+
+Shard::~Shard() {
+  if (descriptor_ < 0) return;
+  fsync(descriptor_);
+  close(descriptor_);
+}
+
+void Shard::add(const PointResult& result) {
+  std::string text = fmt::format("{}\t{}\t{}\t{}\t{}\t{:.6g}\t{}", kPoint, result.number,
+                                 result.key, name_of(result.status), result.state_hash,
+                                 result.cost_s, one_line(result.reason));
+  for (const auto& [name, value] : result.metrics) {
+    text += fmt::format("\t{}={:.17g}", one_line(name), value);
+  }
+  const std::lock_guard lock(mutex_);
+  append(text);
+}
+
+void Shard::add(const ModelHashes& models) {
+  const std::lock_guard lock(mutex_);
+  for (const auto& [file, hash] : models) {
+    if (models_.contains(file)) continue;
+    append(fmt::format("{}\t{}\t{}", kModel, one_line(file), hash));
+    models_.emplace(file, hash);
+  }
+}
+
+void Shard::append(const std::string& text) {
+  for (int n = 0; descriptor_ < 0; ++n) {
+    file_ = folder_ / fmt::format("{}-{}-{}{}", host_name(), getpid(), n, kSuffix);
+    descriptor_ = open(file_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_APPEND | O_CLOEXEC, 0666);
+    if (descriptor_ < 0 && errno != EEXIST) fail_to_write(file_);
+  }
+  // One that was torn by a full disk ends here, so that this one is whole.
+  const std::string line = (is_torn_ ? "\n" : "") + text_hash(text) + "\t" + text + "\n";
+  std::size_t written = 0;
+  while (written < line.size()) {
+    const ssize_t count = write(descriptor_, line.data() + written, line.size() - written);
+    if (count < 0 && errno == EINTR) continue;
+    if (count <= 0) fail_to_write(file_);
+    written += static_cast<std::size_t>(count);
+    is_torn_ = written < line.size();
+  }
+}
+
+ShardIndex::ShardIndex(const fs::path& folder, std::size_t points) : places_(points) {
+  const std::vector<fs::path> files = shards_of(folder);
+  if (files.size() > std::numeric_limits<std::uint16_t>::max()) {
+    throw std::invalid_argument(folder.string() + ": has more than 65535 shards");
+  }
+  for (const fs::path& file : files) read_file(file);
+}
+
+ShardIndex::~ShardIndex() {
+  if (open_ >= 0) close(open_);
+}
+
+void ShardIndex::read_file(const fs::path& file) {
+  names_.push_back(file.string());
+  each_line(file, [&](std::size_t offset, std::size_t length, std::string_view rest) {
+    Parts parts(rest);
+    const std::string_view kind = parts.next();
+    if (kind == kModel) {
+      const std::string name(parts.next());
+      models_.emplace(name, parts.next());
+      return;
+    }
+    const auto head = kind == kPoint ? read_head(parts) : std::nullopt;
+    if (!head || head->number >= places_.size()) return;
+    cost_s_ += head->cost_s;
+    Place& place = places_[head->number];
+    if (place.length > 0 && place.status != PointStatus::crashed) return;
+    if (place.length > 0) {
+      --counts_[static_cast<std::size_t>(place.status)];
+      --done_;
+    }
+    place = {offset, static_cast<std::uint32_t>(length),
+             static_cast<std::uint16_t>(names_.size() - 1), head->status};
+    ++counts_[static_cast<std::size_t>(place.status)];
+    ++done_;
+  });
+}
+
+std::string ShardIndex::line(const Place& place) const {
+  if (open_ < 0 || open_file_ != place.file) {
+    if (open_ >= 0) close(open_);
+    open_ = open(names_[place.file].c_str(), O_RDONLY | O_CLOEXEC);
+    open_file_ = place.file;
+  }
+  std::string text(place.length, '\0');
+  const ssize_t count = pread(open_, text.data(), text.size(), static_cast<off_t>(place.offset));
+  if (count != static_cast<ssize_t>(text.size()) || !checked(text)) {
+    throw std::invalid_argument(names_[place.file] + ": has changed while it was read");
+  }
+  return text;
+}
+
+PointResult ShardIndex::read(std::size_t point) const {
+  auto result = read_result(*checked(line(places_[point])));
+  if (!result) throw std::invalid_argument(names_[places_[point].file] + ": is damaged");
+  return *std::move(result);
+}
+
+std::size_t ShardIndex::find(const std::string& key) const {
+  for (std::size_t point = 0; point < places_.size(); ++point) {
+    if (!has(point)) continue;
+    const std::string text = line(places_[point]);
+    Parts parts(*checked(text));
+    parts.next();
+    parts.next();
+    if (parts.next() == key) return point;
+  }
+  return places_.size();
+}
+
+std::unordered_map<std::string, PointResult> results_by_key(const fs::path& folder) {
+  std::vector<std::pair<fs::file_time_type, fs::path>> files;
+  for (const fs::path& file : shards_of(folder))
+    files.emplace_back(fs::last_write_time(file), file);
+  std::sort(files.begin(), files.end());
+  std::unordered_map<std::string, PointResult> results;
+  for (const auto& [time, file] : files) {
+    each_line(file, [&](std::size_t, std::size_t, std::string_view rest) {
+      auto result = read_result(rest);
+      if (result) results.insert_or_assign(result->key, std::move(*result));
+    });
+  }
+  return results;
+}
+
+}  // namespace breakwater

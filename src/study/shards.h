@@ -1,0 +1,112 @@
+// The results of a study's runs, as each process appended them.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <mutex>
+#include <string>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include <breakwater/record/output_error.h>
+#include <breakwater/scenario/provenance.h>
+
+namespace breakwater {
+
+/// How a point ended. A run that failed has a state hash and no metrics; what was refused did not
+/// begin; of a crash only the words are left.
+enum class PointStatus { complete, failed, refused, crashed };
+const std::string& name_of(PointStatus status);
+
+/// What is known of a point once it has run.
+struct PointResult {
+  std::size_t number = 0;
+  std::string key;  ///< point_key(); if there is no configuration, of what was asked for
+  PointStatus status = PointStatus::complete;
+  std::string state_hash;  ///< 16 hexadecimal digits, or empty
+  double cost_s = 0.0;     ///< processor time
+  std::string reason;      ///< why it is not complete: "at 3 s: diverged"
+  std::vector<std::pair<std::string, double>> metrics;  ///< in the scenario's order
+};
+
+/// A file of lines to which one process alone appends, whole lines at a time: CHECKSUM, "point" or
+/// "model", and what belongs to it, with tabs between. Whatever its end, a line counts only if its
+/// checksum (XXH3 of the rest) is right.
+class Shard {
+ public:
+  /// Makes a file of its own in the folder when there is something to write.
+  explicit Shard(std::filesystem::path folder) : folder_(std::move(folder)) {}
+  ~Shard();
+  Shard(const Shard&) = delete;
+  Shard& operator=(const Shard&) = delete;
+
+  /// Thread-safe. Throws OutputError if it cannot be written; what it wrote of the line then harms
+  /// none that is added later.
+  void add(const PointResult& result);
+  /// What points are made of besides their keys; each file is written once.
+  void add(const ModelHashes& models);
+
+ private:
+  void append(const std::string& text);
+
+  std::filesystem::path folder_;
+  std::filesystem::path file_;
+  int descriptor_ = -1;
+  bool is_torn_ = false;  // the file ends within a line
+  ModelHashes models_;
+  std::mutex mutex_;
+};
+
+/// What all shards of a folder hold, found in them when it is asked for. Not thread-safe.
+class ShardIndex {
+ public:
+  /// `points` is how many the study has. A line of a point beyond them does not count; of several
+  /// of one point one that ran counts before one that crashed. A folder that is not there is empty.
+  ShardIndex(const std::filesystem::path& folder, std::size_t points);
+  ~ShardIndex();
+  ShardIndex(const ShardIndex&) = delete;
+  ShardIndex& operator=(const ShardIndex&) = delete;
+
+  std::size_t points() const { return places_.size(); }
+  bool has(std::size_t point) const { return places_[point].length > 0; }
+  std::size_t done() const { return done_; }
+  /// How many ended so.
+  std::size_t count(PointStatus status) const { return counts_[static_cast<std::size_t>(status)]; }
+  /// Processor time of all that ran [s].
+  double cost_s() const { return cost_s_; }
+  const ModelHashes& models() const { return models_; }
+
+  /// A point's result, which must be there. Throws std::invalid_argument if the file has changed.
+  PointResult read(std::size_t point) const;
+  /// The number of the point with this key; points() if none of those that ran has it.
+  std::size_t find(const std::string& key) const;
+
+ private:
+  struct Place {
+    std::uint64_t offset = 0;
+    std::uint32_t length = 0;  // 0: not there
+    std::uint16_t file = 0;
+    PointStatus status = PointStatus::complete;
+  };
+
+  void read_file(const std::filesystem::path& file);
+  std::string line(const Place& place) const;
+
+  std::vector<std::string> names_;  // of the files
+  mutable int open_ = -1;           // the one that was read last: there may be very many
+  mutable std::uint16_t open_file_ = 0;
+  std::vector<Place> places_;
+  std::size_t done_ = 0;
+  std::size_t counts_[4] = {};
+  double cost_s_ = 0.0;
+  ModelHashes models_;
+};
+
+/// The results in all shards of a folder, by their keys: for points without fixed numbers. Of
+/// several lines of one key the last counts; that of a shard that was written later is later. A
+/// folder that is not there is empty. Throws std::invalid_argument if a shard cannot be read.
+std::unordered_map<std::string, PointResult> results_by_key(const std::filesystem::path& folder);
+
+}  // namespace breakwater

@@ -1,0 +1,304 @@
+#include <breakwater/study/study.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <set>
+#include <sstream>
+#include <stdexcept>
+#include <utility>
+
+#include <breakwater/scenario/toml_file.h>
+#include <breakwater/scenario/toml_text.h>
+#include <breakwater/study/study_reader.h>
+#include <breakwater/study/value_list.h>
+
+namespace breakwater {
+namespace {
+
+constexpr std::uint64_t kMostSeeds = 1'000'000;
+constexpr std::int64_t kMostSamples = 10'000'000;
+
+const Names<Method>& methods() {
+  static const Names<Method> names = {{"grid", Method::grid},     {"list", Method::list},
+                                      {"random", Method::random}, {"lhs", Method::latin_hypercube},
+                                      {"sobol", Method::sobol},   {"saltelli", Method::saltelli}};
+  return names;
+}
+
+const Names<Keep>& keeps() {
+  static const Names<Keep> names = {
+      {"metrics", Keep::metrics}, {"failed", Keep::failed}, {"all", Keep::all}};
+  return names;
+}
+
+const Names<OnFailure>& failure_rules() {
+  static const Names<OnFailure> names = {{"count", OnFailure::count}, {"stop", OnFailure::stop}};
+  return names;
+}
+
+SlurmSettings read_slurm(const StudyReader& reader, const toml::table& table) {
+  reader.allow(table, "slurm.",
+               {"account", "partition", "constraint", "modules", "environment", "options"});
+  const auto list = [&](const char* key) {
+    const toml::node* node = table.get(key);
+    return node == nullptr ? std::vector<std::string>()
+                           : reader.texts(*node, std::string("slurm.") + key);
+  };
+  SlurmSettings slurm;
+  slurm.account = reader.text_or_nothing(table, "account", "slurm.");
+  slurm.partition = reader.text_or_nothing(table, "partition", "slurm.");
+  slurm.constraint = reader.text_or_nothing(table, "constraint", "slurm.");
+  slurm.modules = list("modules");
+  slurm.environment = list("environment");
+  slurm.options = list("options");
+  for (const std::string& line : slurm.environment) {
+    if (line.find('=') == std::string::npos || line.front() == '=') {
+      reader.fail(*table.get("environment"), "slurm.environment", line + ": must be NAME=VALUE");
+    }
+  }
+  return slurm;
+}
+
+std::map<std::string, Goal> read_goals(const StudyReader& reader, const toml::table& table) {
+  std::map<std::string, Goal> goals;
+  for (const auto& [key, node] : table) {
+    const std::string metric(key.str());
+    goals.emplace(metric, reader.choice(node, "compare.goal." + metric, goal_names()));
+  }
+  return goals;
+}
+
+void read_compare(const StudyReader& reader, const toml::table& tables, Study& study) {
+  const toml::table* compare = reader.table(tables, "compare");
+  if (compare == nullptr) return;
+  if (const toml::node* node = compare->get("case")) {
+    if (tables.contains("case")) {
+      reader.fail(*node, "compare.case", "stands beside case: leave one of them out");
+    }
+    study.cases = reader.texts(*node, "compare.case");
+  }
+  study.baseline = reader.text_or_nothing(*compare, "baseline", "compare.");
+  if (const toml::node* node = compare->get("metrics")) {
+    study.metrics = reader.texts(*node, "compare.metrics");
+  }
+  if (const toml::table* goals = reader.table(*compare, "goal")) {
+    study.goals = read_goals(reader, *goals);
+  }
+  study.compare = reader.varied(*compare, "compare", {"case", "baseline", "metrics", "goal"});
+  for (const VariedKey& key : study.compare) {
+    if (!key.distribution) continue;
+    throw std::invalid_argument(key.place + ": candidates are values");
+  }
+}
+
+// What fits together, whatever the scenario.
+void check(const StudyReader& reader, const toml::table& tables, const Study& study) {
+  const bool draws = study.method != Method::grid && study.method != Method::list;
+  if (draws && study.vary.empty()) {
+    reader.fail(*tables.get("method"), "method", "there is nothing to draw: vary a key");
+  }
+  if (draws && study.samples == 0) {
+    reader.fail(*tables.get("method"), "samples", "is missing");
+  }
+  if (!draws && study.samples != 0) {
+    reader.fail(*tables.get("samples"), "samples",
+                "is of the methods that draw: random, lhs, sobol, saltelli");
+  }
+  for (const VariedKey& key : study.vary) {
+    const auto fail = [&](const std::string& reason) {
+      throw std::invalid_argument(key.place + ": " + reason);
+    };
+    if (!draws && key.distribution) {
+      fail("a distribution needs a method that draws: random, lhs, sobol or saltelli");
+    }
+    if (study.method == Method::list && key.values.size() != study.vary.front().values.size()) {
+      fail(fmt::format("has {} values, and {} has {}: a list needs as many of each",
+                       key.values.size(), study.vary.front().key,
+                       study.vary.front().values.size()));
+    }
+    for (const VariedKey& other : study.compare) {
+      if (other.key == key.key) fail("is varied and compared");
+    }
+    for (const std::string& set : study.sets) {
+      if (set.starts_with(key.key + "=")) fail("is set and varied");
+    }
+    const std::set<std::string> different(key.values.begin(), key.values.end());
+    if (study.method != Method::list && different.size() < key.values.size()) {
+      fail("a value is there twice");
+    }
+  }
+  for (const auto* keys : {&study.vary, &study.compare}) {
+    for (const VariedKey& key : *keys) {
+      if (key.key == "run.seed") throw std::invalid_argument(key.place + ": say seeds instead");
+    }
+  }
+}
+
+// Splits at commas outside of brackets and quotes.
+std::vector<std::string> split(const std::string& text) {
+  std::vector<std::string> parts(1);
+  int depth = 0;
+  char quote = 0;
+  for (const char c : text) {
+    if (quote != 0) {
+      if (c == quote) quote = 0;
+    } else if (c == '"' || c == '\'') {
+      quote = c;
+    } else if (c == '[' || c == '{' || c == '(') {
+      ++depth;
+    } else if (c == ']' || c == '}' || c == ')') {
+      --depth;
+    } else if (c == ',' && depth == 0) {
+      parts.emplace_back();
+      continue;
+    }
+    parts.back() += c;
+  }
+  return parts;
+}
+
+}  // namespace
+
+Study read_study(const toml::table& tables, const std::string& file) {
+  const StudyReader reader(file);
+  reader.allow(tables, "",
+               {"scenario", "config", "case", "set", "method", "samples", "sampling_seed", "seeds",
+                "keep", "on_failure", "vary", "compare", "slurm", "made_by"});
+  Study study;
+  const toml::node* scenario = tables.get("scenario");
+  if (scenario == nullptr) throw std::invalid_argument(file + ": scenario: is missing");
+  study.scenario = reader.text(*scenario, "scenario");
+  study.config = reader.text_or_nothing(tables, "config");
+  if (const toml::node* node = tables.get("case")) study.cases = reader.texts(*node, "case");
+  if (const toml::table* set = reader.table(tables, "set")) {
+    study.sets = reader.sets(*set, "set");
+  }
+  reader.choice(tables, "method", methods(), study.method);
+  if (const toml::node* node = tables.get("samples")) {
+    study.samples = static_cast<std::size_t>(reader.whole(*node, "samples", 1, kMostSamples));
+  }
+  if (const toml::node* node = tables.get("sampling_seed")) {
+    study.sampling_seed = static_cast<std::uint64_t>(
+        reader.whole(*node, "sampling_seed", 0, std::numeric_limits<std::int64_t>::max()));
+  }
+  if (const toml::node* node = tables.get("seeds")) study.seeds = reader.seeds(*node);
+  reader.choice(tables, "keep", keeps(), study.keep);
+  reader.choice(tables, "on_failure", failure_rules(), study.on_failure);
+  if (const toml::table* vary = reader.table(tables, "vary")) {
+    study.vary = reader.varied(*vary, "vary", {});
+  }
+  read_compare(reader, tables, study);
+  if (const toml::table* slurm = reader.table(tables, "slurm")) {
+    study.slurm = read_slurm(reader, *slurm);
+  }
+  check(reader, tables, study);
+  return study;
+}
+
+std::string Study::print() const {
+  std::string text = fmt::format("scenario = {}\n", toml_string(scenario));
+  const auto quoted = [](const std::vector<std::string>& texts) {
+    std::vector<std::string> all;
+    for (const std::string& one : texts) all.push_back(toml_string(one));
+    return fmt::format("[{}]", fmt::join(all, ", "));
+  };
+  if (!config.empty()) text += fmt::format("config = {}\n", toml_string(config));
+  text += fmt::format("method = {}\n", toml_string(name_of(methods(), method)));
+  if (samples > 0) {
+    text += fmt::format("samples = {}\nsampling_seed = {}\n", samples, sampling_seed);
+  }
+  if (!seeds.empty()) {
+    const bool is_range = seeds.back() - seeds.front() + 1 == seeds.size() &&
+                          std::is_sorted(seeds.begin(), seeds.end());
+    text += is_range
+                ? fmt::format("seeds = {{ first = {}, count = {} }}\n", seeds.front(), seeds.size())
+                : fmt::format("seeds = [{}]\n", fmt::join(seeds, ", "));
+  }
+  text += fmt::format("keep = {}\non_failure = {}\n", toml_string(name_of(keeps(), keep)),
+                      toml_string(name_of(failure_rules(), on_failure)));
+  if (!sets.empty()) text += "\n[set]\n";
+  for (const std::string& set : sets) {
+    const std::size_t equals = set.find('=');
+    text += fmt::format("{} = {}\n", toml_string(set.substr(0, equals)), set.substr(equals + 1));
+  }
+  if (!vary.empty()) text += "\n[vary]\n";
+  for (const VariedKey& key : vary) {
+    text += fmt::format("{} = {}\n", toml_string(key.key), key.written);
+  }
+  text += fmt::format("\n[compare]\ncase = {}\n", quoted(cases));
+  if (!baseline.empty()) text += fmt::format("baseline = {}\n", toml_string(baseline));
+  if (!metrics.empty()) text += fmt::format("metrics = {}\n", quoted(metrics));
+  for (const auto& [metric, goal] : goals) {
+    text +=
+        fmt::format("goal.{} = {}\n", toml_key(metric), toml_string(name_of(goal_names(), goal)));
+  }
+  for (const VariedKey& key : compare) {
+    text += fmt::format("{} = {}\n", toml_string(key.key), key.written);
+  }
+  text += "\n[slurm]\n";
+  const auto line = [&](const char* key, const std::string& value) {
+    if (!value.empty()) text += fmt::format("{} = {}\n", key, toml_string(value));
+  };
+  const auto lines = [&](const char* key, const std::vector<std::string>& values) {
+    if (!values.empty()) text += fmt::format("{} = {}\n", key, quoted(values));
+  };
+  line("account", slurm.account);
+  line("partition", slurm.partition);
+  line("constraint", slurm.constraint);
+  lines("modules", slurm.modules);
+  lines("environment", slurm.environment);
+  lines("options", slurm.options);
+  return text;
+}
+
+toml::table option_value(const std::string& option, const std::string& text) {
+  if (is_value_list(text)) return toml::table{{"value", text}};
+  for (const auto& [name, kind] : distributions()) {
+    if (!text.starts_with(name + "(") || !text.ends_with(")")) continue;
+    const std::string inside = text.substr(name.size() + 1, text.size() - name.size() - 2);
+    if (auto table = parse_toml_value(fmt::format("{{ {} = [{}] }}", name, inside), option)) {
+      return *table;
+    }
+    throw std::invalid_argument(option + ": " + text + ": must be " + name + "(A,B)");
+  }
+  toml::array values;
+  for (const std::string& part : split(text)) {
+    if (part.empty()) throw std::invalid_argument(option + ": " + text + ": a value is missing");
+    const auto parsed = parse_toml_value(part, option);
+    if (parsed) {
+      values.push_back(*parsed->get("value"));
+    } else {
+      values.push_back(part);  // a bare word
+    }
+  }
+  return toml::table{{"value", std::move(values)}};
+}
+
+std::vector<std::uint64_t> parse_seeds(const std::string& text) {
+  const auto fail = [&]() -> std::vector<std::uint64_t> {
+    throw std::invalid_argument("--seeds: " + text + ": must be 1..20 or 1,4,7");
+  };
+  const auto number = [&](std::string_view part) {
+    std::uint64_t value = 0;
+    const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), value);
+    if (error != std::errc() || end != part.data() + part.size() || value >> 62 != 0) fail();
+    return value;
+  };
+  const std::string_view all = text;
+  if (const std::size_t dots = all.find(".."); dots != std::string_view::npos) {
+    const std::uint64_t first = number(all.substr(0, dots));
+    const std::uint64_t last = number(all.substr(dots + 2));
+    if (last < first || last - first >= kMostSeeds) return fail();
+    std::vector<std::uint64_t> seeds;
+    for (std::uint64_t seed = first; seed <= last; ++seed) seeds.push_back(seed);
+    return seeds;
+  }
+  std::vector<std::uint64_t> seeds;
+  for (const std::string& part : split(text)) seeds.push_back(number(part));
+  return seeds;
+}
+
+}  // namespace breakwater

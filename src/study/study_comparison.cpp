@@ -1,0 +1,116 @@
+#include <breakwater/study/study_comparison.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <set>
+#include <stdexcept>
+#include <unordered_map>
+
+#include <breakwater/record/file_hash.h>
+#include <breakwater/scenario/config.h>
+
+namespace breakwater {
+namespace {
+
+constexpr std::size_t kMostWithoutBaseline = 20;
+constexpr double kMostCompared = 2e8;
+
+// In the order in which the points first have them.
+std::vector<std::string> metrics_of(const ShardIndex& index) {
+  std::vector<std::string> metrics;
+  std::set<std::string> known;
+  for (std::size_t point = 0; point < index.points(); ++point) {
+    if (!index.has(point)) continue;
+    for (const auto& [name, value] : index.read(point).metrics) {
+      if (known.insert(name).second) metrics.push_back(name);
+    }
+  }
+  return metrics;
+}
+
+// All that a run left: two of the same are one.
+std::string outcome(const PointResult& result) {
+  std::string text = name_of(result.status) + result.state_hash;
+  for (const auto& [name, value] : result.metrics) text += fmt::format(" {}={:.17g}", name, value);
+  return text;
+}
+
+}  // namespace
+
+PairedResults paired_results(const Plan& plan, const ShardIndex& index) {
+  const Study& study = plan.study();
+  PairedResults results;
+  for (const Candidate& candidate : plan.candidates()) {
+    if (candidate.label == study.baseline) results.baseline = results.candidates.size();
+    results.candidates.push_back(candidate.label);
+  }
+  results.metrics = study.metrics.empty() ? metrics_of(index) : study.metrics;
+  results.goals = study.goals;
+  const std::size_t k = plan.candidates().size();
+  const std::size_t all = plan.size() / k;
+  if (static_cast<double>(plan.size()) * static_cast<double>(results.metrics.size()) >
+      kMostCompared) {
+    throw std::invalid_argument(
+        fmt::format("compare.metrics: {} metrics of {} runs are too many to compare: name some",
+                    results.metrics.size(), plan.size()));
+  }
+  std::unordered_map<std::string, std::size_t> columns;
+  for (std::size_t i = 0; i < results.metrics.size(); ++i) columns.emplace(results.metrics[i], i);
+
+  const auto rows = static_cast<Eigen::Index>(all), width = static_cast<Eigen::Index>(k);
+  results.failed = Eigen::MatrixXd::Zero(rows, width);
+  results.values.assign(
+      results.metrics.size(),
+      Eigen::MatrixXd::Constant(rows, width, std::numeric_limits<double>::quiet_NaN()));
+  Eigen::Index kept = 0;
+  std::set<std::string> worlds_of_sample;
+  for (std::size_t world = 0; world < all; ++world) {
+    if (world % plan.seeds() == 0) worlds_of_sample.clear();
+    std::vector<PointResult> runs;
+    std::vector<std::string> outcomes;
+    for (std::size_t c = 0; c < k && index.has(world * k + c); ++c) {
+      runs.push_back(index.read(world * k + c));
+      outcomes.push_back(outcome(runs.back()));
+    }
+    if (runs.size() < k || !worlds_of_sample.insert(fingerprint(outcomes)).second) continue;
+    for (std::size_t c = 0; c < k; ++c) {
+      const auto column = static_cast<Eigen::Index>(c);
+      if (runs[c].status != PointStatus::complete) results.failed(kept, column) = 1.0;
+      for (const auto& [name, value] : runs[c].metrics) {
+        const auto found = columns.find(name);
+        if (found != columns.end()) results.values[found->second](kept, column) = value;
+      }
+    }
+    ++kept;
+  }
+  results.failed.conservativeResize(kept, Eigen::NoChange);
+  for (Eigen::MatrixXd& values : results.values) values.conservativeResize(kept, Eigen::NoChange);
+  return results;
+}
+
+std::optional<CandidateComparison> compare_study(const Plan& plan, const ShardIndex& index) {
+  const std::size_t candidates = plan.candidates().size();
+  if (candidates < 2) return std::nullopt;
+  if (plan.study().baseline.empty() && candidates > kMostWithoutBaseline) return std::nullopt;
+  return compare_candidates(paired_results(plan, index));
+}
+
+std::vector<std::string> unknown_metrics(const Plan& plan, const ShardIndex& index) {
+  std::vector<std::pair<std::string, std::string>> asked;
+  for (const std::string& name : plan.study().metrics)
+    asked.emplace_back("compare.metrics: " + name, name);
+  for (const auto& [name, goal] : plan.study().goals)
+    asked.emplace_back("compare.goal." + name, name);
+  if (asked.empty()) return {};
+  const std::vector<std::string> metrics = metrics_of(index);
+  std::vector<std::string> unknown;
+  for (const auto& [key, name] : asked) {
+    if (std::find(metrics.begin(), metrics.end(), name) != metrics.end()) continue;
+    unknown.push_back(fmt::format("{}: no run has it{}", key, did_you_mean(name, metrics)));
+  }
+  return unknown;
+}
+
+}  // namespace breakwater

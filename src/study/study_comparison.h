@@ -1,0 +1,27 @@
+// What a study compares, from its results.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <breakwater/study/paired_comparison.h>
+#include <breakwater/study/plan.h>
+#include <breakwater/study/shards.h>
+
+namespace breakwater {
+
+/// The candidates of a study, paired by sample and seed: each row is one world that all of them
+/// have met. Metrics are those of compare.metrics, or all that any run has. Seeds of one sample
+/// that changed nothing in any candidate's result are one world and not several. Throws
+/// std::invalid_argument if that is more than memory should hold.
+PairedResults paired_results(const Plan& plan, const ShardIndex& index);
+
+/// compare_candidates() of them; nothing if the study compares nothing: it has one candidate, or
+/// more than 20 and no baseline.
+std::optional<CandidateComparison> compare_study(const Plan& plan, const ShardIndex& index);
+
+/// Metrics that compare.metrics or compare.goal name and no run has, as they are to be said.
+std::vector<std::string> unknown_metrics(const Plan& plan, const ShardIndex& index);
+
+}  // namespace breakwater

@@ -1,0 +1,136 @@
+#include <breakwater/study/study_folder.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <sstream>
+#include <stdexcept>
+#include <vector>
+
+#include <breakwater/record/file_hash.h>
+#include <breakwater/record/partial_file.h>
+#include <breakwater/scenario/paths.h>
+#include <breakwater/scenario/toml_file.h>
+#include <breakwater/scenario/toml_text.h>
+#include <breakwater/version.h>
+
+namespace breakwater {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The first line of `now` that `then` has otherwise.
+std::string first_difference(const std::string& now, const std::string& then) {
+  std::istringstream old_lines(then);
+  std::vector<std::string> old;
+  for (std::string line; std::getline(old_lines, line);) old.push_back(line);
+  std::istringstream lines(now);
+  for (std::string line; std::getline(lines, line);) {
+    if (std::find(old.begin(), old.end(), line) == old.end()) return line;
+  }
+  return "something is left out";
+}
+
+// Whether there is nothing in a folder but what make() leaves where it was killed.
+bool is_begun(const fs::path& folder, const std::string& file) {
+  if (!fs::is_directory(folder)) return false;
+  return std::all_of(fs::directory_iterator(folder), fs::directory_iterator(),
+                     [&](const auto& entry) {
+                       const std::string name = entry.path().filename().string();
+                       return name.starts_with("." + file + ".") ||
+                              (name == "shards" && fs::is_empty(entry.path()));
+                     });
+}
+
+std::string made_by(const fs::path& file, const char* key) {
+  const toml::table table = parse_toml_file(file.string());
+  return table["made_by"][key].value_or(std::string());
+}
+
+}  // namespace
+
+bool StudyFolder::is_there() const {
+  return fs::exists(study_file());
+}
+
+void StudyFolder::make(const std::string& text, const ScenarioFile& file) const {
+  if (fs::exists(folder_) && !is_there() && !is_begun(folder_, file_)) {
+    throw std::invalid_argument(folder_.string() +
+                                ": holds something that is not a study; it is left alone");
+  }
+  std::error_code error;
+  fs::create_directories(shards(), error);
+  if (error) {
+    throw std::invalid_argument(
+        fmt::format("{}: cannot be made ({})", folder_.string(), error.message()));
+  }
+  replace_file(study_file(),
+               text + fmt::format("\n# What the results are of; it is gone on with nothing else.\n"
+                                  "[made_by]\nbreakwater = {}\ngit_commit = {}\nprogram = {}\n"
+                                  "scenario_file = {}\nworking_folder = {}\n",
+                                  toml_string(kVersion), toml_string(kGitCommit),
+                                  toml_string(program_hash()), toml_string(file_hash(file.file())),
+                                  toml_string(fs::current_path().string())));
+}
+
+Study StudyFolder::study() const {
+  return read_study(parse_toml_file(study_file().string()), study_file().string());
+}
+
+fs::path StudyFolder::working_folder() const {
+  return made_by(study_file(), "working_folder");
+}
+
+void StudyFolder::check_is(const Study& study) const {
+  // Where it runs changes no result: another account or time limit is the same study.
+  const auto print = [](Study of) {
+    of.slurm = {};
+    return of.print();
+  };
+  check_is(print(study), print(this->study()));
+}
+
+void StudyFolder::check_is(const std::string& now, const std::string& then) const {
+  if (now == then) return;
+  throw std::invalid_argument(
+      fmt::format("{}: holds another study: here it is `{}`; leave it be "
+                  "with another --out",
+                  folder_.string(), first_difference(now, then)));
+}
+
+void StudyFolder::check_made_by_this(const ScenarioFile& file, const ShardIndex& index) const {
+  const auto fail = [&](const std::string& what) {
+    throw std::invalid_argument(
+        fmt::format("{}: {}: go on with what it was begun with, or begin anew with --rerun",
+                    folder_.string(), what));
+  };
+  check_is_ours();
+  if (made_by(study_file(), "program") != program_hash()) {
+    fail(fmt::format("its results are of another program (breakwater {}, {})",
+                     made_by(study_file(), "breakwater"), made_by(study_file(), "git_commit")));
+  }
+  if (made_by(study_file(), "scenario_file") != file_hash(file.file())) {
+    fail(file.file() + " has changed since");
+  }
+  for (const auto& [name, hash] : index.models()) {
+    const auto found = find_file(name, folder_);
+    if (!found || file_hash(*found) != hash) fail(name + " has changed since");
+  }
+}
+
+void StudyFolder::clear() const {
+  check_is_ours();
+  for (const char* name : {"shards", "runs", "slurm", "front", "results.csv", "results.sqlite",
+                           "comparison.csv", "front.csv", "indices.csv", "report.html"}) {
+    fs::remove_all(folder_ / name);
+  }
+}
+
+void StudyFolder::check_is_ours() const {
+  if (!made_by(study_file(), "program").empty()) return;
+  throw std::invalid_argument(
+      fmt::format("{}: was not left by a study: the study's folder must be another (--out)",
+                  study_file().string()));
+}
+
+}  // namespace breakwater

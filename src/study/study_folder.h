@@ -1,0 +1,54 @@
+// A study's folder: which study it is, and what made it.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include <breakwater/scenario/catalogue.h>
+#include <breakwater/study/plan.h>
+#include <breakwater/study/shards.h>
+
+namespace breakwater {
+
+/// DIR with study.toml (of a tuning: tune.toml), shards/, runs/ and what is collected
+/// from them. It may lie on a file system
+/// that many computers share: no file is written by two processes, none is locked.
+class StudyFolder {
+ public:
+  explicit StudyFolder(std::filesystem::path folder, std::string file = "study.toml")
+      : folder_(std::move(folder)), file_(std::move(file)) {}
+
+  const std::filesystem::path& path() const { return folder_; }
+  std::filesystem::path study_file() const { return folder_ / file_; }
+  std::filesystem::path shards() const { return folder_ / "shards"; }
+  std::filesystem::path run(const std::string& key) const { return folder_ / "runs" / key; }
+
+  bool is_there() const;
+  /// Makes the folder with its study.toml. Throws std::invalid_argument if DIR holds something
+  /// else, OutputError if it cannot be written.
+  void make(const Study& study, const ScenarioFile& file) const { make(study.print(), file); }
+  /// The same of a text that is the file.
+  void make(const std::string& text, const ScenarioFile& file) const;
+  /// The study that it holds. Throws std::invalid_argument.
+  Study study() const;
+  /// Where it was begun, from which relative names of files count.
+  std::filesystem::path working_folder() const;
+  /// Throws std::invalid_argument, one line, unless it holds this very study.
+  void check_is(const Study& study) const;
+  /// The same of texts: what is to be, and what it holds.
+  void check_is(const std::string& now, const std::string& then) const;
+  /// Throws std::invalid_argument, one line, unless this program made its results, of the scenario
+  /// file and the models that are there now.
+  void check_made_by_this(const ScenarioFile& file, const ShardIndex& index) const;
+  /// Removes the results, so that it begins anew; nothing of a user's own. Throws
+  /// std::invalid_argument if no study left its study.toml.
+  void clear() const;
+
+ private:
+  void check_is_ours() const;
+
+  std::filesystem::path folder_;
+  std::string file_;
+};
+
+}  // namespace breakwater

@@ -1,0 +1,641 @@
+#include <breakwater/study/sweep_command.h>
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <csignal>
+#include <filesystem>
+#include <optional>
+#include <set>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <breakwater/record/partial_file.h>
+#include <breakwater/scenario/all_cores.h>
+#include <breakwater/scenario/child_program.h>
+#include <breakwater/scenario/paths.h>
+#include <breakwater/scenario/process.h>
+#include <breakwater/scenario/progress.h>
+#include <breakwater/scenario/table.h>
+#include <breakwater/scenario/toml_file.h>
+#include <breakwater/study/comparison_table.h>
+#include <breakwater/study/isolated.h>
+#include <breakwater/study/slurm.h>
+#include <breakwater/study/slurm_queue.h>
+#include <breakwater/study/study_comparison.h>
+#include <breakwater/study/sweep.h>
+
+namespace breakwater {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct SweepArguments {
+  std::string target;
+  std::vector<std::string> cases;
+  std::string config;
+  std::vector<std::string> sets;
+  std::string duration;
+  std::vector<std::string> vary;
+  std::string seeds;
+  std::string method;
+  std::string samples;
+  std::string sampling_seed;
+  std::string baseline;
+  std::vector<std::string> metrics;
+  std::vector<std::string> goals;
+  std::string keep;
+  std::string on_failure;
+  std::string out;
+  std::size_t jobs = 0;
+  bool isolate = false;
+  bool rerun = false;
+  bool dry_run = false;
+  bool status = false;
+  bool collect = false;
+  std::string replay;
+  bool sqlite = false;
+  bool quiet = false;
+  bool slurm = false;
+  bool print_tasks = false;
+  SlurmRequest request;
+  std::string points;
+  bool announce = false;
+};
+
+void describe(CLI::App& app, SweepArguments& arguments) {
+  app.add_option("TARGET", arguments.target,
+                 "a scenario, a study file, or the folder of a study, to go on with it")
+      ->required();
+  const std::string what = "What is run (in a study file: the keys of these names)";
+  app.add_option("--case", arguments.cases, "the case; several, or all, are compared")
+      ->type_name("NAME[,NAME...]")
+      ->delimiter(',')
+      ->group(what);
+  app.add_option("--config", arguments.config, "another scenario file")
+      ->type_name("FILE")
+      ->group(what);
+  app.add_option("--set", arguments.sets, "a key of every run")
+      ->type_name("KEY=VALUE")
+      ->group(what);
+  app.add_option("--duration", arguments.duration, "the same as --set run.duration_s=S")
+      ->type_name("S")
+      ->group(what);
+  app.add_option("--vary", arguments.vary,
+                 "a key and what it takes: 1,2,5 or lin(A,B,N), log(A,B,N); of the methods that\n"
+                 "draw also uniform(A,B), log_uniform(A,B), normal(MEAN,DEVIATION)")
+      ->type_name("KEY=VALUES")
+      ->allow_extra_args(false)
+      ->group(what);
+  app.add_option("--seeds", arguments.seeds, "the same for each sample and case: 1..20 or 1,4,7")
+      ->type_name("SEEDS")
+      ->group(what);
+  app.add_option("--method", arguments.method,
+                 "how values are put together: grid (the default), list, random, lhs, sobol,\n"
+                 "saltelli (for sensitivity indices)")
+      ->type_name("NAME")
+      ->group(what);
+  app.add_option("--samples", arguments.samples, "how many are drawn")->type_name("N")->group(what);
+  app.add_option("--sampling-seed", arguments.sampling_seed, "of what is drawn (default: 1)")
+      ->type_name("N")
+      ->group(what);
+  app.add_option("--baseline", arguments.baseline, "the case that others are compared with")
+      ->type_name("NAME")
+      ->group(what);
+  app.add_option("--metrics", arguments.metrics, "what is compared (default: all metrics)")
+      ->type_name("NAME[,NAME...]")
+      ->delimiter(',')
+      ->group(what);
+  app.add_option("--goal", arguments.goals,
+                 "what is better in a metric: METRIC=min or METRIC=max; may be given again")
+      ->type_name("METRIC=GOAL")
+      ->allow_extra_args(false)
+      ->group(what);
+  app.add_option("--keep", arguments.keep,
+                 "whose folders, with logs: metrics (none, the default), failed, all")
+      ->type_name("WHAT")
+      ->group(what);
+  app.add_option("--on-failure", arguments.on_failure,
+                 "a failed run is a result (count, the default), or ends the study (stop)")
+      ->type_name("WHAT")
+      ->group(what);
+
+  const std::string how = "How";
+  app.add_option("--out", arguments.out, "the study's folder (default: studies/NAME)")
+      ->type_name("DIR")
+      ->group(how);
+  app.add_option("--jobs", arguments.jobs, "how many runs at a time (default: all cores)")
+      ->type_name("N")
+      ->check(CLI::Range(1, 4096))
+      ->group(how);
+  app.add_flag("--isolate", arguments.isolate,
+               "in processes of their own: a run that crashes is one failed run")
+      ->group(how);
+  app.add_flag("--dry-run", arguments.dry_run,
+               "count the runs, say how long they will take, from one of each case, and exit")
+      ->group(how);
+  app.add_flag("--rerun", arguments.rerun, "remove what is there and begin anew")->group(how);
+  app.add_flag("--sqlite", arguments.sqlite, "write results.sqlite as well")->group(how);
+  app.add_flag("--quiet", arguments.quiet, "print errors only")->group(how);
+
+  const std::string with = "With a study that was begun";
+  app.add_flag("--status", arguments.status, "say what is done, and exit")->group(with);
+  app.add_flag("--collect", arguments.collect, "write results.csv of what is done, and exit")
+      ->group(with);
+  app.add_option("--replay", arguments.replay,
+                 "run this point once more, with its log, into DIR/runs/POINT")
+      ->type_name("POINT")
+      ->group(with);
+  app.add_option("--points", arguments.points,
+                 "run these points alone (0-99,120, or @FILE:LINE), as a task of a scheduler does")
+      ->type_name("LIST")
+      ->group(with);
+  app.add_flag("--announce", arguments.announce)->group("");  // for --isolate
+
+  for (const char* option : {"--replay", "--points", "--status", "--collect"}) {
+    app.get_option("--rerun")->excludes(app.get_option(option));
+  }
+
+  const std::string cluster = "On a cluster";
+  app.add_flag("--slurm", arguments.slurm, "submit what is left to do as one array job")
+      ->group(cluster);
+  app.add_option("--tasks", arguments.request.tasks, "how many tasks (default: by --minutes)")
+      ->type_name("N")
+      ->check(CLI::Range(1, 1000000))
+      ->group(cluster);
+  app.add_option("--minutes", arguments.request.minutes, "how long a task is to take (default: 30)")
+      ->type_name("M")
+      ->check(CLI::PositiveNumber)
+      ->group(cluster);
+  app.add_option("--parallel", arguments.request.parallel, "how many tasks at a time")
+      ->type_name("M")
+      ->check(CLI::Range(1, 1000000))
+      ->group(cluster);
+  app.add_option("--sbatch", arguments.request.options, "further options of sbatch")
+      ->type_name("OPTIONS")
+      ->allow_extra_args(false)
+      ->group(cluster);
+  app.add_flag("--wait", arguments.request.wait, "until all tasks have ended; then collect")
+      ->group(cluster);
+  app.add_flag("--print-tasks", arguments.print_tasks,
+               "print what is left to do as commands, one a line, for any other scheduler")
+      ->group(cluster);
+  app.footer(
+      "It leaves study.toml, results.csv (one row a run), comparison.csv (of several cases) and\n"
+      "report.html in the study's folder.\n"
+      "The same command goes on where it was, whatever ended it.\n"
+      "Exit status: 0 all runs are done, 1 a defect, 2 usage or input, 3 a run failed (with\n"
+      "--on-failure stop), 130 interrupted.");
+}
+
+// Takes a key out of a table, whether its file writes "a.b" = 1 or a.b = 1.
+void take_out(toml::table& table, const std::string& key) {
+  table.erase(key);
+  const std::size_t dot = key.find('.');
+  if (dot == std::string::npos) return;
+  const std::string first = key.substr(0, dot);
+  toml::node* inner = table.get(first);
+  if (inner == nullptr || !inner->is_table()) return;
+  take_out(*inner->as_table(), key.substr(dot + 1));
+  if (inner->as_table()->empty()) table.erase(first);
+}
+
+// The options as the tables of a study file, on top of what `tables` has.
+void add_options(const SweepArguments& arguments, toml::table& tables) {
+  const auto table = [&](const char* name) -> toml::table& {
+    if (!tables.contains(name)) tables.insert(name, toml::table{});
+    if (tables.get(name)->is_table()) return *tables.get(name)->as_table();
+    throw std::invalid_argument(arguments.target + ": " + name + ": must be a table");
+  };
+  const auto pair = [](const std::string& option, const std::string& text) {
+    const std::size_t equals = text.find('=');
+    if (equals == std::string::npos || equals == 0 || equals + 1 == text.size()) {
+      throw std::invalid_argument(option + ": " + text + ": must be of the form KEY=VALUE");
+    }
+    return std::pair(text.substr(0, equals), text.substr(equals + 1));
+  };
+  const auto put = [](toml::table& into, const std::string& key, const toml::node& value) {
+    into.insert_or_assign(key, value);
+  };
+  const auto put_number = [&](const char* key, const char* option, const std::string& text) {
+    if (text.empty()) return;
+    const auto value = parse_toml_value(text, option);
+    if (!value) throw std::invalid_argument(fmt::format("{}: {}: must be a number", option, text));
+    put(tables, key, *value->get("value"));
+  };
+  const auto put_text = [&](toml::table& into, const char* key, const std::string& text) {
+    if (!text.empty()) into.insert_or_assign(key, text);
+  };
+
+  if (!arguments.cases.empty()) {
+    toml::array names;
+    for (const std::string& name : arguments.cases) names.push_back(name);
+    tables.erase("case");
+    table("compare").insert_or_assign("case", std::move(names));
+  }
+  if (!arguments.config.empty()) {
+    tables.insert_or_assign("config", fs::absolute(arguments.config).lexically_normal().string());
+  }
+  std::vector<std::string> sets = arguments.sets;
+  if (!arguments.duration.empty()) sets.push_back("run.duration_s=" + arguments.duration);
+  for (const std::string& set : sets) {
+    const auto [key, text] = pair("--set", set);
+    const auto parsed = parse_toml_value(text, "--set: " + key);
+    take_out(table("set"), key);
+    if (parsed) {
+      put(table("set"), key, *parsed->get("value"));
+    } else {
+      table("set").insert_or_assign(key, text);  // a bare word
+    }
+  }
+  std::set<std::string> varied;
+  for (const std::string& vary : arguments.vary) {
+    const auto [key, text] = pair("--vary", vary);
+    if (!varied.insert(key).second) {
+      throw std::invalid_argument("--vary: " + key + ": is given twice");
+    }
+    const toml::table value = option_value("--vary: " + key, text);
+    take_out(table("vary"), key);
+    put(table("vary"), key, *value.get("value"));
+  }
+  if (!arguments.seeds.empty()) {
+    toml::array seeds;
+    for (const std::uint64_t seed : parse_seeds(arguments.seeds)) {
+      seeds.push_back(static_cast<std::int64_t>(seed));
+    }
+    tables.insert_or_assign("seeds", std::move(seeds));
+  }
+  put_text(tables, "method", arguments.method);
+  put_number("samples", "--samples", arguments.samples);
+  put_number("sampling_seed", "--sampling-seed", arguments.sampling_seed);
+  if (!arguments.baseline.empty()) put_text(table("compare"), "baseline", arguments.baseline);
+  if (!arguments.metrics.empty()) {
+    toml::array names;
+    for (const std::string& name : arguments.metrics) names.push_back(name);
+    table("compare").insert_or_assign("metrics", std::move(names));
+  }
+  for (const std::string& text : arguments.goals) {
+    const auto [metric, goal] = pair("--goal", text);
+    toml::table& compare = table("compare");
+    if (!compare["goal"].is_table()) compare.insert_or_assign("goal", toml::table{});
+    compare["goal"].as_table()->insert_or_assign(metric, goal);
+  }
+  put_text(tables, "keep", arguments.keep);
+  put_text(tables, "on_failure", arguments.on_failure);
+}
+
+// Whether any option says what is run.
+bool says_what(const SweepArguments& a) {
+  return !a.cases.empty() || !a.config.empty() || !a.sets.empty() || !a.duration.empty() ||
+         !a.vary.empty() || !a.seeds.empty() || !a.method.empty() || !a.samples.empty() ||
+         !a.sampling_seed.empty() || !a.baseline.empty() || !a.metrics.empty() ||
+         !a.goals.empty() || !a.keep.empty() || !a.on_failure.empty() || !a.out.empty();
+}
+
+struct Opened {
+  Study study;
+  StudyFolder folder;
+  bool is_folder = false;  // the target was the study's folder itself
+};
+
+Opened open_target(const Catalogue& catalogue, const SweepArguments& arguments) {
+  const fs::path target = arguments.target;
+  if (fs::is_directory(target) && !catalogue.has<ScenarioKind>(arguments.target)) {
+    const StudyFolder folder(fs::absolute(target).lexically_normal());
+    if (!folder.is_there()) {
+      throw std::invalid_argument(arguments.target +
+                                  ": has no study.toml: it is no study's folder");
+    }
+    if (says_what(arguments)) {
+      throw std::invalid_argument(arguments.target +
+                                  ": is a study's folder, and its study.toml says what is run: "
+                                  "leave --case, --vary, --out and the like out");
+    }
+    return {folder.study(), folder, true};
+  }
+  toml::table tables;
+  std::string name = arguments.target;
+  std::optional<fs::path> file;
+  if (fs::is_regular_file(target)) file = target;
+  // Those that Breakwater brings with it are found from everywhere.
+  if (!file && target.extension() == ".toml") file = look_for(arguments.target);
+  if (file) {
+    tables = parse_toml_file(file->string());
+    name = file->stem().string();
+    // From where the file lies, as the paths of a scenario file are.
+    if (const auto config = tables["config"].value<std::string>()) {
+      const fs::path beside = fs::absolute(*file).parent_path() / *config;
+      if (fs::exists(beside)) {
+        tables.insert_or_assign("config", beside.lexically_normal().string());
+      }
+    }
+    tables.erase("made_by");  // of a study whose file this was
+  } else if (target.extension() == ".toml" || arguments.target.find('/') != std::string::npos) {
+    throw std::invalid_argument(arguments.target + ": there is no such file or folder");
+  } else {
+    tables.insert_or_assign("scenario", catalogue.get<ScenarioKind>(arguments.target).name);
+  }
+  add_options(arguments, tables);
+  const fs::path out = arguments.out.empty() ? fs::path("studies") / name : fs::path(arguments.out);
+  return {read_study(tables, file ? file->string() : arguments.target),
+          StudyFolder(fs::absolute(out).lexically_normal()), false};
+}
+
+std::string duration_text(double seconds) {
+  if (seconds < 90.0) return fmt::format("{:.1f} s", seconds);
+  if (seconds < 5400.0) return fmt::format("{:.0f} min", seconds / 60.0);
+  if (seconds < 172800.0) return fmt::format("{:.1f} h", seconds / 3600.0);
+  return fmt::format("{:.1f} days", seconds / 86400.0);
+}
+
+std::string counted(const ShardIndex& index) {
+  std::string text = fmt::format("{} of {} points are done", index.done(), index.points());
+  std::vector<std::string> kinds;
+  for (const auto status : {PointStatus::failed, PointStatus::refused, PointStatus::crashed}) {
+    if (index.count(status) > 0) {
+      kinds.push_back(fmt::format("{} {}", index.count(status), name_of(status)));
+    }
+  }
+  if (!kinds.empty()) text += fmt::format("; of these {}", fmt::join(kinds, ", "));
+  return text;
+}
+
+void print_dry_run(const Sweep& sweep, const SweepArguments& arguments) {
+  const Plan& plan = sweep.plan();
+  fmt::print("{} runs: {} samples, {} seed{}, {} candidate{}\n", plan.size(), plan.samples(),
+             plan.seeds(), plan.seeds() == 1 ? "" : "s", plan.candidates().size(),
+             plan.candidates().size() == 1 ? "" : "s");
+  std::fflush(stdout);
+  const Estimate time = estimate(sweep, interrupted());
+  Table table({"candidate", "one run"});
+  for (std::size_t c = 0; c < time.of_candidate.size(); ++c) {
+    table.add({plan.candidates()[c].label, fmt::format("{:.3g} s", time.of_candidate[c])});
+  }
+  const std::size_t jobs = arguments.jobs > 0 ? arguments.jobs : usable_cores();
+  fmt::print("\n{}\nabout {} on {} core{} ({} of processor time)\n", table.print(output_width()),
+             duration_text(time.seconds / static_cast<double>(jobs)), jobs, jobs == 1 ? "" : "s",
+             duration_text(time.seconds));
+}
+
+void print_status(const StudyFolder& folder, const ShardIndex& index) {
+  fmt::print("{}: {}\n", folder.path().string(), counted(index));
+  if (index.done() > 0 && index.done() < index.points()) {
+    const double each = index.cost_s() / static_cast<double>(index.done());
+    fmt::print("{} of processor time to go\n",
+               duration_text(each * static_cast<double>(index.points() - index.done())));
+  }
+  print_slurm_status(folder, index);
+}
+
+void collect(const Plan& plan, const StudyFolder& folder, const StudyExtras& extras,
+             const SweepArguments& arguments) {
+  const ShardIndex index(folder.shards(), plan.size());
+  const ResultsTable table(plan, index);
+  const fs::path csv = folder.path() / "results.csv";
+  table.write_csv(csv);
+  const fs::path sqlite = folder.path() / "results.sqlite";
+  if (arguments.sqlite || fs::exists(sqlite)) table.write_sqlite(sqlite);
+  for (const std::string& line : unknown_metrics(plan, index)) {
+    fmt::print(stderr, "{}: {}\n", kSweep, line);
+  }
+  const auto comparison = compare_study(plan, index);
+  const fs::path compared = folder.path() / "comparison.csv";
+  if (comparison) replace_file(compared, comparison_csv(*comparison));
+  if (extras.write_report) extras.write_report(plan, index, folder);
+  if (arguments.quiet) return;
+  if (comparison) {
+    fmt::print("{}\n", comparison_text(*comparison, output_width()));
+  }
+  fmt::print("{}\nresults: {}\n", counted(index), csv.string());
+  if (comparison) fmt::print("comparison: {}\n", compared.string());
+  if (extras.write_report) fmt::print("report: {}\n", (folder.path() / "report.html").string());
+}
+
+// The first point that did not end well, in the study's order; nothing if all did.
+std::optional<PointResult> first_failure(const ShardIndex& index) {
+  for (std::size_t point = 0; point < index.points(); ++point) {
+    if (!index.has(point)) continue;
+    PointResult result = index.read(point);
+    if (result.status != PointStatus::complete) return result;
+  }
+  return std::nullopt;
+}
+
+// A study that is to stop at the first failure: says so, if there was one.
+bool has_to_stop(const Plan& plan, const StudyFolder& folder) {
+  if (plan.study().on_failure == OnFailure::count) return false;
+  const ShardIndex index(folder.shards(), plan.size());
+  const auto failure = first_failure(index);
+  if (!failure) return false;
+  fmt::print(stderr, "{}: point {} {}: {}\n", kSweep, failure->key, name_of(failure->status),
+             failure->reason);
+  return true;
+}
+
+int run_here(const Sweep& sweep, const StudyFolder& folder, const std::vector<std::size_t>& points,
+             const SweepArguments& arguments, bool is_task) {
+  Shard shard(folder.shards());
+  std::atomic<bool> stop = false;
+  ExecutorOptions options;
+  options.threads = is_task && arguments.jobs == 0 ? task_threads() : arguments.jobs;
+  options.finishes_runs = is_task;
+  options.stop = &interrupted();
+  const bool stops = sweep.plan().study().on_failure == OnFailure::stop;
+  options.on_result = [&](const PointResult& result) {
+    if (arguments.announce) {
+      fmt::print("end {} {}\n", result.number, name_of(result.status));
+      std::fflush(stdout);
+    }
+    if (stops && result.status != PointStatus::complete) stop = true;
+  };
+  if (arguments.announce) {
+    options.on_begin = [](std::size_t point) {
+      fmt::print("begin {}\n", point);
+      std::fflush(stdout);
+    };
+  }
+  if (stops) options.is_over = [&] { return stop.load(); };
+  Progress progress(kSweep, std::vector<double>(points.size(), 1.0),
+                    arguments.quiet || arguments.announce);
+  options.progress = [&](std::size_t i, double done) { progress.update(i, done); };
+  const std::size_t ran = arguments.isolate ? run_isolated(points, sweep, folder, shard, options)
+                                            : run_points(points, sweep, shard, options);
+  // Fewer may have been run because another process has run them.
+  return ran == points.size() || stop || !interrupted() ? kSuccess : kInterrupted;
+}
+
+// What is in the queue is not run twice: leaves it out of `points`, and says so.
+void leave_out_queued(std::vector<std::size_t>& points, const Plan& plan, const StudyFolder& folder,
+                      const SweepArguments& arguments) {
+  if (points.empty()) return;
+  Queued queue;
+  try {
+    queue = queued(folder, plan.size());
+  } catch (const std::invalid_argument& error) {
+    if (arguments.slurm) throw;
+    fmt::print(stderr, "{}: whether tasks of it are in a queue is not known here ({})\n", kSweep,
+               one_line(error.what()));
+    return;
+  }
+  const std::size_t left =
+      std::erase_if(points, [&](std::size_t point) { return queue.points[point]; });
+  if (left == 0) return;
+  const std::string text = fmt::format("{} points are still in the queue ({})", left, queue.text);
+  if (!arguments.slurm && !arguments.print_tasks) {
+    throw std::invalid_argument(
+        fmt::format("{}: {}: --status says how far it is; to go on here, end it first with scancel",
+                    folder.path().string(), text));
+  }
+  if (!arguments.quiet) {
+    fmt::print(stderr, "{}: {}{}\n", kSweep, text,
+               points.empty() ? "; nothing else is left to submit" : "");
+  }
+}
+
+// Waits until the tasks have ended, and says so if points are missing then.
+int finish_on_cluster(const Plan& plan, const StudyFolder& folder) {
+  wait_for_queue(folder, plan.size());
+  if (interrupted()) {
+    fmt::print(stderr, "{}: interrupted; what is in the queue goes on\n", kSweep);
+    return kInterrupted;
+  }
+  const ShardIndex index(folder.shards(), plan.size());
+  const bool is_stopped = plan.study().on_failure == OnFailure::stop && first_failure(index);
+  if (index.done() == index.points() || is_stopped) return kSuccess;
+  fmt::print(stderr, "{}: the tasks have ended; {}; --status says why, the same command goes on\n",
+             kSweep, counted(index));
+  return kInterrupted;
+}
+
+int go_on(const Sweep& sweep, const StudyFolder& folder, const SweepArguments& arguments,
+          const StudyExtras& extras) {
+  const Plan& plan = sweep.plan();
+  if (has_to_stop(plan, folder)) return kRunFailed;
+  std::vector<std::size_t> points;
+  {
+    const ShardIndex index(folder.shards(), plan.size());
+    points = pending(index);
+    if (!arguments.quiet && index.done() > 0 && !points.empty()) {
+      fmt::print(stderr, "{}: {}\n", kSweep, counted(index));
+    }
+  }
+  const bool is_done = points.empty();
+  leave_out_queued(points, plan, folder, arguments);
+  if (arguments.print_tasks) {
+    print_tasks(folder, points, arguments.request);
+    return kSuccess;
+  }
+  if (arguments.slurm && !is_done) {
+    if (!points.empty()) submit(sweep, folder, points, arguments.request, arguments.quiet);
+    if (!arguments.request.wait) return kSuccess;
+    const int status = finish_on_cluster(plan, folder);
+    if (status != kSuccess) return status;
+  } else if (!points.empty()) {
+    const int status = run_here(sweep, folder, points, arguments, false);
+    if (status == kInterrupted) {
+      const ShardIndex index(folder.shards(), plan.size());
+      fmt::print(stderr, "{}: interrupted; {}; the same command goes on\n", kSweep, counted(index));
+      return kInterrupted;
+    }
+  }
+  collect(plan, folder, extras, arguments);
+  if (has_to_stop(plan, folder)) return kRunFailed;
+  const ShardIndex index(folder.shards(), plan.size());
+  if (index.done() < index.points()) {
+    throw OutputError(fmt::format("{}: {}: results were not kept, or somebody removed them",
+                                  folder.path().string(), counted(index)));
+  }
+  return kSuccess;
+}
+
+int sweep(const Catalogue& catalogue, const StudyExtras& extras, const SweepArguments& arguments) {
+  if (!arguments.points.empty()) {
+    stop_on_signals({SIGUSR1});  // a scheduler's warning that time is up
+  } else {
+    stop_on_signals();
+  }
+  Opened opened = open_target(catalogue, arguments);
+  StudyFolder& folder = opened.folder;
+  const bool only_looks = arguments.status || arguments.collect || !arguments.replay.empty() ||
+                          !arguments.points.empty();
+  if (opened.is_folder) fs::current_path(folder.working_folder());
+  Sweep sweep(catalogue, std::move(opened.study));
+  const Plan& plan = sweep.plan();
+
+  if (arguments.dry_run) {
+    sweep.check();
+    print_dry_run(sweep, arguments);
+    return kSuccess;
+  }
+  if (!folder.is_there() && only_looks) {
+    throw std::invalid_argument(folder.path().string() + ": has no study.toml: nothing was begun");
+  }
+  if (folder.is_there()) {
+    folder.check_is(plan.study());
+    const ShardIndex index(folder.shards(), plan.size());
+    if (arguments.status) {
+      print_status(folder, index);
+      return kSuccess;
+    }
+    if (arguments.collect) {
+      collect(plan, folder, extras, arguments);
+      return kSuccess;
+    }
+    if (arguments.rerun) {
+      if (const std::string queue = queued(folder, plan.size()).text; !queue.empty()) {
+        throw std::invalid_argument(
+            fmt::format("--rerun: {} is still in the queue ({}): end it first with scancel",
+                        folder.path().string(), queue));
+      }
+      sweep.check();  // while what is there is still there
+      folder.clear();
+      folder.make(plan.study(), sweep.file());
+    } else {
+      folder.check_made_by_this(sweep.file(), index);
+    }
+    if (!arguments.replay.empty()) {
+      const PointResult result = replay(sweep, folder, index, arguments.replay, interrupted());
+      if (!arguments.quiet) {
+        fmt::print("{}: {}\n", name_of(result.status), folder.run(result.key).string());
+      }
+      return kSuccess;
+    }
+  }
+  if (!folder.is_there()) {
+    sweep.check();
+    folder.make(plan.study(), sweep.file());
+  }
+  sweep.keep_in(folder);
+  if (!arguments.points.empty()) {
+    const ShardIndex index(folder.shards(), plan.size());
+    std::vector<std::size_t> points = points_of_task(arguments.points, plan.size());
+    std::sort(points.begin(), points.end());
+    points.erase(std::unique(points.begin(), points.end()), points.end());
+    std::erase_if(points, [&](std::size_t point) { return index.has(point); });
+    if (!arguments.announce && has_to_stop(plan, folder)) return kRunFailed;
+    const int status = run_here(sweep, folder, points, arguments, true);
+    if (status == kInterrupted && !arguments.announce) {
+      fmt::print(stderr, "{}: interrupted before all points of this task were run\n", kSweep);
+    }
+    if (!arguments.announce && has_to_stop(plan, folder)) return kRunFailed;
+    return status;
+  }
+  return go_on(sweep, folder, arguments, extras);
+}
+
+}  // namespace
+
+int sweep_main(const Catalogue& catalogue, const StudyExtras& extras, int argc,
+               const char* const* argv) {
+  return guarded(kSweep, [&] {
+    CLI::App app(own_program_name() + " sweep: very many runs, as one table.", kSweep);
+    SweepArguments arguments;
+    describe(app, arguments);
+    if (const auto status = parse(app, argc, argv)) return *status;
+    if (arguments.isolate) arguments.request.of_task = {"--isolate"};
+    return sweep(catalogue, extras, arguments);
+  });
+}
+
+}  // namespace breakwater

@@ -1,0 +1,74 @@
+#include <breakwater/study/value_list.h>
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <regex>
+#include <stdexcept>
+
+#include <breakwater/math/functions.h>
+
+namespace breakwater {
+namespace {
+
+constexpr double kMostValues = 1e7;
+
+std::optional<double> read_number(const std::string& text) {
+  double number = 0.0;
+  const char* const end = text.data() + text.size();
+  const auto result = std::from_chars(text.data(), end, number);
+  if (result.ec != std::errc() || result.ptr != end || !std::isfinite(number)) return std::nullopt;
+  return number;
+}
+
+// The number of 12 digits next to x, if what lies between is rounding: a few units in the last
+// place.
+double without_rounding(double x) {
+  const double written = *read_number(fmt::format("{:.12g}", x));
+  const double rounding = 4.0 * std::numeric_limits<double>::epsilon() * std::abs(x);
+  return std::abs(written - x) <= rounding ? written : x;
+}
+
+}  // namespace
+
+bool is_value_list(const std::string& text) {
+  return std::regex_search(text, std::regex(R"(^\s*(lin|log)\s*\()"));
+}
+
+std::vector<double> value_list(const std::string& text) {
+  const std::string number = R"(\s*([^\s,()]+)\s*)";
+  const std::regex rule(R"(\s*(lin|log)\s*\()" + number + "," + number + "," + number + R"(\)\s*)");
+  const auto refuse = [&](const std::string& reason) {
+    throw std::invalid_argument("\"" + text + "\" " + reason);
+  };
+  std::smatch parts;
+  if (!std::regex_match(text, parts, rule)) {
+    refuse("is neither lin(a,b,n) nor log(a,b,n), n values from a to b");
+  }
+  const std::optional<double> a = read_number(parts[2]), b = read_number(parts[3]),
+                              n = read_number(parts[4]);
+  const bool is_log = parts[1] == "log";
+  if (!a || !b || !n) refuse("has something else than three finite numbers");
+  if (*n < 2.0 || *n > kMostValues || *n != std::floor(*n)) {
+    refuse(fmt::format("must be an integer number of values, 2 to {:.0f}", kMostValues));
+  }
+  if (*a > *b) refuse("is upside down");
+  if (*a == *b) refuse("is empty: both ends are the same");
+  if (is_log && *a <= 0.0) refuse("must be positive: it is logarithmic");
+  if (!std::isfinite(is_log ? *b / *a : *b - *a)) refuse("is too wide");
+
+  const auto count = static_cast<std::size_t>(*n);
+  std::vector<double> values(count);
+  for (std::size_t i = 1; i + 1 < count; ++i) {
+    const double share = static_cast<double>(i) / (*n - 1.0);
+    values[i] = without_rounding(is_log ? *a * math::pow(*b / *a, share) : *a + (*b - *a) * share);
+  }
+  values.front() = *a;
+  values.back() = *b;
+  return values;
+}
+
+}  // namespace breakwater

@@ -1,0 +1,140 @@
+"""A study's report works in Chromium: choice of metric, tips, commands, keyboard, narrow and wide.
+
+Two small studies are made and their pages used as a reader would, without any request.
+
+Usage: browser_study_test.py BUILD_BIN_FOLDER
+"""
+
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+from chromium import visit  # noqa: E402
+
+READER = """<!doctype html><title>reader</title>
+<iframe id="frame" src="/report.html" style="width:1440px;height:900px;border:0"></iframe>
+<script>
+"use strict";
+const frame = document.getElementById("frame"), seen = {errors: []};
+const wait = (ms) => new Promise((done) => setTimeout(done, ms));
+async function look() {
+  const page = frame.contentWindow, dom = page.document;
+  page.addEventListener("error", (e) => seen.errors.push(e.message));
+  const shown = () => Array.from(dom.querySelectorAll(".metric")).filter((s) => s.offsetParent).map((s) => s.dataset.name);
+  const panel = dom.getElementById("chosen"), tip = dom.getElementById("tip");
+  seen.metrics = dom.querySelectorAll(".metric").length;
+  seen.first = shown();
+  const select = dom.querySelector(".chooser select");
+  select.value = select.options[1].value;
+  select.dispatchEvent(new page.Event("change"));
+  seen.second = shown();
+  seen.hash = page.location.hash;
+  page.location.hash = dom.querySelector("#metrics tbody a").getAttribute("href");
+  await wait(200);
+  seen.linked = shown();
+
+  const at = (element, dx, dy) => {
+    const box = element.getBoundingClientRect();
+    return {bubbles: true, cancelable: true, clientX: box.left + box.width * dx, clientY: box.top + box.height * dy};
+  };
+  const section = Array.from(dom.querySelectorAll(".metric")).find((s) => s.offsetParent);
+  const heat = section.querySelector("svg.heat"), mark = section.querySelector(".m circle") || heat;
+  // The lower left cell, of two by two beside their labels.
+  const [dx, dy] = heat ? [0.25, 0.55] : [0.5, 0.5];
+  mark.dispatchEvent(new page.PointerEvent("pointermove", at(mark, dx, dy)));
+  seen.tip = tip.hidden ? "" : tip.textContent;
+  mark.dispatchEvent(new page.MouseEvent("click", at(mark, dx, dy)));
+  seen.panel = panel.hidden ? "" : panel.textContent;
+  seen.command = panel.querySelector("code").textContent;
+  mark.dispatchEvent(new page.KeyboardEvent("keydown", {key: "Escape", bubbles: true}));
+  seen.closed = panel.hidden;
+  (heat || mark.parentNode).dispatchEvent(new page.KeyboardEvent("keydown", {key: heat ? "ArrowRight" : "Enter", bubbles: true, cancelable: true}));
+  seen.byKey = panel.hidden ? "" : panel.textContent;
+  const code = section.querySelector(".candidates code");
+  code.dispatchEvent(new page.MouseEvent("click", {bubbles: true}));
+  seen.ofTable = [code.textContent, panel.querySelector("code").textContent];
+  panel.querySelector(".close").click();
+
+  seen.unnamed = Array.from(dom.querySelectorAll("svg, .scroll, nav, select")).filter((e) =>
+    !(e.getAttribute("aria-label") || e.closest("label") || e.getAttribute("aria-hidden"))).length;
+  seen.anchors = Array.from(dom.querySelectorAll("a[href^='#']")).filter((a) =>
+    !dom.getElementById(a.getAttribute("href").slice(1))).length;
+  seen.overflow = [];
+  seen.letters = [];
+  for (const width of [390, 1440]) {
+    frame.style.width = width + "px";
+    await wait(300);
+    seen.overflow.push(dom.scrollingElement.scrollWidth - dom.scrollingElement.clientWidth);
+    const svg = section.querySelector(".charts svg");
+    seen.letters.push(10.5 * svg.getBoundingClientRect().width / svg.viewBox.baseVal.width);
+  }
+}
+frame.addEventListener("load", () => look().catch((e) => seen.errors.push(String(e.stack)))
+  .then(() => fetch("/seen", {method: "POST", body: JSON.stringify(seen)})));
+</script>"""
+
+TIMEOUT_S = 120
+
+
+def make_study(bin_folder, folder, *vary):
+    options = [option for key in vary for option in ("--vary", key)]
+    subprocess.run([bin_folder / "breakwater", "sweep", "motor_estimation", "--case", "idob,kfd",
+                    *options, "--seeds", "1..3", "--duration", "0.2", "--quiet", "--out", folder],
+                   check=True)
+    return (folder / "report.html").read_bytes()
+
+
+def read(report, folder):
+    folder.mkdir()
+    html = "text/html; charset=utf-8"
+    pages = {"/": (READER.encode(), html), "/report.html": (report, html)}
+    seen, log, asked = visit(pages, folder, ["--enable-logging=stderr", "--window-size=1500,1000"],
+                             TIMEOUT_S)
+    seen["console"] = [line for line in log.splitlines() if "CONSOLE" in line]
+    seen["asked"] = [path for path in asked if path != "/favicon.ico"]
+    print(json.dumps(seen, indent=1))
+    return seen
+
+
+def check(seen, study, words):
+    assert seen["errors"] == [] and seen["console"] == [], seen
+    assert seen["asked"] == ["/", "/report.html"], seen["asked"]
+    assert seen["metrics"] > 1 and len(seen["first"]) == 1 and len(seen["second"]) == 1, seen
+    assert seen["first"] == seen["linked"] != seen["second"] and seen["hash"] == "#metric-2", seen
+    assert all(word in seen["tip"] for word in words), seen["tip"]
+    assert seen["tip"] in seen["panel"] and seen["closed"], seen
+    assert seen["command"].startswith(f"breakwater sweep {study} --replay "), seen["command"]
+    assert "--replay" in seen["byKey"], seen["byKey"]
+    key, command = seen["ofTable"]
+    assert command.endswith("--replay " + key), seen["ofTable"]
+    assert seen["unnamed"] == 0 and seen["anchors"] == 0, seen
+    assert seen["overflow"] == [0, 0], seen["overflow"]
+    assert min(seen["letters"]) > 9.0, "letters on a phone are too small"
+
+
+def replay(bin_folder, command):
+    """The command that the page tells makes the run."""
+    words = command.split()
+    subprocess.run([bin_folder / words[0], *words[1:], "--quiet"], check=True)
+    assert (pathlib.Path(words[2]) / "runs" / words[-1] / "log.h5").exists()
+
+
+def main():
+    bin_folder = pathlib.Path(sys.argv[1]).resolve()
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as name:
+        folder = pathlib.Path(name)
+        one = make_study(bin_folder, folder / "one", "encoder.bits=6,8,10")
+        seen = read(one, folder / "browser-one")
+        check(seen, folder / "one", ["encoder.bits = ", "median ", "3 runs"])
+        replay(bin_folder, seen["command"])
+        two = make_study(bin_folder, folder / "two", "encoder.bits=6,8",
+                         "physics.timestep_s=0.0005,0.001")
+        check(read(two, folder / "browser-two"), folder / "two",
+              ["encoder.bits = 6", "physics.timestep_s = ", "3 runs"])
+
+
+if __name__ == "__main__":
+    main()

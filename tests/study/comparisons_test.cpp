@@ -1,0 +1,286 @@
+// Tests, intervals and verdicts: SciPy's numbers, the definitions, and a thing against itself.
+#include <breakwater/study/paired_comparison.h>
+
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <sstream>
+
+#include <breakwater/study/binomial.h>
+#include <breakwater/study/bootstrap.h>
+#include <breakwater/study/distribution.h>
+#include <breakwater/study/multiple_tests.h>
+#include <breakwater/study/quantile.h>
+#include <breakwater/study/signed_rank.h>
+#include "python.h"
+
+namespace breakwater::comparisons_test {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+// Problems for SciPy, and what we say.
+class Questions {
+ public:
+  void ask(const std::string& question, double answer, double tolerance = 1e-11) {
+    ask(question, std::vector<double>{answer}, tolerance);
+  }
+  void ask(const std::string& question, const std::vector<double>& answers,
+           double tolerance = 1e-11) {
+    input_ << question << '\n';
+    for (const double answer : answers) {
+      ours_.push_back(answer);
+      names_.push_back(question.substr(0, 60));
+      tolerances_.push_back(tolerance);
+    }
+  }
+  void expect_answers() {
+    const std::vector<double> scipy =
+        testing::run_python("study/scipy_comparisons.py", input_.str());
+    ASSERT_EQ(scipy.size(), ours_.size());
+    for (std::size_t i = 0; i < scipy.size(); ++i) {
+      EXPECT_NEAR(ours_[i], scipy[i], tolerances_[i]) << names_[i];
+    }
+  }
+
+ private:
+  std::ostringstream input_;
+  std::vector<double> ours_, tolerances_;
+  std::vector<std::string> names_;
+};
+
+std::string words(const std::vector<double>& values) {
+  std::ostringstream text;
+  text.precision(17);
+  text << ' ' << values.size();
+  for (const double value : values) text << ' ' << value;
+  return text.str();
+}
+
+// A standard normal deviate.
+double deviate(testing::Random& random) {
+  return normal_quantile(random.uniform(1e-12, 1.0 - 1e-12));
+}
+
+std::vector<double> differences(std::size_t n, double shift, testing::Random& random) {
+  std::vector<double> all;
+  for (std::size_t i = 0; i < n; ++i) all.push_back(shift + deviate(random));
+  return all;
+}
+
+TEST(Comparisons, TestsAndIntervalsAreSciPys) {
+  testing::Random random;
+  Questions questions;
+  for (const std::size_t n : {1, 2, 7, 50, 2000}) {
+    for (const double p : {0.5, 0.9}) {
+      questions.ask("binomial " + std::to_string(n) + " " + std::to_string(p), binomial_cdf(n, p));
+    }
+  }
+  for (const auto& [b, c] :
+       {std::pair(0, 1), std::pair(2, 8), std::pair(5, 5), std::pair(40, 90)}) {
+    questions.ask("mcnemar " + std::to_string(b) + " " + std::to_string(c), mcnemar_exact(b, c));
+  }
+  for (const std::size_t n : {1, 2, 5, 12, 40, 200}) {
+    for (const double shift : {0.0, 0.3, -1.0}) {
+      const std::vector<double> d = differences(n, shift, random);
+      questions.ask("wilcoxon" + words(d), signed_rank_test(d).p);
+    }
+  }
+  for (const std::vector<double>& d : {std::vector<double>{1, 1, 0, -2, 3},
+                                       {0, 0, 0, 2, 2, 2, -2, 5, -1, 1, 4},
+                                       {-1, -1, -1, -1, -1, -1},
+                                       {0, 7}}) {
+    questions.ask("signs" + words(d), signed_rank_test(d).p);
+  }
+  for (const std::size_t n : {201, 1000}) {
+    std::vector<double> d = differences(n, 0.05, random);
+    for (double& one : d) one = std::round(8.0 * one);  // ties and zeros
+    for (int i = 0; i < 60; ++i) d.push_back(i % 3 == 0 ? 2.0 : -1.0);
+    ASSERT_FALSE(signed_rank_test(d).is_exact);
+    questions.ask("pratt" + words(d), signed_rank_test(d).p, 1e-9);
+  }
+  for (const std::size_t n : {25, 30}) {  // smaller ones draw themselves: SciPy counts no ties
+    std::vector<double> x = differences(n, 0.0, random);
+    for (double& one : x) one = std::exp(one);  // skew
+    const std::vector<double> replicates =
+        bootstrap_replicates(x, sample_mean, {.replicates = 999, .level = 0.9, .seed = 5});
+    const auto interval = bca_interval(x, sample_mean, replicates, 0.9);
+    ASSERT_TRUE(interval);
+    questions.ask("bca 0.9" + words(x) + words(replicates), {interval->lower, interval->upper});
+  }
+  for (const std::size_t k : {2, 3, 10, 40}) {
+    questions.ask("range " + std::to_string(k) + " 0.05", normal_range_quantile(k, 0.05), 1e-6);
+  }
+  const Eigen::MatrixXd rows = (random.matrix(9, 4) * 3.0).array().round();
+  std::string flat = "ranks 9 4";
+  for (Eigen::Index i = 0; i < 9; ++i) {
+    for (Eigen::Index j = 0; j < 4; ++j) flat += " " + std::to_string(rows(i, j));
+  }
+  const Eigen::VectorXd ranks = average_ranks(rows);
+  questions.ask(flat, {ranks.begin(), ranks.end()});
+  questions.expect_answers();
+}
+
+// Table 5 of Demšar (2006): q_0.05 for the Nemenyi test.
+TEST(Comparisons, CriticalDifferencesAreThePrintedOnes) {
+  const std::vector<double> printed = {1.960, 2.343, 2.569, 2.728, 2.850,
+                                       2.949, 3.031, 3.102, 3.164};
+  for (std::size_t k = 2; k <= 10; ++k) {
+    const double n = 14.0, size = static_cast<double>(k);
+    EXPECT_NEAR(critical_difference(k, 14, 0.05) / std::sqrt(size * (size + 1.0) / (6.0 * n)),
+                printed[k - 2], 0.0011)
+        << k;
+  }
+}
+
+TEST(Comparisons, HolmStepsDown) {
+  const std::vector<double> p = {0.01, 0.04, 0.03, 0.005};
+  const std::vector<double> expected = {0.03, 0.06, 0.06, 0.02};
+  for (std::size_t i = 0; i < p.size(); ++i) EXPECT_NEAR(holm(p)[i], expected[i], 1e-15);
+  EXPECT_EQ(holm({0.9, 0.8}), (std::vector<double>{1.0, 1.0}));
+  EXPECT_TRUE(holm({}).empty());
+}
+
+// Of samples of a distribution whose quantiles are known.
+TEST(Comparisons, IntervalsCoverWhatTheyPromise) {
+  testing::Random random(3);
+  for (const double p : {0.5, 0.9}) {
+    int covered = 0;
+    for (int i = 0; i < 2000; ++i) {
+      std::vector<double> x;
+      for (int j = 0; j < 40; ++j) x.push_back(random.uniform(0.0, 1.0));
+      std::sort(x.begin(), x.end());
+      const auto interval = quantile_interval(x, p, 0.95);
+      ASSERT_TRUE(interval);
+      covered += interval->lower <= p && p <= interval->upper;
+    }
+    EXPECT_GE(covered, 1880) << p;  // 95 % less three standard deviations
+    EXPECT_LE(covered, 1990) << p;  // and not all
+  }
+  EXPECT_FALSE(quantile_interval({1, 2, 3, 4, 5}, 0.5, 0.95));
+  EXPECT_TRUE(quantile_interval({1, 2, 3, 4, 5, 6}, 0.5, 0.95));
+  int covered = 0;
+  for (int i = 0; i < 400; ++i) {
+    std::vector<double> x;
+    for (int j = 0; j < 40; ++j) x.push_back(std::exp(deviate(random)));
+    const auto interval = bca_interval(
+        x, sample_median, bootstrap_replicates(x, sample_median, {.replicates = 500}), 0.95);
+    covered += interval && interval->lower <= 1.0 && 1.0 <= interval->upper;
+  }
+  EXPECT_GE(covered, 366);
+}
+
+TEST(Comparisons, BitsAreTheSameEverywhere) {
+  testing::Random random;
+  std::vector<double> x;
+  for (int i = 0; i < 50; ++i) x.push_back(random.uniform(0.0, 1.0));
+  const auto interval =
+      bca_interval(x, sample_median, bootstrap_replicates(x, sample_median, {}), 0.95);
+  std::uint64_t hash = 14695981039346656037ULL;
+  for (const double value : {interval->lower, interval->upper, signed_rank_test(x).p,
+                             critical_difference(5, 17, 0.05), binomial_cdf(100, 0.3)[40]}) {
+    hash = (hash ^ std::bit_cast<std::uint64_t>(value)) * 1099511628211ULL;
+  }
+  EXPECT_EQ(hash, 0x28ddc68830cbbdeeULL) << std::hex << hash;
+}
+
+// One metric "y" of two candidates over n worlds, whose worlds matter more than the candidates.
+PairedResults two(std::size_t n, double shift, Goal goal, testing::Random& random) {
+  PairedResults results;
+  results.candidates = {"new", "old"};
+  results.baseline = 1;
+  results.metrics = {"y"};
+  results.goals = {{"y", goal}};
+  const auto rows = static_cast<Eigen::Index>(n);
+  results.failed = Eigen::MatrixXd::Zero(rows, 2);
+  Eigen::MatrixXd y(rows, 2);
+  for (Eigen::Index i = 0; i < rows; ++i) {
+    const double world = 5.0 * deviate(random);
+    for (Eigen::Index k = 0; k < 2; ++k) {
+      y(i, k) = world + std::exp(0.5 * deviate(random)) + (k == 0 ? shift : 0.0);
+    }
+  }
+  results.values = {y};
+  return results;
+}
+
+TEST(Comparisons, AThingIsSeldomBetterThanItself) {
+  testing::Random random(11);
+  int better = 0, worse = 0;
+  for (int i = 0; i < 1000; ++i) {
+    const auto comparison =
+        compare_candidates(two(20, 0.0, Goal::min, random), {.bootstrap = {.replicates = 500}});
+    better += comparison.metrics.front().verdict == ComparisonVerdict::better;
+    worse += comparison.metrics.front().verdict == ComparisonVerdict::worse;
+  }
+  EXPECT_LE(better + worse, 60);
+  EXPECT_GE(better + worse, 10);  // it can
+  ::testing::Test::RecordProperty("better", better);
+}
+
+TEST(Comparisons, TheVerdictFollowsTheGoal) {
+  testing::Random random(2);
+  const auto verdict = [&](double shift, Goal goal) {
+    const auto comparison = compare_candidates(two(40, shift, goal, random));
+    const MetricComparison& one = comparison.metrics.front();
+    EXPECT_EQ(one.pairs, 40U);
+    EXPECT_TRUE(one.difference.interval);
+    EXPECT_EQ(one.probability_better.has_value(), goal != Goal::none);
+    return one.verdict;
+  };
+  EXPECT_EQ(verdict(-1.0, Goal::min), ComparisonVerdict::better);
+  EXPECT_EQ(verdict(1.0, Goal::min), ComparisonVerdict::worse);
+  EXPECT_EQ(verdict(1.0, Goal::max), ComparisonVerdict::better);
+  EXPECT_EQ(verdict(-1.0, Goal::max), ComparisonVerdict::worse);
+  EXPECT_EQ(verdict(-1.0, Goal::none), ComparisonVerdict::smaller);
+  EXPECT_EQ(verdict(1.0, Goal::none), ComparisonVerdict::larger);
+  EXPECT_EQ(verdict(0.0, Goal::min), ComparisonVerdict::no_difference_shown);
+}
+
+TEST(Comparisons, PairsWithoutBothAreLeftOutAndFailuresCountedApart) {
+  PairedResults results;
+  results.candidates = {"a", "b", "c"};
+  results.metrics = {"y", "never"};
+  results.values = {Eigen::MatrixXd(3, 3), Eigen::MatrixXd::Constant(3, 3, kNaN)};
+  results.values[0] << 1, 2, 3,  //
+      1, kNaN, 5,                //
+      4, 4, kNaN;
+  results.failed = Eigen::MatrixXd::Zero(3, 3);
+  results.failed(1, 1) = results.failed(2, 2) = 1.0;
+  const CandidateComparison comparison = compare_candidates(results);
+  ASSERT_EQ(comparison.metrics.size(), 3U);  // b-a, c-a, c-b; of "never" none
+  EXPECT_EQ(comparison.metrics[0].pairs, 2U);
+  EXPECT_EQ(comparison.metrics[0].difference.value, 0.5);
+  EXPECT_EQ(comparison.metrics[0].probability_smaller, 0.25);
+  EXPECT_FALSE(comparison.metrics[0].difference.interval &&
+               comparison.metrics[0].difference.interval->lower > 0.0);
+  EXPECT_EQ(comparison.metrics[2].pairs, 1U);
+  ASSERT_EQ(comparison.failures.size(), 3U);
+  EXPECT_EQ(comparison.failures[2].candidate, 2U);
+  EXPECT_EQ(comparison.failures[2].alone, 1U);
+  EXPECT_EQ(comparison.failures[2].reference_alone, 1U);
+  EXPECT_EQ(comparison.failures[2].p, 1.0);
+  ASSERT_EQ(comparison.ranks.size(), 1U);
+  EXPECT_EQ(comparison.ranks[0].worlds, 1U);
+  EXPECT_EQ(comparison.ranks[0].average_ranks, (std::vector<double>{1, 2, 3}));
+}
+
+TEST(Comparisons, FewerFailuresAreBetter) {
+  PairedResults results;
+  results.candidates = {"a", "b"};
+  results.baseline = 0;
+  results.failed = Eigen::MatrixXd::Zero(12, 2);
+  results.failed.col(0).head(9).setOnes();
+  const FailureComparison one = compare_candidates(results).failures.front();
+  EXPECT_EQ(one.verdict, ComparisonVerdict::better);
+  EXPECT_EQ(one.p, std::ldexp(1.0, -8));
+}
+
+TEST(Comparisons, QuantilesOfASample) {
+  EXPECT_EQ(quantile({1, 2, 3, 5}, 0.5), 2.5);
+}
+
+}  // namespace
+}  // namespace breakwater::comparisons_test

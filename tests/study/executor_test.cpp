@@ -1,0 +1,192 @@
+// The engine of studies, with runs that are made up.
+#include <breakwater/study/executor.h>
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <fstream>
+#include <functional>
+#include <map>
+#include <memory>
+#include <thread>
+
+#include "support.h"
+
+namespace breakwater::executor_test {
+namespace {
+namespace fs = std::filesystem;
+
+// Calls `during`, and gives one number.
+class Made : public Scenario {
+ public:
+  explicit Made(std::function<void()> during) : during_(std::move(during)) {}
+
+  std::string name() const override { return "made"; }
+  std::string summary() const override { return "made up"; }
+  Fields fields() override { return {}; }
+  void check(const Config&) override {}
+  const RunSettings& run_settings() const override { return settings_; }
+  Recording run(const RunControl&) const override {
+    if (during_) during_();
+    Recording recording;
+    add(recording.metrics, "a_m", "m", 1.0);
+    return recording;
+  }
+
+ private:
+  std::function<void()> during_;
+  RunSettings settings_;
+};
+
+// Points of one model file; while some of them run, something happens.
+class Source : public PointSource {
+ public:
+  explicit Source(const fs::path& folder) : folder_(folder) {
+    fs::create_directories(folder_);
+    write(model(), "<mujoco/>");
+  }
+
+  fs::path model() const { return folder_ / "model.xml"; }
+  fs::path shards() const { return folder_; }
+  static void write(const fs::path& file, const std::string& text) { std::ofstream(file) << text; }
+
+  PreparedRun prepare(std::size_t point) const override {
+    if (before.contains(point)) before.at(point)();
+    PreparedRun run;
+    run.scenario = std::make_unique<Made>(during.contains(point) ? during.at(point) : nullptr);
+    run.config_text = std::to_string(point);
+    run.model_files = {model().string()};
+    return run;
+  }
+  std::string unprepared_key(std::size_t point) const override {
+    return "unprepared " + std::to_string(point);
+  }
+  fs::path folder(std::size_t, const std::string&, bool) const override { return {}; }
+  bool logs(std::size_t) const override { return false; }
+
+  std::map<std::size_t, std::function<void()>> before;  // as they are prepared
+  std::map<std::size_t, std::function<void()>> during;
+
+ private:
+  fs::path folder_;
+};
+
+class Executor : public ::testing::Test {
+ protected:
+  // On one thread: points in their order.
+  std::size_t run(const PointSource& source, KnownModels* models = nullptr) {
+    Shard shard(source_.shards());
+    ExecutorOptions options;
+    options.threads = 1;
+    options.models = models;
+    return run_points({0, 1, 2, 3}, source, shard, options);
+  }
+  void expect_changed(const std::string& message = ": was changed while it ran: start again") {
+    try {
+      run(source_);
+      ADD_FAILURE() << "the change was not seen";
+    } catch (const std::invalid_argument& error) {
+      EXPECT_EQ(error.what(), source_.model().string() + message);
+    }
+  }
+  std::size_t kept() const { return results_by_key(source_.shards()).size(); }
+
+  const fs::path folder_ = testing::temporary_path("executor");
+  testing::Removed removed_{folder_};
+  Source source_{folder_};
+};
+
+TEST_F(Executor, KeepsEveryPointUnderItsKey) {
+  EXPECT_EQ(run(source_), 4U);
+  const auto results = results_by_key(source_.shards());
+  ASSERT_EQ(results.size(), 4U);
+  const ModelHashes models = model_hashes({source_.model().string()});
+  EXPECT_EQ(results.at(point_key("2", models)).number, 2U);
+  EXPECT_EQ(ShardIndex(source_.shards(), 4).models(), models);
+}
+
+TEST_F(Executor, ASourceMayHaveKeysOfItsOwn) {
+  class Own : public Source {
+   public:
+    using Source::Source;
+    std::string key(std::size_t point, const PreparedRun& run,
+                    const ModelHashes& models) const override {
+      return run.config_text + "/" + models.begin()->second + "/" + std::to_string(point);
+    }
+  };
+  const Own own(folder_);
+  EXPECT_EQ(run(own), 4U);
+  const std::string hash = model_hashes({own.model().string()}).begin()->second;
+  EXPECT_EQ(results_by_key(own.shards()).at("2/" + hash + "/2").number, 2U);
+}
+
+TEST_F(Executor, NoResultIsOfAModelThatChangedMeanwhile) {
+  source_.during[2] = [&] { source_.write(source_.model(), "<mujoco><!-- other --></mujoco>"); };
+  expect_changed();
+  EXPECT_EQ(kept(), 2U) << "those before it";
+}
+
+TEST_F(Executor, AChangeOfNeitherSizeNorTimeIsSeen) {
+  source_.during[2] = [&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));  // a file system's clock ticks
+    const auto time = fs::last_write_time(source_.model());
+    source_.write(source_.model(), "<mujocO/>");
+    fs::last_write_time(source_.model(), time);
+  };
+  expect_changed();
+  EXPECT_EQ(kept(), 2U);
+}
+
+TEST_F(Executor, AnIncludedFileCountsToo) {
+  source_.write(source_.model(), "<mujoco><include file=\"more.xml\"/></mujoco>");
+  source_.write(folder_ / "more.xml", "<mujoco/>");
+  source_.during[1] = [&] { source_.write(folder_ / "more.xml", "<mujoco><!-- --></mujoco>"); };
+  EXPECT_THROW(run(source_), std::invalid_argument);
+  EXPECT_EQ(kept(), 1U);
+}
+
+TEST_F(Executor, AModelThatIsGoneOrHalfWrittenRefusesNoPoint) {
+  source_.during[1] = [&] { fs::remove(source_.model()); };
+  expect_changed(": cannot be read");
+  EXPECT_EQ(kept(), 1U);
+  source_.write(source_.model(), "<mujoco/>");
+  source_.during.clear();
+  source_.before[3] = [&] {
+    source_.write(source_.model(), "<muj");
+    throw std::invalid_argument("a run without its model");
+  };
+  expect_changed();
+  EXPECT_EQ(kept(), 3U);
+  EXPECT_FALSE(results_by_key(source_.shards()).contains("unprepared 3"));
+}
+
+TEST_F(Executor, AModelWithTheSameBytesIsTheSame) {
+  source_.during[1] = [&] {
+    fs::remove(source_.model());
+    source_.write(source_.model(), "<mujoco/>");
+  };
+  EXPECT_EQ(run(source_), 4U);
+  EXPECT_EQ(kept(), 4U);
+}
+
+TEST_F(Executor, ModelsThatWereReadBeforeMustBeTheSame) {
+  KnownModels models;
+  models.of({source_.model().string()});
+  source_.write(source_.model(), "<mujoco><!-- other --></mujoco>");
+  EXPECT_THROW(run(source_, &models), std::invalid_argument);
+  EXPECT_EQ(kept(), 0U);
+}
+
+TEST_F(Executor, AMistakeIsARefusedPoint) {
+  source_.before[1] = [] { throw std::invalid_argument("no such thing"); };
+  source_.during[2] = [] { throw std::invalid_argument("not so"); };
+  EXPECT_EQ(run(source_), 4U);
+  const ShardIndex index(source_.shards(), 4);
+  EXPECT_EQ(index.count(PointStatus::refused), 2U);
+  EXPECT_EQ(index.read(1).key, "unprepared 1");
+  EXPECT_EQ(index.read(1).reason, "no such thing");
+  EXPECT_EQ(index.read(2).reason, "not so");
+}
+
+}  // namespace
+}  // namespace breakwater::executor_test

@@ -1,0 +1,83 @@
+"""SciPy's tests and intervals. In: problems, each a name and its numbers; out: numbers.
+
+binomial n p                     P(X <= 0) ... P(X <= n)
+mcnemar b c                      exact, two-sided
+wilcoxon n d...                  exact p, of differences without ties and zeros
+signs n d...                     p of Pratt's mid-ranks over all 2^n signs
+pratt n d...                     p by the normal approximation
+bca level n x... m replicate...  the interval of the mean
+range k alpha                    upper quantile of the studentized range
+ranks n k x...                   average ranks of k columns over n rows
+"""
+
+import itertools
+import sys
+
+import numpy as np
+import scipy.stats
+
+words = iter(sys.stdin.read().split())
+
+
+def integer():
+    return int(next(words))
+
+
+def numbers(count):
+    return np.array([float(next(words)) for _ in range(count)])
+
+
+def binomial():
+    n, p = integer(), numbers(1)[0]
+    return scipy.stats.binom(n, p).cdf(np.arange(n + 1))
+
+
+def mcnemar():
+    b, c = integer(), integer()
+    return [scipy.stats.binomtest(b, b + c, 0.5).pvalue]
+
+
+def wilcoxon():
+    return [scipy.stats.wilcoxon(numbers(integer()), mode="exact").pvalue]
+
+
+def signs():
+    d = numbers(integer())
+    ranks = scipy.stats.rankdata(np.abs(d))
+    ranks = np.where(d == 0, 0, ranks)
+    all_signs = np.array(list(itertools.product([0, 1], repeat=len(d))))
+    sums, w = all_signs @ ranks, ranks[d > 0].sum()
+    return [min(1.0, 2 * min(np.mean(sums <= w), np.mean(sums >= w)))]
+
+
+def pratt():
+    d = numbers(integer())
+    return [scipy.stats.wilcoxon(d, zero_method="pratt", correction=True, mode="approx").pvalue]
+
+
+def bca():
+    level = numbers(1)[0]
+    x = numbers(integer())
+    replicates = numbers(integer())
+    drawn = scipy.stats._resampling.BootstrapResult(None, replicates, None)
+    result = scipy.stats.bootstrap(
+        (x,), np.mean, n_resamples=0, bootstrap_result=drawn, confidence_level=level, method="BCa"
+    )
+    return [result.confidence_interval.low, result.confidence_interval.high]
+
+
+def range_():
+    k, alpha = integer(), numbers(1)[0]
+    return [scipy.stats.studentized_range.ppf(1 - alpha, k, np.inf)]
+
+
+def ranks():
+    n, k = integer(), integer()
+    return scipy.stats.rankdata(numbers(n * k).reshape(n, k), axis=1).mean(axis=0)
+
+
+problems = {f.__name__.rstrip("_"): f
+            for f in (binomial, mcnemar, wilcoxon, signs, pratt, bca, range_, ranks)}
+for name in words:
+    for value in problems[name]():
+        print(repr(float(value)))

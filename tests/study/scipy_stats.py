@@ -1,0 +1,54 @@
+"""SciPy's points and quantiles. In: problems, each a name and its numbers; out: numbers.
+
+sobol n d                        the first n points, row by row
+latin_hypercube n d m            centred discrepancies of m hypercubes, seeds 0 ... m - 1
+discrepancy n d u...             that of n points
+quantile kind a b m u...         of m u
+"""
+
+import sys
+
+import numpy as np
+import scipy.stats
+from scipy.stats import qmc
+
+words = iter(sys.stdin.read().split())
+
+
+def integer():
+    return int(next(words))
+
+
+def numbers(count):
+    return np.array([float(next(words)) for _ in range(count)])
+
+
+def sobol():
+    n, d = integer(), integer()
+    return qmc.Sobol(d, scramble=False).random(n).ravel()
+
+
+def latin_hypercube():
+    n, d, m = integer(), integer(), integer()
+    return [qmc.discrepancy(qmc.LatinHypercube(d, seed=seed).random(n)) for seed in range(m)]
+
+
+def discrepancy():
+    n, d = integer(), integer()
+    return [qmc.discrepancy(numbers(n * d).reshape(n, d))]
+
+
+def quantile():
+    kind, (a, b) = next(words), numbers(2)
+    u = numbers(integer())
+    return {
+        "uniform": lambda: scipy.stats.uniform(a, b - a),
+        "log_uniform": lambda: scipy.stats.loguniform(a, b),
+        "normal": lambda: scipy.stats.norm(a, b),
+    }[kind]().ppf(u)
+
+
+problems = {f.__name__: f for f in (sobol, latin_hypercube, discrepancy, quantile)}
+for name in words:
+    for value in problems[name]():
+        print(repr(float(value)))

@@ -1,0 +1,108 @@
+// The study files that come with Breakwater, and the tables in docs/studies that they made.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <breakwater/program/program.h>
+#include <breakwater/scenario/toml_file.h>
+#include <breakwater/scenario/toml_text.h>
+#include <breakwater/study/sweep.h>
+#include "support.h"
+
+namespace breakwater::shipped_studies_test {
+namespace {
+namespace fs = std::filesystem;
+
+std::vector<std::string> shipped() {
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(testing::source_file("studies"))) {
+    if (entry.path().extension() != ".toml") continue;
+    // Those with a budget are for `tune`.
+    if (parse_toml_file(entry.path().string()).contains("budget")) continue;
+    names.push_back(entry.path().stem().string());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+Study study_of(const std::string& name) {
+  const std::string file = testing::source_file("studies/" + name + ".toml");
+  return read_study(parse_toml_file(file), file);
+}
+
+std::vector<std::string> cells(const std::string& line) {
+  std::vector<std::string> all;
+  std::istringstream stream(line);
+  for (std::string cell; std::getline(stream, cell, ',');) all.push_back(cell);
+  return all;
+}
+
+class EachShippedStudy : public ::testing::TestWithParam<std::string> {
+ protected:
+  const Catalogue catalogue_ = standard_catalogue();
+};
+
+TEST_P(EachShippedStudy, CanRun) {
+  Study study = study_of(GetParam());
+  Sweep(catalogue_, study).check();
+
+  // The same for a moment: a point of the beginning, of the middle, of the end.
+  const std::string duration = "run.duration_s";
+  for (VariedKey& key : study.vary) {
+    if (key.key == duration) std::fill(key.values.begin(), key.values.end(), "0.05");
+  }
+  study.sets.push_back(duration + "=0.05");
+  const Sweep brief(catalogue_, study);
+  const std::size_t last = brief.plan().size() - 1;
+  std::atomic<bool> stop = false;
+  for (const std::size_t point : {std::size_t{0}, last / 2, last}) {
+    const PointResult result = run_point(point, brief, {.stop = &stop});
+    EXPECT_EQ(result.status, PointStatus::complete) << point << ": " << result.reason;
+    EXPECT_EQ(result.state_hash.size(), 16U);
+  }
+}
+
+// docs/studies/NAME.csv, where there is one, is the results.csv of this very study.
+TEST_P(EachShippedStudy, TableIsItsOwn) {
+  const fs::path file = testing::source_file("docs/studies/" + GetParam() + ".csv");
+  if (!fs::exists(file)) GTEST_SKIP() << "no table of it is kept";
+  const Sweep sweep(catalogue_, study_of(GetParam()));
+  const Plan& plan = sweep.plan();
+  std::ifstream table(file);
+  std::string line;
+  std::getline(table, line);
+  const std::vector<std::string> header = cells(line);
+  const auto column = [&](const std::string& name) {
+    return static_cast<std::size_t>(std::find(header.begin(), header.end(), name) - header.begin());
+  };
+  std::size_t point = 0;
+  for (; std::getline(table, line); ++point) {
+    ASSERT_LT(point, plan.size());
+    const std::vector<std::string> row = cells(line);
+    const StudyPoint expected = plan.point(point);
+    EXPECT_EQ(row.at(column("case")), plan.candidates()[expected.candidate].case_name);
+    if (expected.seed) {
+      EXPECT_EQ(row.at(column("seed")), std::to_string(*expected.seed));
+    }
+    for (std::size_t i = 0; i < expected.values.size(); ++i) {
+      EXPECT_EQ(row.at(column(plan.study().vary[i].key)), plain_text(expected.values[i])) << line;
+    }
+  }
+  EXPECT_EQ(point, plan.size());
+}
+
+INSTANTIATE_TEST_SUITE_P(Studies, EachShippedStudy, ::testing::ValuesIn(shipped()),
+                         [](const auto& param) {
+                           std::string name = param.param;
+                           std::replace(name.begin(), name.end(), '-', '_');
+                           return name;
+                         });
+
+}  // namespace
+}  // namespace breakwater::shipped_studies_test

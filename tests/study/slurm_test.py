@@ -1,0 +1,295 @@
+"""Sweeps through a real Slurm: whatever happens to its tasks and nodes, the results are those of a
+run without it, byte for byte.
+
+Usage: slurm_test.py BREAKWATER ISHIGAMI_LAB [--study]
+"""
+
+import os
+import pathlib
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import time
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+import slurm_cluster  # noqa: E402
+from slurm_cluster import wait_for  # noqa: E402
+
+SKIPPED = 77
+WORK = pathlib.Path("/run/work")  # the cluster's nodes see it, nobody else
+MOST_TASKS = 10
+INTERRUPTED = 130
+
+
+class Study:
+    """A study that is typed again and again."""
+
+    def __init__(self, program, folder, *what):
+        self.program, self.folder, self.what = program, WORK / folder, what
+
+    def call(self, *options):
+        return run(self.program, "sweep", *self.what, "--out", self.folder, *options)
+
+    def on_slurm(self, *options):
+        return self.call("--slurm", *options)
+
+    def looks(self, *options):
+        return run(self.program, "sweep", self.folder, *options)
+
+    def status(self):
+        return self.looks("--status").stdout
+
+    def done(self):
+        """How many lines its shards have: more than points if some ran twice."""
+        return sum(text.read_text(errors="replace").count("\tpoint\t")
+                   for text in (self.folder / "shards").glob("*"))
+
+    def job(self, number=1):
+        return (self.folder / "slurm" / str(number) / "job").read_text().strip()
+
+    def submissions(self):
+        return len(list((self.folder / "slurm").iterdir()))
+
+    def results(self):
+        return (self.folder / "results.csv").read_bytes()
+
+    def has_ended(self, cluster, number=1, seconds=60.0):
+        wait_for(f"job {number} of {self.folder} is over",
+                 lambda: not cluster.states(self.job(number)), seconds)
+
+
+def run(*words):
+    return subprocess.run([str(word) for word in words], cwd=WORK, capture_output=True, text=True,
+                          stdin=subprocess.DEVNULL)
+
+
+class OnSlurm(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.cluster = cls.enterClassContext(slurm_cluster.Cluster(MOST_TASKS + 1))
+        cls.enterClassContext(temporary_folder())
+
+    def ok(self, result):
+        self.assertEqual(result.returncode, 0, result.stderr)
+        return result.stdout
+
+    def finish(self, study):
+        """What a user types when a job is over: nothing is left, or the rest is submitted."""
+        study.has_ended(self.cluster, study.submissions())
+        self.ok(study.on_slurm("--wait"))
+
+    def ishigami(self, folder, points, each_s, *more):
+        return Study(ISHIGAMI, folder, "ishigami", "--vary", f"x.first=lin(0,3,{points})",
+                     "--set", f"trouble.takes_s={each_s}", *more)
+
+    def same_bytes(self, study):
+        here = Study(study.program, study.folder.name + " here", *study.what)
+        self.ok(here.call("--quiet"))
+        self.assertEqual(study.results(), here.results())
+
+    def kill_tasks(self, kills, points):
+        study = self.ishigami("kills", points, 0.03)
+        chance = random.Random(kills)
+        killed = 0
+        while killed < kills:
+            self.ok(study.on_slurm("--tasks", str(MOST_TASKS), "--quiet"))
+            tasks = wait_for("tasks run", slurm_cluster.tasks)
+            time.sleep(chance.uniform(0.0, 0.5))
+            try:
+                os.kill(chance.choice(tasks), signal.SIGKILL)
+                killed += 1
+            except ProcessLookupError:
+                pass
+            self.assertLess(study.looks("--status").stdout.count(f"{points} of {points}"), 1)
+        while (waited := study.on_slurm("--wait")).returncode == INTERRUPTED:
+            pass
+        self.ok(waited)
+        self.same_bytes(study)
+        print(f"{kills} kills: {study.done() - points} of {points} points ran twice")
+
+
+class Slurm(OnSlurm):
+    def test_the_node_dies_and_the_results_are_the_same(self):
+        study = Study(BREAKWATER, "node", "motor_estimation", "--duration", "0.5",
+                      "--vary", "noise.std_rad=lin(0,0.1,250)", "--case", "stf,vfakfd")
+        said = self.ok(study.on_slurm("--tasks", "100"))
+        self.assertIn(f"500 points in {MOST_TASKS} tasks: job {study.job()}", said)
+
+        wait_for("some are done", lambda: study.done() > 100)
+        status = study.status()
+        self.assertRegex(status, rf"job {study.job()}: \d PENDING \(Resources\), 2 RUNNING")
+        again = study.on_slurm()
+        self.assertEqual(again.returncode, 0)
+        self.assertRegex(again.stderr, "points are still in the queue .*; nothing else is left")
+        self.assertEqual(study.submissions(), 1)
+        here = study.looks()
+        self.assertEqual(here.returncode, 2)
+        self.assertIn("still in the queue", here.stderr)
+        self.assertEqual(study.looks("--rerun").returncode, 2)
+
+        self.cluster.kill_node()
+        for process in slurm_cluster.stepds() + slurm_cluster.tasks():
+            os.kill(process, signal.SIGKILL)
+        self.assertLess(study.done(), 500)
+        self.cluster.start_node()
+        self.finish(study)
+        self.same_bytes(study)
+        self.assertEqual(study.status(), f"{study.folder}: 500 of 500 points are done\n")
+
+    def test_slurmd_alone_dies_and_its_tasks_go_on(self):
+        study = self.ishigami("slurmd", 100, 0.02)
+        self.ok(study.on_slurm("--tasks", "4"))
+        wait_for("some are done", lambda: study.done() > 10)
+        self.cluster.kill_node()
+        done = study.done()
+        wait_for("it goes on", lambda: study.done() > done)
+        self.cluster.start_node()
+        self.ok(study.on_slurm("--wait"))
+        self.same_bytes(study)
+
+    def test_a_cancelled_task_ends_after_the_run_in_flight(self):
+        # A folder with all that a shell, or sbatch, could take for something else.
+        study = self.ishigami("it's \"50%a\" #1 $HOME", 60, 0.03)
+        self.ok(study.on_slurm("--tasks", "2"))
+        wait_for("both run", lambda: len(slurm_cluster.tasks()) == 2 and study.done() > 4)
+        run("scancel", "--signal=USR1", "--batch", study.job() + "_1")
+        run("scancel", study.job() + "_2")
+        study.has_ended(self.cluster)
+        self.assertLess(study.done(), 60)
+        # Every line is whole: what ran was written.
+        self.assertIn(f"{study.done()} of 60 points are done", study.status())
+        status = study.status()
+        self.assertRegex(status, "2 tasks have ended before their points were done:\n"
+                                 "  slurm/1/1.log: sweep: interrupted.*\n"
+                                 "  slurm/1/2.log: .*(interrupted|CANCELLED)")
+        self.ok(study.on_slurm("--wait", "--tasks", "2"))
+        self.same_bytes(study)
+        self.assertEqual(study.done(), 60)  # none twice
+
+    def test_a_requeued_task_goes_on(self):
+        study = self.ishigami("requeue", 60, 0.03)
+        self.ok(study.on_slurm("--tasks", "2"))
+        wait_for("both run", lambda: len(slurm_cluster.tasks()) == 2 and study.done() > 4)
+        run("scontrol", "requeue", study.job())
+        self.ok(study.on_slurm("--wait"))
+        self.assertEqual(study.submissions(), 1)
+        self.same_bytes(study)
+
+    def test_nodes_that_do_not_find_the_program_say_so(self):
+        program = WORK / "nodes-have-none"
+        shutil.copy(ISHIGAMI, program)
+        study = Study(program, "lost", "ishigami", "--vary", "x.first=1,2,3")
+        self.ok(study.on_slurm("--sbatch", "--hold", "--tasks", "2"))
+        self.assertIn("2 PENDING (JobHeldUser)", study.status())
+        program.rename(WORK / "away")
+        run("scontrol", "release", study.job())
+        study.has_ended(self.cluster)
+        (WORK / "away").rename(program)
+        log = f"{slurm_cluster.NODE}: there is no {program}: it must lie where all nodes see it"
+        self.assertEqual(study.status(),
+                         f"{study.folder}: 0 of 3 points are done\n"
+                         "2 tasks have ended before their points were done:\n"
+                         f"  slurm/1/1.log: {log}\n  slurm/1/2.log: {log}\n")
+        self.ok(study.on_slurm("--wait"))
+        self.same_bytes(study)
+
+    def test_a_wait_that_ends_without_results_says_so(self):
+        study = self.ishigami("crash", 4, 0.0, "--set", "trouble.crashes_above=2.5")
+        waited = study.on_slurm("--wait", "--tasks", "1")
+        self.assertEqual(waited.returncode, INTERRUPTED)
+        self.assertIn("the tasks have ended; 3 of 4 points are done; --status says why",
+                      waited.stderr)
+        self.assertIn("slurm/1/1.log", study.status())
+        # In processes of their own the crash is a result.
+        self.ok(study.on_slurm("--wait", "--isolate"))
+        self.assertIn("4 of 4 points are done; of these 1 crashed", study.status())
+
+    def test_the_table_says_what_is_asked_for(self):
+        file = WORK / "table.toml"
+        # What `module` is on a cluster; here it only leaves a trace.
+        os.environ["BASH_FUNC_module%%"] = f"() {{ echo \"$@\" >> '{WORK}/modules'; [ $2 != no ]; }}"
+        self.addCleanup(os.environ.pop, "BASH_FUNC_module%%")
+        table = ('scenario = "ishigami"\n[set]\n"trouble.takes_s" = 0.3\n[vary]\n"x.first" = [1, 2, 3]\n'
+                 '[slurm]\naccount = "control"\npartition = "{}"\nmodules = [{}"mujoco/2.2"]\n'
+                 'environment = ["PLACE=under the \'roof\'"]\noptions = ["--time=0:30:00", "--nice=7"]\n')
+        study = Study(ISHIGAMI, "table", file)
+
+        file.write_text(table.format("nowhere", ""))
+        refused = study.on_slurm()
+        self.assertEqual(refused.returncode, 2)
+        self.assertRegex(refused.stderr, r"\Asbatch: error: .*invalid partition.*\n\Z")
+        self.assertEqual(study.submissions(), 0)
+
+        # Where it runs is no part of the study: the same study with another table.
+        file.write_text(table.format("other", '"no", '))
+        self.assertEqual(study.on_slurm("--wait").returncode, INTERRUPTED)
+        self.assertIn(f"{slurm_cluster.NODE}: module load no has failed", study.status())
+
+        file.write_text(table.format("other", ""))
+        self.ok(study.on_slurm("--tasks", "1", "--parallel", "1"))
+        job = wait_for("it runs", lambda: slurm_cluster.tasks() and self.cluster.says(
+            "scontrol", "show", "job", study.job(2)))
+        for asked in ("Account=control", "Partition=other", "TimeLimit=00:30:00", "ArrayTaskThrottle=1",
+                      "Requeue=1"):
+            self.assertIn(asked, job)
+        environment = pathlib.Path(f"/proc/{slurm_cluster.tasks()[0]}/environ").read_bytes()
+        self.assertIn(b"PLACE=under the 'roof'", environment.split(b"\0"))
+        self.assertEqual((WORK / "modules").read_text().splitlines()[-1], "load mujoco/2.2")
+        self.ok(study.on_slurm("--wait"))
+        self.same_bytes(study)
+
+    def test_killed_tasks_leave_no_trace(self):
+        self.kill_tasks(kills=2, points=80)
+
+
+class SlurmStudy(OnSlurm):
+    def test_ten_killed_tasks_leave_no_trace(self):
+        self.kill_tasks(kills=10, points=500)
+
+    def test_a_node_that_is_given_up_may_run_points_twice(self):
+        study = self.ishigami("given up", 600, 0.1)
+        self.ok(study.on_slurm("--tasks", "2"))
+        wait_for("some are done", lambda: study.done() > 10)
+        self.cluster.kill_node()
+        wait_for("the node is down", lambda: self.cluster.node_state().startswith("down"))
+        status = study.status()
+        self.assertRegex(status, "2 PENDING")
+        done = study.done()
+        wait_for("its tasks go on, seen by nobody", lambda: study.done() > done + 10)
+        self.cluster.start_node()
+        self.finish(study)
+        self.same_bytes(study)
+
+
+class temporary_folder:
+    def __enter__(self):
+        WORK.mkdir()
+
+    def __exit__(self, *_):
+        shutil.rmtree(WORK)
+
+
+def main():
+    global BREAKWATER, ISHIGAMI
+    if reason := slurm_cluster.missing():
+        print(f"skipped: {reason}")
+        return SKIPPED
+    slurm_cluster.enter()
+    arguments = sys.argv[1:]
+    suite_class = SlurmStudy if "--study" in arguments else Slurm
+    BREAKWATER, ISHIGAMI = (pathlib.Path(name).resolve() for name in arguments[:2])
+    # A copy of the program that lies elsewhere finds the pages' parts.
+    os.environ["BREAKWATER_PATH"] = str(pathlib.Path(__file__).resolve().parents[2])
+    names = [name for name in arguments[2:] if name != "--study"]
+    load = unittest.defaultTestLoader
+    suite = (unittest.TestSuite(map(suite_class, names)) if names else
+             load.loadTestsFromTestCase(suite_class))
+    result = unittest.TextTestRunner(verbosity=2).run(suite)
+    return 0 if result.wasSuccessful() else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
