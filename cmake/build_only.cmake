@@ -7,6 +7,7 @@ endforeach()
 find_package(PkgConfig REQUIRED)
 # Mesa's OSMesa is not linked: render/ loads it when the first picture is drawn.
 pkg_check_modules(osmesa REQUIRED IMPORTED_TARGET osmesa)
-# dygraphs is read when a page is written, and goes into it whole.
+# dygraphs and three.js are read when a page is written, and go into it whole.
 find_path(MUSTACHE_INCLUDE_DIR kainjow/mustache.hpp REQUIRED)
+find_path(THREE_DIR three.min.js PATHS /usr/share/javascript/three NO_DEFAULT_PATH REQUIRED)
 find_path(DYGRAPHS_DIR dygraph.min.js PATHS /usr/share/javascript/dygraphs NO_DEFAULT_PATH REQUIRED)

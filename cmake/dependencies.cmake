@@ -44,6 +44,7 @@ breakwater_package(PkgConfig::urdfdom liburdfdom-dev [[breakwater_pkg_config(${h
 breakwater_package(PkgConfig::tinyxml2 libtinyxml2-dev
   [[breakwater_pkg_config(${how} tinyxml2 tinyxml2)]])
 breakwater_package(PkgConfig::xxhash libxxhash-dev [[breakwater_pkg_config(${how} xxhash libxxhash)]])
+breakwater_package(PkgConfig::sqlite3 libsqlite3-dev [[breakwater_pkg_config(${how} sqlite3 sqlite3)]])
 breakwater_package(PkgConfig::hdf5 libhdf5-dev [[breakwater_pkg_config(${how} hdf5 hdf5-serial)]])
 # The high-level library (dimension scales) has no pkg-config file.
 breakwater_package(hdf5::hl libhdf5-dev [[
@@ -61,6 +62,10 @@ breakwater_package(random123::random123 librandom123-dev [[
     add_library(random123::random123 INTERFACE IMPORTED)
     target_include_directories(random123::random123 SYSTEM INTERFACE ${RANDOM123_INCLUDE_DIR})
   endif()]])
+breakwater_package(Boost::headers libboost-dev [[find_package(Boost 1.74 ${how})]])
+breakwater_package(Pagmo::pagmo libpagmo-dev [[find_package(pagmo 2.18 ${how} NO_MODULE)]])
+breakwater_package(PkgConfig::nlopt libnlopt-cxx-dev [[breakwater_pkg_config(${how} nlopt nlopt)]])
 breakwater_package(PkgConfig::cairo libcairo2-dev [[breakwater_pkg_config(${how} cairo cairo)]])
+breakwater_package(PkgConfig::zlib zlib1g-dev [[breakwater_pkg_config(${how} zlib zlib)]])
 breakwater_package(PkgConfig::ffmpeg "libavformat-dev, libavcodec-dev, libswscale-dev and libavutil-dev"
   [[breakwater_pkg_config(${how} ffmpeg libavformat libavcodec libswscale libavutil)]])

@@ -8,7 +8,10 @@ get_property(rooms GLOBAL PROPERTY BREAKWATER_ROOMS)
 set(artefacts "")
 set(libraries ${rooms})
 list(TRANSFORM libraries PREPEND breakwater_)
-foreach(target IN LISTS libraries ITEMS breakwater ${BREAKWATER_SCENARIOS})
+if(TARGET breakwater_python)
+  set(python breakwater_python)
+endif()
+foreach(target IN LISTS libraries python ITEMS breakwater ${BREAKWATER_SCENARIOS})
   get_target_property(type ${target} TYPE)
   if(NOT type STREQUAL "INTERFACE_LIBRARY")
     list(APPEND artefacts "$<TARGET_FILE:${target}>")
@@ -32,10 +35,16 @@ install(DIRECTORY templates DESTINATION ${CMAKE_INSTALL_DATADIR}/breakwater COMP
 install(DIRECTORY models data renders docs DESTINATION ${CMAKE_INSTALL_DATADIR}/breakwater
   COMPONENT runtime FILES_MATCHING PATTERN "*.xml" PATTERN "*.urdf" PATTERN "*.toml" PATTERN "*.md"
                  PATTERN "*.mustache" PATTERN "*.css" PATTERN "*.js")
+file(GLOB studies CONFIGURE_DEPENDS studies/*.toml)  # not what they left beside them
+install(FILES ${studies} DESTINATION ${CMAKE_INSTALL_DATADIR}/breakwater/studies COMPONENT runtime)
 # libbreakwater_math.a, and so every program, holds a part of musl (MIT).
 install(FILES /usr/share/doc/musl-dev/copyright
   DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/doc/breakwater RENAME musl-copyright COMPONENT runtime)
 install(PROGRAMS scripts/figures.py DESTINATION ${CMAKE_INSTALL_DATADIR}/breakwater/scripts
+  COMPONENT runtime)
+
+# Of the tutorial on data of one's own.
+install(FILES data/estimate/motor.csv DESTINATION ${CMAKE_INSTALL_DATADIR}/breakwater/data/estimate
   COMPONENT runtime)
 
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/Breakwater)

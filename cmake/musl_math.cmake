@@ -2,9 +2,10 @@
 # renamed. musl has no second path for processors with fused multiply-add, so they give the same
 # bits everywhere (docs/decisions/0011-one-path-for-elementary-functions.md). They become part of
 # breakwater_math: who uses an installed Breakwater needs no musl.
-set(functions sin cos sincos tan asin atan2 exp expm1 log pow tanh)
-set(members ${functions} __sin __cos __tan __rem_pio2 __rem_pio2_large atan exp_data log_data
-    pow_data __math_divzero __math_invalid __math_oflow __math_uflow __math_xflow)
+set(functions sin cos sincos tan asin atan2 exp expm1 log pow tanh erfc)
+set(members sin cos sincos tan asin atan2 exp expm1 log pow tanh erf __sin __cos __tan __rem_pio2
+    __rem_pio2_large atan exp_data log_data pow_data __math_divzero __math_invalid __math_oflow
+    __math_uflow __math_xflow)
 list(TRANSFORM members APPEND .lo)
 
 string(REPLACE -gnu -musl musl_architecture "${CMAKE_LIBRARY_ARCHITECTURE}")

@@ -8,6 +8,7 @@ endif()
 
 set(BREAKWATER_SANITIZER "" CACHE STRING "address or thread; empty for none")
 option(BREAKWATER_NATIVE "Compile for this machine's processor: for benchmarks, not for goldens" OFF)
+option(BREAKWATER_PYTHON "The Python module (Debian: pybind11-dev)" ON)
 option(BREAKWATER_WARNINGS_AS_ERRORS "As the presets that are tested have it" OFF)
 
 add_library(breakwater_options INTERFACE)

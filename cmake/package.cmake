@@ -1,5 +1,5 @@
-# Debian packages, made by `./dev package`: breakwater (programs, data, pages) and libbreakwater-dev
-# (the rooms, for programs of one's own).
+# Debian packages, made by `./dev package`: breakwater (programs, data, pages), libbreakwater-dev (the
+# rooms, for programs of one's own) and python3-breakwater (the Python module).
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME breakwater)
 set(CPACK_PACKAGE_VENDOR "The Breakwater developers")
@@ -8,6 +8,9 @@ set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_OUTPUT_FILE_PREFIX ${PROJECT_BINARY_DIR}/packages)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_COMPONENTS_ALL runtime development)
+if(TARGET breakwater_python)
+  list(APPEND CPACK_COMPONENTS_ALL python)
+endif()
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_ENABLE_COMPONENT_DEPENDS OFF)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
@@ -18,7 +21,7 @@ set(CPACK_DEBIAN_PACKAGE_PRIORITY optional)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_NAME breakwater)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SHLIBDEPS ON)
 # What is loaded or read at run time, which shlibdeps cannot see.
-set(CPACK_DEBIAN_RUNTIME_PACKAGE_DEPENDS "libosmesa6, fonts-dejavu-core, libjs-dygraphs")
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_DEPENDS "libosmesa6, fonts-dejavu-core, libjs-dygraphs, libjs-three")
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_RECOMMENDS "python3, python3-h5py, python3-matplotlib")
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SUGGESTS libbreakwater-dev)
 set(CPACK_COMPONENT_RUNTIME_DESCRIPTION "testbed for robust model-based motion control
@@ -33,7 +36,7 @@ file(STRINGS ${PROJECT_SOURCE_DIR}/packages/build.txt lines REGEX "^[a-z]")
 set(depends "breakwater (= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE})")
 foreach(line IN LISTS lines)
   string(REGEX MATCH "^[a-z0-9.+-]+" package "${line}")
-  if(NOT package MATCHES "^(ccache|git|musl-dev|fonts-dejavu-core|libjs-dygraphs)$")
+  if(NOT package MATCHES "^(ccache|git|musl-dev|fonts-dejavu-core|libjs-dygraphs|libjs-three)$")
     string(APPEND depends ", ${package}")
   endif()
 endforeach()
@@ -45,11 +48,26 @@ set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "testbed for robust model-based moti
  controllers, observers and scenarios of one's own: `breakwater new' writes a
  project that uses them.")
 set(CPACK_COMPONENT_RUNTIME_REQUIRED ON)
+
+# The compiled part is for one version of the interpreter.
+set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-breakwater)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS ON)
+if(TARGET breakwater_python)
+  math(EXPR next_minor "${Python_VERSION_MINOR} + 1")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "breakwater (= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE}), \
+python3 (>= 3.${Python_VERSION_MINOR}), python3 (<< 3.${next_minor}), python3-numpy")
+endif()
+set(CPACK_DEBIAN_PYTHON_PACKAGE_RECOMMENDS "python3-pandas, python3-xarray, python3-h5netcdf")
+set(CPACK_COMPONENT_PYTHON_DESCRIPTION "testbed for robust model-based motion control (Python module)
+ Runs Breakwater's experiments from Python, under controllers and estimators
+ of one's own, with results in NumPy, pandas and xarray. Its disturbance
+ observers and Kalman filters work on recorded data, too.")
 include(CPack)
 
-# Both packages have their licences and changes where Debian wants them, and the programs their man
+# All packages have their licences and changes where Debian wants them, and the programs their man
 # pages, which `./dev package` makes of the help texts.
-foreach(component IN ITEMS runtime development)
+foreach(component IN LISTS CPACK_COMPONENTS_ALL)
   string(TOUPPER ${component} name)
   set(doc ${CMAKE_INSTALL_DATAROOTDIR}/doc/${CPACK_DEBIAN_${name}_PACKAGE_NAME})
   install(FILES debian/${CPACK_DEBIAN_${name}_PACKAGE_NAME}.lintian-overrides

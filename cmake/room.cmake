@@ -1,8 +1,16 @@
+# breakwater_shareable(TARGET): code that the Python module can hold, and that shows none of its symbols
+# there, so that the loader looks none up.
+function(breakwater_shareable target)
+  set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON
+    CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
+endfunction()
+
 # What most sources include, compiled once: headers of the standard library and Eigen. No header may
 # rely on it: the lint preset does without.
-file(WRITE ${PROJECT_BINARY_DIR}/precompiled.cpp "")
+file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/precompiled.cpp CONTENT "")  # as old as it is
 add_library(breakwater_precompiled STATIC ${PROJECT_BINARY_DIR}/precompiled.cpp)
 target_link_libraries(breakwater_precompiled PRIVATE Eigen3::Eigen breakwater_options)
+breakwater_shareable(breakwater_precompiled)
 target_precompile_headers(breakwater_precompiled PRIVATE
   <algorithm> <filesystem> <functional> <map> <memory> <stdexcept> <string> <vector>
   <Eigen/Cholesky> <Eigen/Core> <Eigen/LU>)
@@ -18,6 +26,7 @@ function(breakwater_room name)
   if(ROOM_SOURCES)
     set(scope PUBLIC)
     add_library(breakwater_${name} STATIC ${ROOM_SOURCES})
+    breakwater_shareable(breakwater_${name})
     target_precompile_headers(breakwater_${name} REUSE_FROM breakwater_precompiled)
     target_link_libraries(breakwater_${name}
       PRIVATE $<BUILD_INTERFACE:breakwater_options> ${ROOM_PRIVATE})

@@ -1,4 +1,5 @@
 #include <breakwater/program/program.h>
+#include <breakwater/recorded/estimate_command.h>
 
 #include "arm_push/arm_push.h"
 #include "arm_wall_contact/arm_wall_contact.h"
@@ -35,6 +36,7 @@ Catalogue standard_catalogue() {
   for (AxisControllerKind& kind : axis_controllers()) catalogue.add(std::move(kind));
   for (QuadrotorEstimatorKind& kind : quadrotor_estimators()) catalogue.add(std::move(kind));
   for (QuadrotorControllerKind& kind : quadrotor_controllers()) catalogue.add(std::move(kind));
+  catalogue.add(estimate_command());
   return catalogue;
 }
 

@@ -50,6 +50,11 @@ _breakwater() {
     COMPREPLY=($(compgen -W "$("$program" --help | sed -n '/^Subcommands:/,$s/^  \([a-z]\{1,\}\) .*/\1/p')" -- "$current"))
   elif [ "$command" = run ] && [ "$COMP_CWORD" -eq 2 ]; then
     COMPREPLY=($(compgen -W "$(_breakwater_words "$program" list)" -- "$current"))
+  elif [ "$command" = sweep ] && [ "$COMP_CWORD" -eq 2 ]; then
+    COMPREPLY=($(compgen -W "$(_breakwater_words "$program" list)" -- "$current") $(compgen -f -- "$current"))
+  elif [ "$command" = sweep ] && [ "$before" = --vary -o "$before" = --set -o "$before" = --case ]; then
+    [ "$before" != --vary ] || before=--set
+    _breakwater_run "$before" "$current" "$program" run "${COMP_WORDS[2]}"
   elif [ "$command" = run ]; then
     _breakwater_run "$before" "$current" "$program" run "${COMP_WORDS[2]}"
   elif [[ $current == -* ]]; then

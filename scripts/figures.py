@@ -76,6 +76,32 @@ def read(run, signal):
         sys.exit(f"figures.py: {run}: its log has no signal {signal}")
 
 
+def has(run, signal):
+    """Whether a run's log has a signal."""
+    name = signal.split("[")[0]
+    group, name = name.split("/") if "/" in name else ("control", name)
+    try:
+        with h5py.File(Path(run) / "log.h5") as log:
+            return group in log and name in log[group]
+    except OSError:
+        return True  # read() says what is wrong
+
+
+def axis_label(signal, unit, height):
+    """A signal's name and unit on one line each, as large as there is room for."""
+    text = signal.split("/")[-1]
+    lines = [text] + ([f"[{unit}]"] if unit != "1" else [])
+    # Letters of a serif are about half as wide as high.
+    size = min(STYLE["font.size"], 72 * height / (0.52 * max(map(len, lines))))
+    return {"ylabel": "\n".join(lines), "fontsize": size}
+
+
+def columns(labels, width):
+    """How many columns of a legend fit."""
+    longest = max(map(len, labels)) * 0.52 * STYLE["font.size"] / 72 + 0.4
+    return max(1, min(len(labels), int(width / longest)))
+
+
 def label_of(run):
     """The run's case, or the folder's name."""
     try:
@@ -96,14 +122,21 @@ def draw(runs, labels, signals, window, width):
                                 figsize=(width, 0.45 + PANEL_HEIGHT * len(signals)),
                                 constrained_layout=True)
     for axis, signal in zip(axes[:, 0], signals):
+        if not any(has(run, signal) for run in runs):
+            read(runs[0], signal)  # which says what is wrong
         for run, label in zip(runs, labels):
+            if not has(run, signal):
+                axis.plot([], [], label=f"{label}: –")
+                continue
             time, values, unit = read(run, signal)
             inside = (time >= window[0]) & (time <= window[1])
             axis.plot(time[inside], values[inside], label=label)
-        axis.set_ylabel(signal.split("/")[-1] + (f"\n[{unit}]" if unit != "1" else ""))
+        axis.set_ylabel(**axis_label(signal, unit, PANEL_HEIGHT))
     axes[-1, 0].set_xlabel("time [s]")
     if len(runs) > 1:
-        axes[0, 0].legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=len(runs), borderpad=0,
+        # Of all runs, also of those that have not this signal.
+        handles = [plt.Line2D([], [], color=f"C{i}") for i in range(len(runs))]
+        axes[0, 0].legend(handles, labels, loc="lower left", bbox_to_anchor=(0, 1), ncols=columns(labels, width), borderpad=0,
                           handlelength=1.4, columnspacing=1.2)
     return figure
 

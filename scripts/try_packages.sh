@@ -25,6 +25,16 @@ as_user 'breakwater video run --size 320x180 --quiet && breakwater report run --
 as_user 'breakwater reproduce --only 2.4.3.2 --quick --no-video --quiet --out page && ls page | head -4'
 inside sh -c 'man -w breakwater >/dev/null 2>&1 || ls /usr/share/man/man1/breakwater.1.gz'
 
+say 'the Python module'
+inside sh -c 'apt-get -qy install --no-install-recommends /tmp/breakwater_*.deb /tmp/python3-breakwater_*.deb' >"$root/log" || { cat "$root/log"; exit 1; }
+as_user "python3 -c \"
+import breakwater as bw
+run = bw.run('motor_estimation', case='stf', duration=1, out='from-python')
+print(run)
+print(bw.Stf(*bw.damped_inertia(1.0), delta=1e-3, period_s=1e-3).filter(run['applied_Nm'], run['position_measured_rad']).d[-1])
+run.video('motor.mp4', to_s=0.2, size='320x180')\" && ls from-python motor.mp4"
+as_user 'breakwater estimate --csv /usr/share/breakwater/data/estimate/motor.csv --quiet --out est && ls est'
+
 say 'a project of one'"'"'s own'
 inside sh -c 'apt-get -qy install --no-install-recommends /tmp/*.deb ninja-build' >"$root/log" || { cat "$root/log"; exit 1; }
 as_user 'breakwater new controller admittance && cd admittance && cmake --preset release >/dev/null &&

@@ -1,13 +1,17 @@
-// Charts, drawn when they come into view; their common time axes; videos that move with them.
+// Charts, the first at once and the others when there is time; their common time axes; videos and
+// replays that move with them.
 "use strict";
 (() => {
   const COLOURS = ["#1b6ca8", "#d1495b", "#2a8c5c", "#b8741a", "#6d4fa3", "#4f6272", "#0f8b8d",
                    "#a03b78", "#7a8c1d", "#3b4cc0"];
-  const groups = new Map();  // name: the charts that share a moment, and their video
+  const COLOURS_ON_DARK = ["#62b0ea", "#f07f8d", "#5fc493", "#e0a64a", "#a98be0", "#93a7b8", "#42c5c7",
+                           "#dc74b2", "#b4c84f", "#8494ff"];
+  const FIRST_CHARTS = 8;  // drawn before anything is seen
+  const groups = new Map();  // name: the charts that share a moment, and what plays it
   const axes = new Map();    // name: the charts that share a window of time
 
   function groupOf(name) {
-    if (!groups.has(name)) groups.set(name, {charts: [], time: null, video: null});
+    if (!groups.has(name)) groups.set(name, {charts: [], time: null, players: []});
     return groups.get(name);
   }
 
@@ -50,11 +54,19 @@
                                                       : String(Number(value.toPrecision(4)));
   };
 
+  const dark = matchMedia("(prefers-color-scheme: dark)");
+  const onPaper = matchMedia("print");
+  const isDark = () => dark.matches && !onPaper.matches;
+
   // References are grey; the others take their turns.
   function coloursOf(series) {
     let next = 0;
-    return series.map((s) => s.reference ? "#4a5561" : COLOURS[next++ % COLOURS.length]);
+    const colours = isDark() ? COLOURS_ON_DARK : COLOURS;
+    return series.map((s) => s.reference ? (isDark() ? "#a3b0bc" : "#4a5561") : colours[(s.colour >= 0 ? s.colour : next++) % colours.length]);
   }
+
+  const lineColours = () => isDark() ? {gridLineColor: "#2c353e", axisLineColor: "#55626f"}
+                                     : {gridLineColor: "#e6ebf0", axisLineColor: "#b8c4ce"};
 
   function element(kind, className, parent) {
     const made = document.createElement(kind);
@@ -72,6 +84,7 @@
       this.group = groupOf(box.dataset.group);
       this.axis = axisOf(box.dataset.axis);
       const data = JSON.parse(document.getElementById(box.dataset.chart).textContent);
+      if (this.axis.charts.length === 0 && data.window) this.axis.window = data.window;
       this.series = data.series;
       this.colours = coloursOf(data.series);
       this.rows = rowsOf(data.series);
@@ -85,8 +98,7 @@
         connectSeparatedPoints: false,
         strokeWidth: 1.4,
         highlightCircleSize: 3,
-        gridLineColor: "#e6ebf0",
-        axisLineColor: "#b8c4ce",
+        ...lineColours(),
         axisLabelFontSize: 11,
         labelsKMB: false,
         digitsAfterDecimal: 4,
@@ -95,19 +107,31 @@
         dateWindow: this.axis.window,
         axes: {y: {axisLabelWidth: 54}, x: {drawGrid: true}},
         underlayCallback: (context, area, graph) => this.underlay(context, area, graph, data.lines),
-        highlightCallback: (event, time) => this.group.video ? this.showValues(time) : setTime(this.group, time),
-        unhighlightCallback: () => { if (!this.group.video) setTime(this.group, null); },
+        highlightCallback: (event, time) => this.isPlayed ? this.showValues(time) : setTime(this.group, time),
+        unhighlightCallback: () => this.isPlayed ? this.showValues(this.group.time) : setTime(this.group, null),
         drawCallback: (graph, isFirst) => { if (!isFirst) this.drawn(); },
         clickCallback: (event, time) => setTime(this.group, time, this),
       });
       this.cursor = element("div", "cursor", this.plot);
       this.cursor.hidden = true;
-      if (this.group.video) this.makeGrip();
+      if (this.isPlayed) this.makeGrip();
       this.plot.addEventListener("keydown", (event) => this.key(event));
       this.group.charts.push(this);
       this.axis.charts.push(this);
       this.placeCursor();
+      if (this.isPlayed) this.showValues(this.group.time);
       box.dataset.drawn = "yes";
+    }
+
+    get isPlayed() { return this.group.players.length > 0; }
+
+    // In the colours of the moment, and as wide as there is room.
+    redraw() {
+      this.colours = coloursOf(this.series);
+      this.box.querySelectorAll(".key").forEach((key, i) => key.style.setProperty("--colour", this.colours[i]));
+      this.graph.updateOptions({colors: this.colours, ...lineColours()}, true);
+      this.graph.resize();
+      this.placeCursor();
     }
 
     makeKeys(keys) {
@@ -184,7 +208,7 @@
       const inside = time !== null && time >= range[0] && time <= range[1];
       this.cursor.hidden = !inside;
       if (inside) this.cursor.style.left = this.graph.toDomXCoord(time) + "px";
-      if (this.group.video) {
+      if (this.isPlayed) {
         this.cursor.setAttribute("aria-valuenow", String(time === null ? range[0] : time));
         this.cursor.setAttribute("aria-valuetext", shown(time) + " s");
       }
@@ -195,7 +219,7 @@
       grip.classList.add("grip");
       grip.tabIndex = 0;
       grip.setAttribute("role", "slider");
-      grip.setAttribute("aria-label", "Time, with the video");
+      grip.setAttribute("aria-label", "Time, with what plays it");
       const [first, last] = this.graph.xAxisExtremes();
       grip.setAttribute("aria-valuemin", String(first));
       grip.setAttribute("aria-valuemax", String(last));
@@ -204,7 +228,7 @@
         event.preventDefault();
         const move = (e) => {
           const x = e.clientX - this.plot.getBoundingClientRect().left;
-          setTime(this.group, this.graph.toDataXCoord(x), this);  // the video follows
+          setTime(this.group, this.graph.toDataXCoord(x), this);  // what plays follows
         };
         addEventListener("pointermove", move);
         addEventListener("pointerup", () => removeEventListener("pointermove", move), {once: true});
@@ -237,18 +261,28 @@
     for (const chart of axis.charts) chart.placeCursor();
   }
 
-  // `from` is the chart that was moved, or "video"; without it nothing is told to the video.
+  // `from` is the chart that was moved, or the player that moved by itself; without it the players
+  // are told nothing.
   function setTime(group, time, from) {
     group.time = time;
     for (const chart of group.charts) {
       chart.placeCursor();
       chart.showValues(time);
     }
-    if (group.video && time !== null) {
-      if (from !== "video" && from) group.video.seek(time);
-      group.video.say(time);
-    }
+    if (!from || time === null) return;
+    for (const player of group.players) if (player !== from) player.seek(time);
   }
+
+  // For replays. A player has seek(time) and tells its own time with told().
+  window.pagePlayers = {
+    add: (name, player) => {
+      const group = groupOf(name);
+      group.players.push(player);
+      group.time = player.begin;
+      player.told = (time) => setTime(group, time, player);
+      return player;
+    },
+  };
 
   class Video {
     constructor(element) {
@@ -256,10 +290,14 @@
       this.from = Number(element.dataset.from);
       this.speed = Number(element.dataset.speed);
       this.group = groupOf(element.dataset.group);
-      this.group.video = this;
+      this.group.players.push(this);
       element.addEventListener("loadedmetadata", () => this.check());
       this.now = element.parentElement.querySelector(".now");
-      const follow = () => setTime(this.group, this.from + element.currentTime * this.speed, "video");
+      const follow = () => {
+        const time = this.from + element.currentTime * this.speed;
+        this.say(time);
+        setTime(this.group, time, this);
+      };
       const whilePlaying = () => {
         follow();
         if (!element.paused) requestAnimationFrame(whilePlaying);
@@ -278,7 +316,7 @@
     check() {
       const expected = Number(this.element.dataset.length);
       if (!(expected > 0) || Math.abs(expected - this.element.duration) < 0.2) return;
-      this.group.video = null;
+      this.group.players = this.group.players.filter((player) => player !== this);
       if (this.now) this.now.textContent = "(of another window: it does not move with the charts)";
     }
 
@@ -287,6 +325,7 @@
       this.seeking = true;
       this.element.pause();
       this.element.currentTime = Math.min(Math.max(0, (time - this.from) / this.speed), end);
+      this.say(time);
     }
 
     say(time) { if (this.now) this.now.textContent = "t = " + time.toFixed(3) + " s"; }
@@ -298,7 +337,23 @@
     new Video(video);
   });
   const draw = (box) => { if (!box.dataset.drawn) new Chart(box); };
-  if ("IntersectionObserver" in window) {
+  // All at once, for printing and for tests.
+  window.drawAllCharts = () => charts.forEach(draw);
+
+  // The others when the page has nothing better to do, or is scrolled to them.
+  function drawTheRest() {
+    const rest = charts.filter((box) => !box.dataset.drawn);
+    const soon = window.requestIdleCallback || ((work) => setTimeout(() => work({timeRemaining: () => 8}), 30));
+    const go = (idle) => {
+      do {
+        const next = rest.shift();
+        if (!next) return;
+        draw(next);
+      } while (idle.timeRemaining() > 4);
+      soon(go);
+    };
+    soon(go);
+    if (!("IntersectionObserver" in window)) return;
     const seen = new IntersectionObserver((entries) => {
       for (const entry of entries) {
         if (!entry.isIntersecting) continue;
@@ -307,19 +362,21 @@
       }
     }, {rootMargin: "400px"});
     charts.forEach((box) => seen.observe(box));
-  } else {
-    charts.forEach(draw);
   }
-  // All at once, for printing and for tests.
-  window.drawAllCharts = () => charts.forEach(draw);
-  window.addEventListener("beforeprint", window.drawAllCharts);
 
-  // A link to a folded page of the documentation unfolds it.
-  const unfold = () => {
-    const target = location.hash && document.getElementById(location.hash.slice(1));
-    if (target && target.tagName === "DETAILS") target.open = true;
-  };
-  window.addEventListener("hashchange", unfold);
-  unfold();
-  if (matchMedia("(max-width: 900px)").matches) document.querySelector(".toc details").open = false;
+  const redrawAll = () => charts.forEach((box) => { if (box.chart) box.chart.redraw(); });
+  window.addEventListener("beforeprint", () => { drawAllCharts(); document.body.classList.add("paper"); redrawAll(); });
+  window.addEventListener("afterprint", () => { document.body.classList.remove("paper"); redrawAll(); });
+  dark.addEventListener("change", redrawAll);
+  // What plays is known only after the scripts behind this one.
+  document.addEventListener("DOMContentLoaded", () => {
+    charts.slice(0, FIRST_CHARTS).forEach(draw);
+    drawTheRest();
+    document.querySelectorAll("button.range").forEach((button) => button.addEventListener("click", () => {
+      const axis = axisOf(button.dataset.axis);
+      const whole = axis.window !== null;
+      zoom(axis, whole ? null : [Number(button.dataset.from), Number(button.dataset.to)], null);
+      button.textContent = whole ? button.dataset.close : button.dataset.far;
+    }));
+  });
 })();

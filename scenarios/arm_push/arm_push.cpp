@@ -24,8 +24,9 @@ Fields ArmPush::fields() {
   // It never controls a force.
   fields.only_for({"controller.ik_weights", "controller.ik_damping", "controller.ik_form"},
                   "controller.positioning", {"workspace"});
-  fields.only_where({"controller.k_force"}, "force is controlled, as it is not in this scenario",
-                    [] { return false; });
+  fields.only_where({"controller.k_force", "controller.t_approach_s", "controller.t_contact_s",
+                     "controller.design_stiffness_N_m", "controller.peak_margin_N"},
+                    "force is controlled, as it is not in this scenario", [] { return false; });
   fields.count("push.link", link_, between(1, 100), "which link's end the hand pushes");
   fields.number("push.angle_rad", hand_.angle_rad, any(),
                 "how far it turns the link's absolute angle [rad]");

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <breakwater/scenario/run_loop.h>
+#include <breakwater/sim/apparent_mass.h>
 #include "arm_wall_contact/wall_contact_metrics.h"
 
 namespace breakwater {
@@ -97,7 +98,8 @@ Recording ArmWallContact::run(const RunControl& control) const {
   const std::int64_t steps = physics.step_at(arm_.run.duration_s);
   const std::int64_t solid_step = physics.step_at(wall_solid_from_s_);
   const std::int64_t fine_from = physics.step_at(fine_from_s_);
-  const std::int64_t fine_to = std::min(physics.step_at(fine_to_s_), steps);
+  const std::int64_t fine_to =
+      control.logs ? std::min(physics.step_at(fine_to_s_), steps) : fine_from;
 
   Track fine("physics", rig.fine_signals(),
              static_cast<std::size_t>(std::max<std::int64_t>(fine_to - fine_from, 0)));
@@ -109,16 +111,19 @@ Recording ArmWallContact::run(const RunControl& control) const {
                               .period_s = physics.control_period_s,
                               .start_pose = start_pose(arm_)});
 
+  ApparentMass mass_along_x(sim.model(), "tip", Eigen::Vector3d::UnitX());
+
   const auto step = [&](std::int64_t k) {
     if (k == solid_step) sim.set_collidable(wall, true);
     sim.step();
-    metrics.after_step(sim.time_s(), rig.contact_force_N(), rig.filtered_force_N(),
-                       rig.tip_speed_x_m_s());
+    const bool strikes = metrics.after_step(sim.time_s(), rig.contact_force_N(),
+                                            rig.filtered_force_N(), rig.tip_speed_x_m_s());
+    if (strikes) metrics.set_impact_mass(mass_along_x(sim.model(), sim.data()));
     if (k >= fine_from && k < fine_to) fine.append(sim.time_s());
   };
   const auto sample = [&](double time_s) {
     rig.observe();
-    metrics.after_sample(time_s, rig.tip(), sim.saturated());
+    metrics.after_sample(time_s, rig.contact_force_N(), rig.tip(), sim.saturated());
   };
   Recording recording = record_run(sim, physics, steps, rig.signals(), control, step, sample);
   if (!recording.failure) recording.metrics = metrics.metrics(recording.simulated_s);

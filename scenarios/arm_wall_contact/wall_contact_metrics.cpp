@@ -10,20 +10,23 @@ constexpr double kImpulseWindow_s = 0.2;
 
 }  // namespace
 
-void WallContactMetrics::after_step(double time_s, double force_N, double filtered_N,
+bool WallContactMetrics::after_step(double time_s, double force_N, double filtered_N,
                                     double tip_speed_x_m_s) {
-  if (!counts(time_s)) return;
-  follow_contact(time_s, force_N, tip_speed_x_m_s);
+  if (!counts(time_s)) return false;
+  const bool strikes = follow_contact(time_s, force_N, tip_speed_x_m_s);
   peak_raw_N_ = std::max(peak_raw_N_, force_N);
   peak_filtered_N_ = std::max(peak_filtered_N_, filtered_N);
   if (in_error_window(time_s)) error_N_.add(window_.reference_N - filtered_N);
+  return strikes;
 }
 
-void WallContactMetrics::after_sample(double time_s, const TipPose& tip, bool saturated) {
+void WallContactMetrics::after_sample(double time_s, double force_N, const TipPose& tip,
+                                      bool saturated) {
   if (!counts(time_s)) return;
   if (saturated) saturated_s_ += window_.period_s;
   if (in_error_window(time_s)) {
     ++samples_;
+    follow_late_force(time_s, force_N);
     saturated_samples_ += saturated ? 1 : 0;
   }
   const TipPose error = tip - window_.start_pose;
@@ -31,11 +34,13 @@ void WallContactMetrics::after_sample(double time_s, const TipPose& tip, bool sa
   max_posture_error_rad_ = std::max(max_posture_error_rad_, std::abs(error[2]));
 }
 
-void WallContactMetrics::follow_contact(double time_s, double force_N, double tip_speed_x_m_s) {
+bool WallContactMetrics::follow_contact(double time_s, double force_N, double tip_speed_x_m_s) {
   const bool touches = force_N > 0.0;
+  bool strikes = false;
   if (touches && !touched_) {
     ++onsets_;
     if (!first_contact_s_) {
+      strikes = true;
       first_contact_s_ = time_s;
       impact_velocity_m_s_ = tip_speed_x_m_s;
     }
@@ -44,6 +49,30 @@ void WallContactMetrics::follow_contact(double time_s, double force_N, double ti
   if (first_contact_s_ && time_s < *first_contact_s_ + kImpulseWindow_s - 0.5 * window_.step_s) {
     impulse_Ns_ += force_N * window_.step_s;
   }
+  return strikes;
+}
+
+void WallContactMetrics::follow_late_force(double time_s, double force_N) {
+  const double fifth_s = (window_.error_to_s - window_.error_from_s) / 5.0;
+  const double half_step_s = 0.5 * window_.step_s;
+  if (time_s < window_.error_from_s + fifth_s - half_step_s) first_fifth_N_.add(force_N);
+  if (time_s >= window_.error_to_s - fifth_s - half_step_s) last_fifth_N_.add(force_N);
+  if (last_late_force_N_) {
+    if (force_N > 0.0 && *last_late_force_N_ <= 0.0) ++late_onsets_;
+    if (force_N > window_.reference_N && *last_late_force_N_ <= window_.reference_N) ++rises_;
+  }
+  last_late_force_N_ = force_N;
+}
+
+void WallContactMetrics::add_late_force(std::vector<Metric>& list) const {
+  list.push_back({"late_bounce_count", "1", static_cast<double>(late_onsets_)});
+  const std::optional<double> first_N = first_fifth_N_.standard_deviation();
+  const std::optional<double> last_N = last_fifth_N_.standard_deviation();
+  if (first_N && last_N && *first_N > 0.0) {
+    list.push_back({"force_decay_ratio", "1", *last_N / *first_N});
+  }
+  list.push_back({"force_frequency_Hz", "Hz",
+                  static_cast<double>(rises_) / (window_.error_to_s - window_.error_from_s)});
 }
 
 std::vector<Metric> WallContactMetrics::metrics(double simulated_s) const {
@@ -61,9 +90,11 @@ std::vector<Metric> WallContactMetrics::metrics(double simulated_s) const {
       list.push_back({"saturated_share", "1",
                       static_cast<double>(saturated_samples_) / static_cast<double>(samples_)});
     }
+    if (first_contact_s_) add_late_force(list);
   }
   if (first_contact_s_) {
     list.push_back({"impact_velocity_m_s", "m/s", impact_velocity_m_s_});
+    list.push_back({"impact_mass_kg", "kg", impact_mass_kg_});
     if (simulated_s >= *first_contact_s_ + kImpulseWindow_s) {
       list.push_back({"contact_impulse_Ns", "N s", impulse_Ns_});
     }

@@ -27,7 +27,13 @@ struct WallContactWindow {
 ///  - peak_force_raw_N, peak_force_filtered_N: of the contact force and of the force behind the
 ///    sensor's low-pass, at the physics rate;
 ///  - mean_force_error_N, std_force_error_N: of reference − filtered force in the window;
+///  - late_bounce_count: contact onsets in the window, seen at the samples;
+///  - force_decay_ratio: standard deviation of the contact force in the window's last fifth over
+///    that in its first: below 1 where the contact still settles, 1 of a limit cycle;
+///  - force_frequency_Hz: how often a second the contact force rises beyond the reference in the
+///    window, seen at the samples;
 ///  - impact_velocity_m_s: the tip's x speed at the first contact;
+///  - impact_mass_kg: what the blow meets there along x, every joint free to recoil;
 ///  - contact_impulse_Ns: of the contact force over the first 200 ms of contact;
 ///  - bounce_count: contact onsets after the first;
 ///  - saturated_time_s: how long any command was at its limit;
@@ -38,10 +44,13 @@ class WallContactMetrics {
  public:
   explicit WallContactMetrics(const WallContactWindow& window) : window_(window) {}
 
-  /// To be called at every physics step, with the values at its beginning.
-  void after_step(double time_s, double force_N, double filtered_N, double tip_speed_x_m_s);
+  /// To be called at every physics step, with the values at its beginning. Returns whether it is
+  /// that of the first contact.
+  bool after_step(double time_s, double force_N, double filtered_N, double tip_speed_x_m_s);
+  /// To be called at the first contact.
+  void set_impact_mass(double mass_kg) { impact_mass_kg_ = mass_kg; }
   /// To be called at every sample.
-  void after_sample(double time_s, const TipPose& tip, bool saturated);
+  void after_sample(double time_s, double force_N, const TipPose& tip, bool saturated);
 
   std::vector<Metric> metrics(double simulated_s) const;
 
@@ -51,18 +60,26 @@ class WallContactMetrics {
     const double half_step = 0.5 * window_.step_s;
     return time_s >= window_.error_from_s - half_step && time_s < window_.error_to_s - half_step;
   }
-  void follow_contact(double time_s, double force_N, double tip_speed_x_m_s);
+  bool follow_contact(double time_s, double force_N, double tip_speed_x_m_s);
+  void follow_late_force(double time_s, double force_N);
+  void add_late_force(std::vector<Metric>& list) const;
 
   WallContactWindow window_;
   std::optional<double> first_contact_s_;
   bool touched_ = false;
   int onsets_ = 0;
   double impact_velocity_m_s_ = 0.0;
+  double impact_mass_kg_ = 0.0;
   double impulse_Ns_ = 0.0;
   double peak_raw_N_ = 0.0;
   double peak_filtered_N_ = 0.0;
   RunningVariance error_N_;  // of the force, in the window
   double saturated_s_ = 0.0;
+  RunningVariance first_fifth_N_;
+  RunningVariance last_fifth_N_;
+  std::optional<double> last_late_force_N_;
+  int late_onsets_ = 0;
+  int rises_ = 0;
   std::int64_t samples_ = 0;  // in the window
   std::int64_t saturated_samples_ = 0;
   double max_y_error_m_ = 0.0;

@@ -11,7 +11,6 @@
 #include <breakwater/record/window_metrics.h>
 #include <breakwater/scenario/run_loop.h>
 #include <breakwater/signals/thread_time.h>
-#include <breakwater/sim/height_field.h>
 
 namespace breakwater {
 namespace {
@@ -314,10 +313,9 @@ std::vector<std::string> QuadrotorWaves::warnings() const {
       fmt::format("controller.gains are unstable on this plant.model (a pole at {:+.3f}/s)", pole)};
 }
 
-void QuadrotorWaves::animate_scene(Model& model, double time_s) const {
-  if (model.geoms_named("surface").empty()) return;  // a model of the user's own
-  const UnderwaterForce sea = water(model);
-  set_heights(model, "surface", [&](double x, double y) { return sea.elevation(time_s, x, y); });
+std::vector<WavingSurface> QuadrotorWaves::waving_surfaces(const Model& model) const {
+  if (model.geoms_named("surface").empty()) return {};  // a model of the user's own
+  return {{"surface", water(model).surface_waves()}};
 }
 
 Recording QuadrotorWaves::run(const RunControl& control) const {
@@ -361,7 +359,7 @@ Recording QuadrotorWaves::run(const RunControl& control) const {
   Recording recording = record_run(sim, physics_, steps, std::move(signals), control, step, sample);
   if (!recording.failure) {
     recording.metrics = metrics.metrics(loop.estimates() && loop.estimator->models_disturbance());
-    if (loop.estimates()) {
+    if (loop.estimates() && control.logs) {
       add(recording.costs, "filter_time_us", "us",
           filter_time_us(recording.tracks.front(), *parts_.make_estimator(task())));
     }

@@ -24,7 +24,7 @@ class QuadrotorWaves final : public Scenario {
   const RunSettings& run_settings() const override { return run_; }
   std::vector<std::string> warnings() const override;
   Recording run(const RunControl& control) const override;
-  void animate_scene(Model& model, double time_s) const override;
+  std::vector<WavingSurface> waving_surfaces(const Model& model) const override;
 
  private:
   enum class NoiseInterpretation { variance, standard_deviation };

@@ -43,6 +43,7 @@ void ArmController::update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u) {
   const Eigen::Index n = chain_.joints();
   force_control_ = y.time_s >= task_.force_control_from_s - half_period_s_;
   force_N_ = y.y(n);
+  raw_force_N_ = y.y.size() > n + 1 ? y.y(n + 1) : force_N_;
   q_hat_ = joints().q_hat();
   dq_hat_ = joints().dq_hat();
   d_hat_ = joints().d_hat();

@@ -18,6 +18,7 @@ struct ArmTask {
   double force_control_from_s = std::numeric_limits<double>::infinity();
   double force_reference_N = 0.0;  ///< F_x^ref, positive when the tip presses towards +x
   double convert_gain_N_m = 1.0;   ///< K_f of the implicit force control
+  double force_lag_s = 0.0;        ///< τ_F, time constant of the force sensor's low-pass
 };
 
 /// Implicit force control, x^ref = x + (F_x^ref − F_x)/K_f (Eqs. 2.60–2.62): a force error becomes
@@ -26,8 +27,9 @@ inline double implicit_force_reference_m(const ArmTask& task, double x_m, double
   return x_m + (task.force_reference_N - force_N) / task.convert_gain_N_m;
 }
 
-/// Expects samples y = [q (n) [rad]; F_x [N]] and writes torques u (n) [N m]. Derived classes
-/// decide the joints' acceleration; IDOB-based acceleration control makes it so.
+/// Expects samples y = [q (n) [rad]; F_x [N]; F_x before the sensor's low-pass [N]], the last of
+/// which may be missing, and writes torques u (n) [N m]. Derived classes decide the joints'
+/// acceleration; IDOB-based acceleration control makes it so.
 ///
 /// The observer starts at q_0^ref, not at the measurement (2.4.3.1): from the stretched pose that
 /// the arm starts in, the Jacobian is singular and the workspace controllers would never leave it.
@@ -58,6 +60,7 @@ class ArmController : public Controller {
   Eigen::VectorXd d_hat_;
   bool force_control_ = false;
   double force_N_ = 0.0;
+  double raw_force_N_ = 0.0;         // before the sensor's low-pass
   TipPose X_hat_ = TipPose::Zero();  // forward kinematics of q̂
   TipPose X_ref_ = TipPose::Zero();  // filled with the task's: the start pose, or implicit force
   TipJacobian J_;                    // J_aco(q̂)

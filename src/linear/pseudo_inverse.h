@@ -11,4 +11,9 @@ namespace breakwater {
 void pseudo_inverse(const Eigen::Matrix<double, 3, Eigen::Dynamic>& J, double tolerance,
                     Eigen::Matrix<double, Eigen::Dynamic, 3>& J_plus);
 
+/// The same, where a singular value σ at or below the tolerance counts as σ/tolerance² instead of
+/// 1/σ: continuous there, and 0 at 0.
+void damped_pseudo_inverse(const Eigen::Matrix<double, 3, Eigen::Dynamic>& J, double tolerance,
+                           Eigen::Matrix<double, Eigen::Dynamic, 3>& J_plus);
+
 }  // namespace breakwater

@@ -46,9 +46,8 @@ void FinishedRun::read_settings(const ScenarioKind& kind) {
   const std::vector<std::string> missing = fields.read_finished(*config_);
   if (missing.empty() || !std::filesystem::exists(kind.file())) return;
   const ScenarioFile shipped(kind.file().string(), kind.name);
-  const auto& cases = shipped.cases();
-  const bool has_case = std::find(cases.begin(), cases.end(), case_name()) != cases.end();
-  const Config values = shipped.config(has_case ? case_name() : shipped.default_case());
+  const Config values =
+      shipped.config(shipped.has_case(case_name()) ? case_name() : shipped.default_case());
   for (const std::string& key : missing) {
     const ConfigEntry* entry = values.find(key);
     if (entry == nullptr) continue;

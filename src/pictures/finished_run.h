@@ -24,6 +24,7 @@ class FinishedRun {
 
   const std::filesystem::path& folder() const { return saved_.folder(); }
   const std::string& case_name() const { return saved_.case_name(); }
+  const SavedRun& saved() const { return saved_; }
   /// What a user should know, one line each: keys that an older version did not have, and as what
   /// they were taken.
   const std::vector<std::string>& notes() const { return notes_; }

@@ -11,6 +11,7 @@
 #include <thread>
 
 #include <breakwater/pictures/staging.h>
+#include <breakwater/pictures/strip.h>
 #include <breakwater/record/partial_file.h>
 #include <breakwater/render/frame_farm.h>
 #include <breakwater/render/picture.h>
@@ -24,7 +25,6 @@ namespace breakwater {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::size_t kMostRuns = 4;
 constexpr int kSmallestSide = 64;
 constexpr int kLargestSide = 7680;
 
@@ -73,76 +73,43 @@ Look read_look(const std::string& text, const Look& otherwise) {
   throw std::invalid_argument("--look " + text + ": must be fast, full or print");
 }
 
-std::deque<FinishedRun> open_runs(const Catalogue& catalogue,
-                                  const std::vector<std::string>& folders) {
-  if (folders.size() > kMostRuns) {
-    throw std::invalid_argument(
-        fmt::format("{} runs: side by side there is room for {}", folders.size(), kMostRuns));
-  }
-  std::deque<FinishedRun> runs;
-  for (const std::string& folder : folders) {
-    runs.emplace_back(catalogue, folder);
-    const std::string& first = runs.front().scenario().name();
-    if (runs.back().scenario().name() != first) {
-      throw std::invalid_argument(fmt::format("{}: is a run of {}, beside one of {}: {}", folder,
-                                              runs.back().scenario().name(), first,
-                                              "only runs of one scenario stand side by side"));
-    }
-  }
-  return runs;
-}
-
-// Everything that pictures of these runs are drawn from.
-struct Stage {
-  ShotList shots;
-  std::vector<PictureRun> runs;
-  PictureStyle style;
-};
-
-Stage set_stage(const std::deque<FinishedRun>& runs, const ShotList& shots,
-                const PictureArguments& arguments, const Window& window) {
-  Stage stage{shots, {}, {}};
-  std::vector<ChartLine> lines;
-  for (const FinishedRun& run : runs) {
-    std::vector<std::string> missing;
-    stage.runs.push_back(breakwater::stage(run, shots, arguments.camera, &missing));
-    for (const std::string& note : run.notes()) fmt::print(stderr, "pictures: {}\n", note);
-    for (const std::string& signal : missing) {
-      fmt::print(stderr, "pictures: {}: its log has no signal {}, which the shot list names\n",
-                 run.folder().string(), signal);
-    }
-    const auto& own = stage.runs.back().lines;
-    lines.insert(lines.end(), own.begin(), own.end());
-  }
-  stage.style.title = shots.title;
-  stage.style.chart_title = shots.chart_title;
-  stage.style.chart_right =
-      shots.chart_corner == Corner::top_right || shots.chart_corner == Corner::bottom_right;
-  stage.style.chart_bottom =
-      shots.chart_corner == Corner::bottom_left || shots.chart_corner == Corner::bottom_right;
-  stage.style.chart_range = chart_range(lines, window.from_s, window.to_s);
-  stage.style.speed = window.speed;
+PictureStage set_stage(const std::deque<FinishedRun>& runs, const ShotList& shots,
+                       const PictureArguments& arguments, const Window& window) {
+  PictureStage stage = stage_pictures(pointers_to(runs), shots, arguments.camera, window);
+  for (const std::string& note : stage.notes) fmt::print(stderr, "pictures: {}\n", note);
   return stage;
 }
 
 void warn_if_slow(const Offscreen& offscreen) {
-  if (offscreen.is_fast()) return;
-  fmt::print(stderr, "pictures: OpenGL is drawn by {}, not by llvmpipe, which is 15 times faster\n",
-             offscreen.renderer());
+  if (const auto warning = offscreen.slowness()) fmt::print(stderr, "pictures: {}\n", *warning);
 }
 
 void report(const PictureArguments& arguments, const std::string& what, const fs::path& file) {
   if (!arguments.quiet) fmt::print("{}: {}\n", what, file.string());
 }
 
+// Where a picture goes: it is a PNG, and is not called anything else.
+fs::path picture_file(const PictureArguments& arguments, const fs::path& otherwise) {
+  if (arguments.out.empty()) return otherwise;
+  fs::path file = arguments.out;
+  std::string end = file.extension().string();
+  std::transform(end.begin(), end.end(), end.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (end != ".png") {
+    throw std::invalid_argument(
+        fmt::format("--out {}: pictures are PNG: give it a name on .png", arguments.out));
+  }
+  return file;
+}
+
 int video(const Catalogue& catalogue, const PictureArguments& arguments) {
   const auto begin = std::chrono::steady_clock::now();
   const std::deque<FinishedRun> runs = open_runs(catalogue, arguments.runs);
   const ShotList shots = shot_list(runs.front().shots_file());
-  const Window window = choose_window(runs, shots, arguments.wish);
+  const Window window = choose_window(pointers_to(runs), shots, arguments.wish);
   const int fps = arguments.fps.value_or(shots.fps);
   const std::size_t frames = window.frames(fps);
-  Stage stage = set_stage(runs, shots, arguments, window);
+  PictureStage stage = set_stage(runs, shots, arguments, window);
   const Size size = read_size(arguments.size, {shots.width, shots.height});
   stage.style.width = size.width;
   stage.style.height = size.height;
@@ -182,21 +149,20 @@ int video(const Catalogue& catalogue, const PictureArguments& arguments) {
 int still(const Catalogue& catalogue, const PictureArguments& arguments) {
   const std::deque<FinishedRun> runs = open_runs(catalogue, arguments.runs);
   const ShotList shots = shot_list(runs.front().shots_file());
-  Window window = choose_window(runs, shots, {});
-  const Window all = whole_window(runs);
+  Window window = choose_window(pointers_to(runs), shots, {});
+  const Window all = whole_window(pointers_to(runs));
   if (!(arguments.at_s >= all.from_s && arguments.at_s <= all.to_s)) {
     throw std::invalid_argument(fmt::format("--at {:g}: the log lasts from {:g} s to {:g} s",
                                             arguments.at_s, all.from_s, all.to_s));
   }
   if (arguments.at_s < window.from_s || arguments.at_s > window.to_s) window = all;
-  Stage stage = set_stage(runs, shots, arguments, window);
+  PictureStage stage = set_stage(runs, shots, arguments, window);
   const Size size = read_size(arguments.size, {shots.width, shots.height});
   stage.style.width = size.width;
   stage.style.height = size.height;
   stage.style.look = read_look(arguments.look, kPrintLook);
   stage.style.speed = 1.0;  // nothing moves
-  const fs::path file =
-      arguments.out.empty() ? runs.front().folder() / "still.png" : fs::path(arguments.out);
+  const fs::path file = picture_file(arguments, runs.front().folder() / "still.png");
 
   Picture picture(stage.runs, stage.style);
   warn_if_slow(picture.offscreen());
@@ -207,78 +173,17 @@ int still(const Catalogue& catalogue, const PictureArguments& arguments) {
   return kSuccess;
 }
 
-struct Moment {
-  std::string caption;
-  double time_s;
-};
-
-std::vector<Moment> moments_of(const FinishedRun& run, const ShotList& shots) {
-  std::vector<Moment> moments;
-  for (const ShotMoment& moment : shots.moments) {
-    if (const auto time_s = time_of(moment, run)) moments.push_back({moment.caption, *time_s});
-  }
-  if (moments.empty()) {
-    throw std::invalid_argument(run.folder().string() +
-                                ": none of the shot list's moments is in this run's log");
-  }
-  return moments;
-}
-
-// Pictures in a row, each with a letter, its caption and time below, and one chart of all for the
-// whole width, with the moments marked.
 int strip(const Catalogue& catalogue, const PictureArguments& arguments) {
-  constexpr Colour kInk{0.10, 0.12, 0.15, 1.0};
-  constexpr int kGap = 12;
   const std::deque<FinishedRun> runs = open_runs(catalogue, arguments.runs);
   const FinishedRun& run = runs.front();
-  const ShotList shots = shot_list(run.shots_file());
-  const std::vector<Moment> moments = moments_of(run, shots);
-  Window window = choose_window(runs, shots, {});
-  Stage stage = set_stage(runs, shots, arguments, window);
-  const std::vector<ChartLine> lines = std::exchange(stage.runs.front().lines, {});
-  const Size size = read_size(arguments.size, {560, 320});
-  stage.style.width = size.width;
-  stage.style.height = size.height;
-  stage.style.look = read_look(arguments.look, kPrintLook);
-  stage.style.title.clear();
-  stage.style.captions = false;
-  const fs::path file =
-      arguments.out.empty() ? run.folder() / "strip.png" : fs::path(arguments.out);
-
-  const auto count = static_cast<int>(moments.size());
-  const double unit = Picture::unit_px(size.width, size.height);
-  const double text = 19.0 * unit;
-  const int caption = static_cast<int>(std::lround(3.0 * text));
-  const int chart_height = lines.empty() ? 0 : static_cast<int>(std::lround(240.0 * unit));
-  const int width = count * size.width + (count - 1) * kGap;
-  Canvas page(width, size.height + caption + chart_height);
-  Picture picture(stage.runs, stage.style);
-  warn_if_slow(picture.offscreen());
-  Canvas panel(size.width, size.height);
-  for (int i = 0; i < count; ++i) {
-    const Moment& moment = moments[static_cast<std::size_t>(i)];
-    std::copy_n(picture.draw(moment.time_s), 4 * size.width * size.height, panel.pixels());
-    const int left = i * (size.width + kGap);
-    page.paste(panel, left, 0);
-    const std::string letter(1, static_cast<char>('a' + i));
-    page.text({left + 0.5 * size.width, size.height + 1.3 * text},
-              fmt::format("({}) {}", letter, moment.caption), text, kInk, Align::center, true);
-    page.text({left + 0.5 * size.width, size.height + 2.5 * text},
-              fmt::format("t = {:.3f} s", moment.time_s), text, kInk, Align::center);
-  }
-  if (!lines.empty()) {
-    Chart chart(shots.chart_title + "   " + run.case_name(), lines, stage.style.chart_range, width,
-                chart_height, unit);
-    for (int i = 0; i < count; ++i) {
-      const double time_s = moments[static_cast<std::size_t>(i)].time_s;
-      if (time_s >= window.from_s && time_s <= window.to_s) {
-        chart.mark(time_s, std::string(1, static_cast<char>('a' + i)));
-      }
-    }
-    chart.draw(page, 0, size.height + caption, window.to_s);
-  }
-  replace_file(file, page.png());
-  report(arguments, fmt::format("strip of {}", count), file);
+  const Size size = read_size(arguments.size, {StripStyle{}.width, StripStyle{}.height});
+  const fs::path file = picture_file(arguments, run.folder() / "strip.png");
+  const Strip strip = draw_strip(
+      run, shot_list(run.shots_file()),
+      {arguments.camera, size.width, size.height, read_look(arguments.look, kPrintLook)});
+  for (const std::string& note : strip.notes) fmt::print(stderr, "pictures: {}\n", note);
+  replace_file(file, strip.png);
+  report(arguments, fmt::format("strip of {}", strip.pictures), file);
   return kSuccess;
 }
 

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include <breakwater/scenario/differing_keys.h>
+
 namespace breakwater {
 namespace {
 
@@ -31,6 +33,7 @@ ArrowTrack stage_arrow(const FinishedRun& run, const ShotArrow& shot, const Mode
   track.along = Eigen::Map<const Eigen::Vector3d>(shot.along.data());
   track.metres_per_unit = shot.metres_per_unit;
   track.unit = shot.unit;
+  track.name = shot.signal;
   return track;
 }
 
@@ -48,6 +51,7 @@ PictureRun stage(const FinishedRun& run, const ShotList& shots, const std::strin
   staged.animate = [scenario](Model& model, double time_s) {
     scenario->animate_scene(model, time_s);
   };
+  staged.surfaces = scenario->waving_surfaces(staged.model);
   staged.camera = camera_id(staged.model, camera.empty() ? shots.camera : camera);
   staged.times_s = run.times_s();
   staged.qpos = run.qpos();
@@ -80,16 +84,41 @@ std::size_t Window::frames(int fps) const {
   return static_cast<std::size_t>(std::llround(exact));
 }
 
-Window whole_window(const std::deque<FinishedRun>& runs) {
-  Window all{runs.front().times_s().front(), runs.front().end_s(), 1.0};
-  for (const FinishedRun& run : runs) {
-    all.from_s = std::min(all.from_s, run.times_s().front());
-    all.to_s = std::max(all.to_s, run.end_s());
+std::deque<FinishedRun> open_runs(const Catalogue& catalogue,
+                                  const std::vector<std::string>& folders) {
+  if (folders.size() > kMostRuns) {
+    throw std::invalid_argument(
+        fmt::format("{} runs: side by side there is room for {}", folders.size(), kMostRuns));
+  }
+  std::deque<FinishedRun> runs;
+  for (const std::string& folder : folders) {
+    runs.emplace_back(catalogue, folder);
+    const std::string& first = runs.front().scenario().name();
+    if (runs.back().scenario().name() != first) {
+      throw std::invalid_argument(fmt::format("{}: is a run of {}, beside one of {}: {}", folder,
+                                              runs.back().scenario().name(), first,
+                                              "only runs of one scenario stand side by side"));
+    }
+  }
+  return runs;
+}
+
+ShownRuns pointers_to(const std::deque<FinishedRun>& runs) {
+  ShownRuns pointers;
+  for (const FinishedRun& run : runs) pointers.push_back(&run);
+  return pointers;
+}
+
+Window whole_window(const ShownRuns& runs) {
+  Window all{runs.front()->times_s().front(), runs.front()->end_s(), 1.0};
+  for (const FinishedRun* run : runs) {
+    all.from_s = std::min(all.from_s, run->times_s().front());
+    all.to_s = std::max(all.to_s, run->end_s());
   }
   return all;
 }
 
-Window choose_window(const std::deque<FinishedRun>& runs, const ShotList& shots, const Wish& wish) {
+Window choose_window(const ShownRuns& runs, const ShotList& shots, const Wish& wish) {
   const Window all = whole_window(runs);
   const double begin_s = all.from_s;
   const double end_s = all.to_s;
@@ -114,6 +143,36 @@ Window choose_window(const std::deque<FinishedRun>& runs, const ShotList& shots,
         fmt::format("--from {:g}, --to {:g}: must rise", window.from_s, window.to_s));
   }
   return window;
+}
+
+PictureStage stage_pictures(const ShownRuns& runs, const ShotList& shots, const std::string& camera,
+                            const Window& window) {
+  PictureStage stage;
+  std::vector<SavedRun> saved;
+  for (const FinishedRun* run : runs) saved.push_back(run->saved());
+  const std::vector<std::string> labels = labels_of(saved);
+  std::vector<ChartLine> lines;
+  for (const FinishedRun* run : runs) {
+    std::vector<std::string> missing;
+    stage.runs.push_back(breakwater::stage(*run, shots, camera, &missing));
+    if (runs.size() > 1) stage.runs.back().caption = labels[stage.runs.size() - 1];
+    stage.notes.insert(stage.notes.end(), run->notes().begin(), run->notes().end());
+    for (const std::string& signal : missing) {
+      stage.notes.push_back(fmt::format("{}: its log has no signal {}, which the shot list names",
+                                        run->folder().string(), signal));
+    }
+    const auto& own = stage.runs.back().lines;
+    lines.insert(lines.end(), own.begin(), own.end());
+  }
+  stage.style.title = shots.title;
+  stage.style.chart_title = shots.chart_title;
+  stage.style.chart_right =
+      shots.chart_corner == Corner::top_right || shots.chart_corner == Corner::bottom_right;
+  stage.style.chart_bottom =
+      shots.chart_corner == Corner::bottom_left || shots.chart_corner == Corner::bottom_right;
+  stage.style.chart_range = chart_range(lines, window.from_s, window.to_s);
+  stage.style.speed = window.speed;
+  return stage;
 }
 
 std::optional<double> time_of(const ShotMoment& moment, const FinishedRun& run) {

@@ -39,13 +39,35 @@ struct Window {
   }
 };
 
+/// Runs that are shown together.
+using ShownRuns = std::vector<const FinishedRun*>;
+ShownRuns pointers_to(const std::deque<FinishedRun>& runs);
+
+/// Up to this many runs are shown together.
+inline constexpr std::size_t kMostRuns = 4;
+
+/// Finished runs to be shown together. Throws std::invalid_argument, one line, if they are too many
+/// or of more than one scenario, or as FinishedRun.
+std::deque<FinishedRun> open_runs(const Catalogue& catalogue,
+                                  const std::vector<std::string>& folders);
+
 /// All of the longest run, at the speed of life.
-Window whole_window(const std::deque<FinishedRun>& runs);
+Window whole_window(const ShownRuns& runs);
 
 /// What a video of these runs shows: what is wished for, else the shot list's window as far as a
 /// run lasts, or all of the longest run at the speed of life if it lasts no part of it. Throws
 /// std::invalid_argument if the wish is outside of all runs.
-Window choose_window(const std::deque<FinishedRun>& runs, const ShotList& shots, const Wish& wish);
+Window choose_window(const ShownRuns& runs, const ShotList& shots, const Wish& wish);
+
+/// Everything that pictures of some runs are drawn from.
+struct PictureStage {
+  std::vector<PictureRun> runs;
+  PictureStyle style;              ///< of the shot list; its size and look are the caller's
+  std::vector<std::string> notes;  ///< what a user should know, one line each
+};
+/// `camera` replaces the shot list's unless empty. The runs outlive it.
+PictureStage stage_pictures(const ShownRuns& runs, const ShotList& shots, const std::string& camera,
+                            const Window& window);
 
 /// When a moment of the shot list is in that run; nothing if it does not come.
 std::optional<double> time_of(const ShotMoment& moment, const FinishedRun& run);

@@ -13,8 +13,13 @@
 #include <breakwater/program/run_extras.h>
 #include <breakwater/program/waves_report.h>
 #include <breakwater/report/report_commands.h>
+#include <breakwater/report/study_report.h>
+#include <breakwater/report/tuning_report.h>
 #include <breakwater/scenario/child_program.h>
+#include <breakwater/scenario/command_kind.h>
 #include <breakwater/scenario/process.h>
+#include <breakwater/study/sweep_command.h>
+#include <breakwater/tuning/tune_command.h>
 #include <breakwater/version.h>
 
 namespace breakwater {
@@ -26,11 +31,10 @@ void refuse_unknown_command(const Catalogue& catalogue, const CLI::App& app,
   std::vector<std::string> names;
   for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());
   if (std::find(names.begin(), names.end(), word) != names.end()) return;
-  const std::vector<std::string> scenarios = catalogue.names<ScenarioKind>();
-  const bool is_scenario = std::find(scenarios.begin(), scenarios.end(), word) != scenarios.end();
-  throw std::invalid_argument(
-      own_program_name() + ": there is no command \"" + word + "\"" +
-      (is_scenario ? " (did you mean run " + word + "?)" : did_you_mean(word, names)));
+  throw std::invalid_argument(own_program_name() + ": there is no command \"" + word + "\"" +
+                              (catalogue.has<ScenarioKind>(word)
+                                   ? " (did you mean run " + word + "?)"
+                                   : did_you_mean(word, names)));
 }
 
 void print_list(const Catalogue& catalogue, bool parts) {
@@ -64,8 +68,22 @@ int program(int argc, const char* const* argv, const Catalogue& catalogue,
   set_places(catalogue, installation);
   if (argc >= 2 && is_picture_command(argv[1])) return picture_main(catalogue, argc - 1, argv + 1);
   if (argc >= 2 && is_report_command(argv[1])) return report_main(catalogue, argc - 1, argv + 1);
+  if (argc >= 2 && std::string(argv[1]) == kSweep) {
+    StudyExtras extras;
+    extras.write_report = [&](const Plan& plan, const ShardIndex& index,
+                              const StudyFolder& folder) {
+      write_study_report(catalogue, plan, index, folder);
+    };
+    return sweep_main(catalogue, extras, argc - 1, argv + 1);
+  }
+  if (argc >= 2 && std::string(argv[1]) == kTune) {
+    return tune_main(catalogue, {write_tuning_report}, argc - 1, argv + 1);
+  }
   if (argc >= 2 && std::string(argv[1]) == kNewProject) {
     return new_project_main(catalogue, argc - 1, argv + 1);
+  }
+  if (argc >= 2 && catalogue.has<CommandKind>(argv[1])) {
+    return catalogue.get<CommandKind>(argv[1]).run(catalogue, argc - 1, argv + 1);
   }
   if (argc >= 3 && std::string(argv[1]) == "run" && argv[2][0] != '-') {
     return guarded(own_name, [&] {
@@ -94,8 +112,13 @@ int program(int argc, const char* const* argv, const Catalogue& catalogue,
         ->capture_default_str();
     waves->add_option("--components", sea.components, "of the realisation")->capture_default_str();
     waves->add_option("--seed", sea.seed, "of the realisation")->capture_default_str();
+    app.add_subcommand(kSweep, "very many runs as one table: sweep SCENARIO|STUDY.toml|DIR");
+    app.add_subcommand(kTune, "the best values of some keys, as a front: tune TUNE.toml|DIR");
     app.add_subcommand(kNewProject,
                        "make a project of your own: new controller|observer|scenario NAME");
+    for (const CommandKind& own : catalogue.all<CommandKind>()) {
+      app.add_subcommand(own.name, own.summary);
+    }
     for (const auto& [name, summary] : picture_commands()) app.add_subcommand(name, summary);
     for (const auto& [name, summary] : report_commands()) app.add_subcommand(name, summary);
     if (argc >= 2 && argv[1][0] != '-') refuse_unknown_command(catalogue, app, argv[1]);

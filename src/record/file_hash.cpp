@@ -32,4 +32,14 @@ std::string file_hash(const std::filesystem::path& file) {
   return fmt::format("{:016x}", XXH3_64bits_digest(state.get()));
 }
 
+std::string text_hash(std::string_view text) {
+  return fmt::format("{:016x}", XXH3_64bits(text.data(), text.size()));
+}
+
+std::string fingerprint(const std::vector<std::string>& parts) {
+  std::string all;
+  for (const std::string& part : parts) all += std::to_string(part.size()) + ":" + part;
+  return text_hash(all);
+}
+
 }  // namespace breakwater

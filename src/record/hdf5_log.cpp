@@ -8,6 +8,7 @@
 #include <array>
 #include <charconv>
 #include <mutex>
+#include <numeric>
 #include <stdexcept>
 
 #include <breakwater/record/text_outputs.h>
@@ -78,7 +79,30 @@ void write_dataset(hid_t group, const Signal& signal, const std::vector<double>&
                        H5Dclose);
   require(H5Dwrite(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()));
   write_text(dataset, "unit", signal.unit);
+  write_text(dataset, "units", signal.unit);  // as netCDF's conventions call it
   write_text(dataset, "description", signal.description);
+}
+
+// Makes a dataset of the group the scale of a dimension: readers of netCDF take it for coordinates.
+void make_scale(hid_t group, const std::string& name) {
+  const Handle scale(H5Dopen2(group, name.c_str(), H5P_DEFAULT), H5Dclose);
+  require(H5DSset_scale(scale, name.c_str()));
+}
+
+void attach_scale(hid_t group, hid_t dataset, const std::string& name, unsigned dimension) {
+  const Handle scale(H5Dopen2(group, name.c_str(), H5P_DEFAULT), H5Dclose);
+  require(H5DSattach_scale(dataset, scale, dimension));
+}
+
+// 1 … width: the scale that all vectors of one width in a group have.
+std::string write_index(hid_t group, std::size_t width) {
+  const std::string name = index_name(width);
+  if (H5Lexists(group, name.c_str(), H5P_DEFAULT) > 0) return name;
+  std::vector<double> numbers(width);
+  std::iota(numbers.begin(), numbers.end(), 1.0);
+  write_dataset(group, {name, "1", "which value of a vector", {}}, numbers, 1, 0);
+  make_scale(group, name);
+  return name;
 }
 
 void write_track(hid_t file, const Track& track, int deflate_level) {
@@ -86,13 +110,14 @@ void write_track(hid_t file, const Track& track, int deflate_level) {
                      H5Gclose);
   const Signal time{"time_s", "s", "time of each row of this group", {}};
   write_dataset(group, time, track.times(), 1, deflate_level);
-  const Handle scale(H5Dopen2(group, "time_s", H5P_DEFAULT), H5Dclose);
-  require(H5DSset_scale(scale, "time_s"));
+  make_scale(group, "time_s");
   for (std::size_t i = 0; i < track.signals(); ++i) {
     const Signal& signal = track.signal(i);
-    write_dataset(group, signal, track.values(i), signal.values.size(), deflate_level);
+    const std::size_t width = signal.values.size();
+    write_dataset(group, signal, track.values(i), width, deflate_level);
     const Handle dataset(H5Dopen2(group, signal.name.c_str(), H5P_DEFAULT), H5Dclose);
-    require(H5DSattach_scale(dataset, scale, 0));
+    attach_scale(group, dataset, "time_s", 0);
+    if (width > 1) attach_scale(group, dataset, write_index(group, width), 1);
   }
 }
 
@@ -253,7 +278,7 @@ std::vector<LogEntry> list_hdf5_signals(const std::string& file) {
     for (const std::string& track : object_names(handle)) {
       const Handle group(H5Gopen2(handle, track.c_str(), H5P_DEFAULT), H5Gclose);
       for (const std::string& name : object_names(group)) {
-        if (name == "time_s") continue;
+        if (name == "time_s" || is_index_name(name)) continue;
         const Handle data(H5Dopen2(group, name.c_str(), H5P_DEFAULT), H5Dclose);
         const Size size = checked_size(data);
         entries.push_back({track, name, read_text(data, "unit"), read_text(data, "description"),

@@ -10,8 +10,10 @@
 namespace breakwater {
 
 /// Writes one group per track, named as the track, with its time base `time_s` and one dataset per
-/// signal: N, or N×width for a vector. Each dataset has the attributes `unit` and `description`,
-/// UTF-8 of fixed length, and has the time base attached as the scale of its first dimension.
+/// signal: N, or N×width for a vector. Each dataset has the attributes `unit`, the same again as
+/// `units`, and `description`, UTF-8 of fixed length. The time base is attached as the scale of its
+/// first dimension, `index_WIDTH` (1 … width) as that of a vector's second one, so that readers of
+/// netCDF find coordinates.
 ///
 /// `deflate_level` 0 writes plain data; 1 to 9 compress it. Throws OutputError if the file
 /// cannot be written. Thread-safe.

@@ -2,14 +2,17 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <string_view>
 #include <utility>
 
 namespace breakwater {
 namespace {
 
+constexpr const char* kIndex = "index_";
+
 // What HDF5 would take for a path, or for something else of the log.
 bool can_be_logged(const std::string& name) {
-  return !name.empty() && name != "." && name != "time_s" &&
+  return !name.empty() && name != "." && name != "time_s" && !is_index_name(name) &&
          name.find_first_of(std::string("/\0", 2)) == std::string::npos;
 }
 
@@ -37,6 +40,17 @@ void check_names(const std::string& track, const std::vector<Signal>& signals) {
 }
 
 }  // namespace
+
+std::string index_name(std::size_t width) {
+  return kIndex + std::to_string(width);
+}
+
+bool is_index_name(const std::string& name) {
+  const std::string_view digits = "0123456789";
+  const std::size_t begin = std::string_view(kIndex).size();
+  return name.starts_with(kIndex) && name.size() > begin &&
+         name.find_first_not_of(digits, begin) == std::string::npos;
+}
 
 Track::Track(std::string name, std::vector<Signal> signals, std::size_t expected_rows)
     : name_(std::move(name)), signals_(std::move(signals)) {

@@ -10,13 +10,17 @@
 
 namespace breakwater {
 
+/// Of a log's datasets that number the values of vectors: "index_3" of those with three.
+std::string index_name(std::size_t width);
+bool is_index_name(const std::string& name);
+
 /// Copies a set of signals, row by row. Allocates in the constructor alone, if no more rows come
 /// than were announced.
 class Track {
  public:
   /// `name` names the time base ("control"). The signals' owners outlive the calls of append().
   /// Throws std::invalid_argument, one line, unless each signal has values and a name of its own
-  /// that a log can hold: not empty, not "time_s", without a slash.
+  /// that a log can hold: not empty, not "time_s" nor "index_3", without a slash.
   Track(std::string name, std::vector<Signal> signals, std::size_t expected_rows);
 
   void append(double time_s);

@@ -65,7 +65,6 @@ class WindowStatistics {
 
   void add(double time_s, double value) {
     if (!window_.contains(time_s)) return;
-    ++count_;
     sum_ += value;
     sum_of_squares_ += value * value;
     variance_.add(value);
@@ -73,9 +72,11 @@ class WindowStatistics {
     smallest_ = std::min(smallest_, value);
   }
 
-  std::optional<double> mean() const { return if_any(sum_ / static_cast<double>(count_)); }
+  std::optional<double> mean() const {
+    return if_any(sum_ / static_cast<double>(variance_.count()));
+  }
   std::optional<double> rms() const {
-    return if_any(std::sqrt(sum_of_squares_ / static_cast<double>(count_)));
+    return if_any(std::sqrt(sum_of_squares_ / static_cast<double>(variance_.count())));
   }
   std::optional<double> largest() const { return if_any(largest_); }
   std::optional<double> smallest() const { return if_any(smallest_); }
@@ -85,18 +86,17 @@ class WindowStatistics {
   std::optional<double> standard_deviation() const { return variance_.standard_deviation(); }
   /// The largest |value − mean|.
   std::optional<double> largest_deviation() const {
-    const double middle = sum_ / static_cast<double>(count_);
+    const double middle = sum_ / static_cast<double>(variance_.count());
     return if_any(std::max(largest_ - middle, middle - smallest_));
   }
 
  private:
   std::optional<double> if_any(double value) const {
-    if (count_ == 0) return std::nullopt;
+    if (variance_.count() == 0) return std::nullopt;
     return value;
   }
 
   TimeWindow window_;
-  std::int64_t count_ = 0;
   double sum_ = 0.0;
   double sum_of_squares_ = 0.0;
   RunningVariance variance_;

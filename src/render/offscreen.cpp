@@ -76,6 +76,11 @@ Offscreen::Offscreen(int width, int height)
 
 Offscreen::~Offscreen() = default;
 
+std::optional<std::string> Offscreen::slowness() const {
+  if (renderer_.starts_with("llvmpipe")) return std::nullopt;
+  return "OpenGL is drawn by " + renderer_ + ", not by llvmpipe, which is 15 times faster";
+}
+
 void Offscreen::finish() {
   mesa_->finish();
 }

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,8 +31,9 @@ class Offscreen {
 
   /// "llvmpipe (LLVM 15.0.6, 256 bits)".
   const std::string& renderer() const { return renderer_; }
-  /// Whether it is llvmpipe: what Mesa falls back to otherwise is some 15 times slower.
-  bool is_fast() const { return renderer_.starts_with("llvmpipe"); }
+  /// What a user should know, in one line, unless it is llvmpipe: what Mesa falls back to otherwise
+  /// is some 15 times slower.
+  std::optional<std::string> slowness() const;
 
  private:
   struct Mesa;

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <limits>
 
 namespace breakwater {
 namespace {
@@ -30,6 +31,41 @@ std::string speed_text(double speed) {
                      : fmt::format("{:.3g}\u00d7 faster", speed);
 }
 
+// Where a number of that half size stands beside an arrow: beyond its tip, or, if there is a part
+// of the plant, across the arrow's middle or tip or behind it, where there is most room; always
+// within the panel.
+Point free_place(const Point& from, const Point& to, const Point& half, const Point& panel,
+                 const std::vector<SceneView::Circle>& parts) {
+  constexpr double kEnough = 2.0;  // pixels
+  const double length = std::max(std::hypot(to.x - from.x, to.y - from.y), 1.0);
+  const Point along{(to.x - from.x) / length, (to.y - from.y) / length};
+  const Point back{-along.x, -along.y};
+  const Point up = along.x >= 0.0 ? Point{along.y, -along.x} : Point{-along.y, along.x};
+  const Point down{-up.x, -up.y};
+  const Point middle{0.5 * (from.x + to.x), 0.5 * (from.y + to.y)};
+  Point best = to;
+  double most = -std::numeric_limits<double>::infinity();
+  for (const auto& [base, direction] :
+       {std::pair(to, along), std::pair(middle, up), std::pair(middle, down), std::pair(from, back),
+        std::pair(to, up), std::pair(to, down)}) {
+    const double reach =
+        std::abs(direction.x) * half.x + std::abs(direction.y) * half.y + 0.5 * half.y;
+    const Point at{std::clamp(base.x + reach * direction.x, half.x, panel.x - half.x),
+                   std::clamp(base.y + reach * direction.y, half.y, panel.y - half.y)};
+    double room = kEnough;
+    for (const SceneView::Circle& part : parts) {
+      const double x = std::max(std::abs(part.centre.x - at.x) - half.x, 0.0);
+      const double y = std::max(std::abs(part.centre.y - at.y) - half.y, 0.0);
+      room = std::min(room, std::hypot(x, y) - part.radius);
+    }
+    if (room > most) {
+      most = room;
+      best = at;
+    }
+  }
+  return best;
+}
+
 }  // namespace
 
 double Picture::unit_px(double width, double height) {
@@ -49,6 +85,16 @@ ArrowNow arrow_at(const ArrowTrack& track, double time_s) {
   return now;
 }
 
+void interpolate_qpos(const PictureRun& run, double time_s, std::vector<double>& qpos) {
+  const std::vector<double>& times = run.times_s;
+  const double time = std::clamp(time_s, times.front(), times.back());
+  const auto after = std::upper_bound(times.begin(), times.end() - 1, time);
+  const auto i = static_cast<std::size_t>(std::max<std::ptrdiff_t>(after - times.begin(), 1));
+  const double part = (time - times[i - 1]) / (times[i] - times[i - 1]);
+  interpolate_qpos(*run.model.get(), {run.qpos.row(i - 1), run.qpos.width},
+                   {run.qpos.row(i), run.qpos.width}, part, qpos);
+}
+
 Picture::Picture(std::vector<PictureRun>& runs, const PictureStyle& style)
     : runs_(runs),
       style_(style),
@@ -59,12 +105,27 @@ Picture::Picture(std::vector<PictureRun>& runs, const PictureStyle& style)
   for (std::size_t i = 0; i < runs_.size(); ++i) {
     Panel& panel = panels_[i];
     panel.view = std::make_unique<SceneView>(runs_[i].model, runs_[i].camera, style_.look);
+    if (panel.area.width < panel.area.height * 4.0 / 3.0) include_window(runs_[i], panel);
     if (panel.chart_area.width > 0.0) {
       panel.chart = std::make_unique<Chart>(style_.chart_title, runs_[i].lines, style_.chart_range,
                                             static_cast<int>(panel.chart_area.width),
                                             static_cast<int>(panel.chart_area.height),
                                             unit_px(panel.area.width, style_.height));
     }
+  }
+}
+
+// What the run shows between the chart's ends, or at all, is in sight.
+void Picture::include_window(PictureRun& run, Panel& panel) {
+  constexpr int kPoses = 24;
+  const bool has_window = !run.lines.empty();
+  const double from = has_window ? style_.chart_range.from_s : run.times_s.front();
+  const double to = has_window ? style_.chart_range.to_s : run.times_s.back();
+  for (int i = 0; i < kPoses; ++i) {
+    const double time_s = from + (to - from) * i / (kPoses - 1);
+    if (run.animate) run.animate(run.model, time_s);
+    interpolate_qpos(run, time_s, qpos_);
+    panel.view->include_in_frame(qpos_);
   }
 }
 
@@ -107,14 +168,10 @@ void Picture::lay_out() {
 }
 
 void Picture::draw_scene(PictureRun& run, Panel& panel, double time_s) {
-  const std::vector<double>& times = run.times_s;
-  const double time = std::clamp(time_s, times.front(), times.back());
-  const auto after = std::upper_bound(times.begin(), times.end() - 1, time);
-  const auto i = static_cast<std::size_t>(std::max<std::ptrdiff_t>(after - times.begin(), 1));
-  const double part = (time - times[i - 1]) / (times[i] - times[i - 1]);
-  interpolate_qpos(*run.model.get(), {run.qpos.row(i - 1), run.qpos.width},
-                   {run.qpos.row(i), run.qpos.width}, part, qpos_);
+  const double time = std::clamp(time_s, run.times_s.front(), run.times_s.back());
+  interpolate_qpos(run, time, qpos_);
   if (run.animate) run.animate(run.model, time);
+  for (const WavingSurface& surface : run.surfaces) set_heights(run.model, surface, time);
   panel.view->pose(qpos_);
 
   panel.arrows.clear();
@@ -206,20 +263,20 @@ void Picture::draw_arrow_numbers(Canvas& canvas, const PictureRun& run, const Pa
     if (!ends) continue;
     const int decimals = value < 0.995 ? 2 : value < 99.95 ? 1 : 0;
     const std::string number = fmt::format("{:.{}f} {}", value, decimals, run.arrows[i].unit);
-    // Beyond the tip, in the arrow's direction.
     const double size = 19.0 * unit;
-    const double x = ends->to.x - ends->from.x;
-    const double y = ends->to.y - ends->from.y;
-    const double length = std::max(std::hypot(x, y), 1.0);
-    const double half = 0.5 * canvas.text_width(number, size, true) + 0.5 * size;
-    if (panel.area.width < 2.0 * half || panel.area.height < 2.0 * size) continue;
-    const double at_x = panel.area.left + ends->to.x / samples + half * x / length;
-    const double at_y =
-        panel.area.top + ends->to.y / samples + 0.9 * size * y / length + 0.36 * size;
-    // An arrow may leave the panel; its number stays.
-    canvas.text({std::clamp(at_x, panel.area.left + half, panel.area.right() - half),
-                 std::clamp(at_y, panel.area.top + size, panel.area.bottom() - 0.5 * size)},
-                number, size, arrow.colour, Align::center, true, true);
+    const Point half{0.5 * canvas.text_width(number, size, true) + 2.0, 0.55 * size};
+    if (panel.area.width < 2.0 * half.x || panel.area.height < 2.0 * half.y) continue;
+    const auto scaled = [&](const Point& point) {
+      return Point{point.x / samples, point.y / samples};
+    };
+    std::vector<SceneView::Circle> parts;
+    for (const SceneView::Circle& part : panel.view->moving_parts()) {
+      parts.push_back({scaled(part.centre), part.radius / samples});
+    }
+    const Point at = free_place(scaled(ends->from), scaled(ends->to), half,
+                                {panel.area.width, panel.area.height}, parts);
+    canvas.text({panel.area.left + at.x, panel.area.top + at.y + 0.36 * size}, number, size,
+                arrow.colour, Align::center, true, true);
   }
   canvas.unclip();
 }
@@ -228,19 +285,23 @@ void Picture::draw_caption(Canvas& canvas, const PictureRun& run, const Panel& p
                            double time_s) const {
   const double unit = unit_px(panel.area.width, style_.height);
   const double margin = std::round(kMargin * unit);
+  // A long caption is written smaller, so that all of it is there.
+  const double room = panel.area.width - 2.0 * margin;
   const double size = 20.0 * unit;
+  const double wide = canvas.text_width(run.caption, size, true);
+  const double first = size * std::min(1.0, (room - 1.4 * size) / std::max(wide, 1.0));
   const double small = 17.0 * unit;
   const std::string time = fmt::format("t = {:.{}f} s", time_s, style_.time_decimals);
   const std::string speed = speed_text(style_.speed);
   const std::string second = speed.empty() ? time : time + "   " + speed;
   // Digits take the same room, so the box stands still.
   const double width =
-      std::max(canvas.text_width(run.caption, size, true), canvas.text_width(second, small));
+      std::max(canvas.text_width(run.caption, first, true), canvas.text_width(second, small));
   canvas.clip(panel.area);
   canvas.fill({panel.area.left + margin, panel.area.top + margin, width + 1.4 * size, 3.1 * size},
               kBox, 0.4 * size);
   const double x = panel.area.left + margin + 0.7 * size;
-  canvas.text({x, panel.area.top + margin + 1.25 * size}, run.caption, size, kInk, Align::left,
+  canvas.text({x, panel.area.top + margin + 1.25 * size}, run.caption, first, kInk, Align::left,
               true);
   canvas.text({x, panel.area.top + margin + 2.5 * size}, second, small, kInk);
   canvas.unclip();

@@ -15,6 +15,7 @@
 #include <breakwater/render/offscreen.h>
 #include <breakwater/render/scene_view.h>
 #include <breakwater/sim/model.h>
+#include <breakwater/sim/surface_waves.h>
 
 namespace breakwater {
 
@@ -25,6 +26,7 @@ struct ArrowTrack {
   Eigen::Vector3d along = Eigen::Vector3d::UnitX();
   double metres_per_unit = 1.0;
   std::string unit;  ///< of the number beside it; empty: no number
+  std::string name;  ///< the signal's
 };
 
 /// What an arrow is at that time, and the number beside it.
@@ -38,6 +40,7 @@ ArrowNow arrow_at(const ArrowTrack& track, double time_s);
 struct PictureRun {
   Model model;
   std::function<void(Model&, double time_s)> animate;  ///< may be empty
+  std::vector<WavingSurface> surfaces;                 ///< water
   int camera = -1;                                     ///< a camera_id()
   std::vector<double> times_s;
   LoggedSignal qpos;  ///< one row for each time
@@ -45,6 +48,9 @@ struct PictureRun {
   std::vector<ChartLine> lines;
   std::string caption;
 };
+
+/// The run's positions at that time, from its log; beyond its ends those there.
+void interpolate_qpos(const PictureRun& run, double time_s, std::vector<double>& qpos);
 
 struct PictureStyle {
   int width = 1280;
@@ -89,6 +95,7 @@ class Picture {
   };
 
   void lay_out();
+  void include_window(PictureRun& run, Panel& panel);
   void draw_scene(PictureRun& run, Panel& panel, double time_s);
   void draw_arrow_numbers(Canvas& canvas, const PictureRun& run, const Panel& panel) const;
   void draw_caption(Canvas& canvas, const PictureRun& run, const Panel& panel, double time_s) const;

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include <breakwater/render/render_error.h>
+#include <breakwater/render/scene_pose.h>
 #include <breakwater/sim/engine_guard.h>
 
 namespace breakwater {
@@ -16,13 +17,56 @@ namespace {
 constexpr int kMaxGeoms = 2000;
 // What is framed at this width to height stays in sight when a picture is narrower.
 constexpr double kFramedAspect = 4.0 / 3.0;
+constexpr double kFullAspect = 16.0 / 9.0;
+constexpr double kRoom = 1.12;     // a frame is so much larger than what is in it …
+constexpr double kClosest = 0.25;  // … and not smaller than so much of the camera's own
 constexpr double kArrowRadius_m = 0.006;
 constexpr float kGlow = 0.45F;  // arrows are seen in shadow too
-// Groups that are drawn: bodies and what is for the eye; what is only for the physics is in 3 to 5.
-constexpr int kShownGroups = 3;
 
 Eigen::Map<const Eigen::Vector3d> vector(const mjtNum* values) {
   return Eigen::Map<const Eigen::Vector3d>(values);
+}
+
+struct CameraAxes {
+  explicit CameraAxes(const mjvGLCamera& camera)
+      : eye(Eigen::Map<const Eigen::Vector3f>(camera.pos).cast<double>()),
+        forward(Eigen::Map<const Eigen::Vector3f>(camera.forward).cast<double>()),
+        up(Eigen::Map<const Eigen::Vector3f>(camera.up).cast<double>()),
+        right(forward.cross(up)) {}
+
+  Eigen::Vector3d eye;
+  Eigen::Vector3d forward;
+  Eigen::Vector3d up;
+  Eigen::Vector3d right;
+};
+
+struct Bead {
+  Eigen::Vector3d centre;
+  double radius;
+};
+
+// Balls along a geom's longest axis that cover it, more or less.
+std::vector<Bead> beads_of(const mjvGeom& geom) {
+  constexpr int kMostBeads = 9;
+  using RowMajor = Eigen::Matrix<float, 3, 3, Eigen::RowMajor>;
+  const Eigen::Matrix3d R = Eigen::Map<const RowMajor>(geom.mat).cast<double>();
+  const Eigen::Vector3d centre = Eigen::Map<const Eigen::Vector3f>(geom.pos).cast<double>();
+  const Eigen::Vector3d size = Eigen::Map<const Eigen::Vector3f>(geom.size).cast<double>();
+  Eigen::Index longest = 0;
+  const double length = size.maxCoeff(&longest);
+  double radius = 0.0;
+  for (Eigen::Index k = 0; k < 3; ++k) {
+    if (k != longest) radius = std::max(radius, size[k]);
+  }
+  if (!(radius > 0.0)) return {{centre, length}};
+  const double way = std::max(0.0, geom.type == mjGEOM_CAPSULE ? length : length - radius);
+  const int count = std::clamp(static_cast<int>(std::ceil(way / radius)) + 1, 1, kMostBeads);
+  std::vector<Bead> beads;
+  for (int i = 0; i < count; ++i) {
+    const double along = count == 1 ? 0.0 : way * (2.0 * i / (count - 1) - 1.0);
+    beads.push_back({centre + along * R.col(longest), radius});
+  }
+  return beads;
 }
 
 // Calls the engine; what it refuses ends the picture.
@@ -78,7 +122,7 @@ SceneView::SceneView(Model& model, int camera, const Look& look)
   m.vis.global.offwidth = m.vis.global.offheight = 1;
   mjv_defaultOption(&options_);
   for (int i = 0; i < mjNGROUP; ++i) {
-    options_.geomgroup[i] = i < kShownGroups ? 1 : 0;
+    options_.geomgroup[i] = i < kDrawnGroups ? 1 : 0;
     options_.sitegroup[i] = 0;
   }
   mjv_defaultScene(&scene_);
@@ -102,13 +146,7 @@ SceneView::~SceneView() {
 void SceneView::pose(std::span<const double> qpos) {
   mjModel& m = *model_.get();
   std::copy(qpos.begin(), qpos.end(), data_->qpos);
-  // Positions only: forces are the log's business.
-  draw_by_engine("pictures", [&] {
-    mj_kinematics(&m, data_.get());
-    mj_comPos(&m, data_.get());
-    mj_camlight(&m, data_.get());
-    mj_tendon(&m, data_.get());
-  });
+  draw_by_engine("pictures", [&] { place_scene(m, *data_); });
   upload_height_fields();
 }
 
@@ -169,16 +207,69 @@ void SceneView::draw(const mjrRect& viewport, const std::vector<SceneArrow>& arr
   draw_by_engine("pictures", [&] {
     mjv_updateScene(model_.get(), data_.get(), &options_, nullptr, &camera_, mjCAT_ALL, &scene_);
   });
-  const double aspect = static_cast<double>(viewport.width) / viewport.height;
-  if (aspect < kFramedAspect) {
-    const auto taller = static_cast<float>(kFramedAspect / aspect);
-    for (mjvGLCamera& camera : scene_.camera) {
-      camera.frustum_bottom *= taller;
-      camera.frustum_top *= taller;
-    }
-  }
+  fit_frame(static_cast<double>(viewport.width) / viewport.height);
   for (const SceneArrow& arrow : arrows) add(arrow);
   draw_by_engine("pictures", [&] { mjr_render(viewport, &scene_, &context_); });
+}
+
+void SceneView::include_in_frame(std::span<const double> qpos) {
+  pose(qpos);
+  draw_by_engine("pictures", [&] {
+    mjv_updateScene(model_.get(), data_.get(), &options_, nullptr, &camera_, mjCAT_ALL, &scene_);
+  });
+  const mjvGLCamera camera = mjv_averageCamera(&scene_.camera[0], &scene_.camera[1]);
+  const double half_height =
+      0.5 * (camera.frustum_top - camera.frustum_bottom) / camera.frustum_near;
+  const Eigen::Vector2d corner(kFullAspect * half_height, half_height);
+  const Eigen::AlignedBox2d frame(-corner, corner);
+  const CameraAxes axes(camera);
+  for (int i = 0; i < scene_.ngeom; ++i) {
+    const mjvGeom& geom = scene_.geoms[i];
+    if (geom.type == mjGEOM_PLANE || geom.type == mjGEOM_HFIELD) continue;
+    if (geom.category == mjCAT_DECOR) continue;
+    for (const Bead& bead : beads_of(geom)) {
+      const Eigen::Vector3d ray = bead.centre - axes.eye;
+      const double depth = ray.dot(axes.forward);
+      if (depth <= camera.frustum_near) continue;
+      const Eigen::Vector2d at(ray.dot(axes.right) / depth, ray.dot(axes.up) / depth);
+      if (!frame.contains(at)) continue;
+      const Eigen::Vector2d half = Eigen::Vector2d::Constant(bead.radius / depth);
+      content_.extend(Eigen::AlignedBox2d(at - half, at + half).intersection(frame));
+    }
+  }
+}
+
+// A narrow part shows the content with some room around it, or else what it would show at 4:3.
+void SceneView::fit_frame(double aspect) {
+  if (aspect >= kFramedAspect) return;
+  for (mjvGLCamera& camera : scene_.camera) {
+    const double near = camera.frustum_near;
+    const double half = 0.5 * (camera.frustum_top - camera.frustum_bottom) / near;
+    Eigen::Vector2d centre = Eigen::Vector2d::Zero();
+    double half_height = half * kFramedAspect / aspect;
+    if (!content_.isEmpty()) {
+      centre = content_.center();
+      const Eigen::Vector2d room = 0.5 * kRoom * content_.sizes();
+      half_height = std::max({room.y(), room.x() / aspect, kClosest * half});
+    }
+    camera.frustum_bottom = static_cast<float>(near * (centre.y() - half_height));
+    camera.frustum_top = static_cast<float>(near * (centre.y() + half_height));
+    camera.frustum_center = static_cast<float>(near * centre.x());
+  }
+}
+
+std::vector<SceneView::Circle> SceneView::moving_parts() const {
+  std::vector<Circle> circles;
+  for (int i = 0; i < scene_.ngeom; ++i) {
+    const mjvGeom& geom = scene_.geoms[i];
+    if (geom.category != mjCAT_DYNAMIC) continue;
+    for (const Bead& bead : beads_of(geom)) {
+      if (const auto at = project(bead.centre)) {
+        circles.push_back({at->point, bead.radius * at->per_metre});
+      }
+    }
+  }
+  return circles;
 }
 
 std::optional<SceneView::Ends> SceneView::ends_of(const SceneArrow& arrow) const {
@@ -186,22 +277,25 @@ std::optional<SceneView::Ends> SceneView::ends_of(const SceneArrow& arrow) const
   const auto from = project(segment.from);
   const auto to = project(segment.to);
   if (!from || !to) return std::nullopt;
-  return Ends{*from, *to};
+  return Ends{from->point, to->point};
 }
 
 // As OpenGL does, by the camera's frustum.
-std::optional<Point> SceneView::project(const Eigen::Vector3d& point) const {
+std::optional<SceneView::Projected> SceneView::project(const Eigen::Vector3d& point) const {
   const mjvGLCamera camera = mjv_averageCamera(&scene_.camera[0], &scene_.camera[1]);
-  const Eigen::Vector3d eye = Eigen::Map<const Eigen::Vector3f>(camera.pos).cast<double>();
-  const Eigen::Vector3d forward = Eigen::Map<const Eigen::Vector3f>(camera.forward).cast<double>();
-  const Eigen::Vector3d up = Eigen::Map<const Eigen::Vector3f>(camera.up).cast<double>();
-  const Eigen::Vector3d ray = point - eye;
-  const double depth = ray.dot(forward);
+  const CameraAxes axes(camera);
+  const Eigen::Vector3d ray = point - axes.eye;
+  const double depth = ray.dot(axes.forward);
   if (depth <= camera.frustum_near) return std::nullopt;
-  const double half_height = 0.5 * (camera.frustum_top - camera.frustum_bottom);
-  const double per_pixel = 0.5 * viewport_.height * camera.frustum_near / (half_height * depth);
-  return Point{0.5 * viewport_.width + per_pixel * ray.dot(forward.cross(up)),
-               0.5 * viewport_.height - per_pixel * ray.dot(up)};
+  const double per_tangent =
+      static_cast<double>(viewport_.height) * camera.frustum_near /
+      (camera.frustum_top - camera.frustum_bottom);
+  const double middle = 0.5 * (camera.frustum_top + camera.frustum_bottom);
+  const double x = ray.dot(axes.right) / depth - camera.frustum_center / camera.frustum_near;
+  const double y = ray.dot(axes.up) / depth - middle / camera.frustum_near;
+  return Projected{
+      {0.5 * viewport_.width + per_tangent * x, 0.5 * viewport_.height - per_tangent * y},
+      per_tangent / depth};
 }
 
 }  // namespace breakwater

@@ -4,6 +4,7 @@
 #include <mujoco/mujoco.h>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -45,6 +46,11 @@ class SceneView {
   SceneView(const SceneView&) = delete;
   SceneView& operator=(const SceneView&) = delete;
 
+  /// What is to be in sight in parts of a picture that are narrower than 4:3, in which the camera's
+  /// own frame would leave a band: all bounded geoms at these positions, as far as they are in the
+  /// camera's frame of 16:9. May be called for several positions, before draw().
+  void include_in_frame(std::span<const double> qpos);
+
   /// Poses the plant. Height fields that changed since are taken over. Throws RenderError, as
   /// draw() does, if the engine cannot.
   void pose(std::span<const double> qpos);
@@ -57,6 +63,13 @@ class SceneView {
     Point to;
   };
   std::optional<Ends> ends_of(const SceneArrow& arrow) const;
+  /// What moves, as circles in the part of the picture last drawn [pixels from its left and top].
+  /// Valid after draw().
+  struct Circle {
+    Point centre;
+    double radius;
+  };
+  std::vector<Circle> moving_parts() const;
 
  private:
   struct Segment {
@@ -64,7 +77,12 @@ class SceneView {
     Eigen::Vector3d to;
   };
   Segment place(const SceneArrow& arrow) const;
-  std::optional<Point> project(const Eigen::Vector3d& point) const;
+  struct Projected {
+    Point point;
+    double per_metre;  // pixels, at that depth
+  };
+  std::optional<Projected> project(const Eigen::Vector3d& point) const;
+  void fit_frame(double aspect);
   void add(const SceneArrow& arrow);
   void upload_height_fields();
 
@@ -75,6 +93,8 @@ class SceneView {
   mjvCamera camera_;
   mjvOption options_;
   mjrRect viewport_{};
+  // What is in the frame, as tangents of the angles from the camera's axis; empty: lower > upper.
+  Eigen::AlignedBox2d content_;
   std::vector<float> uploaded_heights_;
 };
 

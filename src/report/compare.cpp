@@ -6,12 +6,16 @@
 #include <cmath>
 #include <stdexcept>
 
+#include <breakwater/record/csv.h>
 #include <breakwater/report/html_page.h>
 #include <breakwater/report/latex.h>
+#include <breakwater/report/replay_part.h>
 #include <breakwater/report/run_report.h>
+#include <breakwater/report/signal_charts.h>
 #include <breakwater/report/thesis_report.h>
 #include <breakwater/scenario/child_program.h>
 #include <breakwater/scenario/config.h>
+#include <breakwater/scenario/differing_keys.h>
 #include <breakwater/scenario/table.h>
 
 namespace breakwater {
@@ -19,6 +23,7 @@ namespace mustache = kainjow::mustache;
 namespace {
 
 constexpr std::size_t kFewestRuns = 2;
+constexpr std::size_t kManyKeys = 12;  // that many are folded away
 
 // "+4.1 %", or the difference itself where a part of the first value says nothing: it is zero, of
 // the other sign, or ten times smaller.
@@ -85,41 +90,57 @@ std::vector<std::string> expanded(const std::string& name, std::size_t width) {
   return names;
 }
 
-std::vector<std::string> choose_signals(const std::vector<SavedRun>& runs,
-                                        const std::vector<std::string>& chosen) {
-  std::vector<std::string> signals;
-  const auto add = [&](const std::string& name, std::size_t width) {
-    const auto names = expanded(name, width);
-    signals.insert(signals.end(), names.begin(), names.end());
-  };
-  for (const std::string& name : chosen) {
-    for (const SavedRun& run : runs) run.entry(name);  // which throws if it is not there
-    add(name, runs.front().entry(name).width);
-  }
-  if (!chosen.empty()) return signals;
-  for (const LogEntry& entry : runs.front().signals()) {
-    if (entry.group != "control" || entry.name == "qpos") continue;
-    const bool is_common = std::all_of(runs.begin(), runs.end(), [&](const SavedRun& run) {
-      return std::any_of(run.signals().begin(), run.signals().end(), [&](const LogEntry& other) {
-        return other.group == entry.group && other.name == entry.name && other.width == entry.width;
-      });
-    });
-    if (is_common) add(entry.name, entry.width);
-  }
-  return signals;
+// The run that says what a signal is: the first that has it.
+const SavedRun* first_with(const std::vector<SavedRun>& runs, const std::string& signal) {
+  const auto found = std::find_if(runs.begin(), runs.end(),
+                                  [&](const SavedRun& run) { return run.has_signal(signal); });
+  return found == runs.end() ? nullptr : &*found;
 }
 
 }  // namespace
 
 Comparison::Comparison(const Catalogue& catalogue, std::vector<SavedRun> runs,
-                       const std::vector<std::string>& metrics,
-                       const std::vector<std::string>& signals)
-    : runs_(std::move(runs)) {
+                       const CompareChoice& choice)
+    : catalogue_(catalogue), choice_(choice), runs_(std::move(runs)) {
   check(runs_);
+  if (choice.from_s && choice.to_s && !(*choice.from_s < *choice.to_s)) {
+    throw std::invalid_argument(
+        fmt::format("--from {:g}, --to {:g}: must rise", *choice.from_s, *choice.to_s));
+  }
   labels_ = labels_of(runs_);
   for (const SavedRun& run : runs_) printed_.push_back(printed_of(catalogue, run));
-  metrics_ = choose_metrics(runs_, metrics);
-  signals_ = choose_signals(runs_, signals);
+  metrics_ = choose_metrics(runs_, choice.metrics);
+  ShotList shots;
+  if (catalogue.has<ScenarioKind>(runs_.front().scenario())) {
+    try {
+      shots = shot_list(catalogue.get<ScenarioKind>(runs_.front().scenario()).shots());
+    } catch (const std::invalid_argument&) {
+      shots = {};  // what matters first is then what the log has first
+    }
+  }
+  choose_signals(shots);
+}
+
+// Those that were asked for, or those that all runs have, what matters first.
+void Comparison::choose_signals(const ShotList& shots) {
+  for (const std::string& name : choice_.signals) {
+    const SavedRun* run = first_with(runs_, name);
+    const LogEntry& entry = run != nullptr ? run->entry(name) : runs_.front().entry(name);
+    const auto names = expanded(name, entry.width);
+    signals_.insert(signals_.end(), names.begin(), names.end());
+  }
+  if (!choice_.signals.empty()) return;
+  for (const LoggedQuantity& quantity : quantities(runs_.front().signals(), shots)) {
+    for (const LogEntry& entry : quantity.kinds) {
+      if (entry.group != "control") continue;
+      const bool is_common = std::all_of(runs_.begin(), runs_.end(), [&](const SavedRun& run) {
+        return run.has_signal(entry.name) && run.entry(entry.name).width == entry.width;
+      });
+      if (!is_common) continue;
+      const auto names = expanded(entry.name, entry.width);
+      signals_.insert(signals_.end(), names.begin(), names.end());
+    }
+  }
 }
 
 std::optional<double> Comparison::difference(std::size_t run, const std::string& metric) const {
@@ -179,7 +200,7 @@ std::string Comparison::latex() const {
   std::vector<std::vector<std::string>> rows = {{"Metric"}};
   for (const std::string& label : labels_) rows[0].push_back(latex_escaped(label));
   for (const Metric& metric : metrics_) {
-    rows.push_back({latex_escaped(metric.name)});
+    rows.push_back({latex_name(metric.name, metric.unit)});
     for (const SavedRun& run : runs_) {
       const auto value = run.metric(metric.name);
       rows.back().push_back(value ? latex_number(*value) : "--");
@@ -188,8 +209,57 @@ std::string Comparison::latex() const {
   return latex_table(rows);
 }
 
-std::string Comparison::html() const {
+PageChart Comparison::chart_of(const std::string& signal) const {
+  const SavedRun& one = *first_with(runs_, signal);
+  PageChart chart;
+  chart.group = "compare";
+  chart.title = signal;
+  for (std::size_t i = 0; i < runs_.size(); ++i) {
+    ChartSeries series;
+    series.label = labels_[i];
+    series.unit = one.unit(signal);
+    series.description = one.entry(signal).description;
+    series.colour = static_cast<int>(i);
+    if (runs_[i].has_signal(signal)) {
+      series.values = runs_[i].signal(signal);
+    } else {
+      series.label += ": –";
+      series.description = "this run's log does not have it";
+    }
+    chart.series.push_back(series);
+  }
+  return chart;
+}
+
+std::string Comparison::html(std::vector<std::string>& notes) const {
   mustache::data page;
+  std::optional<ReplayPart> replay;
+  if (choice_.with_replay && runs_.size() <= kMostRuns) {
+    std::vector<std::filesystem::path> folders;
+    for (const SavedRun& run : runs_) folders.push_back(run.folder());
+    replay = replay_of(catalogue_, folders, labels_, {"replay", "compare", ""}, notes);
+  }
+  std::optional<double> from_s = choice_.from_s;
+  std::optional<double> to_s = choice_.to_s;
+  if (replay && !from_s && !to_s) {
+    from_s = replay->window.from_s;
+    to_s = replay->window.to_s;
+  }
+  if (from_s || to_s) {
+    Window window{from_s.value_or(0.0), to_s.value_or(0.0), 1.0};
+    if (!to_s) {
+      for (const SavedRun& run : runs_) {
+        window.to_s = std::max(window.to_s, run.signal(signals_.front()).times_s.back());
+      }
+    }
+    from_s = window.from_s;
+    to_s = window.to_s;
+    page.set("window", window_data(window, "compare"));
+  }
+  if (replay) {
+    page.set("replay", replay->box);
+    page.set("has_replays", true);
+  }
   mustache::data columns(mustache::data::type::list);
   for (std::size_t i = 0; i < runs_.size(); ++i) {
     mustache::data column;
@@ -197,6 +267,24 @@ std::string Comparison::html() const {
     column.set("folder", runs_[i].folder().string());
     columns << column;
   }
+  mustache::data keys(mustache::data::type::list);
+  const std::vector<DifferingKey> differing = differing_keys(runs_);
+  for (const DifferingKey& key : differing) {
+    mustache::data row;
+    row.set("key", key.key);
+    mustache::data values(mustache::data::type::list);
+    for (const std::string& value : key.values) {
+      mustache::data cell;
+      cell.set("value", value);
+      values << cell;
+    }
+    row.set("values", values);
+    keys << row;
+  }
+  page.set("keys", keys);
+  page.set("key_count", std::to_string(differing.size()));
+  page.set("has_keys", !differing.empty());
+  page.set("has_many_keys", differing.size() > kManyKeys);
   mustache::data rows(mustache::data::type::list);
   for (const Metric& metric : metrics_) {
     mustache::data row;
@@ -226,21 +314,21 @@ std::string Comparison::html() const {
     rows << row;
   }
   mustache::data charts(mustache::data::type::list);
-  for (std::size_t s = 0; s < signals_.size(); ++s) {
-    const LogEntry& entry = runs_.front().entry(signals_[s]);
-    PageChart chart;
-    chart.id = fmt::format("signal-{}", s + 1);
-    chart.group = "compare";
-    chart.title = signals_[s];
-    for (std::size_t i = 0; i < runs_.size(); ++i) {
-      chart.series.push_back({labels_[i], runs_.front().unit(signals_[s]), entry.description,
-                              runs_[i].signal(signals_[s])});
-    }
+  const auto add_chart = [&](PageChart chart) {
+    chart.from_s = from_s;
+    chart.to_s = to_s;
     charts << chart_data(chart);
+  };
+  if (replay && replay->chart && choice_.signals.empty()) add_chart(*replay->chart);
+  for (std::size_t s = 0; s < signals_.size(); ++s) {
+    PageChart chart = chart_of(signals_[s]);
+    chart.id = fmt::format("signal-{}", s + 1);
+    add_chart(chart);
   }
   mustache::data toc(mustache::data::type::list);
   for (const auto& [href, label] :
-       {std::pair("metrics", "Metrics"), std::pair("signals", "Signals")}) {
+       {std::pair("signals", "Signals"), std::pair("keys", "What differs"),
+        std::pair("metrics", "Metrics")}) {
     mustache::data entry;
     entry.set("href", href);
     entry.set("label", label);

@@ -6,33 +6,47 @@
 #include <string>
 #include <vector>
 
+#include <breakwater/pictures/shot_list.h>
+#include <breakwater/report/page_chart.h>
 #include <breakwater/report/printed_results.h>
 #include <breakwater/scenario/catalogue.h>
 #include <breakwater/scenario/saved_run.h>
 
 namespace breakwater {
 
+/// What of the runs is compared; what is empty stands for all.
+struct CompareChoice {
+  std::vector<std::string> metrics;
+  std::vector<std::string> signals;  ///< a vector signal stands for all of its values
+  std::optional<double> from_s;      ///< the window of the charts; without: the shot list's
+  std::optional<double> to_s;
+  bool with_replay = true;
+};
+
 /// Some runs' metrics and signals. The first run is what the others are compared with.
 class Comparison {
  public:
-  /// `metrics` and `signals` choose what is compared; empty: all that the runs have in common. A
-  /// vector signal stands for all of its values. Throws std::invalid_argument, one line that says
-  /// what to do, if the runs are of different scenarios, one failed, or what is chosen is not
-  /// there.
-  Comparison(const Catalogue& catalogue, std::vector<SavedRun> runs,
-             const std::vector<std::string>& metrics, const std::vector<std::string>& signals);
+  /// Throws std::invalid_argument, one line that says what to do, if the runs are of different
+  /// scenarios, one failed, or what is chosen is in none of them.
+  Comparison(const Catalogue& catalogue, std::vector<SavedRun> runs, const CompareChoice& choice);
 
   /// A plain text table: values, and below them the differences from the first run and what the
   /// thesis prints, if it does.
   std::string text(std::size_t width) const;
   std::string csv() const;
   std::string latex() const;
-  std::string html() const;
+  /// `notes`, one line each, say what of the replay could not be shown.
+  std::string html(std::vector<std::string>& notes) const;
+  const std::vector<std::string>& labels() const { return labels_; }
   const std::vector<std::string>& signals() const { return signals_; }
 
  private:
   std::optional<double> difference(std::size_t run, const std::string& metric) const;
+  void choose_signals(const ShotList& shots);
+  PageChart chart_of(const std::string& signal) const;
 
+  const Catalogue& catalogue_;
+  CompareChoice choice_;
   std::vector<SavedRun> runs_;
   std::vector<std::string> labels_;
   std::vector<std::map<std::string, PrintedValue>> printed_;  // for each run, by metric

@@ -1,5 +1,7 @@
 #include <breakwater/report/figure_script.h>
 
+#include <fmt/format.h>
+
 #include <cstdlib>
 
 #include <breakwater/scenario/child_program.h>
@@ -24,11 +26,14 @@ bool can_draw_figures() {
   return call_program("figures (python3-h5py, python3-matplotlib)", words) == kSuccess;
 }
 
-int draw_figure(const std::vector<std::filesystem::path>& runs,
-                const std::vector<std::string>& signals, const std::filesystem::path& file) {
+int draw_figure(const FigureContent& content, const std::filesystem::path& file) {
   std::vector<std::string> words = script();
-  for (const std::filesystem::path& run : runs) words.push_back(run.string());
-  for (const std::string& signal : signals) words.insert(words.end(), {"--signal", signal});
+  for (const std::filesystem::path& run : content.runs) words.push_back(run.string());
+  // With "=": a label may begin with a dash.
+  for (const std::string& label : content.labels) words.push_back("--label=" + label);
+  for (const std::string& signal : content.signals) words.push_back("--signal=" + signal);
+  if (content.from_s) words.push_back(fmt::format("--from={}", *content.from_s));
+  if (content.to_s) words.push_back(fmt::format("--to={}", *content.to_s));
   words.insert(words.end(), {"--out", file.string()});
   return call_program("figures", words) == kSuccess ? kSuccess : kLaterOutputFailed;
 }

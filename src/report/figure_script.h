@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,9 +11,17 @@ namespace breakwater {
 /// Whether the script can draw; if not, it has said in one line on stderr what to install.
 bool can_draw_figures();
 
-/// Draws the signals of all runs into a file, whose name's end (.svg, .pdf, .png) says of which
-/// kind. Returns the status to exit with.
-int draw_figure(const std::vector<std::filesystem::path>& runs,
-                const std::vector<std::string>& signals, const std::filesystem::path& file);
+/// What a figure shows: one line for each run, one panel for each signal.
+struct FigureContent {
+  std::vector<std::filesystem::path> runs;
+  std::vector<std::string> labels;
+  std::vector<std::string> signals;
+  std::optional<double> from_s;
+  std::optional<double> to_s;
+};
+
+/// Draws it into a file, whose name's end (.svg, .pdf, .png) says of which kind. Returns the status
+/// to exit with.
+int draw_figure(const FigureContent& content, const std::filesystem::path& file);
 
 }  // namespace breakwater

@@ -1,8 +1,10 @@
 #include <breakwater/report/html_page.h>
 
 #include <cctype>
+#include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include <breakwater/pictures/page_data.h>
 #include <breakwater/report/file_bytes.h>
 #include <breakwater/scenario/paths.h>
 #include <breakwater/version.h>
@@ -24,15 +26,36 @@ std::string fill_in(const fs::path& file, const mustache::data& data) {
 
 }  // namespace
 
-std::string html_page(const std::string& name, mustache::data& data) {
-  std::string chart = bytes_of(part("chart.mustache"));
-  data.set("chart", mustache::data(mustache::partial([chart] { return chart; })));
+std::string html_page(const std::string& name, mustache::data& data, PageCharts charts) {
+  for (const std::string partial :
+       {"chart", "study_metric", "replay_box", "changed_keys", "window_button"}) {
+    const std::string text = bytes_of(part(partial + ".mustache"));
+    data.set(partial, mustache::data(mustache::partial([text] { return text; })));
+  }
   mustache::data page = data;
   page.set("content", fill_in(part(name + ".mustache"), data));
-  page.set("style", bytes_of(fs::path(BREAKWATER_DYGRAPHS) / "dygraph.min.css") +
-                        bytes_of(part("page.css")));
-  page.set("dygraphs", bytes_of(fs::path(BREAKWATER_DYGRAPHS) / "dygraph.min.js"));
-  page.set("script", bytes_of(part("page.js")));
+  const std::string own = bytes_of(part("page.css"));
+  if (charts == PageCharts::over_time) {
+    page.set("has_charts", true);
+    page.set("dygraphs", bytes_of(fs::path(BREAKWATER_DYGRAPHS) / "dygraph.min.js"));
+    page.set("style", bytes_of(fs::path(BREAKWATER_DYGRAPHS) / "dygraph.min.css") + own);
+    page.set("script", bytes_of(part("page.js")));
+  } else {
+    page.set("style", own + bytes_of(part(name + ".css")));
+    page.set("script", bytes_of(part(name + ".js")));
+  }
+  if (data.get("has_replays") != nullptr) {
+    const fs::path three = BREAKWATER_THREE;
+    page.set("three", bytes_of(three / "three.min.js") +
+                          bytes_of(three / "examples/js/controls/OrbitControls.js"));
+    std::string viewer;
+    for (const char* script : {"data", "shapes", "shading", "scene", "view"}) {
+      viewer += bytes_of(part(std::string("replay/") + script + ".js"));
+    }
+    page.set("viewer", viewer);
+    page.set("replay_style", bytes_of(part("replay/replay.css")));
+  }
+  page.set("contents_script", bytes_of(part("contents.js")));
   page.set("version", std::string(kVersion) + " (" + kGitCommit + ")");
   return fill_in(part("page.mustache"), page);
 }
@@ -46,6 +69,10 @@ mustache::data chart_data(const PageChart& chart) {
   data.set("alt", chart.alternative_text());
   data.set("json", chart.json());
   return data;
+}
+
+std::string script_json(const nlohmann::ordered_json& json) {
+  return script_safe(json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
 }
 
 std::string data_address(const fs::path& file, const std::string& type) {

@@ -3,19 +3,29 @@
 
 #include <filesystem>
 #include <kainjow/mustache.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 #include <breakwater/report/page_chart.h>
 
 namespace breakwater {
 
-/// `data` in the template data/report/TEMPLATE.mustache, put into the common page. `data` has what
+/// What a page's charts are: of signals over time, drawn by dygraphs when they come into view; or
+/// drawings that are in the page, with a style and a script of its own, data/report/NAME.css and
+/// NAME.js.
+enum class PageCharts { over_time, drawn };
+
+/// `data` in the template data/report/NAME.mustache, put into the common page. `data` has what
 /// the page needs besides: "title", "toc" (a list of "href", "label"), "lead". The page allows no
 /// request whatever. Throws std::runtime_error if a template is missing or damaged.
-std::string html_page(const std::string& name, kainjow::mustache::data& data);
+std::string html_page(const std::string& name, kainjow::mustache::data& data,
+                      PageCharts charts = PageCharts::over_time);
 
 /// What the templates call a chart.
 kainjow::mustache::data chart_data(const PageChart& chart);
+
+/// JSON that can stand within <script>: what is no UTF-8 is replaced.
+std::string script_json(const nlohmann::ordered_json& json);
 
 /// A file's bytes as a data: address. Empty if there is no such file.
 std::string data_address(const std::filesystem::path& file, const std::string& type);

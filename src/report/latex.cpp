@@ -2,8 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <cctype>
 #include <cmath>
 #include <cstdlib>
+
+#include <breakwater/report/signal_charts.h>
 
 namespace breakwater {
 
@@ -45,6 +48,30 @@ std::string latex_number(double value) {
                      std::atoi(text.c_str() + e + 1));  // NOLINT(cert-err34-c): our own digits
 }
 
+std::string latex_name(const std::string& metric, const std::string& unit) {
+  std::string name = readable_name(metric, unit);
+  // Short words in capitals stay what they are said as.
+  for (const char* word : {"rmse", "rms", "iae", "itae", "rmse"}) {
+    if (name == word || name.starts_with(std::string(word) + " ")) {
+      for (std::size_t i = 0; word[i] != 0; ++i) {
+        name[i] = static_cast<char>(std::toupper(static_cast<unsigned char>(name[i])));
+      }
+    }
+  }
+  if (!name.empty()) {
+    name[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(name[0])));
+  }
+  std::string text = latex_escaped(name);
+  if (unit.empty() || unit == "1") return text;
+  std::string plain = latex_escaped(unit);
+  for (const auto& [sign, code] : {std::pair("²", "$^2$"), std::pair("³", "$^3$")}) {
+    for (std::size_t at = plain.find(sign); at != std::string::npos; at = plain.find(sign)) {
+      plain.replace(at, std::string(sign).size(), code);
+    }
+  }
+  return fmt::format("{} [{}]", text, plain);
+}
+
 std::string latex_table(const std::vector<std::vector<std::string>>& rows) {
   std::string text = "% needs \\usepackage{booktabs}\n\\begin{tabular}{l" +
                      std::string(rows.front().size() - 1, 'r') + "}\n\\toprule\n";
@@ -53,21 +80,6 @@ std::string latex_table(const std::vector<std::vector<std::string>>& rows) {
     if (i == 0) text += "\\midrule\n";
   }
   return text + "\\bottomrule\n\\end{tabular}\n";
-}
-
-std::string csv_line(const std::vector<std::string>& cells) {
-  std::string line;
-  for (const std::string& cell : cells) {
-    if (!line.empty() || &cell != &cells.front()) line += ',';
-    if (cell.find_first_of(",\"\n") == std::string::npos) {
-      line += cell;
-      continue;
-    }
-    line += '"';
-    for (const char c : cell) line += c == '"' ? std::string("\"\"") : std::string(1, c);
-    line += '"';
-  }
-  return line + "\n";
 }
 
 }  // namespace breakwater

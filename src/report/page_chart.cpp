@@ -7,12 +7,30 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include <breakwater/pictures/page_data.h>
 #include <breakwater/report/decimation.h>
+#include <breakwater/report/html_page.h>
 
 namespace breakwater {
 namespace {
 
 constexpr std::size_t kBuckets = 400;
+
+// What is shown at first gets as many points as all the rest.
+Series thinned(const Series& series, const std::optional<double>& from_s,
+               const std::optional<double>& to_s) {
+  if (!from_s || !to_s || series.times_s.empty()) return decimate(series, kBuckets);
+  Series thin;
+  const double infinity = std::numeric_limits<double>::infinity();
+  for (const auto& [from, to] :
+       {std::pair(-infinity, std::nextafter(*from_s, -infinity)), std::pair(*from_s, *to_s),
+        std::pair(std::nextafter(*to_s, infinity), infinity)}) {
+    const Series part = decimate(cut(series, from, to), kBuckets);
+    thin.times_s.insert(thin.times_s.end(), part.times_s.begin(), part.times_s.end());
+    thin.values.insert(thin.values.end(), part.values.begin(), part.values.end());
+  }
+  return thin;
+}
 
 std::string packed(const std::vector<double>& values) {
   const std::vector<float> narrow(values.begin(), values.end());
@@ -45,39 +63,20 @@ std::string PageChart::json() const {
   nlohmann::ordered_json json;
   json["title"] = axis_title();
   json["lines"] = lines;
+  if (from_s && to_s) json["window"] = {*from_s, *to_s};
   json["series"] = nlohmann::json::array();
   for (const ChartSeries& one : series) {
-    const Series thin = decimate(one.values, kBuckets);
+    const Series thin = thinned(one.values, from_s, to_s);
     json["series"].push_back({{"label", one.label},
                               {"unit", one.unit == "1" ? "" : one.unit},
                               {"about", one.description},
                               {"reference", one.is_reference},
                               {"off", one.is_off},
+                              {"colour", one.colour},
                               {"t", packed(thin.times_s)},
                               {"v", packed(thin.values)}});
   }
-  std::string text = json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-  for (std::size_t at = text.find('<'); at != std::string::npos; at = text.find('<', at)) {
-    text.replace(at, 1, "\\u003c");
-  }
-  return text;
-}
-
-std::string base64(const void* bytes, std::size_t size) {
-  static constexpr const char* kDigits =
-      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  const auto* data = static_cast<const unsigned char*>(bytes);
-  std::string text;
-  text.reserve((size + 2) / 3 * 4);
-  for (std::size_t i = 0; i < size; i += 3) {
-    const std::size_t left = std::min<std::size_t>(3, size - i);
-    unsigned word = 0;
-    for (std::size_t k = 0; k < 3; ++k) word = word << 8U | (k < left ? data[i + k] : 0U);
-    for (std::size_t k = 0; k < 4; ++k) {
-      text += k <= left ? kDigits[word >> (18U - 6U * static_cast<unsigned>(k)) & 63U] : '=';
-    }
-  }
-  return text;
+  return script_json(json);
 }
 
 }  // namespace breakwater

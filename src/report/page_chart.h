@@ -16,6 +16,7 @@ struct ChartSeries {
   Series values;
   bool is_reference = false;  ///< drawn dashed and grey
   bool is_off = false;        ///< at first
+  int colour = -1;            ///< which of the page's; −1: the next
 };
 
 /// Time series over one time axis.
@@ -25,7 +26,9 @@ struct PageChart {
   std::string axis;   ///< those of one axis show the same window of time
   std::string title;
   std::vector<ChartSeries> series;
-  std::vector<double> lines;  ///< horizontal, dashed
+  std::vector<double> lines;     ///< horizontal, dashed
+  std::optional<double> from_s;  ///< the window of time that its axis shows at first; without: all
+  std::optional<double> to_s;
 
   /// "title [unit]", if all series have one.
   std::string axis_title() const;
@@ -34,7 +37,5 @@ struct PageChart {
   /// For the page's script: series decimated, as base64 of 32-bit floats. Safe within <script>.
   std::string json() const;
 };
-
-std::string base64(const void* bytes, std::size_t size);
 
 }  // namespace breakwater

@@ -3,16 +3,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 #include <map>
 #include <set>
 
-#include <breakwater/scenario/all_cores.h>
+#include <breakwater/record/file_hash.h>
 #include <breakwater/scenario/progress.h>
 #include <breakwater/scenario/runner.h>
 #include <breakwater/scenario/saved_run.h>
+#include <breakwater/study/executor.h>
 
 namespace breakwater {
 namespace fs = std::filesystem;
@@ -26,30 +26,14 @@ using Derived = std::map<std::string, std::size_t>;
 
 struct Job {
   std::string name;
+  const RunSpec* spec = nullptr;
   std::size_t repetition = 0;
-  PreparedRun run;
+  std::string config_text;
   ModelHashes models;
   Derived derived;
   bool is_logged = false;
   std::string key;
   double cost = 0.0;  // physics steps
-};
-
-// The scenario files, each read once.
-class ScenarioFiles {
- public:
-  explicit ScenarioFiles(const Catalogue& catalogue) : catalogue_(catalogue) {}
-
-  const ScenarioFile& file(const std::string& scenario) {
-    const auto found = files_.find(scenario);
-    if (found != files_.end()) return found->second;
-    const std::string file = catalogue_.get<ScenarioKind>(scenario).file().string();
-    return files_.emplace(scenario, ScenarioFile(file, scenario)).first->second;
-  }
-
- private:
-  const Catalogue& catalogue_;
-  std::map<std::string, ScenarioFile> files_;
 };
 
 // Calls `body` for each cell of the sections.
@@ -84,7 +68,46 @@ std::map<std::string, Derived> derived_metrics(const Experiments& experiments) {
   return derived;
 }
 
-std::vector<Job> plan(const Reproduction& reproduction) {
+// What is to be run: a point is a job.
+class Jobs : public PointSource {
+ public:
+  explicit Jobs(const Reproduction& reproduction);
+
+  const std::vector<Job>& all() const { return jobs_; }
+  /// What their keys were made of.
+  KnownModels& models() { return models_; }
+
+  PreparedRun prepare(std::size_t point) const override;
+  std::string key(std::size_t point, const PreparedRun&, const ModelHashes&) const override {
+    return jobs_[point].key;
+  }
+  std::string unprepared_key(std::size_t point) const override { return jobs_[point].key; }
+  fs::path folder(std::size_t point, const std::string&, bool) const override {
+    const Job& job = jobs_[point];
+    return job.is_logged ? run_folder(reproduction_.out, job.name) : fs::path();
+  }
+  bool logs(std::size_t point) const override {
+    return jobs_[point].is_logged || !jobs_[point].derived.empty();
+  }
+  void derive(std::size_t point, const Recording& recording, PointResult& result) const override;
+
+ private:
+  Job make_job(const std::string& name, const RunSpec& spec, std::size_t repetition);
+
+  const Reproduction& reproduction_;
+  std::map<std::string, ScenarioFile> files_;  // each read once
+  KnownModels models_;
+  std::vector<Job> jobs_;  // the longest first
+};
+
+std::vector<std::string> sets_of(const RunSpec& spec, std::size_t repetition) {
+  std::vector<std::string> sets = spec.sets;
+  const std::vector<std::string>& own = spec.repetitions[repetition];
+  sets.insert(sets.end(), own.begin(), own.end());
+  return sets;
+}
+
+Jobs::Jobs(const Reproduction& reproduction) : reproduction_(reproduction) {
   const Experiments& experiments = reproduction.experiments;
   const auto derived = derived_metrics(experiments);
   std::set<std::string> names;
@@ -93,41 +116,55 @@ std::vector<Job> plan(const Reproduction& reproduction) {
     for (const std::string& name : section->runs()) names.insert(name);
     for (const std::string& name : section->logged_runs()) logged.insert(name);
   }
-  ScenarioFiles files(reproduction.catalogue);
-  std::map<std::vector<std::string>, ModelHashes> models;  // many runs have the same
-  std::vector<Job> jobs;
   for (const std::string& name : names) {
     const RunSpec& spec = experiments.runs.at(name);
     for (std::size_t i = 0; i < spec.repetitions.size(); ++i) {
-      std::vector<std::string> sets = spec.sets;
-      sets.insert(sets.end(), spec.repetitions[i].begin(), spec.repetitions[i].end());
-      Job job;
-      job.name = name;
-      job.repetition = i;
       try {
-        const ScenarioFile& file = files.file(spec.scenario);
-        job.run = prepare_run(reproduction.catalogue, spec.scenario, file, spec.case_name, sets);
-        const Config config = file.config(spec.case_name, sets);
-        const auto [known, is_new] = models.try_emplace(job.run.model_files);
-        if (is_new) known->second = model_hashes(job.run.model_files);
-        job.models = known->second;
-        job.cost = config.number("run.duration_s").value_or(1.0) /
-                   config.number("physics.timestep_s").value_or(1e-3);
+        jobs_.push_back(make_job(name, spec, i));
       } catch (const std::invalid_argument& error) {
         fail(experiments, spec.line, fmt::format("run {}: {}", name, error.what()));
       }
+      Job& job = jobs_.back();
       if (derived.contains(name)) job.derived = derived.at(name);
       job.is_logged = i == 0 && logged.contains(name);
-      std::vector<std::string> parts = {spec.scenario, job.run.config_text, program_hash()};
+      std::vector<std::string> parts = {spec.scenario, job.config_text, program_hash()};
       for (const auto& [file, hash] : job.models) parts.insert(parts.end(), {file, hash});
       for (const auto& [metric, line] : job.derived) parts.push_back(metric);
       job.key = fingerprint(parts);
-      jobs.push_back(std::move(job));
     }
   }
-  std::stable_sort(jobs.begin(), jobs.end(),
+  std::stable_sort(jobs_.begin(), jobs_.end(),
                    [](const Job& a, const Job& b) { return a.cost > b.cost; });
-  return jobs;
+}
+
+Job Jobs::make_job(const std::string& name, const RunSpec& spec, std::size_t repetition) {
+  const Catalogue& catalogue = reproduction_.catalogue;
+  auto found = files_.find(spec.scenario);
+  const bool is_first = found == files_.end();
+  if (is_first) {
+    const std::string file = catalogue.get<ScenarioKind>(spec.scenario).file().string();
+    found = files_.emplace(spec.scenario, ScenarioFile(file, spec.scenario)).first;
+  }
+  const std::vector<std::string> sets = sets_of(spec, repetition);
+  // The first one checks every table of the file too.
+  const PreparedRun run = (is_first ? prepare_run : prepare_point)(
+      catalogue, spec.scenario, found->second, spec.case_name, sets);
+  const Config config = found->second.config(spec.case_name, sets);
+  Job job;
+  job.name = name;
+  job.spec = &spec;
+  job.repetition = repetition;
+  job.config_text = run.config_text;
+  job.models = models_.of(run.model_files);
+  job.cost = config.number("run.duration_s").value_or(1.0) /
+             config.number("physics.timestep_s").value_or(1e-3);
+  return job;
+}
+
+PreparedRun Jobs::prepare(std::size_t point) const {
+  const Job& job = jobs_[point];
+  return prepare_point(reproduction_.catalogue, job.spec->scenario, files_.at(job.spec->scenario),
+                       job.spec->case_name, sets_of(*job.spec, job.repetition));
 }
 
 // Whether the folder holds this very run, of the models and by the program that gave its numbers.
@@ -135,7 +172,7 @@ bool is_kept(const fs::path& folder, const Job& job) {
   if (!fs::exists(folder)) return false;
   try {
     const SavedRun run(folder);
-    return run.config_text() == job.run.config_text && run.models() == job.models &&
+    return run.config_text() == job.config_text && run.models() == job.models &&
            run.program() == program_hash();
   } catch (const std::invalid_argument&) {
     return false;
@@ -162,39 +199,42 @@ std::vector<double> values_for(const std::string& metric, std::size_t line, cons
                    did_you_mean(signal, names)));
 }
 
-Measurement measurement_of(const Job& job, const Experiments& experiments,
-                           const Recording& recording) {
-  Measurement measurement;
-  if (recording.failure) {
-    measurement.failed = true;
-    measurement.failure =
-        fmt::format("at {:.4g} s: {}", recording.failure->time_s, recording.failure->reason);
-    return measurement;
-  }
-  for (const Metric& metric : recording.metrics) {
-    measurement.values[metric.name] = std::isfinite(metric.value) ? metric.value : kNaN;
-  }
-  for (const auto& [metric, line] : job.derived) {
-    measurement.values[metric] =
-        largest(values_for(metric, line, job, experiments, recording.track("control")));
-  }
-  return measurement;
+// Else something was wrong with what it was to run.
+bool has_run(const PointResult& result) {
+  return result.status == PointStatus::complete || result.status == PointStatus::failed;
 }
 
-Measurement execute(const Job& job, const Reproduction& reproduction, const RunControl& control) {
-  const auto start = std::chrono::steady_clock::now();
-  const Recording recording = job.run.scenario->run(control);
-  if (model_hashes(job.run.model_files) != job.models) {
-    throw std::invalid_argument(
-        fmt::format("run {}: its models were changed while it ran; start again", job.name));
+void Jobs::derive(std::size_t point, const Recording& recording, PointResult& result) const {
+  if (recording.failure) return;
+  const Job& job = jobs_[point];
+  for (const auto& [metric, line] : job.derived) {
+    result.metrics.emplace_back(metric,
+                                largest(values_for(metric, line, job, reproduction_.experiments,
+                                                   recording.track("control"))));
   }
-  if (job.is_logged) {
-    RunFolder folder(run_folder(reproduction.out, job.name));
-    const double wall_s =
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    write_run(job.run, job.models, recording, wall_s, folder, false);
-  }
-  return measurement_of(job, reproduction.experiments, recording);
+}
+
+// Runs what is to be run, and keeps the results.
+void run_pending(Jobs& jobs, const std::vector<std::size_t>& points,
+                 const Reproduction& reproduction) {
+  std::vector<double> costs;
+  for (const std::size_t point : points) costs.push_back(jobs.all()[point].cost);
+  Progress progress("reproduce", costs, reproduction.quiet);
+  ExecutorOptions options;
+  options.stop = reproduction.stop;
+  options.models = &jobs.models();
+  options.progress = [&](std::size_t i, double done) { progress.update(i, done); };
+  // Each of them could be prepared.
+  options.on_result = [&](const PointResult& result) {
+    if (has_run(result)) return;
+    const Job& job = jobs.all()[result.number];
+    fail(reproduction.experiments, job.spec->line,
+         fmt::format("run {}: {}", job.name, result.reason));
+  };
+  Shard shard(shards_folder(reproduction.out));
+  const std::size_t finished = run_points(points, jobs, shard, options);
+  if (finished == points.size()) return;
+  throw Interrupted(jobs.all().size() - points.size() + finished);
 }
 
 // What the runs of each scenario have. One that failed has nothing.
@@ -235,44 +275,47 @@ fs::path run_folder(const fs::path& out, const std::string& run) {
   return out / "runs" / run;
 }
 
+fs::path shards_folder(const fs::path& out) {
+  return out / "shards";
+}
+
+Measurement measurement_of(const PointResult& result) {
+  Measurement measurement;
+  measurement.failed = result.status == PointStatus::failed;
+  measurement.failure = result.reason;
+  for (const auto& [name, value] : result.metrics) {
+    measurement.values[name] = std::isfinite(value) ? value : kNaN;
+  }
+  return measurement;
+}
+
 Measured measure(const Reproduction& reproduction) {
-  const std::vector<Job> all = plan(reproduction);
-  fs::create_directories(reproduction.out);
-  Measurements known(reproduction.out / "measurements.jsonl");
-  std::vector<const Job*> jobs;  // what is left to do
-  std::vector<double> costs;
-  for (const Job& job : all) {
+  Jobs jobs(reproduction);
+  const fs::path shards = shards_folder(reproduction.out);
+  fs::create_directories(shards);
+  auto results = results_by_key(shards);
+  std::vector<std::size_t> points;  // what is left to do
+  for (std::size_t point = 0; point < jobs.all().size(); ++point) {
+    const Job& job = jobs.all()[point];
+    const auto found = results.find(job.key);
+    const bool has_result = found != results.end() && has_run(found->second);
     const bool has_folder = !job.is_logged || is_kept(run_folder(reproduction.out, job.name), job);
-    if (known.find(job.key) && has_folder) continue;
-    jobs.push_back(&job);
-    costs.push_back(job.cost);
+    if (!has_result || !has_folder) points.push_back(point);
   }
   if (!reproduction.quiet) {
-    fmt::print(stderr, "reproduce: {} runs, {} of them there already\n", all.size(),
-               all.size() - jobs.size());
+    fmt::print(stderr, "reproduce: {} runs, {} of them there already\n", jobs.all().size(),
+               jobs.all().size() - points.size());
   }
-
-  if (!jobs.empty()) {
-    Progress progress("reproduce", costs, reproduction.quiet);
-    std::atomic<std::size_t> finished = 0;
-    try {
-      on_all_cores(jobs.size(), [&](std::size_t i) {
-        const RunControl control{[&progress, i](double done) { progress.update(i, done); },
-                                 reproduction.stop};
-        known.add(jobs[i]->key, jobs[i]->name, execute(*jobs[i], reproduction, control));
-        progress.finish(i);
-        ++finished;
-      });
-    } catch (const Interrupted&) {
-      throw Interrupted(all.size() - jobs.size() + finished);
-    }
+  if (!points.empty()) {
+    run_pending(jobs, points, reproduction);
+    results = results_by_key(shards);
   }
 
   Measured measured;
-  for (const Job& job : all) {
+  for (const Job& job : jobs.all()) {
     std::vector<Measurement>& repetitions = measured[job.name];
     repetitions.resize(std::max(repetitions.size(), job.repetition + 1));
-    repetitions[job.repetition] = *known.find(job.key);
+    repetitions[job.repetition] = measurement_of(results.at(job.key));
   }
   const auto metrics = known_metrics(reproduction.experiments, measured);
   check_metrics(reproduction, metrics);

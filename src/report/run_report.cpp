@@ -3,31 +3,21 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <set>
 #include <stdexcept>
 
 #include <breakwater/report/html_page.h>
+#include <breakwater/report/replay_part.h>
+#include <breakwater/report/signal_charts.h>
 #include <breakwater/report/thesis_report.h>
 #include <breakwater/scenario/child_program.h>
+#include <breakwater/scenario/command_kind.h>
+#include <breakwater/scenario/differing_keys.h>
 #include <breakwater/scenario/runner.h>
 
 namespace breakwater {
 namespace fs = std::filesystem;
 namespace mustache = kainjow::mustache;
 namespace {
-
-// "q_rad" of "q_true_rad" and "q_hat_rad": what they are all about.
-std::string stem(const std::string& name) {
-  static constexpr std::array<const char*, 4> kKinds = {"_true", "_measured", "_hat", "_ref"};
-  for (const char* kind : kKinds) {
-    const std::size_t at = name.find(std::string(kind) + "_");
-    if (at != std::string::npos) {
-      return name.substr(0, at) + name.substr(at + std::string(kind).size());
-    }
-  }
-  return name;
-}
 
 mustache::data metrics_data(const Catalogue& catalogue, const SavedRun& run) {
   const std::map<std::string, PrintedValue> printed = printed_of(catalogue, run);
@@ -53,35 +43,6 @@ mustache::data metrics_data(const Catalogue& catalogue, const SavedRun& run) {
 
 }  // namespace
 
-std::vector<PageChart> all_charts(const SavedRun& run, const std::string& id) {
-  std::vector<PageChart> charts;
-  std::map<std::string, std::size_t> of_scalars;  // stem and unit: the chart
-  for (const LogEntry& entry : run.signals()) {
-    if (entry.name == "qpos" || entry.rows == 0) continue;
-    const std::string path = entry.group + "/" + entry.name;
-    const std::string name = entry.group == "control" ? entry.name : path;
-    const std::string key = entry.group + "/" + stem(entry.name) + " " + entry.unit;
-    const auto found = of_scalars.find(key);
-    if (entry.width == 1 && found != of_scalars.end()) {
-      charts[found->second].series.push_back(
-          {name, entry.unit, entry.description, run.signal(path)});
-      continue;
-    }
-    PageChart chart;
-    chart.id = fmt::format("{}-{}", id, charts.size() + 1);
-    chart.group = id;
-    chart.title = entry.width == 1 ? stem(name) : name;
-    for (std::size_t i = 1; i <= entry.width; ++i) {
-      const std::string one = entry.width == 1 ? "" : fmt::format("[{}]", i);
-      chart.series.push_back(
-          {name + one, entry.unit_of(i), entry.description, run.signal(path + one)});
-    }
-    if (entry.width == 1) of_scalars[key] = charts.size();
-    charts.push_back(std::move(chart));
-  }
-  return charts;
-}
-
 std::map<std::string, PrintedValue> printed_of(const Catalogue& catalogue, const SavedRun& run) {
   std::map<std::string, PrintedValue> printed;
   try {
@@ -97,7 +58,22 @@ std::map<std::string, PrintedValue> printed_of(const Catalogue& catalogue, const
   return printed;
 }
 
-std::string run_report(const Catalogue& catalogue, const std::vector<SavedRun>& runs) {
+void set_changed_keys(const Catalogue& catalogue, const SavedRun& run, mustache::data& section) {
+  mustache::data rows(mustache::data::type::list);
+  const std::vector<ChangedKey> changed = changed_keys(catalogue, run);
+  for (const ChangedKey& key : changed) {
+    mustache::data row;
+    row.set("key", key.key);
+    row.set("value", key.value);
+    row.set("shipped", key.shipped);
+    rows << row;
+  }
+  section.set("keys", rows);
+  section.set("has_keys", !changed.empty());
+}
+
+std::string run_report(const Catalogue& catalogue, const std::vector<SavedRun>& runs,
+                       const RunReportOptions& options, std::vector<std::string>& notes) {
   const std::vector<std::string> labels = labels_of(runs);
   mustache::data page;
   mustache::data toc(mustache::data::type::list);
@@ -117,22 +93,45 @@ std::string run_report(const Catalogue& catalogue, const std::vector<SavedRun>& 
     section.set("case", run.case_name());
     section.set("seed", run.seed());
     section.set("folder", run.folder().string());
-    section.set("command", fmt::format("{} run {} --config {} --out again", own_program_name(),
-                                       run.scenario(), (run.folder() / "config.toml").string()));
+    // What a command of its own made is made again by that.
+    const bool has_command = catalogue.has<CommandKind>(run.scenario());
+    section.set("command", fmt::format("{} {}{} --config {} --out again", own_program_name(),
+                                       has_command ? "" : "run ", run.scenario(),
+                                       (run.folder() / "config.toml").string()));
     section.set("config", run.config_text());
+    set_changed_keys(catalogue, run, section);
     if (run.failure()) {
       section.set("failure", fmt::format("This run failed at {:.6g} s: {}. It has no metrics.",
                                          run.failure()->time_s, run.failure()->reason));
     } else {
       section.set("metrics", metrics_data(catalogue, run));
       section.set("has_metrics", true);
+      section.set("has_printed", !printed_of(catalogue, run).empty());
     }
-    // A run of another program's scenario: what its video shows only that program knows.
-    if (catalogue.has<ScenarioKind>(run.scenario())) {
+    std::optional<ReplayPart> replay;
+    if (options.with_replay) {
+      replay = replay_of(catalogue, {run.folder()}, {labels[i]}, {id + "-replay", id, ""}, notes);
+    }
+    ShotList shots;
+    std::optional<Window> window;
+    if (replay) {
+      section.set("replay", replay->box);
+      page.set("has_replays", true);
+      shots = replay->shots;
+      window = replay->window;
+    } else if (catalogue.has<ScenarioKind>(run.scenario())) {
       if (const auto video = video_data(catalogue, run, id)) section.set("video", *video);
     }
     mustache::data charts(mustache::data::type::list);
-    for (const PageChart& chart : all_charts(run, id)) charts << chart_data(chart);
+    if (replay && replay->chart) charts << chart_data(*replay->chart);
+    for (PageChart& chart : signal_charts(run, id, shots)) {
+      if (window) {
+        chart.from_s = window->from_s;
+        chart.to_s = window->to_s;
+      }
+      charts << chart_data(chart);
+    }
+    if (replay && !replay->is_whole) section.set("window", window_data(replay->window, id));
     section.set("charts", charts);
     sections << section;
   }
@@ -140,22 +139,6 @@ std::string run_report(const Catalogue& catalogue, const std::vector<SavedRun>& 
   page.set("toc", toc);
   page.set("sections", sections);
   return html_page("runs", page);
-}
-
-std::vector<std::string> labels_of(const std::vector<SavedRun>& runs) {
-  std::vector<std::string> cases;
-  std::vector<std::string> folders;
-  std::vector<std::string> paths;
-  for (const SavedRun& run : runs) {
-    const fs::path folder = fs::absolute(run.folder()).lexically_normal();
-    cases.push_back(run.case_name());
-    folders.push_back((folder.has_filename() ? folder : folder.parent_path()).filename().string());
-    paths.push_back(run.folder().string());
-  }
-  for (const auto& names : {cases, folders}) {
-    if (std::set<std::string>(names.begin(), names.end()).size() == runs.size()) return names;
-  }
-  return paths;
 }
 
 }  // namespace breakwater

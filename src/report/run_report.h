@@ -1,29 +1,34 @@
 // breakwater report: pages about a user's own runs.
 #pragma once
 
+#include <kainjow/mustache.hpp>
 #include <map>
 #include <string>
 #include <vector>
 
-#include <breakwater/report/page_chart.h>
 #include <breakwater/report/printed_results.h>
 #include <breakwater/scenario/catalogue.h>
 #include <breakwater/scenario/saved_run.h>
 
 namespace breakwater {
 
-/// All signals of a run as charts over one time axis: what differs by _true, _measured, _hat or
-/// _ref alone is in one, and so are a vector's values.
-std::vector<PageChart> all_charts(const SavedRun& run, const std::string& id);
-
 /// The printed numbers of a run by our names for them. Empty unless it has the settings of one of
 /// the project's own cases: only then do they mean something.
 std::map<std::string, PrintedValue> printed_of(const Catalogue& catalogue, const SavedRun& run);
 
-/// One page about some runs: numbers, beside printed ones where there are any, and all signals.
-std::string run_report(const Catalogue& catalogue, const std::vector<SavedRun>& runs);
+struct RunReportOptions {
+  bool with_replay = true;
+};
 
-/// How to tell runs apart: by case, else by folder.
-std::vector<std::string> labels_of(const std::vector<SavedRun>& runs);
+/// One page about some runs: each in three dimensions, what it differs in from its case, the shot
+/// list's signals over the shot list's window, all other signals, and its numbers, beside printed
+/// ones where there are any. `notes`, one line each, say what of a replay could not be shown.
+std::string run_report(const Catalogue& catalogue, const std::vector<SavedRun>& runs,
+                       const RunReportOptions& options, std::vector<std::string>& notes);
+
+/// The keys in which a run differs from its case, for a template: "keys", and "has_keys" where
+/// there are any.
+void set_changed_keys(const Catalogue& catalogue, const SavedRun& run,
+                      kainjow::mustache::data& section);
 
 }  // namespace breakwater

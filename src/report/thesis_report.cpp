@@ -14,6 +14,7 @@
 #include <breakwater/report/decimation.h>
 #include <breakwater/report/file_bytes.h>
 #include <breakwater/report/html_page.h>
+#include <breakwater/report/replay_part.h>
 #include <breakwater/scenario/child_program.h>
 #include <breakwater/scenario/paths.h>
 #include <breakwater/scenario/saved_run.h>
@@ -279,7 +280,7 @@ std::optional<mustache::data> video_data(const Catalogue& catalogue, const Saved
   std::deque<FinishedRun> finished;
   finished.emplace_back(catalogue, run.folder());
   const ShotList shots = shot_list(finished.front().shots_file());
-  const Window window = choose_window(finished, shots, {});
+  const Window window = choose_window(pointers_to(finished), shots, {});
   mustache::data data;
   data.set("address", data_address(file, "video/mp4"));
   data.set("group", group);
@@ -443,6 +444,15 @@ ThesisReport thesis_report(const Reproduction& reproduction, const Measured& mea
       tables << table_data(table, *spec, measured, experiments.is_own, score);
     }
     section.set("tables", tables);
+    if (!spec->video.empty() && reproduction.with_replay) {
+      const SavedRun& shown = logs.of(spec->video);
+      const auto replay = replay_of(reproduction.catalogue, {shown.folder()}, {spec->video},
+                                    {"replay-" + anchor(spec->id), id, ""}, report.notes);
+      if (replay) {
+        section.set("replay", replay->box);
+        page.set("has_replays", true);
+      }
+    }
     if (!spec->video.empty()) {
       if (auto video = video_data(reproduction.catalogue, logs.of(spec->video), id)) {
         if (spec->id == experiments.video) {

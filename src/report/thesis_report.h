@@ -74,6 +74,7 @@ struct ThesisReport {
   std::string html;
   Score score;
   std::size_t figures = 0;
+  std::vector<std::string> notes;  ///< what of a replay could not be shown, one line each
 };
 
 /// Everything that the reproduction measured, as one page. Logs, videos and strips of pictures are

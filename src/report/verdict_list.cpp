@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include <breakwater/report/latex.h>
+#include <breakwater/record/csv.h>
 #include <breakwater/report/thesis_report.h>
 
 namespace breakwater {

@@ -1,27 +1,57 @@
 // Breakwater's controllers of the arm: the keys of each, and how it is made of them.
 #include <breakwater/control/implicit_force_pfc.h>
+#include <breakwater/control/soft_contact.h>
 #include <breakwater/control/workspace_control.h>
 #include <breakwater/rigs/arm_parts.h>
 
 namespace breakwater {
 namespace {
 
-struct ProposedSettings {
+// Those of the PFC, and of what comes before force control.
+struct PfcSettings {
   Positioning positioning = Positioning::joint;
   std::vector<double> t_ref_s;
   int coincidence_points = 0;
   int basis_functions = 0;
+
+  void bind(Fields& fields) {
+    fields.choice("controller.positioning", positioning,
+                  {{"joint", Positioning::joint}, {"workspace", Positioning::workspace}},
+                  "how it holds the start pose without force control: joint or workspace");
+    fields.numbers("controller.t_ref_s", t_ref_s, positive(),
+                   "target response time of each joint's PFC [s]");
+    fields.count("controller.coincidence_points", coincidence_points, between(1, 100),
+                 "n of the PFC");
+    fields.count("controller.basis_functions", basis_functions, between(1, 3),
+                 "1 step, 2 and ramp, 3 and parabola");
+  }
+  PfcDesign design(double response_time_s, double period_s) const {
+    return {response_time_s, period_s, coincidence_points, basis_functions};
+  }
+  std::vector<PfcDesign> joints(double period_s) const {
+    std::vector<PfcDesign> designs;
+    for (const double response_time_s : t_ref_s) {
+      designs.push_back(design(response_time_s, period_s));
+    }
+    return designs;
+  }
+  void check(const ArmSetup& arm) const {
+    if (t_ref_s.size() != static_cast<std::size_t>(arm.chain.joints())) {
+      throw WrongKey("controller.t_ref_s", "must have one entry for each of the URDF's " +
+                                               std::to_string(arm.chain.joints()) + " joints");
+    }
+    blame("controller.t_ref_s", [&] {
+      for (const PfcDesign& joint : joints(arm.period_s)) Pfc pfc(joint);
+    });
+  }
+};
+
+struct ProposedSettings {
+  PfcSettings pfc;
   std::vector<double> ik_weights;
   double ik_damping = 0.0;
   LmForm ik_form = LmForm::printed;
 
-  std::vector<PfcDesign> joints(double period_s) const {
-    std::vector<PfcDesign> designs;
-    for (const double response_time_s : t_ref_s) {
-      designs.push_back({response_time_s, period_s, coincidence_points, basis_functions});
-    }
-    return designs;
-  }
   LmDesign inverse_kinematics() const {
     LmDesign design;
     design.weights = Eigen::Map<const Eigen::Vector3d>(ik_weights.data());
@@ -32,15 +62,7 @@ struct ProposedSettings {
 };
 
 void bind_proposed(Fields& fields, ProposedSettings& settings) {
-  fields.choice("controller.positioning", settings.positioning,
-                {{"joint", Positioning::joint}, {"workspace", Positioning::workspace}},
-                "how it holds the start pose without force control: joint or workspace");
-  fields.numbers("controller.t_ref_s", settings.t_ref_s, positive(),
-                 "target response time of each joint's PFC [s]");
-  fields.count("controller.coincidence_points", settings.coincidence_points, between(1, 100),
-               "n of the PFC");
-  fields.count("controller.basis_functions", settings.basis_functions, between(1, 3),
-               "1 step, 2 and ramp, 3 and parabola");
+  settings.pfc.bind(fields);
   fields.numbers("controller.ik_weights", settings.ik_weights, positive(),
                  "W_e of the inverse kinematics, for x, y, phi");
   fields.number("controller.ik_damping", settings.ik_damping, positive(),
@@ -54,13 +76,7 @@ void check_proposed(const ProposedSettings& settings, const ArmSetup& arm) {
   if (settings.ik_weights.size() != 3) {
     throw WrongKey("controller.ik_weights", "must have 3 numbers, for x, y and phi");
   }
-  if (settings.t_ref_s.size() != static_cast<std::size_t>(arm.chain.joints())) {
-    throw WrongKey("controller.t_ref_s", "must have one entry for each of the URDF's " +
-                                             std::to_string(arm.chain.joints()) + " joints");
-  }
-  blame("controller.t_ref_s", [&] {
-    for (const PfcDesign& design : settings.joints(arm.period_s)) Pfc pfc(design);
-  });
+  settings.pfc.check(arm);
   blame("controller.ik_form",
         [&] { LmInverseKinematics(settings.inverse_kinematics(), arm.chain.joints()); });
 }
@@ -69,8 +85,8 @@ std::unique_ptr<Controller> make_proposed(const ProposedSettings& settings, cons
   check_proposed(settings, arm);
   return std::make_unique<ImplicitForcePfc>(
       arm.chain, arm.acceleration, arm.task,
-      ImplicitForcePfcDesign{settings.joints(arm.period_s), settings.inverse_kinematics(),
-                             settings.positioning});
+      ImplicitForcePfcDesign{settings.pfc.joints(arm.period_s), settings.inverse_kinematics(),
+                             settings.pfc.positioning});
 }
 
 void bind_drac(Fields& fields, WorkspaceControlDesign& design) {
@@ -93,6 +109,50 @@ std::unique_ptr<Controller> make_drac(const WorkspaceControlDesign& design, cons
   return std::make_unique<Drac>(arm.chain, arm.acceleration, arm.task, design);
 }
 
+struct SoftContactSettings {
+  PfcSettings pfc;
+  double hold_s = 0.0;
+  double across_s = 0.0;
+  double approach_s = 0.0;
+  double contact_s = 0.0;
+  double stiffness_N_m = 0.0;
+  double margin_N = 0.0;
+};
+
+void bind_tlsc(Fields& fields, SoftContactSettings& settings) {
+  settings.pfc.bind(fields);
+  fields.number("controller.t_hold_s", settings.hold_s, positive(),
+                "target response time of x at the start pose, on the path [s]");
+  fields.number("controller.t_across_s", settings.across_s, positive(), "of y and phi [s]");
+  fields.number("controller.t_approach_s", settings.approach_s, positive(),
+                "of the speed towards the wall [s]");
+  fields.number("controller.t_contact_s", settings.contact_s, positive(),
+                "of the way to go in contact [s]");
+  fields.number("controller.design_stiffness_N_m", settings.stiffness_N_m, positive(),
+                "K_d, of the wall that the approach is prepared for [N/m]");
+  fields.number("controller.peak_margin_N", settings.margin_N, positive(),
+                "what the filtered peak may exceed the reference by there [N]");
+}
+
+std::unique_ptr<Controller> make_tlsc(const SoftContactSettings& settings, const ArmSetup& arm) {
+  settings.pfc.check(arm);
+  const auto design_of = [&](const char* key, double response_time_s) {
+    const PfcDesign design = settings.pfc.design(response_time_s, arm.period_s);
+    blame(key, [&] { Pfc pfc(design); });
+    return design;
+  };
+  SoftContactDesign design;
+  design.positioning = settings.pfc.positioning;
+  design.joints = settings.pfc.joints(arm.period_s);
+  design.hold = design_of("controller.t_hold_s", settings.hold_s);
+  design.across = design_of("controller.t_across_s", settings.across_s);
+  design.approach = design_of("controller.t_approach_s", settings.approach_s);
+  design.contact = design_of("controller.t_contact_s", settings.contact_s);
+  design.wall_stiffness_N_m = settings.stiffness_N_m;
+  design.peak_margin_N = settings.margin_N;
+  return std::make_unique<SoftContact>(arm.chain, arm.acceleration, arm.task, design);
+}
+
 }  // namespace
 
 std::vector<ArmControllerKind> arm_controllers() {
@@ -101,7 +161,8 @@ std::vector<ArmControllerKind> arm_controllers() {
           {"hpfc", "hybrid position/force control by acceleration control (2.4.3.1)", bind_hpfc,
            make_hpfc},
           {"drac", "resolved acceleration control with implicit force control (2.4.3.1)", bind_drac,
-           make_drac}};
+           make_drac},
+          {"tlsc", "soft contact, as fast as the torques can stop again", bind_tlsc, make_tlsc}};
 }
 
 }  // namespace breakwater

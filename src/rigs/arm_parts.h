@@ -16,10 +16,10 @@ struct ArmSetup {
   double period_s = 0.0;                   ///< T_s, of the samples
 };
 
-/// A controller of the arm by its name: key controller.name. It gets samples [q (n) [rad]; F_x [N]]
-/// and writes n torques [N m]; F_x is positive when the tip presses towards +x. One that derives
-/// from ArmController gives accelerations instead, and has the disturbance observer, the kinematics
-/// and the phases there.
+/// A controller of the arm by its name: key controller.name. It gets samples [q (n) [rad]; F_x [N];
+/// F_x before the sensor's low-pass [N]] and writes n torques [N m]; F_x is positive when the tip
+/// presses towards +x. One that derives from ArmController gives accelerations instead, and has the
+/// disturbance observer, the kinematics and the phases there.
 struct ArmControllerKind : PartKind<Controller, const ArmSetup&> {
   using PartKind::PartKind;
   static constexpr const char* kWhat = "controller of the arm";

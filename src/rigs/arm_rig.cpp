@@ -5,6 +5,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include <breakwater/sim/friction.h>
+
 namespace breakwater {
 namespace {
 
@@ -32,6 +34,7 @@ ArmTask arm_task(const ArmSettings& settings, const ArmRole& role, const PlanarC
   task.force_control_from_s = role.force_control_from_s;
   task.force_reference_N = role.force_reference_N;
   task.convert_gain_N_m = role.convert_gain_N_m;
+  task.force_lag_s = role.force_filter_time_constant_s;
   return task;
 }
 
@@ -56,10 +59,14 @@ SensingSetup sensing_setup(const ArmSettings& settings, const ArmRole& role,
                             .sensor = "tip_force",
                             .low_pass_s = role.force_filter_time_constant_s,
                             .noise_std = settings.force_noise_N});
+  setup.channels.push_back(
+      {.name = "force_raw", .sensor = "tip_force", .noise_std = settings.force_noise_N});
   settings.faults.apply(setup);
   setup.seed = settings.run.seed;
   return setup;
 }
+
+constexpr double kFrictionOfModel = -1.0;
 
 // Actuator i must drive the chain's joint i, with its limits.
 void check_actuators(const Model& model, const PlanarChain& chain) {
@@ -105,6 +112,9 @@ void ArmSettings::bind(Fields& fields) {
   run.bind(fields);
   fields.numbers("task.start_angles_rad", start_angles_rad, any(),
                  "q_0^ref, the start posture; its tip pose is X_0^ref [rad]");
+  fields.number("plant.friction_Nm", friction_Nm, between(kFrictionOfModel, 1e3),
+                "Coulomb friction of each joint; -1: the model file's [N m]");
+  fields.standard("plant.friction_Nm", {kFrictionOfModel});
   controller.bind(fields);
   fields.numbers("observer.nominal_inertia_kgm2", nominal_inertia_kgm2, positive(),
                  "diagonal of J_n [kg m^2]");
@@ -119,7 +129,7 @@ void ArmSettings::bind(Fields& fields) {
                 "standard deviation of white noise on each angle sample [rad]");
   fields.number("sensor.force_noise_N", force_noise_N, not_negative(),
                 "standard deviation of white noise on each force sample [N]");
-  faults.bind(fields, "q1, q2, ..., force");
+  faults.bind(fields, "q1, q2, ..., force, force_raw");
 }
 
 void check_arm(const ArmSettings& settings, const ArmRole& role, const Config& config) {
@@ -135,6 +145,9 @@ void check_arm(const ArmSettings& settings, const ArmRole& role, const Config& c
   one_per_joint("observer.nominal_inertia_kgm2", settings.nominal_inertia_kgm2.size());
   one_per_joint("observer.poles_rad_s", settings.observer_poles_rad_s.size());
 
+  if (settings.friction_Nm < 0.0 && settings.friction_Nm != kFrictionOfModel) {
+    config.fail("plant.friction_Nm", "must be -1, for the model file's, or not negative");
+  }
   config.blame("observer.poles_rad_s",
                [&] { AccelerationControl design(acceleration_design(settings, chain)); });
   settings.controller.check(config, arm_setup(settings, role, chain));
@@ -161,6 +174,12 @@ ArmRig::ArmRig(const ArmSettings& settings, const ArmRole& role)
       tip_(TipPose::Zero()) {
   Model model = Model::load(settings.mjcf);
   model.set_physics(settings.physics.timestep_s, settings.physics.integrator);
+  if (settings.friction_Nm != kFrictionOfModel) {
+    for (Eigen::Index i = 0; i < chain_.joints(); ++i) {
+      set_coulomb_friction(model, model.id(mjOBJ_JOINT, chain_.joint(i).name),
+                           settings.friction_Nm);
+    }
+  }
   if (role.prepare_model) role.prepare_model(model);
   const int home = model.id(mjOBJ_KEY, "home");
   std::vector<double> qpos(model->key_qpos + static_cast<std::ptrdiff_t>(home) * model->nq,
@@ -212,6 +231,7 @@ std::vector<Signal> ArmRig::signals() const {
       {"force_true_N", "N", "normal contact force, true", view(*contact_force_)},
       {"q_measured_rad", "rad", "joint angles as sampled", measured.first(n)},
       {"force_measured_N", "N", "filtered force as sampled", measured.subspan(n, 1)},
+      {"force_raw_measured_N", "N", "the same before the low-pass", measured.subspan(n + 1, 1)},
       {"torque_command_Nm", "N m", "joint torques asked for", view(sim.command())},
       {"torque_applied_Nm", "N m", "joint torques after saturation", view(sim.actuation())},
       {"saturated", "1", "1 where any torque is at its limit", view(saturated_)}};

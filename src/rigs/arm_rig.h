@@ -22,6 +22,7 @@ struct ArmSettings {
   PhysicsSettings physics;
   RunSettings run;
 
+  double friction_Nm = 0.0;              ///< Coulomb, of each joint; negative: the model file's
   std::vector<double> start_angles_rad;  ///< q_0^ref
   PartChoice<ArmControllerKind> controller;
 

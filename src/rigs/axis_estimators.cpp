@@ -1,5 +1,6 @@
 // Breakwater's estimators of an axis: the keys of each, and how it is made of them.
 #include <breakwater/observers/fakfd.h>
+#include <breakwater/observers/filter_bank.h>
 #include <breakwater/observers/idob_estimator.h>
 #include <breakwater/observers/kfd.h>
 #include <breakwater/observers/mdob_estimator.h>
@@ -224,6 +225,20 @@ Estimator make_stf(const DisturbanceModel& settings, const NominalAxis& axis) {
                                  axis.sensor);
 }
 
+struct FilterBankSettings {
+  double largest_d = 0.0;
+};
+
+void bind_filter_bank(Fields& fields, FilterBankSettings& settings) {
+  fields.number("observer.largest_disturbance", settings.largest_d, positive(),
+                "D, how large a disturbance can be [N m, or N]");
+}
+
+Estimator make_filter_bank(const FilterBankSettings& settings, const NominalAxis& axis) {
+  return std::make_unique<FilterBank>(
+      FilterBankDesign{axis.plant, axis.period_s, axis.sensor, settings.largest_d});
+}
+
 }  // namespace
 
 std::vector<AxisEstimatorKind> axis_estimators() {
@@ -234,7 +249,9 @@ std::vector<AxisEstimatorKind> axis_estimators() {
           {"fakfd", "the same with fixed forgetting factors", bind_fakfd, make_fakfd},
           {"vfakfd", "the same with a variable one", bind_vfakfd, make_vfakfd},
           {"qvff", "the same, designed for quantisation and noise", bind_qvff, make_qvff},
-          {"stf", "strong tracking filter", bind_stf, make_stf}};
+          {"stf", "strong tracking filter", bind_stf, make_stf},
+          {"qbank", "a bank of filters with the encoder's exact likelihood", bind_filter_bank,
+           make_filter_bank}};
 }
 
 }  // namespace breakwater

@@ -37,8 +37,8 @@ class LoopParts {
 
   /// Throws std::invalid_argument `ORIGIN: KEY: reason` unless make() succeeds.
   void check(const Config& config, const Task& task) const {
-    estimator_.check(config, what_is_known(task));
-    controller_.check(config, task, std::shared_ptr<Estimator>(make_estimator(task)));
+    controller_.check(config, task,
+                      std::shared_ptr<Estimator>(estimator_.check(config, what_is_known(task))));
   }
 
   ControlLoop<Estimator> make(const Task& task) const {

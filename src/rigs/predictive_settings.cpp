@@ -85,8 +85,7 @@ void PredictiveSettings::bind(Fields& fields) {
 }
 
 void PredictiveSettings::check(const NominalAxis& axis) const {
-  const double samples = weights.period_s / axis.period_s;
-  if (std::abs(samples - std::round(samples)) > 1e-6 || std::round(samples) < 1.0) {
+  if (!is_multiple(weights.period_s, axis.period_s)) {
     throw WrongKey("controller.period_s", "must be a whole multiple of control.period_s");
   }
   if (control_steps > prediction_steps) {

@@ -1,5 +1,7 @@
 #include <breakwater/scenario/all_cores.h>
 
+#include <sched.h>
+
 #include <algorithm>
 #include <atomic>
 #include <exception>
@@ -9,7 +11,16 @@
 
 namespace breakwater {
 
-void on_all_cores(std::size_t count, const std::function<void(std::size_t)>& work) {
+std::size_t usable_cores() {
+  cpu_set_t set;
+  if (sched_getaffinity(0, sizeof set, &set) == 0) {
+    return static_cast<std::size_t>(std::max(1, CPU_COUNT(&set)));
+  }
+  return std::max(1U, std::thread::hardware_concurrency());
+}
+
+void on_all_cores(std::size_t count, const std::function<void(std::size_t)>& work,
+                  std::size_t threads) {
   std::atomic<std::size_t> next = 0;
   std::atomic<bool> give_up = false;
   std::exception_ptr error;
@@ -26,9 +37,9 @@ void on_all_cores(std::size_t count, const std::function<void(std::size_t)>& wor
     }
   };
   {
-    const std::size_t cores = std::max(1U, std::thread::hardware_concurrency());
-    std::vector<std::jthread> threads;
-    for (std::size_t i = 1; i < std::min(cores, count); ++i) threads.emplace_back(take_pieces);
+    const std::size_t all = threads > 0 ? threads : usable_cores();
+    std::vector<std::jthread> others;
+    for (std::size_t i = 1; i < std::min(all, count); ++i) others.emplace_back(take_pieces);
     take_pieces();
   }
   if (error) std::rethrow_exception(error);

@@ -6,9 +6,13 @@
 
 namespace breakwater {
 
-/// Calls work(i) for i = 0 … count − 1, in that order of starting, on as many threads as there are
-/// cores, this one included. After the first exception no piece is begun; once those under way have
-/// ended, it is thrown.
-void on_all_cores(std::size_t count, const std::function<void(std::size_t)>& work);
+/// How many this process may use: fewer than there are where a scheduler or taskset gave it some.
+std::size_t usable_cores();
+
+/// Calls work(i) for i = 0 … count − 1, in that order of starting, on `threads` threads, this one
+/// included; 0: as many as there are cores. After the first exception no piece is begun; once those
+/// under way have ended, it is thrown.
+void on_all_cores(std::size_t count, const std::function<void(std::size_t)>& work,
+                  std::size_t threads = 0);
 
 }  // namespace breakwater

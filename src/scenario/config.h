@@ -82,8 +82,10 @@ class ScenarioFile {
   /// names are [A-Za-z0-9._+-]+, and not ".", ".." or "all".
   ScenarioFile(const std::string& file, const std::string& scenario);
 
+  const std::string& file() const { return file_; }
   /// In the file's order.
   const std::vector<std::string>& cases() const { return cases_; }
+  bool has_case(const std::string& name) const { return overrides_.contains(name); }
   const std::string& default_case() const { return default_case_; }
 
   /// Each table of keys alone: the file's own, the cases', the readings'.

@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include <breakwater/scenario/paths.h>
+#include <breakwater/scenario/toml_text.h>
 
 namespace breakwater {
 namespace {
@@ -19,41 +20,10 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 using Error = std::optional<std::string>;
 
-// A TOML basic string.
-std::string toml_string(const std::string& text) {
-  std::string result = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') {
-      result += {'\\', c};
-    } else if (c == '\n') {
-      result += "\\n";
-    } else if (std::iscntrl(static_cast<unsigned char>(c)) != 0) {
-      result += fmt::format("\\u{:04X}", static_cast<unsigned>(c));
-    } else {
-      result += c;
-    }
-  }
-  return result + '"';
-}
-
-std::string toml_key(const std::string& key) {
-  const bool is_bare = std::all_of(key.begin(), key.end(), [](unsigned char c) {
-    return std::isalnum(c) != 0 || c == '-' || c == '_';
-  });
-  return is_bare ? key : toml_string(key);
-}
-
 // "" for a key of the root.
 std::string table_of(const std::string& key) {
   const std::size_t dot = key.rfind('.');
   return dot == std::string::npos ? "" : key.substr(0, dot);
-}
-
-// Shortest text that reads back as the same double, and as a TOML float.
-std::string print_number(double value) {
-  std::string text = fmt::format("{}", value);
-  if (text.find_first_of(".en") == std::string::npos) text += ".0";
-  return text;
 }
 
 std::string describe(const ConfigValue& value) {
@@ -112,7 +82,7 @@ Error read_count(const ConfigValue& value, const Range& range, Integer& target) 
 
 std::string print_numbers(const std::vector<double>& values) {
   std::vector<std::string> texts;
-  for (const double value : values) texts.push_back(print_number(value));
+  for (const double value : values) texts.push_back(toml_number(value));
   return fmt::format("[{}]", fmt::join(texts, ", "));
 }
 
@@ -135,7 +105,7 @@ void Fields::number(const std::string& key, double& target, const Range& range,
                     const std::string& doc) {
   add(key,
       {part_, doc, [&target, range](const ConfigValue& v) { return read_number(v, range, target); },
-       [&target] { return print_number(target); }});
+       [&target] { return toml_number(target); }});
 }
 
 void Fields::count(const std::string& key, int& target, const Range& range,
@@ -223,9 +193,7 @@ void Fields::add(const std::string& key, Variable variable) {
                             [&](const Field& other) { return other.key == key; });
   if (field == fields_.end()) field = fields_.insert(field, Field{key, {}});
   for (const Variable& other : field->variables) {
-    if (other.part.choice == variable.part.choice && other.part.name == variable.part.name) {
-      throw std::logic_error("the key " + key + " is bound twice");
-    }
+    if (other.part == variable.part) throw std::logic_error("the key " + key + " is bound twice");
   }
   field->variables.push_back(std::move(variable));
 }
@@ -243,9 +211,7 @@ std::vector<Fields::Variable*> Fields::at(const std::string& key) {
   for (Field& field : fields_) {
     if (field.key != key) continue;
     for (Variable& variable : field.variables) {
-      const bool is_this_part =
-          variable.part.choice == part_.choice && variable.part.name == part_.name;
-      if (is_this_part || part_.name.empty()) variables.push_back(&variable);
+      if (variable.part == part_ || part_.name.empty()) variables.push_back(&variable);
     }
   }
   if (variables.empty()) throw std::logic_error("there is no key " + key);
@@ -258,17 +224,12 @@ void Fields::standard(const std::string& key, const ConfigValue& value) {
 
 void Fields::only_for(const std::vector<std::string>& keys, const std::string& choice,
                       const std::vector<std::string>& names) {
-  std::vector<std::string> values;
-  for (const std::string& name : names) values.push_back(toml_string(name));
-  const Condition condition{
-      fmt::format("{} is {}", choice, fmt::join(names, " or ")),
-      [choice, values](const Fields& fields) {
-        const Field* field = fields.find(choice);
-        const Variable* variable = field != nullptr ? fields.in_use(*field) : nullptr;
-        return variable != nullptr &&
-               std::find(values.begin(), values.end(), variable->print()) != values.end();
-      }};
-  add_condition(keys, condition);
+  add_condition(keys, {fmt::format("{} is {}", choice, fmt::join(names, " or ")),
+                       [choice, names](const Fields& fields) {
+                         return std::any_of(names.begin(), names.end(), [&](const auto& name) {
+                           return fields.has_chosen(choice, name);
+                         });
+                       }});
 }
 
 void Fields::only_where(const std::vector<std::string>& keys, const std::string& condition,
@@ -303,10 +264,10 @@ std::string Fields::Field::doc() const {
   return text;
 }
 
-bool Fields::is_chosen(const Part& part) const {
-  if (part.name.empty()) return true;
-  const Field* choice = find(part.choice);
-  return choice != nullptr && choice->variables.front().print() == toml_string(part.name);
+bool Fields::has_chosen(const std::string& choice, const std::string& name) const {
+  const Field* field = find(choice);
+  const Variable* variable = field != nullptr ? in_use(*field) : nullptr;
+  return variable != nullptr && variable->print() == toml_string(name);
 }
 
 const Fields::Variable* Fields::in_use(const Field& field) const {
@@ -315,7 +276,9 @@ const Fields::Variable* Fields::in_use(const Field& field) const {
     return found != field.variables.end() ? &*found : nullptr;
   };
   const Variable* own = find([](const Variable& v) { return v.part.name.empty(); });
-  return own != nullptr ? own : find([this](const Variable& v) { return is_chosen(v.part); });
+  return own != nullptr
+             ? own
+             : find([this](const Variable& v) { return has_chosen(v.part.choice, v.part.name); });
 }
 
 Fields::Error Fields::assign(Field& field, const ConfigValue& value, const Variable* counts) {
@@ -403,9 +366,8 @@ void Fields::read(const Config& config) {
   for (const Field& field : fields_) find_file(config, field);
 }
 
-void Fields::read(const ScenarioFile& file, const Config& config) {
+void Fields::check(const ScenarioFile& file) {
   for (const Config& table : file.tables()) check(table);
-  read(config);
 }
 
 std::vector<std::string> Fields::read_finished(const Config& config) {

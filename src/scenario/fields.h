@@ -100,9 +100,9 @@ class Fields {
   /// reason` for the first key that is unknown, missing, of the wrong type or out of range, or
   /// names a file that is not there.
   void read(const Config& config);
-  /// The same for a run of `file`, of which every table is checked first, whichever case runs: a
-  /// value that is wrong is refused even where another overrides it.
-  void read(const ScenarioFile& file, const Config& config);
+  /// Checks every table of a file, whichever case runs: a value that is wrong is refused even where
+  /// another overrides it. Throws as read() does, but misses nothing. To be called before it.
+  void check(const ScenarioFile& file);
 
   /// Reads what it can of a run that is finished: a key that is unknown, or whose value this
   /// program does not know (a controller of another's, say), counts for nothing. Returns the keys
@@ -129,6 +129,8 @@ class Fields {
   struct Part {
     std::string choice;
     std::string name;
+
+    bool operator==(const Part&) const = default;
   };
   struct Variable {
     Part part;
@@ -152,7 +154,8 @@ class Fields {
   const Field* find(const std::string& key) const;
   std::vector<Variable*> at(const std::string& key);
   void add_condition(const std::vector<std::string>& keys, const Condition& condition);
-  bool is_chosen(const Part& part) const;
+  // Whether the choice `choice` is there and chooses `name`.
+  bool has_chosen(const std::string& choice, const std::string& name) const;
   // The one that counts: the scenario's own or the chosen part's; null if there is none.
   const Variable* in_use(const Field& field) const;
   // To every variable. An error if the value does not suit the one that counts; if none does

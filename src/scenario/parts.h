@@ -64,6 +64,11 @@ class PartKind {
         help(std::move(one_line)),
         settings_([bind, make] { return std::make_unique<PartOf<Settings>>(bind, make); }) {}
 
+  /// Of a part that is no struct: `settings` makes what keys are bound to and the part is made of.
+  PartKind(std::string part_name, std::string one_line,
+           std::function<std::unique_ptr<Part>()> settings)
+      : name(std::move(part_name)), help(std::move(one_line)), settings_(std::move(settings)) {}
+
   std::unique_ptr<Part> settings() const { return settings_(); }
 
   std::string name;
@@ -98,26 +103,24 @@ class PartChoice {
   /// `standard` is what a file without the key gets; empty: the key must be there.
   PartChoice(const Catalogue& catalogue, std::string key, std::string standard = "")
       : key_(std::move(key)), standard_(std::move(standard)) {
-    for (const Kind& kind : catalogue.all<Kind>()) parts_.emplace_back(kind, kind.settings());
+    for (const Kind& kind : catalogue.all<Kind>()) parts_.emplace_back(kind.name, kind.settings());
   }
 
   void bind(Fields& fields) {
     std::vector<std::pair<std::string, std::size_t>> options;
     std::string doc = Kind::kWhat;
     for (std::size_t i = 0; i < parts_.size(); ++i) {
-      const std::string& name = parts_[i].first.name;
+      const std::string& name = parts_[i].first;
       options.emplace_back(name, i);
       doc += (i == 0 ? ": " : ", ") + name;
     }
     fields.choice(key_, chosen_, options, doc);
     if (!standard_.empty()) fields.standard(key_, {standard_});
-    for (auto& [kind, part] : parts_) {
-      const Fields::OfPart of_part(fields, key_, kind.name);
+    for (auto& [name, part] : parts_) {
+      const Fields::OfPart of_part(fields, key_, name);
       part->bind(fields);
     }
   }
-
-  const std::string& name() const { return parts_.at(chosen_).first.name; }
 
   /// The chosen part. Throws std::invalid_argument if its settings define none.
   template <typename... Context>
@@ -125,11 +128,11 @@ class PartChoice {
     return parts_.at(chosen_).second->make(std::forward<Context>(context)...);
   }
 
-  /// Makes it as a check: throws std::invalid_argument `ORIGIN: KEY: reason`.
+  /// The same, to check it: throws std::invalid_argument `ORIGIN: KEY: reason`.
   template <typename... Context>
-  void check(const Config& config, Context&&... context) const {
+  auto check(const Config& config, Context&&... context) const {
     try {
-      make(std::forward<Context>(context)...);
+      return make(std::forward<Context>(context)...);
     } catch (const WrongKey& wrong) {
       config.fail(wrong.key(), wrong.what());
     } catch (const std::invalid_argument& error) {
@@ -140,7 +143,7 @@ class PartChoice {
  private:
   std::string key_;
   std::string standard_;
-  std::vector<std::pair<Kind, std::unique_ptr<typename Kind::Part>>> parts_;
+  std::vector<std::pair<std::string, std::unique_ptr<typename Kind::Part>>> parts_;  // by name
   std::size_t chosen_ = 0;
 };
 

@@ -13,6 +13,8 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kVariable = "BREAKWATER_PATH";
+// A link that can be read even where the program's file has been replaced.
+constexpr const char* kOwnProgram = "/proc/self/exe";
 
 bool is_folder(const fs::path& path) {
   std::error_code error;
@@ -41,14 +43,20 @@ class OwnSearch {
     const std::lock_guard lock(mutex_);
     if (!path_) {
       const char* variable = std::getenv(kVariable);
-      path_ = search_path(variable != nullptr ? variable : "", fs::read_symlink("/proc/self/exe"),
-                          places_);
+      const fs::path program =
+          places_.program.empty() ? fs::read_symlink(kOwnProgram) : places_.program;
+      path_ = search_path(variable != nullptr ? variable : "", program, places_);
       if (!has_warned_) {
         for (const std::string& warning : path_->warnings) fmt::print(stderr, "{}\n", warning);
       }
       has_warned_ = true;
     }
     return *path_;
+  }
+
+  fs::path program_file() {
+    const std::lock_guard lock(mutex_);
+    return places_.program.empty() ? kOwnProgram : places_.program;
   }
 
  private:
@@ -69,6 +77,10 @@ void set_data_places(const DataPlaces& places) {
   own_search().set(places);
 }
 
+fs::path program_file() {
+  return own_search().program_file();
+}
+
 SearchPath search_path(const std::string& variable, const fs::path& program,
                        const DataPlaces& places) {
   SearchPath path;
@@ -81,10 +93,12 @@ SearchPath search_path(const std::string& variable, const fs::path& program,
   for (std::string name; std::getline(list, name, ':');) {
     if (name.empty()) continue;
     const fs::path folder = fs::absolute(name).lexically_normal();
-    add(folder, is_folder(folder));
-    if (is_folder(folder)) continue;
-    path.warnings.push_back(
-        fmt::format("warning: {}: {} is no folder", kVariable, folder.string()));
+    const bool is_one = is_folder(folder);
+    add(folder, is_one);
+    if (!is_one) {
+      path.warnings.push_back(
+          fmt::format("warning: {}: {} is no folder", kVariable, folder.string()));
+    }
   }
   for (fs::path folder = program.parent_path();; folder = folder.parent_path()) {
     const fs::path share = folder / "share" / "breakwater";

@@ -14,10 +14,16 @@ struct DataPlaces {
   std::vector<std::filesystem::path> scenarios = {};
   /// PREFIX/share/breakwater of the installation that it was built against; empty: none.
   std::filesystem::path installation = {};
+  /// The file that holds its code; empty: that of the running process. A module of an interpreter
+  /// names itself.
+  std::filesystem::path program = {};
 };
 
 /// Said once, at the beginning of main() and before any file is looked for: program() does.
 void set_data_places(const DataPlaces& places);
+
+/// The file that holds the running code, to be read.
+std::filesystem::path program_file();
 
 /// Where a file may be, in the order in which it is looked for.
 struct SearchPath {

@@ -10,12 +10,13 @@ static_assert(std::atomic<bool>::is_always_lock_free, "used in a signal handler"
 
 }  // namespace
 
-void stop_on_signals() {
+void stop_on_signals(std::initializer_list<int> more) {
   struct sigaction action = {};
   action.sa_handler = [](int) { signalled = true; };
   action.sa_flags = SA_RESETHAND;
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
+  for (const int signal : more) sigaction(signal, &action, nullptr);
 }
 
 const std::atomic<bool>& interrupted() {

@@ -7,6 +7,7 @@
 #include <atomic>
 #include <cstdio>
 #include <filesystem>
+#include <initializer_list>
 #include <new>
 #include <optional>
 #include <stdexcept>
@@ -26,8 +27,8 @@ enum Status {
   kInterrupted = 130
 };
 
-/// From now on SIGINT and SIGTERM set interrupted(); a second one ends the process at once.
-void stop_on_signals();
+/// From now on SIGINT, SIGTERM and `more` set interrupted(); a second one ends the process at once.
+void stop_on_signals(std::initializer_list<int> more = {});
 const std::atomic<bool>& interrupted();
 
 /// Returns the status to exit with, or nothing if the arguments were taken.

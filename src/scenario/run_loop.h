@@ -33,30 +33,26 @@ std::optional<Failure> run_loop(std::int64_t steps, const RunControl& control, S
   return std::nullopt;
 }
 
-/// Fills in what every recording tells of its simulation.
-inline void conclude(Recording& recording, const Simulation& simulation) {
-  recording.simulated_s = simulation.time_of(simulation.steps());
-  recording.state_hash = simulation.state_hash();
-  recording.dropped_samples = simulation.sensing().dropped();
-}
-
 /// A run: at each physics step k < `steps` calls `step(k)`, which steps the simulation, and where
 /// the control was sampled in it `sample(time_s)`, after which the signals are logged as track
-/// "control". Metrics are the caller's to add, and where they are of use further tracks.
+/// "control" if `control.logs`. Metrics are the caller's to add, and where they are of use further
+/// tracks.
 template <typename Step, typename Sample>
 Recording record_run(const Simulation& simulation, const PhysicsSettings& physics,
                      std::int64_t steps, std::vector<Signal> signals, const RunControl& control,
                      Step&& step, Sample&& sample) {
-  Track log("control", std::move(signals),
-            static_cast<std::size_t>(steps / physics.steps_per_sample() + 1));
+  const std::int64_t rows = steps / physics.steps_per_sample() + 1;
+  Track log("control", std::move(signals), static_cast<std::size_t>(control.logs ? rows : 0));
   Recording recording;
   recording.failure = run_loop(steps, control, [&](std::int64_t k) {
     step(k);
     if (!simulation.sampled()) return;
     sample(simulation.time_s());
-    log.append(simulation.time_s());
+    if (control.logs) log.append(simulation.time_s());
   });
-  conclude(recording, simulation);
+  recording.simulated_s = simulation.time_of(simulation.steps());
+  recording.state_hash = simulation.state_hash();
+  recording.dropped_samples = simulation.sensing().dropped();
   recording.tracks.push_back(std::move(log));
   return recording;
 }

@@ -66,6 +66,7 @@ RunManifest read_manifest(const std::filesystem::path& folder) {
   const json& seed = reader.at("seed");
   if (!seed.is_number_unsigned()) reader.fail("seed", "must be a whole number");
   manifest.seed = seed.dump();
+  manifest.state_hash = reader.text("state_hash");
   const std::string status = reader.text("status");
   if (status == "failed") {
     manifest.failure = Failure{reader.number("time_s"), reader.text("reason")};

@@ -15,6 +15,7 @@ struct RunManifest {
   std::string scenario;
   std::string case_name;
   std::string seed;
+  std::string state_hash;
   std::optional<Failure> failure;  ///< if the run failed
   std::string program;             ///< program_hash()
   ModelHashes models;

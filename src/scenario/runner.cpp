@@ -29,6 +29,7 @@ std::string manifest(const PreparedRun& run, const ModelHashes& models, const Re
     entries["reason"] = recording.failure->reason;
     entries["time_s"] = recording.failure->time_s;
   }
+  entries["point"] = point_key(run.config_text, models);
   entries["state_hash"] = fmt::format("{:016x}", recording.state_hash);
   entries["log_hash"] = log_hash;
   entries["simulated_s"] = recording.simulated_s;
@@ -94,9 +95,7 @@ std::string shipped_config(const Catalogue& catalogue, const Scenario& scenario,
                            const std::string& case_name) {
   const ScenarioKind& kind = catalogue.get<ScenarioKind>(scenario.name());
   const ScenarioFile file(kind.file().string(), kind.name);
-  if (std::find(file.cases().begin(), file.cases().end(), case_name) == file.cases().end()) {
-    return "";
-  }
+  if (!file.has_case(case_name)) return "";
   const RunSettings& settings = scenario.run_settings();
   const Config config =
       file.config(case_name, {fmt::format("run.seed={}", settings.seed),
@@ -108,25 +107,45 @@ std::string shipped_config(const Catalogue& catalogue, const Scenario& scenario,
   return fields.print(scenario.name(), case_name);
 }
 
-}  // namespace
-
-PreparedRun prepare_run(const Catalogue& catalogue, const std::string& scenario,
-                        const ScenarioFile& file, const std::string& case_name,
-                        const std::vector<std::string>& sets) {
+// The run of a config whose keys `fields` are to hold.
+PreparedRun prepare(std::unique_ptr<Scenario> scenario, Fields& fields, const Config& config,
+                    const std::string& case_name) {
   PreparedRun run;
-  run.scenario = make_scenario(catalogue, scenario);
+  run.scenario = std::move(scenario);
   run.case_name = case_name;
-  const Config config = file.config(case_name, sets);
-  Fields fields = run.scenario->fields();
-  fields.read(file, config);
+  fields.read(config);
   run.scenario->check(config);
   for (const UnusedKey& unused : fields.unused()) {
     const ConfigEntry& entry = *config.find(unused.key);
     if (entry.is_chosen) run.vain.push_back({entry.origin, unused.key, unused.reason});
   }
-  run.config_text = fields.print(scenario, case_name);
+  run.config_text = fields.print(run.scenario->name(), case_name);
   run.model_files = fields.files();
+  return run;
+}
+
+}  // namespace
+
+PreparedRun prepare_run(const Catalogue& catalogue, const std::string& scenario,
+                        const ScenarioFile& file, const std::string& case_name,
+                        const std::vector<std::string>& sets) {
+  auto made = make_scenario(catalogue, scenario);
+  const Config config = file.config(case_name, sets);
+  Fields fields = made->fields();
+  fields.check(file);
+  PreparedRun run = prepare(std::move(made), fields, config, case_name);
   run.is_as_shipped = shipped_config(catalogue, *run.scenario, case_name) == run.config_text;
+  return run;
+}
+
+PreparedRun prepare_point(const Catalogue& catalogue, const std::string& scenario,
+                          const ScenarioFile& file, const std::string& case_name,
+                          const std::vector<std::string>& sets) {
+  auto made = make_scenario(catalogue, scenario);
+  const Config config = file.config(case_name, sets);
+  Fields fields = made->fields();
+  PreparedRun run = prepare(std::move(made), fields, config, case_name);
+  run.is_as_shipped = false;
   return run;
 }
 

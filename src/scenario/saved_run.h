@@ -25,6 +25,7 @@ class SavedRun {
   const std::string& scenario() const { return manifest_.scenario; }
   const std::string& case_name() const { return manifest_.case_name; }
   const std::string& seed() const { return manifest_.seed; }
+  const std::string& state_hash() const { return manifest_.state_hash; }
   const std::string& config_text() const { return config_text_; }
   const std::optional<Failure>& failure() const { return manifest_.failure; }
   /// What it is made of besides its configuration; empty where an older version wrote it.

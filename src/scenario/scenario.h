@@ -10,6 +10,7 @@
 #include <breakwater/record/recording.h>
 #include <breakwater/scenario/settings.h>
 #include <breakwater/sim/model.h>
+#include <breakwater/sim/surface_waves.h>
 
 namespace breakwater {
 
@@ -19,6 +20,7 @@ class Catalogue;
 struct RunControl {
   std::function<void(double fraction_done)> progress;  ///< may be empty
   const std::atomic<bool>* stop = nullptr;             ///< ends the run when it becomes true
+  bool logs = true;  ///< else the recording's tracks may have no rows: metrics are all that counts
 };
 
 /// Thrown by a run that was asked to stop; `finished_runs` were complete by then and are kept.
@@ -72,8 +74,10 @@ class Scenario {
   /// Makes of the file `model.mjcf` the plant as it looks in a run's pictures: a wall at its place,
   /// say. The settings are read.
   virtual void prepare_scene(Model&) const {}
-  /// What moves in the pictures besides the plant's qpos: a water surface's heights, say.
+  /// What changes in the pictures besides the plant's qpos: a wall that is not there yet, say.
   virtual void animate_scene(Model&, double /*time_s*/) const {}
+  /// The water's surfaces in the pictures.
+  virtual std::vector<WavingSurface> waving_surfaces(const Model&) const { return {}; }
 };
 
 }  // namespace breakwater

@@ -85,12 +85,14 @@ void FaultSettings::apply(SensingSetup& setup) const {
   if (setup.fault.channel == kNoFault) setup.fault.channel.clear();
 }
 
+bool is_multiple(double time_s, double step_s) {
+  const double steps = time_s / step_s;
+  return !(std::abs(steps - std::round(steps)) > 1e-6 || (time_s > 0.0 && std::round(steps) < 1.0));
+}
+
 void check_multiple(const Config& config, const std::string& key, double time_s, double step_s,
                     const std::string& step_name) {
-  const double steps = time_s / step_s;
-  if (std::abs(steps - std::round(steps)) > 1e-6 || (time_s > 0.0 && std::round(steps) < 1.0)) {
-    config.fail(key, "must be a whole multiple of " + step_name);
-  }
+  if (!is_multiple(time_s, step_s)) config.fail(key, "must be a whole multiple of " + step_name);
 }
 
 }  // namespace breakwater

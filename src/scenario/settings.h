@@ -51,6 +51,9 @@ struct FaultSettings {
   void apply(SensingSetup& setup) const;
 };
 
+/// Whether `time_s` is a whole multiple of `step_s`, rounding apart.
+bool is_multiple(double time_s, double step_s);
+
 /// Throws std::invalid_argument, blaming `key`, unless `time_s` is a whole multiple of `step_s`.
 void check_multiple(const Config& config, const std::string& key, double time_s, double step_s,
                     const std::string& step_name);

@@ -16,4 +16,7 @@ namespace breakwater {
 /// Throws std::invalid_argument if a friction is negative, or the joint is no slide or hinge.
 void author_friction(Model& model, int joint, double viscous, double coulomb);
 
+/// Gives it Coulomb friction alone, as soft as the model file has it. Throws as author_friction.
+void set_coulomb_friction(Model& model, int joint, double coulomb);
+
 }  // namespace breakwater

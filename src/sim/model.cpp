@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <memory>
 #include <mutex>
 #include <regex>
 #include <stdexcept>
@@ -82,7 +84,7 @@ void check_timestep(double timestep_s, const std::string& file) {
 
 }  // namespace
 
-Model Model::load(const std::string& mjcf_file) {
+Model Model::compile(const std::string& mjcf_file) {
   check_mjcf_numbers(mjcf_file);
   char error[1000] = "";
   mjModel* loaded = nullptr;
@@ -104,6 +106,57 @@ Model Model::load(const std::string& mjcf_file) {
   check_geoms(*model.get(), mjcf_file);
   check_joints(*model.get(), mjcf_file);
   return model;
+}
+
+namespace {
+
+// What SharedModels share. Models in it are never changed, only copied.
+struct Shared {
+  std::mutex mutex;
+  int owners = 0;
+  std::map<std::string, std::shared_ptr<const mjModel>> models;
+};
+
+Shared& shared() {
+  static Shared all;
+  return all;
+}
+
+std::shared_ptr<const mjModel> find_shared(const std::string& file) {
+  const std::lock_guard lock(shared().mutex);
+  const auto found = shared().models.find(file);
+  return found == shared().models.end() ? nullptr : found->second;
+}
+
+}  // namespace
+
+Model Model::load(const std::string& mjcf_file) {
+  const auto copy_of = [&](const mjModel& model) {
+    mjModel* copy = nullptr;
+    const std::string fatal = call_engine([&] { copy = mj_copyModel(nullptr, &model); });
+    if (copy == nullptr) refuse(mjcf_file, fatal.empty() ? "cannot be copied" : fatal);
+    return Model(copy, mjcf_file);
+  };
+  if (const auto model = find_shared(mjcf_file)) return copy_of(*model);
+  Model model = compile(mjcf_file);
+  const std::lock_guard lock(shared().mutex);
+  if (shared().owners == 0) return model;
+  Model copy = copy_of(*model.get());
+  shared().models.emplace(mjcf_file,
+                          std::shared_ptr<const mjModel>(model.model_.release(), [](const auto* m) {
+                            mj_deleteModel(const_cast<mjModel*>(m));
+                          }));
+  return copy;
+}
+
+SharedModels::SharedModels() {
+  const std::lock_guard lock(shared().mutex);
+  ++shared().owners;
+}
+
+SharedModels::~SharedModels() {
+  const std::lock_guard lock(shared().mutex);
+  if (--shared().owners == 0) shared().models.clear();
 }
 
 int Model::id(mjtObj kind, const std::string& name) const {

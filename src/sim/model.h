@@ -22,7 +22,8 @@ class Model {
   /// Compiles an MJCF file. Throws std::invalid_argument with one line, `FILE[:LINE]: reason`, if
   /// it cannot be read or compiled, or if a number of it is not finite or beyond 1e30, or its
   /// timestep, a mass, an inertia or a size is not a sensible number: the engine itself accepts
-  /// NaN, a timestep of −1 s and a mass of 1e300 kg. Thread-safe.
+  /// NaN, a timestep of −1 s and a mass of 1e300 kg. While there are SharedModels, a copy of what
+  /// was compiled first. Thread-safe.
   static Model load(const std::string& mjcf_file);
 
   mjModel* get() { return model_.get(); }
@@ -57,10 +58,22 @@ class Model {
     void operator()(mjModel* model) const { mj_deleteModel(model); }
   };
 
+  static Model compile(const std::string& mjcf_file);
+
   Model(mjModel* model, std::string file) : model_(model), file_(std::move(file)) {}
 
   std::unique_ptr<mjModel, Delete> model_;
   std::string file_;
+};
+
+/// While one lives, Model::load() compiles each file once, in this process: for thousands of runs
+/// of the same files, which must not change meanwhile.
+class SharedModels {
+ public:
+  SharedModels();
+  ~SharedModels();
+  SharedModels(const SharedModels&) = delete;
+  SharedModels& operator=(const SharedModels&) = delete;
 };
 
 }  // namespace breakwater

@@ -74,6 +74,21 @@ double UnderwaterForce::elevation(double time_s, double x_m, double y_m) const {
   return eta;
 }
 
+std::vector<SurfaceWave> UnderwaterForce::surface_waves() const {
+  std::vector<SurfaceWave> all;
+  const auto add = [&](const Waves& waves, double before, double after) {
+    for (const Waves::Component& c : waves.components()) {
+      all.push_back({c.amplitude_m, c.wave_number_rad_m * waves.direction().x(),
+                     c.wave_number_rad_m * waves.direction().y(), c.omega_rad_s, c.phase_rad,
+                     before, after, setup_.change_at_s,
+                     setup_.change_at_s + setup_.change_within_s});
+    }
+  };
+  add(waves_, 1.0, changed_waves_ ? 0.0 : 1.0);
+  if (changed_waves_) add(*changed_waves_, 0.0, 1.0);
+  return all;
+}
+
 double UnderwaterForce::thesis_force(double time_s) const {
   return parameters_.water_density_kg_m3 * parameters_.volume_m3 * setup_.inertia_coefficient *
          water(time_s, start_).acceleration.z();

@@ -8,6 +8,7 @@
 #include <breakwater/plants/quadrotor.h>
 #include <breakwater/sim/external_force.h>
 #include <breakwater/sim/model.h>
+#include <breakwater/sim/surface_waves.h>
 #include <breakwater/world/low_pass.h>
 #include <breakwater/world/waves.h>
 
@@ -68,6 +69,8 @@ class UnderwaterForce final : public ExternalForce {
   Vector6d wave_load(double time_s, const FreeMotion& motion) const;
   /// η at a place [m].
   double elevation(double time_s, double x_m, double y_m) const;
+  /// The waves that η is the sum of.
+  std::vector<SurfaceWave> surface_waves() const;
 
   /// To be called once after each step, with the state at its end.
   void advance(double time_s, const FreeMotion& motion);

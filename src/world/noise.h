@@ -19,12 +19,13 @@ class Noise {
   /// A deviate of one sample that is uniform in (0, 1), drawn from the same bits.
   double uniform(std::uint64_t sample) const;
 
- private:
+  /// The random bits of one sample.
   struct Bits {
     std::uint64_t first, second;
   };
   Bits bits(std::uint64_t sample) const;
 
+ private:
   std::uint64_t seed_;
   std::uint64_t stream_;
 };

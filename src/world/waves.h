@@ -42,6 +42,8 @@ class Waves {
     double phase_rad;
   };
   const std::vector<Component>& components() const { return components_; }
+  /// Where they all run, a unit vector: (cos β, sin β).
+  Eigen::Vector2d direction() const { return {cos_heading_, sin_heading_}; }
 
  private:
   double cos_heading_;

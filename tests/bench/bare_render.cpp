@@ -23,7 +23,7 @@ int main(int argc, char** argv) {
   std::deque<FinishedRun> runs;
   runs.emplace_back(standard_catalogue(), argv[1]);
   const ShotList shots = shot_list(runs.front().shots_file());
-  const Window window = choose_window(runs, shots, {});
+  const Window window = choose_window(pointers_to(runs), shots, {});
   const long frames = std::strtol(argv[3], nullptr, 10);
   PictureRun run = stage(runs.front(), shots, "");
 

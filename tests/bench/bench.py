@@ -4,7 +4,7 @@ costs beyond a bare mjr_render loop over the same frames.
 Instructions are callgrind's, on a short run: they repeat exactly. Times are medians of pairs of
 whole 100 s runs, run in turn, so that a drifting machine shifts both. Videos are compared by the
 processors' time of all their processes: it hardly depends on who else uses the machine. Then what a
-run under waves takes with each size of estimator, and the solvers of quadratic programs.
+run under waves takes with each size of estimator, the solvers of quadratic programs, and the Python module.
 """
 
 import os
@@ -92,6 +92,58 @@ def bench_quadrotor(folder):
         print(f"  {case:18} {cpu_s:6.2f} s, {100 / cpu_s:5.0f} times real time   (goal: at least 10)")
 
 
+def sweep_command(folder, name, cases, *arguments):
+    return [BUILD / "bin" / "breakwater", "sweep", "motor_estimation", "--case", cases, "--quiet",
+            "--out", pathlib.Path(folder) / name, *arguments]
+
+
+def bench_sweeps(folder):
+    """A study of many runs beside the same simulations alone, and one worker beside two."""
+    print(f"sweeps of motor_estimation, {PAIRS} pairs ...", flush=True)
+    runs, tiny = 200, 2000
+    ratios, workers, overheads = [], [], []
+    for i in range(PAIRS):
+        cpu, one = cpu_and_wall_seconds(
+            sweep_command(folder, f"one{i}", "vfakfd", "--seeds", f"1..{runs}", "--jobs", "1"))
+        bare = float(subprocess.run([BUILD / "tests" / "bare_points", "vfakfd", "10", str(runs)],
+                                    check=True, capture_output=True, text=True).stdout)
+        _, two = cpu_and_wall_seconds(
+            sweep_command(folder, f"two{i}", "vfakfd", "--seeds", f"1..{runs}", "--jobs", "2"))
+        ratios.append(cpu / bare)
+        workers.append(one / two)
+        cpu, _ = cpu_and_wall_seconds(
+            sweep_command(folder, f"tiny{i}", "vfakfd", "--seeds", f"1..{tiny}", "--jobs", "1",
+                          "--duration", "0.001"))
+        bare = float(subprocess.run([BUILD / "tests" / "bare_points", "vfakfd", "0.001", str(tiny)],
+                                    check=True, capture_output=True, text=True).stdout)
+        overheads.append(1e3 * (cpu - bare) / tiny)
+    print(f"  processor time over the simulations alone {statistics.median(ratios):6.3f}"
+          "   (goal: at most 1.05)")
+    print(f"  beside the simulation          {statistics.median(overheads):9.3f} ms a run"
+          "   (goal: at most 1)")
+    print(f"  two workers over one           {statistics.median(workers):9.3f}"
+          "   (goal: at least 1.85)")
+    for points, lists in ((100, ["lin(0,1,100)"]), (100_000, ["lin(0,1,1000)", "lin(0,1,100)"])):
+        vary = [word for key, values in zip(("x.first", "x.second"), lists)
+                for word in ("--vary", f"{key}={values}")]
+        out = pathlib.Path(folder) / f"memory{points}"
+        lab = [BUILD / "tests" / "ishigami_lab", "sweep", "ishigami", "--out", out, "--quiet", *vary]
+        wall_s, memory = wall_and_memory(lab)
+        again_s, _ = wall_and_memory([*lab[:2], out, "--status"])
+        print(f"  {points:6} points of a function      {wall_s:9.2f} s, {memory:.0f} MB; "
+              f"--status {again_s:.2f} s")
+
+
+def wall_and_memory(command):
+    """Seconds, and the largest resident memory [MB]."""
+    start = time.perf_counter()
+    process = subprocess.Popen(command, stdout=subprocess.DEVNULL)
+    _, status, usage = os.wait4(process.pid, 0)
+    if status != 0:
+        sys.exit(f"{command[0]} failed")
+    return time.perf_counter() - start, usage.ru_maxrss / 1024
+
+
 def main():
     with tempfile.TemporaryDirectory() as folder:
         run = pathlib.Path(folder) / "run"
@@ -118,8 +170,12 @@ def main():
 
         bench_videos(run)
         bench_quadrotor(folder)
+        bench_sweeps(folder)
     print("quadratic programs ...", flush=True)
     subprocess.run([BUILD / "tests" / "qp_bench"], check=True)
+    print("the Python module ...", flush=True)
+    subprocess.run(["/usr/bin/python3", pathlib.Path(__file__).with_name("python_bench.py")], check=True,
+                   env={**os.environ, "PYTHONPATH": str(BUILD / "python")})
     return 0
 
 

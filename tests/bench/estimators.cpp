@@ -3,11 +3,13 @@
 #include <cmath>
 #include <cstdio>
 #include <ctime>
+#include <string>
 #include <vector>
 
 #include <breakwater/control/quadrotor_process.h>
 #include <breakwater/observers/ekf.h>
 #include <breakwater/observers/fakfd.h>
+#include <breakwater/observers/filter_bank.h>
 #include <breakwater/observers/idob_estimator.h>
 #include <breakwater/observers/kfd.h>
 #include <breakwater/observers/qvff.h>
@@ -139,6 +141,9 @@ int main() {
   IdobEstimator idob(damped_inertia(1.0, 0.0), {{-10.0, -20.0, -30.0}}, kPeriod);
   std::puts("3 states, 1 output");
   report("IDOB, sizes known at run time", idob, 1);
+  FilterBank bank({damped_inertia(1.0, 0.0), kPeriod, sensor(1), 10.0});
+  const std::string name = "QBANK, " + std::to_string(bank.models().size()) + " models";
+  report(name.c_str(), bank, 1);
   report_quadrotor();
   return 0;
 }

@@ -35,11 +35,7 @@ class CommandLine : public ::testing::Test {
     std::ofstream(folder_ / name) << text;
   }
 
-  std::string read(const fs::path& file) const {
-    std::stringstream text;
-    text << std::ifstream(folder_ / file).rdbuf();
-    return text.str();
-  }
+  std::string read(const fs::path& file) const { return testing::text_of(folder_ / file); }
 
   nlohmann::json json(const fs::path& file) const { return nlohmann::json::parse(read(file)); }
 
@@ -56,9 +52,7 @@ class CommandLine : public ::testing::Test {
   // A copy of a project's file with one text replaced.
   void copy_with(const std::string& source, const std::string& name, const std::string& from,
                  const std::string& to) {
-    std::stringstream text;
-    text << std::ifstream(testing::source_file(source)).rdbuf();
-    std::string copy = text.str();
+    std::string copy = testing::text_of(testing::source_file(source));
     const auto at = copy.find(from);
     ASSERT_NE(at, std::string::npos) << from;
     write(name, copy.replace(at, from.size(), to));
@@ -86,10 +80,11 @@ TEST_F(CommandLine, ListsScenariosAndCases) {
   EXPECT_NE(list.out.find("arm_wall_contact "), std::string::npos);
   EXPECT_NE(list.out.find("arm_push "), std::string::npos);
   EXPECT_EQ(wall({"--list-cases"}).out,
-            "proposed-2N\nhpfc-2N\ndrac-2N\nproposed-5N\nhpfc-5N\ndrac-5N\ntuned-2N\ntuned-5N\n");
+            "proposed-2N\nhpfc-2N\ndrac-2N\nproposed-5N\nhpfc-5N\ndrac-5N\ntuned-2N\ntuned-5N\n"
+            "tlsc-2N\ntlsc-5N\n");
   EXPECT_EQ(run({"breakwater", "run", "arm_push", "--list-cases"}).out,
             "proposed-link1\nproposed-link2\nproposed-link3\nhpfc-link1\nhpfc-link2\nhpfc-link3\n"
-            "drac-link1\ndrac-link2\ndrac-link3\n");
+            "drac-link1\ndrac-link2\ndrac-link3\ntlsc-link1\ntlsc-link2\ntlsc-link3\n");
 }
 
 TEST_F(CommandLine, ARunLeavesItsFolder) {

@@ -18,12 +18,15 @@ expect() {
 }
 
 expect 'video' breakwater v
-expect 'reproduce report' breakwater rep
+expect 'reproduce report replay' breakwater rep
 expect 'arm_wall_contact arm_push' breakwater run arm
 expect '--case --config --csv' breakwater run arm_push --c
 expect 'drac-link1 drac-link2 drac-link3' breakwater run arm_push --case drac
 expect 'drac-link1 drac-link2 drac-link3' arm_push --case drac
 expect 'controller.k_position= controller.k_force=' breakwater run arm_push --set controller.k
 expect 'push.rise_s=' arm_push --set controller.name = hpfc push.r
+expect 'arm_wall_contact arm_push' breakwater sweep arm_
+expect 'encoder.bits=' breakwater sweep motor_estimation --vary encoder.b
+expect '--set --seeds' breakwater sweep motor_estimation --se
 expect '--fps --from' breakwater video --f
 exit $wrong

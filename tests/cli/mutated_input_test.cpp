@@ -1,13 +1,13 @@
 // Broken scenario files and models are refused in one line, at once, or are legal for a reason.
 #include <gtest/gtest.h>
 
-#include <chrono>
 #include <fstream>
 #include <map>
 #include <random>
 
 #include <breakwater/scenario/all_cores.h>
 #include <breakwater/scenario/runner.h>
+#include <breakwater/signals/thread_time.h>
 #include "catalogue.h"
 #include "cli/mutated_input.h"
 
@@ -30,7 +30,8 @@ std::string complaint(const Mutant& mutant, const std::string& path) {
     const Config config = file.config(file.default_case(), sets);
     const auto scenario = kind.make(testing::catalogue());
     Fields fields = scenario->fields();
-    fields.read(file, config);
+    fields.check(file);
+    fields.read(config);
     scenario->check(config);
     scenario->warnings();
   } catch (const std::invalid_argument& error) {
@@ -45,9 +46,9 @@ TEST_F(MutatedInput, IsRefusedInOneLineOrLegalForAReason) {
   std::vector<double> seconds(mutants.size());
   on_all_cores(mutants.size(), [&](std::size_t i) {
     const std::string path = write(mutants[i], i);
-    const auto start = std::chrono::steady_clock::now();
+    const double start = thread_time_s();
     complaints[i] = complaint(mutants[i], path);
-    seconds[i] = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    seconds[i] = thread_time_s() - start;
     fs::remove(path);
   });
   std::size_t refused = 0;

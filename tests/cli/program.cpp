@@ -1,6 +1,7 @@
 #include "cli/program.h"
 
 #include <fcntl.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 #include <csignal>
@@ -22,7 +23,6 @@ ProgramResult run_program(const std::vector<std::string>& arguments,
   const std::filesystem::path err = temporary_path("stderr" + call);
   const Removed removed_out(out);
   const Removed removed_err(err);
-  const auto start = std::chrono::steady_clock::now();
   const pid_t child = fork();
   if (child == 0) {
     if (chdir(folder.c_str()) != 0) _exit(126);
@@ -41,10 +41,14 @@ ProgramResult run_program(const std::vector<std::string>& arguments,
     kill(child, signal);
   }
   int status = 0;
-  waitpid(child, &status, 0);
+  rusage used = {};
+  wait4(child, &status, 0, &used);
+  const auto seconds = [](const timeval& time) {
+    return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+  };
   ProgramResult result;
   result.status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-  result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  result.seconds = seconds(used.ru_utime) + seconds(used.ru_stime);
   result.out = text_of(out);
   result.err = text_of(err);
   return result;

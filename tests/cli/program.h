@@ -18,7 +18,7 @@ struct ProgramResult {
   int status = -1;  ///< exit status, or 128 + the signal that ended it
   std::string out;
   std::string err;
-  double seconds = 0.0;
+  double seconds = 0.0;  ///< of processor time: a loaded machine changes it little
 };
 
 /// Runs `arguments` (the first names a binary of build/bin) in `folder`. After `kill_after_s`, if

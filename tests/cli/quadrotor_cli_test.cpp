@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <fstream>
-#include <sstream>
 
 #include "cli/program.h"
 #include "support.h"
@@ -48,10 +47,7 @@ TEST_F(QuadrotorCommandLine, NonsenseIsOneLineAndStatus2) {
 }
 
 TEST_F(QuadrotorCommandLine, AModelNeedsItsThrusterSites) {
-  std::ifstream file(testing::source_file("models/quadrotor.xml"));
-  std::stringstream text;
-  text << file.rdbuf();
-  std::string mjcf = text.str();
+  std::string mjcf = testing::text_of(testing::source_file("models/quadrotor.xml"));
   for (const std::string from : {"name=\"t3\"", "site=\"t3\""}) {
     mjcf.replace(mjcf.find(from), from.size(), from.substr(0, 6) + "tx\"");
   }

@@ -7,6 +7,8 @@
 #include <set>
 #include <sstream>
 
+#include <breakwater/record/file_hash.h>
+#include <breakwater/study/shards.h>
 #include "cli/program.h"
 #include "support.h"
 
@@ -85,6 +87,22 @@ class Reports : public ::testing::Test {
     options.insert(options.begin(), {scenario, "--quiet", "--out", name});
     run_program(options, folder_);
   }
+  // Its shards, one behind the other, and how many results are in them.
+  std::string shards(const std::string& out) const {
+    std::string text;
+    for (const auto& entry : fs::directory_iterator(folder_ / out / "shards")) {
+      text += text_of(entry.path());
+    }
+    return text;
+  }
+  int results(const std::string& out) const {
+    std::istringstream text(shards(out));
+    int count = 0;
+    for (std::string line; std::getline(text, line);) {
+      if (line.find("\tpoint\t") != std::string::npos) ++count;
+    }
+    return count;
+  }
   // One line on stderr that has `part`, and exit status 2.
   void expect_refused(const std::vector<std::string>& arguments, const std::string& part) {
     const ProgramResult result = breakwater(arguments);
@@ -112,18 +130,15 @@ TEST_F(Reports, AKilledReproductionGoesOnAndGivesTheSamePage) {
     kills += reproduce("killed", part * whole.seconds).status == 128 + SIGKILL ? 1 : 0;
   }
   EXPECT_GE(kills, 1U);
-  const int done = lines_of(text_of(folder_ / "killed/measurements.jsonl"));
+  const int done = results("killed");
   const ProgramResult resumed = reproduce("killed");
   ASSERT_EQ(resumed.status, 0) << resumed.err;
   EXPECT_GT(done, 0);
   EXPECT_EQ(text_of(folder_ / "killed/report.html"), text_of(folder_ / "whole/report.html"));
   // No run stands there twice.
-  std::set<std::string> keys;
-  std::ifstream measurements(folder_ / "killed/measurements.jsonl");
-  int lines = 0;
-  for (std::string line; std::getline(measurements, line); ++lines) keys.insert(line.substr(0, 26));
-  EXPECT_EQ(keys.size(), 22U);
-  EXPECT_LE(lines, 22 + static_cast<int>(kills) * 2) << "only what was cut off may be repeated";
+  EXPECT_EQ(results_by_key(folder_ / "killed/shards").size(), 22U);
+  EXPECT_LE(results("killed"), 22 + static_cast<int>(kills) * 2)
+      << "only what was cut off may be repeated";
   // Nothing half-written is left.
   for (const auto& entry : fs::directory_iterator(folder_ / "killed/runs")) {
     EXPECT_TRUE(fs::exists(entry.path() / "manifest.json")) << entry.path();
@@ -136,12 +151,19 @@ TEST_F(Reports, AKilledReproductionGoesOnAndGivesTheSamePage) {
 TEST_F(Reports, AnAlteredMeasurementFlipsItsVerdict) {
   ASSERT_EQ(reproduce("out").status, 0);
   EXPECT_EQ(text_of(folder_ / "out/report.html").find("class=\"verdict off\""), std::string::npos);
-  std::string measurements = text_of(folder_ / "out/measurements.jsonl");
-  const std::size_t line = measurements.find("\"run\":\"one-kfd\"");
-  const std::string name = "\"rmse_velocity_rad_s\":";
-  const std::size_t value = measurements.find(name, line) + name.size();
-  measurements.replace(value, measurements.find_first_of(",}", value) - value, "0.9");
-  std::ofstream(folder_ / "out/measurements.jsonl") << measurements;
+  const auto manifest = nlohmann::json::parse(text_of(folder_ / "out/runs/one-kfd/manifest.json"));
+  const auto altered_line = [&] {
+    std::istringstream text(shards("out"));
+    for (std::string line; std::getline(text, line);) {
+      if (line.find(manifest["state_hash"]) == std::string::npos) continue;
+      const std::string name = "\trmse_velocity_rad_s=";
+      const std::size_t value = line.find(name) + name.size();
+      return line.replace(value, line.find('\t', value) - value, "0.9").substr(17);
+    }
+    return std::string();
+  }();
+  std::ofstream(folder_ / "out/shards/later.shard")
+      << text_hash(altered_line) << '\t' << altered_line << '\n';
   const ProgramResult altered = reproduce("out");
   EXPECT_NE(altered.out.find("1 reproduced, 0 within the class, 1 not reproduced, 1 held"),
             std::string::npos)
@@ -264,8 +286,7 @@ TEST_F(Reports, AnEditedModelNeverStandsBesideTheNumbersOfAnother) {
   ASSERT_EQ(reproduce("out").status, 0);
   EXPECT_EQ(state(), first) << "the folder is of the model that gave the numbers";
   EXPECT_EQ(text_of(folder_ / "out/report.html"), page);
-  EXPECT_EQ(lines_of(text_of(folder_ / "out/measurements.jsonl")), 3)
-      << "two models, and the figure's run again";
+  EXPECT_EQ(results("out"), 3) << "two models, and the figure's run again";
 
   // What the model includes is a part of it.
   std::string with_include = own;
@@ -284,6 +305,10 @@ TEST_F(Reports, ReproduceRefusesNonsense) {
   fs::create_directories(folder_ / "mine");
   std::ofstream(folder_ / "mine/letter.txt") << "dear";
   expect_refused({"reproduce", "--out", "mine"}, "holds something that is not a reproduction");
+  // A study of `sweep` has shards too.
+  fs::create_directories(folder_ / "study/shards");
+  std::ofstream(folder_ / "study/study.toml") << "scenario = \"arm_push\"\n";
+  expect_refused({"reproduce", "--out", "study"}, "holds something that is not a reproduction");
 }
 
 TEST_F(Reports, CompareTellsWhatIsWrong) {
@@ -322,6 +347,34 @@ TEST_F(Reports, CompareTellsWhatIsWrong) {
   EXPECT_NE(text_of(folder_ / "page/report.html").find("This run failed at 2"), std::string::npos);
 }
 
+TEST_F(Reports, RunsAreToldApartByTheKeysInWhichTheyDiffer) {
+  make_run("motor_estimation", "a", {"--case", "kfd", "--duration", "6"});
+  make_run("motor_estimation", "b", {"--case", "kfd", "--duration", "6", "--set", "run.seed=7"});
+  make_run("motor_estimation", "c", {"--case", "mdob", "--duration", "6"});
+  const ProgramResult result = breakwater({"compare", "a", "b", "--out", "page"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_NE(result.out.find("kfd, run.seed=7"), std::string::npos) << result.out;
+  const std::string html = text_of(folder_ / "page/compare.html");
+  EXPECT_NE(html.find("<code>run.seed</code></th><td>1</td><td>7</td>"), std::string::npos);
+  EXPECT_NE(html.find("class=\"replay\""), std::string::npos);
+  // A report says what is not as in the case, and has no column for a thesis that says nothing.
+  ASSERT_EQ(breakwater({"report", "b", "--out", "page", "--no-replay"}).status, 0);
+  const std::string report = text_of(folder_ / "page/report.html");
+  EXPECT_NE(report.find("<code>run.seed</code></th><td>7</td>"), std::string::npos);
+  EXPECT_EQ(report.find(">thesis</th>"), std::string::npos);
+  EXPECT_EQ(report.find("class=\"replay\""), std::string::npos);
+  // What is true, measured and estimated of the angle is one chart.
+  const std::size_t chart = report.find("position [rad]");
+  ASSERT_NE(chart, std::string::npos);
+  EXPECT_NE(report.find("position_true_rad", chart), std::string::npos);
+  // A signal of one run alone.
+  const ProgramResult lacking = breakwater(
+      {"compare", "a", "c", "--signal", "innovation", "--out", "page", "--no-replay", "--svg"});
+  ASSERT_EQ(lacking.status, 0) << lacking.err;
+  EXPECT_NE(text_of(folder_ / "page/compare.html").find("mdob: –"), std::string::npos);
+  expect_refused({"compare", "a", "b", "--from", "3", "--to", "2"}, "must rise");
+}
+
 TEST_F(Reports, CompareWritesTablesAndFigures) {
   for (const char* name : {"kfd", "dkf"}) make_run("motor_estimation", name, {"--case", name});
   const ProgramResult result =
@@ -331,7 +384,7 @@ TEST_F(Reports, CompareWritesTablesAndFigures) {
   EXPECT_NE(result.out.find("rmse_velocity_rad_s"), std::string::npos);
   EXPECT_NE(result.out.find("-98."), std::string::npos) << result.out;
   EXPECT_EQ(lines_of(text_of(folder_ / "both/compare.csv")), 2);
-  EXPECT_NE(text_of(folder_ / "both/compare.tex").find("rmse\\_velocity\\_rad\\_s &"),
+  EXPECT_NE(text_of(folder_ / "both/compare.tex").find("RMSE velocity [rad/s] &"),
             std::string::npos);
   const std::string svg = text_of(folder_ / "both/compare.svg");
   EXPECT_NE(svg.find("<svg"), std::string::npos);

@@ -48,7 +48,7 @@ TEST(House, WhatReachesAStateCallsNoFunctionThatDiffersByProcessor) {
   }
   ASSERT_TRUE(libm.contains("sin") && libm.contains("pow") && libm.contains("cexp"));
   for (const std::string room : {"math", "linear", "plants", "observers", "control", "world", "sim",
-                                 "record", "scenario", "rigs", "scenarios"}) {
+                                 "record", "scenario", "rigs", "study", "scenarios"}) {
     const std::string folder = room == "scenarios" ? room : "src";
     const std::string archive = BREAKWATER_ARCHIVES "/" + folder + "/libbreakwater_" + room + ".a";
     const auto called = symbols("nm --undefined-only '" + archive + "'");

@@ -79,11 +79,8 @@ std::set<Equation> named(const std::string& source) {
 }
 
 std::string text_of(const fs::path& file) {
-  std::ifstream stream(file);
-  EXPECT_TRUE(stream) << file;
-  std::ostringstream text;
-  text << stream.rdbuf();
-  return text.str();
+  EXPECT_TRUE(std::ifstream(file)) << file;
+  return testing::text_of(file);
 }
 
 /// A line of the page that begins with equations: a row of a table, which links to the code, or an

@@ -59,9 +59,13 @@ TEST(House, RoomsDependOneWay) {
       {"rigs",
        {"math", "linear", "observers", "plants", "signals", "control", "world", "sim", "record",
         "scenario"}},
+      {"study", {"math", "signals", "world", "sim", "record", "scenario"}},
+      {"recorded", {"signals", "plants", "sim", "record", "rigs", "scenario"}},
+      {"tuning", {"record", "scenario", "study"}},
       {"pictures", {"sim", "record", "render", "scenario"}},
-      {"report", {"record", "pictures", "scenario"}},
-      {"program", {"math", "world", "record", "scenario", "pictures", "report"}}};
+      {"report", {"math", "record", "render", "pictures", "scenario", "study", "tuning"}},
+      {"program",
+       {"math", "world", "record", "scenario", "pictures", "study", "tuning", "report"}}};
   const std::vector<Include> includes = all_includes();
   ASSERT_GT(includes.size(), 100U);
   for (const Include& include : includes) {
@@ -110,10 +114,13 @@ TEST(House, OffscreenRenderingIsKnownInRenderAlone) {
 TEST(House, FileFormatsStayInTheirRooms) {
   expect_only_in(std::regex("urdf|tinyxml|console_bridge"), {"plants"});
   expect_only_in(std::regex("^hdf5"), {"record"});
-  expect_only_in(std::regex("toml\\+\\+"), {"scenario", "report"});
-  expect_only_in(std::regex("CLI/"), {"scenario", "pictures", "report", "program"});
-  expect_only_in(std::regex("nlohmann"), {"record", "scenario", "report"});
+  expect_only_in(std::regex("toml\\+\\+"), {"scenario", "study", "tuning", "report"});
+  expect_only_in(std::regex("CLI/"),
+                 {"scenario", "recorded", "pictures", "study", "tuning", "report", "program"});
+  expect_only_in(std::regex("nlohmann"), {"record", "scenario", "pictures", "report"});
   expect_only_in(std::regex("mustache"), {"report"});
+  expect_only_in(std::regex("^boost/"), {"study"});
+  expect_only_in(std::regex("^sqlite3"), {"study"});
 }
 
 TEST(House, LowestRoomsKnowEigenAlone) {

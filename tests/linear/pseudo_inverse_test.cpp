@@ -52,6 +52,11 @@ TEST(PseudoInverse, DropsSmallSingularValues) {
   EXPECT_NEAR(P(0, 0), 1.0, 1e-14);
   EXPECT_NEAR(P(1, 1), 0.0, 1e-14);
   EXPECT_NEAR(P(2, 2), 1.0 / 0.0201, 1e-9);
+  // Damped, a small one counts as σ/tolerance².
+  damped_pseudo_inverse(J, 0.02, P);
+  EXPECT_NEAR(P(0, 0), 1.0, 1e-14);
+  EXPECT_NEAR(P(1, 1), 0.0199 / 4e-4, 1e-9);
+  EXPECT_NEAR(P(2, 2), 1.0 / 0.0201, 1e-9);
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <limits>
 #include <numbers>
 
+#include <breakwater/math/error_function.h>
 #include "support.h"
 
 namespace breakwater {
@@ -67,6 +68,7 @@ TEST(Math, IsWithinUnitsInTheLastPlace) {
   EXPECT_LT(largest_error(math::log, std::log, {kTiny, 4.0}), 1.0);
   EXPECT_LT(largest_error(math::log, std::log, {kTiny, kHuge}), 1.0);
   EXPECT_LT(largest_error(math::tanh, std::tanh, {-20.0, 20.0}), 2.5);
+  EXPECT_LT(largest_error(math::erfc, std::erfc, {-6.0, 26.0}), 4.0);
 }
 
 TEST(Math, OfTwoArgumentsIsWithinUnitsInTheLastPlace) {
@@ -102,9 +104,9 @@ bool same(double a, double b) {
 // As C99's Annex F has them, which glibc follows.
 TEST(Math, SpecialArgumentsAreThoseOfTheStandard) {
   const std::vector<std::pair<Function, Function>> pairs = {
-      {math::sin, std::sin},   {math::cos, std::cos},  {math::tan, std::tan},
-      {math::asin, std::asin}, {math::exp, std::exp},  {math::expm1, std::expm1},
-      {math::log, std::log},   {math::tanh, std::tanh}};
+      {math::sin, std::sin},   {math::cos, std::cos},   {math::tan, std::tan},
+      {math::asin, std::asin}, {math::exp, std::exp},   {math::expm1, std::expm1},
+      {math::log, std::log},   {math::tanh, std::tanh}, {math::erfc, std::erfc}};
   const std::vector<double> special = {0.0, -0.0, 1.0, -1.0, kInf, -kInf, kNaN, kTiny, -kTiny};
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     for (const double x : special) {

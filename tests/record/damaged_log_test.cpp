@@ -12,7 +12,6 @@
 #include <map>
 #include <random>
 #include <set>
-#include <sstream>
 #include <stdexcept>
 
 #include <breakwater/record/file_hash.h>
@@ -25,12 +24,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kHead = 16 * 1024;  // where HDF5 keeps the names, types and sizes
-
-std::string bytes_of(const fs::path& file) {
-  std::stringstream bytes;
-  bytes << std::ifstream(file, std::ios::binary).rdbuf();
-  return bytes.str();
-}
 
 void write_bytes(const fs::path& file, const std::string& bytes) {
   std::ofstream(file, std::ios::binary) << bytes;
@@ -148,7 +141,7 @@ TEST_F(DamagedLog, IsReadOrRefusedWhateverBytesItsHeadHolds) {
   for (const int deflate_level : {0, 6}) {
     write_small_log(log_, deflate_level);
     ASSERT_EQ(outcome([&] { read_all(log_); }), "read");
-    const std::string whole = bytes_of(log_);
+    const std::string whole = testing::text_of(log_);
     std::map<std::string, int> outcomes;
     for (unsigned seed = 0; seed < 250; ++seed) {
       write_bytes(log_, damaged(whole, seed));
@@ -168,7 +161,7 @@ TEST_F(DamagedLog, IsFoundOutByTheManifest) {
     write_bytes(folder_ / "manifest.json",
                 manifest + R"(, "log_hash": ")" + file_hash(log_) + R"("})");
     EXPECT_NO_THROW(check_log(folder_));
-    const std::string whole = bytes_of(log_);
+    const std::string whole = testing::text_of(log_);
     for (unsigned seed = 0; seed < 400; ++seed) {
       const std::string bytes = damaged(whole, seed);
       if (bytes == whole) continue;

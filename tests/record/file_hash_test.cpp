@@ -33,6 +33,12 @@ TEST(FileHash, SeesOneByteOfAFileOfManyBlocks) {
   EXPECT_NE(file_hash(file), before);
 }
 
+TEST(Fingerprint, TellsPartsApart) {
+  EXPECT_NE(fingerprint({"a", "b"}), fingerprint({"ab", ""}));
+  EXPECT_NE(fingerprint({"a", "b"}), fingerprint({"a", "c"}));
+  EXPECT_EQ(fingerprint({"a", "b"}), fingerprint({"a", "b"}));
+}
+
 TEST(FileHash, SaysWhatCannotBeRead) {
   for (const char* file : {"/no/such/file", "/tmp"}) {
     try {

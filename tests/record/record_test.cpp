@@ -76,7 +76,7 @@ TEST(Track, RefusesTwoSignalsOfOneName) {
 
 TEST(Track, RefusesNamesThatALogCannotHold) {
   const double x = 0;
-  for (const std::string name : {"", ".", "/", "a/b", "time_s", "/x_m"}) {
+  for (const std::string name : {"", ".", "/", "a/b", "time_s", "index_3", "/x_m"}) {
     EXPECT_EQ(refusal("control", {{name, "m", "a length", {&x, 1}}}),
               "track control: a signal cannot be named \"" + name + "\" in a log (a length)");
     EXPECT_EQ(refusal(name, {{"x_m", "m", "a length", {&x, 1}}}),

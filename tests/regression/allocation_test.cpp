@@ -86,7 +86,7 @@ TEST(Allocation, CounterCounts) {
 
 // Through the switch to force control, the impact, and the log at the physics rate.
 TEST(Allocation, WallContactLoopDoesNotAllocate) {
-  for (const char* name : {"proposed-2N", "hpfc-2N", "drac-2N"}) {
+  for (const char* name : {"proposed-2N", "hpfc-2N", "drac-2N", "tlsc-2N"}) {
     EXPECT_EQ(allocations_in_loop("arm_wall_contact", name,
                                   {"run.duration_s=32", "sensor.angle_noise_rad=1e-6"}),
               0)
@@ -114,7 +114,7 @@ TEST(Allocation, PredictiveControlLoopDoesNotAllocate) {
 }
 
 TEST(Allocation, EstimatorsDoNotAllocate) {
-  for (const char* name : {"mdob", "idob", "kfd", "fakfd-095", "vfakfd", "qvff", "stf"}) {
+  for (const char* name : {"mdob", "idob", "kfd", "fakfd-095", "vfakfd", "qvff", "stf", "qbank"}) {
     EXPECT_EQ(
         allocations_in_loop("motor_estimation", name,
                             {"run.duration_s=120", "disturbance.start_s=15", "noise.std_rad=1e-4",

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
-#include <sstream>
 
 #include <breakwater/report/printed_results.h>
 #include "regression/run_case.h"
@@ -43,7 +42,8 @@ TEST_P(EachWallContact, IsWithinTheClassesOfItsPrintedNumbers) {
   for (const char* metric :
        {"free_motion_time_s", "peak_force_raw_N", "peak_force_filtered_N", "mean_force_error_N",
         "std_force_error_N", "impact_velocity_m_s", "contact_impulse_Ns", "bounce_count",
-        "saturated_time_s", "max_posture_error_rad", "max_y_error_m"}) {
+        "saturated_time_s", "max_posture_error_rad", "max_y_error_m", "late_bounce_count",
+        "force_decay_ratio", "force_frequency_Hz", "impact_mass_kg"}) {
     ASSERT_TRUE(run.metric(metric)) << metric;
   }
   // An impulse of 200 ms cannot exceed the raw peak times its length.
@@ -131,9 +131,7 @@ TEST(WallContact, SteadyForceIsTheReferenceAndTheDepthIsForceOverStiffness) {
 // 10 N s/m between link and tip, and a wall that is stiff. The chain's compliance then is where a
 // load cell has it, not in the contact.
 TEST(WallContact, ALoadCellAsASlideGivesTheSamePeaks) {
-  std::stringstream text;
-  text << std::ifstream(testing::source_file("models/arm.xml")).rdbuf();
-  std::string mjcf = text.str();
+  std::string mjcf = testing::text_of(testing::source_file("models/arm.xml"));
   const auto replace = [&mjcf](const std::string& from, const std::string& to) {
     const auto at = mjcf.find(from);
     ASSERT_NE(at, std::string::npos) << from;

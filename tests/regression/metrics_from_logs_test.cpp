@@ -62,6 +62,30 @@ TEST(MetricsFromLogs, RawVelocityOfTheMotorIsTheDifferenceOfWhatIsMeasured) {
   EXPECT_NEAR(*run.metric("rmse_raw_velocity_rad_s"), rms(between(run, error, 5.0, 10.0)), 1e-9);
 }
 
+TEST(MetricsFromLogs, LateForceAtTheWallIsThatOfTheContactForce) {
+  const Recording run = run_case(
+      "arm_wall_contact", "proposed-2N",
+      {"contact.stiffness_N_m=5000", "metrics.from_s=31", "metrics.to_s=33", "run.duration_s=33"});
+  const Values force = of(run, "force_true_N");
+  const auto window = [&](double from_s, double to_s) {
+    return between(run, force, from_s - 1e-6, to_s - 1e-6);  // its end is not in it
+  };
+  const Values late = window(31.0, 33.0);
+  int onsets = 0, rises = 0;
+  for (std::size_t i = 1; i < late.size(); ++i) {
+    onsets += late[i] > 0.0 && late[i - 1] <= 0.0 ? 1 : 0;
+    rises += late[i] > 2.0 && late[i - 1] <= 2.0 ? 1 : 0;
+  }
+  EXPECT_GT(onsets, 1);
+  EXPECT_EQ(*run.metric("late_bounce_count"), onsets);
+  EXPECT_EQ(*run.metric("force_frequency_Hz"), rises / 2.0);
+  const auto spread = [&](double from_s, double to_s) {
+    const Values part = window(from_s, to_s);
+    return rms(difference(part, Values(part.size(), mean(part))));
+  };
+  EXPECT_NEAR(*run.metric("force_decay_ratio"), spread(32.6, 33.0) / spread(31.0, 31.4), 1e-9);
+}
+
 TEST(MetricsFromLogs, LagOfARampIsItsMeanErrorOverItsSlope) {
   const Recording run = run_case("cart_estimation", "order1", {"disturbance.kind=ramp"});
   const Values late = difference(of(run, "d_true_N"), of(run, "d_hat_N"));

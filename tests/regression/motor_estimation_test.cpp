@@ -159,6 +159,18 @@ TEST_P(QuantisedRow, QvffAndStfBeatVfakfdBehindBothKindsOfEncoder) {
   }
 }
 
+// Without any parameter of its own that depends on the row.
+TEST_P(QuantisedRow, TheFilterBankBeatsVfakfdAndHoldsTheShaftBest) {
+  const Row& row = GetParam();
+  const Sets sets = cell(row.period_s, row.bits);
+  const Medians bank = over_phases("qbank", sets, row.bits);
+  const Medians vfakfd = over_phases("vfakfd", sets, row.bits);
+  const Medians stf = over_phases("stf", sets, row.bits);
+  EXPECT_LT(bank.velocity, vfakfd.velocity);
+  EXPECT_LT(bank.peak, 0.7 * stf.peak);
+  EXPECT_LT(bank.transient, stf.transient);
+}
+
 INSTANTIATE_TEST_SUITE_P(MotorEstimation, QuantisedRow, ::testing::ValuesIn(kRows),
                          [](const auto& row) {
                            return std::string(row.param.period_s[3] == '2' ? "T10ms" : "T1ms") +

@@ -7,7 +7,6 @@
 #include <cstdlib>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include <breakwater/pictures/staging.h>
 #include "catalogue.h"
@@ -65,11 +64,7 @@ class Pictures : public ::testing::Test {
     ASSERT_EQ(result.status, 0) << result.err;
   }
 
-  std::string read(const fs::path& file) const {
-    std::stringstream text;
-    text << std::ifstream(folder_ / file).rdbuf();
-    return text.str();
-  }
+  std::string read(const fs::path& file) const { return testing::text_of(folder_ / file); }
   nlohmann::json json(const fs::path& file) const { return nlohmann::json::parse(read(file)); }
   std::vector<std::string> entries(const fs::path& folder) const {
     std::vector<std::string> names;
@@ -181,10 +176,7 @@ TEST_F(Pictures, RunsOfDifferentScenariosDoNotStandSideBySide) {
 }
 
 TEST_F(Pictures, ACameraThatTheModelLacksFailsTheVideoAlone) {
-  std::ifstream original(testing::source_file("models/arm.xml"));
-  std::stringstream model;
-  model << original.rdbuf();
-  std::string text = model.str();
+  std::string text = testing::text_of(testing::source_file("models/arm.xml"));
   for (std::size_t at = text.find("<camera name=\""); at != std::string::npos;
        at = text.find("<camera name=\"", at + 1)) {
     text.insert(at + 14, "my_");
@@ -238,6 +230,7 @@ TEST_F(Pictures, NonsenseIsRefusedInOneLine) {
       {{"video", "run", "--fps", "0"}, "--fps"},
       {{"video"}, "RUN is required"},
       {{"still", "run"}, "--at is required"},
+      {{"still", "run", "--at", "0.1", "--out", "s.jpg"}, "pictures are PNG"},
       {{"still", "run", "--at", "7"}, "the log lasts from 0 s to 0.5 s"},
       {{"still", "run", "--at", "nan"}, "the log lasts from"},
       {{"video", "run", "--size", "99999999999x180"}, "must be even"},
@@ -407,7 +400,7 @@ TEST_F(Pictures, AScenarioWithoutAShotListIsDrawnToo) {
   const ShotList shots = shot_list("no_such_file.toml");
   std::deque<FinishedRun> finished;
   finished.emplace_back(testing::catalogue(), folder_ / "run");
-  const Window window = choose_window(finished, shots, {});
+  const Window window = choose_window(pointers_to(finished), shots, {});
   EXPECT_DOUBLE_EQ(window.from_s, 0.0);
   EXPECT_NEAR(window.to_s, 0.5, 1e-9);
   EXPECT_EQ(window.frames(30), 15U);
@@ -425,8 +418,8 @@ TEST_F(Pictures, AScenarioWithoutAShotListIsDrawnToo) {
 }
 
 TEST_F(Pictures, ShotListsAreCheckedLikeScenarioFiles) {
-  std::stringstream text;
-  text << std::ifstream(testing::source_file("scenarios/arm_wall_contact/shots.toml")).rdbuf();
+  const std::string text =
+      testing::text_of(testing::source_file("scenarios/arm_wall_contact/shots.toml"));
   const std::vector<std::array<std::string, 3>> cases = {
       {"speed = 0.1", "speed = 0.0", "video.speed: must be positive"},
       {"unit = \"N\"", "unti = \"N\"", "arrow.1.unti: unknown key (did you mean arrow.1.unit?)"},
@@ -434,7 +427,7 @@ TEST_F(Pictures, ShotListsAreCheckedLikeScenarioFiles) {
       {"width = 1280", "width = 1281", "video.width: must be even"},
       {"to_s = 31.5", "to_s = 1.5", "video.to_s: must be after"}};
   for (const auto& [from, to, message] : cases) {
-    std::string copy = text.str();
+    std::string copy = text;
     const auto at = copy.find(from);
     ASSERT_NE(at, std::string::npos) << from;
     const auto line = 1 + std::count(copy.begin(), copy.begin() + static_cast<long>(at), '\n');

@@ -1,9 +1,7 @@
 // What reports are made of: verdicts, measurements, tables, pages.
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 
 #include <cmath>
-#include <csignal>
 #include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -12,11 +10,11 @@
 #include <stdexcept>
 
 #include <breakwater/pictures/finished_run.h>
-#include <breakwater/record/output_error.h>
+#include <breakwater/pictures/page_data.h>
+#include <breakwater/record/csv.h>
 #include <breakwater/report/experiments.h>
 #include <breakwater/report/html_page.h>
 #include <breakwater/report/latex.h>
-#include <breakwater/report/measurements.h>
 #include <breakwater/report/page_chart.h>
 #include <breakwater/report/reproduction.h>
 #include <breakwater/report/thesis_report.h>
@@ -267,139 +265,33 @@ TEST(Median, IsInTheMiddle) {
   EXPECT_EQ(median({1.0, kNever, kNever}), kNever);
 }
 
-TEST(Measurements, SurviveALineThatWasCutOff) {
-  const auto file = testing::temporary_path("measurements.jsonl");
-  const testing::Removed removed(file);
-  Measurement one;
-  one.values["a"] = 0.1;
+TEST(Measurement, IsWhatTheShardKept) {
+  const auto folder = testing::temporary_path("shards");
+  const testing::Removed removed(folder);
+  std::filesystem::create_directories(folder);
   {
-    Measurements measurements(file);
-    measurements.add("first", "run", one);
+    Shard shard(folder);
+    PointResult result;
+    result.key = "complete";
+    result.metrics = {{"max d_hat_Nm", NAN}, {"a_m", kNever}, {"b_m", 1.0}};
+    shard.add(result);
+    result.key = "failed";
+    result.status = PointStatus::failed;
+    result.reason = "at 3 s: diverged";
+    result.metrics.clear();
+    shard.add(result);
   }
-  std::ofstream(file, std::ios::app) << R"({"key":"second","run":"x","val)";
-  one.values["a"] = 0.3;
-  {
-    Measurements measurements(file);
-    EXPECT_EQ(measurements.find("first")->values.at("a"), 0.1);
-    EXPECT_FALSE(measurements.find("second"));
-    measurements.add("third", "run", one);
-  }
-  const Measurements measurements(file);
-  EXPECT_EQ(measurements.find("third")->values.at("a"), 0.3);
-  EXPECT_FALSE(measurements.find("second"));
-}
-
-TEST(Measurements, ReadOrIgnoreWhateverALineHolds) {
-  const auto file = testing::temporary_path("lines.jsonl");
-  const testing::Removed removed(file);
-  {
-    std::ofstream lines(file);
-    lines << R"({"key":"null","run":"r","values":{"a":null,"b":2.0}})"
-          << "\n"
-          << R"({"key":"big","values":{"a":1e308,"b":123456789012345678901234567890}})"
-          << "\n"
-          << R"({"key":"infinite","values":{"a":1e999}})"
-          << "\n"
-          << R"({"key":"text","values":{"a":"1.0"}})"
-          << "\n"
-          << R"({"key":"list","values":[1.0]})"
-          << "\n"
-          << R"({"key":"none"})"
-          << "\n"
-          << R"({"key":7,"values":{}})"
-          << "\n"
-          << R"({"values":{}})"
-          << "\n"
-          << R"({"key":"failed","failed":"yes","failure":"x","values":{}})"
-          << "\n"
-          << R"({"key":"reason","failed":true,"failure":3,"values":{}})"
-          << "\n"
-          << R"({"key":"silent","failed":true,"values":{}})"
-          << "\n"
-          << "[]\n17\nnull\n\n"
-          << std::string("\0\xff\xfe binary", 10) << "\n"
-          << std::string(100000, '[') << "\n"
-          << R"({"key":"twice","values":{"a":1.0}})"
-          << "\n"
-          << R"({"key":"twice","values":{"a":2.0}})"
-          << "\n"
-          << R"({"key":"first","values":{"a":1.0}}{"key":"second","values":{"a":1.0}})"
-          << "\n"
-          << R"({"key":"good","failed":true,"failure":"at 1 s","values":{}})"
-          << "\n";
-  }
-  const Measurements measurements(file);
-  ASSERT_TRUE(measurements.find("null"));
-  EXPECT_TRUE(std::isnan(measurements.find("null")->values.at("a")));
-  EXPECT_EQ(measurements.find("null")->values.at("b"), 2.0);
-  EXPECT_EQ(measurements.find("big")->values.at("a"), 1e308);
-  for (const char* key : {"infinite", "text", "list", "none", "7", "", "failed", "reason", "silent",
-                          "first", "second"}) {
-    EXPECT_FALSE(measurements.find(key)) << key;
-  }
-  EXPECT_EQ(measurements.find("twice")->values.at("a"), 2.0);
-  EXPECT_EQ(measurements.find("good")->failure, "at 1 s");
-}
-
-TEST(Measurements, ANumberThatIsNoneIsReadBackAsNone) {
-  const auto file = testing::temporary_path("nan.jsonl");
-  const testing::Removed removed(file);
-  Measurement one;
-  one.values = {{"a", NAN}, {"b", 1.0}};
-  Measurements(file).add("key", "run", one);
-  const Measurements measurements(file);
-  EXPECT_TRUE(std::isnan(measurements.find("key")->values.at("a")));
-  EXPECT_EQ(measurements.find("key")->values.at("b"), 1.0);
-}
-
-// A disk that is full for a while: no file of this process may grow beyond a size.
-class FullDisk {
- public:
-  explicit FullDisk(std::uintmax_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
-    getrlimit(RLIMIT_FSIZE, &before_);
-    const rlimit limit = {bytes, before_.rlim_max};
-    setrlimit(RLIMIT_FSIZE, &limit);
-  }
-  FullDisk(const FullDisk&) = delete;
-  FullDisk& operator=(const FullDisk&) = delete;
-  ~FullDisk() {
-    setrlimit(RLIMIT_FSIZE, &before_);
-    std::signal(SIGXFSZ, handler_);
-  }
-
- private:
-  rlimit before_ = {};
-  void (*handler_)(int);
-};
-
-TEST(Measurements, AShortWriteDoesNotSpoilTheNextLine) {
-  const auto file = testing::temporary_path("full.jsonl");
-  const testing::Removed removed(file);
-  Measurement one;
-  one.values["a"] = 0.1;
-  {
-    Measurements measurements(file);
-    measurements.add("first", "run", one);
-    const auto size = std::filesystem::file_size(file);
-    {
-      const FullDisk full(size + 10);
-      EXPECT_THROW(measurements.add("torn", "run", one), OutputError);
-      EXPECT_EQ(std::filesystem::file_size(file), size + 10) << "a part of the line was written";
-      EXPECT_THROW(measurements.add("torn", "run", one), OutputError);
-    }
-    EXPECT_FALSE(measurements.find("torn"));
-    measurements.add("next", "run", one);
-    measurements.add("last", "run", one);
-  }
-  const Measurements measurements(file);
-  for (const char* key : {"first", "next", "last"}) EXPECT_TRUE(measurements.find(key)) << key;
-  EXPECT_FALSE(measurements.find("torn"));
-}
-
-TEST(Measurements, KeysTellConfigurationsApart) {
-  EXPECT_NE(fingerprint({"a", "b"}), fingerprint({"ab", ""}));
-  EXPECT_NE(fingerprint({"a", "b"}), fingerprint({"a", "c"}));
-  EXPECT_EQ(fingerprint({"a", "b"}), fingerprint({"a", "b"}));
+  const auto results = results_by_key(folder);
+  const Measurement complete = measurement_of(results.at("complete"));
+  EXPECT_FALSE(complete.failed);
+  // The run has them, but they are no finite numbers: not measured, and not absent.
+  EXPECT_TRUE(std::isnan(complete.values.at("max d_hat_Nm")));
+  EXPECT_TRUE(std::isnan(complete.values.at("a_m")));
+  EXPECT_EQ(complete.values.at("b_m"), 1.0);
+  const Measurement failed = measurement_of(results.at("failed"));
+  EXPECT_TRUE(failed.failed);
+  EXPECT_EQ(failed.failure, "at 3 s: diverged");
+  EXPECT_TRUE(failed.values.empty());
 }
 
 TEST(Experiments, HaveEveryTableAndNinetyFigures) {

@@ -1,6 +1,7 @@
 // The arm's metrics on histories written by hand.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <optional>
 
@@ -40,12 +41,14 @@ WallContactMetrics wall_history(int steps) {
     // Before the switch everything is worse, and must not count.
     const bool before = k < 100;
     const double filtered = before ? 99.0 : (k % 2 == 0 ? 1.0 : 1.2);
-    metrics.after_step(t, before ? 99.0 : force_at(k), filtered, 0.001 * k);
+    if (metrics.after_step(t, before ? 99.0 : force_at(k), filtered, 0.001 * k)) {
+      metrics.set_impact_mass(0.5 * k);
+    }
     if (k % 2 != 0) continue;
     const TipPose tip = before     ? TipPose(9, 9, 9)
                         : k == 120 ? TipPose(0.45, 0.1 - 0.03, 0.2 + 0.05)
                                    : TipPose(0.60, 0.1 + 0.02, 0.2 - 0.04);
-    metrics.after_sample(t, tip, k % 50 == 0);
+    metrics.after_sample(t, force_at(k), tip, k % 50 == 0);
   }
   return metrics;
 }
@@ -56,6 +59,7 @@ TEST(WallContactMetrics, OfAHistoryWithTwoBounces) {
   EXPECT_EQ(*value(m, "peak_force_raw_N"), 4.0);
   EXPECT_EQ(*value(m, "peak_force_filtered_N"), 1.2);
   EXPECT_EQ(*value(m, "impact_velocity_m_s"), 0.150);
+  EXPECT_EQ(*value(m, "impact_mass_kg"), 75.0);  // at step 150, and at no other
   EXPECT_EQ(*value(m, "bounce_count"), 2.0);
   // 1.5 to 1.7 s: nine steps of 3 N and one of 4 N.
   EXPECT_NEAR(*value(m, "contact_impulse_Ns"), 0.31, 1e-12);
@@ -81,6 +85,38 @@ TEST(WallContactMetrics, AreAbsentWhereTheyDoNotApply) {
   EXPECT_FALSE(value(brief, "contact_impulse_Ns"));
   EXPECT_FALSE(value(wall_history(299).metrics(2.99), "mean_force_error_N"));
   EXPECT_TRUE(value(wall_history(300).metrics(3.0), "mean_force_error_N"));
+}
+
+// A hundred samples in the window, of a force that repeats every four and halves in the middle.
+std::vector<Metric> late_history(const std::array<double, 4>& force_N) {
+  WallContactMetrics metrics({.force_from_s = 0.0,
+                              .reference_N = 1.5,
+                              .error_from_s = 1.0,
+                              .error_to_s = 2.0,
+                              .step_s = kStep,
+                              .period_s = kStep,
+                              .start_pose = TipPose::Zero()});
+  for (int k = 0; k < 250; ++k) {
+    const bool in_window = k >= 100 && k < 200;
+    const double force = force_N[static_cast<std::size_t>(k % 4)] * (k < 150 ? 2.0 : 1.0);
+    metrics.after_step(k * kStep, force, force, 0.1);
+    metrics.after_sample(k * kStep, in_window ? force : 50.0 * (k % 2), TipPose::Zero(), false);
+  }
+  return metrics.metrics(2.5);
+}
+
+TEST(WallContactMetrics, OfTheLateForce) {
+  const auto bounces = late_history({0.0, 0.0, 2.0, 3.0});
+  EXPECT_EQ(*value(bounces, "late_bounce_count"), 25.0);
+  EXPECT_EQ(*value(bounces, "force_frequency_Hz"), 25.0);
+  EXPECT_NEAR(*value(bounces, "force_decay_ratio"), 0.5, 1e-12);
+  const auto swings = late_history({0.5, 0.5, 2.0, 3.0});
+  EXPECT_EQ(*value(swings, "late_bounce_count"), 0.0);
+  EXPECT_EQ(*value(swings, "force_frequency_Hz"), 25.0);
+  const auto rests = late_history({1.0, 1.0, 1.0, 1.0});
+  EXPECT_EQ(*value(rests, "force_frequency_Hz"), 0.0);
+  EXPECT_FALSE(value(rests, "force_decay_ratio"));  // nothing swung in the first fifth
+  EXPECT_FALSE(value(late_history({0.0, 0.0, 0.0, 0.0}), "late_bounce_count"));
 }
 
 // Two joints, samples of 0.1 s; gripped at 1 s, let go at 2 s.

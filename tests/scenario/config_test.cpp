@@ -83,7 +83,9 @@ class ConfigTest : public ::testing::Test {
   std::string read_run(const std::string& case_name, const std::string& text) {
     try {
       const ScenarioFile scenario = file(text);
-      settings_.fields().read(scenario, scenario.config(case_name));
+      Fields fields = settings_.fields();
+      fields.check(scenario);
+      fields.read(scenario.config(case_name));
     } catch (const std::invalid_argument& error) {
       std::string what = error.what();
       const auto at = what.find(path_.string());

@@ -68,7 +68,8 @@ class PartsTest : public ::testing::Test {
     try {
       const ScenarioFile file(path_.string(), "test");
       const Config config = file.config(case_name);
-      fields.read(file, config);
+      fields.check(file);
+      fields.read(config);
       choice.check(config, 2);
     } catch (const std::invalid_argument& error) {
       std::string what = error.what();

@@ -183,6 +183,23 @@ WaveLoadSetup sea(WaveMode mode) {
   return waves;
 }
 
+// What a page is told of the water is the water.
+TEST(WaveLoads, TheSurfaceIsTheSumOfItsWaves) {
+  const Model model = quadrotor();
+  WaveLoadSetup setup = sea(WaveMode::physical);
+  setup.sea.heading_rad = 0.6;
+  setup.change_at_s = 20.0;
+  setup.change_to_period_s = 5.0;
+  const UnderwaterForce force(model, {}, QuadrotorPhysics::physical, setup, kStart);
+  const WavingSurface surface{"surface", force.surface_waves()};
+  EXPECT_EQ(surface.waves.size(), 2U * static_cast<std::size_t>(setup.sea.components));
+  for (const double time_s : {0.0, 13.0, 24.0, 31.0, 80.0}) {
+    for (const double x : {-50.0, 3.0}) {
+      EXPECT_NEAR(surface.elevation(time_s, x, 7.0), force.elevation(time_s, x, 7.0), 1e-12);
+    }
+  }
+}
+
 // A vehicle that moves with the water feels no drag: what is left is the pressure's force.
 TEST(WaveLoads, NoDragOnAVehicleThatMovesWithTheWater) {
   const Model model = quadrotor();
