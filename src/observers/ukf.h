@@ -1,11 +1,12 @@
 // The unscented Kalman filter with 2n sigma points.
 #pragma once
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Cholesky>
 #include <cmath>
 #include <cstdint>
 
 #include <breakwater/observers/nonlinear_kalman.h>
+#include <breakwater/observers/raise_eigenvalues.h>
 
 namespace breakwater {
 namespace detail {
@@ -98,11 +99,9 @@ class Ukf final : public GaussianEstimate<P::kStates, p> {
 
   void repair() {
     constexpr double kFloor = 1e-12;
+    static_assert(N <= kMostStates);
     ++repairs_;
-    eigen_.compute(P_);
-    const auto values = eigen_.eigenvalues();
-    P_ = eigen_.eigenvectors() * values.cwiseMax(kFloor * values.maxCoeff()).asDiagonal() *
-         eigen_.eigenvectors().transpose();
+    raise_eigenvalues(P_, kFloor);
     this->mirror();
     factor_.compute(P_);
   }
@@ -112,7 +111,6 @@ class Ukf final : public GaussianEstimate<P::kStates, p> {
   Covariance root_;
   detail::SigmaPoints<P> points_;
   Eigen::Matrix<double, P::kRows, P::kRows> nonlinear_part_;
-  Eigen::SelfAdjointEigenSolver<Covariance> eigen_;
   std::int64_t repairs_ = 0;
 };
 

@@ -9,8 +9,6 @@
 
 #include <breakwater/pictures/picture_commands.h>
 #include <breakwater/program/new_project.h>
-#include <breakwater/program/own_places.h>
-#include <breakwater/program/run_extras.h>
 #include <breakwater/program/waves_report.h>
 #include <breakwater/report/report_commands.h>
 #include <breakwater/report/study_report.h>
@@ -18,6 +16,8 @@
 #include <breakwater/scenario/child_program.h>
 #include <breakwater/scenario/command_kind.h>
 #include <breakwater/scenario/process.h>
+#include <breakwater/scenario_program/own_places.h>
+#include <breakwater/scenario_program/run_extras.h>
 #include <breakwater/study/sweep_command.h>
 #include <breakwater/tuning/tune_command.h>
 #include <breakwater/version.h>

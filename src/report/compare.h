@@ -7,8 +7,8 @@
 #include <vector>
 
 #include <breakwater/pictures/shot_list.h>
+#include <breakwater/printed/printed_results.h>
 #include <breakwater/report/page_chart.h>
-#include <breakwater/report/printed_results.h>
 #include <breakwater/scenario/catalogue.h>
 #include <breakwater/scenario/saved_run.h>
 

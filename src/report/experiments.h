@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include <breakwater/report/printed_results.h>
+#include <breakwater/printed/printed_results.h>
 
 namespace breakwater {
 

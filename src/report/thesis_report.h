@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include <breakwater/report/printed_results.h>
+#include <breakwater/printed/printed_results.h>
 #include <breakwater/report/reproduction.h>
 #include <breakwater/scenario/saved_run.h>
 

@@ -63,9 +63,13 @@ TEST(House, RoomsDependOneWay) {
       {"recorded", {"signals", "plants", "sim", "record", "rigs", "scenario"}},
       {"tuning", {"record", "scenario", "study"}},
       {"pictures", {"sim", "record", "render", "scenario"}},
-      {"report", {"math", "record", "render", "pictures", "scenario", "study", "tuning"}},
+      {"printed", {"scenario"}},
+      {"report",
+       {"math", "record", "render", "pictures", "printed", "scenario", "study", "tuning"}},
+      {"scenario_program", {"printed", "scenario"}},
       {"program",
-       {"math", "world", "record", "scenario", "pictures", "study", "tuning", "report"}}};
+       {"math", "world", "record", "scenario", "pictures", "study", "tuning", "report",
+        "scenario_program"}}};
   const std::vector<Include> includes = all_includes();
   ASSERT_GT(includes.size(), 100U);
   for (const Include& include : includes) {

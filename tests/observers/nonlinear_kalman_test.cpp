@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include <breakwater/observers/ekf.h>
+#include <breakwater/observers/raise_eigenvalues.h>
 #include <breakwater/observers/square_root_ukf.h>
 #include <breakwater/observers/ukf.h>
 #include "support.h"
@@ -208,6 +209,23 @@ TEST(NonlinearKalman, NeesIsInItsBandWhenTheModelIsTrue) {
   const double half_band = 1.96 * std::sqrt(2.0 * 3.0 / runs);
   EXPECT_NEAR(ukf_nees, 3.0, half_band);
   EXPECT_NEAR(ekf_nees, 3.0, half_band);
+}
+
+// What had a negative eigenvalue keeps its eigenvectors and its other eigenvalues.
+TEST(NonlinearKalman, RaisesTheEigenvaluesThatAreTooSmall) {
+  const double sine = std::sin(0.7), cosine = std::cos(0.7);
+  Eigen::Matrix3d vectors;
+  vectors << cosine, -sine, 0, sine, cosine, 0, 0, 0, 1;
+  const auto with = [&](double smallest) {
+    return Eigen::Matrix3d(vectors * Eigen::Vector3d(smallest, 2.0, 5.0).asDiagonal() *
+                           vectors.transpose());
+  };
+  Eigen::Matrix3d raised = with(-1e-3);
+  raise_eigenvalues(raised, 1e-2);
+  EXPECT_LT((raised - with(5e-2)).norm(), 1e-14);
+  Eigen::Matrix3d kept = with(1.0);
+  raise_eigenvalues(kept, 1e-2);
+  EXPECT_LT((kept - with(1.0)).norm(), 1e-14);
 }
 
 TEST(NonlinearKalman, MillionStepsWithoutRepair) {

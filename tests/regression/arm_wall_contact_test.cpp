@@ -5,7 +5,7 @@
 #include <cmath>
 #include <fstream>
 
-#include <breakwater/report/printed_results.h>
+#include <breakwater/printed/printed_results.h>
 #include "regression/run_case.h"
 #include "support.h"
 

@@ -6,7 +6,7 @@
 #include <stdexcept>
 
 #include <breakwater/pictures/shot_list.h>
-#include <breakwater/report/printed_results.h>
+#include <breakwater/printed/printed_results.h>
 #include <breakwater/scenario/fields.h>
 #include <breakwater/scenario/table.h>
 #include "support.h"

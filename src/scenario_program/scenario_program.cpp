@@ -1,8 +1,8 @@
-// Apart from program.cpp: what it links, a scenario's own binary does not load.
-#include <breakwater/program/own_places.h>
-#include <breakwater/program/program.h>
-#include <breakwater/program/run_extras.h>
+#include <breakwater/scenario_program/scenario_program.h>
+
 #include <breakwater/scenario/child_program.h>
+#include <breakwater/scenario_program/own_places.h>
+#include <breakwater/scenario_program/run_extras.h>
 
 namespace breakwater::detail {
 

@@ -1,7 +1,7 @@
-#include <breakwater/program/run_extras.h>
+#include <breakwater/scenario_program/run_extras.h>
 
-#include <breakwater/pictures/video_later.h>
-#include <breakwater/report/printed_results.h>
+#include <breakwater/scenario_program/video_later.h>
+#include <breakwater/printed/printed_results.h>
 
 namespace breakwater {
 namespace {

@@ -1,4 +1,4 @@
-#include <breakwater/program/own_places.h>
+#include <breakwater/scenario_program/own_places.h>
 
 #include <breakwater/scenario/paths.h>
 

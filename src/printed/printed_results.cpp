@@ -1,4 +1,4 @@
-#include <breakwater/report/printed_results.h>
+#include <breakwater/printed/printed_results.h>
 
 #include <fmt/format.h>
 
