@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import base64
 import contextlib
 import functools
+import gzip
 import html
 import os
 import pathlib
@@ -27,8 +29,14 @@ if TYPE_CHECKING:
     import xarray
 
 _CONTROL = "control"
-# Of a replay in a notebook, which keeps it: three.js is 0.9 MB of it.
-_LARGEST_PAGE = 3_000_000
+_LARGEST_FRAME = 3_000_000  # characters of a replay in a notebook, which keeps them
+# A page in a frame unpacks itself: most of it is three.js, which is a quarter when packed.
+_UNPACK = """<!doctype html><script>(async () => {
+const packed = Uint8Array.from(atob("PACKED"), (c) => c.charCodeAt(0));
+const page = new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"));
+const text = await new Response(page).text();
+document.open(); document.write(text); document.close();
+})();</script>"""
 _PLACE = re.compile(r"(?:(?P<group>[^/\[]+)/)?(?P<name>[^/\[]+)(?:\[(?P<index>[1-9][0-9]*)\])?")
 
 
@@ -273,23 +281,21 @@ class Run:
     def _picture(
         self, command: str, name: str, file: Any, options: Mapping[str, Any]
     ) -> pathlib.Path:
-        target = path_or_none(file, "file")
-        if target is None and self._folder is None:
+        if file is None and self._folder is None:
             raise InputError("file: must be given for a run that has no folder")
-        words = [command, "--quiet"]
-        for option, value in {"out": target, **options}.items():
-            if value is not None:
-                words.append(f"--{option}={value}")
+        target = path_or_none(file, "file") or str(self._folder / name)
+        words = [command, "--quiet", f"--out={target}"]
+        words += [f"--{option}={value}" for option, value in options.items() if value is not None]
         with self._some_folder() as folder:
             status, lines = call([*words, "--", str(folder)])
-            if status != 0:
-                raise failure_of(status, f"{command}: {' '.join(lines)}")
-            return folder / name if target is None else pathlib.Path(target)
+        if status != 0:
+            raise failure_of(status, f"{command}: {' '.join(lines)}")
+        return pathlib.Path(target)
 
     @contextlib.contextmanager
     def _some_folder(self) -> Iterator[pathlib.Path]:
-        """Where it is saved; if it is not, a copy for the while."""
-        if self._folder is not None:
+        """Where it is saved; if it is not, or there is another run by now, a copy for the while."""
+        if self._folder is not None and self._is_in(self._folder):
             yield self._folder
             return
         with tempfile.TemporaryDirectory() as temporary:
@@ -297,28 +303,38 @@ class Run:
             self._core.save(str(folder))
             yield folder
 
+    def _is_in(self, folder: pathlib.Path) -> bool:
+        if isinstance(self._core, _core.SavedRun):
+            return True
+        try:
+            saved = _core.SavedRun(folder)
+            return (saved.config_text, saved.state_hash) == (self.config_text, self.state_hash)
+        except InputError:
+            return False
+
     def __repr__(self) -> str:
         state = f"failed at {self.failure[0]:.6g} s" if self.failure else f"{len(self.metrics)} metrics"
-        return (
-            f"<Run {self.scenario} {self.case}: {len(self.time_s)} samples, {state}, "
-            f"state hash {self.state_hash}>"
-        )
+        try:
+            log = f"{len(self.time_s)} samples"
+        except InputError:  # of a folder that is damaged
+            log = "no log"
+        return f"<Run {self.scenario} {self.case}: {log}, {state}, state hash {self.state_hash}>"
 
     def _repr_html_(self) -> str:
         """What a notebook shows: the replay, in a frame of its own. If there is none, the metrics and why."""
         with tempfile.TemporaryDirectory() as temporary:
             try:
-                page = self.replay(pathlib.Path(temporary) / "replay.html").read_text("utf-8")
+                page = self.replay(pathlib.Path(temporary) / "replay.html").read_bytes()
             except (OSError, RuntimeError, ValueError) as error:
                 return self._table(str(error))
-        if len(page) > _LARGEST_PAGE:
+        packed = base64.b64encode(gzip.compress(page, mtime=0)).decode()
+        if len(packed) > _LARGEST_FRAME:
             return self._table(
-                f"its replay has {1e-6 * len(page):.1f} MB, too much for a notebook: run.replay(FILE) makes it"
+                f"{1e-6 * len(packed):.1f} MB are too much for a notebook; run.replay(FILE) makes the page"
             )
-        quoted = page.replace("&", "&amp;").replace('"', "&quot;")  # all that an attribute needs
         return (
-            f'<iframe srcdoc="{quoted}" title="{html.escape(repr(self))}" '
-            'style="width: 100%; height: 640px; border: 0"></iframe>'
+            f'<iframe srcdoc="{html.escape(_UNPACK.replace("PACKED", packed))}" '
+            f'title="{html.escape(repr(self))}" style="width: 100%; height: 640px; border: 0"></iframe>'
         )
 
     def _table(self, note: str) -> str:
