@@ -178,30 +178,28 @@ def sweep(
         if value is not None and folder is None and not is_folder:
             raise InputError(f"{name}: says what is left in the study's folder: give out=")
 
-    options: list[tuple[str, Any]] = []
-    if case is not None:
-        options.append(("case", _names(case, "case")))
-    for line in set_lines(set):
-        options.append(("set", line))
+    lines = set_lines(set)
     if duration is not None:
-        options += [("set", line) for line in set_lines({"run.duration_s": duration})]
-    options.append(("config", path_or_none(config, "config")))
-    for key, value in _keys({} if vary is None else vary, "vary").items():
-        options.append(("vary", f"{key}={_varied(value, f'vary: {key}')}"))
-    options.append(("seeds", None if seeds is None else _seeds(seeds)))
-    options.append(("method", text_or_none(method, "method")))
-    options.append(("samples", None if samples is None else _whole(samples, "samples")))
-    if sampling_seed is not None:
-        options.append(("sampling-seed", _whole(sampling_seed, "sampling_seed")))
-    options.append(("baseline", text_or_none(baseline, "baseline")))
-    options.append(("metrics", None if metrics is None else _names(metrics, "metrics")))
-    for metric, wish in _keys({} if goal is None else goal, "goal").items():
-        options.append(("goal", f"{metric}={text_or_none(wish, f'goal: {metric}')}"))
-    options.append(("keep", text_or_none(keep, "keep")))
-    if jobs is not None:
-        if not 1 <= _whole(jobs, "jobs") <= _MOST_JOBS:
-            raise InputError(f"jobs: must be 1 to {_MOST_JOBS}, is {jobs}")
-        options.append(("jobs", _whole(jobs, "jobs")))
+        lines += set_lines({"run.duration_s": duration})
+    varied = {} if vary is None else _keys(vary, "vary")
+    goals = {} if goal is None else _keys(goal, "goal")
+    if jobs is not None and not 1 <= _whole(jobs, "jobs") <= _MOST_JOBS:
+        raise InputError(f"jobs: must be 1 to {_MOST_JOBS}, is {jobs}")
+    options = [
+        ("case", None if case is None else _names(case, "case")),
+        ("config", path_or_none(config, "config")),
+        *(("set", line) for line in lines),
+        *(("vary", f"{key}={_varied(value, f'vary: {key}')}") for key, value in varied.items()),
+        ("seeds", None if seeds is None else _seeds(seeds)),
+        ("method", text_or_none(method, "method")),
+        ("samples", None if samples is None else _whole(samples, "samples")),
+        ("sampling-seed", None if sampling_seed is None else _whole(sampling_seed, "sampling_seed")),
+        ("baseline", text_or_none(baseline, "baseline")),
+        ("metrics", None if metrics is None else _names(metrics, "metrics")),
+        *(("goal", f"{key}={text_or_none(value, f'goal: {key}')}") for key, value in goals.items()),
+        ("keep", text_or_none(keep, "keep")),
+        ("jobs", None if jobs is None else _whole(jobs, "jobs")),
+    ]
     words = ["sweep", "--quiet", *(f"--{name}={value}" for name, value in options if value is not None)]
     if rerun:
         words.append("--rerun")
