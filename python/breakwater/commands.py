@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import pathlib
 import shutil
-import signal
 import subprocess
 
 from . import _core
@@ -36,12 +35,13 @@ def call(words: list[str]) -> tuple[int, list[str]]:
         stderr=subprocess.PIPE,
         text=True,
         errors="replace",
-        process_group=0,  # a shell's or a notebook's own signals are passed on below, once
     ) as child:
         try:
             said = child.communicate()[1]
         except BaseException:
-            child.send_signal(signal.SIGINT)
+            # A shell and a notebook interrupt the whole process group: it may have been told already, and a
+            # second SIGINT would kill it.
+            child.terminate()
             try:
                 child.communicate()
             except BaseException:

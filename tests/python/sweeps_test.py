@@ -1,6 +1,7 @@
 """Sweeps from Python: the same folder as the command's, as a DataFrame."""
 
 import csv
+import os
 import pathlib
 import signal
 import subprocess
@@ -277,25 +278,27 @@ class Processes(unittest.TestCase):
         self.assertEqual(len(done[0]), RUNS)
 
     def test_ctrl_c_stops_it_and_the_same_call_goes_on(self):
-        call = "bw.sweep('motor_estimation', case='idob', seeds=range(1, 401), duration=2, out=r'{}')"
-        with temporary_folder() as folder:
-            program = ("import breakwater as bw\n"
-                       f"try:\n    {call.format(folder / 'study')}\n"
-                       "except KeyboardInterrupt:\n    print('stopped', flush=True)\n")
-            with subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, text=True) as child:
-                shards = folder / "study" / "shards"
-                until = time.monotonic() + 100
-                while not (shards.is_dir() and any(shard.stat().st_size > 2000 for shard in shards.iterdir())):
-                    self.assertLess(time.monotonic(), until)
-                    time.sleep(0.01)
-                child.send_signal(signal.SIGINT)
-                self.assertEqual(child.communicate(timeout=100)[0], "stopped\n")
-            command(folder / "study", "--collect")
-            begun = (folder / "study" / "results.csv").read_text().splitlines()
-            self.assertTrue(1 < len(begun) < 401, len(begun))
-            table = bw.sweep("motor_estimation", case="idob", seeds=range(1, 401), duration=2, out=folder / "study")
-            self.assertEqual(len(table), 400)
-            self.assertEqual((folder / "study" / "results.csv").read_text().splitlines()[: len(begun)], begun)
+        study = dict(case="idob", seeds=range(1, 401), duration=2)
+        for interrupt in (os.kill, os.killpg):  # as another process does, and as a shell or a notebook
+            with self.subTest(interrupt.__name__), temporary_folder() as folder:
+                program = ("import breakwater as bw\n"
+                           f"try:\n    bw.sweep('motor_estimation', **{study}, out=r'{folder / 'study'}')\n"
+                           "except KeyboardInterrupt:\n    print('stopped', flush=True)\n")
+                with subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, text=True,
+                                      start_new_session=True) as child:
+                    shards = folder / "study" / "shards"
+                    until = time.monotonic() + 100
+                    while not (shards.is_dir() and any(shard.stat().st_size > 2000 for shard in shards.iterdir())):
+                        self.assertLess(time.monotonic(), until)
+                        time.sleep(0.01)
+                    interrupt(child.pid, signal.SIGINT)
+                    self.assertEqual(child.communicate(timeout=100)[0], "stopped\n")
+                command(folder / "study", "--collect")
+                begun = (folder / "study" / "results.csv").read_text().splitlines()
+                self.assertTrue(1 < len(begun) < 401, len(begun))
+                self.assertEqual(len(bw.sweep("motor_estimation", **study, out=folder / "study")), 400)
+                rows = (folder / "study" / "results.csv").read_text().splitlines()
+                self.assertEqual(set(begun) - set(rows), set())
 
 
 if __name__ == "__main__":
