@@ -86,7 +86,7 @@ Eigen::VectorXd bounds(const py::object& object, Eigen::Index size, double other
     throw std::invalid_argument(name + ": must be " + std::to_string(size) + " numbers, is " +
                                 description(object));
   }
-  const Eigen::VectorXd copy = Eigen::Map<const Eigen::VectorXd>(values.data(), size);
+  Eigen::VectorXd copy = Eigen::Map<const Eigen::VectorXd>(values.data(), size);
   if (copy.hasNaN()) throw std::invalid_argument(name + ": must not be nan");
   return copy;
 }

@@ -28,6 +28,7 @@ void set_places() {
   set_data_places(places);
 }
 
+// NOLINTNEXTLINE(performance-unnecessary-value-param): what pybind11 calls
 void translate(std::exception_ptr thrown) {
   try {
     if (thrown) std::rethrow_exception(thrown);

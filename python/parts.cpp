@@ -99,7 +99,7 @@ class Part {
       throw std::invalid_argument(place + ": must return a dict, is " + description(published));
     }
     for (const auto& [key, value] : published.cast<py::dict>()) {
-      const std::string name = py::str(key).cast<std::string>();
+      const auto name = py::str(key).cast<std::string>();
       const std::string where = place + ": " + name;
       const bool is_entry = py::isinstance<py::tuple>(value) && py::len(value) == 3;
       if (!is_entry) {

@@ -6,8 +6,10 @@
     run["force_true_N"], run.time_s           # the log, as NumPy arrays without a copy
     run.to_pandas(), run.to_xarray()
     run.video("impact.mp4", speed=0.1)
+    table = bw.sweep("motor_estimation", case=["idob", "stf"], vary={"encoder.bits": [6, 8, 10]}, seeds=range(1, 21))
 
 Runs:         run, load, scenarios, cases; Run
+Many runs:    sweep
 Your own:     Controller, Estimator; ArmSample, AxisSample, QuadrotorSample; PlanarChain
 Design:       dare, lqr, place_poles, place_observer_poles, zero_order_hold, damped_inertia,
               extend_by_disturbance_model, observability_rank; QpSolver, solve_qp
@@ -51,6 +53,7 @@ from .observers import (
 from .parts import Controller, Estimator
 from .runs import Run, cases, load, run, scenarios
 from .samples import ArmSample, AxisSample, QuadrotorSample
+from .sweeps import sweep
 
 __all__ = [
     "ArmSample",
@@ -91,5 +94,6 @@ __all__ = [
     "run",
     "scenarios",
     "solve_qp",
+    "sweep",
     "zero_order_hold",
 ]

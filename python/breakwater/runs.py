@@ -2,23 +2,25 @@
 
 from __future__ import annotations
 
+import base64
+import contextlib
 import functools
-import json
-import math
-import operator
+import gzip
+import html
 import os
 import pathlib
 import re
 import shutil
-import subprocess
 import tempfile
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from . import _core
+from .arguments import folder_path, path_or_none, set_lines, text_or_none
+from .commands import call, failure_of
 from .errors import InputError, RunFailed
 from .parts import Controller, Estimator
 
@@ -27,66 +29,15 @@ if TYPE_CHECKING:
     import xarray
 
 _CONTROL = "control"
+_LARGEST_FRAME = 3_000_000  # characters of a replay in a notebook, which keeps them
+# A page in a frame unpacks itself: most of it is three.js, which is a quarter when packed.
+_UNPACK = """<!doctype html><script>(async () => {
+const packed = Uint8Array.from(atob("PACKED"), (c) => c.charCodeAt(0));
+const page = new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"));
+const text = await new Response(page).text();
+document.open(); document.write(text); document.close();
+})();</script>"""
 _PLACE = re.compile(r"(?:(?P<group>[^/\[]+)/)?(?P<name>[^/\[]+)(?:\[(?P<index>[1-9][0-9]*)\])?")
-
-
-def _toml(value: Any, where: str) -> str:
-    """A value of `set=` as TOML."""
-    if isinstance(value, np.ndarray):
-        value = value.tolist()
-    if isinstance(value, (bool, np.bool_)):
-        return "true" if value else "false"
-    if isinstance(value, str):
-        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
-    if isinstance(value, (float, np.floating)):
-        if not math.isfinite(value):
-            raise InputError(f"{where}: must be finite, is {value}")
-        return repr(float(value))
-    if isinstance(value, (list, tuple, range)):
-        return "[" + ", ".join(_toml(entry, where) for entry in value) + "]"
-    try:
-        return str(operator.index(value))
-    except TypeError:
-        raise InputError(
-            f"{where}: must be a number, a bool, a str or a list of them, is {type(value).__name__}"
-        ) from None
-
-
-def _sets(values: Mapping[str, Any] | None) -> list[str]:
-    if values is None:
-        return []
-    if not isinstance(values, Mapping):
-        raise InputError(f"set: must be a dict of keys and values, is {type(values).__name__}")
-    lines = []
-    for key, value in values.items():
-        if not isinstance(key, str):
-            raise InputError(f"set: keys must be str, one is {type(key).__name__}")
-        if "=" in key:
-            raise InputError(f"set: there is no key {key!r}")
-        lines.append(f"{key}={_toml(value, f'set: {key}')}")
-    return lines
-
-
-def _text(value: Any, name: str) -> str | None:
-    if value is None or isinstance(value, str):
-        return value
-    raise InputError(f"{name}: must be a str, is {type(value).__name__}")
-
-
-def _path(value: Any, name: str) -> str | None:
-    if value is None:
-        return None
-    try:
-        return os.fsdecode(value)
-    except TypeError:
-        raise InputError(f"{name}: must be a path, is {type(value).__name__}") from None
-
-
-def _folder(value: Any) -> pathlib.Path:
-    try:
-        return pathlib.Path(os.fsdecode(value))
-    except TypeError:
-        raise InputError(f"folder: must be a path, is {type(value).__name__}") from None
 
 
 def _part(value: Any, base: type, name: str) -> Any:
@@ -119,15 +70,6 @@ def _handle_class(name: str) -> type[_Handle]:
 
 def _handle(part: Any) -> _Handle | None:
     return None if part is None else _handle_class(type(part).__name__)(part)
-
-
-def program() -> str:
-    """The program `breakwater` that belongs to this module: of its build, or of the installation."""
-    built = pathlib.Path(_core.__file__).resolve().parents[2] / "bin" / "breakwater"
-    found = str(built) if built.exists() else shutil.which("breakwater")
-    if found is None:
-        raise FileNotFoundError("there is no program breakwater: install the package breakwater")
-    return found
 
 
 class Run:
@@ -297,7 +239,7 @@ class Run:
     def save(self, folder: str | os.PathLike[str]) -> pathlib.Path:
         """Writes config.toml, metrics.json, manifest.json and log.h5 into a folder, in place of an earlier
         run there. Returns it."""
-        target = _folder(folder)
+        target = folder_path(folder)
         if isinstance(self._core, _core.SavedRun):
             if self._folder is not None and target.resolve() != self._folder.resolve():
                 shutil.copytree(self._folder, target)
@@ -323,40 +265,87 @@ class Run:
 
         Raises RuntimeError with the program's own message if it cannot be made.
         """
+        options = {"speed": speed, "from": from_s, "to": to_s, "camera": camera, "size": size, "look": look}
+        return self._picture("video", "video.mp4", file, options)
+
+    def replay(
+        self, file: str | os.PathLike[str] | None = None, *, camera: str | None = None
+    ) -> pathlib.Path:
+        """Makes a page that plays the run in three dimensions in any browser, as `breakwater replay` does, and
+        returns its file: by default replay.html in its folder. In a notebook a run is shown so by itself.
+
+        Raises RuntimeError with the program's own message if it cannot be made.
+        """
+        return self._picture("replay", "replay.html", file, {"camera": camera})
+
+    def _picture(
+        self, command: str, name: str, file: Any, options: Mapping[str, Any]
+    ) -> pathlib.Path:
         if file is None and self._folder is None:
             raise InputError("file: must be given for a run that has no folder")
-        words = [program(), "video", "--quiet"]
-        options = {"--out": _path(file, "file"), "--speed": speed, "--from": from_s, "--to": to_s,
-                   "--camera": camera, "--size": size, "--look": look}  # fmt: skip
-        for option, value in options.items():
-            if value is not None:
-                words += [option, str(value)]
+        target = path_or_none(file, "file") or str(self._folder / name)
+        words = [command, "--quiet", f"--out={target}"]
+        words += [f"--{option}={value}" for option, value in options.items() if value is not None]
+        with self._some_folder() as folder:
+            status, lines = call([*words, "--", str(folder)])
+        if status != 0:
+            raise failure_of(status, f"{command}: {' '.join(lines)}")
+        return pathlib.Path(target)
+
+    @contextlib.contextmanager
+    def _some_folder(self) -> Iterator[pathlib.Path]:
+        """Where it is saved; if it is not, or there is another run by now, a copy for the while."""
+        if self._folder is not None and self._is_in(self._folder):
+            yield self._folder
+            return
         with tempfile.TemporaryDirectory() as temporary:
-            folder = self._folder
-            if folder is None:
-                folder = pathlib.Path(temporary) / "run"
-                self._core.save(str(folder))
-            done = subprocess.run([*words, str(folder)], capture_output=True, text=True)
-            if done.returncode != 0:
-                error = InputError if done.returncode == 2 else RuntimeError
-                raise error(f"video: {done.stderr.strip()}")
-            return folder / "video.mp4" if file is None else pathlib.Path(_path(file, "file") or "")
+            folder = pathlib.Path(temporary) / "run"
+            self._core.save(str(folder))
+            yield folder
+
+    def _is_in(self, folder: pathlib.Path) -> bool:
+        if isinstance(self._core, _core.SavedRun):
+            return True
+        try:
+            saved = _core.SavedRun(folder)
+            return (saved.config_text, saved.state_hash) == (self.config_text, self.state_hash)
+        except InputError:
+            return False
 
     def __repr__(self) -> str:
         state = f"failed at {self.failure[0]:.6g} s" if self.failure else f"{len(self.metrics)} metrics"
-        return (
-            f"<Run {self.scenario} {self.case}: {len(self.time_s)} samples, {state}, "
-            f"state hash {self.state_hash}>"
-        )
+        try:
+            log = f"{len(self.time_s)} samples"
+        except InputError:  # of a folder that is damaged
+            log = "no log"
+        return f"<Run {self.scenario} {self.case}: {log}, {state}, state hash {self.state_hash}>"
 
     def _repr_html_(self) -> str:
-        import html
+        """What a notebook shows: the replay, in a frame of its own. If there is none, the metrics and why."""
+        with tempfile.TemporaryDirectory() as temporary:
+            try:
+                page = self.replay(pathlib.Path(temporary) / "replay.html").read_bytes()
+            except (OSError, RuntimeError, ValueError) as error:
+                return self._table(str(error))
+        packed = base64.b64encode(gzip.compress(page, mtime=0)).decode()
+        if len(packed) > _LARGEST_FRAME:
+            return self._table(
+                f"{1e-6 * len(packed):.1f} MB are too much for a notebook; run.replay(FILE) makes the page"
+            )
+        return (
+            f'<iframe srcdoc="{html.escape(_UNPACK.replace("PACKED", packed))}" '
+            f'title="{html.escape(repr(self))}" style="width: 100%; height: 640px; border: 0"></iframe>'
+        )
 
+    def _table(self, note: str) -> str:
         rows = "".join(
             f"<tr><td>{html.escape(name)}</td><td>{value:.6g}</td></tr>"
             for name, value in self.metrics.items()
         )
-        return f"<p>{html.escape(repr(self))}</p><table>{rows}</table>"
+        return (
+            f"<p>{html.escape(repr(self))}</p><table>{rows}</table>"
+            f"<p>not in three dimensions: {html.escape(note)}</p>"
+        )
 
 
 def run(
@@ -384,23 +373,23 @@ def run(
     Raises InputError for what is wrong with the arguments, keys and values; RunFailed if the run did not
     reach its end; and what a controller or estimator of your own raises. Ctrl-C stops it.
     """
-    scenario_name = _text(scenario, "scenario")
+    scenario_name = text_or_none(scenario, "scenario")
     if scenario_name is None:
         raise InputError("scenario: must be a str, is None")
-    sets = _sets(set)
+    sets = set_lines(set)
     if seed is not None:
-        sets += _sets({"run.seed": seed})
+        sets += set_lines({"run.seed": seed})
     if duration is not None:
-        sets += _sets({"run.duration_s": duration})
+        sets += set_lines({"run.duration_s": duration})
     parts = [
         _handle(_part(controller, Controller, "controller")),
         _handle(_part(estimator, Estimator, "estimator")),
     ]
-    folder = _path(out, "out")
+    folder = path_or_none(out, "out")
     core = _core.run(
         scenario_name,
-        _text(case, "case"),
-        _path(config, "config"),
+        text_or_none(case, "case"),
+        path_or_none(config, "config"),
         sets,
         *parts,
         folder,
@@ -420,7 +409,7 @@ def load(folder: str | os.PathLike[str]) -> Run:
 
     Raises InputError if it is no run's folder, or damaged. A failed run has `failure` and no metrics.
     """
-    path = _folder(folder)
+    path = folder_path(folder)
     return Run(_core.SavedRun(path), path, [])
 
 
@@ -431,7 +420,7 @@ def scenarios() -> dict[str, str]:
 
 def cases(scenario: str) -> list[str]:
     """The cases of a scenario."""
-    name = _text(scenario, "scenario")
+    name = text_or_none(scenario, "scenario")
     if name is None:
         raise InputError("scenario: must be a str, is None")
     return _core.cases(name)

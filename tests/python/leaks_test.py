@@ -85,6 +85,7 @@ class Leaks(unittest.TestCase):
                     work(k)
                 gc.collect()
                 grown = resident_kB() - before
+                print(f"{work.__name__}: {grown} kB grown in {COUNT}", flush=True)
                 # A leak of 1 kB for each would show; the allocator's own unrest is some hundred kB.
                 self.assertLess(grown, 300 + COUNT // 4, f"kB grown in {COUNT}")
 

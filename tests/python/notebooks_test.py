@@ -15,7 +15,7 @@ LARGEST_PICTURE = 30_000
 class Notebooks(unittest.TestCase):
     def test_run_from_top_to_bottom(self):
         files = sorted(FOLDER.glob("*.ipynb"))
-        self.assertGreater(len(files), 2)
+        self.assertGreater(len(files), 3)
         with tempfile.TemporaryDirectory() as home:
             os.environ.update(HOME=home, IPYTHONDIR=home, MPLCONFIGDIR=home, MPLBACKEND="module://matplotlib_inline.backend_inline")
             for file in files:

@@ -7,7 +7,7 @@ import tempfile
 
 import breakwater
 
-BIN = pathlib.Path(breakwater.runs.program()).parent
+BIN = pathlib.Path(breakwater.commands.program()).parent
 
 
 @contextlib.contextmanager

@@ -1,0 +1,232 @@
+"""Studies of very many runs, as one table."""
+
+from __future__ import annotations
+
+import errno
+import operator
+import os
+import pathlib
+import re
+import tempfile
+import warnings
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _core
+from .arguments import path_or_none, set_lines, text_or_none, toml_text
+from .commands import call, failure_of
+from .errors import InputError
+from .parts import Controller
+
+if TYPE_CHECKING:
+    import pandas
+
+_DISTRIBUTIONS = ("uniform", "log_uniform", "normal")
+_RULE = re.compile(r"(lin|log)\(")
+_OPTION = re.compile(r"^(?:sweep: )?--([a-z-]+)(?=:)")
+_MOST_JOBS = 4096
+
+
+def _kind(value: Any) -> str:
+    return repr(value) if isinstance(value, str) else f"of type {type(value).__name__}"
+
+
+def _values(value: Any, name: str, wish: str) -> list[Any]:
+    """A list, range or array as a list of at least one."""
+    if not isinstance(value, (list, tuple, range)):
+        array = np.asarray(value) if hasattr(value, "__array__") else None
+        if array is None or array.ndim == 0:
+            raise InputError(f"{name}: must be {wish}, is {_kind(value)}")
+        value = array.tolist()
+    if len(value) == 0:
+        raise InputError(f"{name}: is empty")
+    return list(value)
+
+
+def _names(value: Any, name: str) -> str:
+    """One or several words, as a list of the command line."""
+    words = [value] if isinstance(value, str) else _values(value, name, "a str or a list of them")
+    for word in words:
+        if not isinstance(word, str):
+            raise InputError(f"{name}: must be a str or a list of them, has one {_kind(word)}")
+        if not word or "," in word:
+            raise InputError(f"{name}: there is no {word!r}")
+    return ",".join(words)
+
+
+def _whole(value: Any, name: str) -> int:
+    try:
+        if not isinstance(value, (bool, np.bool_)):
+            return operator.index(value)
+    except TypeError:
+        pass
+    raise InputError(f"{name}: must be a whole number, is {_kind(value)}")
+
+
+def _seeds(value: Any) -> str:
+    if isinstance(value, range) and value.step == 1 and len(value) > 0:
+        return f"{value[0]}..{value[-1]}"
+    seeds = _values(value, "seeds", "a range or a list of whole numbers")
+    return ",".join(str(_whole(seed, "seeds")) for seed in seeds)
+
+
+def _varied(value: Any, name: str) -> str:
+    """What a key takes, as the command line writes it."""
+    if isinstance(value, str) and _RULE.match(value):
+        return value
+    if isinstance(value, Mapping):
+        if len(value) != 1:
+            raise InputError(f"{name}: must be one distribution, has {len(value)}")
+        ((kind, numbers),) = value.items()
+        if kind not in _DISTRIBUTIONS:
+            near = _core.did_you_mean(str(kind), list(_DISTRIBUTIONS))
+            raise InputError(f"{name}: there is no distribution {kind!r}{near}")
+        both = _values(numbers, f"{name}: {kind}", "two numbers")
+        return f"{kind}({','.join(toml_text(number, name) for number in both)})"
+    wish = 'a list of values, "lin(a,b,n)", "log(a,b,n)" or {"uniform": [a, b]}'
+    return ",".join(toml_text(entry, name) for entry in _values(value, name, wish))
+
+
+def _keys(values: Any, name: str) -> Mapping[str, Any]:
+    if not isinstance(values, Mapping):
+        raise InputError(f"{name}: must be a dict, is {_kind(values)}")
+    for key in values:
+        if not isinstance(key, str) or not key or "=" in key:
+            raise InputError(f"{name}: there is no key {key!r}")
+    return values
+
+
+def _table(file: pathlib.Path) -> pandas.DataFrame:
+    """results.csv, of which each number is the double that it was."""
+    import pandas
+
+    texts = ["point", "case", "status", "state_hash"]
+    columns = list(pandas.read_csv(file, nrows=0).columns)
+    metrics = columns[columns.index("state_hash") + 1 :]
+    table = pandas.read_csv(
+        file,
+        dtype=dict.fromkeys(texts, str) | dict.fromkeys(metrics, np.float64),
+        keep_default_na=False,
+        na_values=[""],
+        float_precision="round_trip",
+    )
+    table[texts] = table[texts].fillna("")
+    return table
+
+
+def sweep(
+    study: str | os.PathLike[str],
+    *,
+    case: str | Sequence[str] | None = None,
+    vary: Mapping[str, Any] | None = None,
+    seeds: npt.ArrayLike | range | None = None,
+    set: Mapping[str, Any] | None = None,
+    duration: float | None = None,
+    config: str | os.PathLike[str] | None = None,
+    method: str | None = None,
+    samples: int | None = None,
+    sampling_seed: int | None = None,
+    baseline: str | None = None,
+    metrics: str | Sequence[str] | None = None,
+    goal: Mapping[str, str] | None = None,
+    keep: str | None = None,
+    jobs: int | None = None,
+    out: str | os.PathLike[str] | None = None,
+    rerun: bool = False,
+    controller: Controller | None = None,
+) -> pandas.DataFrame:
+    """Runs a study on all cores, and returns its results.csv: a row for each combination of values, in it for
+    each seed, in it for each case; columns `point`, `case`, `seed`, the varied keys, `status`, `state_hash`, and
+    every metric (NaN where a run does not have it).
+
+    study: a scenario, a study file ("study.toml"), or the folder of a study, to go on with it. What else is given
+    lies on top of a study file. case: one, several that are compared, or "all". vary: the keys and what each takes:
+    [6, 8, 10] or an array, "lin(a,b,n)", "log(a,b,n)"; of the methods that draw also {"uniform": [a, b]},
+    {"log_uniform": [a, b]}, {"normal": [mean, deviation]}. seeds: whole numbers, the same for each sample and
+    case. set, duration [s], config: of every run, as in bw.run(). method: "grid" (every combination, the default),
+    "list", "random", "lhs", "sobol" or "saltelli", of `samples` samples drawn with `sampling_seed`. jobs: how many
+    runs at a time; by default all cores.
+
+    out: the study's folder, the same as `breakwater sweep` leaves with the same bytes. If it was begun, by either,
+    what is missing is run; rerun=True begins anew. It has report.html and, of several cases, comparison.csv:
+    baseline is the case that the others are compared with, metrics what is compared (by default all), goal
+    what is better, {"peak_force_filtered_N": "min"}. keep: whose run folders it has, as runs/POINT: "metrics" (none),
+    "failed" or "all". Without out nothing is left.
+
+    Runs that fail are rows with `status` "failed". Raises InputError for what is wrong with the arguments, keys,
+    values and folder, before anything runs; RuntimeError if the study file wants it to end at a failure and one
+    failed. Ctrl-C stops it: what had ended is kept in out.
+
+    There is no `controller=` here: every sample of all runs would wait for one interpreter. Call bw.run() in
+    a loop, or write the law in C++.
+    """
+    import pandas  # noqa: F401  (whoever has none is told so before the runs, not after)
+
+    if controller is not None:
+        raise InputError(
+            "controller: a sweep runs without Python: call bw.run() in a loop, or write the law in C++"
+        )
+    target = path_or_none(study, "study")
+    if target is None:
+        raise InputError("study: must be a scenario, a study file or a study's folder, is None")
+    is_folder = target not in _core.scenarios() and pathlib.Path(target).is_dir()
+    folder = path_or_none(out, "out")
+    for name, value in {"baseline": baseline, "metrics": metrics, "goal": goal, "keep": keep}.items():
+        if value is not None and folder is None and not is_folder:
+            raise InputError(f"{name}: says what is left in the study's folder: give out=")
+
+    lines = set_lines(set)
+    if duration is not None:
+        lines += set_lines({"run.duration_s": duration})
+    varied = {} if vary is None else _keys(vary, "vary")
+    goals = {} if goal is None else _keys(goal, "goal")
+    if jobs is not None and not 1 <= _whole(jobs, "jobs") <= _MOST_JOBS:
+        raise InputError(f"jobs: must be 1 to {_MOST_JOBS}, is {jobs}")
+    options = [
+        ("case", None if case is None else _names(case, "case")),
+        ("config", path_or_none(config, "config")),
+        *(("set", line) for line in lines),
+        *(("vary", f"{key}={_varied(value, f'vary: {key}')}") for key, value in varied.items()),
+        ("seeds", None if seeds is None else _seeds(seeds)),
+        ("method", text_or_none(method, "method")),
+        ("samples", None if samples is None else _whole(samples, "samples")),
+        ("sampling-seed", None if sampling_seed is None else _whole(sampling_seed, "sampling_seed")),
+        ("baseline", text_or_none(baseline, "baseline")),
+        ("metrics", None if metrics is None else _names(metrics, "metrics")),
+        *(("goal", f"{key}={text_or_none(value, f'goal: {key}')}") for key, value in goals.items()),
+        ("keep", text_or_none(keep, "keep")),
+        ("jobs", None if jobs is None else _whole(jobs, "jobs")),
+    ]
+    for name, value in (("out", folder), *options):
+        if value == "":
+            raise InputError(f"{name}: is empty")
+    words = ["sweep", "--quiet", *(f"--{name}={value}" for name, value in options if value is not None)]
+    if rerun:
+        words.append("--rerun")
+    if folder is not None:
+        return _run([*words, f"--out={folder}"], target, pathlib.Path(folder))
+    if is_folder:
+        return _run(words, target, pathlib.Path(target))
+    with tempfile.TemporaryDirectory(prefix="breakwater_sweep_") as temporary:
+        return _run([*words, f"--out={temporary}"], target, pathlib.Path(temporary))
+
+
+def _run(words: list[str], target: str, folder: pathlib.Path) -> pandas.DataFrame:
+    try:
+        status, lines = call([*words, "--", target])
+    except OSError as error:
+        if error.errno != errno.E2BIG:
+            raise
+        raise InputError("vary: has too many values for a command: write a study file") from None
+    # What the command line calls --sampling-seed is an argument here.
+    lines = [_OPTION.sub(lambda option: option[1].replace("-", "_"), line, count=1) for line in lines]
+    if status < 0:
+        raise RuntimeError(f"sweep: the program was ended by signal {-status}")
+    if status != 0:
+        raise failure_of(status, lines[-1] if lines else f"sweep: exit status {status}")
+    for line in lines:
+        warnings.warn(line, stacklevel=3)
+    return _table(folder / "results.csv")
