@@ -1,6 +1,7 @@
 // breakwater reproduce, report and compare as a user calls them.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <csignal>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -373,6 +374,69 @@ TEST_F(Reports, RunsAreToldApartByTheKeysInWhichTheyDiffer) {
   ASSERT_EQ(lacking.status, 0) << lacking.err;
   EXPECT_NE(text_of(folder_ / "page/compare.html").find("mdob: –"), std::string::npos);
   expect_refused({"compare", "a", "b", "--from", "3", "--to", "2"}, "must rise");
+}
+
+// Six seeds of two cases: the row is what their metrics.json say, pair by pair, and all six of one
+// sign have a probability of 2/64.
+TEST_F(Reports, CompareOfSetsOfRunsIsPairedBySeed) {
+  std::vector<std::string> words = {
+      "compare", "--paired", "--metric", "rmse_velocity_rad_s", "--goal", "rmse_velocity_rad_s=min",
+      "--out",   "compared"};
+  std::vector<double> differences;
+  for (int seed = 1; seed <= 6; ++seed) {
+    double values[2];
+    int i = 0;
+    for (const std::string name : {"kfd", "stf"}) {
+      const std::string folder = name + std::to_string(seed);
+      make_run("motor_estimation", folder,
+               {"--case", name, "--seed", std::to_string(seed), "--duration", "11", "--set",
+                "noise.std_rad=0.01"});
+      words.push_back(folder);
+      values[i++] = nlohmann::json::parse(text_of(folder_ / folder / "metrics.json"))
+                        .at("rmse_velocity_rad_s");
+    }
+    differences.push_back(values[1] - values[0]);
+    ASSERT_LT(differences.back(), 0.0);
+  }
+  std::sort(differences.begin(), differences.end());
+  ProgramResult result = breakwater(words);
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_NE(result.out.find("better"), std::string::npos) << result.out;
+  std::istringstream table(text_of(folder_ / "compared/comparison.csv"));
+  const auto row = [&table] {
+    std::string line;
+    std::getline(table, line);
+    std::vector<std::string> cells;
+    std::istringstream stream(line);
+    for (std::string cell; std::getline(stream, cell, ',');) cells.push_back(cell);
+    return cells;
+  };
+  const std::vector<std::string> names = row(), cells = row();
+  const auto cell = [&](const std::string& name) {
+    const auto found = std::find(names.begin(), names.end(), name);
+    return cells.at(static_cast<std::size_t>(found - names.begin()));
+  };
+  EXPECT_EQ(cell("candidate") + cell("reference") + cell("pairs"), "stfkfd6");
+  EXPECT_DOUBLE_EQ(std::stod(cell("difference")), 0.5 * (differences[2] + differences[3]));
+  EXPECT_DOUBLE_EQ(std::stod(cell("p")), 2.0 / 64.0);
+  EXPECT_EQ(cell("verdict"), "better");
+
+  // The other way round it is worse; a seed that one case lacks makes no pair.
+  words.insert(words.end(), {"--baseline", "stf"});
+  words.erase(std::find(words.begin(), words.end(), "kfd6"));
+  result = breakwater(words);
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_EQ(text_of(folder_ / "compared/comparison.csv").find("kfd,stf,6"), std::string::npos);
+  EXPECT_NE(text_of(folder_ / "compared/comparison.csv").find("kfd,stf,5"), std::string::npos);
+
+  expect_refused({"compare", "--paired", "kfd1", "kfd2"},
+                 "all runs are of one case: there is nothing to compare");
+  expect_refused({"compare", "--paired", "kfd1", "stf2"}, "no seed is common to all cases");
+  expect_refused({"compare", "--paired", "kfd1", "stf1", "--baseline", "st"},
+                 "--baseline: st: no run has it (did you mean stf?)");
+  expect_refused({"compare", "--paired", "kfd1", "stf1", "--goal", "rmse_velocity=min"},
+                 "--goal: rmse_velocity: no run has it");
+  expect_refused({"compare", "--paired", "kfd1", "kfd1", "stf1"}, "is there twice");
 }
 
 TEST_F(Reports, CompareWritesTablesAndFigures) {
