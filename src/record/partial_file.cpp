@@ -1,7 +1,6 @@
 #include <breakwater/record/partial_file.h>
 
-#include <unistd.h>
-
+#include <breakwater/record/process_name.h>
 #include <breakwater/record/text_outputs.h>
 
 namespace breakwater {
@@ -9,7 +8,7 @@ namespace breakwater {
 PartialFile::PartialFile(std::filesystem::path file)
     : file_(std::move(file)),
       path_(file_.parent_path() /
-            ("." + file_.filename().string() + ".partial-" + std::to_string(getpid()))) {}
+            ("." + file_.filename().string() + ".partial-" + process_name())) {}
 
 PartialFile::~PartialFile() {
   std::error_code ignored;

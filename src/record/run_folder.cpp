@@ -3,10 +3,8 @@
 #include <fcntl.h>
 #include <unistd.h>
 
-#include <array>
 #include <cerrno>
 #include <charconv>
-#include <climits>
 #include <csignal>
 #include <cstdio>
 #include <cstring>
@@ -18,6 +16,7 @@
 #include <system_error>
 
 #include <breakwater/record/file_hash.h>
+#include <breakwater/record/process_name.h>
 
 namespace breakwater {
 namespace fs = std::filesystem;
@@ -30,12 +29,6 @@ constexpr const char* kEarlierMark = ".earlier-";
 // A file in a partial folder that is whole, but could not be put anywhere else.
 constexpr const char* kKeptMark = "kept";
 
-std::string host_name() {
-  std::array<char, HOST_NAME_MAX + 1> name = {};
-  gethostname(name.data(), name.size() - 1);
-  return name.data();
-}
-
 fs::path without_slash(const fs::path& folder) {
   const fs::path normal = fs::absolute(folder).lexically_normal();
   return normal.has_filename() ? normal : normal.parent_path();
@@ -44,10 +37,6 @@ fs::path without_slash(const fs::path& folder) {
 // ".run.partial-" of every host's, to which belong the host and the process' number.
 std::string hidden_name(const fs::path& target, const char* mark) {
   return "." + target.filename().string() + mark;
-}
-
-std::string own_suffix() {
-  return host_name() + "-" + std::to_string(getpid());
 }
 
 bool is_of_this_host(const std::string& suffix) {
@@ -155,7 +144,7 @@ void exchange(const fs::path& partial, const fs::path& target) {
   // In two steps the target is missing for a moment: if this process is killed in it, the next run
   // or reader puts the earlier one back.
   const fs::path earlier =
-      target.parent_path() / (hidden_name(target, kEarlierMark) + own_suffix());
+      target.parent_path() / (hidden_name(target, kEarlierMark) + process_name());
   std::error_code error;
   fs::rename(target, earlier, error);
   if (error) cannot_replace(target, error.message());
@@ -260,7 +249,7 @@ RunFolder::RunFolder(const fs::path& target) : target_(without_slash(target)) {
     made_parents_ = missing_parents(target_.parent_path());
     fs::create_directories(target_.parent_path());
     remove_abandoned(target_);
-    partial_ = target_.parent_path() / (hidden_name(target_, kPartialMark) + own_suffix());
+    partial_ = target_.parent_path() / (hidden_name(target_, kPartialMark) + process_name());
     fs::create_directory(partial_);
   } catch (const fs::filesystem_error& error) {
     remove_empty(made_parents_);

@@ -17,6 +17,7 @@
 #include <string_view>
 
 #include <breakwater/record/file_hash.h>
+#include <breakwater/record/process_name.h>
 #include <breakwater/scenario/process.h>
 
 namespace breakwater {
@@ -161,12 +162,6 @@ std::vector<fs::path> shards_of(const fs::path& folder) {
   throw OutputError(fmt::format("{}: cannot be written ({})", file.string(), std::strerror(errno)));
 }
 
-std::string host_name() {
-  std::array<char, 256> name{};
-  gethostname(name.data(), name.size() - 1);
-  return name.data();
-}
-
 }  // namespace
 
 const std::string& name_of(PointStatus status) {
@@ -201,7 +196,7 @@ void Shard::add(const ModelHashes& models) {
 
 void Shard::append(const std::string& text) {
   for (int n = 0; descriptor_ < 0; ++n) {
-    file_ = folder_ / fmt::format("{}-{}-{}{}", host_name(), getpid(), n, kSuffix);
+    file_ = folder_ / fmt::format("{}-{}{}", process_name(), n, kSuffix);
     descriptor_ = open(file_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_APPEND | O_CLOEXEC, 0666);
     if (descriptor_ < 0 && errno != EEXIST) fail_to_write(file_);
   }

@@ -71,6 +71,8 @@ class ShardIndex {
 
   std::size_t points() const { return places_.size(); }
   bool has(std::size_t point) const { return places_[point].length > 0; }
+  /// How a point ended, which must be there.
+  PointStatus status(std::size_t point) const { return places_[point].status; }
   std::size_t done() const { return done_; }
   /// How many ended so.
   std::size_t count(PointStatus status) const { return counts_[static_cast<std::size_t>(status)]; }

@@ -1,6 +1,7 @@
 #include <breakwater/study/study_reader.h>
 
 #include <cmath>
+#include <filesystem>
 #include <limits>
 #include <optional>
 #include <stdexcept>
@@ -66,6 +67,18 @@ const Names<DistributionKind>& distributions() {
                                                 {"log_uniform", DistributionKind::log_uniform},
                                                 {"normal", DistributionKind::normal}};
   return names;
+}
+
+toml::table study_tables(const std::string& file) {
+  toml::table tables = parse_toml_file(file);
+  if (const auto config = tables["config"].value<std::string>()) {
+    const auto beside = std::filesystem::absolute(file).parent_path() / *config;
+    if (std::filesystem::exists(beside)) {
+      tables.insert_or_assign("config", beside.lexically_normal().string());
+    }
+  }
+  tables.erase("made_by");
+  return tables;
 }
 
 std::string toml_text(const toml::node& node) {

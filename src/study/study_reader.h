@@ -35,6 +35,11 @@ std::string name_of(const Names<Enum>& names, Enum value) {
 
 const Names<DistributionKind>& distributions();
 
+/// The tables of a study's or a tuning's file. Its `config` is made absolute where it lies beside
+/// the file, as the paths of a scenario file are; what made the results of a study whose file this
+/// was is left out.
+toml::table study_tables(const std::string& file);
+
 /// A value as TOML in one line; numbers as the shortest text that reads back the same.
 std::string toml_text(const toml::node& node);
 

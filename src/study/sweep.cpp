@@ -133,10 +133,13 @@ std::vector<std::size_t> parse_points(const std::string& text, std::size_t size)
     if (read.ptr != end && *read.ptr == '-') read = std::from_chars(read.ptr + 1, end, last);
     if (read.ec != std::errc() || last < first || last >= size) return fail();
     for (std::size_t point = first; point <= last; ++point) points.push_back(point);
-    if (read.ptr == end) return points;
+    if (read.ptr == end) break;
     if (*read.ptr != ',') return fail();
     at = read.ptr + 1;
   }
+  std::sort(points.begin(), points.end());
+  points.erase(std::unique(points.begin(), points.end()), points.end());
+  return points;
 }
 
 std::string print_points(const std::vector<std::size_t>& points) {
@@ -171,13 +174,17 @@ Estimate estimate(const Sweep& sweep, const std::atomic<bool>& stop) {
     const StudyPoint point = plan.point(number);
     return steps_of(sweep.file().config(plan.candidates()[point.candidate].case_name, point.sets));
   };
+  std::vector<double> first_steps;
+  for (std::size_t c = 0; c < plan.candidates().size(); ++c) {
+    first_steps.push_back(steps(plan.first_of(c)));
+  }
   const std::size_t candidates = plan.candidates().size();
   std::vector<double> weights(candidates, static_cast<double>(plan.size() / candidates));
   if (varies("run.duration_s") || varies("physics.timestep_s")) {
     std::fill(weights.begin(), weights.end(), 0.0);
     for (std::size_t point = 0; point < plan.size(); ++point) {
       const std::size_t candidate = point % candidates;
-      weights[candidate] += steps(point) / steps(plan.first_of(candidate));
+      weights[candidate] += steps(point) / first_steps[candidate];
     }
   }
   Estimate estimate;

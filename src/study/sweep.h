@@ -48,7 +48,8 @@ class Sweep : public PointSource {
   std::optional<StudyFolder> folder_;
 };
 
-/// A number of points, as ranges "0-99,120": what is left to do of them.
+/// Points as ranges "0-99,120", each once and in order. Throws std::invalid_argument for what is no
+/// such text, or beyond `size`.
 std::vector<std::size_t> parse_points(const std::string& text, std::size_t size);
 std::string print_points(const std::vector<std::size_t>& points);
 

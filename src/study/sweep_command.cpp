@@ -24,6 +24,7 @@
 #include <breakwater/study/slurm.h>
 #include <breakwater/study/slurm_queue.h>
 #include <breakwater/study/study_comparison.h>
+#include <breakwater/study/study_reader.h>
 #include <breakwater/study/sweep.h>
 
 namespace breakwater {
@@ -228,11 +229,15 @@ void add_options(const SweepArguments& arguments, toml::table& tables) {
     if (!text.empty()) into.insert_or_assign(key, text);
   };
 
+  const auto put_names = [&](const char* key, const std::vector<std::string>& names) {
+    toml::array array;
+    for (const std::string& name : names) array.push_back(name);
+    table("compare").insert_or_assign(key, std::move(array));
+  };
+
   if (!arguments.cases.empty()) {
-    toml::array names;
-    for (const std::string& name : arguments.cases) names.push_back(name);
     tables.erase("case");
-    table("compare").insert_or_assign("case", std::move(names));
+    put_names("case", arguments.cases);
   }
   if (!arguments.config.empty()) {
     tables.insert_or_assign("config", fs::absolute(arguments.config).lexically_normal().string());
@@ -270,11 +275,7 @@ void add_options(const SweepArguments& arguments, toml::table& tables) {
   put_number("samples", "--samples", arguments.samples);
   put_number("sampling_seed", "--sampling-seed", arguments.sampling_seed);
   if (!arguments.baseline.empty()) put_text(table("compare"), "baseline", arguments.baseline);
-  if (!arguments.metrics.empty()) {
-    toml::array names;
-    for (const std::string& name : arguments.metrics) names.push_back(name);
-    table("compare").insert_or_assign("metrics", std::move(names));
-  }
+  if (!arguments.metrics.empty()) put_names("metrics", arguments.metrics);
   for (const std::string& text : arguments.goals) {
     const auto [metric, goal] = pair("--goal", text);
     toml::table& compare = table("compare");
@@ -321,16 +322,8 @@ Opened open_target(const Catalogue& catalogue, const SweepArguments& arguments) 
   // Those that Breakwater brings with it are found from everywhere.
   if (!file && target.extension() == ".toml") file = look_for(arguments.target);
   if (file) {
-    tables = parse_toml_file(file->string());
+    tables = study_tables(file->string());
     name = file->stem().string();
-    // From where the file lies, as the paths of a scenario file are.
-    if (const auto config = tables["config"].value<std::string>()) {
-      const fs::path beside = fs::absolute(*file).parent_path() / *config;
-      if (fs::exists(beside)) {
-        tables.insert_or_assign("config", beside.lexically_normal().string());
-      }
-    }
-    tables.erase("made_by");  // of a study whose file this was
   } else if (target.extension() == ".toml" || arguments.target.find('/') != std::string::npos) {
     throw std::invalid_argument(arguments.target + ": there is no such file or folder");
   } else {
@@ -388,9 +381,8 @@ void print_status(const StudyFolder& folder, const ShardIndex& index) {
   print_slurm_status(folder, index);
 }
 
-void collect(const Plan& plan, const StudyFolder& folder, const StudyExtras& extras,
-             const SweepArguments& arguments) {
-  const ShardIndex index(folder.shards(), plan.size());
+void collect(const Plan& plan, const ShardIndex& index, const StudyFolder& folder,
+             const StudyExtras& extras, const SweepArguments& arguments) {
   const ResultsTable table(plan, index);
   const fs::path csv = folder.path() / "results.csv";
   table.write_csv(csv);
@@ -414,18 +406,15 @@ void collect(const Plan& plan, const StudyFolder& folder, const StudyExtras& ext
 
 // The first point that did not end well, in the study's order; nothing if all did.
 std::optional<PointResult> first_failure(const ShardIndex& index) {
-  for (std::size_t point = 0; point < index.points(); ++point) {
-    if (!index.has(point)) continue;
-    PointResult result = index.read(point);
-    if (result.status != PointStatus::complete) return result;
-  }
-  return std::nullopt;
+  if (index.count(PointStatus::complete) == index.done()) return std::nullopt;
+  std::size_t point = 0;
+  while (!index.has(point) || index.status(point) == PointStatus::complete) ++point;
+  return index.read(point);
 }
 
 // A study that is to stop at the first failure: says so, if there was one.
-bool has_to_stop(const Plan& plan, const StudyFolder& folder) {
+bool has_to_stop(const Plan& plan, const ShardIndex& index) {
   if (plan.study().on_failure == OnFailure::count) return false;
-  const ShardIndex index(folder.shards(), plan.size());
   const auto failure = first_failure(index);
   if (!failure) return false;
   fmt::print(stderr, "{}: point {} {}: {}\n", kSweep, failure->key, name_of(failure->status),
@@ -493,32 +482,13 @@ void leave_out_queued(std::vector<std::size_t>& points, const Plan& plan, const 
   }
 }
 
-// Waits until the tasks have ended, and says so if points are missing then.
-int finish_on_cluster(const Plan& plan, const StudyFolder& folder) {
-  wait_for_queue(folder, plan.size());
-  if (interrupted()) {
-    fmt::print(stderr, "{}: interrupted; what is in the queue goes on\n", kSweep);
-    return kInterrupted;
-  }
-  const ShardIndex index(folder.shards(), plan.size());
-  const bool is_stopped = plan.study().on_failure == OnFailure::stop && first_failure(index);
-  if (index.done() == index.points() || is_stopped) return kSuccess;
-  fmt::print(stderr, "{}: the tasks have ended; {}; --status says why, the same command goes on\n",
-             kSweep, counted(index));
-  return kInterrupted;
-}
-
-int go_on(const Sweep& sweep, const StudyFolder& folder, const SweepArguments& arguments,
-          const StudyExtras& extras) {
+int go_on(const Sweep& sweep, const StudyFolder& folder, const ShardIndex& before,
+          const SweepArguments& arguments, const StudyExtras& extras) {
   const Plan& plan = sweep.plan();
-  if (has_to_stop(plan, folder)) return kRunFailed;
-  std::vector<std::size_t> points;
-  {
-    const ShardIndex index(folder.shards(), plan.size());
-    points = pending(index);
-    if (!arguments.quiet && index.done() > 0 && !points.empty()) {
-      fmt::print(stderr, "{}: {}\n", kSweep, counted(index));
-    }
+  if (has_to_stop(plan, before)) return kRunFailed;
+  std::vector<std::size_t> points = pending(before);
+  if (!arguments.quiet && before.done() > 0 && !points.empty()) {
+    fmt::print(stderr, "{}: {}\n", kSweep, counted(before));
   }
   const bool is_done = points.empty();
   leave_out_queued(points, plan, folder, arguments);
@@ -529,19 +499,29 @@ int go_on(const Sweep& sweep, const StudyFolder& folder, const SweepArguments& a
   if (arguments.slurm && !is_done) {
     if (!points.empty()) submit(sweep, folder, points, arguments.request, arguments.quiet);
     if (!arguments.request.wait) return kSuccess;
-    const int status = finish_on_cluster(plan, folder);
-    if (status != kSuccess) return status;
-  } else if (!points.empty()) {
-    const int status = run_here(sweep, folder, points, arguments, false);
-    if (status == kInterrupted) {
-      const ShardIndex index(folder.shards(), plan.size());
-      fmt::print(stderr, "{}: interrupted; {}; the same command goes on\n", kSweep, counted(index));
+    wait_for_queue(folder, plan.size());
+    if (interrupted()) {
+      fmt::print(stderr, "{}: interrupted; what is in the queue goes on\n", kSweep);
       return kInterrupted;
     }
   }
-  collect(plan, folder, extras, arguments);
-  if (has_to_stop(plan, folder)) return kRunFailed;
+  const bool runs_here = !arguments.slurm && !points.empty();
+  const int status =
+      runs_here ? run_here(sweep, folder, points, arguments, false) : static_cast<int>(kSuccess);
   const ShardIndex index(folder.shards(), plan.size());
+  if (status == kInterrupted) {
+    fmt::print(stderr, "{}: interrupted; {}; the same command goes on\n", kSweep, counted(index));
+    return kInterrupted;
+  }
+  const bool is_stopped = plan.study().on_failure == OnFailure::stop && first_failure(index);
+  if (arguments.slurm && index.done() < index.points() && !is_stopped) {
+    fmt::print(stderr,
+               "{}: the tasks have ended; {}; --status says why, the same command goes on\n",
+               kSweep, counted(index));
+    return kInterrupted;
+  }
+  collect(plan, index, folder, extras, arguments);
+  if (has_to_stop(plan, index)) return kRunFailed;
   if (index.done() < index.points()) {
     throw OutputError(fmt::format("{}: {}: results were not kept, or somebody removed them",
                                   folder.path().string(), counted(index)));
@@ -571,15 +551,16 @@ int sweep(const Catalogue& catalogue, const StudyExtras& extras, const SweepArgu
   if (!folder.is_there() && only_looks) {
     throw std::invalid_argument(folder.path().string() + ": has no study.toml: nothing was begun");
   }
+  std::optional<ShardIndex> before;  // what was there
   if (folder.is_there()) {
     folder.check_is(plan.study());
-    const ShardIndex index(folder.shards(), plan.size());
+    before.emplace(folder.shards(), plan.size());
     if (arguments.status) {
-      print_status(folder, index);
+      print_status(folder, *before);
       return kSuccess;
     }
     if (arguments.collect) {
-      collect(plan, folder, extras, arguments);
+      collect(plan, *before, folder, extras, arguments);
       return kSuccess;
     }
     if (arguments.rerun) {
@@ -591,11 +572,12 @@ int sweep(const Catalogue& catalogue, const StudyExtras& extras, const SweepArgu
       sweep.check();  // while what is there is still there
       folder.clear();
       folder.make(plan.study(), sweep.file());
+      before.emplace(folder.shards(), plan.size());
     } else {
-      folder.check_made_by_this(sweep.file(), index);
+      folder.check_made_by_this(sweep.file(), *before);
     }
     if (!arguments.replay.empty()) {
-      const PointResult result = replay(sweep, folder, index, arguments.replay, interrupted());
+      const PointResult result = replay(sweep, folder, *before, arguments.replay, interrupted());
       if (!arguments.quiet) {
         fmt::print("{}: {}\n", name_of(result.status), folder.run(result.key).string());
       }
@@ -605,23 +587,22 @@ int sweep(const Catalogue& catalogue, const StudyExtras& extras, const SweepArgu
   if (!folder.is_there()) {
     sweep.check();
     folder.make(plan.study(), sweep.file());
+    before.emplace(folder.shards(), plan.size());
   }
   sweep.keep_in(folder);
   if (!arguments.points.empty()) {
-    const ShardIndex index(folder.shards(), plan.size());
     std::vector<std::size_t> points = points_of_task(arguments.points, plan.size());
-    std::sort(points.begin(), points.end());
-    points.erase(std::unique(points.begin(), points.end()), points.end());
-    std::erase_if(points, [&](std::size_t point) { return index.has(point); });
-    if (!arguments.announce && has_to_stop(plan, folder)) return kRunFailed;
+    std::erase_if(points, [&](std::size_t point) { return before->has(point); });
+    if (!arguments.announce && has_to_stop(plan, *before)) return kRunFailed;
     const int status = run_here(sweep, folder, points, arguments, true);
     if (status == kInterrupted && !arguments.announce) {
       fmt::print(stderr, "{}: interrupted before all points of this task were run\n", kSweep);
     }
-    if (!arguments.announce && has_to_stop(plan, folder)) return kRunFailed;
+    const bool may_stop = plan.study().on_failure == OnFailure::stop && !arguments.announce;
+    if (may_stop && has_to_stop(plan, {folder.shards(), plan.size()})) return kRunFailed;
     return status;
   }
-  return go_on(sweep, folder, arguments, extras);
+  return go_on(sweep, folder, *before, arguments, extras);
 }
 
 }  // namespace
