@@ -136,7 +136,9 @@ void ResultsTable::write_sqlite(const std::filesystem::path& file) const {
         const bool is_number = names[static_cast<std::size_t>(column - 1)] != "point" &&
                                names[static_cast<std::size_t>(column - 1)] != "state_hash" &&
                                error == std::errc() && end == cell.data() + cell.size();
-        if (is_number) {
+        if (is_number && names[static_cast<std::size_t>(column - 1)] == "seed") {
+          sqlite3_bind_int64(made, column, std::stoll(cell));  // a double has not all of them
+        } else if (is_number) {
           sqlite3_bind_double(made, column, number);
         } else {
           sqlite3_bind_text(made, column, cell.data(), static_cast<int>(cell.size()),

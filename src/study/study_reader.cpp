@@ -231,12 +231,23 @@ void StudyReader::collect(const toml::table& table, const std::string& name,
     if (prefix.empty() && but.contains(path)) continue;
     const toml::table* nested = node.as_table();
     if (nested != nullptr && !is_distribution(*nested)) {
+      refuse_misspelt(*nested, name + "." + path);
       if (nested->empty()) fail(node, name + "." + path, "is empty");
       collect(*nested, name, path + ".", but, found);
       continue;
     }
     found.emplace_back(key.source().begin, varied_key(node, name, path));
   }
+}
+
+void StudyReader::refuse_misspelt(const toml::table& table, const std::string& key) const {
+  const bool is_like_one = table.is_inline() && table.size() == 1 &&
+                           table.begin()->second.is_array() &&
+                           table.begin()->second.as_array()->size() == 2;
+  if (!is_like_one) return;
+  const std::string name(table.begin()->first.str());
+  const std::string meant = did_you_mean(name, names_of(distributions()));
+  if (!meant.empty()) fail(table, key, "there is no distribution " + name + meant);
 }
 
 VariedKey StudyReader::varied_key(const toml::node& node, const std::string& table,

@@ -103,6 +103,8 @@ class StudyReader {
   void collect(const toml::table& table, const std::string& name, const std::string& prefix,
                const std::set<std::string>& but,
                std::vector<std::pair<toml::source_position, VariedKey>>& found) const;
+  // An inline table that looks like a distribution, and is none.
+  void refuse_misspelt(const toml::table& table, const std::string& key) const;
   VariedKey varied_key(const toml::node& node, const std::string& table,
                        const std::string& path) const;
 

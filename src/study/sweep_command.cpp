@@ -24,6 +24,7 @@
 #include <breakwater/study/slurm.h>
 #include <breakwater/study/slurm_queue.h>
 #include <breakwater/study/study_comparison.h>
+#include <breakwater/study/study_notes.h>
 #include <breakwater/study/study_reader.h>
 #include <breakwater/study/sweep.h>
 
@@ -85,9 +86,11 @@ void describe(CLI::App& app, SweepArguments& arguments) {
       ->group(what);
   app.add_option("--vary", arguments.vary,
                  "a key and what it takes: 1,2,5 or lin(A,B,N), log(A,B,N); of the methods that\n"
-                 "draw also uniform(A,B), log_uniform(A,B), normal(MEAN,DEVIATION)")
+                 "draw also uniform(A,B), log_uniform(A,B), normal(MEAN,DEVIATION); may be given\n"
+                 "again for another key")
       ->type_name("KEY=VALUES")
-      ->allow_extra_args(false)
+      ->expected(1)
+      ->take_all()
       ->group(what);
   app.add_option("--seeds", arguments.seeds, "the same for each sample and case: 1..20 or 1,4,7")
       ->type_name("SEEDS")
@@ -111,7 +114,8 @@ void describe(CLI::App& app, SweepArguments& arguments) {
   app.add_option("--goal", arguments.goals,
                  "what is better in a metric: METRIC=min or METRIC=max; may be given again")
       ->type_name("METRIC=GOAL")
-      ->allow_extra_args(false)
+      ->expected(1)
+      ->take_all()
       ->group(what);
   app.add_option("--keep", arguments.keep,
                  "whose folders, with logs: metrics (none, the default), failed, all")
@@ -145,7 +149,8 @@ void describe(CLI::App& app, SweepArguments& arguments) {
   app.add_flag("--collect", arguments.collect, "write results.csv of what is done, and exit")
       ->group(with);
   app.add_option("--replay", arguments.replay,
-                 "run this point once more, with its log, into DIR/runs/POINT")
+                 "run this point (its first digits will do) once more, with its log, into\n"
+                 "DIR/runs/POINT; exit status 3 if it is not the run that it was")
       ->type_name("POINT")
       ->group(with);
   app.add_option("--points", arguments.points,
@@ -175,7 +180,8 @@ void describe(CLI::App& app, SweepArguments& arguments) {
       ->group(cluster);
   app.add_option("--sbatch", arguments.request.options, "further options of sbatch")
       ->type_name("OPTIONS")
-      ->allow_extra_args(false)
+      ->expected(1)
+      ->take_all()
       ->group(cluster);
   app.add_flag("--wait", arguments.request.wait, "until all tasks have ended; then collect")
       ->group(cluster);
@@ -231,7 +237,9 @@ void add_options(const SweepArguments& arguments, toml::table& tables) {
 
   const auto put_names = [&](const char* key, const std::vector<std::string>& names) {
     toml::array array;
-    for (const std::string& name : names) array.push_back(name);
+    for (const std::string& name : names) {
+      for (const std::string& part : option_parts(name)) array.push_back(part);
+    }
     table("compare").insert_or_assign(key, std::move(array));
   };
 
@@ -354,41 +362,118 @@ std::string counted(const ShardIndex& index) {
   return text;
 }
 
-void print_dry_run(const Sweep& sweep, const SweepArguments& arguments) {
-  const Plan& plan = sweep.plan();
-  fmt::print("{} runs: {} samples, {} seed{}, {} candidate{}\n", plan.size(), plan.samples(),
-             plan.seeds(), plan.seeds() == 1 ? "" : "s", plan.candidates().size(),
-             plan.candidates().size() == 1 ? "" : "s");
-  std::fflush(stdout);
-  const Estimate time = estimate(sweep, interrupted());
-  Table table({"candidate", "one run"});
-  for (std::size_t c = 0; c < time.of_candidate.size(); ++c) {
-    table.add({plan.candidates()[c].label, fmt::format("{:.3g} s", time.of_candidate[c])});
+void warn(const std::vector<std::string>& warnings, const SweepArguments& arguments) {
+  if (arguments.quiet) return;
+  for (const std::string& warning : warnings) {
+    fmt::print(stderr, "{}: warning: {}\n", kSweep, warning);
   }
-  const std::size_t jobs = arguments.jobs > 0 ? arguments.jobs : usable_cores();
-  fmt::print("\n{}\nabout {} on {} core{} ({} of processor time)\n", table.print(output_width()),
-             duration_text(time.seconds / static_cast<double>(jobs)), jobs, jobs == 1 ? "" : "s",
-             duration_text(time.seconds));
 }
 
-void print_status(const StudyFolder& folder, const ShardIndex& index) {
+// "1 run", "2 runs".
+std::string number_of(std::size_t count, const std::string& what) {
+  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
+}
+
+std::vector<std::string> metric_names(const PointResult& run) {
+  std::vector<std::string> names;
+  for (const auto& [name, value] : run.metrics) names.push_back(name);
+  return names;
+}
+
+// What one run of each candidate tells of the study besides its time.
+std::vector<std::string> warnings_of(const Sweep& sweep, const std::vector<PointResult>& runs) {
+  const Plan& plan = sweep.plan();
+  std::vector<std::string> warnings;
+  std::vector<std::string> all;
+  for (std::size_t c = 0; c < runs.size(); ++c) {
+    if (runs[c].status != PointStatus::complete) {
+      warnings.push_back(fmt::format("{}: the first run {}: {}", plan.candidates()[c].label,
+                                     name_of(runs[c].status), runs[c].reason));
+    }
+    for (const std::string& name : metric_names(runs[c])) {
+      if (std::find(all.begin(), all.end(), name) == all.end()) all.push_back(name);
+    }
+  }
+  for (std::size_t c = 0; c < runs.size(); ++c) {
+    if (runs[c].status != PointStatus::complete) continue;
+    std::vector<std::string> lacking = all;
+    for (const std::string& name : metric_names(runs[c])) std::erase(lacking, name);
+    if (lacking.empty()) continue;
+    warnings.push_back(fmt::format("{}: the first run lacks {}", plan.candidates()[c].label,
+                                   fmt::join(lacking, ", ")));
+  }
+  for (const auto& [key, name] : asked_metrics(plan.study())) {
+    if (std::find(all.begin(), all.end(), name) != all.end()) continue;
+    warnings.push_back(
+        fmt::format("{}: none of these runs has it{}", key, did_you_mean(name, all)));
+  }
+  if (plan.seeds() > 1 && runs.front().status == PointStatus::complete) {
+    RunControl control;
+    control.stop = &interrupted();
+    const PointResult other = run_point(plan.candidates().size(), sweep, control);
+    if (other.state_hash == runs.front().state_hash) {
+      warnings.push_back(
+          fmt::format("seeds: {} and {} give the same run of {}: without noise they change nothing",
+                      plan.study().seeds[0], plan.study().seeds[1], plan.candidates()[0].label));
+    }
+  }
+  return warnings;
+}
+
+void print_dry_run(const Sweep& sweep, const SweepArguments& arguments) {
+  const Plan& plan = sweep.plan();
+  fmt::print("{}: {}, {}, {}\n", number_of(plan.size(), "run"), number_of(plan.samples(), "sample"),
+             number_of(plan.seeds(), "seed"), number_of(plan.candidates().size(), "candidate"));
+  std::fflush(stdout);
+  const Estimate time = estimate(sweep, interrupted());
+  Table table({"candidate", "one run", "metrics"});
+  for (std::size_t c = 0; c < time.runs.size(); ++c) {
+    table.add({plan.candidates()[c].label, fmt::format("{:.3g} s", time.runs[c].cost_s),
+               std::to_string(time.runs[c].metrics.size())});
+  }
+  const std::size_t jobs = arguments.jobs > 0 ? arguments.jobs : usable_cores();
+  fmt::print("\n{}\nabout {} on {} ({} of processor time)\n", table.print(output_width()),
+             duration_text(time.seconds / static_cast<double>(jobs)), number_of(jobs, "core"),
+             duration_text(time.seconds));
+  warn(warnings_of(sweep, time.runs), arguments);
+}
+
+// Processor time of the points that are not done, each as long as its candidate's others.
+double time_to_go_s(const Plan& plan, const ShardIndex& index) {
+  const std::size_t candidates = plan.candidates().size();
+  std::vector<double> cost_s(candidates);
+  std::vector<std::size_t> done(candidates);
+  for (std::size_t point = 0; point < index.points(); ++point) {
+    if (!index.has(point)) continue;
+    cost_s[point % candidates] += index.cost_s(point);
+    ++done[point % candidates];
+  }
+  const double each_s = index.cost_s() / static_cast<double>(index.done());
+  double all_s = 0.0;
+  for (std::size_t c = 0; c < candidates; ++c) {
+    const auto left = static_cast<double>(plan.size() / candidates - done[c]);
+    all_s += left * (done[c] > 0 ? cost_s[c] / static_cast<double>(done[c]) : each_s);
+  }
+  return all_s;
+}
+
+void print_status(const Plan& plan, const StudyFolder& folder, const ShardIndex& index) {
   fmt::print("{}: {}\n", folder.path().string(), counted(index));
   if (index.done() > 0 && index.done() < index.points()) {
-    const double each = index.cost_s() / static_cast<double>(index.done());
-    fmt::print("{} of processor time to go\n",
-               duration_text(each * static_cast<double>(index.points() - index.done())));
+    fmt::print("{} of processor time to go\n", duration_text(time_to_go_s(plan, index)));
   }
   print_slurm_status(folder, index);
 }
 
 void collect(const Plan& plan, const ShardIndex& index, const StudyFolder& folder,
              const StudyExtras& extras, const SweepArguments& arguments) {
+  index.check_models();
   const ResultsTable table(plan, index);
   const fs::path csv = folder.path() / "results.csv";
   table.write_csv(csv);
   const fs::path sqlite = folder.path() / "results.sqlite";
   if (arguments.sqlite || fs::exists(sqlite)) table.write_sqlite(sqlite);
-  for (const std::string& line : unknown_metrics(plan, index)) {
+  for (const std::string& line : unknown_metrics(plan, table.metrics())) {
     fmt::print(stderr, "{}: {}\n", kSweep, line);
   }
   const auto comparison = compare_study(plan, index);
@@ -399,6 +484,7 @@ void collect(const Plan& plan, const ShardIndex& index, const StudyFolder& folde
   if (comparison) {
     fmt::print("{}\n", comparison_text(*comparison, output_width()));
   }
+  for (const std::string& note : notes(plan, index)) fmt::print("{}\n", note);
   fmt::print("{}\nresults: {}\n", counted(index), csv.string());
   if (comparison) fmt::print("comparison: {}\n", compared.string());
   if (extras.write_report) fmt::print("report: {}\n", (folder.path() / "report.html").string());
@@ -443,6 +529,10 @@ int run_here(const Sweep& sweep, const StudyFolder& folder, const std::vector<st
       fmt::print("begin {}\n", point);
       std::fflush(stdout);
     };
+    options.on_key = [](std::size_t point, const std::string& key) {
+      fmt::print("key {} {}\n", point, key);
+      std::fflush(stdout);
+    };
   }
   if (stops) options.is_over = [&] { return stop.load(); };
   Progress progress(kSweep, std::vector<double>(points.size(), 1.0),
@@ -450,6 +540,7 @@ int run_here(const Sweep& sweep, const StudyFolder& folder, const std::vector<st
   options.progress = [&](std::size_t i, double done) { progress.update(i, done); };
   const std::size_t ran = arguments.isolate ? run_isolated(points, sweep, folder, shard, options)
                                             : run_points(points, sweep, shard, options);
+  shard.finish();
   // Fewer may have been run because another process has run them.
   return ran == points.size() || stop || !interrupted() ? kSuccess : kInterrupted;
 }
@@ -470,7 +561,8 @@ void leave_out_queued(std::vector<std::size_t>& points, const Plan& plan, const 
   const std::size_t left =
       std::erase_if(points, [&](std::size_t point) { return queue.points[point]; });
   if (left == 0) return;
-  const std::string text = fmt::format("{} points are still in the queue ({})", left, queue.text);
+  const std::string text = fmt::format("{} {} still in the queue ({})", number_of(left, "point"),
+                                       left == 1 ? "is" : "are", queue.text);
   if (!arguments.slurm && !arguments.print_tasks) {
     throw std::invalid_argument(
         fmt::format("{}: {}: --status says how far it is; to go on here, end it first with scancel",
@@ -506,6 +598,12 @@ int go_on(const Sweep& sweep, const StudyFolder& folder, const ShardIndex& befor
     }
   }
   const bool runs_here = !arguments.slurm && !points.empty();
+  if (runs_here) {
+    for (const int process : other_writers(folder.shards())) {
+      warn({fmt::format("process {} is at this study too: points may be run twice", process)},
+           arguments);
+    }
+  }
   const int status =
       runs_here ? run_here(sweep, folder, points, arguments, false) : static_cast<int>(kSuccess);
   const ShardIndex index(folder.shards(), plan.size());
@@ -523,10 +621,58 @@ int go_on(const Sweep& sweep, const StudyFolder& folder, const ShardIndex& befor
   collect(plan, index, folder, extras, arguments);
   if (has_to_stop(plan, index)) return kRunFailed;
   if (index.done() < index.points()) {
-    throw OutputError(fmt::format("{}: {}: results were not kept, or somebody removed them",
-                                  folder.path().string(), counted(index)));
+    throw OutputError(
+        fmt::format("{}: {}; the others were left undone, or somebody removed results: the same "
+                    "command goes on",
+                    folder.path().string(), counted(index)));
   }
   return kSuccess;
+}
+
+// Runs a point once more, and says if it is not the run that it was.
+int replay_point(const Sweep& sweep, const StudyFolder& folder, const ShardIndex& index,
+                 const SweepArguments& arguments) {
+  std::size_t point = index.points();
+  try {
+    point = index.find(arguments.replay);
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(std::string("--replay: ") + error.what());
+  }
+  if (point == index.points()) {
+    throw std::invalid_argument(
+        fmt::format("--replay: no point of {} that ran is {}: the column `point` of results.csv "
+                    "names them",
+                    folder.path().string(), arguments.replay));
+  }
+  const PointResult then = index.read(point);
+  if (then.status == PointStatus::crashed) {
+    fmt::print(stderr, "{}: point {} has crashed: {}; now this process runs it\n", kSweep, then.key,
+               then.reason);
+  }
+  const PointResult now = replay(sweep, folder, point, interrupted());
+  if (now.status == PointStatus::refused) {
+    fmt::print(stderr, "{}: point {} is refused, and has no folder: {}\n", kSweep, then.key,
+               now.reason);
+    return kRunFailed;
+  }
+  if (!arguments.quiet) {
+    fmt::print("{}: {}\n", name_of(now.status), folder.run(now.key).string());
+  }
+  const bool is_same = now.status == then.status && now.state_hash == then.state_hash;
+  if (is_same || then.status == PointStatus::crashed) return kSuccess;
+  fmt::print(stderr,
+             "{}: this is not the run of results.csv: {} with state_hash {}, there {} with {}: was "
+             "it made on another machine?\n",
+             kSweep, name_of(now.status), now.state_hash, name_of(then.status), then.state_hash);
+  return kRunFailed;
+}
+
+// A process of --isolate: what is left to do it is told by one that has looked.
+int run_announced(Sweep& sweep, const StudyFolder& folder, const SweepArguments& arguments) {
+  folder.check_made_by_this(sweep.file());
+  sweep.keep_in(folder);
+  return run_here(sweep, folder, points_of_task(arguments.points, sweep.plan().size()), arguments,
+                  true);
 }
 
 int sweep(const Catalogue& catalogue, const StudyExtras& extras, const SweepArguments& arguments) {
@@ -544,7 +690,7 @@ int sweep(const Catalogue& catalogue, const StudyExtras& extras, const SweepArgu
   const Plan& plan = sweep.plan();
 
   if (arguments.dry_run) {
-    sweep.check();
+    warn(sweep.check(), arguments);
     print_dry_run(sweep, arguments);
     return kSuccess;
   }
@@ -553,10 +699,11 @@ int sweep(const Catalogue& catalogue, const StudyExtras& extras, const SweepArgu
   }
   std::optional<ShardIndex> before;  // what was there
   if (folder.is_there()) {
+    if (arguments.announce) return run_announced(sweep, folder, arguments);
     folder.check_is(plan.study());
     before.emplace(folder.shards(), plan.size());
     if (arguments.status) {
-      print_status(folder, *before);
+      print_status(plan, folder, *before);
       return kSuccess;
     }
     if (arguments.collect) {
@@ -569,23 +716,16 @@ int sweep(const Catalogue& catalogue, const StudyExtras& extras, const SweepArgu
             fmt::format("--rerun: {} is still in the queue ({}): end it first with scancel",
                         folder.path().string(), queue));
       }
-      sweep.check();  // while what is there is still there
-      folder.clear();
-      folder.make(plan.study(), sweep.file());
+      warn(sweep.check(), arguments);  // while what is there is still there
+      folder.make_anew(plan.study(), sweep.file());
       before.emplace(folder.shards(), plan.size());
     } else {
       folder.check_made_by_this(sweep.file(), *before);
     }
-    if (!arguments.replay.empty()) {
-      const PointResult result = replay(sweep, folder, *before, arguments.replay, interrupted());
-      if (!arguments.quiet) {
-        fmt::print("{}: {}\n", name_of(result.status), folder.run(result.key).string());
-      }
-      return kSuccess;
-    }
+    if (!arguments.replay.empty()) return replay_point(sweep, folder, *before, arguments);
   }
   if (!folder.is_there()) {
-    sweep.check();
+    warn(sweep.check(), arguments);
     folder.make(plan.study(), sweep.file());
     before.emplace(folder.shards(), plan.size());
   }
@@ -593,12 +733,12 @@ int sweep(const Catalogue& catalogue, const StudyExtras& extras, const SweepArgu
   if (!arguments.points.empty()) {
     std::vector<std::size_t> points = points_of_task(arguments.points, plan.size());
     std::erase_if(points, [&](std::size_t point) { return before->has(point); });
-    if (!arguments.announce && has_to_stop(plan, *before)) return kRunFailed;
+    if (has_to_stop(plan, *before)) return kRunFailed;
     const int status = run_here(sweep, folder, points, arguments, true);
-    if (status == kInterrupted && !arguments.announce) {
+    if (status == kInterrupted) {
       fmt::print(stderr, "{}: interrupted before all points of this task were run\n", kSweep);
     }
-    const bool may_stop = plan.study().on_failure == OnFailure::stop && !arguments.announce;
+    const bool may_stop = plan.study().on_failure == OnFailure::stop;
     if (may_stop && has_to_stop(plan, {folder.shards(), plan.size()})) return kRunFailed;
     return status;
   }

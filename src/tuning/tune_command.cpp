@@ -107,8 +107,7 @@ int run_tune(const Catalogue& catalogue, const TuningExtras& extras,
     folder.check_is(plan.tuning().print(), there.tuning().print());
     if (arguments.rerun) {
       plan.check();  // while what is there is still there
-      folder.clear();
-      folder.make(plan.tuning().print(), plan.file());
+      folder.make_anew(plan.tuning().print(), plan.file());
     } else {
       folder.check_made_by_this(plan.file(), ShardIndex(folder.shards(), plan.size()));
     }

@@ -345,6 +345,14 @@ TEST(EngineGuard, ASimulationThatDoesNotFitIntoMemoryIsRefused) {
   }
 }
 
+TEST(EngineGuard, MemoryThatTheMachineDoesNotGiveIsNoMistakeOfTheModel) {
+  const Model model = motor();
+  mju_user_malloc = [](std::size_t) -> void* { return nullptr; };
+  EXPECT_THROW(model.make_data(), OutOfMemory);
+  mju_user_malloc = nullptr;
+  EXPECT_NO_THROW(model.make_data());
+}
+
 TEST(EngineGuard, FatalErrorsInsideAStepEndTheRun) {
   FunctionController controller([](const Sample&, Eigen::Ref<Eigen::VectorXd> u) { u(0) = 1; });
   Model model = motor();
