@@ -87,7 +87,8 @@ std::size_t run_isolated(const std::vector<std::size_t>& points, const PointSour
               ? fmt::format("signal {} ({})", WTERMSIG(status), strsignal(WTERMSIG(status)))
               : "";
       if (WIFSIGNALED(status) && !is_crash(WTERMSIG(status))) {
-        // Nothing is known of the point: it is left undone.
+        // Nothing is known of the point that it was at: it is left undone.
+        if (next == end) break;
         fmt::print(stderr, "{}: point {} is left undone: its process was ended by {}\n", kSweep,
                    is_under_way && !key.empty() ? key : std::to_string(points[next]), reason);
         ++next;

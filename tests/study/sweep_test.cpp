@@ -308,6 +308,24 @@ goal = { y_1 = "min" }
   EXPECT_EQ(results("v", "comparison.csv").at(1).at(4), "2");  // pairs
 }
 
+TEST_F(Sweep, MediansOverOtherWorldsAreMarked) {
+  write("study.toml", R"toml(
+scenario = "ishigami"
+[vary]
+"x.first" = [0, 0.5, 2]
+[compare]
+"trouble.fails_above" = [10, 1, 9]
+baseline = "trouble.fails_above = 10"
+)toml");
+  const ProgramResult result = sweep({"study.toml", "--out", "s"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_NE(result.out.find("2 *"), std::string::npos) << result.out;
+  EXPECT_NE(result.out.find("3 *"), std::string::npos) << result.out;
+  EXPECT_NE(result.out.find("\n* the medians of this metric are over different worlds"),
+            std::string::npos)
+      << result.out;
+}
+
 TEST_F(Sweep, TasksOfAnySchedulerTogetherAreTheStudy) {
   const std::vector<std::string> study = {"ishigami", "--vary", "x.first=lin(0,1,25)"};
   std::vector<std::string> arguments = study;
