@@ -48,7 +48,8 @@ class MetricCounts {
   std::string missing(const std::vector<std::size_t>& counts) const {
     std::vector<std::string> parts;
     for (std::size_t c = 0; c < counts.size(); ++c) {
-      if (counts[c] == complete_[c]) continue;
+      // What no run of a candidate has is not of that candidate: its column is empty.
+      if (counts[c] == 0 || counts[c] == complete_[c]) continue;
       parts.push_back(fmt::format("{} of {} complete runs of {}", complete_[c] - counts[c],
                                   complete_[c], plan_.candidates()[c].label));
     }

@@ -9,8 +9,8 @@
 
 namespace breakwater {
 
-/// A line each: metrics that some complete runs lack, so that medians of them are over other runs;
-/// seeds that change nothing.
+/// A line each: metrics that some complete runs of a candidate lack, so that its medians are over
+/// other runs; seeds that change nothing.
 std::vector<std::string> notes(const Plan& plan, const ShardIndex& index);
 
 }  // namespace breakwater

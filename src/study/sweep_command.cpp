@@ -402,6 +402,16 @@ std::vector<std::string> warnings_of(const Sweep& sweep, const std::vector<Point
     warnings.push_back(fmt::format("{}: the first run lacks {}", plan.candidates()[c].label,
                                    fmt::join(lacking, ", ")));
   }
+  const std::string& first_case = plan.candidates()[0].case_name;
+  const double own_s = sweep.file().config(first_case).number("run.duration_s").value_or(0.0);
+  const double here_s =
+      sweep.file().config(first_case, plan.point(0).sets).number("run.duration_s").value_or(own_s);
+  if (here_s < own_s) {
+    warnings.push_back(fmt::format(
+        "run.duration_s: the first run takes {:g} s, in {} it is {:g} s: metrics of what "
+        "comes later are missing",
+        here_s, sweep.file().file(), own_s));
+  }
   for (const auto& [key, name] : asked_metrics(plan.study())) {
     if (std::find(all.begin(), all.end(), name) != all.end()) continue;
     warnings.push_back(
@@ -435,6 +445,7 @@ void print_dry_run(const Sweep& sweep, const SweepArguments& arguments) {
   fmt::print("\n{}\nabout {} on {} ({} of processor time)\n", table.print(output_width()),
              duration_text(time.seconds / static_cast<double>(jobs)), number_of(jobs, "core"),
              duration_text(time.seconds));
+  std::fflush(stdout);
   warn(warnings_of(sweep, time.runs), arguments);
 }
 

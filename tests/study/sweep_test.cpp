@@ -572,6 +572,8 @@ TEST_F(Sweep, WhatIsInVainIsWarnedOf) {
          "positive_x_second_1 is missing: in 1 of 2 complete runs of plain");
   expect(warnings({"ishigami", "--metrics", "y_2", "--case", "plain, noisy", "--dry-run"}),
          "compare.metrics: y_2: none of these runs has it (did you mean y_1?)");
+  expect(warnings({"ishigami", "--duration", "0.5", "--dry-run"}),
+         "run.duration_s: the first run takes 0.5 s, in ");
   // A key that the chosen estimator does not use, and one that another candidate does.
   const auto motor = [&](const std::string& cases) {
     const ProgramResult result = run({"breakwater", "sweep", "motor_estimation", "--case", cases,
