@@ -11,6 +11,7 @@
 #include <breakwater/scenario/provenance.h>
 #include <breakwater/study/sensitivity.h>
 #include <breakwater/study/shards.h>
+#include <breakwater/study/slurm_queue.h>
 #include <breakwater/study/study_folder.h>
 #include "study/sweep_folder.h"
 
@@ -640,6 +641,12 @@ TEST_F(Sweep, WhatIsToGoIsWeighedByCandidate) {
   }
   const ProgramResult status = sweep({"s", "--status"});
   EXPECT_NE(status.out.find("50.0 s of processor time to go"), std::string::npos) << status.out;
+}
+
+TEST_F(Sweep, SubmissionsThatCannotBeReadAreNotNone) {
+  fs::create_directory(folder_ / "s");
+  write("s/slurm", "no folder");
+  EXPECT_THROW(queued(StudyFolder(folder_ / "s"), 1), std::invalid_argument);
 }
 
 TEST_F(Sweep, TwoStudiesAreNotBegunInOneFolder) {
