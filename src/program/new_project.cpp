@@ -1,7 +1,6 @@
 #include <breakwater/program/new_project.h>
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -12,6 +11,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include <breakwater/record/process_name.h>
 #include <breakwater/record/text_outputs.h>
 #include <breakwater/scenario/child_program.h>
 #include <breakwater/scenario/paths.h>
@@ -145,7 +145,8 @@ void make_project(const fs::path& from, const std::string& placeholder, const st
   }
   const std::map<fs::path, fs::path> files = files_of(from, placeholder, name);
   const fs::path partial =
-      folder.parent_path() / fmt::format(".{}.partial-{}", folder.filename().string(), getpid());
+      folder.parent_path() /
+      fmt::format(".{}.partial-{}", folder.filename().string(), process_name());
   try {
     fs::create_directory(partial);
     for (const auto& [file, original] : files) {

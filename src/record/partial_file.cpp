@@ -2,6 +2,9 @@
 
 #include <unistd.h>
 
+#include <cerrno>
+
+#include <breakwater/record/process_name.h>
 #include <breakwater/record/text_outputs.h>
 
 namespace breakwater {
@@ -9,7 +12,7 @@ namespace breakwater {
 PartialFile::PartialFile(std::filesystem::path file)
     : file_(std::move(file)),
       path_(file_.parent_path() /
-            ("." + file_.filename().string() + ".partial-" + std::to_string(getpid()))) {}
+            ("." + file_.filename().string() + ".partial-" + process_name())) {}
 
 PartialFile::~PartialFile() {
   std::error_code ignored;
@@ -24,15 +27,33 @@ void PartialFile::commit() {
   }
 }
 
-void replace_file(const std::filesystem::path& file, const std::string& bytes) {
-  PartialFile partial(file);
+namespace {
+
+void write(const PartialFile& partial, const std::string& bytes) {
   try {
     write_text_file(partial.path().string(), bytes);
   } catch (const OutputError& error) {
     // It is the file's own name that means something to a user.
     const std::string what = error.what();
-    throw OutputError(file.string() + what.substr(partial.path().string().size()));
+    throw OutputError(partial.file().string() + what.substr(partial.path().string().size()));
   }
+}
+
+}  // namespace
+
+bool create_file(const std::filesystem::path& file, const std::string& bytes) {
+  PartialFile partial(file);
+  write(partial, bytes);
+  // A second name, unlike a new one, takes the place of nothing.
+  if (link(partial.path().c_str(), file.c_str()) == 0) return true;
+  if (errno == EEXIST) return false;
+  partial.commit();  // a file system without second names
+  return true;
+}
+
+void replace_file(const std::filesystem::path& file, const std::string& bytes) {
+  PartialFile partial(file);
+  write(partial, bytes);
   partial.commit();
 }
 

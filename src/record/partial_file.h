@@ -30,6 +30,10 @@ class PartialFile {
   std::filesystem::path path_;
 };
 
+/// Writes a file that is not there yet, whole at once. Returns false if there is one by now, which
+/// stays as it is. Throws OutputError.
+bool create_file(const std::filesystem::path& file, const std::string& bytes);
+
 /// Writes all of a file, or leaves it as it was and throws OutputError.
 void replace_file(const std::filesystem::path& file, const std::string& bytes);
 

@@ -3,10 +3,8 @@
 #include <fcntl.h>
 #include <unistd.h>
 
-#include <array>
 #include <cerrno>
 #include <charconv>
-#include <climits>
 #include <csignal>
 #include <cstdio>
 #include <cstring>
@@ -18,6 +16,7 @@
 #include <system_error>
 
 #include <breakwater/record/file_hash.h>
+#include <breakwater/record/process_name.h>
 
 namespace breakwater {
 namespace fs = std::filesystem;
@@ -30,12 +29,6 @@ constexpr const char* kEarlierMark = ".earlier-";
 // A file in a partial folder that is whole, but could not be put anywhere else.
 constexpr const char* kKeptMark = "kept";
 
-std::string host_name() {
-  std::array<char, HOST_NAME_MAX + 1> name = {};
-  gethostname(name.data(), name.size() - 1);
-  return name.data();
-}
-
 fs::path without_slash(const fs::path& folder) {
   const fs::path normal = fs::absolute(folder).lexically_normal();
   return normal.has_filename() ? normal : normal.parent_path();
@@ -44,10 +37,6 @@ fs::path without_slash(const fs::path& folder) {
 // ".run.partial-" of every host's, to which belong the host and the process' number.
 std::string hidden_name(const fs::path& target, const char* mark) {
   return "." + target.filename().string() + mark;
-}
-
-std::string own_suffix() {
-  return host_name() + "-" + std::to_string(getpid());
 }
 
 bool is_of_this_host(const std::string& suffix) {
@@ -66,23 +55,18 @@ bool is_of_dead_process(const std::string& suffix) {
 }
 
 // The suffixes of what lies beside the target with that mark.
-std::vector<std::string> suffixes(const fs::path& target, const char* mark) {
+std::vector<std::string> suffixes(const fs::path& target, const char* mark,
+                                  const LeftBeside* beside) {
   const std::string begin = hidden_name(target, mark);
-  std::vector<std::string> found;
-  std::error_code ignored;
-  for (const auto& entry : fs::directory_iterator(target.parent_path(), ignored)) {
-    const std::string name = entry.path().filename().string();
-    if (name.starts_with(begin)) found.push_back(name.substr(begin.size()));
-  }
-  return found;
+  return beside != nullptr ? beside->behind(begin) : LeftBeside(target.parent_path()).behind(begin);
 }
 
-void restore_earlier(const fs::path& target) {
+void restore_earlier(const fs::path& target, const LeftBeside* beside) {
   std::error_code error;
   if (fs::exists(fs::symlink_status(target, error))) return;
   fs::path latest;
   fs::file_time_type latest_time;
-  for (const std::string& suffix : suffixes(target, kEarlierMark)) {
+  for (const std::string& suffix : suffixes(target, kEarlierMark, beside)) {
     const fs::path earlier = target.parent_path() / (hidden_name(target, kEarlierMark) + suffix);
     // Should a process of another host still be at it, it only fails to replace what is put back.
     const bool is_left = is_of_dead_process(suffix) || !is_of_this_host(suffix);
@@ -124,18 +108,18 @@ bool may_be_replaced(const fs::path& folder) {
   return complaint_of(folder).empty();
 }
 
-void remove_abandoned(const fs::path& target) {
+void remove_abandoned(const fs::path& target, const LeftBeside* left) {
   std::error_code ignored;
   const auto beside = [&](const char* mark, const std::string& suffix) {
     return target.parent_path() / (hidden_name(target, mark) + suffix);
   };
-  for (const std::string& suffix : suffixes(target, kEarlierMark)) {
+  for (const std::string& suffix : suffixes(target, kEarlierMark, left)) {
     const fs::path earlier = beside(kEarlierMark, suffix);
     if (!is_of_dead_process(suffix) || !may_be_replaced(earlier)) continue;
     // Half of a run that is being removed must not be taken for a run.
     fs::rename(earlier, beside(kPartialMark, suffix), ignored);
   }
-  for (const std::string& suffix : suffixes(target, kPartialMark)) {
+  for (const std::string& suffix : suffixes(target, kPartialMark, left)) {
     const fs::path partial = beside(kPartialMark, suffix);
     if (is_of_dead_process(suffix) && !fs::exists(partial / kKeptMark, ignored)) {
       fs::remove_all(partial, ignored);
@@ -155,7 +139,7 @@ void exchange(const fs::path& partial, const fs::path& target) {
   // In two steps the target is missing for a moment: if this process is killed in it, the next run
   // or reader puts the earlier one back.
   const fs::path earlier =
-      target.parent_path() / (hidden_name(target, kEarlierMark) + own_suffix());
+      target.parent_path() / (hidden_name(target, kEarlierMark) + process_name());
   std::error_code error;
   fs::rename(target, earlier, error);
   if (error) cannot_replace(target, error.message());
@@ -235,8 +219,25 @@ bool is_run_folder(const fs::path& folder) {
   return manifest.is_object() && manifest.contains("scenario") && manifest.contains("state_hash");
 }
 
+LeftBeside::LeftBeside(const fs::path& folder) {
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(folder, ignored)) {
+    std::string name = entry.path().filename().string();
+    if (name.starts_with('.')) names_.insert(std::move(name));
+  }
+}
+
+std::vector<std::string> LeftBeside::behind(const std::string& begin) const {
+  std::vector<std::string> found;
+  for (auto name = names_.lower_bound(begin); name != names_.end() && name->starts_with(begin);
+       ++name) {
+    found.push_back(name->substr(begin.size()));
+  }
+  return found;
+}
+
 void restore_run(const fs::path& folder) {
-  restore_earlier(without_slash(folder));
+  restore_earlier(without_slash(folder), nullptr);
 }
 
 void check_log(const fs::path& folder) {
@@ -250,17 +251,18 @@ void check_log(const fs::path& folder) {
   }
 }
 
-RunFolder::RunFolder(const fs::path& target) : target_(without_slash(target)) {
+RunFolder::RunFolder(const fs::path& target, const LeftBeside* beside)
+    : target_(without_slash(target)) {
   try {
-    restore_earlier(target_);
+    restore_earlier(target_, beside);
     if (fs::exists(target_)) {
       const std::string complaint = complaint_of(target_);
       if (!complaint.empty()) throw std::invalid_argument(target.string() + ": " + complaint);
     }
     made_parents_ = missing_parents(target_.parent_path());
     fs::create_directories(target_.parent_path());
-    remove_abandoned(target_);
-    partial_ = target_.parent_path() / (hidden_name(target_, kPartialMark) + own_suffix());
+    remove_abandoned(target_, beside);
+    partial_ = target_.parent_path() / (hidden_name(target_, kPartialMark) + process_name());
     fs::create_directory(partial_);
   } catch (const fs::filesystem_error& error) {
     remove_empty(made_parents_);

@@ -2,11 +2,25 @@
 #pragma once
 
 #include <filesystem>
+#include <set>
+#include <string>
 #include <vector>
 
 #include <breakwater/record/output_error.h>
 
 namespace breakwater {
+
+/// What processes left beside the runs in a folder, listed once: where very many runs are written
+/// into it, listing it for each of them would take a time that grows with their square.
+class LeftBeside {
+ public:
+  explicit LeftBeside(const std::filesystem::path& folder);
+  /// What follows `begin` in the names that begin so.
+  std::vector<std::string> behind(const std::string& begin) const;
+
+ private:
+  std::set<std::string> names_;
+};
 
 /// Files are written into a folder beside the final one, which takes its name only when whole and
 /// on the disk. An earlier run of that name is swapped out. Without commit(), nothing is left
@@ -17,8 +31,9 @@ namespace breakwater {
 class RunFolder {
  public:
   /// Throws std::invalid_argument if the target is a file, is a folder that holds something other
-  /// than an earlier run, or cannot be made.
-  explicit RunFolder(const std::filesystem::path& target);
+  /// than an earlier run, or cannot be made. What is left beside it is looked for in `beside`, or
+  /// where that is null in its parent folder.
+  explicit RunFolder(const std::filesystem::path& target, const LeftBeside* beside = nullptr);
   ~RunFolder();
   RunFolder(const RunFolder&) = delete;
   RunFolder& operator=(const RunFolder&) = delete;

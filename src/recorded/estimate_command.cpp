@@ -54,21 +54,9 @@ PreparedRun prepare(const Catalogue& catalogue, const Arguments& arguments) {
   }
   sets.insert(sets.end(), arguments.sets.begin(), arguments.sets.end());
 
-  PreparedRun run;
-  run.case_name = has_settings ? arguments.observer : file.default_case();
-  run.scenario = std::make_unique<RecordedEstimation>(catalogue);
-  const Config config = file.config(run.case_name, sets);
-  Fields fields = run.scenario->fields();
-  fields.check(file);
-  fields.read(config);
-  run.scenario->check(config);
-  for (const UnusedKey& unused : fields.unused()) {
-    const ConfigEntry& entry = *config.find(unused.key);
-    if (entry.is_chosen) run.vain.push_back({entry.origin, unused.key, unused.reason});
-  }
-  run.config_text = fields.print(kEstimate, run.case_name);
-  run.is_as_shipped = false;
-  return run;
+  return prepare_scenario(std::make_unique<RecordedEstimation>(catalogue), file,
+                          has_settings ? arguments.observer : file.default_case(), sets,
+                          Tables::unchecked);
 }
 
 int estimate(const Catalogue& catalogue, const Arguments& arguments) {

@@ -5,7 +5,7 @@
 #include <stdexcept>
 
 #include <breakwater/pictures/page_data.h>
-#include <breakwater/report/file_bytes.h>
+#include <breakwater/record/file_bytes.h>
 #include <breakwater/scenario/paths.h>
 #include <breakwater/version.h>
 

@@ -225,9 +225,14 @@ std::string draw(const LineChart& chart) {
 }
 
 std::string draw(const HeatMap& map) {
-  constexpr double kLabels = 66.0;  // left of the cells
+  constexpr std::size_t kLongestRow = 20;  // letters
   const auto columns = map.x_labels.size(), rows = map.y_labels.size();
-  const double width = (kWidth - kLabels - kRight) / static_cast<double>(columns);
+  std::size_t longest = 0;
+  for (const std::string& text : map.y_labels) longest = std::max(longest, text.size());
+  // Left of the cells there is room for the rows' labels.
+  const double labels =
+      std::max(66.0, 8.0 + kLetter * static_cast<double>(std::min(longest, kLongestRow)));
+  const double width = (kWidth - labels - kRight) / static_cast<double>(columns);
   const double height = std::clamp(220.0 / static_cast<double>(rows), 6.0, 34.0);
   const double bottom = kTop + height * static_cast<double>(rows);
   const ChartScale colour(map.low, map.high, is_for_log(map.low, map.high), 0.0, 1.0);
@@ -238,13 +243,17 @@ std::string draw(const HeatMap& map) {
   for (std::size_t row = 0; row < rows; ++row) {
     for (std::size_t column = 0; column < columns; ++column) {
       const HeatCell& cell = map.cells[row * columns + column];
-      const double x = kLabels + width * static_cast<double>(column);
+      const double x = labels + width * static_cast<double>(column);
       const double y = bottom - height * static_cast<double>(row + 1);
       const std::string box =
           fmt::format("M{} {}h{}v{}h{}z", px(x), px(y), px(width), px(height), px(-width));
       if (std::isfinite(cell.value)) {
         const std::size_t level = heat_level(colour.share(cell.value));
         levels[level] += box;
+        if (cell.measured + cell.failed < cell.runs) {
+          absent +=
+              fmt::format("M{} {}h{}", px(x + 0.35 * width), px(y + height - 2.5), px(0.3 * width));
+        }
         if (has_numbers) {
           texts +=
               label(x + 0.5 * width, y + 0.5 * height + 3.5, "middle", format_number(cell.value),
@@ -274,7 +283,7 @@ std::string draw(const HeatMap& map) {
       "data-grid=\"{} {} {} {} {} {}\" data-x=\"{}\" data-y=\"{}\" data-x-title=\"{}\" "
       "data-y-title=\"{}\" data-v=\"{}\" data-n=\"{}\" "
       "data-r=\"{}\">",
-      px(kWidth), px(bottom + kBottom), xml_text(map.about), kLabels, px(bottom),
+      px(kWidth), px(bottom + kBottom), xml_text(map.about), px(labels), px(bottom),
       fmt::format("{:.4f}", width), fmt::format("{:.4f}", height), columns, rows,
       xml_text(fmt::format("{}", fmt::join(map.x_labels, "\n"))),
       xml_text(fmt::format("{}", fmt::join(map.y_labels, "\n"))), xml_text(map.x_title),
@@ -283,17 +292,18 @@ std::string draw(const HeatMap& map) {
     if (!levels[level].empty())
       svg += fmt::format("<path class=\"h{}\" d=\"{}\"/>", level, levels[level]);
   }
-  svg += fmt::format("<path class=\"frame\" d=\"M{} {}H{}V{}H{}z\"/>", px(kLabels), px(kTop),
-                     px(kWidth - kRight), px(bottom), px(kLabels));
+  svg += fmt::format("<path class=\"frame\" d=\"M{} {}H{}V{}H{}z\"/>", px(labels), px(kTop),
+                     px(kWidth - kRight), px(bottom), px(labels));
   svg += texts;
   if (!absent.empty()) svg += fmt::format("<path class=\"absent\" d=\"{}\"/>", absent);
   if (!dead.empty()) svg += fmt::format("<path class=\"dead\" d=\"{}\"/>", dead);
   if (!some.empty()) svg += fmt::format("<path class=\"some\" d=\"{}\"/>", some);
+  const auto letters = std::max<std::size_t>(14, static_cast<std::size_t>(width / kLetter));
   double free_from = 0.0;
   for (std::size_t column = 0; column < columns; ++column) {
-    const std::string text = shortened(map.x_labels[column], 14);
+    const std::string text = shortened(map.x_labels[column], letters);
     const double half = 0.5 * kLetter * static_cast<double>(text.size());
-    const double x = std::min(kLabels + width * (static_cast<double>(column) + 0.5), kWidth - half);
+    const double x = std::min(labels + width * (static_cast<double>(column) + 0.5), kWidth - half);
     if (x - half < free_from) continue;
     svg += label(x, bottom + 14.0, "middle", text);
     free_from = x + half + 4.0;
@@ -302,10 +312,10 @@ std::string draw(const HeatMap& map) {
   for (std::size_t row = 0; row < rows; ++row) {
     const double y = bottom - height * (static_cast<double>(row) + 0.5) + 3.5;
     if (y > free_above) continue;
-    svg += label(kLabels - 5.0, y, "end", shortened(map.y_labels[row], 10));
+    svg += label(labels - 5.0, y, "end", shortened(map.y_labels[row], kLongestRow));
     free_above = y - 13.0;
   }
-  svg += label(0.5 * (kLabels + kWidth - kRight), bottom + kBottom - 7.0, "middle",
+  svg += label(0.5 * (labels + kWidth - kRight), bottom + kBottom - 7.0, "middle",
                shortened(map.x_title, 48), " class=\"title\"");
   svg += label(2.0, kTop - 3.0, "start", shortened(map.y_title, 52), " class=\"title\"");
   return svg + "<path class=\"at\" d=\"\"/></svg>";

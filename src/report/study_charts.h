@@ -48,6 +48,7 @@ struct HeatCell {
   double value = std::numeric_limits<double>::quiet_NaN();
   std::size_t runs = 0;
   std::size_t failed = 0;
+  std::size_t measured = 0;        ///< that the value is made of
   std::optional<std::size_t> run;  ///< in the page's list
 };
 
@@ -59,8 +60,9 @@ struct HeatMap {
   std::string about;  ///< in words, for who does not see it
 };
 
-/// Cells coloured by value; a cell of which all runs failed is crossed out, one of which some did
-/// has a corner. Where they are few, numbers are in them.
+/// Cells coloured by value; a dash below: of runs that did not fail some lack it; a cell of which
+/// all runs failed is crossed out, one of which some did has a corner. Where they are few, numbers
+/// are in them.
 std::string draw(const HeatMap& map);
 
 /// The colours of heat maps and lines with their values.

@@ -255,7 +255,8 @@ void StudySections::add_heat_maps(const Output& output, mustache::data& section)
       const QuantileBand& band = all[i * cells + cell];
       const std::size_t point = band.measured > 0 ? band.at_middle : band.first_failed;
       const bool has_run = band.measured > 0 || band.failed > 0;
-      map.cells.push_back({value_of_cell(band), band.runs, band.failed,
+      const std::size_t measured = output.is_failures ? band.runs - band.failed : band.measured;
+      map.cells.push_back({value_of_cell(band), band.runs, band.failed, measured,
                            has_run ? std::optional(runs_.add(point)) : std::nullopt});
     }
     mustache::data one;

@@ -11,8 +11,8 @@
 
 #include <breakwater/pictures/shot_list.h>
 #include <breakwater/pictures/staging.h>
+#include <breakwater/record/file_bytes.h>
 #include <breakwater/report/decimation.h>
-#include <breakwater/report/file_bytes.h>
 #include <breakwater/report/html_page.h>
 #include <breakwater/report/replay_part.h>
 #include <breakwater/scenario/child_program.h>

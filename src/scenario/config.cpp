@@ -202,7 +202,7 @@ Config read_config(const std::string& file) {
 }
 
 ScenarioFile::ScenarioFile(const std::string& file, const std::string& scenario) : file_(file) {
-  toml::table table = parse_toml_file(file);
+  toml::table table = parse_toml_file(file, &text_);
 
   const auto root_text = [&](const char* key) {
     const toml::node* node = table.get(key);

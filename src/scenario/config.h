@@ -83,6 +83,8 @@ class ScenarioFile {
   ScenarioFile(const std::string& file, const std::string& scenario);
 
   const std::string& file() const { return file_; }
+  /// What was read: the file may be another by now.
+  const std::string& text() const { return text_; }
   /// In the file's order.
   const std::vector<std::string>& cases() const { return cases_; }
   bool has_case(const std::string& name) const { return overrides_.contains(name); }
@@ -100,6 +102,7 @@ class ScenarioFile {
   const std::map<std::string, ConfigEntry>& reading(const Config& config) const;
 
   std::string file_;
+  std::string text_;
   std::map<std::string, ConfigEntry> entries_;
   std::vector<std::string> cases_;
   std::map<std::string, std::map<std::string, ConfigEntry>> overrides_;

@@ -107,12 +107,17 @@ std::string shipped_config(const Catalogue& catalogue, const Scenario& scenario,
   return fields.print(scenario.name(), case_name);
 }
 
-// The run of a config whose keys `fields` are to hold.
-PreparedRun prepare(std::unique_ptr<Scenario> scenario, Fields& fields, const Config& config,
-                    const std::string& case_name) {
+}  // namespace
+
+PreparedRun prepare_scenario(std::unique_ptr<Scenario> scenario, const ScenarioFile& file,
+                             const std::string& case_name, const std::vector<std::string>& sets,
+                             Tables tables) {
   PreparedRun run;
   run.scenario = std::move(scenario);
   run.case_name = case_name;
+  const Config config = file.config(case_name, sets);
+  Fields fields = run.scenario->fields();
+  if (tables == Tables::unchecked) fields.check(file);
   fields.read(config);
   run.scenario->check(config);
   for (const UnusedKey& unused : fields.unused()) {
@@ -124,16 +129,11 @@ PreparedRun prepare(std::unique_ptr<Scenario> scenario, Fields& fields, const Co
   return run;
 }
 
-}  // namespace
-
 PreparedRun prepare_run(const Catalogue& catalogue, const std::string& scenario,
                         const ScenarioFile& file, const std::string& case_name,
                         const std::vector<std::string>& sets) {
-  auto made = make_scenario(catalogue, scenario);
-  const Config config = file.config(case_name, sets);
-  Fields fields = made->fields();
-  fields.check(file);
-  PreparedRun run = prepare(std::move(made), fields, config, case_name);
+  PreparedRun run = prepare_scenario(make_scenario(catalogue, scenario), file, case_name, sets,
+                                     Tables::unchecked);
   run.is_as_shipped = shipped_config(catalogue, *run.scenario, case_name) == run.config_text;
   return run;
 }
@@ -141,12 +141,8 @@ PreparedRun prepare_run(const Catalogue& catalogue, const std::string& scenario,
 PreparedRun prepare_point(const Catalogue& catalogue, const std::string& scenario,
                           const ScenarioFile& file, const std::string& case_name,
                           const std::vector<std::string>& sets) {
-  auto made = make_scenario(catalogue, scenario);
-  const Config config = file.config(case_name, sets);
-  Fields fields = made->fields();
-  PreparedRun run = prepare(std::move(made), fields, config, case_name);
-  run.is_as_shipped = false;
-  return run;
+  return prepare_scenario(make_scenario(catalogue, scenario), file, case_name, sets,
+                          Tables::checked);
 }
 
 void write_run(const PreparedRun& run, const ModelHashes& models, const Recording& recording,

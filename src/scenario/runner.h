@@ -28,7 +28,7 @@ struct PreparedRun {
   std::string case_name;
   std::string config_text;               ///< the effective configuration, as a scenario file
   std::vector<VainKey> vain;             ///< what the case or --set gives
-  bool is_as_shipped = true;             ///< the project's own case, but for seed and compression
+  bool is_as_shipped = false;            ///< the project's own case, but for seed and compression
   std::vector<std::string> model_files;  ///< that its keys name
 };
 
@@ -43,14 +43,23 @@ struct RunSummary {
   double wall_s = 0.0;
 };
 
-/// Reads and checks one case with `sets` (key=value) on top. Throws std::invalid_argument, one
-/// line.
+/// Whether the tables of a scenario file are known to be right, since one of its cases was
+/// prepared.
+enum class Tables { checked, unchecked };
+
+/// The run of a scenario that was made, by one case of a file, with `sets` (key=value) on top; as
+/// shipped or not is not known. Throws std::invalid_argument, one line.
+PreparedRun prepare_scenario(std::unique_ptr<Scenario> scenario, const ScenarioFile& file,
+                             const std::string& case_name, const std::vector<std::string>& sets,
+                             Tables tables);
+
+/// The same of a scenario's name; whether it is as shipped is found out.
 PreparedRun prepare_run(const Catalogue& catalogue, const std::string& scenario,
                         const ScenarioFile& file, const std::string& case_name,
                         const std::vector<std::string>& sets);
 
-/// The same for a file whose tables are known to be right, since one of its cases was prepared: for
-/// one run of very many. `is_as_shipped` is false.
+/// The same of a file whose tables are checked, for one run of very many: not known to be as
+/// shipped.
 PreparedRun prepare_point(const Catalogue& catalogue, const std::string& scenario,
                           const ScenarioFile& file, const std::string& case_name,
                           const std::vector<std::string>& sets);

@@ -89,7 +89,7 @@ std::string at_line(const std::string& file, const toml::source_region& source) 
   return file + ":" + std::to_string(source.begin.line);
 }
 
-toml::table parse_toml_file(const std::string& file) {
+toml::table parse_toml_file(const std::string& file, std::string* text_of_file) {
   std::error_code error;
   const bool is_file = std::filesystem::is_regular_file(file, error);
   std::ifstream stream(file, std::ios::binary);
@@ -106,7 +106,9 @@ toml::table parse_toml_file(const std::string& file) {
     throw std::invalid_argument(file + ":" + std::to_string(guard.line()) + ": " + complaint);
   }
   try {
-    return toml::parse(text, file);
+    toml::table table = toml::parse(text, file);
+    if (text_of_file != nullptr) *text_of_file = std::move(text);
+    return table;
   } catch (const toml::parse_error& e) {
     throw std::invalid_argument(at_line(file, e.source()) +
                                 ": is not TOML: " + std::string(e.description()));

@@ -18,6 +18,12 @@ class RunFailure : public std::runtime_error {
   double time_s_;
 };
 
+/// The machine has no memory for what the engine needs; the input may be right. `FILE: reason`.
+class OutOfMemory : public std::invalid_argument {
+ public:
+  using std::invalid_argument::invalid_argument;
+};
+
 /// Calls `body(argument)`, which calls the engine. If the engine reports a fatal error meanwhile,
 /// returns its text (by default it would wait for a key and exit); otherwise an empty string.
 ///

@@ -35,7 +35,13 @@ std::string name_of(const mjModel& m, mjtObj kind, int id) {
   return name != nullptr ? "\"" + std::string(name) + "\"" : "number " + std::to_string(id);
 }
 
+// Each of the engine's messages about memory that the machine did not give says so.
+void check_memory(const std::string& file, const std::string& fatal) {
+  if (fatal.find("ould not allocate") != std::string::npos) throw OutOfMemory(file + ": " + fatal);
+}
+
 [[noreturn]] void refuse(const std::string& file, const std::string& what) {
+  check_memory(file, what);
   throw std::invalid_argument(file + ": " + what);
 }
 
@@ -97,6 +103,7 @@ Model Model::compile(const std::string& mjcf_file) {
         call_engine([&] { loaded = mj_loadXML(mjcf_file.c_str(), nullptr, error, sizeof(error)); });
   }
   if (loaded == nullptr) {
+    check_memory(mjcf_file, fatal);
     throw std::invalid_argument(located(mjcf_file, fatal.empty() ? error : fatal));
   }
 
@@ -112,14 +119,20 @@ namespace {
 
 // What SharedModels share. Models in it are never changed, only copied.
 struct Shared {
+  std::mutex compiling;
   std::mutex mutex;
-  int owners = 0;
+  std::vector<const SharedModels*> owners;
   std::map<std::string, std::shared_ptr<const mjModel>> models;
 };
 
 Shared& shared() {
   static Shared all;
   return all;
+}
+
+std::vector<const SharedModels*> owners() {
+  const std::lock_guard lock(shared().mutex);
+  return shared().owners;
 }
 
 std::shared_ptr<const mjModel> find_shared(const std::string& file) {
@@ -137,11 +150,17 @@ Model Model::load(const std::string& mjcf_file) {
     if (copy == nullptr) refuse(mjcf_file, fatal.empty() ? "cannot be copied" : fatal);
     return Model(copy, mjcf_file);
   };
+  if (owners().empty()) return compile(mjcf_file);
   if (const auto model = find_shared(mjcf_file)) return copy_of(*model);
+  const std::lock_guard compiling(shared().compiling);
+  // Another thread may have compiled it while this one waited.
+  if (const auto model = find_shared(mjcf_file)) return copy_of(*model);
+  for (const SharedModels* owner : owners()) {
+    if (owner->before_compiling_) owner->before_compiling_(mjcf_file);
+  }
   Model model = compile(mjcf_file);
-  const std::lock_guard lock(shared().mutex);
-  if (shared().owners == 0) return model;
   Model copy = copy_of(*model.get());
+  const std::lock_guard lock(shared().mutex);
   shared().models.emplace(mjcf_file,
                           std::shared_ptr<const mjModel>(model.model_.release(), [](const auto* m) {
                             mj_deleteModel(const_cast<mjModel*>(m));
@@ -149,14 +168,18 @@ Model Model::load(const std::string& mjcf_file) {
   return copy;
 }
 
-SharedModels::SharedModels() {
+SharedModels::SharedModels(std::function<void(const std::string&)> before_compiling)
+    : before_compiling_(std::move(before_compiling)) {
   const std::lock_guard lock(shared().mutex);
-  ++shared().owners;
+  // What was compiled before is compiled again, so that this one is told of it.
+  if (before_compiling_) shared().models.clear();
+  shared().owners.push_back(this);
 }
 
 SharedModels::~SharedModels() {
   const std::lock_guard lock(shared().mutex);
-  if (--shared().owners == 0) shared().models.clear();
+  std::erase(shared().owners, this);
+  if (shared().owners.empty()) shared().models.clear();
 }
 
 int Model::id(mjtObj kind, const std::string& name) const {

@@ -3,6 +3,7 @@
 
 #include <mujoco/mujoco.h>
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -22,8 +23,8 @@ class Model {
   /// Compiles an MJCF file. Throws std::invalid_argument with one line, `FILE[:LINE]: reason`, if
   /// it cannot be read or compiled, or if a number of it is not finite or beyond 1e30, or its
   /// timestep, a mass, an inertia or a size is not a sensible number: the engine itself accepts
-  /// NaN, a timestep of −1 s and a mass of 1e300 kg. While there are SharedModels, a copy of what
-  /// was compiled first. Thread-safe.
+  /// NaN, a timestep of −1 s and a mass of 1e300 kg; OutOfMemory if the machine has none. While
+  /// there are SharedModels, a copy of what was compiled first. Thread-safe.
   static Model load(const std::string& mjcf_file);
 
   mjModel* get() { return model_.get(); }
@@ -70,10 +71,15 @@ class Model {
 /// of the same files, which must not change meanwhile.
 class SharedModels {
  public:
-  SharedModels();
+  /// `before_compiling` is told each file just before it is read; one at a time, from any thread.
+  explicit SharedModels(std::function<void(const std::string& file)> before_compiling = {});
   ~SharedModels();
   SharedModels(const SharedModels&) = delete;
   SharedModels& operator=(const SharedModels&) = delete;
+
+ private:
+  friend class Model;
+  std::function<void(const std::string& file)> before_compiling_;
 };
 
 }  // namespace breakwater

@@ -4,6 +4,7 @@
 
 #include <map>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include <breakwater/record/csv.h>
@@ -135,11 +136,17 @@ std::string comparison_csv(const CandidateComparison& comparison) {
 std::string comparison_text(const CandidateComparison& comparison, std::size_t width) {
   Table table({"metric", "candidate", "reference", "pairs", "median", "difference (95 %)", "p",
                "better in", "verdict"});
+  std::map<std::string, std::set<std::size_t>> pairs;  // of a metric's rows
+  for (const MetricComparison& one : comparison.metrics) pairs[one.metric].insert(one.pairs);
+  bool has_mark = false;
   for (const MetricComparison& one : comparison.metrics) {
     const bool has_goal = one.probability_better.has_value();
+    const bool is_marked = pairs[one.metric].size() > 1;
+    has_mark = has_mark || is_marked;
     table.add({one.metric, comparison.candidates[one.candidate],
-               comparison.candidates[one.reference], std::to_string(one.pairs),
-               brief(one.median.value), brief(one.difference), fmt::format("{:.2g}", one.p_holm),
+               comparison.candidates[one.reference],
+               std::to_string(one.pairs) + (is_marked ? " *" : ""), brief(one.median.value),
+               brief(one.difference), fmt::format("{:.2g}", one.p_holm),
                has_goal ? fmt::format("{:.0f} %", 100.0 * *one.probability_better) : "-",
                name_of(one.verdict)});
   }
@@ -150,7 +157,10 @@ std::string comparison_text(const CandidateComparison& comparison, std::size_t w
                                         static_cast<long>(one.reference_failures)),
                fmt::format("{:.2g}", one.p_holm), "-", name_of(one.verdict)});
   }
-  return table.print(width);
+  std::string text = table.print(width);
+  if (has_mark)
+    text += "* the medians of this metric are over different worlds: some runs lack it\n";
+  return text;
 }
 
 }  // namespace breakwater

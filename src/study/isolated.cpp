@@ -4,6 +4,7 @@
 #include <sys/wait.h>
 
 #include <algorithm>
+#include <array>
 #include <csignal>
 #include <cstring>
 #include <stdexcept>
@@ -19,6 +20,13 @@ namespace {
 
 constexpr std::size_t kMostOfAChild =
     200;  // points: what a new process costs is little beside them
+
+// Whether a signal is what a program brings upon itself. Any other comes from outside: of the
+// system that has no memory left, of a scheduler, of somebody.
+bool is_crash(int signal) {
+  constexpr std::array kCrashes = {SIGSEGV, SIGABRT, SIGFPE, SIGILL, SIGBUS, SIGTRAP, SIGSYS};
+  return std::find(kCrashes.begin(), kCrashes.end(), signal) != kCrashes.end();
+}
 
 }  // namespace
 
@@ -40,17 +48,20 @@ std::size_t run_isolated(const std::vector<std::size_t>& points, const PointSour
     while (next < end && !is_stopped) {
       const std::vector<std::size_t> rest(points.begin() + static_cast<std::ptrdiff_t>(next),
                                           points.begin() + static_cast<std::ptrdiff_t>(end));
-      // It says "begin N" and "end N", a line each.
+      // It says "begin N", "key N KEY" and "end N STATUS", a line each.
       ReadProgram child({own_program(), kSweep, folder.path().string(), "--points",
                          print_points(rest), "--jobs", "1", "--announce", "--quiet"});
       bool is_under_way = false;  // points[next]
+      std::string key;            // of it, once it is known
       bool was_told = false;
       while (const auto line = child.next()) {
         if (line->starts_with("begin ")) {
           // Points that somebody else has done meanwhile are left out.
           next = index_of(std::stoul(line->substr(6)));
           is_under_way = true;
+          key.clear();
         }
+        if (line->starts_with("key ")) key = line->substr(line->rfind(' ') + 1);
         if (line->starts_with("end ")) {
           is_under_way = false;
           if (options.progress) options.progress(next, 1.0);
@@ -71,12 +82,22 @@ std::size_t run_isolated(const std::vector<std::size_t>& points, const PointSour
       }
       const int status = child.wait();
       if (is_stopped) break;
-      if (WIFSIGNALED(status) && is_under_way) {
+      const std::string reason =
+          WIFSIGNALED(status)
+              ? fmt::format("signal {} ({})", WTERMSIG(status), strsignal(WTERMSIG(status)))
+              : "";
+      if (WIFSIGNALED(status) && !is_crash(WTERMSIG(status))) {
+        // Nothing is known of the point that it was at: it is left undone.
+        if (next == end) break;
+        fmt::print(stderr, "{}: point {} is left undone: its process was ended by {}\n", kSweep,
+                   is_under_way && !key.empty() ? key : std::to_string(points[next]), reason);
+        ++next;
+      } else if (WIFSIGNALED(status) && is_under_way) {
         PointResult crash;
         crash.number = points[next];
-        crash.key = source.unprepared_key(crash.number);
+        crash.key = key.empty() ? source.unprepared_key(crash.number) : key;
         crash.status = PointStatus::crashed;
-        crash.reason = fmt::format("signal {} ({})", WTERMSIG(status), strsignal(WTERMSIG(status)));
+        crash.reason = reason;
         shard.add(crash);
         if (options.on_result) options.on_result(crash);
         ++next;

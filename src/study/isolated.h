@@ -10,8 +10,9 @@
 namespace breakwater {
 
 /// As run_points(), but in child processes, `sweep DIR --points …` of this program, each of which
-/// runs some points and keeps their results itself. One that a signal ends costs the point that it
-/// was at: that has crashed, which goes into `shard`; another child goes on behind it.
+/// runs some points and keeps their results itself. One that crashes costs the point that it was
+/// at, which goes into `shard`; one that is killed from outside (where memory is short, say) leaves
+/// its point undone, and says so. Another child goes on behind it.
 std::size_t run_isolated(const std::vector<std::size_t>& points, const PointSource& source,
                          const StudyFolder& folder, Shard& shard, const ExecutorOptions& options);
 

@@ -26,41 +26,59 @@ bool is_untouched(const struct stat& then, const struct stat& now) {
 
 }  // namespace
 
-const ModelHashes& KnownModels::of(const std::vector<std::string>& files) {
+void KnownModels::note(const std::string& file) {
   const std::lock_guard lock(mutex_);
-  const auto found = known_.find(files);
-  if (found != known_.end()) return found->second.hashes;
-  Known known;
-  for (const auto& path : model_paths(files)) {
-    const struct stat status = status_of(path);
-    known.files.push_back({path, status, file_hash(path)});
-    known.hashes[portable_path(path)] = known.files.back().hash;
-  }
-  return known_.emplace(files, std::move(known)).first->second.hashes;
+  noted(file);
 }
 
-void KnownModels::check(const Known& known) {
-  for (const File& file : known.files) {
-    if (is_untouched(file.status, status_of(file.path)) || file_hash(file.path) == file.hash) {
-      continue;
+const KnownModels::Files& KnownModels::noted(const std::string& file) {
+  const auto found = models_.find(file);
+  if (found != models_.end()) return found->second;
+  const std::vector<std::filesystem::path> paths = model_paths({file});
+  if (paths.empty()) throw std::invalid_argument(file + ": cannot be read");
+  Files files;
+  for (const auto& path : paths) {
+    auto known = files_.find(path);
+    if (known == files_.end()) {
+      const struct stat status = status_of(path);
+      known = files_.emplace(path, File{path, status, file_hash(path)}).first;
     }
-    throw std::invalid_argument(file.path.string() + ": was changed while it ran: start again");
+    files.push_back(&known->second);
   }
+  return models_.emplace(file, std::move(files)).first->second;
+}
+
+const ModelHashes& KnownModels::of(const std::vector<std::string>& files) {
+  const std::lock_guard lock(mutex_);
+  const auto found = hashes_.find(files);
+  if (found != hashes_.end()) return found->second;
+  ModelHashes hashes;
+  for (const std::string& model : files) {
+    for (const File* file : noted(model)) hashes[portable_path(file->path)] = file->hash;
+  }
+  return hashes_.emplace(files, std::move(hashes)).first->second;
+}
+
+void KnownModels::check(const File& file) {
+  if (is_untouched(file.status, status_of(file.path)) || file_hash(file.path) == file.hash) return;
+  throw std::invalid_argument(file.path.string() + ": was changed while it ran: start again");
 }
 
 void KnownModels::check_unchanged(const std::vector<std::string>& files) const {
-  const Known* known = nullptr;
+  std::vector<const File*> all;
   {
     const std::lock_guard lock(mutex_);
-    const auto found = known_.find(files);
-    if (found != known_.end()) known = &found->second;
+    for (const std::string& model : files) {
+      const auto found = models_.find(model);
+      if (found != models_.end()) all.insert(all.end(), found->second.begin(), found->second.end());
+    }
   }
-  if (known != nullptr) check(*known);
+  for (const File* file : all) check(*file);
 }
 
 void KnownModels::check_unchanged() const {
   const std::lock_guard lock(mutex_);
-  for (const auto& [files, known] : known_) check(known);
+  for (const auto& [path, file] : files_) check(file);
 }
 
 }  // namespace breakwater

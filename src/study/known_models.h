@@ -14,9 +14,14 @@
 namespace breakwater {
 
 /// Hashes of models, each file read once, and how the file system described it then. Thread-safe.
+///
+/// A hash is that of what was compiled if its file is noted before it is compiled (SharedModels)
+/// and unchanged once the run has ended.
 class KnownModels {
  public:
-  /// model_hashes() of these files as they were at the first call for them.
+  /// Reads an MJCF file and all that it has read in, unless they are known.
+  void note(const std::string& file);
+  /// model_hashes() of these files as they were when each was noted, at the latest now.
   const ModelHashes& of(const std::vector<std::string>& files);
 
   /// Throws std::invalid_argument `FILE: was changed while it ran: start again` if one of the files
@@ -27,18 +32,19 @@ class KnownModels {
 
  private:
   struct File {
-    std::filesystem::path path;
+    std::filesystem::path path = {};
     struct stat status = {};  // of just before it was read
-    std::string hash;
+    std::string hash = {};
   };
-  struct Known {
-    ModelHashes hashes;
-    std::vector<File> files;
-  };
+  using Files = std::vector<const File*>;
 
-  static void check(const Known& known);
+  const Files& noted(const std::string& file);
+  static void check(const File& file);
 
-  std::map<std::vector<std::string>, Known> known_;  // what is in it stays as it is
+  // What is in them stays as it is.
+  std::map<std::filesystem::path, File> files_;
+  std::map<std::string, Files> models_;  // an MJCF file, and all that it has read in
+  std::map<std::vector<std::string>, ModelHashes> hashes_;
   mutable std::mutex mutex_;
 };
 

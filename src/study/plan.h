@@ -45,8 +45,6 @@ class Plan {
   std::size_t size() const { return samples_ * seeds_ * candidates_.size(); }
 
   StudyPoint point(std::size_t number) const;
-  /// The number of a sample's first point.
-  std::size_t first_point(std::size_t sample) const { return sample * seeds_ * candidates_.size(); }
   /// The number of the first point that has this candidate.
   std::size_t first_of(std::size_t candidate) const { return candidate; }
 

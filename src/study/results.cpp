@@ -3,14 +3,11 @@
 #include <fmt/format.h>
 #include <sqlite3.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <charconv>
 #include <cstring>
 #include <fstream>
-#include <map>
 #include <memory>
-#include <unordered_map>
 
 #include <breakwater/record/csv.h>
 #include <breakwater/record/partial_file.h>
@@ -51,11 +48,10 @@ std::string quoted_name(const std::string& name) {
 }  // namespace
 
 ResultsTable::ResultsTable(const Plan& plan, const ShardIndex& index) : plan_(plan), index_(index) {
-  std::unordered_map<std::string, std::size_t> known;
   for (std::size_t point = 0; point < index.points(); ++point) {
     if (!index.has(point)) continue;
     for (const auto& [name, value] : index.read(point).metrics) {
-      if (known.emplace(name, metrics_.size()).second) metrics_.push_back(name);
+      if (columns_.emplace(name, metrics_.size()).second) metrics_.push_back(name);
     }
   }
 }
@@ -85,8 +81,6 @@ void ResultsTable::write_csv(const std::filesystem::path& file) const {
   PartialFile partial(file);
   std::ofstream stream(partial.path(), std::ios::binary);
   stream << csv_line(header());
-  std::unordered_map<std::string, std::size_t> columns;
-  for (std::size_t i = 0; i < metrics_.size(); ++i) columns.emplace(metrics_[i], i);
   for (std::size_t point = 0; stream && point < index_.points(); ++point) {
     if (!index_.has(point)) continue;
     const PointResult result = index_.read(point);
@@ -94,7 +88,7 @@ void ResultsTable::write_csv(const std::filesystem::path& file) const {
     const std::size_t first = cells.size();
     cells.resize(first + metrics_.size());
     for (const auto& [name, value] : result.metrics) {
-      cells[first + columns.at(name)] = fmt::format("{:.17g}", value);
+      cells[first + columns_.at(name)] = fmt::format("{:.17g}", value);
     }
     stream << csv_line(cells);
   }
@@ -142,7 +136,9 @@ void ResultsTable::write_sqlite(const std::filesystem::path& file) const {
         const bool is_number = names[static_cast<std::size_t>(column - 1)] != "point" &&
                                names[static_cast<std::size_t>(column - 1)] != "state_hash" &&
                                error == std::errc() && end == cell.data() + cell.size();
-        if (is_number) {
+        if (is_number && names[static_cast<std::size_t>(column - 1)] == "seed") {
+          sqlite3_bind_int64(made, column, std::stoll(cell));  // a double has not all of them
+        } else if (is_number) {
           sqlite3_bind_double(made, column, number);
         } else {
           sqlite3_bind_text(made, column, cell.data(), static_cast<int>(cell.size()),
@@ -150,9 +146,7 @@ void ResultsTable::write_sqlite(const std::filesystem::path& file) const {
         }
       }
       for (const auto& [name, value] : result.metrics) {
-        const auto nth = std::find(metrics_.begin(), metrics_.end(), name) - metrics_.begin();
-        sqlite3_bind_double(made, static_cast<int>(cells.size()) + static_cast<int>(nth) + 1,
-                            value);
+        sqlite3_bind_double(made, static_cast<int>(cells.size() + columns_.at(name)) + 1, value);
       }
       if (sqlite3_step(made) != SQLITE_DONE) database.fail();
       sqlite3_reset(made);

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include <breakwater/study/plan.h>
@@ -33,6 +34,7 @@ class ResultsTable {
   const Plan& plan_;
   const ShardIndex& index_;
   std::vector<std::string> metrics_;
+  std::unordered_map<std::string, std::size_t> columns_;  // of the metrics, by their names
 };
 
 }  // namespace breakwater

@@ -11,12 +11,13 @@
 #include <cerrno>
 #include <charconv>
 #include <cstring>
-#include <limits>
 #include <optional>
 #include <stdexcept>
 #include <string_view>
+#include <utility>
 
 #include <breakwater/record/file_hash.h>
+#include <breakwater/record/process_name.h>
 #include <breakwater/scenario/process.h>
 
 namespace breakwater {
@@ -153,18 +154,16 @@ std::vector<fs::path> shards_of(const fs::path& folder) {
        entry.increment(error)) {
     if (entry->path().extension() == kSuffix) files.push_back(entry->path());
   }
+  if (error && error != std::errc::no_such_file_or_directory) {
+    throw std::invalid_argument(
+        fmt::format("{}: cannot be read ({})", folder.string(), error.message()));
+  }
   std::sort(files.begin(), files.end());
   return files;
 }
 
 [[noreturn]] void fail_to_write(const fs::path& file) {
   throw OutputError(fmt::format("{}: cannot be written ({})", file.string(), std::strerror(errno)));
-}
-
-std::string host_name() {
-  std::array<char, 256> name{};
-  gethostname(name.data(), name.size() - 1);
-  return name.data();
 }
 
 }  // namespace
@@ -174,9 +173,18 @@ const std::string& name_of(PointStatus status) {
 }
 
 Shard::~Shard() {
+  if (descriptor_ >= 0) close(descriptor_);
+}
+
+void Shard::finish() {
+  const std::lock_guard lock(mutex_);
   if (descriptor_ < 0) return;
-  fsync(descriptor_);
-  close(descriptor_);
+  // Some file systems know no fsync.
+  const bool is_synced = fsync(descriptor_) == 0 || errno == EINVAL || errno == ENOTSUP;
+  const int error = errno;
+  const bool is_closed = close(std::exchange(descriptor_, -1)) == 0;
+  if (!is_synced) errno = error;
+  if (!is_synced || !is_closed) fail_to_write(file_);
 }
 
 void Shard::add(const PointResult& result) {
@@ -201,7 +209,7 @@ void Shard::add(const ModelHashes& models) {
 
 void Shard::append(const std::string& text) {
   for (int n = 0; descriptor_ < 0; ++n) {
-    file_ = folder_ / fmt::format("{}-{}-{}{}", host_name(), getpid(), n, kSuffix);
+    file_ = folder_ / fmt::format("{}-{}{}", process_name(), n, kSuffix);
     descriptor_ = open(file_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_APPEND | O_CLOEXEC, 0666);
     if (descriptor_ < 0 && errno != EEXIST) fail_to_write(file_);
   }
@@ -217,12 +225,9 @@ void Shard::append(const std::string& text) {
   }
 }
 
-ShardIndex::ShardIndex(const fs::path& folder, std::size_t points) : places_(points) {
-  const std::vector<fs::path> files = shards_of(folder);
-  if (files.size() > std::numeric_limits<std::uint16_t>::max()) {
-    throw std::invalid_argument(folder.string() + ": has more than 65535 shards");
-  }
-  for (const fs::path& file : files) read_file(file);
+ShardIndex::ShardIndex(const fs::path& folder, std::size_t points)
+    : places_(points), folder_(folder.string()) {
+  for (const fs::path& file : shards_of(folder)) read_file(file);
 }
 
 ShardIndex::~ShardIndex() {
@@ -236,7 +241,8 @@ void ShardIndex::read_file(const fs::path& file) {
     const std::string_view kind = parts.next();
     if (kind == kModel) {
       const std::string name(parts.next());
-      models_.emplace(name, parts.next());
+      const std::string_view hash = parts.next();
+      if (models_.emplace(name, hash).first->second != hash) ambiguous_model_ = name;
       return;
     }
     const auto head = kind == kPoint ? read_head(parts) : std::nullopt;
@@ -249,7 +255,8 @@ void ShardIndex::read_file(const fs::path& file) {
       --done_;
     }
     place = {offset, static_cast<std::uint32_t>(length),
-             static_cast<std::uint16_t>(names_.size() - 1), head->status};
+             static_cast<std::uint32_t>(names_.size() - 1), static_cast<float>(head->cost_s),
+             head->status};
     ++counts_[static_cast<std::size_t>(place.status)];
     ++done_;
   });
@@ -259,6 +266,7 @@ std::string ShardIndex::line(const Place& place) const {
   if (open_ < 0 || open_file_ != place.file) {
     if (open_ >= 0) close(open_);
     open_ = open(names_[place.file].c_str(), O_RDONLY | O_CLOEXEC);
+    if (open_ < 0) fail_to_read(names_[place.file]);
     open_file_ = place.file;
   }
   std::string text(place.length, '\0');
@@ -275,16 +283,58 @@ PointResult ShardIndex::read(std::size_t point) const {
   return *std::move(result);
 }
 
+void ShardIndex::check_models() const {
+  if (ambiguous_model_.empty()) return;
+  throw std::invalid_argument(
+      fmt::format("{}: some results are of another version of {} than others: begin anew with "
+                  "--rerun",
+                  folder_, ambiguous_model_));
+}
+
 std::size_t ShardIndex::find(const std::string& key) const {
+  std::size_t found = places_.size();
+  std::string whole;
   for (std::size_t point = 0; point < places_.size(); ++point) {
     if (!has(point)) continue;
     const std::string text = line(places_[point]);
     Parts parts(*checked(text));
     parts.next();
     parts.next();
-    if (parts.next() == key) return point;
+    const std::string_view other = parts.next();
+    if (other == key) return point;
+    if (!other.starts_with(key) || other == whole) continue;
+    if (!whole.empty()) {
+      throw std::invalid_argument(
+          fmt::format("{}: points {} and {} both begin so", key, whole, other));
+    }
+    found = point;
+    whole = other;
   }
-  return places_.size();
+  return found;
+}
+
+std::vector<int> other_writers(const fs::path& folder) {
+  std::vector<int> processes;
+  for (const fs::path& file : shards_of(folder)) {
+    // HOST-PID-N.shard
+    const std::string name = file.filename();
+    const std::string host = host_name() + "-";
+    int process = 0;
+    if (!name.starts_with(host)) continue;
+    std::from_chars(name.data() + host.size(), name.data() + name.size(), process);
+    if (process <= 0 || process == getpid()) continue;
+    // The number may be another process' by now.
+    std::error_code error;
+    const fs::path open_files = "/proc/" + std::to_string(process) + "/fd";
+    for (fs::directory_iterator entry(open_files, error), end; !error && entry != end;
+         entry.increment(error)) {
+      std::error_code ignored;
+      if (!fs::equivalent(entry->path(), file, ignored)) continue;
+      processes.push_back(process);
+      break;
+    }
+  }
+  return processes;
 }
 
 std::unordered_map<std::string, PointResult> results_by_key(const fs::path& folder) {

@@ -17,7 +17,7 @@ namespace breakwater {
 
 /// How a point ended. A run that failed has a state hash and no metrics; what was refused did not
 /// begin; of a crash only the words are left.
-enum class PointStatus { complete, failed, refused, crashed };
+enum class PointStatus : std::uint8_t { complete, failed, refused, crashed };
 const std::string& name_of(PointStatus status);
 
 /// What is known of a point once it has run.
@@ -47,6 +47,9 @@ class Shard {
   void add(const PointResult& result);
   /// What points are made of besides their keys; each file is written once.
   void add(const ModelHashes& models);
+  /// Once all is added. Throws OutputError if what was added may not be on the disk: a file system
+  /// over a network may say so only now.
+  void finish();
 
  private:
   void append(const std::string& text);
@@ -64,6 +67,7 @@ class ShardIndex {
  public:
   /// `points` is how many the study has. A line of a point beyond them does not count; of several
   /// of one point one that ran counts before one that crashed. A folder that is not there is empty.
+  /// Throws std::invalid_argument if it cannot be read, or one of its shards.
   ShardIndex(const std::filesystem::path& folder, std::size_t points);
   ~ShardIndex();
   ShardIndex(const ShardIndex&) = delete;
@@ -71,23 +75,30 @@ class ShardIndex {
 
   std::size_t points() const { return places_.size(); }
   bool has(std::size_t point) const { return places_[point].length > 0; }
+  /// How a point ended, which must be there.
+  PointStatus status(std::size_t point) const { return places_[point].status; }
   std::size_t done() const { return done_; }
   /// How many ended so.
   std::size_t count(PointStatus status) const { return counts_[static_cast<std::size_t>(status)]; }
-  /// Processor time of all that ran [s].
+  /// Processor time of all that ran, and of a point, which must be there [s].
   double cost_s() const { return cost_s_; }
+  double cost_s(std::size_t point) const { return static_cast<double>(places_[point].cost_s); }
   const ModelHashes& models() const { return models_; }
+  /// Throws std::invalid_argument, one line, if points are of different versions of a model.
+  void check_models() const;
 
   /// A point's result, which must be there. Throws std::invalid_argument if the file has changed.
   PointResult read(std::size_t point) const;
-  /// The number of the point with this key; points() if none of those that ran has it.
+  /// The number of the first point whose key begins so; points() if none of those that are there
+  /// does. Throws std::invalid_argument if points of different keys do.
   std::size_t find(const std::string& key) const;
 
  private:
   struct Place {
     std::uint64_t offset = 0;
     std::uint32_t length = 0;  // 0: not there
-    std::uint16_t file = 0;
+    std::uint32_t file = 0;
+    float cost_s = 0.0F;
     PointStatus status = PointStatus::complete;
   };
 
@@ -96,13 +107,19 @@ class ShardIndex {
 
   std::vector<std::string> names_;  // of the files
   mutable int open_ = -1;           // the one that was read last: there may be very many
-  mutable std::uint16_t open_file_ = 0;
+  mutable std::uint32_t open_file_ = 0;
   std::vector<Place> places_;
   std::size_t done_ = 0;
   std::size_t counts_[4] = {};
   double cost_s_ = 0.0;
+  std::string folder_;
   ModelHashes models_;
+  std::string ambiguous_model_;  // one of which there are different hashes
 };
+
+/// Other processes of this computer that have a shard of the folder open: they are at the same
+/// study.
+std::vector<int> other_writers(const std::filesystem::path& folder);
 
 /// The results in all shards of a folder, by their keys: for points without fixed numbers. Of
 /// several lines of one key the last counts; that of a shard that was written later is later. A

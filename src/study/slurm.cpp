@@ -162,7 +162,8 @@ void submit(const Sweep& sweep, const StudyFolder& folder, const std::vector<std
   }
   replace_file(submission / "job", job + "\n");
   if (quiet) return;
-  fmt::print("{} points in {} task{}: job {}\n", points.size(), tasks, tasks == 1 ? "" : "s", job);
+  fmt::print("{} point{} in {} task{}: job {}\n", points.size(), points.size() == 1 ? "" : "s",
+             tasks, tasks == 1 ? "" : "s", job);
   if (request.wait) return;
   fmt::print("--status says how far it is; when it is over, {} {} {} collects the results\n",
              own_program_name(), kSweep, folder.path().string());

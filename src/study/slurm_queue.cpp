@@ -107,6 +107,11 @@ std::vector<Submission> submissions(const StudyFolder& folder) {
     found[std::atoi(entry->path().filename().c_str())] = {entry->path(), job.front(),
                                                           lines_of_file(entry->path() / "tasks")};
   }
+  // What cannot be read may be in the queue: it must not be submitted again.
+  if (error && error != std::errc::no_such_file_or_directory) {
+    throw std::invalid_argument(fmt::format("{}: cannot be read ({})",
+                                            (folder.path() / "slurm").string(), error.message()));
+  }
   std::vector<Submission> all;
   for (auto& [number, submission] : found) all.push_back(std::move(submission));
   return all;

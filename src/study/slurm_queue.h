@@ -19,7 +19,8 @@ struct Submission {
   std::vector<std::string> tasks;
 };
 
-/// All that were accepted, in their order.
+/// All that were accepted, in their order. Throws std::invalid_argument if DIR/slurm cannot be
+/// read.
 std::vector<Submission> submissions(const StudyFolder& folder);
 
 /// What of a study is in the queue.

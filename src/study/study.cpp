@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <regex>
 #include <set>
 #include <sstream>
 #include <stdexcept>
@@ -137,27 +138,10 @@ void check(const StudyReader& reader, const toml::table& tables, const Study& st
   }
 }
 
-// Splits at commas outside of brackets and quotes.
-std::vector<std::string> split(const std::string& text) {
-  std::vector<std::string> parts(1);
-  int depth = 0;
-  char quote = 0;
-  for (const char c : text) {
-    if (quote != 0) {
-      if (c == quote) quote = 0;
-    } else if (c == '"' || c == '\'') {
-      quote = c;
-    } else if (c == '[' || c == '{' || c == '(') {
-      ++depth;
-    } else if (c == ']' || c == '}' || c == ')') {
-      --depth;
-    } else if (c == ',' && depth == 0) {
-      parts.emplace_back();
-      continue;
-    }
-    parts.back() += c;
-  }
-  return parts;
+std::string without_blanks(const std::string& text) {
+  const std::size_t first = text.find_first_not_of(" \t");
+  if (first == std::string::npos) return "";
+  return text.substr(first, text.find_last_not_of(" \t") - first + 1);
 }
 
 }  // namespace
@@ -238,12 +222,12 @@ std::string Study::print() const {
   for (const VariedKey& key : compare) {
     text += fmt::format("{} = {}\n", toml_string(key.key), key.written);
   }
-  text += "\n[slurm]\n";
+  std::string on_cluster;
   const auto line = [&](const char* key, const std::string& value) {
-    if (!value.empty()) text += fmt::format("{} = {}\n", key, toml_string(value));
+    if (!value.empty()) on_cluster += fmt::format("{} = {}\n", key, toml_string(value));
   };
   const auto lines = [&](const char* key, const std::vector<std::string>& values) {
-    if (!values.empty()) text += fmt::format("{} = {}\n", key, quoted(values));
+    if (!values.empty()) on_cluster += fmt::format("{} = {}\n", key, quoted(values));
   };
   line("account", slurm.account);
   line("partition", slurm.partition);
@@ -251,10 +235,34 @@ std::string Study::print() const {
   lines("modules", slurm.modules);
   lines("environment", slurm.environment);
   lines("options", slurm.options);
-  return text;
+  return on_cluster.empty() ? text : text + "\n[slurm]\n" + on_cluster;
 }
 
-toml::table option_value(const std::string& option, const std::string& text) {
+std::vector<std::string> option_parts(const std::string& text) {
+  std::vector<std::string> parts(1);
+  int depth = 0;
+  char quote = 0;
+  for (const char c : text) {
+    if (quote != 0) {
+      if (c == quote) quote = 0;
+    } else if (c == '"' || c == '\'') {
+      quote = c;
+    } else if (c == '[' || c == '{' || c == '(') {
+      ++depth;
+    } else if (c == ']' || c == '}' || c == ')') {
+      --depth;
+    } else if (c == ',' && depth == 0) {
+      parts.emplace_back();
+      continue;
+    }
+    parts.back() += c;
+  }
+  for (std::string& part : parts) part = without_blanks(part);
+  return parts;
+}
+
+toml::table option_value(const std::string& option, const std::string& given) {
+  const std::string text = without_blanks(given);
   if (is_value_list(text)) return toml::table{{"value", text}};
   for (const auto& [name, kind] : distributions()) {
     if (!text.starts_with(name + "(") || !text.ends_with(")")) continue;
@@ -264,8 +272,16 @@ toml::table option_value(const std::string& option, const std::string& text) {
     }
     throw std::invalid_argument(option + ": " + text + ": must be " + name + "(A,B)");
   }
+  std::smatch parts;
+  if (std::regex_match(text, parts, std::regex(R"(([A-Za-z_]+)\([^()]*\))"))) {
+    std::vector<std::string> names = names_of(distributions());
+    names.insert(names.end(), {"lin", "log"});
+    throw std::invalid_argument(fmt::format("{}: {}: there is no {}(): there are {}{}", option,
+                                            text, parts[1].str(), fmt::join(names, ", "),
+                                            did_you_mean(parts[1], names)));
+  }
   toml::array values;
-  for (const std::string& part : split(text)) {
+  for (const std::string& part : option_parts(text)) {
     if (part.empty()) throw std::invalid_argument(option + ": " + text + ": a value is missing");
     const auto parsed = parse_toml_value(part, option);
     if (parsed) {
@@ -297,7 +313,7 @@ std::vector<std::uint64_t> parse_seeds(const std::string& text) {
     return seeds;
   }
   std::vector<std::uint64_t> seeds;
-  for (const std::string& part : split(text)) seeds.push_back(number(part));
+  for (const std::string& part : option_parts(text)) seeds.push_back(number(part));
   return seeds;
 }
 

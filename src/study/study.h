@@ -83,6 +83,10 @@ Study read_study(const toml::table& tables, const std::string& file);
 /// std::invalid_argument `OPTION: reason`.
 toml::table option_value(const std::string& option, const std::string& text);
 
+/// The parts of an option's text between its commas, those in brackets and quotes apart; without
+/// the blanks around them.
+std::vector<std::string> option_parts(const std::string& text);
+
 /// "1..20" or "1,4,7": seeds. Throws std::invalid_argument.
 std::vector<std::uint64_t> parse_seeds(const std::string& text);
 

@@ -97,16 +97,18 @@ std::optional<CandidateComparison> compare_study(const Plan& plan, const ShardIn
   return compare_candidates(paired_results(plan, index));
 }
 
-std::vector<std::string> unknown_metrics(const Plan& plan, const ShardIndex& index) {
+std::vector<std::pair<std::string, std::string>> asked_metrics(const Study& study) {
   std::vector<std::pair<std::string, std::string>> asked;
-  for (const std::string& name : plan.study().metrics)
+  for (const std::string& name : study.metrics)
     asked.emplace_back("compare.metrics: " + name, name);
-  for (const auto& [name, goal] : plan.study().goals)
-    asked.emplace_back("compare.goal." + name, name);
-  if (asked.empty()) return {};
-  const std::vector<std::string> metrics = metrics_of(index);
+  for (const auto& [name, goal] : study.goals) asked.emplace_back("compare.goal." + name, name);
+  return asked;
+}
+
+std::vector<std::string> unknown_metrics(const Plan& plan,
+                                         const std::vector<std::string>& metrics) {
   std::vector<std::string> unknown;
-  for (const auto& [key, name] : asked) {
+  for (const auto& [key, name] : asked_metrics(plan.study())) {
     if (std::find(metrics.begin(), metrics.end(), name) != metrics.end()) continue;
     unknown.push_back(fmt::format("{}: no run has it{}", key, did_you_mean(name, metrics)));
   }

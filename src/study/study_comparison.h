@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <breakwater/study/paired_comparison.h>
@@ -21,7 +22,11 @@ PairedResults paired_results(const Plan& plan, const ShardIndex& index);
 /// more than 20 and no baseline.
 std::optional<CandidateComparison> compare_study(const Plan& plan, const ShardIndex& index);
 
-/// Metrics that compare.metrics or compare.goal name and no run has, as they are to be said.
-std::vector<std::string> unknown_metrics(const Plan& plan, const ShardIndex& index);
+/// The metrics that compare.metrics or compare.goal name, each behind what to call its place.
+std::vector<std::pair<std::string, std::string>> asked_metrics(const Study& study);
+
+/// Those of them that are not among `metrics`, which all runs together have, as they are to be
+/// said.
+std::vector<std::string> unknown_metrics(const Plan& plan, const std::vector<std::string>& metrics);
 
 }  // namespace breakwater

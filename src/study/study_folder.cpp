@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include <breakwater/record/file_bytes.h>
 #include <breakwater/record/file_hash.h>
 #include <breakwater/record/partial_file.h>
 #include <breakwater/scenario/paths.h>
@@ -53,24 +54,42 @@ bool StudyFolder::is_there() const {
   return fs::exists(study_file());
 }
 
-void StudyFolder::make(const std::string& text, const ScenarioFile& file) const {
-  if (fs::exists(folder_) && !is_there() && !is_begun(folder_, file_)) {
-    throw std::invalid_argument(folder_.string() +
-                                ": holds something that is not a study; it is left alone");
-  }
+std::string StudyFolder::whole_text(const std::string& text, const ScenarioFile& file) {
+  return text + fmt::format(
+                    "\n# What the results are of; it is gone on with nothing else.\n"
+                    "[made_by]\nbreakwater = {}\ngit_commit = {}\nprogram = {}\n"
+                    "scenario_file = {}\nworking_folder = {}\n",
+                    toml_string(kVersion), toml_string(kGitCommit), toml_string(program_hash()),
+                    toml_string(text_hash(file.text())), toml_string(fs::current_path().string()));
+}
+
+void StudyFolder::make_folders() const {
   std::error_code error;
   fs::create_directories(shards(), error);
   if (error) {
     throw std::invalid_argument(
         fmt::format("{}: cannot be made ({})", folder_.string(), error.message()));
   }
-  replace_file(study_file(),
-               text + fmt::format("\n# What the results are of; it is gone on with nothing else.\n"
-                                  "[made_by]\nbreakwater = {}\ngit_commit = {}\nprogram = {}\n"
-                                  "scenario_file = {}\nworking_folder = {}\n",
-                                  toml_string(kVersion), toml_string(kGitCommit),
-                                  toml_string(program_hash()), toml_string(file_hash(file.file())),
-                                  toml_string(fs::current_path().string())));
+}
+
+void StudyFolder::make(const std::string& text, const ScenarioFile& file) const {
+  if (fs::exists(folder_) && !is_there() && !is_begun(folder_, file_)) {
+    throw std::invalid_argument(folder_.string() +
+                                ": holds something that is not a study; it is left alone");
+  }
+  make_folders();
+  const std::string whole = whole_text(text, file);
+  if (!create_file(study_file(), whole)) check_is(whole, bytes_of(study_file()));
+}
+
+void StudyFolder::make_anew(const std::string& text, const ScenarioFile& file) const {
+  check_is_ours();
+  for (const char* name : {"shards", "runs", "slurm", "front", "results.csv", "results.sqlite",
+                           "comparison.csv", "front.csv", "indices.csv", "report.html"}) {
+    fs::remove_all(folder_ / name);
+  }
+  make_folders();
+  replace_file(study_file(), whole_text(text, file));
 }
 
 Study StudyFolder::study() const {
@@ -98,31 +117,30 @@ void StudyFolder::check_is(const std::string& now, const std::string& then) cons
                   folder_.string(), first_difference(now, then)));
 }
 
-void StudyFolder::check_made_by_this(const ScenarioFile& file, const ShardIndex& index) const {
-  const auto fail = [&](const std::string& what) {
-    throw std::invalid_argument(
-        fmt::format("{}: {}: go on with what it was begun with, or begin anew with --rerun",
-                    folder_.string(), what));
-  };
+void StudyFolder::fail_to_go_on(const std::string& what) const {
+  throw std::invalid_argument(
+      fmt::format("{}: {}: go on with what it was begun with, or begin anew with --rerun",
+                  folder_.string(), what));
+}
+
+void StudyFolder::check_made_by_this(const ScenarioFile& file) const {
   check_is_ours();
   if (made_by(study_file(), "program") != program_hash()) {
-    fail(fmt::format("its results are of another program (breakwater {}, {})",
-                     made_by(study_file(), "breakwater"), made_by(study_file(), "git_commit")));
+    fail_to_go_on(fmt::format("its results are of another program (breakwater {}, {})",
+                              made_by(study_file(), "breakwater"),
+                              made_by(study_file(), "git_commit")));
   }
-  if (made_by(study_file(), "scenario_file") != file_hash(file.file())) {
-    fail(file.file() + " has changed since");
-  }
-  for (const auto& [name, hash] : index.models()) {
-    const auto found = find_file(name, folder_);
-    if (!found || file_hash(*found) != hash) fail(name + " has changed since");
+  if (made_by(study_file(), "scenario_file") != text_hash(file.text())) {
+    fail_to_go_on(file.file() + " has changed since");
   }
 }
 
-void StudyFolder::clear() const {
-  check_is_ours();
-  for (const char* name : {"shards", "runs", "slurm", "front", "results.csv", "results.sqlite",
-                           "comparison.csv", "front.csv", "indices.csv", "report.html"}) {
-    fs::remove_all(folder_ / name);
+void StudyFolder::check_made_by_this(const ScenarioFile& file, const ShardIndex& index) const {
+  check_made_by_this(file);
+  index.check_models();
+  for (const auto& [name, hash] : index.models()) {
+    const auto found = find_file(name, folder_);
+    if (!found || file_hash(*found) != hash) fail_to_go_on(name + " has changed since");
   }
 }
 

@@ -25,10 +25,17 @@ class StudyFolder {
 
   bool is_there() const;
   /// Makes the folder with its study.toml. Throws std::invalid_argument if DIR holds something
-  /// else, OutputError if it cannot be written.
+  /// else, or another process has begun another study in it by now; OutputError if it cannot be
+  /// written.
   void make(const Study& study, const ScenarioFile& file) const { make(study.print(), file); }
   /// The same of a text that is the file.
   void make(const std::string& text, const ScenarioFile& file) const;
+  /// Removes the results, so that the study begins anew; nothing of a user's own. Throws
+  /// std::invalid_argument if no study left its study.toml.
+  void make_anew(const Study& study, const ScenarioFile& file) const {
+    make_anew(study.print(), file);
+  }
+  void make_anew(const std::string& text, const ScenarioFile& file) const;
   /// The study that it holds. Throws std::invalid_argument.
   Study study() const;
   /// Where it was begun, from which relative names of files count.
@@ -37,14 +44,17 @@ class StudyFolder {
   void check_is(const Study& study) const;
   /// The same of texts: what is to be, and what it holds.
   void check_is(const std::string& now, const std::string& then) const;
-  /// Throws std::invalid_argument, one line, unless this program made its results, of the scenario
-  /// file and the models that are there now.
+  /// Throws std::invalid_argument, one line, unless it was begun by this program, with the scenario
+  /// file that is there now.
+  void check_made_by_this(const ScenarioFile& file) const;
+  /// The same, and unless its results are of the models that are there now.
   void check_made_by_this(const ScenarioFile& file, const ShardIndex& index) const;
-  /// Removes the results, so that it begins anew; nothing of a user's own. Throws
-  /// std::invalid_argument if no study left its study.toml.
-  void clear() const;
 
  private:
+  // The file, with what makes the results.
+  static std::string whole_text(const std::string& text, const ScenarioFile& file);
+  void make_folders() const;
+  [[noreturn]] void fail_to_go_on(const std::string& what) const;
   void check_is_ours() const;
 
   std::filesystem::path folder_;

@@ -1,6 +1,7 @@
 #include <breakwater/study/study_reader.h>
 
 #include <cmath>
+#include <filesystem>
 #include <limits>
 #include <optional>
 #include <stdexcept>
@@ -66,6 +67,18 @@ const Names<DistributionKind>& distributions() {
                                                 {"log_uniform", DistributionKind::log_uniform},
                                                 {"normal", DistributionKind::normal}};
   return names;
+}
+
+toml::table study_tables(const std::string& file) {
+  toml::table tables = parse_toml_file(file);
+  if (const auto config = tables["config"].value<std::string>()) {
+    const auto beside = std::filesystem::absolute(file).parent_path() / *config;
+    if (std::filesystem::exists(beside)) {
+      tables.insert_or_assign("config", beside.lexically_normal().string());
+    }
+  }
+  tables.erase("made_by");
+  return tables;
 }
 
 std::string toml_text(const toml::node& node) {
@@ -218,12 +231,23 @@ void StudyReader::collect(const toml::table& table, const std::string& name,
     if (prefix.empty() && but.contains(path)) continue;
     const toml::table* nested = node.as_table();
     if (nested != nullptr && !is_distribution(*nested)) {
+      refuse_misspelt(*nested, name + "." + path);
       if (nested->empty()) fail(node, name + "." + path, "is empty");
       collect(*nested, name, path + ".", but, found);
       continue;
     }
     found.emplace_back(key.source().begin, varied_key(node, name, path));
   }
+}
+
+void StudyReader::refuse_misspelt(const toml::table& table, const std::string& key) const {
+  const bool is_like_one = table.is_inline() && table.size() == 1 &&
+                           table.begin()->second.is_array() &&
+                           table.begin()->second.as_array()->size() == 2;
+  if (!is_like_one) return;
+  const std::string name(table.begin()->first.str());
+  const std::string meant = did_you_mean(name, names_of(distributions()));
+  if (!meant.empty()) fail(table, key, "there is no distribution " + name + meant);
 }
 
 VariedKey StudyReader::varied_key(const toml::node& node, const std::string& table,

@@ -35,6 +35,11 @@ std::string name_of(const Names<Enum>& names, Enum value) {
 
 const Names<DistributionKind>& distributions();
 
+/// The tables of a study's or a tuning's file. Its `config` is made absolute where it lies beside
+/// the file, as the paths of a scenario file are; what made the results of a study whose file this
+/// was is left out.
+toml::table study_tables(const std::string& file);
+
 /// A value as TOML in one line; numbers as the shortest text that reads back the same.
 std::string toml_text(const toml::node& node);
 
@@ -98,6 +103,8 @@ class StudyReader {
   void collect(const toml::table& table, const std::string& name, const std::string& prefix,
                const std::set<std::string>& but,
                std::vector<std::pair<toml::source_position, VariedKey>>& found) const;
+  // An inline table that looks like a distribution, and is none.
+  void refuse_misspelt(const toml::table& table, const std::string& key) const;
   VariedKey varied_key(const toml::node& node, const std::string& table,
                        const std::string& path) const;
 

@@ -3,10 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <charconv>
+#include <cmath>
+#include <map>
+#include <numbers>
 #include <optional>
 #include <set>
 #include <stdexcept>
+#include <utility>
 
 #include <breakwater/record/file_hash.h>
 #include <breakwater/scenario/run_manifest.h>
@@ -19,11 +24,14 @@ constexpr const char* kAll = "all";
 Study completed(Study study, const ScenarioFile& file) {
   if (study.cases.empty()) study.cases = {file.default_case()};
   if (study.cases == std::vector<std::string>{kAll}) study.cases = file.cases();
-  std::set<std::optional<double>> seeds;
+  std::set<std::optional<std::int64_t>> seeds;
   for (const std::string& name : study.cases) {
-    seeds.insert(file.config(name, study.sets).number("run.seed"));
+    const Config config = file.config(name, study.sets);
+    const ConfigEntry* entry = config.find("run.seed");
+    const auto* seed = entry == nullptr ? nullptr : std::get_if<std::int64_t>(&entry->value.data);
+    seeds.insert(seed == nullptr ? std::nullopt : std::optional(*seed));
   }
-  if (study.seeds.empty() && seeds.size() == 1 && *seeds.begin()) {
+  if (study.seeds.empty() && seeds.size() == 1 && seeds.begin()->value_or(-1) >= 0) {
     study.seeds = {static_cast<std::uint64_t>(**seeds.begin())};
   }
   return study;
@@ -47,6 +55,44 @@ std::string blamed(const Study& study, const std::string& error) {
 double steps_of(const Config& config) {
   return config.number("run.duration_s").value_or(1.0) /
          config.number("physics.timestep_s").value_or(1.0);
+}
+
+// The keys that a study gives, and where it does.
+std::vector<std::pair<std::string, std::string>> places_of_keys(const Study& study) {
+  std::vector<std::pair<std::string, std::string>> places;
+  for (const std::string& set : study.sets) {
+    const std::string key = set.substr(0, set.find('='));
+    places.emplace_back(key, "set." + key);
+  }
+  for (const auto* keys : {&study.vary, &study.compare}) {
+    for (const VariedKey& key : *keys) places.emplace_back(key.key, key.place);
+  }
+  return places;
+}
+
+// How much longer runs of a candidate are on average than its first one, as far as the lengths of
+// run and step say. Of very many samples some are taken, spread by the golden ratio, so that they
+// fall in step with no key's values.
+double mean_length(const Sweep& sweep, std::size_t candidate, const std::atomic<bool>& stop) {
+  constexpr std::size_t kMostLooks = 10000;  // of all candidates together
+  const Plan& plan = sweep.plan();
+  const std::size_t candidates = plan.candidates().size();
+  const auto steps = [&](std::size_t sample) {
+    if (stop) throw Interrupted();
+    const StudyPoint point = plan.point(sample * plan.seeds() * candidates + candidate);
+    return steps_of(sweep.file().config(plan.candidates()[candidate].case_name, point.sets));
+  };
+  const std::size_t looks =
+      std::min(plan.samples(), std::max<std::size_t>(10, kMostLooks / candidates));
+  const double first = steps(0);
+  double sum = 0.0;
+  for (std::size_t i = 0; i < looks; ++i) {
+    const double at = static_cast<double>(i) / std::numbers::phi;
+    const auto nth =
+        static_cast<std::size_t>((at - std::floor(at)) * static_cast<double>(plan.samples()));
+    sum += steps(looks == plan.samples() ? i : std::min(nth, plan.samples() - 1)) / first;
+  }
+  return sum / static_cast<double>(looks);
 }
 
 // A source that keeps the folder of every point.
@@ -103,18 +149,37 @@ bool Sweep::logs(std::size_t) const {
   return plan_->study().keep == Keep::all && folder_;
 }
 
-void Sweep::check() const {
+std::vector<std::string> Sweep::check() const {
   const SharedModels shared;
   const Study& study = plan_->study();
   const std::vector<StudyPoint> probes = plan_->probes();
+  std::map<std::string, std::pair<std::size_t, std::string>> vain;  // in how many probes, and why
   try {
     // The first one checks every table of the file too.
     prepare_run(catalogue_, study.scenario, *file_,
                 plan_->candidates()[probes.front().candidate].case_name, probes.front().sets);
-    for (const StudyPoint& probe : probes) prepare(probe);
+    for (const StudyPoint& probe : probes) {
+      for (const VainKey& key : prepare(probe).vain) {
+        auto& [count, reason] = vain[key.key];
+        ++count;
+        reason = key.reason;
+      }
+    }
   } catch (const std::invalid_argument& error) {
     throw std::invalid_argument(blamed(study, error.what()));
   }
+  std::vector<std::string> warnings;
+  for (const auto& [key, place] : places_of_keys(study)) {
+    const auto found = vain.find(key);
+    if (found == vain.end() || found->second.first < probes.size()) continue;
+    warnings.push_back(fmt::format("{}: {}", place, found->second.second));
+  }
+  const bool is_even = study.method == Method::sobol || study.method == Method::saltelli;
+  if (is_even && !std::has_single_bit(study.samples)) {
+    warnings.push_back(fmt::format("samples: Sobol' points are even for a power of two: {} or {}",
+                                   std::bit_floor(study.samples), std::bit_ceil(study.samples)));
+  }
+  return warnings;
 }
 
 std::vector<std::size_t> parse_points(const std::string& text, std::size_t size) {
@@ -133,10 +198,13 @@ std::vector<std::size_t> parse_points(const std::string& text, std::size_t size)
     if (read.ptr != end && *read.ptr == '-') read = std::from_chars(read.ptr + 1, end, last);
     if (read.ec != std::errc() || last < first || last >= size) return fail();
     for (std::size_t point = first; point <= last; ++point) points.push_back(point);
-    if (read.ptr == end) return points;
+    if (read.ptr == end) break;
     if (*read.ptr != ',') return fail();
     at = read.ptr + 1;
   }
+  std::sort(points.begin(), points.end());
+  points.erase(std::unique(points.begin(), points.end()), points.end());
+  return points;
 }
 
 std::string print_points(const std::vector<std::size_t>& points) {
@@ -167,39 +235,22 @@ Estimate estimate(const Sweep& sweep, const std::atomic<bool>& stop) {
     return std::any_of(plan.study().vary.begin(), plan.study().vary.end(), is_key) ||
            std::any_of(plan.study().compare.begin(), plan.study().compare.end(), is_key);
   };
-  const auto steps = [&](std::size_t number) {
-    const StudyPoint point = plan.point(number);
-    return steps_of(sweep.file().config(plan.candidates()[point.candidate].case_name, point.sets));
-  };
+  const bool lengths_vary = varies("run.duration_s") || varies("physics.timestep_s");
   const std::size_t candidates = plan.candidates().size();
-  std::vector<double> weights(candidates, static_cast<double>(plan.size() / candidates));
-  if (varies("run.duration_s") || varies("physics.timestep_s")) {
-    std::fill(weights.begin(), weights.end(), 0.0);
-    for (std::size_t point = 0; point < plan.size(); ++point) {
-      const std::size_t candidate = point % candidates;
-      weights[candidate] += steps(point) / steps(plan.first_of(candidate));
-    }
-  }
+  const auto of_each = static_cast<double>(plan.size() / candidates);
   Estimate estimate;
   RunControl control;
   control.stop = &stop;
   for (std::size_t c = 0; c < candidates; ++c) {
-    const PointResult result = run_point(plan.first_of(c), sweep, control);
-    estimate.of_candidate.push_back(result.cost_s);
-    estimate.seconds += result.cost_s * weights[c];
+    estimate.runs.push_back(run_point(plan.first_of(c), sweep, control));
+    const double length = lengths_vary ? mean_length(sweep, c, stop) : 1.0;
+    estimate.seconds += estimate.runs.back().cost_s * of_each * length;
   }
   return estimate;
 }
 
-PointResult replay(const Sweep& sweep, const StudyFolder& folder, const ShardIndex& index,
-                   const std::string& key, const std::atomic<bool>& stop) {
-  const std::size_t point = index.find(key);
-  if (point == index.points()) {
-    throw std::invalid_argument(
-        fmt::format("--replay: no point of {} that ran is {}: the column `point` of results.csv "
-                    "names them",
-                    folder.path().string(), key));
-  }
+PointResult replay(const Sweep& sweep, const StudyFolder& folder, std::size_t point,
+                   const std::atomic<bool>& stop) {
   RunControl control;
   control.stop = &stop;
   return run_point(point, Kept(sweep, folder), control);

@@ -28,8 +28,8 @@ class Sweep : public PointSource {
   const ScenarioFile& file() const { return *file_; }
 
   /// Prepares the plan's probes. Throws std::invalid_argument with the first mistake: nothing of a
-  /// study runs if a value of it is wrong.
-  void check() const;
+  /// study runs if a value of it is wrong. Returns what is right but in vain, a line each.
+  std::vector<std::string> check() const;
   /// Where runs are kept, by their keys; without it, nowhere.
   void keep_in(const StudyFolder& folder) { folder_ = folder; }
 
@@ -48,7 +48,8 @@ class Sweep : public PointSource {
   std::optional<StudyFolder> folder_;
 };
 
-/// A number of points, as ranges "0-99,120": what is left to do of them.
+/// Points as ranges "0-99,120", each once and in order. Throws std::invalid_argument for what is no
+/// such text, or beyond `size`.
 std::vector<std::size_t> parse_points(const std::string& text, std::size_t size);
 std::string print_points(const std::vector<std::size_t>& points);
 
@@ -56,17 +57,18 @@ std::string print_points(const std::vector<std::size_t>& points);
 std::vector<std::size_t> pending(const ShardIndex& index);
 
 struct Estimate {
-  double seconds = 0.0;              ///< of processor time, of all points
-  std::vector<double> of_candidate;  ///< of one run of each
+  double seconds = 0.0;           ///< of processor time, of all points
+  std::vector<PointResult> runs;  ///< one of each candidate
 };
 
 /// How long a study will take, from one run of each candidate; other lengths of the run or of its
-/// step count in proportion. Throws Interrupted.
+/// step count in proportion, of very many points as far as a sample of them tells. Throws
+/// Interrupted.
 Estimate estimate(const Sweep& sweep, const std::atomic<bool>& stop);
 
-/// Runs one point of a finished or unfinished study once more, with its log, into runs/KEY. Throws
-/// std::invalid_argument if no point that ran has the key (or more than one begins so).
-PointResult replay(const Sweep& sweep, const StudyFolder& folder, const ShardIndex& index,
-                   const std::string& key, const std::atomic<bool>& stop);
+/// Runs one point of a finished or unfinished study once more, with its log, into runs/KEY; a point
+/// that is refused again leaves none.
+PointResult replay(const Sweep& sweep, const StudyFolder& folder, std::size_t point,
+                   const std::atomic<bool>& stop);
 
 }  // namespace breakwater

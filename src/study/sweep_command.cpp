@@ -24,6 +24,8 @@
 #include <breakwater/study/slurm.h>
 #include <breakwater/study/slurm_queue.h>
 #include <breakwater/study/study_comparison.h>
+#include <breakwater/study/study_notes.h>
+#include <breakwater/study/study_reader.h>
 #include <breakwater/study/sweep.h>
 
 namespace breakwater {
@@ -84,9 +86,11 @@ void describe(CLI::App& app, SweepArguments& arguments) {
       ->group(what);
   app.add_option("--vary", arguments.vary,
                  "a key and what it takes: 1,2,5 or lin(A,B,N), log(A,B,N); of the methods that\n"
-                 "draw also uniform(A,B), log_uniform(A,B), normal(MEAN,DEVIATION)")
+                 "draw also uniform(A,B), log_uniform(A,B), normal(MEAN,DEVIATION); may be given\n"
+                 "again for another key")
       ->type_name("KEY=VALUES")
-      ->allow_extra_args(false)
+      ->expected(1)
+      ->take_all()
       ->group(what);
   app.add_option("--seeds", arguments.seeds, "the same for each sample and case: 1..20 or 1,4,7")
       ->type_name("SEEDS")
@@ -110,7 +114,8 @@ void describe(CLI::App& app, SweepArguments& arguments) {
   app.add_option("--goal", arguments.goals,
                  "what is better in a metric: METRIC=min or METRIC=max; may be given again")
       ->type_name("METRIC=GOAL")
-      ->allow_extra_args(false)
+      ->expected(1)
+      ->take_all()
       ->group(what);
   app.add_option("--keep", arguments.keep,
                  "whose folders, with logs: metrics (none, the default), failed, all")
@@ -144,7 +149,8 @@ void describe(CLI::App& app, SweepArguments& arguments) {
   app.add_flag("--collect", arguments.collect, "write results.csv of what is done, and exit")
       ->group(with);
   app.add_option("--replay", arguments.replay,
-                 "run this point once more, with its log, into DIR/runs/POINT")
+                 "run this point (its first digits will do) once more, with its log, into\n"
+                 "DIR/runs/POINT; exit status 3 if it is not the run that it was")
       ->type_name("POINT")
       ->group(with);
   app.add_option("--points", arguments.points,
@@ -174,7 +180,8 @@ void describe(CLI::App& app, SweepArguments& arguments) {
       ->group(cluster);
   app.add_option("--sbatch", arguments.request.options, "further options of sbatch")
       ->type_name("OPTIONS")
-      ->allow_extra_args(false)
+      ->expected(1)
+      ->take_all()
       ->group(cluster);
   app.add_flag("--wait", arguments.request.wait, "until all tasks have ended; then collect")
       ->group(cluster);
@@ -228,11 +235,17 @@ void add_options(const SweepArguments& arguments, toml::table& tables) {
     if (!text.empty()) into.insert_or_assign(key, text);
   };
 
+  const auto put_names = [&](const char* key, const std::vector<std::string>& names) {
+    toml::array array;
+    for (const std::string& name : names) {
+      for (const std::string& part : option_parts(name)) array.push_back(part);
+    }
+    table("compare").insert_or_assign(key, std::move(array));
+  };
+
   if (!arguments.cases.empty()) {
-    toml::array names;
-    for (const std::string& name : arguments.cases) names.push_back(name);
     tables.erase("case");
-    table("compare").insert_or_assign("case", std::move(names));
+    put_names("case", arguments.cases);
   }
   if (!arguments.config.empty()) {
     tables.insert_or_assign("config", fs::absolute(arguments.config).lexically_normal().string());
@@ -270,11 +283,7 @@ void add_options(const SweepArguments& arguments, toml::table& tables) {
   put_number("samples", "--samples", arguments.samples);
   put_number("sampling_seed", "--sampling-seed", arguments.sampling_seed);
   if (!arguments.baseline.empty()) put_text(table("compare"), "baseline", arguments.baseline);
-  if (!arguments.metrics.empty()) {
-    toml::array names;
-    for (const std::string& name : arguments.metrics) names.push_back(name);
-    table("compare").insert_or_assign("metrics", std::move(names));
-  }
+  if (!arguments.metrics.empty()) put_names("metrics", arguments.metrics);
   for (const std::string& text : arguments.goals) {
     const auto [metric, goal] = pair("--goal", text);
     toml::table& compare = table("compare");
@@ -321,16 +330,8 @@ Opened open_target(const Catalogue& catalogue, const SweepArguments& arguments) 
   // Those that Breakwater brings with it are found from everywhere.
   if (!file && target.extension() == ".toml") file = look_for(arguments.target);
   if (file) {
-    tables = parse_toml_file(file->string());
+    tables = study_tables(file->string());
     name = file->stem().string();
-    // From where the file lies, as the paths of a scenario file are.
-    if (const auto config = tables["config"].value<std::string>()) {
-      const fs::path beside = fs::absolute(*file).parent_path() / *config;
-      if (fs::exists(beside)) {
-        tables.insert_or_assign("config", beside.lexically_normal().string());
-      }
-    }
-    tables.erase("made_by");  // of a study whose file this was
   } else if (target.extension() == ".toml" || arguments.target.find('/') != std::string::npos) {
     throw std::invalid_argument(arguments.target + ": there is no such file or folder");
   } else {
@@ -361,42 +362,129 @@ std::string counted(const ShardIndex& index) {
   return text;
 }
 
-void print_dry_run(const Sweep& sweep, const SweepArguments& arguments) {
-  const Plan& plan = sweep.plan();
-  fmt::print("{} runs: {} samples, {} seed{}, {} candidate{}\n", plan.size(), plan.samples(),
-             plan.seeds(), plan.seeds() == 1 ? "" : "s", plan.candidates().size(),
-             plan.candidates().size() == 1 ? "" : "s");
-  std::fflush(stdout);
-  const Estimate time = estimate(sweep, interrupted());
-  Table table({"candidate", "one run"});
-  for (std::size_t c = 0; c < time.of_candidate.size(); ++c) {
-    table.add({plan.candidates()[c].label, fmt::format("{:.3g} s", time.of_candidate[c])});
+void warn(const std::vector<std::string>& warnings, const SweepArguments& arguments) {
+  if (arguments.quiet) return;
+  for (const std::string& warning : warnings) {
+    fmt::print(stderr, "{}: warning: {}\n", kSweep, warning);
   }
-  const std::size_t jobs = arguments.jobs > 0 ? arguments.jobs : usable_cores();
-  fmt::print("\n{}\nabout {} on {} core{} ({} of processor time)\n", table.print(output_width()),
-             duration_text(time.seconds / static_cast<double>(jobs)), jobs, jobs == 1 ? "" : "s",
-             duration_text(time.seconds));
 }
 
-void print_status(const StudyFolder& folder, const ShardIndex& index) {
+// "1 run", "2 runs".
+std::string number_of(std::size_t count, const std::string& what) {
+  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
+}
+
+std::vector<std::string> metric_names(const PointResult& run) {
+  std::vector<std::string> names;
+  for (const auto& [name, value] : run.metrics) names.push_back(name);
+  return names;
+}
+
+// What one run of each candidate tells of the study besides its time.
+std::vector<std::string> warnings_of(const Sweep& sweep, const std::vector<PointResult>& runs) {
+  const Plan& plan = sweep.plan();
+  std::vector<std::string> warnings;
+  std::vector<std::string> all;
+  for (std::size_t c = 0; c < runs.size(); ++c) {
+    if (runs[c].status != PointStatus::complete) {
+      warnings.push_back(fmt::format("{}: the first run {}: {}", plan.candidates()[c].label,
+                                     name_of(runs[c].status), runs[c].reason));
+    }
+    for (const std::string& name : metric_names(runs[c])) {
+      if (std::find(all.begin(), all.end(), name) == all.end()) all.push_back(name);
+    }
+  }
+  for (std::size_t c = 0; c < runs.size(); ++c) {
+    if (runs[c].status != PointStatus::complete) continue;
+    std::vector<std::string> lacking = all;
+    for (const std::string& name : metric_names(runs[c])) std::erase(lacking, name);
+    if (lacking.empty()) continue;
+    warnings.push_back(fmt::format("{}: the first run lacks {}", plan.candidates()[c].label,
+                                   fmt::join(lacking, ", ")));
+  }
+  const std::string& first_case = plan.candidates()[0].case_name;
+  const double own_s = sweep.file().config(first_case).number("run.duration_s").value_or(0.0);
+  const double here_s =
+      sweep.file().config(first_case, plan.point(0).sets).number("run.duration_s").value_or(own_s);
+  if (here_s < own_s) {
+    warnings.push_back(fmt::format(
+        "run.duration_s: the first run takes {:g} s, in {} it is {:g} s: metrics of what "
+        "comes later are missing",
+        here_s, sweep.file().file(), own_s));
+  }
+  for (const auto& [key, name] : asked_metrics(plan.study())) {
+    if (std::find(all.begin(), all.end(), name) != all.end()) continue;
+    warnings.push_back(
+        fmt::format("{}: none of these runs has it{}", key, did_you_mean(name, all)));
+  }
+  if (plan.seeds() > 1 && runs.front().status == PointStatus::complete) {
+    RunControl control;
+    control.stop = &interrupted();
+    const PointResult other = run_point(plan.candidates().size(), sweep, control);
+    if (other.state_hash == runs.front().state_hash) {
+      warnings.push_back(
+          fmt::format("seeds: {} and {} give the same run of {}: without noise they change nothing",
+                      plan.study().seeds[0], plan.study().seeds[1], plan.candidates()[0].label));
+    }
+  }
+  return warnings;
+}
+
+void print_dry_run(const Sweep& sweep, const SweepArguments& arguments) {
+  const Plan& plan = sweep.plan();
+  fmt::print("{}: {}, {}, {}\n", number_of(plan.size(), "run"), number_of(plan.samples(), "sample"),
+             number_of(plan.seeds(), "seed"), number_of(plan.candidates().size(), "candidate"));
+  std::fflush(stdout);
+  const Estimate time = estimate(sweep, interrupted());
+  Table table({"candidate", "one run", "metrics"});
+  for (std::size_t c = 0; c < time.runs.size(); ++c) {
+    table.add({plan.candidates()[c].label, fmt::format("{:.3g} s", time.runs[c].cost_s),
+               std::to_string(time.runs[c].metrics.size())});
+  }
+  const std::size_t jobs = arguments.jobs > 0 ? arguments.jobs : usable_cores();
+  fmt::print("\n{}\nabout {} on {} ({} of processor time)\n", table.print(output_width()),
+             duration_text(time.seconds / static_cast<double>(jobs)), number_of(jobs, "core"),
+             duration_text(time.seconds));
+  std::fflush(stdout);
+  warn(warnings_of(sweep, time.runs), arguments);
+}
+
+// Processor time of the points that are not done, each as long as its candidate's others.
+double time_to_go_s(const Plan& plan, const ShardIndex& index) {
+  const std::size_t candidates = plan.candidates().size();
+  std::vector<double> cost_s(candidates);
+  std::vector<std::size_t> done(candidates);
+  for (std::size_t point = 0; point < index.points(); ++point) {
+    if (!index.has(point)) continue;
+    cost_s[point % candidates] += index.cost_s(point);
+    ++done[point % candidates];
+  }
+  const double each_s = index.cost_s() / static_cast<double>(index.done());
+  double all_s = 0.0;
+  for (std::size_t c = 0; c < candidates; ++c) {
+    const auto left = static_cast<double>(plan.size() / candidates - done[c]);
+    all_s += left * (done[c] > 0 ? cost_s[c] / static_cast<double>(done[c]) : each_s);
+  }
+  return all_s;
+}
+
+void print_status(const Plan& plan, const StudyFolder& folder, const ShardIndex& index) {
   fmt::print("{}: {}\n", folder.path().string(), counted(index));
   if (index.done() > 0 && index.done() < index.points()) {
-    const double each = index.cost_s() / static_cast<double>(index.done());
-    fmt::print("{} of processor time to go\n",
-               duration_text(each * static_cast<double>(index.points() - index.done())));
+    fmt::print("{} of processor time to go\n", duration_text(time_to_go_s(plan, index)));
   }
   print_slurm_status(folder, index);
 }
 
-void collect(const Plan& plan, const StudyFolder& folder, const StudyExtras& extras,
-             const SweepArguments& arguments) {
-  const ShardIndex index(folder.shards(), plan.size());
+void collect(const Plan& plan, const ShardIndex& index, const StudyFolder& folder,
+             const StudyExtras& extras, const SweepArguments& arguments) {
+  index.check_models();
   const ResultsTable table(plan, index);
   const fs::path csv = folder.path() / "results.csv";
   table.write_csv(csv);
   const fs::path sqlite = folder.path() / "results.sqlite";
   if (arguments.sqlite || fs::exists(sqlite)) table.write_sqlite(sqlite);
-  for (const std::string& line : unknown_metrics(plan, index)) {
+  for (const std::string& line : unknown_metrics(plan, table.metrics())) {
     fmt::print(stderr, "{}: {}\n", kSweep, line);
   }
   const auto comparison = compare_study(plan, index);
@@ -407,6 +495,7 @@ void collect(const Plan& plan, const StudyFolder& folder, const StudyExtras& ext
   if (comparison) {
     fmt::print("{}\n", comparison_text(*comparison, output_width()));
   }
+  for (const std::string& note : notes(plan, index)) fmt::print("{}\n", note);
   fmt::print("{}\nresults: {}\n", counted(index), csv.string());
   if (comparison) fmt::print("comparison: {}\n", compared.string());
   if (extras.write_report) fmt::print("report: {}\n", (folder.path() / "report.html").string());
@@ -414,18 +503,15 @@ void collect(const Plan& plan, const StudyFolder& folder, const StudyExtras& ext
 
 // The first point that did not end well, in the study's order; nothing if all did.
 std::optional<PointResult> first_failure(const ShardIndex& index) {
-  for (std::size_t point = 0; point < index.points(); ++point) {
-    if (!index.has(point)) continue;
-    PointResult result = index.read(point);
-    if (result.status != PointStatus::complete) return result;
-  }
-  return std::nullopt;
+  if (index.count(PointStatus::complete) == index.done()) return std::nullopt;
+  std::size_t point = 0;
+  while (!index.has(point) || index.status(point) == PointStatus::complete) ++point;
+  return index.read(point);
 }
 
 // A study that is to stop at the first failure: says so, if there was one.
-bool has_to_stop(const Plan& plan, const StudyFolder& folder) {
+bool has_to_stop(const Plan& plan, const ShardIndex& index) {
   if (plan.study().on_failure == OnFailure::count) return false;
-  const ShardIndex index(folder.shards(), plan.size());
   const auto failure = first_failure(index);
   if (!failure) return false;
   fmt::print(stderr, "{}: point {} {}: {}\n", kSweep, failure->key, name_of(failure->status),
@@ -454,6 +540,10 @@ int run_here(const Sweep& sweep, const StudyFolder& folder, const std::vector<st
       fmt::print("begin {}\n", point);
       std::fflush(stdout);
     };
+    options.on_key = [](std::size_t point, const std::string& key) {
+      fmt::print("key {} {}\n", point, key);
+      std::fflush(stdout);
+    };
   }
   if (stops) options.is_over = [&] { return stop.load(); };
   Progress progress(kSweep, std::vector<double>(points.size(), 1.0),
@@ -461,6 +551,7 @@ int run_here(const Sweep& sweep, const StudyFolder& folder, const std::vector<st
   options.progress = [&](std::size_t i, double done) { progress.update(i, done); };
   const std::size_t ran = arguments.isolate ? run_isolated(points, sweep, folder, shard, options)
                                             : run_points(points, sweep, shard, options);
+  shard.finish();
   // Fewer may have been run because another process has run them.
   return ran == points.size() || stop || !interrupted() ? kSuccess : kInterrupted;
 }
@@ -481,7 +572,8 @@ void leave_out_queued(std::vector<std::size_t>& points, const Plan& plan, const 
   const std::size_t left =
       std::erase_if(points, [&](std::size_t point) { return queue.points[point]; });
   if (left == 0) return;
-  const std::string text = fmt::format("{} points are still in the queue ({})", left, queue.text);
+  const std::string text = fmt::format("{} {} still in the queue ({})", number_of(left, "point"),
+                                       left == 1 ? "is" : "are", queue.text);
   if (!arguments.slurm && !arguments.print_tasks) {
     throw std::invalid_argument(
         fmt::format("{}: {}: --status says how far it is; to go on here, end it first with scancel",
@@ -493,32 +585,13 @@ void leave_out_queued(std::vector<std::size_t>& points, const Plan& plan, const 
   }
 }
 
-// Waits until the tasks have ended, and says so if points are missing then.
-int finish_on_cluster(const Plan& plan, const StudyFolder& folder) {
-  wait_for_queue(folder, plan.size());
-  if (interrupted()) {
-    fmt::print(stderr, "{}: interrupted; what is in the queue goes on\n", kSweep);
-    return kInterrupted;
-  }
-  const ShardIndex index(folder.shards(), plan.size());
-  const bool is_stopped = plan.study().on_failure == OnFailure::stop && first_failure(index);
-  if (index.done() == index.points() || is_stopped) return kSuccess;
-  fmt::print(stderr, "{}: the tasks have ended; {}; --status says why, the same command goes on\n",
-             kSweep, counted(index));
-  return kInterrupted;
-}
-
-int go_on(const Sweep& sweep, const StudyFolder& folder, const SweepArguments& arguments,
-          const StudyExtras& extras) {
+int go_on(const Sweep& sweep, const StudyFolder& folder, const ShardIndex& before,
+          const SweepArguments& arguments, const StudyExtras& extras) {
   const Plan& plan = sweep.plan();
-  if (has_to_stop(plan, folder)) return kRunFailed;
-  std::vector<std::size_t> points;
-  {
-    const ShardIndex index(folder.shards(), plan.size());
-    points = pending(index);
-    if (!arguments.quiet && index.done() > 0 && !points.empty()) {
-      fmt::print(stderr, "{}: {}\n", kSweep, counted(index));
-    }
+  if (has_to_stop(plan, before)) return kRunFailed;
+  std::vector<std::size_t> points = pending(before);
+  if (!arguments.quiet && before.done() > 0 && !points.empty()) {
+    fmt::print(stderr, "{}: {}\n", kSweep, counted(before));
   }
   const bool is_done = points.empty();
   leave_out_queued(points, plan, folder, arguments);
@@ -529,24 +602,88 @@ int go_on(const Sweep& sweep, const StudyFolder& folder, const SweepArguments& a
   if (arguments.slurm && !is_done) {
     if (!points.empty()) submit(sweep, folder, points, arguments.request, arguments.quiet);
     if (!arguments.request.wait) return kSuccess;
-    const int status = finish_on_cluster(plan, folder);
-    if (status != kSuccess) return status;
-  } else if (!points.empty()) {
-    const int status = run_here(sweep, folder, points, arguments, false);
-    if (status == kInterrupted) {
-      const ShardIndex index(folder.shards(), plan.size());
-      fmt::print(stderr, "{}: interrupted; {}; the same command goes on\n", kSweep, counted(index));
+    wait_for_queue(folder, plan.size());
+    if (interrupted()) {
+      fmt::print(stderr, "{}: interrupted; what is in the queue goes on\n", kSweep);
       return kInterrupted;
     }
   }
-  collect(plan, folder, extras, arguments);
-  if (has_to_stop(plan, folder)) return kRunFailed;
+  const bool runs_here = !arguments.slurm && !points.empty();
+  if (runs_here) {
+    for (const int process : other_writers(folder.shards())) {
+      warn({fmt::format("process {} is at this study too: points may be run twice", process)},
+           arguments);
+    }
+  }
+  const int status =
+      runs_here ? run_here(sweep, folder, points, arguments, false) : static_cast<int>(kSuccess);
   const ShardIndex index(folder.shards(), plan.size());
+  if (status == kInterrupted) {
+    fmt::print(stderr, "{}: interrupted; {}; the same command goes on\n", kSweep, counted(index));
+    return kInterrupted;
+  }
+  const bool is_stopped = plan.study().on_failure == OnFailure::stop && first_failure(index);
+  if (arguments.slurm && index.done() < index.points() && !is_stopped) {
+    fmt::print(stderr,
+               "{}: the tasks have ended; {}; --status says why, the same command goes on\n",
+               kSweep, counted(index));
+    return kInterrupted;
+  }
+  collect(plan, index, folder, extras, arguments);
+  if (has_to_stop(plan, index)) return kRunFailed;
   if (index.done() < index.points()) {
-    throw OutputError(fmt::format("{}: {}: results were not kept, or somebody removed them",
-                                  folder.path().string(), counted(index)));
+    throw OutputError(
+        fmt::format("{}: {}; the others were left undone, or somebody removed results: the same "
+                    "command goes on",
+                    folder.path().string(), counted(index)));
   }
   return kSuccess;
+}
+
+// Runs a point once more, and says if it is not the run that it was.
+int replay_point(const Sweep& sweep, const StudyFolder& folder, const ShardIndex& index,
+                 const SweepArguments& arguments) {
+  std::size_t point = index.points();
+  try {
+    point = index.find(arguments.replay);
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(std::string("--replay: ") + error.what());
+  }
+  if (point == index.points()) {
+    throw std::invalid_argument(
+        fmt::format("--replay: no point of {} that ran is {}: the column `point` of results.csv "
+                    "names them",
+                    folder.path().string(), arguments.replay));
+  }
+  const PointResult then = index.read(point);
+  if (then.status == PointStatus::crashed) {
+    fmt::print(stderr, "{}: point {} has crashed: {}; now this process runs it\n", kSweep, then.key,
+               then.reason);
+  }
+  const PointResult now = replay(sweep, folder, point, interrupted());
+  if (now.status == PointStatus::refused) {
+    fmt::print(stderr, "{}: point {} is refused, and has no folder: {}\n", kSweep, then.key,
+               now.reason);
+    return kRunFailed;
+  }
+  if (!arguments.quiet) {
+    fmt::print("{}: {}\n", name_of(now.status), folder.run(now.key).string());
+  }
+  const bool is_same = now.status == then.status && now.state_hash == then.state_hash;
+  if (is_same || then.status == PointStatus::crashed) return kSuccess;
+  fmt::print(stderr,
+             "{}: this is not the run of results.csv: {} with state_hash {}, there {} with {}: was "
+             "it made on another machine?\n",
+             kSweep, name_of(now.status), now.state_hash, name_of(then.status), then.state_hash);
+  return kRunFailed;
+}
+
+// A process of --isolate: what is left to do it is told by one that has looked.
+int run_announced(Sweep& sweep, const StudyFolder& folder, const SweepArguments& arguments) {
+  folder.check_made_by_this(sweep.file());
+  sweep.keep_in(folder);
+  return run_here(sweep, folder, points_of_task(arguments.points, sweep.plan().size()), arguments,
+                  true);
 }
 
 int sweep(const Catalogue& catalogue, const StudyExtras& extras, const SweepArguments& arguments) {
@@ -564,22 +701,24 @@ int sweep(const Catalogue& catalogue, const StudyExtras& extras, const SweepArgu
   const Plan& plan = sweep.plan();
 
   if (arguments.dry_run) {
-    sweep.check();
+    warn(sweep.check(), arguments);
     print_dry_run(sweep, arguments);
     return kSuccess;
   }
   if (!folder.is_there() && only_looks) {
     throw std::invalid_argument(folder.path().string() + ": has no study.toml: nothing was begun");
   }
+  std::optional<ShardIndex> before;  // what was there
   if (folder.is_there()) {
+    if (arguments.announce) return run_announced(sweep, folder, arguments);
     folder.check_is(plan.study());
-    const ShardIndex index(folder.shards(), plan.size());
+    before.emplace(folder.shards(), plan.size());
     if (arguments.status) {
-      print_status(folder, index);
+      print_status(plan, folder, *before);
       return kSuccess;
     }
     if (arguments.collect) {
-      collect(plan, folder, extras, arguments);
+      collect(plan, *before, folder, extras, arguments);
       return kSuccess;
     }
     if (arguments.rerun) {
@@ -588,40 +727,33 @@ int sweep(const Catalogue& catalogue, const StudyExtras& extras, const SweepArgu
             fmt::format("--rerun: {} is still in the queue ({}): end it first with scancel",
                         folder.path().string(), queue));
       }
-      sweep.check();  // while what is there is still there
-      folder.clear();
-      folder.make(plan.study(), sweep.file());
+      warn(sweep.check(), arguments);  // while what is there is still there
+      folder.make_anew(plan.study(), sweep.file());
+      before.emplace(folder.shards(), plan.size());
     } else {
-      folder.check_made_by_this(sweep.file(), index);
+      folder.check_made_by_this(sweep.file(), *before);
     }
-    if (!arguments.replay.empty()) {
-      const PointResult result = replay(sweep, folder, index, arguments.replay, interrupted());
-      if (!arguments.quiet) {
-        fmt::print("{}: {}\n", name_of(result.status), folder.run(result.key).string());
-      }
-      return kSuccess;
-    }
+    if (!arguments.replay.empty()) return replay_point(sweep, folder, *before, arguments);
   }
   if (!folder.is_there()) {
-    sweep.check();
+    warn(sweep.check(), arguments);
     folder.make(plan.study(), sweep.file());
+    before.emplace(folder.shards(), plan.size());
   }
   sweep.keep_in(folder);
   if (!arguments.points.empty()) {
-    const ShardIndex index(folder.shards(), plan.size());
     std::vector<std::size_t> points = points_of_task(arguments.points, plan.size());
-    std::sort(points.begin(), points.end());
-    points.erase(std::unique(points.begin(), points.end()), points.end());
-    std::erase_if(points, [&](std::size_t point) { return index.has(point); });
-    if (!arguments.announce && has_to_stop(plan, folder)) return kRunFailed;
+    std::erase_if(points, [&](std::size_t point) { return before->has(point); });
+    if (has_to_stop(plan, *before)) return kRunFailed;
     const int status = run_here(sweep, folder, points, arguments, true);
-    if (status == kInterrupted && !arguments.announce) {
+    if (status == kInterrupted) {
       fmt::print(stderr, "{}: interrupted before all points of this task were run\n", kSweep);
     }
-    if (!arguments.announce && has_to_stop(plan, folder)) return kRunFailed;
+    const bool may_stop = plan.study().on_failure == OnFailure::stop;
+    if (may_stop && has_to_stop(plan, {folder.shards(), plan.size()})) return kRunFailed;
     return status;
   }
-  return go_on(sweep, folder, arguments, extras);
+  return go_on(sweep, folder, *before, arguments, extras);
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include <breakwater/scenario/process.h>
 #include <breakwater/scenario/progress.h>
 #include <breakwater/scenario/toml_file.h>
+#include <breakwater/study/study_reader.h>
 #include <breakwater/tuning/tuning_outputs.h>
 
 namespace breakwater {
@@ -71,17 +72,9 @@ OpenedTuning open_tuning(const TuneArguments& arguments) {
   if (!fs::is_regular_file(target)) {
     throw std::invalid_argument(arguments.target + ": there is no such file or folder");
   }
-  toml::table tables = parse_toml_file(arguments.target);
-  // From where the file lies, as the paths of a scenario file are.
-  if (const auto config = tables["config"].value<std::string>()) {
-    const fs::path beside = fs::absolute(target).parent_path() / *config;
-    if (fs::exists(beside)) {
-      tables.insert_or_assign("config", beside.lexically_normal().string());
-    }
-  }
   const fs::path out =
       arguments.out.empty() ? fs::path("studies") / target.stem() : fs::path(arguments.out);
-  return {read_tuning(tables, arguments.target),
+  return {read_tuning(study_tables(arguments.target), arguments.target),
           StudyFolder(fs::absolute(out).lexically_normal(), kTuningFile)};
 }
 
@@ -114,8 +107,7 @@ int run_tune(const Catalogue& catalogue, const TuningExtras& extras,
     folder.check_is(plan.tuning().print(), there.tuning().print());
     if (arguments.rerun) {
       plan.check();  // while what is there is still there
-      folder.clear();
-      folder.make(plan.tuning().print(), plan.file());
+      folder.make_anew(plan.tuning().print(), plan.file());
     } else {
       folder.check_made_by_this(plan.file(), ShardIndex(folder.shards(), plan.size()));
     }

@@ -41,6 +41,9 @@ class Runs {
     return results;
   }
 
+  // Once none is run any more. Throws OutputError.
+  void finish() { shard_.finish(); }
+
   std::vector<PointResult> all() const {
     std::vector<PointResult> results;
     for (const auto& [number, result] : known_) results.push_back(result);
@@ -239,6 +242,7 @@ TuningResult tune(TuningPlan& plan, const StudyFolder& folder, const TunerOption
     measure_hypervolume(tuning, result.reference, result.fronts[c]);
     if (tuning.validation) validate(plan, runs, c, result.fronts[c]);
   }
+  runs.finish();
   result.runs = runs.all();
   return result;
 }

@@ -12,6 +12,7 @@
 #include <stdexcept>
 
 #include <breakwater/record/hdf5_log.h>
+#include <breakwater/record/process_name.h>
 #include <breakwater/record/recording.h>
 #include <breakwater/record/run_folder.h>
 #include <breakwater/record/text_outputs.h>
@@ -325,6 +326,19 @@ TEST_F(RunFolders, ClearUpAfterAKilledRun) {
   EXPECT_TRUE(fs::exists(elsewhere));
   EXPECT_EQ(folder.path(), own);
   EXPECT_TRUE(fs::is_empty(own));
+}
+
+// A folder of very many runs is listed once, and not by each of them.
+TEST_F(RunFolders, ClearUpWhatWasListed) {
+  const std::string begin = base_.string() + "/.run.partial-" + process_name();
+  const std::string dead = begin.substr(0, begin.rfind('-')) + "-2000000000";
+  fs::create_directory(dead);
+  const LeftBeside left(base_);
+  const std::string later = begin.substr(0, begin.rfind('-')) + "-2000000001";
+  fs::create_directory(later);
+  RunFolder folder(base_ / "run", &left);
+  EXPECT_FALSE(fs::exists(dead));
+  EXPECT_TRUE(fs::exists(later)) << "the folder was listed again";
 }
 
 TEST_F(RunFolders, LeaveAloneWhatAppearedMeanwhile) {

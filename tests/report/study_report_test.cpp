@@ -11,6 +11,7 @@
 
 #include <breakwater/report/chart_scale.h>
 #include <breakwater/report/quantile_bands.h>
+#include <breakwater/report/study_charts.h>
 #include <breakwater/report/study_indices.h>
 #include <breakwater/report/study_numbers.h>
 #include <breakwater/report/study_report.h>
@@ -292,6 +293,18 @@ TEST_P(LargeStudy, HasAPageOfLessThan2MB) {
 
 INSTANTIATE_TEST_SUITE_P(Shapes, LargeStudy, ::testing::Values("grid", "lhs", "saltelli"),
                          [](const auto& shape) { return std::string(shape.param); });
+
+TEST(HeatMaps, HaveTheirRowsWholeLabels) {
+  HeatMap map;
+  map.x_labels = {"a word of twenty-six letters", "b"};
+  map.y_labels = {"joint-space-position"};
+  map.cells = {{1.0, 4, 0, 4, 0}, {2.0, 4, 1, 3, 1}};
+  const std::string whole = draw(map);
+  EXPECT_NE(whole.find(">joint-space-position<"), std::string::npos);
+  EXPECT_EQ(whole.find("class=\"absent\""), std::string::npos);
+  map.cells[1] = {2.0, 4, 0, 2, 1};  // two runs without the metric
+  EXPECT_NE(draw(map).find("class=\"absent\""), std::string::npos);
+}
 
 TEST(StudyReport, HostileNamesStayText) {
   const std::string bad = "\"'></script><script>alert(1)</script><img src=x>{{title}}";

@@ -161,6 +161,12 @@ TEST_F(ConfigTest, SaysWhereAndWhatIsWrong) {
   EXPECT_EQ(read("slo", {}), "--case: FILE has no case \"slo\" (did you mean slow?)");
 }
 
+TEST_F(ConfigTest, AFileThatIsEditedLaterIsKnownAsItWasRead) {
+  const ScenarioFile scenario = file();
+  std::ofstream(path_, std::ios::app) << "# edited\n";
+  EXPECT_EQ(scenario.text(), kText);
+}
+
 TEST_F(ConfigTest, NamesTheFilesLine) {
   std::string text = kText;
   EXPECT_EQ(read("slow", {}, text.replace(text.find("= 2\n"), 3, "= -2")),

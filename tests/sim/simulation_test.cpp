@@ -2,9 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
 #include <stdexcept>
 #include <thread>
+#include <vector>
 
 #include <breakwater/sim/engine_guard.h>
 #include "sim/small_models.h"
@@ -343,6 +345,29 @@ TEST(EngineGuard, ASimulationThatDoesNotFitIntoMemoryIsRefused) {
     EXPECT_TRUE(text.ends_with("models/arm.xml: the engine has no memory for a simulation"))
         << text;
   }
+}
+
+TEST(SharedModels, AreCompiledOnceWhoeverComesFirst) {
+  const std::string file = testing::source_file("models/arm.xml");
+  int compiled = 0;
+  const SharedModels shared([&](const std::string& which) {
+    EXPECT_EQ(which, file);
+    ++compiled;
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));  // the others arrive
+  });
+  {
+    std::vector<std::jthread> threads;
+    for (int i = 0; i < 4; ++i) threads.emplace_back([&] { Model::load(file); });
+  }
+  EXPECT_EQ(compiled, 1);
+}
+
+TEST(EngineGuard, MemoryThatTheMachineDoesNotGiveIsNoMistakeOfTheModel) {
+  const Model model = motor();
+  mju_user_malloc = [](std::size_t) -> void* { return nullptr; };
+  EXPECT_THROW(model.make_data(), OutOfMemory);
+  mju_user_malloc = nullptr;
+  EXPECT_NO_THROW(model.make_data());
 }
 
 TEST(EngineGuard, FatalErrorsInsideAStepEndTheRun) {

@@ -2,6 +2,7 @@
 #include <breakwater/study/executor.h>
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include <chrono>
 #include <fstream>
@@ -10,6 +11,8 @@
 #include <memory>
 #include <thread>
 
+#include <breakwater/sim/engine_guard.h>
+#include <breakwater/sim/model.h>
 #include "support.h"
 
 namespace breakwater::executor_test {
@@ -175,6 +178,63 @@ TEST_F(Executor, ModelsThatWereReadBeforeMustBeTheSame) {
   source_.write(source_.model(), "<mujoco><!-- other --></mujoco>");
   EXPECT_THROW(run(source_, &models), std::invalid_argument);
   EXPECT_EQ(kept(), 0U);
+}
+
+// What is compiled before its hash is known would be known by another file's.
+TEST_F(Executor, AHashIsThatOfWhatWasCompiled) {
+  source_.before[0] = [&] {
+    Model::load(source_.model().string());
+    source_.write(source_.model(), "<mujoco><!-- other --></mujoco>");
+  };
+  expect_changed();
+  EXPECT_EQ(kept(), 0U);
+}
+
+TEST_F(Executor, AFileOfTwoModelsHasOneHash) {
+  KnownModels models;
+  const std::string one = source_.model().string(), other = (folder_ / "other.xml").string();
+  source_.write(other, "<mujoco><include file=\"model.xml\"/></mujoco>");
+  const ModelHashes first = models.of({one});
+  source_.write(source_.model(), "<mujoco><!-- other --></mujoco>");
+  const ModelHashes second = models.of({other});
+  EXPECT_EQ(first.begin()->second, second.at(first.begin()->first));
+  EXPECT_THROW(models.check_unchanged({other}), std::invalid_argument);
+}
+
+TEST_F(Executor, WhatTheMachineLacksIsNoResult) {
+  source_.during[1] = [] { throw OutOfMemory("arm.xml: Could not allocate memory"); };
+  EXPECT_THROW(run(source_), OutOfMemory);
+  EXPECT_EQ(kept(), 1U);
+  rlimit before = {};
+  getrlimit(RLIMIT_NOFILE, &before);
+  source_.during[1] = [&] {
+    const rlimit none = {0, before.rlim_max};
+    setrlimit(RLIMIT_NOFILE, &none);
+    throw std::invalid_argument("data.csv: cannot be read");
+  };
+  EXPECT_THROW(run(source_), OutputError);
+  setrlimit(RLIMIT_NOFILE, &before);
+  EXPECT_EQ(kept(), 1U);
+  EXPECT_EQ(ShardIndex(source_.shards(), 4).count(PointStatus::refused), 0U);
+}
+
+TEST_F(Executor, PointsOfOneKeyWriteOneFolder) {
+  class Same : public Source {
+   public:
+    using Source::Source;
+    PreparedRun prepare(std::size_t point) const override {
+      PreparedRun run = Source::prepare(point);
+      run.config_text = "the same";
+      return run;
+    }
+    fs::path folder(std::size_t, const std::string& key, bool) const override {
+      return shards() / "runs" / key;
+    }
+  };
+  Same same(folder_);
+  same.during[1] = [&] { fs::remove_all(folder_ / "runs"); };
+  EXPECT_EQ(run(same), 4U);
+  EXPECT_FALSE(fs::exists(folder_ / "runs")) << "the second point has written it again";
 }
 
 TEST_F(Executor, AMistakeIsARefusedPoint) {

@@ -4,6 +4,8 @@
 
 #include <set>
 
+#include <breakwater/study/sweep.h>
+
 namespace breakwater::plan_test {
 namespace {
 
@@ -35,6 +37,14 @@ TEST(Plan, ProbesOfAGridHaveEachValueOnce) {
   const std::set<std::vector<std::string>> around_the_first = {
       {"1", "2"}, {"3", "2"}, {"5", "2"}, {"1", "4"}, {"1", "6"}};
   EXPECT_EQ(probed(Plan(study(Method::grid))), around_the_first);
+}
+
+TEST(Points, AreEachOnceAndInOrder) {
+  EXPECT_EQ(parse_points("7,2-4,3", 8), (std::vector<std::size_t>{2, 3, 4, 7}));
+  EXPECT_EQ(print_points({2, 3, 4, 7}), "2-4,7");
+  for (const char* text : {"", "8", "4-2", "1,", "1-", "x"}) {
+    EXPECT_THROW(parse_points(text, 8), std::invalid_argument) << text;
+  }
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // Lines of shards: whole and right, or not there.
 #include <gtest/gtest.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <bit>
 #include <chrono>
@@ -259,6 +260,58 @@ TEST_F(Shards, OtherFilesAndNoFolderHoldNothing) {
   EXPECT_TRUE(results_by_key(folder_ / "nowhere").empty());
   fs::create_directory(folder_ / "a.shard");
   EXPECT_THROW(results_by_key(folder_), std::invalid_argument);
+}
+
+TEST_F(Shards, AFolderThatCannotBeReadIsNotAnEmptyOne) {
+  write("text", "file");
+  EXPECT_THROW(ShardIndex(folder_ / "file", 1), std::invalid_argument);
+  EXPECT_THROW(results_by_key(folder_ / "file"), std::invalid_argument);
+}
+
+TEST_F(Shards, WhatMayNotBeOnTheDiskIsSaid) {
+  Shard made(folder_);
+  made.finish();
+  made.add(result_of(0, "key"));
+  for (const auto& entry : fs::directory_iterator("/proc/self/fd")) {
+    std::error_code ignored;
+    if (fs::equivalent(entry.path(), shard(), ignored)) {
+      close(std::stoi(entry.path().filename()));  // as if the file system had lost it
+      break;
+    }
+  }
+  EXPECT_THROW(made.finish(), OutputError);
+}
+
+TEST_F(Shards, ModelsOfTwoVersionsAreNotMixed) {
+  const auto add = [&](const std::string& hash) {
+    Shard(folder_).add(ModelHashes{{"a.xml", hash}});
+  };
+  add("1");
+  add("1");
+  EXPECT_NO_THROW(ShardIndex(folder_, 1).check_models());
+  add("2");
+  try {
+    ShardIndex(folder_, 1).check_models();
+    ADD_FAILURE() << "two versions are one";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_NE(std::string(error.what()).find("another version of a.xml"), std::string::npos);
+  }
+}
+
+TEST_F(Shards, ThereMayBeVeryManyShards) {
+  const std::string last = bytes_of({result_of(0, "last")});
+  for (int i = 0; i < 66000; ++i) write("", "a-" + std::to_string(i) + ".shard");
+  write(last, "b.shard");
+  EXPECT_EQ(ShardIndex(folder_, 1).read(0).key, "last");
+}
+
+TEST_F(Shards, APointIsFoundByTheBeginningOfItsKey) {
+  write(bytes_of({result_of(0, "abc1"), result_of(1, "abd2"), result_of(2, "abc1")}));
+  const ShardIndex index(folder_, 4);
+  EXPECT_EQ(index.find("abd2"), 1U);
+  EXPECT_EQ(index.find("abc"), 0U);
+  EXPECT_EQ(index.find("b"), 4U);
+  EXPECT_THROW(index.find("ab"), std::invalid_argument);
 }
 
 TEST_F(Shards, CannotBeWrittenWhereThereIsNoFolder) {

@@ -7,6 +7,7 @@ Usage: slurm_test.py BREAKWATER ISHIGAMI_LAB [--study]
 import os
 import pathlib
 import random
+import re
 import shutil
 import signal
 import subprocess
@@ -119,8 +120,9 @@ class Slurm(OnSlurm):
         self.assertIn(f"500 points in {MOST_TASKS} tasks: job {study.job()}", said)
 
         wait_for("some are done", lambda: study.done() > 100)
-        status = study.status()
-        self.assertRegex(status, rf"job {study.job()}: \d PENDING \(Resources\), 2 RUNNING")
+        # Between the end of one task and the beginning of the next the node has one alone.
+        both = rf"job {study.job()}: \d PENDING \(Resources\), 2 RUNNING"
+        wait_for("the queue shows two tasks", lambda: re.search(both, study.status()))
         again = study.on_slurm()
         self.assertEqual(again.returncode, 0)
         self.assertRegex(again.stderr, "points are still in the queue .*; nothing else is left")

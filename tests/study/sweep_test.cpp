@@ -1,11 +1,18 @@
 // `breakwater sweep` as users meet it.
+#include <chrono>
 #include <cmath>
 #include <csignal>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <set>
+#include <thread>
 
+#include <breakwater/record/file_hash.h>
+#include <breakwater/scenario/provenance.h>
 #include <breakwater/study/sensitivity.h>
+#include <breakwater/study/shards.h>
+#include <breakwater/study/slurm_queue.h>
+#include <breakwater/study/study_folder.h>
 #include "study/sweep_folder.h"
 
 namespace breakwater {
@@ -302,6 +309,24 @@ goal = { y_1 = "min" }
   EXPECT_EQ(results("v", "comparison.csv").at(1).at(4), "2");  // pairs
 }
 
+TEST_F(Sweep, MediansOverOtherWorldsAreMarked) {
+  write("study.toml", R"toml(
+scenario = "ishigami"
+[vary]
+"x.first" = [0, 0.5, 2]
+[compare]
+"trouble.fails_above" = [10, 1, 9]
+baseline = "trouble.fails_above = 10"
+)toml");
+  const ProgramResult result = sweep({"study.toml", "--out", "s"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_NE(result.out.find("2 *"), std::string::npos) << result.out;
+  EXPECT_NE(result.out.find("3 *"), std::string::npos) << result.out;
+  EXPECT_NE(result.out.find("\n* the medians of this metric are over different worlds"),
+            std::string::npos)
+      << result.out;
+}
+
 TEST_F(Sweep, TasksOfAnySchedulerTogetherAreTheStudy) {
   const std::vector<std::string> study = {"ishigami", "--vary", "x.first=lin(0,1,25)"};
   std::vector<std::string> arguments = study;
@@ -445,6 +470,209 @@ TEST_F(Sweep, AFailureStopsProcessesOfTheirOwnToo) {
   EXPECT_LT(results("s").size(), 200U);
 }
 
+TEST_F(Sweep, ACrashHasThePointsOwnKey) {
+  ASSERT_EQ(sweep({"ishigami", "--set", "x.first=3", "--set", "trouble.crashes_above=2",
+                   "--isolate", "--out", "s"})
+                .status,
+            0);
+  const ProgramResult config = run({ISHIGAMI_LAB, "run", "ishigami", "--set", "x.first=3", "--set",
+                                    "trouble.crashes_above=2", "--print-config"});
+  EXPECT_EQ(results("s").at(1).at(0), point_key(config.out, {}));
+}
+
+TEST_F(Sweep, APointThatIsKilledFromOutsideIsLeftUndone) {
+  const std::vector<std::string> study = {"ishigami",
+                                          "--vary",
+                                          "x.first=lin(0,3,31)",
+                                          "--set",
+                                          "trouble.killed_above=2.85",
+                                          "--isolate",
+                                          "--out",
+                                          "s"};
+  const ProgramResult killed = sweep(study);
+  EXPECT_EQ(killed.status, 2);
+  EXPECT_NE(killed.err.find("is left undone: its process was ended by signal 9"), std::string::npos)
+      << killed.err;
+  EXPECT_NE(killed.err.find("29 of 31 points are done"), std::string::npos) << killed.err;
+  EXPECT_EQ(results("s").size(), 30U);
+  EXPECT_EQ(sweep(study).status, 2);
+}
+
+TEST_F(Sweep, AReplayIsTheRunThatItWasOrSaysSo) {
+  ASSERT_EQ(sweep({"ishigami", "--vary", "x.first=1,2", "--out", "s"}).status, 0);
+  const std::string key = results("s").at(1).at(0);
+  const ProgramResult same = sweep({"s", "--replay", key.substr(0, 8)});
+  EXPECT_EQ(same.status, 0) << same.err;
+  EXPECT_TRUE(fs::exists(folder_ / "s/runs" / key / "log.h5"));
+  // As if another machine had made them.
+  PointResult other = ShardIndex(folder_ / "s/shards", 2).read(0);
+  fs::remove_all(folder_ / "s/shards");
+  fs::create_directory(folder_ / "s/shards");
+  other.state_hash = "0123456789abcdef";
+  Shard(folder_ / "s/shards").add(other);
+  const ProgramResult differs = sweep({"s", "--replay", key});
+  EXPECT_EQ(differs.status, 3);
+  EXPECT_NE(differs.err.find("is not the run of results.csv"), std::string::npos) << differs.err;
+}
+
+TEST_F(Sweep, AReplayOfWhatIsRefusedHasNoFolder) {
+  ASSERT_EQ(run({"breakwater", "sweep", "motor_estimation", "--vary", "metrics.from_s=0.1,0.5",
+                 "--vary", "metrics.to_s=1.0,0.3", "--duration", "0.01", "--out", "s"})
+                .status,
+            0);
+  std::string key;
+  for (const auto& row : results("s")) {
+    if (std::find(row.begin(), row.end(), "refused") != row.end()) key = row[0];
+  }
+  ASSERT_FALSE(key.empty());
+  const ProgramResult replayed = run({"breakwater", "sweep", "s", "--replay", key});
+  EXPECT_EQ(replayed.status, 3);
+  EXPECT_EQ(replayed.out, "");
+  EXPECT_NE(replayed.err.find("is refused, and has no folder"), std::string::npos) << replayed.err;
+}
+
+TEST_F(Sweep, ASeedIsExact) {
+  ASSERT_EQ(
+      sweep({"ishigami", "--set", "run.seed=9007199254740993", "--sqlite", "--out", "s"}).status,
+      0);
+  EXPECT_EQ(results("s").at(1).at(2), "9007199254740993");
+  write("look.py",
+        "import sqlite3\nprint(sqlite3.connect('s/results.sqlite').execute("
+        "'SELECT seed FROM results').fetchone()[0])\n");
+  EXPECT_EQ(run({"/usr/bin/python3", "look.py"}).out, "9007199254740993\n");
+}
+
+TEST_F(Sweep, WhatIsInVainIsWarnedOf) {
+  const auto warnings = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.end(), {"--out", "s"});
+    const ProgramResult result = sweep(arguments);
+    EXPECT_EQ(result.status, 0) << result.err;
+    fs::remove_all(folder_ / "s");
+    return result.err + result.out;
+  };
+  const auto expect = [&](const std::string& text, const std::string& part) {
+    EXPECT_NE(text.find(part), std::string::npos) << text;
+  };
+  const std::vector<std::string> draws = {
+      "ishigami", "--method", "sobol", "--vary", "x.first=uniform(0,1)", "--samples"};
+  std::vector<std::string> odd = draws, even = draws;
+  odd.push_back("100");
+  even.push_back("64");
+  expect(warnings(odd),
+         "sweep: warning: samples: Sobol' points are even for a power of two: 64 or");
+  EXPECT_EQ(warnings(even).find("warning"), std::string::npos);
+  // Seeds without noise, and with it.
+  const std::string unseeded = "the 3 of each sample gave the same run";
+  expect(warnings({"ishigami", "--seeds", "1..3"}), unseeded);
+  expect(warnings({"ishigami", "--seeds", "1..3", "--dry-run"}),
+         "seeds: 1 and 2 give the same run");
+  EXPECT_EQ(warnings({"ishigami", "--seeds", "1..3", "--case", "noisy"}).find("same run"),
+            std::string::npos);
+  // Metrics that some runs lack.
+  expect(warnings({"ishigami", "--vary", "x.second=-1,1"}),
+         "positive_x_second_1 is missing: in 1 of 2 complete runs of plain");
+  expect(warnings({"ishigami", "--metrics", "y_2", "--case", "plain, noisy", "--dry-run"}),
+         "compare.metrics: y_2: none of these runs has it (did you mean y_1?)");
+  expect(warnings({"ishigami", "--duration", "0.5", "--dry-run"}),
+         "run.duration_s: the first run takes 0.5 s, in ");
+  // A key that the chosen estimator does not use, and one that another candidate does.
+  const auto motor = [&](const std::string& cases) {
+    const ProgramResult result = run({"breakwater", "sweep", "motor_estimation", "--case", cases,
+                                      "--vary", "observer.poles_rad_s=[-10,-20,-30],[-11,-20,-30]",
+                                      "--duration", "0.01", "--out", "s"});
+    fs::remove_all(folder_ / "s");
+    return result.err;
+  };
+  expect(motor("stf"), "sweep: warning: --vary: observer.");
+  EXPECT_EQ(motor("stf,idob").find("warning"), std::string::npos);
+}
+
+TEST_F(Sweep, AMisspeltDistributionIsNamed) {
+  write("bad.toml",
+        "scenario = \"ishigami\"\nmethod = \"lhs\"\nsamples = 4\n[vary]\n"
+        "\"x.first\" = { unifrom = [0, 1] }\n");
+  expect_refused(sweep({"bad.toml"}),
+                 "bad.toml:5: vary.x.first: there is no distribution unifrom (did you mean");
+  expect_refused(sweep({"ishigami", "--vary", "x.first=unifrom(0,1)"}),
+                 "--vary: x.first: unifrom(0,1): there is no unifrom(): there are uniform, "
+                 "log_uniform, normal, lin, log (did you mean uniform?)");
+}
+
+TEST_F(Sweep, BlanksAroundValuesAreNoneOfThem) {
+  ASSERT_EQ(sweep({"ishigami", "--case", "plain, noisy", "--vary", "x.first= 1 , 2", "--seeds",
+                   "1, 2", "--out", "s"})
+                .status,
+            0);
+  EXPECT_EQ(results("s").size(), 9U);
+  ASSERT_EQ(run({"breakwater", "sweep", "motor_estimation", "--vary", "observer.name=idob, stf",
+                 "--duration", "0.01", "--out", "words"})
+                .status,
+            0);
+  EXPECT_EQ(results("words").size(), 3U);
+}
+
+TEST_F(Sweep, ADryRunOfOneRunSaysSo) {
+  const ProgramResult result = sweep({"ishigami", "--dry-run"});
+  EXPECT_TRUE(result.out.starts_with("1 run: 1 sample, 1 seed, 1 candidate\n")) << result.out;
+}
+
+// A million points of other lengths, of which the mean is 2 (first: 0.5, mean: 1).
+TEST_F(Sweep, ADryRunDoesNotLookAtEveryPoint) {
+  const auto start = std::chrono::steady_clock::now();
+  const ProgramResult result = sweep({"ishigami", "--vary", "x.first=lin(0,1,1000)", "--vary",
+                                      "run.duration_s=lin(0.5,1.5,1000)", "--set",
+                                      "trouble.takes_s=0.036", "--jobs", "2", "--dry-run"});
+  EXPECT_NE(result.out.find("about 10."), std::string::npos) << result.out;  // 10 h and a little
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(20));
+}
+
+TEST_F(Sweep, WhatIsToGoIsWeighedByCandidate) {
+  ASSERT_EQ(
+      sweep({"ishigami", "--case", "plain,noisy", "--vary", "x.first=1,2", "--out", "s"}).status,
+      0);
+  const fs::path shards = folder_ / "s/shards";
+  std::vector<PointResult> points;
+  for (std::size_t i = 0; i < 3; ++i) points.push_back(ShardIndex(shards, 4).read(i));
+  fs::remove_all(shards);
+  fs::create_directory(shards);
+  for (PointResult& point : points) {
+    point.cost_s = point.number % 2 == 0 ? 1.0 : 50.0;
+    Shard(shards).add(point);
+  }
+  const ProgramResult status = sweep({"s", "--status"});
+  EXPECT_NE(status.out.find("50.0 s of processor time to go"), std::string::npos) << status.out;
+}
+
+TEST_F(Sweep, SubmissionsThatCannotBeReadAreNotNone) {
+  fs::create_directory(folder_ / "s");
+  write("s/slurm", "no folder");
+  EXPECT_THROW(queued(StudyFolder(folder_ / "s"), 1), std::invalid_argument);
+}
+
+TEST_F(Sweep, TwoStudiesAreNotBegunInOneFolder) {
+  const ScenarioFile file(testing::source_file("tests/study/ishigami/ishigami.toml"), "ishigami");
+  const StudyFolder study(folder_ / "s");
+  study.make("a = 1\n", file);
+  EXPECT_NE(read("s/study.toml").find(file_hash(file.file())), std::string::npos);
+  EXPECT_NO_THROW(study.make("a = 1\n", file));  // by another process at the same time
+  EXPECT_THROW(study.make("a = 2\n", file), std::invalid_argument);
+  study.make_anew("a = 2\n", file);
+  EXPECT_NE(read("s/study.toml").find("a = 2\n"), std::string::npos);
+}
+
+TEST_F(Sweep, TwoSweepsOfOneStudyAreWarnedOf) {
+  const std::vector<std::string> study = {
+      "ishigami", "--vary", "x.first=lin(0,1,40)", "--set", "trouble.takes_s=0.1", "--jobs", "1",
+      "--out",    "s"};
+  std::jthread first([&] { EXPECT_EQ(sweep(study).status, 0); });
+  while (!fs::exists(folder_ / "s/shards") || fs::is_empty(folder_ / "s/shards")) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  const ProgramResult second = sweep(study);
+  EXPECT_EQ(second.status, 0);
+  EXPECT_NE(second.err.find("is at this study too"), std::string::npos) << second.err;
+}
+
 TEST_F(Sweep, ModelsThatChangedAreNotGoneOnWith) {
   fs::copy_file(testing::source_file("models/motor.xml"), folder_ / "own.xml");
   const std::vector<std::string> study = {
@@ -455,6 +683,12 @@ TEST_F(Sweep, ModelsThatChangedAreNotGoneOnWith) {
   ASSERT_EQ(first.status, 0) << first.err;
   std::ofstream(folder_ / "own.xml", std::ios::app) << "<!-- changed -->\n";
   expect_refused(run(study), "own.xml has changed since");
+  // Shards of both versions, of nodes that do not see the same file, say.
+  ModelHashes models = ShardIndex(folder_ / "s/shards", 2).models();
+  models.begin()->second = "0123456789abcdef";
+  Shard(folder_ / "s/shards").add(models);
+  expect_refused(run(study), "some results are of another version of");
+  expect_refused(run({"breakwater", "sweep", "s", "--collect"}), "some results are of another");
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 //     y = sin x₁ + 7 sin² x₂ + 0.1 x₃⁴ sin x₁
 // T. Ishigami, T. Homma, Proc. ISUMA '90 (1990) 398–403.
 #include <cmath>
+#include <csignal>
 #include <cstdlib>
 #include <ctime>
 
@@ -26,6 +27,7 @@ class Ishigami : public Scenario {
     fields.number("y.noise", noise_, not_negative(), "how far y is shifted at most");
     fields.number("trouble.fails_above", fails_above_, any(), "of x.first");
     fields.number("trouble.crashes_above", crashes_above_, any(), "of x.first");
+    fields.number("trouble.killed_above", killed_above_, any(), "of x.first");
     fields.number("trouble.takes_s", takes_s_, not_negative(), "of processor time [s]");
     return fields;
   }
@@ -38,6 +40,7 @@ class Ishigami : public Scenario {
       if (control.stop != nullptr && *control.stop) throw Interrupted();
     }
     if (x1_ > crashes_above_) std::abort();
+    if (x1_ > killed_above_) std::raise(SIGKILL);
     Recording recording;
     const double y = std::sin(x1_) + 7.0 * std::pow(std::sin(x2_), 2) +
                      0.1 * std::pow(x3_, 4) * std::sin(x1_) +
@@ -59,7 +62,7 @@ class Ishigami : public Scenario {
  private:
   RunSettings run_;
   double x1_ = 0.0, x2_ = 0.0, x3_ = 0.0, noise_ = 0.0;
-  double fails_above_ = 0.0, crashes_above_ = 0.0, takes_s_ = 0.0;
+  double fails_above_ = 0.0, crashes_above_ = 0.0, killed_above_ = 0.0, takes_s_ = 0.0;
 };
 
 std::unique_ptr<Scenario> make_ishigami(const Catalogue&) {

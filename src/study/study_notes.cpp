@@ -1,0 +1,119 @@
+#include <breakwater/study/study_notes.h>
+
+#include <fmt/format.h>
+
+#include <map>
+#include <optional>
+
+namespace breakwater {
+namespace {
+
+constexpr std::size_t kMostNamed = 4;  // metrics in a line
+
+// Of each metric, in how many complete runs of each candidate it is.
+class MetricCounts {
+ public:
+  explicit MetricCounts(const Plan& plan) : plan_(plan), complete_(plan.candidates().size()) {}
+
+  void add(const PointResult& run) {
+    if (run.status != PointStatus::complete) return;
+    const std::size_t candidate = run.number % complete_.size();
+    ++complete_[candidate];
+    for (const auto& [name, value] : run.metrics) {
+      counts_.try_emplace(name, complete_.size()).first->second[candidate]++;
+    }
+  }
+
+  // Metrics that are missing in the same way are one line.
+  std::vector<std::string> lines() const {
+    std::map<std::string, std::vector<std::string>> metrics;
+    for (const auto& [name, counts] : counts_) {
+      const std::string where = missing(counts);
+      if (!where.empty()) metrics[where].push_back(name);
+    }
+    std::vector<std::string> lines;
+    for (auto& [where, names] : metrics) {
+      const std::size_t more = names.size() > kMostNamed ? names.size() - kMostNamed : 0;
+      names.resize(names.size() - more);
+      lines.push_back(fmt::format("{}{} missing: in {}", fmt::join(names, ", "),
+                                  more > 0 ? fmt::format(" and {} more are", more)
+                                           : std::string(names.size() > 1 ? " are" : " is"),
+                                  where));
+    }
+    return lines;
+  }
+
+ private:
+  // "12 of 40 complete runs of hpfc-2N"; empty if it is nowhere.
+  std::string missing(const std::vector<std::size_t>& counts) const {
+    std::vector<std::string> parts;
+    for (std::size_t c = 0; c < counts.size(); ++c) {
+      // What no run of a candidate has is not of that candidate: its column is empty.
+      if (counts[c] == 0 || counts[c] == complete_[c]) continue;
+      parts.push_back(fmt::format("{} of {} complete runs of {}", complete_[c] - counts[c],
+                                  complete_[c], plan_.candidates()[c].label));
+    }
+    if (parts.size() > kMostNamed) {
+      const std::size_t more = parts.size() - kMostNamed;
+      parts.resize(kMostNamed);
+      parts.push_back(fmt::format("of {} more candidates", more));
+    }
+    return fmt::format("{}", fmt::join(parts, ", "));
+  }
+
+  const Plan& plan_;
+  std::vector<std::size_t> complete_;
+  std::map<std::string, std::vector<std::size_t>> counts_;
+};
+
+// Whether the seeds of every sample and candidate gave the same run.
+class SeedEffect {
+ public:
+  explicit SeedEffect(const Plan& plan) : plan_(plan), first_(plan.candidates().size()) {}
+
+  // In the points' order.
+  void add(const PointResult& run) {
+    const std::size_t world = run.number / first_.size();
+    auto& first = first_[run.number % first_.size()];
+    const std::size_t sample = world / plan_.seeds();
+    if (!first || first->sample != sample) {
+      first = First{sample, run.state_hash};
+      return;
+    }
+    ++pairs_;
+    differs_ = differs_ || run.state_hash != first->hash;
+  }
+  bool is_none() const { return pairs_ > 0 && !differs_; }
+
+ private:
+  struct First {
+    std::size_t sample;
+    std::string hash;
+  };
+  const Plan& plan_;
+  std::vector<std::optional<First>> first_;  // run of the sample, of each candidate
+  std::size_t pairs_ = 0;
+  bool differs_ = false;
+};
+
+}  // namespace
+
+std::vector<std::string> notes(const Plan& plan, const ShardIndex& index) {
+  MetricCounts metrics(plan);
+  SeedEffect seeds(plan);
+  for (std::size_t point = 0; point < index.points(); ++point) {
+    if (!index.has(point)) continue;
+    const PointResult run = index.read(point);
+    metrics.add(run);
+    if (run.status == PointStatus::complete) seeds.add(run);
+  }
+  std::vector<std::string> lines = metrics.lines();
+  if (seeds.is_none()) {
+    lines.push_back(fmt::format(
+        "seeds: the {} of each sample gave the same run: without noise they change nothing",
+        plan.seeds()));
+  }
+  return lines;
+}
+
+}  // namespace breakwater
