@@ -287,9 +287,8 @@ std::optional<SceneView::Projected> SceneView::project(const Eigen::Vector3d& po
   const Eigen::Vector3d ray = point - axes.eye;
   const double depth = ray.dot(axes.forward);
   if (depth <= camera.frustum_near) return std::nullopt;
-  const double per_tangent =
-      static_cast<double>(viewport_.height) * camera.frustum_near /
-      (camera.frustum_top - camera.frustum_bottom);
+  const double per_tangent = static_cast<double>(viewport_.height) * camera.frustum_near /
+                             (camera.frustum_top - camera.frustum_bottom);
   const double middle = 0.5 * (camera.frustum_top + camera.frustum_bottom);
   const double x = ray.dot(axes.right) / depth - camera.frustum_center / camera.frustum_near;
   const double y = ray.dot(axes.up) / depth - middle / camera.frustum_near;

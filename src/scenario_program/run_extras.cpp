@@ -1,7 +1,7 @@
 #include <breakwater/scenario_program/run_extras.h>
 
-#include <breakwater/scenario_program/video_later.h>
 #include <breakwater/printed/printed_results.h>
+#include <breakwater/scenario_program/video_later.h>
 
 namespace breakwater {
 namespace {

@@ -10,10 +10,11 @@ namespace breakwater {
 int make_video(const std::string& program, const std::filesystem::path& folder,
                const std::string& file, bool quiet) {
   if (!std::filesystem::exists(program)) {
-    fmt::print(stderr,
-               "video of the run in {0}: {1}, which draws it, is not there (`./dev build` makes it); "
-               "the run is whole, `breakwater video {0}` draws it later\n",
-               folder.string(), program);
+    fmt::print(
+        stderr,
+        "video of the run in {0}: {1}, which draws it, is not there (`./dev build` makes it); "
+        "the run is whole, `breakwater video {0}` draws it later\n",
+        folder.string(), program);
     return kLaterOutputFailed;
   }
   std::vector<std::string> words = {program, "video", folder.string()};

@@ -102,7 +102,9 @@ b = { max = 1 }
 seeds = [9]
 world.w.x = [0.5]
 )toml";
-  const auto parsed = [](const std::string& toml) { return toml::parse(toml, std::string("t.toml")); };
+  const auto parsed = [](const std::string& toml) {
+    return toml::parse(toml, std::string("t.toml"));
+  };
   const Tuning first = read_tuning(parsed(text), "t.toml");
   EXPECT_EQ(read_tuning(parsed(first.print()), "t.toml").print(), first.print());
   EXPECT_EQ(first.worlds.size(), 9U);
