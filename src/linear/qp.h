@@ -93,7 +93,7 @@ struct QpFactors {
   Eigen::MatrixXd gram;       ///< Ω H⁻¹ Ωᵀ, m×m: how the rows do
 
   /// Throws std::invalid_argument as make_qp_solver.
-  explicit QpFactors(QpModel model);
+  explicit QpFactors(QpModel qp);
 
   Eigen::Index variables() const { return model.H.rows(); }
   Eigen::Index rows() const { return model.Omega.rows(); }

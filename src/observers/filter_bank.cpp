@@ -109,10 +109,12 @@ FilterBank::FilterBank(const FilterBankDesign& design) : period_s_(design.period
   };
   add(Kind::constant, 0.0, 0.0);
   add(Kind::inertia, 0.0, 0.0);
-  for (double w = kSlowest_rad_s; w <= fastest; w *= kBandwidthRatio) {
+  double w = kSlowest_rad_s;
+  while (w <= fastest) {
     const double per_sample = w * w * w * rho * period_s_ * J;
     add(Kind::walk, w, per_sample * per_sample);
     add(Kind::ramp, w, w * w * per_sample * per_sample);
+    w *= kBandwidthRatio;
   }
   shares_.setZero(static_cast<Eigen::Index>(models_.size()));
   signals_ = {
@@ -249,7 +251,7 @@ double FilterBank::observe(Model& model, const Observation& seen) const {
 }
 
 // A pseudo-measurement. Returns its log-likelihood.
-double FilterBank::keep_inertia(Model& model) const {
+double FilterBank::keep_inertia(Model& model) {
   if (model.kind != Kind::inertia) return 0.0;
   const double gain = 1.0 + model.x(3);
   const double e = std::clamp(gain, kSmallestGain, kLargestGain) - gain;

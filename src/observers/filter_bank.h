@@ -72,7 +72,7 @@ class FilterBank final : public DisturbanceEstimator {
   void start(const Eigen::Vector2d& x);
   void predict(Model& model, double u) const;
   double observe(Model& model, const Observation& seen) const;
-  double keep_inertia(Model& model) const;
+  static double keep_inertia(Model& model);
   double log_likelihood(double e, double S) const;
   void weigh();
   void seed(Model& model, const Model& from) const;

@@ -26,7 +26,7 @@ FinishedRun::FinishedRun(const Catalogue& catalogue, const std::filesystem::path
                                 "\", which this program does not have: the program that made it "
                                 "can draw it");
   }
-  const ScenarioKind& kind = catalogue.get<ScenarioKind>(saved_.scenario());
+  const auto& kind = catalogue.get<ScenarioKind>(saved_.scenario());
   scenario_ = kind.make(catalogue);
   shots_file_ = kind.shots();
   const ScenarioFile file((folder / "config.toml").string(), kind.name);

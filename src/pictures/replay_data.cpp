@@ -237,7 +237,7 @@ class Channels {
       way = std::max(way, high - low);
     }
     const double unit = std::max(way / kPositionSteps, kSmallestPosition_m);
-    const Json place = {{"channel", count_}, {"units", {unit, kRotationUnit}}};
+    Json place = {{"channel", count_}, {"units", {unit, kRotationUnit}}};
     for (std::size_t k = 0; k < 7; ++k) add(columns[k], k < 3 ? unit : kRotationUnit);
     return place;
   }
@@ -247,7 +247,7 @@ class Channels {
     for (const double time_s : times_s) values.push_back(series.at(time_s));
     const auto [low, high] = range_of(values);
     const double unit = std::max((high - low) / kSignalSteps, 1e-12);
-    const Json place = {{"channel", count_}, {"unit", unit}};
+    Json place = {{"channel", count_}, {"unit", unit}};
     add(values, unit);
     return place;
   }

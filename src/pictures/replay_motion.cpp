@@ -37,14 +37,16 @@ std::vector<TimeSpan> replay_times(const std::vector<double>& log_times_s, const
   const double all = end - begin;
   const double coarse =
       std::max({1.0 / kFramesPerSecond, period, 2.0 * all / static_cast<double>(kMostFrames)});
-  const double from = std::clamp(window.from_s, begin, end);
-  const double to = std::clamp(window.to_s, begin, end);
-  const double fine = std::clamp(std::max(window.speed / kFramesPerSecond,
-                                          2.0 * (to - from) / static_cast<double>(kMostFrames)),
-                                 std::min(period, coarse), coarse);
+  const double fine_begin = std::clamp(window.from_s, begin, end);
+  const double fine_end = std::clamp(window.to_s, begin, end);
+  const double fine =
+      std::clamp(std::max(window.speed / kFramesPerSecond,
+                          2.0 * (fine_end - fine_begin) / static_cast<double>(kMostFrames)),
+                 std::min(period, coarse), coarse);
   std::vector<TimeSpan> spans;
   for (const TimeSpan& span :
-       {span_of(begin, from, coarse), span_of(from, to, fine), span_of(to, end, coarse)}) {
+       {span_of(begin, fine_begin, coarse), span_of(fine_begin, fine_end, fine),
+        span_of(fine_end, end, coarse)}) {
     if (span.count > 0) spans.push_back(span);
   }
   spans.back().count += 1;

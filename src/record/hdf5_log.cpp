@@ -96,7 +96,7 @@ void attach_scale(hid_t group, hid_t dataset, const std::string& name, unsigned 
 
 // 1 … width: the scale that all vectors of one width in a group have.
 std::string write_index(hid_t group, std::size_t width) {
-  const std::string name = index_name(width);
+  std::string name = index_name(width);
   if (H5Lexists(group, name.c_str(), H5P_DEFAULT) > 0) return name;
   std::vector<double> numbers(width);
   std::iota(numbers.begin(), numbers.end(), 1.0);
