@@ -73,9 +73,8 @@ std::vector<ChartScale::Tick> ChartScale::ticks(int count) const {
   for (const double factor : {5.0, 2.0, 1.0}) {
     if (factor * decade >= rough * (1.0 - 1e-9)) step = factor * decade;
   }
-  for (double n = std::ceil(low_ / step - 1e-9); n * step <= high_ + 1e-9 * step; n += 1.0) {
-    add(n * step);
-  }
+  const double first = std::ceil(low_ / step - 1e-9);
+  for (int i = 0; (first + i) * step <= high_ + 1e-9 * step; ++i) add((first + i) * step);
   return ticks;
 }
 

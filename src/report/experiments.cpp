@@ -7,6 +7,7 @@
 #include <cmath>
 #include <filesystem>
 #include <limits>
+#include <ranges>
 #include <set>
 #include <stdexcept>
 
@@ -37,8 +38,8 @@ class Layers {
     if (table != nullptr) tables_.push_back(table);
   }
   const toml::node* get(const char* key) const {
-    for (auto table = tables_.rbegin(); table != tables_.rend(); ++table) {
-      if (const toml::node* node = (*table)->get(key)) return node;
+    for (const toml::table* table : tables_ | std::views::reverse) {
+      if (const toml::node* node = table->get(key)) return node;
     }
     return nullptr;
   }
@@ -134,7 +135,7 @@ class Reader {
   template <typename Table>
   std::string word_or(const Table& table, const char* key,
                       const std::vector<std::string>& words) const {
-    const std::string word = text_or(table, key, {});
+    std::string word = text_or(table, key, {});
     if (!word.empty() && std::find(words.begin(), words.end(), word) == words.end()) {
       fail(*table.get(key),
            fmt::format("{}: \"{}\" must be {}", key, word, fmt::join(words, " or ")));

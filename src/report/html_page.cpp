@@ -29,8 +29,8 @@ std::string fill_in(const fs::path& file, const mustache::data& data) {
 std::string html_page(const std::string& name, mustache::data& data, PageCharts charts) {
   for (const std::string partial :
        {"chart", "study_metric", "replay_box", "changed_keys", "window_button"}) {
-    const std::string text = bytes_of(part(partial + ".mustache"));
-    data.set(partial, mustache::data(mustache::partial([text] { return text; })));
+    data.set(partial, mustache::data(mustache::partial(
+                          [text = bytes_of(part(partial + ".mustache"))] { return text; })));
   }
   mustache::data page = data;
   page.set("content", fill_in(part(name + ".mustache"), data));
