@@ -587,6 +587,26 @@ TEST_F(Sweep, WhatIsInVainIsWarnedOf) {
   EXPECT_EQ(motor("stf,idob").find("warning"), std::string::npos);
 }
 
+TEST_F(Sweep, WarningsAreSaidToThoseWhoWantQuietToo) {
+  const auto said = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.end(), {"--quiet", "--out", "s"});
+    const ProgramResult result = sweep(arguments);
+    EXPECT_EQ(result.status, 0) << result.err;
+    EXPECT_EQ(result.out, "");
+    fs::remove_all(folder_ / "s");
+    return result.err;
+  };
+  EXPECT_EQ(said({"ishigami", "--vary", "x.second=1,2"}), "");
+  EXPECT_EQ(said({"ishigami", "--vary", "x.second=-1,1"}),
+            "sweep: warning: positive_x_second_1 is missing: in 1 of 2 complete runs of plain\n");
+  EXPECT_EQ(said({"ishigami", "--seeds", "1..3"}),
+            "sweep: warning: seeds: the 3 of each sample gave the same run: without noise they "
+            "change nothing\n");
+  const std::string even =
+      said({"ishigami", "--method", "sobol", "--vary", "x.first=uniform(0,1)", "--samples", "3"});
+  EXPECT_TRUE(even.starts_with("sweep: warning: samples: Sobol' points")) << even;
+}
+
 TEST_F(Sweep, AMisspeltDistributionIsNamed) {
   write("bad.toml",
         "scenario = \"ishigami\"\nmethod = \"lhs\"\nsamples = 4\n[vary]\n"
