@@ -84,9 +84,9 @@ void restore_earlier(const fs::path& target, const LeftBeside* beside) {
 // What our programs put into a run's folder, and what one of them leaves that is killed at it.
 bool is_of_a_run(const std::string& name) {
   static const std::set<std::string> names = {
-      "config.toml", "log.csv",     "log.h5",      "manifest.json", "metrics.json",
-      "strip.png",   "still.png",   "video.mp4",   "report.html",   "compare.html",
-      "compare.csv", "compare.tex", "compare.svg", "compare.pdf",   kKeptMark};
+      "config.toml", "log.csv",     "log.h5",      "manifest.json", "metrics.json", "strip.png",
+      "still.png",   "video.mp4",   "replay.html", "report.html",   "compare.html", "compare.csv",
+      "compare.tex", "compare.svg", "compare.pdf", kKeptMark};
   return names.contains(name) ||
          (name.starts_with('.') && name.find(".partial-") != std::string::npos);
 }

@@ -129,6 +129,17 @@ TEST_F(RunFolderCli, ADamagedLogIsRefusedByAllThatOpenIt) {
   EXPECT_EQ(run_program({"breakwater", "compare", "whole", "run"}, folder_).status, 0);
 }
 
+TEST_F(RunFolderCli, ARunWithItsPicturesIsReplacedByTheNext) {
+  ASSERT_EQ(run("run").status, 0);
+  for (const char* command : {"replay", "report"}) {
+    ASSERT_EQ(run_program({"breakwater", command, "run", "--quiet"}, folder_).status, 0);
+  }
+  EXPECT_TRUE(fs::exists(folder_ / "run/replay.html"));
+  const ProgramResult again = run("run");
+  EXPECT_EQ(again.status, 0) << again.err;
+  EXPECT_FALSE(fs::exists(folder_ / "run/replay.html"));
+}
+
 TEST_F(RunFolderCli, AReaderFindsTheRunThatAKilledOneWasReplacing) {
   ASSERT_EQ(run("run").status, 0);
   std::array<char, 256> host = {};
