@@ -16,6 +16,7 @@
 #include <system_error>
 
 #include <breakwater/record/file_hash.h>
+#include <breakwater/record/on_disk.h>
 #include <breakwater/record/process_name.h>
 
 namespace breakwater {
@@ -172,11 +173,9 @@ void put_in_place(const fs::path& partial, const fs::path& target) {
 // Waits until a file, or the names in a folder, are on the disk.
 void sync(const fs::path& path) {
   const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  bool is_synced = descriptor >= 0 && fsync(descriptor) == 0;
+  const bool is_synced = descriptor >= 0 && is_on_disk(descriptor);
   const int error = errno;
   if (descriptor >= 0) close(descriptor);
-  // Some file systems cannot, of folders above all.
-  is_synced = is_synced || (descriptor >= 0 && (error == EINVAL || error == ENOTSUP));
   if (!is_synced) {
     throw OutputError(path.string() + ": cannot be written to the disk (" + std::strerror(error) +
                       ")");
