@@ -1,12 +1,18 @@
 # What a program with Breakwater's commands is made with: Breakwater's own, and those of users.
 set(BREAKWATER_FUNCTIONS_DIR ${CMAKE_CURRENT_LIST_DIR})
 
-# breakwater_program(NAME SOURCES FILE...): a program whose main() makes a catalogue and hands it to
-# breakwater::program() (docs/your-own-controller.md). It links Breakwater::program and ::scenarios.
+# breakwater_program(NAME [ONE_SCENARIO] SOURCES FILE...): a program whose main() makes a catalogue and
+# hands it to breakwater::program() (docs/your-own-controller.md). It links Breakwater::program and
+# ::scenarios. With ONE_SCENARIO main() hands it to breakwater::scenario_program(), and the program
+# runs one scenario alone: it links ::scenario_program, and waits for no page, picture or study.
 function(breakwater_program name)
-  cmake_parse_arguments(PROGRAM "" "" "SOURCES" ${ARGN})
+  cmake_parse_arguments(PROGRAM "ONE_SCENARIO" "" "SOURCES" ${ARGN})
   add_executable(${name} ${PROGRAM_SOURCES})
-  target_link_libraries(${name} PRIVATE Breakwater::scenarios Breakwater::program)
+  set(main program)
+  if(PROGRAM_ONE_SCENARIO)
+    set(main scenario_program)
+  endif()
+  target_link_libraries(${name} PRIVATE Breakwater::scenarios Breakwater::${main})
 endfunction()
 
 # breakwater_scenario(TARGET NAME [SOURCES FILE...]): adds the scenario in the folder NAME, with

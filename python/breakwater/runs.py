@@ -241,6 +241,8 @@ class Run:
         run there. Returns it."""
         target = folder_path(folder)
         if isinstance(self._core, _core.SavedRun):
+            if (trouble := self._trouble()) is not None:
+                raise InputError(trouble)
             if self._folder is not None and target.resolve() != self._folder.resolve():
                 shutil.copytree(self._folder, target)
             return target
@@ -263,7 +265,8 @@ class Run:
         """Makes a video of the run, as `breakwater video` does, and returns its file: by default
         video.mp4 in its folder. speed 0.1 is ten times slower than it was.
 
-        Raises RuntimeError with the program's own message if it cannot be made.
+        Raises InputError for what is wrong with the arguments or the folder, and if the file cannot be written (a
+        full disk); RuntimeError if the video cannot be made for another reason. Both have the program's message.
         """
         options = {"speed": speed, "from": from_s, "to": to_s, "camera": camera, "size": size, "look": look}
         return self._picture("video", "video.mp4", file, options)
@@ -274,7 +277,8 @@ class Run:
         """Makes a page that plays the run in three dimensions in any browser, as `breakwater replay` does, and
         returns its file: by default replay.html in its folder. In a notebook a run is shown so by itself.
 
-        Raises RuntimeError with the program's own message if it cannot be made.
+        Raises InputError for what is wrong with the arguments or the folder, and if the file cannot be written (a
+        full disk); RuntimeError if the page cannot be made for another reason. Both have the program's message.
         """
         return self._picture("replay", "replay.html", file, {"camera": camera})
 
@@ -283,19 +287,24 @@ class Run:
     ) -> pathlib.Path:
         if file is None and self._folder is None:
             raise InputError("file: must be given for a run that has no folder")
+        trouble = self._trouble()
+        if trouble is not None and isinstance(self._core, _core.SavedRun):  # which has no data of its own
+            raise InputError(f"{command}: {trouble}")
+        if trouble is not None and file is None:
+            raise InputError(f"file: must be given: {trouble}")
         target = path_or_none(file, "file") or str(self._folder / name)
         words = [command, "--quiet", f"--out={target}"]
         words += [f"--{option}={value}" for option, value in options.items() if value is not None]
-        with self._some_folder() as folder:
+        with self._some_folder(trouble is None) as folder:
             status, lines = call([*words, "--", str(folder)])
         if status != 0:
             raise failure_of(status, f"{command}: {' '.join(lines)}")
         return pathlib.Path(target)
 
     @contextlib.contextmanager
-    def _some_folder(self) -> Iterator[pathlib.Path]:
+    def _some_folder(self, is_there: bool) -> Iterator[pathlib.Path]:
         """Where it is saved; if it is not, or there is another run by now, a copy for the while."""
-        if self._folder is not None and self._is_in(self._folder):
+        if self._folder is not None and is_there:
             yield self._folder
             return
         with tempfile.TemporaryDirectory() as temporary:
@@ -303,14 +312,17 @@ class Run:
             self._core.save(str(folder))
             yield folder
 
-    def _is_in(self, folder: pathlib.Path) -> bool:
-        if isinstance(self._core, _core.SavedRun):
-            return True
+    def _trouble(self) -> str | None:
+        """Why its folder has it no longer; None if it has, or there never was one."""
+        if self._folder is None:
+            return None
         try:
-            saved = _core.SavedRun(folder)
-            return (saved.config_text, saved.state_hash) == (self.config_text, self.state_hash)
-        except InputError:
-            return False
+            saved = _core.SavedRun(self._folder)
+        except InputError as error:
+            return str(error)
+        if (saved.config_text, saved.state_hash) == (self.config_text, self.state_hash):
+            return None
+        return f"there is another run in {self._folder}"
 
     def __repr__(self) -> str:
         state = f"failed at {self.failure[0]:.6g} s" if self.failure else f"{len(self.metrics)} metrics"

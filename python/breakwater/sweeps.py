@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 _DISTRIBUTIONS = ("uniform", "log_uniform", "normal")
 _RULE = re.compile(r"(lin|log)\(")
+_WARNING = "sweep: warning: "
 _OPTION = re.compile(r"^(?:sweep: )?--([a-z-]+)(?=:)")
 _MOST_JOBS = 4096
 
@@ -156,9 +157,11 @@ def sweep(
     what is better, {"peak_force_filtered_N": "min"}. keep: whose run folders it has, as runs/POINT: "metrics" (none),
     "failed" or "all". Without out nothing is left.
 
-    Runs that fail are rows with `status` "failed". Raises InputError for what is wrong with the arguments, keys,
-    values and folder, before anything runs; RuntimeError if the study file wants it to end at a failure and one
-    failed. Ctrl-C stops it: what had ended is kept in out.
+    Runs that fail are rows with `status` "failed". What one should know of the study is a Python warning: keys
+    without effect, seeds that change nothing, metrics that some runs lack. Raises InputError for what is wrong with
+    the arguments, keys, values and folder, before anything runs, and later if results cannot be written (a full
+    disk) or points were left undone: the same call goes on; RuntimeError if the study file wants it to end at a
+    failure and one failed. Ctrl-C stops it: what had ended is kept in out.
 
     There is no `controller=` here: every sample of all runs would wait for one interpreter. Call bw.run() in
     a loop, or write the law in C++.
@@ -222,7 +225,10 @@ def _run(words: list[str], target: str, folder: pathlib.Path) -> pandas.DataFram
             raise
         raise InputError("vary: has too many values for a command: write a study file") from None
     # What the command line calls --sampling-seed is an argument here.
-    lines = [_OPTION.sub(lambda option: option[1].replace("-", "_"), line, count=1) for line in lines]
+    lines = [
+        _OPTION.sub(lambda option: option[1].replace("-", "_"), line.removeprefix(_WARNING), count=1)
+        for line in lines
+    ]
     if status < 0:
         raise RuntimeError(f"sweep: the program was ended by signal {-status}")
     if status != 0:

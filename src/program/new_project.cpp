@@ -5,12 +5,11 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cctype>
-#include <fstream>
 #include <map>
-#include <sstream>
 #include <stdexcept>
 #include <vector>
 
+#include <breakwater/record/file_bytes.h>
 #include <breakwater/record/process_name.h>
 #include <breakwater/record/text_outputs.h>
 #include <breakwater/scenario/child_program.h>
@@ -54,14 +53,6 @@ std::string instantiated(const std::string& text, const std::string& placeholder
   std::string result = replaced(text, placeholder, name);
   result = replaced(result, camel_case(placeholder), camel_case(name));
   return replaced(result, upper_case(placeholder), upper_case(name));
-}
-
-std::string text_of(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  std::stringstream text;
-  text << stream.rdbuf();
-  if (!stream) throw std::invalid_argument(file.string() + ": cannot be read");
-  return text.str();
 }
 
 // Of a template: files by what they will be called, relative to the project's folder.
@@ -152,7 +143,7 @@ void make_project(const fs::path& from, const std::string& placeholder, const st
     for (const auto& [file, original] : files) {
       fs::create_directories((partial / file).parent_path());
       write_text_file((partial / file).string(),
-                      instantiated(text_of(original), placeholder, name));
+                      instantiated(bytes_of(original), placeholder, name));
     }
     fs::rename(partial, folder);
   } catch (...) {

@@ -9,12 +9,12 @@
 
 namespace breakwater {
 
-/// Throws std::runtime_error if it is not there.
+/// Throws std::runtime_error if it cannot be read.
 inline std::string bytes_of(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
-  if (!stream) throw std::runtime_error(file.string() + ": is missing");
   std::stringstream bytes;
   bytes << stream.rdbuf();
+  if (!stream || bytes.bad()) throw std::runtime_error(file.string() + ": cannot be read");
   return bytes.str();
 }
 

@@ -16,6 +16,7 @@
 #include <system_error>
 
 #include <breakwater/record/file_hash.h>
+#include <breakwater/record/on_disk.h>
 #include <breakwater/record/process_name.h>
 
 namespace breakwater {
@@ -84,9 +85,9 @@ void restore_earlier(const fs::path& target, const LeftBeside* beside) {
 // What our programs put into a run's folder, and what one of them leaves that is killed at it.
 bool is_of_a_run(const std::string& name) {
   static const std::set<std::string> names = {
-      "config.toml", "log.csv",     "log.h5",      "manifest.json", "metrics.json",
-      "strip.png",   "still.png",   "video.mp4",   "report.html",   "compare.html",
-      "compare.csv", "compare.tex", "compare.svg", "compare.pdf",   kKeptMark};
+      "config.toml", "log.csv",     "log.h5",      "manifest.json", "metrics.json", "strip.png",
+      "still.png",   "video.mp4",   "replay.html", "report.html",   "compare.html", "compare.csv",
+      "compare.tex", "compare.svg", "compare.pdf", kKeptMark};
   return names.contains(name) ||
          (name.starts_with('.') && name.find(".partial-") != std::string::npos);
 }
@@ -172,11 +173,9 @@ void put_in_place(const fs::path& partial, const fs::path& target) {
 // Waits until a file, or the names in a folder, are on the disk.
 void sync(const fs::path& path) {
   const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  bool is_synced = descriptor >= 0 && fsync(descriptor) == 0;
+  const bool is_synced = descriptor >= 0 && is_on_disk(descriptor);
   const int error = errno;
   if (descriptor >= 0) close(descriptor);
-  // Some file systems cannot, of folders above all.
-  is_synced = is_synced || (descriptor >= 0 && (error == EINVAL || error == ENOTSUP));
   if (!is_synced) {
     throw OutputError(path.string() + ": cannot be written to the disk (" + std::strerror(error) +
                       ")");

@@ -4,7 +4,6 @@
 
 #include <map>
 #include <optional>
-#include <set>
 #include <vector>
 
 #include <breakwater/record/csv.h>
@@ -136,12 +135,10 @@ std::string comparison_csv(const CandidateComparison& comparison) {
 std::string comparison_text(const CandidateComparison& comparison, std::size_t width) {
   Table table({"metric", "candidate", "reference", "pairs", "median", "difference (95 %)", "p",
                "better in", "verdict"});
-  std::map<std::string, std::set<std::size_t>> pairs;  // of a metric's rows
-  for (const MetricComparison& one : comparison.metrics) pairs[one.metric].insert(one.pairs);
   bool has_mark = false;
   for (const MetricComparison& one : comparison.metrics) {
     const bool has_goal = one.probability_better.has_value();
-    const bool is_marked = pairs[one.metric].size() > 1;
+    const bool is_marked = one.pairs < comparison.worlds;
     has_mark = has_mark || is_marked;
     table.add({one.metric, comparison.candidates[one.candidate],
                comparison.candidates[one.reference],
@@ -158,8 +155,11 @@ std::string comparison_text(const CandidateComparison& comparison, std::size_t w
                fmt::format("{:.2g}", one.p_holm), "-", name_of(one.verdict)});
   }
   std::string text = table.print(width);
-  if (has_mark)
-    text += "* the medians of this metric are over different worlds: some runs lack it\n";
+  if (has_mark) {
+    text +=
+        fmt::format("* of fewer worlds than {}: in the others a run failed or lacks the metric\n",
+                    comparison.worlds);
+  }
   return text;
 }
 

@@ -166,6 +166,7 @@ CandidateComparison compare_candidates(const PairedResults& results,
                                        const ComparisonSettings& settings) {
   CandidateComparison comparison;
   comparison.candidates = results.candidates;
+  comparison.worlds = static_cast<std::size_t>(results.failed.rows());
   const auto pairs = pairs_of(results);
   for (std::size_t metric = 0; metric < results.metrics.size(); ++metric) {
     for (const auto& [x, y] : pairs) {

@@ -69,6 +69,7 @@ struct RankComparison {
 
 struct CandidateComparison {
   std::vector<std::string> candidates;
+  std::size_t worlds = 0;                 ///< that they met
   std::vector<MetricComparison> metrics;  ///< metrics in their order, in them the candidates
   std::vector<FailureComparison> failures;
   std::vector<RankComparison> ranks;  ///< empty of fewer than three candidates

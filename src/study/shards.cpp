@@ -17,6 +17,7 @@
 #include <utility>
 
 #include <breakwater/record/file_hash.h>
+#include <breakwater/record/on_disk.h>
 #include <breakwater/record/process_name.h>
 #include <breakwater/scenario/process.h>
 
@@ -179,8 +180,7 @@ Shard::~Shard() {
 void Shard::finish() {
   const std::lock_guard lock(mutex_);
   if (descriptor_ < 0) return;
-  // Some file systems know no fsync.
-  const bool is_synced = fsync(descriptor_) == 0 || errno == EINVAL || errno == ENOTSUP;
+  const bool is_synced = is_on_disk(descriptor_);
   const int error = errno;
   const bool is_closed = close(std::exchange(descriptor_, -1)) == 0;
   if (!is_synced) errno = error;

@@ -142,7 +142,7 @@ void describe(CLI::App& app, SweepArguments& arguments) {
       ->group(how);
   app.add_flag("--rerun", arguments.rerun, "remove what is there and begin anew")->group(how);
   app.add_flag("--sqlite", arguments.sqlite, "write results.sqlite as well")->group(how);
-  app.add_flag("--quiet", arguments.quiet, "print errors only")->group(how);
+  app.add_flag("--quiet", arguments.quiet, "print errors and warnings only")->group(how);
 
   const std::string with = "With a study that was begun";
   app.add_flag("--status", arguments.status, "say what is done, and exit")->group(with);
@@ -362,8 +362,7 @@ std::string counted(const ShardIndex& index) {
   return text;
 }
 
-void warn(const std::vector<std::string>& warnings, const SweepArguments& arguments) {
-  if (arguments.quiet) return;
+void warn(const std::vector<std::string>& warnings) {
   for (const std::string& warning : warnings) {
     fmt::print(stderr, "{}: warning: {}\n", kSweep, warning);
   }
@@ -446,7 +445,7 @@ void print_dry_run(const Sweep& sweep, const SweepArguments& arguments) {
              duration_text(time.seconds / static_cast<double>(jobs)), number_of(jobs, "core"),
              duration_text(time.seconds));
   std::fflush(stdout);
-  warn(warnings_of(sweep, time.runs), arguments);
+  warn(warnings_of(sweep, time.runs));
 }
 
 // Processor time of the points that are not done, each as long as its candidate's others.
@@ -491,11 +490,15 @@ void collect(const Plan& plan, const ShardIndex& index, const StudyFolder& folde
   const fs::path compared = folder.path() / "comparison.csv";
   if (comparison) replace_file(compared, comparison_csv(*comparison));
   if (extras.write_report) extras.write_report(plan, index, folder);
-  if (arguments.quiet) return;
+  const std::vector<std::string> to_know = notes(plan, index);
+  if (arguments.quiet) {
+    warn(to_know);
+    return;
+  }
   if (comparison) {
     fmt::print("{}\n", comparison_text(*comparison, output_width()));
   }
-  for (const std::string& note : notes(plan, index)) fmt::print("{}\n", note);
+  for (const std::string& note : to_know) fmt::print("{}\n", note);
   fmt::print("{}\nresults: {}\n", counted(index), csv.string());
   if (comparison) fmt::print("comparison: {}\n", compared.string());
   if (extras.write_report) fmt::print("report: {}\n", (folder.path() / "report.html").string());
@@ -611,8 +614,7 @@ int go_on(const Sweep& sweep, const StudyFolder& folder, const ShardIndex& befor
   const bool runs_here = !arguments.slurm && !points.empty();
   if (runs_here) {
     for (const int process : other_writers(folder.shards())) {
-      warn({fmt::format("process {} is at this study too: points may be run twice", process)},
-           arguments);
+      warn({fmt::format("process {} is at this study too: points may be run twice", process)});
     }
   }
   const int status =
@@ -701,7 +703,7 @@ int sweep(const Catalogue& catalogue, const StudyExtras& extras, const SweepArgu
   const Plan& plan = sweep.plan();
 
   if (arguments.dry_run) {
-    warn(sweep.check(), arguments);
+    warn(sweep.check());
     print_dry_run(sweep, arguments);
     return kSuccess;
   }
@@ -727,7 +729,7 @@ int sweep(const Catalogue& catalogue, const StudyExtras& extras, const SweepArgu
             fmt::format("--rerun: {} is still in the queue ({}): end it first with scancel",
                         folder.path().string(), queue));
       }
-      warn(sweep.check(), arguments);  // while what is there is still there
+      warn(sweep.check());  // while what is there is still there
       folder.make_anew(plan.study(), sweep.file());
       before.emplace(folder.shards(), plan.size());
     } else {
@@ -736,7 +738,7 @@ int sweep(const Catalogue& catalogue, const StudyExtras& extras, const SweepArgu
     if (!arguments.replay.empty()) return replay_point(sweep, folder, *before, arguments);
   }
   if (!folder.is_there()) {
-    warn(sweep.check(), arguments);
+    warn(sweep.check());
     folder.make(plan.study(), sweep.file());
     before.emplace(folder.shards(), plan.size());
   }

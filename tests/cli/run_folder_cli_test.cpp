@@ -3,12 +3,12 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "cli/program.h"
+#include "shell.h"
 #include "support.h"
 
 namespace breakwater {
@@ -17,18 +17,6 @@ namespace fs = std::filesystem;
 using testing::ProgramResult;
 using testing::run_program;
 using testing::text_of;
-
-std::string output_of(const std::string& command) {
-  std::string output;
-  std::FILE* const pipe = popen(command.c_str(), "r");
-  std::array<char, 4096> block;
-  for (std::size_t got = 1; got > 0;) {
-    got = std::fread(block.data(), 1, block.size(), pipe);
-    output.append(block.data(), got);
-  }
-  pclose(pipe);
-  return output;
-}
 
 class RunFolderCli : public ::testing::Test {
  protected:
@@ -74,8 +62,9 @@ TEST_F(RunFolderCli, AFullDiskLeavesTheEarlierRunAndNothingElse) {
   fs::create_directory(mount);
   std::string output;
   for (const char* unshare : {"unshare -rm", "unshare -m"}) {
-    output = output_of("cd " + mount.string() + " && " + unshare + " sh -c '. " + script.string() +
-                       "' " + (testing::bin_folder() / "cart_position").string() + " 2>/dev/null");
+    output = testing::output_of(
+        "cd " + mount.string() + " && " + unshare + " sh -c '. " + script.string() + "' " +
+        (testing::bin_folder() / "cart_position").string() + " 2>/dev/null; true");
     if (output.starts_with("mounted\n")) break;
   }
   if (!output.starts_with("mounted\n")) GTEST_SKIP() << "no file system can be mounted here";
@@ -127,6 +116,17 @@ TEST_F(RunFolderCli, ADamagedLogIsRefusedByAllThatOpenIt) {
   manifest.erase("log_hash");
   std::ofstream(folder_ / "run/manifest.json") << manifest;
   EXPECT_EQ(run_program({"breakwater", "compare", "whole", "run"}, folder_).status, 0);
+}
+
+TEST_F(RunFolderCli, ARunWithItsPicturesIsReplacedByTheNext) {
+  ASSERT_EQ(run("run").status, 0);
+  for (const char* command : {"replay", "report"}) {
+    ASSERT_EQ(run_program({"breakwater", command, "run", "--quiet"}, folder_).status, 0);
+  }
+  EXPECT_TRUE(fs::exists(folder_ / "run/replay.html"));
+  const ProgramResult again = run("run");
+  EXPECT_EQ(again.status, 0) << again.err;
+  EXPECT_FALSE(fs::exists(folder_ / "run/replay.html"));
 }
 
 TEST_F(RunFolderCli, AReaderFindsTheRunThatAKilledOneWasReplacing) {

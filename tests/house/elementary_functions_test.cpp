@@ -1,30 +1,21 @@
 // What the rooms that reach a simulation's state call of the C library's mathematics.
 #include <gtest/gtest.h>
 
-#include <array>
-#include <cstdio>
 #include <map>
-#include <memory>
 #include <set>
 #include <sstream>
 #include <string>
 #include <vector>
 
+#include "shell.h"
+
 namespace breakwater {
 namespace {
-
-std::string output_of(const std::string& command) {
-  const std::unique_ptr<FILE, int (*)(FILE*)> pipe(popen(command.c_str(), "r"), pclose);
-  std::string text;
-  std::array<char, 4096> part;
-  while (pipe && fgets(part.data(), part.size(), pipe.get()) != nullptr) text += part.data();
-  return text;
-}
 
 // The last word of each line of nm's, without a symbol's version.
 std::vector<std::string> symbols(const std::string& nm) {
   std::vector<std::string> names;
-  std::istringstream lines(output_of(nm));
+  std::istringstream lines(testing::output_of(nm));
   for (std::string line; std::getline(lines, line);) {
     const std::string word = line.substr(line.rfind(' ') + 1);
     names.push_back(word.substr(0, word.find('@')));

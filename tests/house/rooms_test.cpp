@@ -150,5 +150,11 @@ TEST(House, EveryScenarioHasItsFolder) {
   }
 }
 
+TEST(House, ScenariosAreBuiltAsAUsersOwn) {
+  const std::string rules = testing::text_of(testing::source_file("scenarios/CMakeLists.txt"));
+  EXPECT_EQ(rules.find("add_executable("), std::string::npos);
+  EXPECT_NE(rules.find("breakwater_program(${scenario} ONE_SCENARIO"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace breakwater

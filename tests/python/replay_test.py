@@ -77,6 +77,37 @@ class InANotebook(unittest.TestCase):
             shutil.rmtree(folder / "run")
             self.assertEqual(first._repr_html_(), shown)
 
+    def test_a_run_that_was_replayed_is_made_again(self):
+        with temporary_folder() as folder:
+            for case in ("stf", "idob"):
+                run = bw.run("motor_estimation", case=case, duration=0.1, out=folder / "run")
+                self.assertEqual(run.replay(), folder / "run" / "replay.html")
+
+    def test_nothing_is_written_into_the_folder_of_another_run(self):
+        first = dict(case="stf", duration=0.1)
+        with temporary_folder() as folder:
+            own = bw.run("motor_estimation", **first, out=folder / "run")
+            saved = bw.load(folder / "run")
+            bw.run("motor_estimation", case="idob", duration=0.1, out=folder / "run")
+            files = sorted((folder / "run").iterdir())
+            for make in (own.replay, own.video):
+                with self.assertRaisesRegex(bw.InputError, "^file: must be given: there is another run in .*/run$"):
+                    make()
+            for make in (saved.replay, saved.video, lambda: saved.replay(folder / "page.html"),
+                         lambda: saved.save(folder / "copy")):
+                with self.assertRaisesRegex(bw.InputError, "there is another run in .*/run$"):
+                    make()
+            self.assertIn("there is another run in", saved._repr_html_())
+            self.assertEqual(sorted((folder / "run").iterdir()), files)
+            self.assertEqual([path.name for path in folder.iterdir()], ["run"])
+            self.assertGreater(own.replay(folder / "page.html").stat().st_size, 1000)
+            shutil.rmtree(folder / "run")
+            for run in (own, saved):
+                with self.assertRaisesRegex(bw.InputError, "there is no such folder"):
+                    run.replay()
+            bw.run("motor_estimation", **first, out=folder / "run")  # it is back
+            self.assertEqual(own.replay(), saved.replay())
+
     def test_without_a_replay_it_is_a_table_that_says_why(self):
         run = bw.run("motor_estimation", case="stf", duration=12)
         self.assertGreater(len(run.metrics), 5)

@@ -160,6 +160,26 @@ class Values(unittest.TestCase):
                 bw.sweep(folder / "stop.toml")
 
 
+class Warned(unittest.TestCase):
+    def of(self, *words, **arguments):
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            bw.sweep("motor_estimation", *words, duration=0.01, **arguments)
+        self.assertEqual({pathlib.Path(one.filename).name for one in caught} - {"sweeps_test.py"}, set())
+        return [str(one.message) for one in caught]
+
+    def test_of_keys_without_effect_and_of_seeds_that_change_nothing(self):
+        poles = {"observer.poles_rad_s": [[-10, -20, -30], [-11, -20, -30]]}
+        (vain,) = self.of(case="stf", vary=poles)
+        self.assertRegex(vain, "^vary: observer.poles_rad_s: has an effect only where observer.name is ")
+        self.assertEqual(self.of(case=["stf", "idob"], vary=poles), [])
+        (seeds,) = self.of(case="idob", seeds=[1, 2], set={"noise.std_rad": 0})
+        self.assertEqual(seeds, "seeds: the 2 of each sample gave the same run: without noise they change nothing")
+        with temporary_folder() as folder:  # said again with what was begun
+            again = dict(case="idob", seeds=[1, 2], set={"noise.std_rad": 0}, out=folder / "study")
+            self.assertEqual(self.of(**again), self.of(**again))
+
+
 class Nonsense(unittest.TestCase):
     def test_is_an_input_error_of_one_line_that_names_it(self):
         def sweep(study="motor_estimation", **arguments):

@@ -3,8 +3,6 @@
 
 #include <cairo.h>
 
-#include <array>
-#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <sstream>
@@ -12,20 +10,9 @@
 #include <string>
 #include <vector>
 
-namespace breakwater::testing {
+#include "shell.h"
 
-/// What a command prints.
-inline std::string output_of(const std::string& command) {
-  FILE* pipe = popen(command.c_str(), "r");
-  if (pipe == nullptr) throw std::runtime_error(command);
-  std::string text;
-  std::array<char, 4096> buffer{};
-  while (const std::size_t n = fread(buffer.data(), 1, buffer.size(), pipe)) {
-    text.append(buffer.data(), n);
-  }
-  if (pclose(pipe) != 0) throw std::runtime_error(command + " failed");
-  return text;
-}
+namespace breakwater::testing {
 
 /// One property of a video's stream, by ffprobe.
 inline std::string probe(const std::filesystem::path& video, const std::string& property) {

@@ -10,6 +10,7 @@
 
 #include <breakwater/study/binomial.h>
 #include <breakwater/study/bootstrap.h>
+#include <breakwater/study/comparison_table.h>
 #include <breakwater/study/distribution.h>
 #include <breakwater/study/multiple_tests.h>
 #include <breakwater/study/quantile.h>
@@ -265,6 +266,30 @@ TEST(Comparisons, PairsWithoutBothAreLeftOutAndFailuresCountedApart) {
   ASSERT_EQ(comparison.ranks.size(), 1U);
   EXPECT_EQ(comparison.ranks[0].worlds, 1U);
   EXPECT_EQ(comparison.ranks[0].average_ranks, (std::vector<double>{1, 2, 3}));
+}
+
+TEST(Comparisons, RowsOfFewerWorldsAreMarked) {
+  PairedResults results;
+  results.candidates = {"a", "b", "c"};
+  results.baseline = 0;
+  results.metrics = {"gappy", "whole"};
+  results.values = {Eigen::MatrixXd(3, 3), Eigen::MatrixXd::Ones(3, 3)};
+  results.values[0] << 1, kNaN, 3,  //
+      1, 2, kNaN,                   //
+      4, 5, 6;
+  results.failed = Eigen::MatrixXd::Zero(3, 3);
+  std::istringstream text(comparison_text(compare_candidates(results), 200));
+  std::size_t marked = 0;
+  std::string last;
+  for (std::string line; std::getline(text, line); last = line) {
+    const bool has_mark = line.find(" 2 * ") != std::string::npos;
+    EXPECT_EQ(has_mark, line.starts_with("gappy")) << line;
+    marked += has_mark ? 1 : 0;
+  }
+  EXPECT_EQ(marked, 2U);  // as many worlds in b as in c, but others
+  EXPECT_EQ(last, "* of fewer worlds than 3: in the others a run failed or lacks the metric");
+  results.values[0] = results.values[1];
+  EXPECT_EQ(comparison_text(compare_candidates(results), 200).find('*'), std::string::npos);
 }
 
 TEST(Comparisons, FewerFailuresAreBetter) {

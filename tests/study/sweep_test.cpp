@@ -309,7 +309,7 @@ goal = { y_1 = "min" }
   EXPECT_EQ(results("v", "comparison.csv").at(1).at(4), "2");  // pairs
 }
 
-TEST_F(Sweep, MediansOverOtherWorldsAreMarked) {
+TEST_F(Sweep, RowsOfFewerWorldsAreMarked) {
   write("study.toml", R"toml(
 scenario = "ishigami"
 [vary]
@@ -321,10 +321,8 @@ baseline = "trouble.fails_above = 10"
   const ProgramResult result = sweep({"study.toml", "--out", "s"});
   ASSERT_EQ(result.status, 0) << result.err;
   EXPECT_NE(result.out.find("2 *"), std::string::npos) << result.out;
-  EXPECT_NE(result.out.find("3 *"), std::string::npos) << result.out;
-  EXPECT_NE(result.out.find("\n* the medians of this metric are over different worlds"),
-            std::string::npos)
-      << result.out;
+  EXPECT_EQ(result.out.find("3 *"), std::string::npos) << result.out;
+  EXPECT_NE(result.out.find("\n* of fewer worlds than 3: "), std::string::npos) << result.out;
 }
 
 TEST_F(Sweep, TasksOfAnySchedulerTogetherAreTheStudy) {
@@ -585,6 +583,26 @@ TEST_F(Sweep, WhatIsInVainIsWarnedOf) {
   };
   expect(motor("stf"), "sweep: warning: --vary: observer.");
   EXPECT_EQ(motor("stf,idob").find("warning"), std::string::npos);
+}
+
+TEST_F(Sweep, WarningsAreSaidToThoseWhoWantQuietToo) {
+  const auto said = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.end(), {"--quiet", "--out", "s"});
+    const ProgramResult result = sweep(arguments);
+    EXPECT_EQ(result.status, 0) << result.err;
+    EXPECT_EQ(result.out, "");
+    fs::remove_all(folder_ / "s");
+    return result.err;
+  };
+  EXPECT_EQ(said({"ishigami", "--vary", "x.second=1,2"}), "");
+  EXPECT_EQ(said({"ishigami", "--vary", "x.second=-1,1"}),
+            "sweep: warning: positive_x_second_1 is missing: in 1 of 2 complete runs of plain\n");
+  EXPECT_EQ(said({"ishigami", "--seeds", "1..3"}),
+            "sweep: warning: seeds: the 3 of each sample gave the same run: without noise they "
+            "change nothing\n");
+  const std::string even =
+      said({"ishigami", "--method", "sobol", "--vary", "x.first=uniform(0,1)", "--samples", "3"});
+  EXPECT_TRUE(even.starts_with("sweep: warning: samples: Sobol' points")) << even;
 }
 
 TEST_F(Sweep, AMisspeltDistributionIsNamed) {

@@ -1,0 +1,10 @@
+// main() of a program of one's own scenario alone.
+#include <breakwater/scenario_program/scenario_program.h>
+
+#include "own_scenario/own_scenario/own_scenario.h"
+
+int main(int argc, char** argv) {
+  breakwater::Catalogue catalogue = breakwater::standard_catalogue();
+  catalogue.add(own_scenario_lab::own_scenario_kind());
+  return breakwater::scenario_program(argc, argv, catalogue, "own_scenario");
+}
