@@ -37,6 +37,7 @@ std::size_t run_isolated(const std::vector<std::size_t>& points, const PointSour
   const std::size_t shares = (points.size() + share - 1) / share;
   std::atomic<std::size_t> finished = 0;
   std::atomic<bool> is_stopped = false;
+  KnownModels models;  // those that any child has named
 
   const auto index_of = [&](std::size_t point) {
     return static_cast<std::size_t>(std::lower_bound(points.begin(), points.end(), point) -
@@ -46,9 +47,11 @@ std::size_t run_isolated(const std::vector<std::size_t>& points, const PointSour
     std::size_t next = nth * share;
     const std::size_t end = std::min(next + share, points.size());
     while (next < end && !is_stopped) {
+      // A child knows what it has read itself: one that begins later must read the same.
+      models.check_unchanged();
       const std::vector<std::size_t> rest(points.begin() + static_cast<std::ptrdiff_t>(next),
                                           points.begin() + static_cast<std::ptrdiff_t>(end));
-      // It says "begin N", "key N KEY" and "end N STATUS", a line each.
+      // It says "begin N", "model FILE" of each once, "key N KEY" and "end N STATUS", a line each.
       ReadProgram child({own_program(), kSweep, folder.path().string(), "--points",
                          print_points(rest), "--jobs", "1", "--announce", "--quiet"});
       bool is_under_way = false;  // points[next]
@@ -56,10 +59,18 @@ std::size_t run_isolated(const std::vector<std::size_t>& points, const PointSour
       bool was_told = false;
       while (const auto line = child.next()) {
         if (line->starts_with("begin ")) {
-          // Points that somebody else has done meanwhile are left out.
           next = index_of(std::stoul(line->substr(6)));
           is_under_way = true;
           key.clear();
+        }
+        if (line->starts_with("model ")) {
+          try {
+            models.note(line->substr(6));
+            models.check_unchanged();  // between the last check and this child's reading
+          } catch (...) {
+            child.interrupt();
+            throw;
+          }
         }
         if (line->starts_with("key ")) key = line->substr(line->rfind(' ') + 1);
         if (line->starts_with("end ")) {
@@ -73,19 +84,21 @@ std::size_t run_isolated(const std::vector<std::size_t>& points, const PointSour
           ++next;
           ++finished;
         }
-        const bool stop =
-            (options.stop != nullptr && *options.stop) || (options.is_over && options.is_over());
+        const bool stop = is_stopped || (options.stop != nullptr && *options.stop) ||
+                          (options.is_over && options.is_over());
         if (stop && !was_told) {
           is_stopped = was_told = true;
           child.interrupt();
         }
       }
       const int status = child.wait();
+      // One that was still loading knows of no interruption: it ends by the signal.
+      if (options.stop != nullptr && *options.stop) is_stopped = true;
       if (is_stopped) break;
       const std::string reason =
           WIFSIGNALED(status)
               ? fmt::format("signal {} ({})", WTERMSIG(status), strsignal(WTERMSIG(status)))
-              : "";
+              : fmt::format("status {}", WEXITSTATUS(status));
       if (WIFSIGNALED(status) && !is_crash(WTERMSIG(status))) {
         // Nothing is known of the point that it was at: it is left undone.
         if (next == end) break;
@@ -103,9 +116,8 @@ std::size_t run_isolated(const std::vector<std::size_t>& points, const PointSour
         ++next;
         ++finished;
       } else if (!WIFEXITED(status) || (WEXITSTATUS(status) != 0 && WEXITSTATUS(status) != 130)) {
-        is_stopped = true;  // it has said why
-        throw std::invalid_argument(
-            fmt::format("--isolate: a process of the study ended with {}", status));
+        throw std::invalid_argument(  // it has said why
+            fmt::format("--isolate: a process of the study ended with {}", reason));
       } else if (WIFEXITED(status) && WEXITSTATUS(status) == 0) {
         break;
       } else {
@@ -113,7 +125,15 @@ std::size_t run_isolated(const std::vector<std::size_t>& points, const PointSour
       }
     }
   };
-  on_all_cores(shares, run_share, jobs);
+  const auto run_share_or_stop = [&](std::size_t nth) {
+    try {
+      run_share(nth);
+    } catch (...) {
+      is_stopped = true;  // the other children too
+      throw;
+    }
+  };
+  on_all_cores(shares, run_share_or_stop, jobs);
   return finished;
 }
 
