@@ -7,6 +7,8 @@
 #include <array>
 #include <csignal>
 #include <cstring>
+#include <map>
+#include <mutex>
 #include <stdexcept>
 #include <string>
 
@@ -20,6 +22,9 @@ namespace {
 
 constexpr std::size_t kMostOfAChild =
     200;  // points: what a new process costs is little beside them
+
+// What is told to a child on its command line, which the system limits.
+constexpr std::size_t kMostModels = 1000;
 
 // Whether a signal is what a program brings upon itself. Any other comes from outside: of the
 // system that has no memory left, of a scheduler, of somebody.
@@ -37,7 +42,8 @@ std::size_t run_isolated(const std::vector<std::size_t>& points, const PointSour
   const std::size_t shares = (points.size() + share - 1) / share;
   std::atomic<std::size_t> finished = 0;
   std::atomic<bool> is_stopped = false;
-  KnownModels models;  // those that any child has named
+  std::mutex models_mutex;
+  std::map<std::string, std::string> models;  // that a child has named, and what they were then
 
   const auto index_of = [&](std::size_t point) {
     return static_cast<std::size_t>(std::lower_bound(points.begin(), points.end(), point) -
@@ -47,13 +53,20 @@ std::size_t run_isolated(const std::vector<std::size_t>& points, const PointSour
     std::size_t next = nth * share;
     const std::size_t end = std::min(next + share, points.size());
     while (next < end && !is_stopped) {
-      // A child knows what it has read itself: one that begins later must read the same.
-      models.check_unchanged();
       const std::vector<std::size_t> rest(points.begin() + static_cast<std::ptrdiff_t>(next),
                                           points.begin() + static_cast<std::ptrdiff_t>(end));
-      // It says "begin N", "model FILE" of each once, "key N KEY" and "end N STATUS", a line each.
-      ReadProgram child({own_program(), kSweep, folder.path().string(), "--points",
-                         print_points(rest), "--jobs", "1", "--announce", "--quiet"});
+      // It says "begin N", "model HASH FILE" of each once, "key N KEY" and "end N STATUS", a line
+      // each.
+      std::vector<std::string> words = {
+          own_program(), kSweep, folder.path().string(), "--points", print_points(rest),
+          "--jobs",      "1",    "--announce",           "--quiet"};
+      {
+        const std::lock_guard lock(models_mutex);
+        for (const auto& [file, hash] : models) {
+          words.insert(words.end(), {"--known", hash + " " + file});
+        }
+      }
+      ReadProgram child(words);
       bool is_under_way = false;  // points[next]
       std::string key;            // of it, once it is known
       bool was_told = false;
@@ -64,12 +77,14 @@ std::size_t run_isolated(const std::vector<std::size_t>& points, const PointSour
           key.clear();
         }
         if (line->starts_with("model ")) {
-          try {
-            models.note(line->substr(6));
-            models.check_unchanged();  // between the last check and this child's reading
-          } catch (...) {
+          const std::size_t space = line->find(' ', 6);
+          const std::string file = line->substr(space + 1), hash = line->substr(6, space - 6);
+          const std::lock_guard lock(models_mutex);
+          const bool is_full = models.size() >= kMostModels;
+          const auto found = is_full ? models.find(file) : models.emplace(file, hash).first;
+          if (found != models.end() && found->second != hash) {
             child.interrupt();
-            throw;
+            throw std::invalid_argument(file + ": was changed while it ran: start again");
           }
         }
         if (line->starts_with("key ")) key = line->substr(line->rfind(' ') + 1);

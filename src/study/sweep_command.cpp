@@ -67,6 +67,7 @@ struct SweepArguments {
   SlurmRequest request;
   std::string points;
   bool announce = false;
+  std::vector<std::string> known;
 };
 
 void describe(CLI::App& app, SweepArguments& arguments) {
@@ -160,7 +161,9 @@ void describe(CLI::App& app, SweepArguments& arguments) {
                  "run these points alone (0-99,120, or @FILE:LINE), as a task of a scheduler does")
       ->type_name("LIST")
       ->group(with);
-  app.add_flag("--announce", arguments.announce)->group("");  // for --isolate
+  // For --isolate: "HASH FILE" of models that processes before have read.
+  app.add_flag("--announce", arguments.announce)->group("");
+  app.add_option("--known", arguments.known)->expected(1)->take_all()->group("");
 
   for (const char* option : {"--replay", "--points", "--status", "--collect"}) {
     app.get_option("--rerun")->excludes(app.get_option(option));
@@ -523,8 +526,14 @@ bool has_to_stop(const Plan& plan, const ShardIndex& index) {
   return true;
 }
 
+// One of an MJCF file and all that it has read in.
+std::string hash_of(const std::string& file, KnownModels& models) {
+  return point_key("", models.of({file}));
+}
+
+// With --announce, `models` are those that are known.
 int run_here(const Sweep& sweep, const StudyFolder& folder, const std::vector<std::size_t>& points,
-             const SweepArguments& arguments, bool is_task) {
+             const SweepArguments& arguments, bool is_task, KnownModels* models = nullptr) {
   Shard shard(folder.shards());
   std::atomic<bool> stop = false;
   std::mutex telling;
@@ -532,6 +541,7 @@ int run_here(const Sweep& sweep, const StudyFolder& folder, const std::vector<st
   options.threads = is_task && arguments.jobs == 0 ? task_threads() : arguments.jobs;
   options.finishes_runs = is_task;
   options.stop = &interrupted();
+  options.models = models;
   const bool stops = sweep.plan().study().on_failure == OnFailure::stop;
   options.on_result = [&](const PointResult& result) {
     if (arguments.announce) {
@@ -540,7 +550,7 @@ int run_here(const Sweep& sweep, const StudyFolder& folder, const std::vector<st
     }
     if (stops && result.status != PointStatus::complete) stop = true;
   };
-  if (arguments.announce) {
+  if (arguments.announce && models != nullptr) {
     options.on_begin = [](std::size_t point) {
       fmt::print("begin {}\n", point);
       std::fflush(stdout);
@@ -549,7 +559,7 @@ int run_here(const Sweep& sweep, const StudyFolder& folder, const std::vector<st
         [&, told = std::set<std::string>()](const std::vector<std::string>& files) mutable {
           const std::lock_guard lock(telling);
           for (const std::string& file : files) {
-            if (told.insert(file).second) fmt::print("model {}\n", fs::absolute(file).string());
+            if (told.insert(file).second) fmt::print("model {} {}\n", hash_of(file, *models), file);
           }
           std::fflush(stdout);
         };
@@ -701,8 +711,15 @@ int replay_point(const Sweep& sweep, const StudyFolder& folder, const ShardIndex
 int run_announced(Sweep& sweep, const StudyFolder& folder, const SweepArguments& arguments) {
   folder.check_made_by_this(sweep.file());
   sweep.keep_in(folder);
+  KnownModels models;
+  for (const std::string& known : arguments.known) {
+    const std::size_t space = known.find(' ');
+    const std::string file = known.substr(space + 1);
+    if (hash_of(file, models) == known.substr(0, space)) continue;
+    throw std::invalid_argument(file + ": was changed while it ran: start again");
+  }
   return run_here(sweep, folder, points_of_task(arguments.points, sweep.plan().size()), arguments,
-                  true);
+                  true, &models);
 }
 
 // The points of --points that are not done.

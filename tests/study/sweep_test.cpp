@@ -721,6 +721,12 @@ TEST_F(Sweep, AModelThatChangesBetweenProcessesEndsTheStudy) {
   EXPECT_EQ(WEXITSTATUS(study.wait()), 2);
   EXPECT_NE(said.find("own.xml: was changed while it ran"), std::string::npos) << said;
   EXPECT_FALSE(fs::exists(folder_ / "s/results.csv"));
+  // Nothing of the other version is among the results.
+  fs::copy_file(testing::source_file("models/motor.xml"), folder_ / "own.xml",
+                fs::copy_options::overwrite_existing);
+  const ProgramResult again = run({"breakwater", "sweep", "s"});
+  EXPECT_EQ(again.status, 0) << again.err;
+  EXPECT_EQ(results("s").size(), 8U);
 }
 
 TEST_F(Sweep, ModelsThatChangedAreNotGoneOnWith) {
