@@ -48,6 +48,7 @@ bool is_of_this_host(const std::string& suffix) {
 // is one that was given out again.
 bool is_of_dead_process(const std::string& suffix) {
   if (!is_of_this_host(suffix)) return false;
+  if (suffix.size() <= host_name().size() + 1) return false;  // no number
   pid_t pid = 0;
   const char* const end = suffix.data() + suffix.size();
   const auto read = std::from_chars(suffix.data() + host_name().size() + 1, end, pid);

@@ -41,8 +41,14 @@ void check_memory(const std::string& file, const std::string& fatal) {
 }
 
 [[noreturn]] void refuse(const std::string& file, const std::string& what) {
-  check_memory(file, what);
   throw std::invalid_argument(file + ": " + what);
+}
+
+// With the engine's own words, if it said any.
+[[noreturn]] void refuse_for_engine(const std::string& file, const std::string& fatal,
+                                    const std::string& otherwise) {
+  check_memory(file, fatal);
+  refuse(file, fatal.empty() ? otherwise : fatal);
 }
 
 void check_bodies(const mjModel& m, const std::string& file) {
@@ -147,7 +153,7 @@ Model Model::load(const std::string& mjcf_file) {
   const auto copy_of = [&](const mjModel& model) {
     mjModel* copy = nullptr;
     const std::string fatal = call_engine([&] { copy = mj_copyModel(nullptr, &model); });
-    if (copy == nullptr) refuse(mjcf_file, fatal.empty() ? "cannot be copied" : fatal);
+    if (copy == nullptr) refuse_for_engine(mjcf_file, fatal, "cannot be copied");
     return Model(copy, mjcf_file);
   };
   if (owners().empty()) return compile(mjcf_file);
@@ -177,6 +183,8 @@ SharedModels::SharedModels(std::function<void(const std::string&)> before_compil
 }
 
 SharedModels::~SharedModels() {
+  // A thread that compiles may be calling this one.
+  const std::lock_guard compiling(shared().compiling);
   const std::lock_guard lock(shared().mutex);
   std::erase(shared().owners, this);
   if (shared().owners.empty()) shared().models.clear();
@@ -202,7 +210,7 @@ DataPointer Model::make_data() const {
   mjData* data = nullptr;
   const std::string fatal = call_engine([&] { data = mj_makeData(model_.get()); });
   if (data == nullptr) {
-    refuse(file_, fatal.empty() ? "the engine has no memory for a simulation" : fatal);
+    refuse_for_engine(file_, fatal, "the engine has no memory for a simulation");
   }
   return DataPointer(data);
 }
@@ -233,7 +241,7 @@ void Model::scale_inertia(double ratio) {
   // What the engine derives from them.
   const DataPointer data = make_data();
   const std::string fatal = call_engine([&] { mj_setConst(&m, data.get()); });
-  if (!fatal.empty()) refuse(file_, fatal);
+  if (!fatal.empty()) refuse_for_engine(file_, fatal, "");
 }
 
 void Model::limit_actuator(int actuator, double limit) {

@@ -46,6 +46,8 @@ struct ExecutorOptions {
   std::function<void(std::size_t done_index, double fraction)> progress = {};  ///< of `points`
   std::function<void(std::size_t point)> on_begin = {};
   std::function<void(std::size_t point, const std::string& key)> on_key = {};  ///< before it runs
+  /// The MJCF files of each, before their hashes go into the shard.
+  std::function<void(const std::vector<std::string>& files)> on_models = {};
   std::function<void(const PointResult&)> on_result = {};  ///< what it throws ends the study
   KnownModels* models = nullptr;  ///< those that the points' keys were made of; null: own ones
 };
@@ -54,8 +56,9 @@ struct ExecutorOptions {
 /// model file is compiled once. A point that fails is a result. One of which a model file was
 /// changed since it was first read gives none, and ends the study: std::invalid_argument, as
 /// KnownModels says it. What the machine lacks (memory, open files) is no result and ends the study
-/// too: OutOfMemory or OutputError. Of points with the same key one writes its folder. Returns how
-/// many were run: fewer than there are if it was stopped. Throws std::invalid_argument or
+/// too: OutOfMemory or OutputError; a point that is refused while files are short is run once more,
+/// alone, before it counts as refused. Of points with the same key one writes its folder. Returns
+/// how many were run: fewer than there are if it was stopped. Throws std::invalid_argument or
 /// OutputError for what else ends a study.
 std::size_t run_points(const std::vector<std::size_t>& points, const PointSource& source,
                        Shard& shard, const ExecutorOptions& options);

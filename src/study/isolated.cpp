@@ -7,6 +7,8 @@
 #include <array>
 #include <csignal>
 #include <cstring>
+#include <map>
+#include <mutex>
 #include <stdexcept>
 #include <string>
 
@@ -20,6 +22,9 @@ namespace {
 
 constexpr std::size_t kMostOfAChild =
     200;  // points: what a new process costs is little beside them
+
+// What is told to a child on its command line, which the system limits.
+constexpr std::size_t kMostModels = 1000;
 
 // Whether a signal is what a program brings upon itself. Any other comes from outside: of the
 // system that has no memory left, of a scheduler, of somebody.
@@ -37,6 +42,8 @@ std::size_t run_isolated(const std::vector<std::size_t>& points, const PointSour
   const std::size_t shares = (points.size() + share - 1) / share;
   std::atomic<std::size_t> finished = 0;
   std::atomic<bool> is_stopped = false;
+  std::mutex models_mutex;
+  std::map<std::string, std::string> models;  // that a child has named, and what they were then
 
   const auto index_of = [&](std::size_t point) {
     return static_cast<std::size_t>(std::lower_bound(points.begin(), points.end(), point) -
@@ -48,18 +55,37 @@ std::size_t run_isolated(const std::vector<std::size_t>& points, const PointSour
     while (next < end && !is_stopped) {
       const std::vector<std::size_t> rest(points.begin() + static_cast<std::ptrdiff_t>(next),
                                           points.begin() + static_cast<std::ptrdiff_t>(end));
-      // It says "begin N", "key N KEY" and "end N STATUS", a line each.
-      ReadProgram child({own_program(), kSweep, folder.path().string(), "--points",
-                         print_points(rest), "--jobs", "1", "--announce", "--quiet"});
+      // It says "begin N", "model HASH FILE" of each once, "key N KEY" and "end N STATUS", a line
+      // each.
+      std::vector<std::string> words = {
+          own_program(), kSweep, folder.path().string(), "--points", print_points(rest),
+          "--jobs",      "1",    "--announce",           "--quiet"};
+      {
+        const std::lock_guard lock(models_mutex);
+        for (const auto& [file, hash] : models) {
+          words.insert(words.end(), {"--known", hash + " " + file});
+        }
+      }
+      ReadProgram child(words);
       bool is_under_way = false;  // points[next]
       std::string key;            // of it, once it is known
       bool was_told = false;
       while (const auto line = child.next()) {
         if (line->starts_with("begin ")) {
-          // Points that somebody else has done meanwhile are left out.
           next = index_of(std::stoul(line->substr(6)));
           is_under_way = true;
           key.clear();
+        }
+        if (line->starts_with("model ")) {
+          const std::size_t space = line->find(' ', 6);
+          const std::string file = line->substr(space + 1), hash = line->substr(6, space - 6);
+          const std::lock_guard lock(models_mutex);
+          const bool is_full = models.size() >= kMostModels;
+          const auto found = is_full ? models.find(file) : models.emplace(file, hash).first;
+          if (found != models.end() && found->second != hash) {
+            child.interrupt();
+            throw std::invalid_argument(file + ": was changed while it ran: start again");
+          }
         }
         if (line->starts_with("key ")) key = line->substr(line->rfind(' ') + 1);
         if (line->starts_with("end ")) {
@@ -73,19 +99,21 @@ std::size_t run_isolated(const std::vector<std::size_t>& points, const PointSour
           ++next;
           ++finished;
         }
-        const bool stop =
-            (options.stop != nullptr && *options.stop) || (options.is_over && options.is_over());
+        const bool stop = is_stopped || (options.stop != nullptr && *options.stop) ||
+                          (options.is_over && options.is_over());
         if (stop && !was_told) {
           is_stopped = was_told = true;
           child.interrupt();
         }
       }
       const int status = child.wait();
+      // One that was still loading knows of no interruption: it ends by the signal.
+      if (options.stop != nullptr && *options.stop) is_stopped = true;
       if (is_stopped) break;
       const std::string reason =
           WIFSIGNALED(status)
               ? fmt::format("signal {} ({})", WTERMSIG(status), strsignal(WTERMSIG(status)))
-              : "";
+              : fmt::format("status {}", WEXITSTATUS(status));
       if (WIFSIGNALED(status) && !is_crash(WTERMSIG(status))) {
         // Nothing is known of the point that it was at: it is left undone.
         if (next == end) break;
@@ -103,9 +131,8 @@ std::size_t run_isolated(const std::vector<std::size_t>& points, const PointSour
         ++next;
         ++finished;
       } else if (!WIFEXITED(status) || (WEXITSTATUS(status) != 0 && WEXITSTATUS(status) != 130)) {
-        is_stopped = true;  // it has said why
-        throw std::invalid_argument(
-            fmt::format("--isolate: a process of the study ended with {}", status));
+        throw std::invalid_argument(  // it has said why
+            fmt::format("--isolate: a process of the study ended with {}", reason));
       } else if (WIFEXITED(status) && WEXITSTATUS(status) == 0) {
         break;
       } else {
@@ -113,7 +140,15 @@ std::size_t run_isolated(const std::vector<std::size_t>& points, const PointSour
       }
     }
   };
-  on_all_cores(shares, run_share, jobs);
+  const auto run_share_or_stop = [&](std::size_t nth) {
+    try {
+      run_share(nth);
+    } catch (...) {
+      is_stopped = true;  // the other children too
+      throw;
+    }
+  };
+  on_all_cores(shares, run_share_or_stop, jobs);
   return finished;
 }
 

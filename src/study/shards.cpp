@@ -174,7 +174,9 @@ const std::string& name_of(PointStatus status) {
 }
 
 Shard::~Shard() {
-  if (descriptor_ >= 0) close(descriptor_);
+  if (descriptor_ < 0) return;
+  fsync(descriptor_);  // whatever ended the study, what ran is to be there
+  close(descriptor_);
 }
 
 void Shard::finish() {

@@ -38,6 +38,7 @@ class Shard {
  public:
   /// Makes a file of its own in the folder when there is something to write.
   explicit Shard(std::filesystem::path folder) : folder_(std::move(folder)) {}
+  /// As finish(), and keeps what fails to itself.
   ~Shard();
   Shard(const Shard&) = delete;
   Shard& operator=(const Shard&) = delete;

@@ -242,9 +242,11 @@ std::vector<std::string> option_parts(const std::string& text) {
   std::vector<std::string> parts(1);
   int depth = 0;
   char quote = 0;
+  bool is_escaped = false;
   for (const char c : text) {
     if (quote != 0) {
-      if (c == quote) quote = 0;
+      if (c == quote && !is_escaped) quote = 0;
+      is_escaped = quote == '"' && c == '\\' && !is_escaped;
     } else if (c == '"' || c == '\'') {
       quote = c;
     } else if (c == '[' || c == '{' || c == '(') {
@@ -297,7 +299,8 @@ std::vector<std::uint64_t> parse_seeds(const std::string& text) {
   const auto fail = [&]() -> std::vector<std::uint64_t> {
     throw std::invalid_argument("--seeds: " + text + ": must be 1..20 or 1,4,7");
   };
-  const auto number = [&](std::string_view part) {
+  const auto number = [&](std::string_view given) {
+    const std::string part = without_blanks(std::string(given));
     std::uint64_t value = 0;
     const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), value);
     if (error != std::errc() || end != part.data() + part.size() || value >> 62 != 0) fail();

@@ -43,6 +43,19 @@ bool is_begun(const fs::path& folder, const std::string& file) {
                      });
 }
 
+// A study's text without where it runs, which changes no result.
+std::string without_place(const std::string& text) {
+  std::istringstream lines(text);
+  std::string rest;
+  bool is_slurm = false;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with('[')) is_slurm = line == "[slurm]";
+    const bool is_text = !line.empty() && !line.starts_with('#');
+    if (is_text && !is_slurm && !line.starts_with("working_folder = ")) rest += line + "\n";
+  }
+  return rest;
+}
+
 std::string made_by(const fs::path& file, const char* key) {
   const toml::table table = parse_toml_file(file.string());
   return table["made_by"][key].value_or(std::string());
@@ -73,13 +86,15 @@ void StudyFolder::make_folders() const {
 }
 
 void StudyFolder::make(const std::string& text, const ScenarioFile& file) const {
-  if (fs::exists(folder_) && !is_there() && !is_begun(folder_, file_)) {
+  // Another process may begin it at this moment: what it makes last is asked for last.
+  if (fs::exists(folder_) && !is_begun(folder_, file_) && !is_there()) {
     throw std::invalid_argument(folder_.string() +
                                 ": holds something that is not a study; it is left alone");
   }
   make_folders();
   const std::string whole = whole_text(text, file);
-  if (!create_file(study_file(), whole)) check_is(whole, bytes_of(study_file()));
+  if (create_file(study_file(), whole)) return;
+  check_is(without_place(whole), without_place(bytes_of(study_file())));
 }
 
 void StudyFolder::make_anew(const std::string& text, const ScenarioFile& file) const {

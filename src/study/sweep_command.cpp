@@ -3,8 +3,11 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <csignal>
 #include <filesystem>
+#include <mutex>
+#include <numeric>
 #include <optional>
 #include <set>
 #include <stdexcept>
@@ -64,6 +67,7 @@ struct SweepArguments {
   SlurmRequest request;
   std::string points;
   bool announce = false;
+  std::vector<std::string> known;
 };
 
 void describe(CLI::App& app, SweepArguments& arguments) {
@@ -157,7 +161,9 @@ void describe(CLI::App& app, SweepArguments& arguments) {
                  "run these points alone (0-99,120, or @FILE:LINE), as a task of a scheduler does")
       ->type_name("LIST")
       ->group(with);
-  app.add_flag("--announce", arguments.announce)->group("");  // for --isolate
+  // For --isolate: "HASH FILE" of models that processes before have read.
+  app.add_flag("--announce", arguments.announce)->group("");
+  app.add_option("--known", arguments.known)->expected(1)->take_all()->group("");
 
   for (const char* option : {"--replay", "--points", "--status", "--collect"}) {
     app.get_option("--rerun")->excludes(app.get_option(option));
@@ -458,7 +464,8 @@ double time_to_go_s(const Plan& plan, const ShardIndex& index) {
     cost_s[point % candidates] += index.cost_s(point);
     ++done[point % candidates];
   }
-  const double each_s = index.cost_s() / static_cast<double>(index.done());
+  const double each_s =
+      std::accumulate(cost_s.begin(), cost_s.end(), 0.0) / static_cast<double>(index.done());
   double all_s = 0.0;
   for (std::size_t c = 0; c < candidates; ++c) {
     const auto left = static_cast<double>(plan.size() / candidates - done[c]);
@@ -522,14 +529,22 @@ bool has_to_stop(const Plan& plan, const ShardIndex& index) {
   return true;
 }
 
+// One of an MJCF file and all that it has read in.
+std::string hash_of(const std::string& file, KnownModels& models) {
+  return point_key("", models.of({file}));
+}
+
+// With --announce, `models` are those that are known.
 int run_here(const Sweep& sweep, const StudyFolder& folder, const std::vector<std::size_t>& points,
-             const SweepArguments& arguments, bool is_task) {
+             const SweepArguments& arguments, bool is_task, KnownModels* models = nullptr) {
   Shard shard(folder.shards());
   std::atomic<bool> stop = false;
+  std::mutex telling;
   ExecutorOptions options;
   options.threads = is_task && arguments.jobs == 0 ? task_threads() : arguments.jobs;
   options.finishes_runs = is_task;
   options.stop = &interrupted();
+  options.models = models;
   const bool stops = sweep.plan().study().on_failure == OnFailure::stop;
   options.on_result = [&](const PointResult& result) {
     if (arguments.announce) {
@@ -538,11 +553,19 @@ int run_here(const Sweep& sweep, const StudyFolder& folder, const std::vector<st
     }
     if (stops && result.status != PointStatus::complete) stop = true;
   };
-  if (arguments.announce) {
+  if (arguments.announce && models != nullptr) {
     options.on_begin = [](std::size_t point) {
       fmt::print("begin {}\n", point);
       std::fflush(stdout);
     };
+    options.on_models =
+        [&, told = std::set<std::string>()](const std::vector<std::string>& files) mutable {
+          const std::lock_guard lock(telling);
+          for (const std::string& file : files) {
+            if (told.insert(file).second) fmt::print("model {} {}\n", hash_of(file, *models), file);
+          }
+          std::fflush(stdout);
+        };
     options.on_key = [](std::size_t point, const std::string& key) {
       fmt::print("key {} {}\n", point, key);
       std::fflush(stdout);
@@ -555,7 +578,8 @@ int run_here(const Sweep& sweep, const StudyFolder& folder, const std::vector<st
   const std::size_t ran = arguments.isolate ? run_isolated(points, sweep, folder, shard, options)
                                             : run_points(points, sweep, shard, options);
   shard.finish();
-  // Fewer may have been run because another process has run them.
+  // Fewer may have been run though nobody stopped it: with --isolate, a point whose process was
+  // killed from outside is left undone.
   return ran == points.size() || stop || !interrupted() ? kSuccess : kInterrupted;
 }
 
@@ -588,6 +612,13 @@ void leave_out_queued(std::vector<std::size_t>& points, const Plan& plan, const 
   }
 }
 
+[[noreturn]] void fail_for_undone(const StudyFolder& folder, const ShardIndex& index) {
+  throw OutputError(
+      fmt::format("{}: {}; the others were left undone, or somebody removed results: the same "
+                  "command goes on",
+                  folder.path().string(), counted(index)));
+}
+
 int go_on(const Sweep& sweep, const StudyFolder& folder, const ShardIndex& before,
           const SweepArguments& arguments, const StudyExtras& extras) {
   const Plan& plan = sweep.plan();
@@ -613,8 +644,12 @@ int go_on(const Sweep& sweep, const StudyFolder& folder, const ShardIndex& befor
   }
   const bool runs_here = !arguments.slurm && !points.empty();
   if (runs_here) {
-    for (const int process : other_writers(folder.shards())) {
-      warn({fmt::format("process {} is at this study too: points may be run twice", process)});
+    const std::vector<int> others = other_writers(folder.shards());
+    if (!others.empty()) {
+      const bool is_one = others.size() == 1;
+      warn({fmt::format("process{} {} {} at this study too: points may be run twice",
+                        is_one ? "" : "es", fmt::join(others, ", "), is_one ? "is" : "are")},
+           arguments);
     }
   }
   const int status =
@@ -633,12 +668,7 @@ int go_on(const Sweep& sweep, const StudyFolder& folder, const ShardIndex& befor
   }
   collect(plan, index, folder, extras, arguments);
   if (has_to_stop(plan, index)) return kRunFailed;
-  if (index.done() < index.points()) {
-    throw OutputError(
-        fmt::format("{}: {}; the others were left undone, or somebody removed results: the same "
-                    "command goes on",
-                    folder.path().string(), counted(index)));
-  }
+  if (index.done() < index.points()) fail_for_undone(folder, index);
   return kSuccess;
 }
 
@@ -684,8 +714,36 @@ int replay_point(const Sweep& sweep, const StudyFolder& folder, const ShardIndex
 int run_announced(Sweep& sweep, const StudyFolder& folder, const SweepArguments& arguments) {
   folder.check_made_by_this(sweep.file());
   sweep.keep_in(folder);
+  KnownModels models;
+  for (const std::string& known : arguments.known) {
+    const std::size_t space = known.find(' ');
+    const std::string file = known.substr(space + 1);
+    if (hash_of(file, models) == known.substr(0, space)) continue;
+    throw std::invalid_argument(file + ": was changed while it ran: start again");
+  }
   return run_here(sweep, folder, points_of_task(arguments.points, sweep.plan().size()), arguments,
-                  true);
+                  true, &models);
+}
+
+// The points of --points that are not done.
+int run_task(const Sweep& sweep, const StudyFolder& folder, const ShardIndex& before,
+             const SweepArguments& arguments) {
+  const Plan& plan = sweep.plan();
+  std::vector<std::size_t> points = points_of_task(arguments.points, plan.size());
+  std::erase_if(points, [&](std::size_t point) { return before.has(point); });
+  if (has_to_stop(plan, before)) return kRunFailed;
+  const int status = run_here(sweep, folder, points, arguments, true);
+  if (status == kInterrupted) {
+    fmt::print(stderr, "{}: interrupted before all points of this task were run\n", kSweep);
+  }
+  const bool may_stop = plan.study().on_failure == OnFailure::stop;
+  if (!may_stop && !arguments.isolate) return status;  // in this process, all or interrupted
+  const ShardIndex index(folder.shards(), plan.size());
+  if (may_stop && has_to_stop(plan, index)) return kRunFailed;
+  const bool is_done = std::all_of(points.begin(), points.end(),
+                                   [&](std::size_t point) { return index.has(point); });
+  if (status == kSuccess && !is_done) fail_for_undone(folder, index);
+  return status;
 }
 
 int sweep(const Catalogue& catalogue, const StudyExtras& extras, const SweepArguments& arguments) {
@@ -743,18 +801,7 @@ int sweep(const Catalogue& catalogue, const StudyExtras& extras, const SweepArgu
     before.emplace(folder.shards(), plan.size());
   }
   sweep.keep_in(folder);
-  if (!arguments.points.empty()) {
-    std::vector<std::size_t> points = points_of_task(arguments.points, plan.size());
-    std::erase_if(points, [&](std::size_t point) { return before->has(point); });
-    if (has_to_stop(plan, *before)) return kRunFailed;
-    const int status = run_here(sweep, folder, points, arguments, true);
-    if (status == kInterrupted) {
-      fmt::print(stderr, "{}: interrupted before all points of this task were run\n", kSweep);
-    }
-    const bool may_stop = plan.study().on_failure == OnFailure::stop;
-    if (may_stop && has_to_stop(plan, {folder.shards(), plan.size()})) return kRunFailed;
-    return status;
-  }
+  if (!arguments.points.empty()) return run_task(sweep, folder, *before, arguments);
   return go_on(sweep, folder, *before, arguments, extras);
 }
 

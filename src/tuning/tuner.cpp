@@ -67,7 +67,9 @@ class Runs {
       const std::lock_guard lock(mutex);
       keep(result);
     };
-    if (run_points(numbers, plan_, shard_, executor) < numbers.size()) throw Interrupted();
+    if (run_points(numbers, plan_, shard_, executor) == numbers.size()) return;
+    finish();
+    throw Interrupted();
   }
 
   // A candidate is known by its key: if the search asks for another one at this place, what is

@@ -318,12 +318,16 @@ TEST_F(RunFolders, ClearUpAfterAKilledRun) {
   const fs::path alive = prefix + std::to_string(getppid());
   const fs::path own = prefix + std::to_string(getpid());  // the number of a process of old
   const fs::path elsewhere = base_ / ".run.partial-anotherhost-2000000000";
-  for (const fs::path& folder : {dead, alive, own, elsewhere}) fs::create_directory(folder);
+  const fs::path unnumbered = prefix.substr(0, prefix.size() - 1);
+  for (const fs::path& folder : {dead, alive, own, elsewhere, unnumbered}) {
+    fs::create_directory(folder);
+  }
   std::ofstream(own / "metrics.json") << "{}";
   RunFolder folder(base_ / "run");
   EXPECT_FALSE(fs::exists(dead));
   EXPECT_TRUE(fs::exists(alive));
   EXPECT_TRUE(fs::exists(elsewhere));
+  EXPECT_TRUE(fs::exists(unnumbered));
   EXPECT_EQ(folder.path(), own);
   EXPECT_TRUE(fs::is_empty(own));
 }

@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <chrono>
 #include <fstream>
+#include <memory>
 #include <stdexcept>
 #include <thread>
 #include <vector>
@@ -104,6 +107,19 @@ TEST(Model, LoadsOnManyThreadsAtOnce) {
       for (int k = 0; k < 5; ++k) Model::load(testing::source_file("models/arm.xml"));
     });
   }
+}
+
+TEST(Model, SharedModelsWaitForWhoeverIsCallingThem) {
+  std::atomic<bool> is_called = false, is_over = false;
+  auto shared = std::make_unique<SharedModels>([&](const std::string&) {
+    is_called = true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    is_over = true;
+  });
+  const std::jthread loading([] { Model::load(testing::source_file("models/motor.xml")); });
+  while (!is_called) std::this_thread::yield();
+  shared.reset();
+  EXPECT_TRUE(is_over);
 }
 
 TEST(Models, MotorAndCartHaveTheThesisParameters) {

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include <breakwater/study/study.h>
+
 namespace breakwater::value_list_test {
 namespace {
 
@@ -73,6 +75,13 @@ TEST(ValueList, IsKnownFromOtherTexts) {
   EXPECT_TRUE(is_value_list("  log (0,"));
   EXPECT_FALSE(is_value_list("linear"));
   EXPECT_FALSE(is_value_list("hpfc"));
+}
+
+TEST(OptionParts, AQuoteThatIsEscapedEndsNoText) {
+  using Parts = std::vector<std::string>;
+  EXPECT_EQ(option_parts(R"("a\",b", c)"), (Parts{R"("a\",b")", "c"}));
+  EXPECT_EQ(option_parts(R"("a\\",b)"), (Parts{R"("a\\")", "b"}));
+  EXPECT_EQ(option_parts(R"('a\',b)"), (Parts{R"('a\')", "b"})) << "there it is a character";
 }
 
 }  // namespace
