@@ -648,8 +648,7 @@ int go_on(const Sweep& sweep, const StudyFolder& folder, const ShardIndex& befor
     if (!others.empty()) {
       const bool is_one = others.size() == 1;
       warn({fmt::format("process{} {} {} at this study too: points may be run twice",
-                        is_one ? "" : "es", fmt::join(others, ", "), is_one ? "is" : "are")},
-           arguments);
+                        is_one ? "" : "es", fmt::join(others, ", "), is_one ? "is" : "are")});
     }
   }
   const int status =
