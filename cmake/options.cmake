@@ -42,6 +42,9 @@ if(BREAKWATER_SANITIZER STREQUAL "address")
   target_compile_options(breakwater_options INTERFACE -Wno-maybe-uninitialized)
   target_compile_options(breakwater_options INTERFACE -fsanitize=address,undefined,float-cast-overflow
     -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  # Eigen would put its own aligned blocks into malloc()'s here, and pagmo's library, which is not
+  # built so, hands over and takes plain ones. The sanitizer's blocks are aligned as it needs.
+  target_compile_definitions(breakwater_options INTERFACE EIGEN_MALLOC_ALREADY_ALIGNED=1)
   target_link_options(breakwater_options INTERFACE -fsanitize=address,undefined)
 elseif(BREAKWATER_SANITIZER STREQUAL "thread")
   target_compile_options(breakwater_options INTERFACE -fsanitize=thread)
