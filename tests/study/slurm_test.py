@@ -57,7 +57,7 @@ class Study:
     def results(self):
         return (self.folder / "results.csv").read_bytes()
 
-    def has_ended(self, cluster, number=1, seconds=60.0):
+    def has_ended(self, cluster, number=1, seconds=240.0):
         wait_for(f"job {number} of {self.folder} is over",
                  lambda: not cluster.states(self.job(number)), seconds)
 
