@@ -7,6 +7,7 @@
 
 #include <breakwater/plants/damped_inertia.h>
 #include <breakwater/record/window_metrics.h>
+#include <breakwater/scenario/table.h>
 #include <breakwater/sim/state_hash.h>
 
 namespace breakwater {
@@ -112,9 +113,9 @@ std::vector<std::string> RecordedEstimation::warnings() const {
     }
     if (timing_.gaps.size() > kMostGapsNamed) places += ", ...";
     lines.push_back(
-        fmt::format("{}: {} gap{}{}: nothing is interpolated; the estimator starts "
+        fmt::format("{}: {}{}: nothing is interpolated; the estimator starts "
                     "again behind each",
-                    file_, timing_.gaps.size(), timing_.gaps.size() == 1 ? "" : "s", places));
+                    file_, number_of(timing_.gaps.size(), "gap"), places));
   }
   if (timing_.irregular > 0) {
     lines.push_back(fmt::format(

@@ -14,6 +14,7 @@
 #include <breakwater/report/thesis_report.h>
 #include <breakwater/scenario/child_program.h>
 #include <breakwater/scenario/process.h>
+#include <breakwater/scenario/table.h>
 #include <breakwater/scenario/toml_text.h>
 #include <breakwater/study/sweep_command.h>
 
@@ -33,26 +34,23 @@ std::string cut_to(const std::string& text, std::size_t most) {
   return text.substr(0, end) + " …";
 }
 
-std::string counted(std::size_t count, const char* what) {
-  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
-}
-
 std::string method_in_words(const Study& study, std::size_t samples) {
   const std::string drawn = fmt::format(", sampling seed {}", study.sampling_seed);
   switch (study.method) {
     case Method::grid:
-      return study.vary.empty() ? "nothing is varied"
-                                : counted(samples, "sample") + ", every combination of the values";
+      return study.vary.empty()
+                 ? "nothing is varied"
+                 : number_of(samples, "sample") + ", every combination of the values";
     case Method::list:
-      return counted(samples, "sample") + ", a list";
+      return number_of(samples, "sample") + ", a list";
     case Method::random:
-      return counted(samples, "sample") + ", drawn independently" + drawn;
+      return number_of(samples, "sample") + ", drawn independently" + drawn;
     case Method::latin_hypercube:
-      return counted(samples, "sample") + ", a Latin hypercube" + drawn;
+      return number_of(samples, "sample") + ", a Latin hypercube" + drawn;
     case Method::sobol:
-      return counted(samples, "sample") + ", Sobol’ points" + drawn;
+      return number_of(samples, "sample") + ", Sobol’ points" + drawn;
     case Method::saltelli:
-      return fmt::format("{}, a Saltelli design of {} rows{}", counted(samples, "sample"),
+      return fmt::format("{}, a Saltelli design of {} rows{}", number_of(samples, "sample"),
                          study.samples, drawn);
   }
   return "";

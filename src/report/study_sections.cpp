@@ -9,6 +9,7 @@
 #include <breakwater/report/chart_scale.h>
 #include <breakwater/report/html_page.h>
 #include <breakwater/report/thesis_report.h>
+#include <breakwater/scenario/table.h>
 #include <breakwater/scenario/toml_text.h>
 
 namespace breakwater {
@@ -31,7 +32,7 @@ std::string in_words(const QuantileBand& band) {
                          ? fmt::format("median {} ({} to {})", format_number(band.median),
                                        format_number(band.q10), format_number(band.q90))
                          : "not measured";
-  text += fmt::format(", {} run{}", band.runs, band.runs == 1 ? "" : "s");
+  text += ", " + number_of(band.runs, "run");
   if (band.failed > 0) text += fmt::format(", {} failed", band.failed);
   const std::size_t absent = band.runs - band.failed - band.measured;
   if (absent > 0 && band.measured > 0) text += fmt::format(", {} without it", absent);
@@ -39,7 +40,7 @@ std::string in_words(const QuantileBand& band) {
 }
 
 std::string share_in_words(const QuantileBand& band) {
-  return fmt::format("{} of {} run{} failed", band.failed, band.runs, band.runs == 1 ? "" : "s");
+  return fmt::format("{} of {} failed", band.failed, number_of(band.runs, "run"));
 }
 
 std::string index_text(const SensitivityIndex& index) {

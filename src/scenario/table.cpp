@@ -34,4 +34,8 @@ std::string Table::print(std::size_t width) const {
   return text;
 }
 
+std::string number_of(std::size_t count, const std::string& what) {
+  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
+}
+
 }  // namespace breakwater

@@ -1,6 +1,7 @@
-// Plain-text tables.
+// Plain text: tables, and counts in sentences.
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -19,5 +20,8 @@ class Table {
  private:
   std::vector<std::vector<std::string>> rows_;
 };
+
+/// "1 run", "2 runs".
+std::string number_of(std::size_t count, const std::string& what);
 
 }  // namespace breakwater

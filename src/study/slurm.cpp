@@ -17,6 +17,7 @@
 #include <breakwater/scenario/all_cores.h>
 #include <breakwater/scenario/child_program.h>
 #include <breakwater/scenario/process.h>
+#include <breakwater/scenario/table.h>
 #include <breakwater/study/slurm_queue.h>
 #include <breakwater/study/sweep_command.h>
 
@@ -162,8 +163,8 @@ void submit(const Sweep& sweep, const StudyFolder& folder, const std::vector<std
   }
   replace_file(submission / "job", job + "\n");
   if (quiet) return;
-  fmt::print("{} point{} in {} task{}: job {}\n", points.size(), points.size() == 1 ? "" : "s",
-             tasks, tasks == 1 ? "" : "s", job);
+  fmt::print("{} in {}: job {}\n", number_of(points.size(), "point"), number_of(tasks, "task"),
+             job);
   if (request.wait) return;
   fmt::print("--status says how far it is; when it is over, {} {} {} collects the results\n",
              own_program_name(), kSweep, folder.path().string());

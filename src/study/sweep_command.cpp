@@ -374,11 +374,6 @@ void warn(const std::vector<std::string>& warnings) {
   }
 }
 
-// "1 run", "2 runs".
-std::string number_of(std::size_t count, const std::string& what) {
-  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
-}
-
 std::vector<std::string> metric_names(const PointResult& run) {
   std::vector<std::string> names;
   for (const auto& [name, value] : run.metrics) names.push_back(name);

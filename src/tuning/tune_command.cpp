@@ -9,6 +9,7 @@
 #include <breakwater/scenario/child_program.h>
 #include <breakwater/scenario/process.h>
 #include <breakwater/scenario/progress.h>
+#include <breakwater/scenario/table.h>
 #include <breakwater/scenario/toml_file.h>
 #include <breakwater/study/study_reader.h>
 #include <breakwater/tuning/tuning_outputs.h>
@@ -81,9 +82,9 @@ OpenedTuning open_tuning(const TuneArguments& arguments) {
 void print_count(const TuningPlan& plan) {
   const Tuning& tuning = plan.tuning();
   const std::size_t runs = tuning.cases.size() * tuning.budget * tuning.worlds.size();
-  fmt::print("{} runs: {} case{}, {} evaluations of each, {} world{} and seeds together\n", runs,
-             tuning.cases.size(), tuning.cases.size() == 1 ? "" : "s", tuning.budget,
-             tuning.worlds.size(), tuning.worlds.size() == 1 ? "" : "s");
+  fmt::print("{} runs: {}, {} evaluations of each, {} and seeds together\n", runs,
+             number_of(tuning.cases.size(), "case"), tuning.budget,
+             number_of(tuning.worlds.size(), "world"));
   if (!tuning.validation) return;
   fmt::print("at most {} more to validate: {} of each front in {}\n",
              tuning.cases.size() * tuning.validated_points * tuning.validation->size(),

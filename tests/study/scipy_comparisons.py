@@ -11,20 +11,11 @@ ranks n k x...                   average ranks of k columns over n rows
 """
 
 import itertools
-import sys
 
 import numpy as np
 import scipy.stats
 
-words = iter(sys.stdin.read().split())
-
-
-def integer():
-    return int(next(words))
-
-
-def numbers(count):
-    return np.array([float(next(words)) for _ in range(count)])
+from problems import answer, integer, numbers
 
 
 def binomial():
@@ -76,8 +67,4 @@ def ranks():
     return scipy.stats.rankdata(numbers(n * k).reshape(n, k), axis=1).mean(axis=0)
 
 
-problems = {f.__name__.rstrip("_"): f
-            for f in (binomial, mcnemar, wilcoxon, signs, pratt, bca, range_, ranks)}
-for name in words:
-    for value in problems[name]():
-        print(repr(float(value)))
+answer(binomial, mcnemar, wilcoxon, signs, pratt, bca, range_, ranks)

@@ -6,21 +6,11 @@ discrepancy n d u...             that of n points
 quantile kind a b m u...         of m u
 """
 
-import sys
-
 import numpy as np
 import scipy.stats
 from scipy.stats import qmc
 
-words = iter(sys.stdin.read().split())
-
-
-def integer():
-    return int(next(words))
-
-
-def numbers(count):
-    return np.array([float(next(words)) for _ in range(count)])
+from problems import answer, integer, numbers, words
 
 
 def sobol():
@@ -48,7 +38,4 @@ def quantile():
     }[kind]().ppf(u)
 
 
-problems = {f.__name__: f for f in (sobol, latin_hypercube, discrepancy, quantile)}
-for name in words:
-    for value in problems[name]():
-        print(repr(float(value)))
+answer(sobol, latin_hypercube, discrepancy, quantile)

@@ -1,6 +1,15 @@
 // Light and shadow as the stills have them: OpenGL's own lighting, without a gamma, at every pixel.
 "use strict";
 (() => {
+  // What a surface sends back of a light, in a fragment's colour and in water's at a vertex.
+  const SHED = `vec3 shed(vec3 normal, vec3 view, vec3 direction, vec3 diffuse, vec3 specular) {
+  float facing = dot(normal, direction);
+  if (facing <= 0.0) return vec3(0.0);
+  float gloss = shine * pow(max(dot(normal, normalize(direction + view)), 0.0), max(shininess, 1e-3));
+  return facing * diffuse * colour + gloss * specular;
+}
+`;
+
   const VERTEX = `
 #include <common>
 #include <shadowmap_pars_vertex>
@@ -67,13 +76,7 @@ float lit(sampler2D map, vec2 size, float bias, vec4 at) {
   return texture2DShadowLerp(map, size, p.xy, p.z + bias);
 }
 #endif
-vec3 shed(vec3 normal, vec3 view, vec3 direction, vec3 diffuse, vec3 specular) {
-  float facing = dot(normal, direction);
-  if (facing <= 0.0) return vec3(0.0);
-  float gloss = shine * pow(max(dot(normal, normalize(direction + view)), 0.0), max(shininess, 1e-3));
-  return facing * diffuse * colour + gloss * specular;
-}
-void main() {
+${SHED}void main() {
   vec3 normal = normalize(vNormal);
 #ifdef DOUBLE_SIDED
   if (!gl_FrontFacing) normal = -normal;
@@ -148,13 +151,7 @@ varying vec2 vGiven;
 #if NUM_DIR_LIGHTS > 0
 uniform vec3 directionalSpecular[NUM_DIR_LIGHTS];
 #endif
-vec3 shed(vec3 normal, vec3 view, vec3 direction, vec3 diffuse, vec3 specular) {
-  float facing = dot(normal, direction);
-  if (facing <= 0.0) return vec3(0.0);
-  float gloss = shine * pow(max(dot(normal, normalize(direction + view)), 0.0), max(shininess, 1e-3));
-  return facing * diffuse * colour + gloss * specular;
-}
-void main() {
+${SHED}void main() {
   vGiven = uv;
   vec4 eye = modelViewMatrix * vec4(position, 1.0);
   vec3 view = normalize(-eye.xyz);

@@ -12,7 +12,6 @@
   const SLOW_MS = 55, QUICK_MS = 22;
   const REST_MS = 350;  // then what stands still is drawn once more, as well as can be
 
-  const prefersStill = matchMedia("(prefers-reduced-motion: reduce)");
   const prefersDark = matchMedia("(prefers-color-scheme: dark)");
 
   function element(kind, className, parent, text) {
@@ -652,5 +651,4 @@
     }, {rootMargin: "200px"});
     boxes.forEach((box) => seen.observe(box));
   }
-  Replay.prefersStill = prefersStill;
 })();
