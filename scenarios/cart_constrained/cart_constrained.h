@@ -1,8 +1,7 @@
 // Scenario cart_constrained: constraints under disturbance and mass error (thesis 2.3.7, 3.3.4).
 #pragma once
 
-#include <breakwater/rigs/axis_rig.h>
-#include <breakwater/scenario/scenario.h>
+#include <breakwater/rigs/axis_scenario.h>
 
 namespace breakwater {
 
@@ -17,7 +16,7 @@ enum class CartCondition {
 
 /// The cart starts displaced and moving and is to come to rest at 0. Does the controller keep its
 /// limits of input and velocity when a force pushes or the mass is wrong?
-class CartConstrained final : public Scenario {
+class CartConstrained final : public AxisScenario {
  public:
   explicit CartConstrained(const Catalogue& catalogue) : parts_(catalogue, "") {}
 
@@ -35,11 +34,12 @@ class CartConstrained final : public Scenario {
   void check(const Config& config) override;
   const RunSettings& run_settings() const override { return axis_.run; }
   Recording run(const RunControl& control) const override;
+  AxisSettings plant() const override;
+  AxisTask task() const override;
+  const AxisParts& parts() const override { return parts_; }
 
  private:
-  AxisSettings plant() const;
   Disturbance disturbance() const;
-  AxisTask task() const;
 
   AxisSettings axis_{cart_axis()};
   AxisParts parts_;

@@ -105,7 +105,7 @@ Disturbance CartEstimation::disturbance() const {
 
 void CartEstimation::check(const Config& config) {
   check_axis(axis_, config);
-  parts_.check(config, task(axis_));
+  parts_.check(config, task());
   if (to_s_ <= from_s_) config.fail("metrics.to_s", "must be later than metrics.from_s");
   if (noise_to_s_ <= noise_from_s_) {
     config.fail("metrics.noise_to_s", "must be later than metrics.noise_from_s");
@@ -114,10 +114,10 @@ void CartEstimation::check(const Config& config) {
 
 Recording CartEstimation::run(const RunControl& control) const {
   const Disturbance force = disturbance();
-  const AxisLoop loop = parts_.make(task(axis_));
+  const AxisLoop loop = parts_.make(task());
   AxisRig rig(axis_, {.force = force}, *loop.controller);
   // Beside it, the run as it would be without noise: what differs is what the noise does.
-  const AxisLoop quiet_loop = parts_.make(task(axis_));
+  const AxisLoop quiet_loop = parts_.make(task());
   AxisRig quiet_rig(without_noise(axis_), {.force = force}, *quiet_loop.controller);
   double noise_N = 0.0;
   const Simulation& sim = rig.simulation();

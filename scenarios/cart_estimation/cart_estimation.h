@@ -2,8 +2,7 @@
 #pragma once
 
 #include <breakwater/control/step_reference.h>
-#include <breakwater/rigs/axis_rig.h>
-#include <breakwater/scenario/scenario.h>
+#include <breakwater/rigs/axis_scenario.h>
 #include <breakwater/world/disturbance.h>
 
 namespace breakwater {
@@ -11,7 +10,7 @@ namespace breakwater {
 /// A cart under PD control with disturbance cancellation (Eq. 4.10), with system and observation
 /// noise. Which disturbance model and which forgetting factor follows which disturbance, how fast,
 /// and at what price in noise?
-class CartEstimation final : public Scenario {
+class CartEstimation final : public AxisScenario {
  public:
   explicit CartEstimation(const Catalogue& catalogue) : parts_(catalogue, "pd") {}
 
@@ -23,14 +22,14 @@ class CartEstimation final : public Scenario {
   void check(const Config& config) override;
   const RunSettings& run_settings() const override { return axis_.run; }
   Recording run(const RunControl& control) const override;
+  AxisSettings plant() const override { return axis_; }
+  AxisTask task() const override { return {.axis = plant().nominal(), .reference = reference_}; }
+  const AxisParts& parts() const override { return parts_; }
 
  private:
   enum class Kind { step, ramp, sine, high_sine };
 
   Disturbance disturbance() const;
-  AxisTask task(const AxisSettings& axis) const {
-    return {.axis = axis.nominal(), .reference = reference_};
-  }
 
   AxisSettings axis_{cart_axis()};
   AxisParts parts_;

@@ -1,14 +1,13 @@
 // Scenario cart_offset_free: predictive control under input and output disturbance (2.3.6, 3.3.3).
 #pragma once
 
-#include <breakwater/rigs/axis_rig.h>
-#include <breakwater/scenario/scenario.h>
+#include <breakwater/rigs/axis_scenario.h>
 
 namespace breakwater {
 
 /// The cart is to go to a position and stay there while a force pushes it and its position sensor
 /// is off. Estimation is faster than control. Does an error remain?
-class CartOffsetFree final : public Scenario {
+class CartOffsetFree final : public AxisScenario {
  public:
   explicit CartOffsetFree(const Catalogue& catalogue) : parts_(catalogue, "mpc") {}
 
@@ -20,11 +19,11 @@ class CartOffsetFree final : public Scenario {
   void check(const Config& config) override;
   const RunSettings& run_settings() const override { return axis_.run; }
   Recording run(const RunControl& control) const override;
+  AxisSettings plant() const override;
+  AxisTask task() const override { return {.axis = plant().nominal(), .reference = reference_}; }
+  const AxisParts& parts() const override { return parts_; }
 
  private:
-  AxisSettings plant() const;
-  AxisTask task() const { return {.axis = plant().nominal(), .reference = reference_}; }
-
   AxisSettings axis_{cart_axis()};
   AxisParts parts_;
   StepReference reference_;

@@ -2,8 +2,7 @@
 // 2.3.4 and 4.2.5).
 #pragma once
 
-#include <breakwater/rigs/axis_rig.h>
-#include <breakwater/scenario/scenario.h>
+#include <breakwater/rigs/axis_scenario.h>
 
 namespace breakwater {
 
@@ -11,7 +10,7 @@ namespace breakwater {
 /// encoder goes to a position under PD control with disturbance cancellation (Eq. 4.10), or under
 /// predictive control. What the estimator must find is the friction, as the nominal model does not
 /// know it.
-class CartPosition final : public Scenario {
+class CartPosition final : public AxisScenario {
  public:
   explicit CartPosition(const Catalogue& catalogue) : parts_(catalogue, "") {}
 
@@ -23,10 +22,11 @@ class CartPosition final : public Scenario {
   void check(const Config& config) override;
   const RunSettings& run_settings() const override { return axis_.run; }
   Recording run(const RunControl& control) const override;
+  AxisSettings plant() const override { return axis_; }
+  AxisTask task() const override { return {.axis = plant().nominal(), .reference = reference_}; }
+  const AxisParts& parts() const override { return parts_; }
 
  private:
-  AxisTask task() const { return {.axis = axis_.nominal(), .reference = reference_}; }
-
   AxisSettings axis_{cart_axis()};
   AxisParts parts_;
   StepReference reference_;

@@ -1,8 +1,7 @@
 // Scenario motor_estimation: disturbance estimators behind an encoder (thesis 4.3).
 #pragma once
 
-#include <breakwater/rigs/axis_rig.h>
-#include <breakwater/scenario/scenario.h>
+#include <breakwater/rigs/axis_scenario.h>
 #include <breakwater/world/disturbance.h>
 
 namespace breakwater {
@@ -10,7 +9,7 @@ namespace breakwater {
 /// A motor is held at 0 by PD control with disturbance cancellation (Eq. 4.22). Its angle comes
 /// from an encoder, with or without white noise; a torque disturbs it. How well does the estimator
 /// see what is not measured?
-class MotorEstimation final : public Scenario {
+class MotorEstimation final : public AxisScenario {
  public:
   explicit MotorEstimation(const Catalogue& catalogue) : parts_(catalogue, "pd") {}
 
@@ -22,10 +21,11 @@ class MotorEstimation final : public Scenario {
   void check(const Config& config) override;
   const RunSettings& run_settings() const override { return axis_.run; }
   Recording run(const RunControl& control) const override;
+  AxisSettings plant() const override { return axis_; }
+  AxisTask task() const override { return {.axis = axis_.nominal()}; }
+  const AxisParts& parts() const override { return parts_; }
 
  private:
-  AxisTask task() const { return {.axis = axis_.nominal()}; }
-
   AxisSettings axis_{motor_axis()};
   AxisParts parts_;
   Disturbance disturbance_;

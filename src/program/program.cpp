@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include <breakwater/analysis/analyze_command.h>
 #include <breakwater/pictures/picture_commands.h>
 #include <breakwater/program/new_project.h>
 #include <breakwater/program/waves_report.h>
@@ -79,6 +80,8 @@ int program(int argc, const char* const* argv, const Catalogue& catalogue,
   if (argc >= 2 && std::string(argv[1]) == kTune) {
     return tune_main(catalogue, {write_tuning_report}, argc - 1, argv + 1);
   }
+  if (argc >= 2 && std::string(argv[1]) == kAnalyze)
+    return analyze_main(catalogue, argc - 1, argv + 1);
   if (argc >= 2 && std::string(argv[1]) == kNewProject) {
     return new_project_main(catalogue, argc - 1, argv + 1);
   }
@@ -114,6 +117,7 @@ int program(int argc, const char* const* argv, const Catalogue& catalogue,
     waves->add_option("--seed", sea.seed, "of the realisation")->capture_default_str();
     app.add_subcommand(kSweep, "very many runs as one table: sweep SCENARIO|STUDY.toml|DIR");
     app.add_subcommand(kTune, "the best values of some keys, as a front: tune TUNE.toml|DIR");
+    app.add_subcommand(kAnalyze, "loops of one axis in the frequency domain: analyze SCENARIO");
     app.add_subcommand(kNewProject,
                        "make a project of your own: new controller|observer|scenario NAME");
     for (const CommandKind& own : catalogue.all<CommandKind>()) {

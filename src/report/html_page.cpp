@@ -41,7 +41,7 @@ std::string html_page(const std::string& name, mustache::data& data, PageCharts 
     page.set("style", bytes_of(fs::path(BREAKWATER_DYGRAPHS) / "dygraph.min.css") + own);
     page.set("script", bytes_of(part("page.js")));
   } else {
-    page.set("style", own + bytes_of(part(name + ".css")));
+    page.set("style", own + bytes_of(part("drawn.css")) + bytes_of(part(name + ".css")));
     page.set("script", bytes_of(part(name + ".js")));
   }
   if (data.get("has_replays") != nullptr) {

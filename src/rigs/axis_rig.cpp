@@ -165,6 +165,11 @@ void check_axis(const AxisSettings& settings, const Config& config) {
   const Sensing check_only(load_model(settings), sensing);
 }
 
+StateSpace linear_axis(const AxisSettings& settings) {
+  const Model model = load_model(settings);
+  return damped_inertia(model->dof_M0[0], settings.viscous_friction);
+}
+
 AxisRig::AxisRig(const AxisSettings& settings, const AxisDisturbances& disturbances,
                  Controller& controller)
     : units_(settings.axis.units),

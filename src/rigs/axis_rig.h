@@ -85,6 +85,10 @@ struct AxisDisturbances {
 /// `ORIGIN: KEY: reason`.
 void check_axis(const AxisSettings& settings, const Config& config);
 
+/// The plant without what is not linear in it, continuous: its inertia as the model file and the
+/// settings have it, and its viscous friction.
+StateSpace linear_axis(const AxisSettings& settings);
+
 /// The plant of one axis under a controller, and the truth about it for log and metrics.
 class AxisRig {
  public:

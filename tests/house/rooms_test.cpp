@@ -67,8 +67,11 @@ TEST(House, RoomsDependOneWay) {
       {"report",
        {"math", "record", "render", "pictures", "printed", "scenario", "study", "tuning"}},
       {"scenario_program", {"printed", "scenario"}},
+      {"analysis",
+       {"linear", "signals", "control", "world", "sim", "record", "scenario", "rigs", "study",
+        "report"}},
       {"program",
-       {"math", "world", "record", "scenario", "pictures", "study", "tuning", "report",
+       {"math", "world", "record", "scenario", "pictures", "study", "tuning", "report", "analysis",
         "scenario_program"}}};
   const std::vector<Include> includes = all_includes();
   ASSERT_GT(includes.size(), 100U);
@@ -119,10 +122,10 @@ TEST(House, FileFormatsStayInTheirRooms) {
   expect_only_in(std::regex("urdf|tinyxml|console_bridge"), {"plants"});
   expect_only_in(std::regex("^hdf5"), {"record"});
   expect_only_in(std::regex("toml\\+\\+"), {"scenario", "study", "tuning", "report"});
-  expect_only_in(std::regex("CLI/"),
-                 {"scenario", "recorded", "pictures", "study", "tuning", "report", "program"});
+  expect_only_in(std::regex("CLI/"), {"scenario", "recorded", "pictures", "study", "tuning",
+                                      "report", "analysis", "program"});
   expect_only_in(std::regex("nlohmann"), {"record", "scenario", "pictures", "report"});
-  expect_only_in(std::regex("mustache"), {"report"});
+  expect_only_in(std::regex("mustache"), {"report", "analysis"});
   expect_only_in(std::regex("^boost/"), {"study"});
   expect_only_in(std::regex("^sqlite3"), {"study"});
 }

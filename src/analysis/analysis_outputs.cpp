@@ -1,0 +1,260 @@
+#include <breakwater/analysis/analysis_outputs.h>
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <functional>
+#include <kainjow/mustache.hpp>
+#include <numbers>
+
+#include <breakwater/analysis/bode_chart.h>
+#include <breakwater/record/csv.h>
+#include <breakwater/record/partial_file.h>
+#include <breakwater/report/html_page.h>
+#include <breakwater/scenario/table.h>
+
+namespace breakwater {
+namespace mustache = kainjow::mustache;
+namespace fs = std::filesystem;
+namespace {
+
+constexpr double kDegrees = 180.0 / std::numbers::pi;
+
+// A response that is drawn and written.
+struct Response {
+  const char* name;  // of columns
+  std::complex<double> LoopPoint::*value;
+  bool needs_estimator;
+  std::string title;
+  std::string about;
+  std::string unit;
+};
+
+std::vector<Response> responses(const AxisUnits& units) {
+  return {
+      {"d_hat_over_d", &LoopPoint::d_hat_over_d, true, "From the disturbance to its estimate",
+       "1 where the estimate is the disturbance; the loop is closed.", ""},
+      {"noise_to_d_hat", &LoopPoint::noise_to_d_hat, true,
+       "From the sensor’s noise to the estimated disturbance",
+       "What an error of the measured position becomes in the estimated disturbance.",
+       units.force + "/" + units.position},
+      {"noise_to_velocity_hat", &LoopPoint::noise_to_v_hat, true,
+       "From the sensor’s noise to the estimated velocity",
+       "What an error of the measured position becomes in the estimated velocity.",
+       units.velocity + "/" + units.position},
+      {"sensitivity", &LoopPoint::sensitivity, false, "Sensitivity S = 1/(1 + L)",
+       "How much of a disturbance is left at the plant’s input; its peak is M_s.", ""},
+      {"complementary", &LoopPoint::complementary, false, "Complementary sensitivity T = L/(1 + L)",
+       "What the drive does against a disturbance; its peak is M_t.", ""},
+      {"loop_gain", &LoopPoint::loop_gain, false, "Loop gain L",
+       "Of the loop opened at the plant’s input; the margins are read off it.", ""}};
+}
+
+struct Way {
+  const char* name;
+  LoopCurve LoopAnalysis::*curve;
+};
+constexpr std::array<Way, 2> kWays = {
+    {{"designed", &LoopAnalysis::designed}, {"measured", &LoopAnalysis::measured}}};
+
+double in_dB(double gain) {
+  return 20.0 * std::log10(gain);
+}
+
+struct Quantity {
+  const char* column;
+  const char* words;
+  std::function<double(const LoopCurve&)> of;
+};
+
+const std::vector<Quantity>& quantities() {
+  static const std::vector<Quantity> all = {
+      {"bandwidth_rad_s", "d_hat follows d to -3 dB [rad/s]",
+       [](const LoopCurve& c) { return c.bandwidth_rad_s; }},
+      {"crossover_rad_s", "crossover |L| = 1 [rad/s]",
+       [](const LoopCurve& c) { return c.margins.crossover_rad_s; }},
+      {"phase_margin_deg", "phase margin [deg]",
+       [](const LoopCurve& c) { return c.margins.phase_margin_rad * kDegrees; }},
+      {"gain_margin_dB", "gain margin [dB]",
+       [](const LoopCurve& c) { return in_dB(c.margins.gain_margin); }},
+      {"gain_reduction_margin_dB", "gain reduction margin [dB]",
+       [](const LoopCurve& c) { return in_dB(c.margins.gain_reduction_margin); }},
+      {"delay_margin_ms", "delay margin [ms]",
+       [](const LoopCurve& c) { return 1e3 * c.margins.delay_margin_s; }},
+      {"sensitivity_peak_1", "M_s, largest sensitivity",
+       [](const LoopCurve& c) { return c.margins.sensitivity_peak; }},
+      {"complementary_peak_1", "M_t, largest complementary",
+       [](const LoopCurve& c) { return c.margins.complementary_peak; }}};
+  return all;
+}
+
+std::string shown(double value) {
+  return std::isfinite(value) ? fmt::format("{:.4g}", value) : "-";
+}
+
+std::string digits(double value) {
+  return std::isfinite(value) ? fmt::format("{:.17g}", value) : "";
+}
+
+std::string points_csv(const std::vector<LoopAnalysis>& loops, const std::vector<Response>& all) {
+  std::vector<std::string> header = {"case", "way", "omega_rad_s"};
+  for (const Response& response : all) {
+    header.push_back(std::string(response.name) + "_gain");
+    header.push_back(std::string(response.name) + "_phase_deg");
+  }
+  header.insert(header.end(), {"spread_1", "saturated_1"});
+  std::string text = csv_line(header);
+  for (const LoopAnalysis& loop : loops) {
+    for (const Way& way : kWays) {
+      for (const LoopPoint& point : (loop.*way.curve).points) {
+        std::vector<std::string> row = {loop.label, way.name, digits(point.omega_rad_s)};
+        for (const Response& response : all) {
+          const bool is_there = loop.estimates || !response.needs_estimator;
+          const std::complex<double> value = point.*response.value;
+          row.push_back(is_there ? digits(std::abs(value)) : "");
+          row.push_back(is_there ? digits(std::arg(value) * kDegrees) : "");
+        }
+        row.push_back(digits(point.spread));
+        row.push_back(digits(point.saturated));
+        text += csv_line(row);
+      }
+    }
+  }
+  return text;
+}
+
+std::string margins_csv(const std::vector<LoopAnalysis>& loops) {
+  std::vector<std::string> header = {"case", "way"};
+  for (const Quantity& quantity : quantities()) header.emplace_back(quantity.column);
+  std::string text = csv_line(header);
+  for (const LoopAnalysis& loop : loops) {
+    for (const Way& way : kWays) {
+      const LoopCurve& curve = loop.*way.curve;
+      if (curve.points.empty()) continue;
+      std::vector<std::string> row = {loop.label, way.name};
+      for (const Quantity& quantity : quantities()) row.push_back(digits(quantity.of(curve)));
+      text += csv_line(row);
+    }
+  }
+  return text;
+}
+
+BodeCurve curve_of(const LoopAnalysis& loop, const LoopCurve& curve, const Response& response) {
+  BodeCurve result;
+  if (!loop.estimates && response.needs_estimator) return result;
+  for (const LoopPoint& point : curve.points) {
+    result.omega_rad_s.push_back(point.omega_rad_s);
+    result.gain.push_back(point.*response.value);
+  }
+  return result;
+}
+
+mustache::data named(const std::string& key, const std::string& value) {
+  mustache::data data;
+  data.set(key, value);
+  return data;
+}
+
+void add_margins(mustache::data& page, const std::vector<LoopAnalysis>& loops) {
+  mustache::data columns(mustache::data::type::list), rows(mustache::data::type::list);
+  for (const LoopAnalysis& loop : loops) {
+    for (const Way& way : kWays) {
+      if (!(loop.*way.curve).points.empty())
+        columns << named("label", loop.label + ", " + way.name);
+    }
+  }
+  for (const Quantity& quantity : quantities()) {
+    mustache::data row, cells(mustache::data::type::list);
+    row.set("name", quantity.words);
+    for (const LoopAnalysis& loop : loops) {
+      for (const Way& way : kWays) {
+        const LoopCurve& curve = loop.*way.curve;
+        if (!curve.points.empty()) cells << named("value", shown(quantity.of(curve)));
+      }
+    }
+    row.set("cells", cells);
+    rows << row;
+  }
+  page.set("columns", columns);
+  page.set("rows", rows);
+}
+
+}  // namespace
+
+std::string margins_table(const std::vector<LoopAnalysis>& loops, std::size_t width) {
+  std::vector<std::string> header = {""};
+  for (const LoopAnalysis& loop : loops) {
+    for (const Way& way : kWays) {
+      if (!(loop.*way.curve).points.empty()) {
+        header.push_back(loop.label + (&way == &kWays[0] ? "" : " measured"));
+      }
+    }
+  }
+  Table table(header);
+  for (const Quantity& quantity : quantities()) {
+    std::vector<std::string> row = {quantity.words};
+    for (const LoopAnalysis& loop : loops) {
+      for (const Way& way : kWays) {
+        const LoopCurve& curve = loop.*way.curve;
+        if (!curve.points.empty()) row.push_back(shown(quantity.of(curve)));
+      }
+    }
+    table.add(row);
+  }
+  return table.print(width);
+}
+
+void write_analysis(const std::vector<LoopAnalysis>& loops, const std::string& scenario,
+                    const std::string& command, const AxisUnits& units, const fs::path& folder) {
+  const std::vector<Response> all = responses(units);
+  mustache::data page;
+  page.set("title", "Frequency response of " + scenario);
+  page.set("command", command);
+  mustache::data toc(mustache::data::type::list), legend(mustache::data::type::list);
+  mustache::data charts(mustache::data::type::list), notes(mustache::data::type::list);
+  const auto contents = [&](const std::string& href, const std::string& label) {
+    mustache::data entry;
+    entry.set("href", href);
+    entry.set("label", label);
+    toc << entry;
+  };
+  contents("margins", "Margins");
+  for (std::size_t i = 0; i < loops.size(); ++i) {
+    mustache::data one = named("label", loops[i].label);
+    one.set("colour", fmt::format("c{}{}", i % 10, i < 10 ? "" : " dashed"));
+    legend << one;
+    if (!loops[i].designed.reason.empty()) {
+      notes << named("text", fmt::format("{}: no design curve, since it is no linear loop: {}.",
+                                         loops[i].label, loops[i].designed.reason));
+    }
+  }
+  for (const Response& response : all) {
+    std::vector<BodeLoop> drawn;
+    for (const LoopAnalysis& loop : loops) {
+      drawn.push_back({loop.label, curve_of(loop, loop.designed, response),
+                       curve_of(loop, loop.measured, response)});
+    }
+    const std::string svg = draw_bode(response.title, response.unit, drawn);
+    if (svg.empty()) continue;
+    mustache::data chart;
+    chart.set("id", anchor(response.name));
+    chart.set("title", response.title);
+    chart.set("about", response.about);
+    chart.set("svg", svg);
+    charts << chart;
+    contents(anchor(response.name), response.title);
+  }
+  add_margins(page, loops);
+  page.set("legend", legend);
+  page.set("notes", notes);
+  page.set("charts", charts);
+  page.set("toc", toc);
+  const std::string html = html_page("analysis", page, PageCharts::drawn);
+  fs::create_directories(folder);
+  replace_file(folder / "analysis.csv", points_csv(loops, all));
+  replace_file(folder / "margins.csv", margins_csv(loops));
+  replace_file(folder / "report.html", html);
+}
+
+}  // namespace breakwater

@@ -1,0 +1,22 @@
+// What an analysis leaves: a table on the terminal, CSV and a page.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <breakwater/analysis/loop_analysis.h>
+#include <breakwater/signals/axis_units.h>
+
+namespace breakwater {
+
+/// One column a loop and way; rows are bandwidth, margins, peaks.
+std::string margins_table(const std::vector<LoopAnalysis>& loops, std::size_t width);
+
+/// Writes analysis.csv (one row a loop, way and frequency), margins.csv and report.html into a
+/// folder, which is made. Throws OutputError.
+void write_analysis(const std::vector<LoopAnalysis>& loops, const std::string& scenario,
+                    const std::string& command, const AxisUnits& units,
+                    const std::filesystem::path& folder);
+
+}  // namespace breakwater

@@ -1,0 +1,152 @@
+#include <breakwater/analysis/analyze_command.h>
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <memory>
+
+#include <breakwater/analysis/analysis_outputs.h>
+#include <breakwater/scenario/child_program.h>
+#include <breakwater/scenario/process.h>
+#include <breakwater/scenario/progress.h>
+#include <breakwater/scenario/runner.h>
+#include <breakwater/study/study.h>
+
+namespace breakwater {
+namespace fs = std::filesystem;
+namespace {
+
+struct Arguments {
+  std::string scenario;
+  std::vector<std::string> cases;
+  std::string config;
+  std::vector<std::string> sets;
+  std::string out;
+  bool is_design_only = false;
+  bool quiet = false;
+  AnalysisOptions options;
+};
+
+void describe(CLI::App& app, Arguments& arguments) {
+  AnalysisOptions& options = arguments.options;
+  app.add_option("SCENARIO", arguments.scenario,
+                 "of one axis: of a motor, a cart, or your own")
+      ->required();
+  app.add_option("--case", arguments.cases,
+                 "which cases, drawn over each other, or all (default: the file's)")
+      ->type_name("NAME[,NAME...]");
+  app.add_option("--config", arguments.config, "another scenario file")->type_name("FILE");
+  app.add_option("--set", arguments.sets, "override keys, of all cases")->type_name("KEY=VALUE");
+  app.add_option("--out", arguments.out,
+                 "the folder of the result (default: runs/analyze/SCENARIO)")
+      ->type_name("DIR");
+  app.add_option("--from", options.from_rad_s, "the lowest frequency [rad/s] (default: 0.1)")
+      ->type_name("OMEGA")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--to", options.to_rad_s,
+                 "the highest [rad/s] (default: .9 of the Nyquist frequency)")
+      ->type_name("OMEGA")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--points", options.points, "how many are measured (default: 25)")
+      ->type_name("N")
+      ->check(CLI::Range(2, 10000));
+  app.add_option("--amplitude", options.force_amplitude,
+                 "of the sine that probes the drive [N m or N] (default: 1)")
+      ->type_name("F")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--noise-amplitude", options.noise_amplitude,
+                 "of the sine that probes the sensor [rad or m] (default: three of the\n"
+                 "encoder's counts, or 1e-3)")
+      ->type_name("X")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--settle", options.settle_s, "what passes before counting [s] (default: 5)")
+      ->type_name("S")
+      ->check(CLI::NonNegativeNumber);
+  app.add_option("--jobs", options.jobs, "how many runs at a time (default: all cores)")
+      ->type_name("N")
+      ->check(CLI::Range(1, 4096));
+  app.add_flag("--design-only", arguments.is_design_only, "measure nothing");
+  app.add_flag("--quiet", arguments.quiet, "print errors only");
+  app.footer(
+      "Designed: the controller and its estimator in a loop with the linear plant, if they are\n"
+      "found to be linear. Measured: a sine at a time in the simulation, with encoder, drive and\n"
+      "friction as the case has them; of what is not linear, the part at the probe's frequency.\n"
+      "Leaves report.html, margins.csv and analysis.csv.\n"
+      "Exit status: 0 success, 1 a defect, 2 usage or input, 3 a run failed, 130 interrupted.");
+}
+
+std::vector<std::string> cases_of(const Arguments& arguments, const ScenarioFile& file) {
+  std::vector<std::string> names;
+  for (const std::string& option : arguments.cases) {
+    for (const std::string& name : option_parts(option)) names.push_back(name);
+  }
+  if (names.empty()) return {file.default_case()};
+  if (names == std::vector<std::string>{"all"}) return file.cases();
+  return names;
+}
+
+int analyze(const Catalogue& catalogue, Arguments arguments) {
+  stop_on_signals();
+  const ScenarioKind& kind = catalogue.get<ScenarioKind>(arguments.scenario);
+  if (dynamic_cast<const AxisScenario*>(kind.make(catalogue).get()) == nullptr) {
+    throw std::invalid_argument(kind.name +
+                                ": has no loop of one axis that could be analysed (a scenario of "
+                                "your own has one if it is an AxisScenario)");
+  }
+  const ScenarioFile file(arguments.config.empty() ? kind.file().string() : arguments.config,
+                          kind.name);
+  std::vector<PreparedRun> prepared;
+  std::vector<AnalysedLoop> loops;
+  for (const std::string& name : cases_of(arguments, file)) {
+    prepared.push_back(prepare_run(catalogue, kind.name, file, name, arguments.sets));
+    loops.push_back({name, dynamic_cast<const AxisScenario*>(prepared.back().scenario.get())});
+  }
+  arguments.options.stop = &interrupted();
+  if (arguments.is_design_only) arguments.options.points = 0;
+
+  std::vector<LoopAnalysis> results;
+  try {
+    results = analyse(loops, arguments.options);
+  } catch (const RunFailure& failure) {
+    fmt::print(stderr, "{}: failed at t = {:.6g} s: {}\n", kind.name, failure.time_s(),
+               one_line(failure.what()));
+    return kRunFailed;
+  } catch (const ControlFailure& failure) {
+    fmt::print(stderr, "{}: failed: {}\n", kind.name, one_line(failure.what()));
+    return kRunFailed;
+  }
+  const fs::path folder =
+      arguments.out.empty() ? fs::path("runs") / kAnalyze / kind.name : fs::path(arguments.out);
+  std::string command = own_program_name() + " " + kAnalyze + " " + kind.name;
+  if (!arguments.config.empty()) command += " --config " + arguments.config;
+  std::string cases;
+  for (const AnalysedLoop& loop : loops) cases += (cases.empty() ? "" : ",") + loop.label;
+  command += " --case " + cases;
+  for (const std::string& set : arguments.sets) command += " --set " + shell_quoted(set);
+  write_analysis(results, kind.name, command, loops.front().scenario->plant().axis.units, folder);
+  if (arguments.quiet) return kSuccess;
+  for (const LoopAnalysis& loop : results) {
+    if (loop.designed.reason.empty()) continue;
+    fmt::print(stderr, "{} {}: measured alone, since it is no linear loop: {}\n", kind.name,
+               loop.label, loop.designed.reason);
+  }
+  fmt::print("results: {}\n\n{}", folder.string(), margins_table(results, output_width()));
+  return kSuccess;
+}
+
+}  // namespace
+
+int analyze_main(const Catalogue& catalogue, int argc, const char* const* argv) {
+  const std::string program = own_program_name() + " " + kAnalyze;
+  return guarded(program, [&] {
+    CLI::App app("Loops of one axis in the frequency domain, as designed and as measured.",
+                 program);
+    Arguments arguments;
+    describe(app, arguments);
+    if (const auto status = parse(app, argc, argv)) return *status;
+    return analyze(catalogue, arguments);
+  });
+}
+
+}  // namespace breakwater

@@ -1,0 +1,178 @@
+#include <breakwater/analysis/loop_analysis.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <stdexcept>
+
+#include <breakwater/analysis/loop_response.h>
+#include <breakwater/analysis/swept_sine.h>
+#include <breakwater/linear/state_space.h>
+#include <breakwater/scenario/all_cores.h>
+
+namespace breakwater {
+namespace {
+
+constexpr std::size_t kDesignPoints = 1200;
+constexpr double kShareOfNyquist = 0.9;
+constexpr double kStillHalfThePower = std::numbers::sqrt2 / 2.0;
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNoiseCounts = 3.0, kSmallNoise = 1e-3;
+
+double nyquist_rad_s(const AxisScenario& scenario) {
+  return std::numbers::pi / scenario.task().axis.period_s;
+}
+
+// From low to high, in equal steps of the logarithm.
+std::vector<double> frequencies(double low, double high, std::size_t count) {
+  std::vector<double> result(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const double share = count == 1 ? 0.0 : static_cast<double>(i) / static_cast<double>(count - 1);
+    result[i] = low * std::pow(high / low, share);
+  }
+  return result;
+}
+
+LoopPoint point(double omega_rad_s, const Phasors& of_force, const Phasors& of_noise) {
+  LoopPoint p;
+  p.omega_rad_s = omega_rad_s;
+  p.d_hat_over_d = -of_force.disturbance;  // d = -r
+  p.noise_to_d_hat = of_noise.disturbance;
+  p.noise_to_v_hat = of_noise.velocity;
+  p.complementary = -of_force.command;
+  p.sensitivity = 1.0 + of_force.command;
+  p.loop_gain = p.complementary / p.sensitivity;
+  return p;
+}
+
+double bandwidth(const std::vector<LoopPoint>& points) {
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    const double a = std::abs(points[i - 1].d_hat_over_d), b = std::abs(points[i].d_hat_over_d);
+    if (a < kStillHalfThePower || b >= kStillHalfThePower) continue;
+    const double share = std::log(kStillHalfThePower / a) / std::log(b / a);
+    return points[i - 1].omega_rad_s *
+           std::pow(points[i].omega_rad_s / points[i - 1].omega_rad_s, share);
+  }
+  return kNone;
+}
+
+void judge(LoopCurve& curve, bool estimates) {
+  curve.bandwidth_rad_s = kNone;
+  curve.margins = {kNone, kNone, kNone, kNone, kNone, kNone, kNone};
+  if (curve.points.size() < 2) return;
+  std::vector<double> omega;
+  std::vector<std::complex<double>> gain;
+  for (const LoopPoint& p : curve.points) {
+    omega.push_back(p.omega_rad_s);
+    gain.push_back(p.loop_gain);
+  }
+  curve.margins = loop_margins(omega, gain);
+  if (estimates) curve.bandwidth_rad_s = bandwidth(curve.points);
+}
+
+double noise_amplitude(const AxisScenario& scenario, const AnalysisOptions& options) {
+  if (options.noise_amplitude > 0.0) return options.noise_amplitude;
+  return std::max(kSmallNoise, kNoiseCounts * scenario.plant().quantum());
+}
+
+LoopCurve designed_curve(const AxisScenario& scenario, const AnalysisOptions& options,
+                         double to_rad_s) {
+  const AxisSettings plant = scenario.plant();
+  const AxisTask task = scenario.task();
+  const double period_s = task.axis.period_s;
+  const AxisLoopDesign design{&scenario.parts(),
+                              task,
+                              zero_order_hold(linear_axis(plant), period_s),
+                              {plant.start_position, plant.start_velocity},
+                              plant.delay_samples};
+  const LoopResponseOrReason found =
+      loop_response(design, options.force_amplitude, noise_amplitude(scenario, options));
+  LoopCurve curve;
+  curve.reason = found.reason;
+  if (found.response) {
+    for (const double omega : frequencies(options.from_rad_s, to_rad_s, kDesignPoints)) {
+      curve.points.push_back(point(omega,
+                                   frequency_response(found.response->to_force, omega, period_s),
+                                   frequency_response(found.response->to_noise, omega, period_s)));
+    }
+  }
+  return curve;
+}
+
+// What is measured of one loop, before it is put together.
+struct Measured {
+  std::vector<SineResponse> of_force, of_noise;
+};
+
+LoopPoint measured_point(const SineResponse& force, const SineResponse& noise) {
+  LoopPoint p = point(force.omega_rad_s, force.gain, noise.gain);
+  p.spread = force.spread;
+  p.saturated = std::max(force.saturated, noise.saturated);
+  return p;
+}
+
+}  // namespace
+
+std::vector<LoopAnalysis> analyse(const std::vector<AnalysedLoop>& loops,
+                                  const AnalysisOptions& options) {
+  std::vector<LoopAnalysis> results(loops.size());
+  std::vector<double> to_rad_s;
+  for (const AnalysedLoop& loop : loops) {
+    const double nyquist = nyquist_rad_s(*loop.scenario);
+    const double to = options.to_rad_s > 0.0 ? options.to_rad_s : kShareOfNyquist * nyquist;
+    if (!(options.from_rad_s > 0.0 && options.from_rad_s < to && to < nyquist)) {
+      throw std::invalid_argument(
+          fmt::format("{}: frequencies from {:g} to {:g} rad/s: must rise, and stay below the "
+                      "Nyquist frequency, {:.4g} rad/s",
+                      loop.label, options.from_rad_s, to, nyquist));
+    }
+    to_rad_s.push_back(to);
+  }
+  on_all_cores(
+      loops.size(),
+      [&](std::size_t i) {
+        results[i].label = loops[i].label;
+        results[i].estimates =
+            loops[i].scenario->parts().make(loops[i].scenario->task()).estimates();
+        results[i].designed = designed_curve(*loops[i].scenario, options, to_rad_s[i]);
+      },
+      options.jobs);
+
+  // The lowest frequencies take the longest, so all loops' first.
+  const auto points = static_cast<std::size_t>(options.points);
+  std::vector<Measured> measured(loops.size());
+  for (Measured& one : measured) {
+    one.of_force.resize(points);
+    one.of_noise.resize(points);
+  }
+  on_all_cores(
+      2 * points * loops.size(),
+      [&](std::size_t task) {
+        const std::size_t loop = task / 2 % loops.size(), i = task / 2 / loops.size();
+        const bool is_force = task % 2 == 0;
+        const AxisScenario& scenario = *loops[loop].scenario;
+        const SineTest test{
+            .probe = is_force ? Probe::force : Probe::noise,
+            .omega_rad_s = frequencies(options.from_rad_s, to_rad_s[loop], points)[i],
+            .amplitude = is_force ? options.force_amplitude : noise_amplitude(scenario, options),
+            .settle_s = options.settle_s,
+            .stop = options.stop};
+        (is_force ? measured[loop].of_force : measured[loop].of_noise)[i] =
+            measure_sine(scenario, test);
+      },
+      options.jobs);
+  for (std::size_t loop = 0; loop < loops.size(); ++loop) {
+    for (std::size_t i = 0; i < points; ++i) {
+      results[loop].measured.points.push_back(
+          measured_point(measured[loop].of_force[i], measured[loop].of_noise[i]));
+    }
+    judge(results[loop].designed, results[loop].estimates);
+    judge(results[loop].measured, results[loop].estimates);
+  }
+  return results;
+}
+
+}  // namespace breakwater

@@ -1,0 +1,28 @@
+// How far a loop is from instability.
+#pragma once
+
+#include <complex>
+#include <vector>
+
+namespace breakwater {
+
+/// Of a loop gain L(jω) whose feedback is negative. NaN where there is none: no crossing.
+struct LoopMargins {
+  double crossover_rad_s;        ///< the last frequency at which |L| = 1
+  double phase_margin_rad;       ///< the smallest distance of arg L from −π at |L| = 1
+  double gain_margin;            ///< the smallest factor above 1 that makes it unstable
+  double gain_reduction_margin;  ///< the largest factor below 1 that does
+  double delay_margin_s;         ///< the smallest additional delay that does
+  double sensitivity_peak;       ///< M_s = max |1/(1 + L)|; 1/M_s is L's least distance from −1
+  double complementary_peak;     ///< M_t = max |L/(1 + L)|
+};
+
+/// `omega_rad_s` (rising) and `loop_gain` are of equal length, and so dense that log |L| and arg L
+/// are near to straight lines over log ω between two of them: crossings are interpolated. Throws
+/// std::invalid_argument if there are fewer than two.
+///
+/// Source: K. J. Åström, R. M. Murray, Feedback Systems, Princeton 2008, section 9.3.
+LoopMargins loop_margins(const std::vector<double>& omega_rad_s,
+                         const std::vector<std::complex<double>>& loop_gain);
+
+}  // namespace breakwater

@@ -1,0 +1,189 @@
+#include <breakwater/analysis/loop_response.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <deque>
+#include <limits>
+#include <memory>
+
+#include <breakwater/control/controller.h>
+
+namespace breakwater {
+namespace {
+
+constexpr double kSame = 1e-6;          // of the largest value, so that two responses are the same
+constexpr double kDecayed = 1e-9;       // of the largest value, so that a response has ended
+constexpr std::size_t kPattern = 1000;  // samples of the random binary force
+constexpr std::size_t kFirstLength = 4096, kLongest = std::size_t{1} << 20U;
+constexpr std::size_t kWarmUps[] = {500, 5000, 50'000};  // samples until a gain may have settled
+constexpr std::size_t kLater = 777;
+
+struct ProbeSequence {
+  Probe probe = Probe::force;
+  std::size_t from = 0;
+  std::vector<double> values;
+
+  double at(Probe of, std::size_t k) const {
+    return of == probe && k >= from && k - from < values.size() ? values[k - from] : 0.0;
+  }
+};
+
+PulseResponse run(const AxisLoopDesign& design, const ProbeSequence& probe, std::size_t samples) {
+  const AxisLoop loop = design.parts->make(design.task);
+  Eigen::Vector2d x = design.start_state;
+  std::deque<double> measured;
+  const bool is_told_all = design.task.senses_true_state;
+  Sample sample{0.0, Eigen::VectorXd::Zero(is_told_all ? 3 : 1)};
+  Eigen::VectorXd u = Eigen::VectorXd::Zero(1);
+  const auto sense = [&](std::size_t k) {
+    sample.time_s = static_cast<double>(k) * design.task.axis.period_s;
+    measured.push_back((design.plant.C * x)(0) + probe.at(Probe::noise, k));
+    if (measured.size() > static_cast<std::size_t>(design.delay_samples) + 1) measured.pop_front();
+    sample.y(0) = measured.front();
+    if (is_told_all) sample.y.tail<2>() = x;
+  };
+  PulseResponse out;
+  out.command.reserve(samples);
+  for (std::size_t k = 0; k < samples; ++k) {
+    sense(k);
+    if (k == 0) loop.controller->reset(sample);
+    loop.controller->update(sample, u);
+    out.command.push_back(u(0));
+    if (loop.estimates()) {
+      out.disturbance.push_back(loop.estimator->disturbance()(0));
+      out.velocity.push_back(loop.estimator->state()(1));
+    }
+    x = design.plant.A * x + design.plant.B * (u(0) + probe.at(Probe::force, k));
+  }
+  return out;
+}
+
+// (a − b) scale, from a sample on.
+std::vector<double> difference(const std::vector<double>& a, const std::vector<double>& b,
+                               std::size_t from, double scale) {
+  std::vector<double> result;
+  for (std::size_t k = from; k < a.size(); ++k) result.push_back((a[k] - b[k]) * scale);
+  return result;
+}
+
+PulseResponse difference(const PulseResponse& a, const PulseResponse& b, std::size_t from,
+                         double scale) {
+  return {difference(a.command, b.command, from, scale),
+          difference(a.disturbance, b.disturbance, from, scale),
+          difference(a.velocity, b.velocity, from, scale)};
+}
+
+double largest(const std::vector<double>& values, std::size_t from = 0) {
+  double most = 0.0;
+  for (std::size_t k = from; k < values.size(); ++k) {
+    if (!std::isfinite(values[k])) return std::numeric_limits<double>::infinity();
+    most = std::max(most, std::abs(values[k]));
+  }
+  return most;
+}
+
+bool is_same(const std::vector<double>& a, const std::vector<double>& b) {
+  const double bound = kSame * largest(a);
+  for (std::size_t k = 0; k < std::min(a.size(), b.size()); ++k) {
+    if (!(std::abs(a[k] - b[k]) <= bound)) return false;
+  }
+  return true;
+}
+
+bool is_same(const PulseResponse& a, const PulseResponse& b) {
+  return is_same(a.command, b.command) && is_same(a.disturbance, b.disturbance) &&
+         is_same(a.velocity, b.velocity);
+}
+
+// Far beyond what it was at first.
+bool has_run_away(const std::vector<double>& values) {
+  constexpr double kFar = 1e3;
+  const auto early = static_cast<std::ptrdiff_t>(std::min(values.size(), kFirstLength) / 4);
+  return largest(values) > kFar * largest({values.begin(), values.begin() + early});
+}
+
+bool has_decayed(const std::vector<double>& values) {
+  return largest(values, values.size() * 3 / 4) <= kDecayed * largest(values);
+}
+
+// A random binary sequence; any will do (Marsaglia's xorshift).
+std::vector<double> binary_pattern(double amplitude) {
+  std::vector<double> values(kPattern);
+  std::uint32_t state = 2463534242U;
+  for (double& value : values) {
+    state ^= state << 13U;
+    state ^= state >> 17U;
+    state ^= state << 5U;
+    value = (state >> 31U) != 0 ? amplitude : -amplitude;
+  }
+  return values;
+}
+
+PulseResponse to_pulse(const AxisLoopDesign& design, Probe probe, double size, std::size_t from,
+                       std::size_t length) {
+  return difference(run(design, {probe, from, {size}}, from + length),
+                    run(design, {}, from + length), from, 1.0 / size);
+}
+
+bool is_linear(const AxisLoopDesign& design, Probe probe, double size, std::size_t from) {
+  const std::size_t samples = from + 2 * kPattern;
+  const PulseResponse rest = run(design, {}, samples);
+  const PulseResponse once = run(design, {probe, from, binary_pattern(size)}, samples);
+  const PulseResponse twice = run(design, {probe, from, binary_pattern(-2.0 * size)}, samples);
+  return is_same(difference(once, rest, from, -2.0), difference(twice, rest, from, 1.0));
+}
+
+// When a pulse begins to have the same response whenever it comes; nothing if never.
+std::optional<std::size_t> time_invariant_from(const AxisLoopDesign& design, double force) {
+  for (const std::size_t from : kWarmUps) {
+    if (is_same(to_pulse(design, Probe::force, force, from, kFirstLength),
+                to_pulse(design, Probe::force, force, from + kLater, kFirstLength))) {
+      return from;
+    }
+  }
+  return std::nullopt;
+}
+
+// Empty where it does not end.
+std::optional<PulseResponse> whole_response(const AxisLoopDesign& design, Probe probe, double size,
+                                            std::size_t from) {
+  for (std::size_t length = kFirstLength; length <= kLongest; length *= 4) {
+    PulseResponse pulses = to_pulse(design, probe, size, from, length);
+    if (has_run_away(pulses.command)) return std::nullopt;
+    if (has_decayed(pulses.command) && has_decayed(pulses.disturbance) &&
+        has_decayed(pulses.velocity)) {
+      return pulses;
+    }
+  }
+  return std::nullopt;
+}
+
+std::complex<double> sum(const std::vector<double>& values, std::complex<double> step) {
+  // Horner's rule in z⁻¹.
+  std::complex<double> result = 0.0;
+  for (std::size_t k = values.size(); k-- > 0;) result = result * step + values[k];
+  return result;
+}
+
+}  // namespace
+
+Phasors frequency_response(const PulseResponse& pulses, double omega_rad_s, double period_s) {
+  const std::complex<double> back = std::polar(1.0, -omega_rad_s * period_s);
+  return {sum(pulses.command, back), sum(pulses.disturbance, back), sum(pulses.velocity, back)};
+}
+
+LoopResponseOrReason loop_response(const AxisLoopDesign& design, double force, double noise) {
+  const std::optional<std::size_t> from = time_invariant_from(design, force);
+  if (!from) return {{}, "its response to a pulse depends on when it comes"};
+  if (!is_linear(design, Probe::force, force, *from) ||
+      !is_linear(design, Probe::noise, noise, *from)) {
+    return {{}, "not linear at these amplitudes"};
+  }
+  std::optional<PulseResponse> to_force = whole_response(design, Probe::force, force, *from);
+  std::optional<PulseResponse> to_noise = whole_response(design, Probe::noise, noise, *from);
+  if (!to_force || !to_noise) return {{}, "the loop does not settle"};
+  return {LoopResponse{std::move(*to_force), std::move(*to_noise)}, ""};
+}
+
+}  // namespace breakwater

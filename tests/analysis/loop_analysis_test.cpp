@@ -1,0 +1,154 @@
+// Loops of motor_estimation in the frequency domain: as designed against the loop's matrices, and
+// as measured against the design.
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+
+#include <breakwater/analysis/loop_analysis.h>
+#include <breakwater/linear/riccati.h>
+#include <breakwater/observers/kalman_design.h>
+#include <breakwater/plants/damped_inertia.h>
+#include "catalogue.h"
+
+namespace breakwater {
+namespace {
+
+using Complex = std::complex<double>;
+
+struct Prepared {
+  Prepared(const std::string& scenario, const std::string& case_name,
+           const std::vector<std::string>& sets)
+      : run(testing::prepare(scenario, case_name, sets)),
+        axis(dynamic_cast<const AxisScenario*>(run.scenario.get())) {}
+
+  LoopAnalysis analyse(const AnalysisOptions& options) const {
+    return breakwater::analyse({{"it", axis}}, options).front();
+  }
+
+  PreparedRun run;
+  const AxisScenario* axis;
+};
+
+// The loop of plant, stationary disturbance Kalman filter and PD control, written down as one
+// system: x of the plant, z⁻ = [x̂; d̂] predicted.
+struct KalmanLoop {
+  Eigen::MatrixXd A, from_force, from_noise;
+  Eigen::MatrixXd d_hat, command;  // rows over the state
+  double d_hat_of_noise, command_of_noise;
+
+  KalmanLoop(double q, double k_p, double k_d, double period_s) {
+    const StateSpace plant = zero_order_hold(damped_inertia(1.0, 0.0), period_s);
+    const ExtendedPlant extended = extend_by_disturbance_model(plant, 0, period_s);
+    const Eigen::MatrixXd &Ae = extended.sampled.A, &Be = extended.sampled.B,
+                          &Ce = extended.sampled.C;
+    const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(1, 1);
+    const Eigen::MatrixXd P =
+        solve_dare(Ae.transpose(), Ce.transpose(), disturbance_noise(extended, q), one);
+    const Eigen::MatrixXd K = P * Ce.transpose() / ((Ce * P * Ce.transpose())(0) + 1.0);
+    // z = (I − K C) z⁻ + K y, u = F z, z⁻(k+1) = A z + B u; y = C x + n.
+    const Eigen::MatrixXd M = Eigen::MatrixXd::Identity(3, 3) - K * Ce;
+    Eigen::RowVector3d F(-k_p, -k_d, 1.0);
+    Eigen::MatrixXd z(3, 5);
+    z << K * plant.C, M;
+    command = F * z;
+    d_hat = z.row(2);
+    d_hat_of_noise = K(2);
+    command_of_noise = (F * K)(0);
+    A = Eigen::MatrixXd::Zero(5, 5);
+    A.topLeftCorner(2, 2) = plant.A;
+    A.topRows(2) += plant.B * command;
+    A.bottomRows(3) = Ae * z + Be * command;
+    from_force = Eigen::MatrixXd::Zero(5, 1);
+    from_force.topRows(2) = plant.B;
+    from_noise = Eigen::MatrixXd::Zero(5, 1);
+    from_noise.topRows(2) = plant.B * command_of_noise;
+    from_noise.bottomRows(3) = Ae * K + Be * command_of_noise;
+  }
+
+  Complex response(const Eigen::MatrixXd& row, const Eigen::MatrixXd& from, double direct,
+                   Complex z) const {
+    const Eigen::MatrixXcd inverse =
+        (z * Eigen::MatrixXcd::Identity(5, 5) - A.cast<Complex>()).inverse();
+    return (row.cast<Complex>() * inverse * from.cast<Complex>())(0) + direct;
+  }
+};
+
+void expect_near(Complex a, Complex b, double share, double omega) {
+  EXPECT_NEAR(std::abs(a - b), 0.0, share * std::abs(b)) << a << " and " << b << " at " << omega;
+}
+
+TEST(LoopAnalysis, OfAStationaryKalmanFilterIsThatOfItsMatrices) {
+  const Prepared prepared("motor_estimation", "dkf", {"encoder.bits=0"});
+  const LoopAnalysis analysis = prepared.analyse({.points = 0});
+  ASSERT_EQ(analysis.designed.reason, "");
+  ASSERT_TRUE(analysis.estimates);
+  const KalmanLoop loop(1.5e4, 10.0, std::sqrt(10.0), 1e-3);
+  for (const LoopPoint& point : analysis.designed.points) {
+    const double omega = point.omega_rad_s;
+    const Complex z = std::polar(1.0, omega * 1e-3);
+    const Complex command = loop.response(loop.command, loop.from_force, 0.0, z);
+    expect_near(point.complementary, -command, 1e-6, omega);
+    expect_near(point.sensitivity, 1.0 + command, 1e-5, omega);
+    expect_near(point.d_hat_over_d, -loop.response(loop.d_hat, loop.from_force, 0.0, z), 1e-6,
+                omega);
+    expect_near(point.noise_to_d_hat,
+                loop.response(loop.d_hat, loop.from_noise, loop.d_hat_of_noise, z), 1e-5, omega);
+  }
+}
+
+TEST(LoopAnalysis, MeasuredIsAsDesignedWithoutAnEncoder) {
+  for (const std::string name : {"idob", "mdob", "dkf"}) {
+    const Prepared prepared("motor_estimation", name, {"encoder.bits=0"});
+    const LoopAnalysis analysis =
+        prepared.analyse({.from_rad_s = 3.0, .to_rad_s = 300.0, .points = 4, .settle_s = 20.0});
+    ASSERT_EQ(analysis.measured.points.size(), 4U);
+    const AxisTask task = prepared.axis->task();
+    for (const LoopPoint& point : analysis.measured.points) {
+      // Designed points are dense: the nearest two, between which it is near to a straight line.
+      const auto& designed = analysis.designed.points;
+      auto next = std::find_if(designed.begin(), designed.end(), [&](const LoopPoint& other) {
+        return other.omega_rad_s >= point.omega_rad_s;
+      });
+      if (next == designed.end()) --next;
+      const LoopPoint& before = next == designed.begin() ? *next : *(next - 1);
+      const double width = next->omega_rad_s - before.omega_rad_s;
+      const double share = width > 0.0 ? (point.omega_rad_s - before.omega_rad_s) / width : 0.0;
+      const auto between = [&](Complex LoopPoint::*value) {
+        return before.*value + share * ((*next).*value - before.*value);
+      };
+      for (const auto value :
+           {&LoopPoint::complementary, &LoopPoint::sensitivity, &LoopPoint::d_hat_over_d,
+            &LoopPoint::noise_to_d_hat, &LoopPoint::noise_to_v_hat}) {
+        expect_near(point.*value, between(value), 5e-3, point.omega_rad_s);
+      }
+      EXPECT_EQ(point.saturated, 0.0);
+    }
+  }
+}
+
+TEST(LoopAnalysis, WhatAdaptsIsMeasuredAlone) {
+  const Prepared prepared("motor_estimation", "vfakfd", {});
+  const LoopAnalysis analysis = prepared.analyse({.points = 0});
+  EXPECT_NE(analysis.designed.reason, "");
+  EXPECT_TRUE(analysis.designed.points.empty());
+}
+
+TEST(LoopAnalysis, ADelayTakesItsPartOfTheMargin) {
+  const LoopAnalysis prompt =
+      Prepared("motor_estimation", "idob", {"encoder.bits=0"}).analyse({.points = 0});
+  const LoopAnalysis late =
+      Prepared("motor_estimation", "idob", {"encoder.bits=0", "sensor.delay_samples=20"})
+          .analyse({.points = 0});
+  EXPECT_NEAR(prompt.designed.margins.delay_margin_s - late.designed.margins.delay_margin_s, 0.02,
+              2e-5);
+}
+
+TEST(LoopAnalysis, ALoopThatIsNotStableHasNoResponse) {
+  const LoopAnalysis analysis =
+      Prepared("motor_estimation", "idob", {"encoder.bits=0", "sensor.delay_samples=200"})
+          .analyse({.points = 0});
+  EXPECT_EQ(analysis.designed.reason, "the loop does not settle");
+}
+
+}  // namespace
+}  // namespace breakwater
