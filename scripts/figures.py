@@ -20,6 +20,13 @@ import re
 import sys
 from pathlib import Path
 
+
+def refuse(reason):
+    """Ends as all commands do on input that is wrong."""
+    print(f"figures.py: {reason}", file=sys.stderr)
+    sys.exit(2)
+
+
 try:
     import h5py
     import matplotlib
@@ -27,7 +34,7 @@ try:
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
 except ImportError as error:
-    sys.exit(f"figures.py: {error.name} is missing: apt-get install python3-h5py python3-matplotlib")
+    refuse(f"{error.name} is missing: apt-get install python3-h5py python3-matplotlib")
 
 STYLE = {
     "font.size": 8,
@@ -55,10 +62,10 @@ def read(run, signal):
     """Times, values, unit of a signal of a run."""
     parts = re.fullmatch(r"(?:([^\[/]+)/)?([^\[/]+)(?:\[([1-9]\d*)\])?", signal)
     if parts is None:
-        sys.exit(f"figures.py: --signal {signal}: must be NAME, GROUP/NAME or NAME[1]")
+        refuse(f"--signal {signal}: must be NAME, GROUP/NAME or NAME[1]")
     group, name, index = parts[1] or "control", parts[2], parts[3]
     if not (Path(run) / "log.h5").is_file():
-        sys.exit(f"figures.py: {run}: is not a finished run: it has no log.h5")
+        refuse(f"{run}: is not a finished run: it has no log.h5")
     try:
         with h5py.File(Path(run) / "log.h5") as log:
             values = log[group][name]
@@ -66,14 +73,14 @@ def read(run, signal):
             if isinstance(unit, bytes):  # not in logs of version 0.1
                 unit = unit.decode()
             if values.ndim == 2 and index is None:
-                sys.exit(f"figures.py: {run}: {signal} has {values.shape[1]} values: say which, "
+                refuse(f"{run}: {signal} has {values.shape[1]} values: say which, "
                          f"{signal}[1]")
             column = values[:] if values.ndim == 1 else values[:, int(index) - 1]
             if values.ndim == 2 and unit.count(", ") + 1 == values.shape[1]:
                 unit = unit.split(", ")[int(index) - 1]  # each value's own
             return log[group]["time_s"][:], column, unit
     except (OSError, KeyError, IndexError):
-        sys.exit(f"figures.py: {run}: its log has no signal {signal}")
+        refuse(f"{run}: its log has no signal {signal}")
 
 
 def has(run, signal):

@@ -91,6 +91,7 @@ ShotList read_shot_list(const std::string& file) {
   bind_arrows(fields, shots.arrows);
   bind_lines(fields, shots.lines);
   fields.read(config);
+  if (const ConfigEntry* camera = config.find("camera")) shots.camera_origin = camera->origin;
 
   if (shots.to_s <= shots.from_s) config.fail("video.to_s", "must be after video.from_s");
   for (const char* key : {"video.width", "video.height"}) {

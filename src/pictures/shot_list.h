@@ -41,8 +41,9 @@ struct ShotLine {
 enum class Corner { top_left, top_right, bottom_left, bottom_right };
 
 struct ShotList {
-  std::string title;   ///< in the lower corner that the chart leaves
-  std::string camera;  ///< empty: all of the model
+  std::string title;          ///< in the lower corner that the chart leaves
+  std::string camera;         ///< empty: all of the model
+  std::string camera_origin;  ///< where it stands, "FILE:LINE"
   double from_s = 0.0;
   double to_s = 0.0;  ///< beyond the run's end: its end
   double speed = 1.0;

@@ -37,6 +37,15 @@ ArrowTrack stage_arrow(const FinishedRun& run, const ShotArrow& shot, const Mode
   return track;
 }
 
+// The shot list's camera; if the model has none such, the list is to blame.
+int listed_camera(const Model& model, const ShotList& shots) {
+  try {
+    return camera_id(model, shots.camera);
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(shots.camera_origin + ": camera: " + error.what());
+  }
+}
+
 }  // namespace
 
 PictureRun stage(const FinishedRun& run, const ShotList& shots, const std::string& camera,
@@ -52,7 +61,8 @@ PictureRun stage(const FinishedRun& run, const ShotList& shots, const std::strin
     scenario->animate_scene(model, time_s);
   };
   staged.surfaces = scenario->waving_surfaces(staged.model);
-  staged.camera = camera_id(staged.model, camera.empty() ? shots.camera : camera);
+  staged.camera =
+      camera.empty() ? listed_camera(staged.model, shots) : camera_id(staged.model, camera);
   staged.times_s = run.times_s();
   staged.qpos = run.qpos();
   for (const ShotArrow& shot : shots.arrows) {

@@ -57,7 +57,7 @@ std::string without_numbers(const std::string& reason) {
     }
     const char* const begin = reason.data() + i;
     double value = 0.0;
-    const auto end = std::from_chars(begin, reason.data() + reason.size(), value).ptr;
+    const char* const end = std::from_chars(begin, reason.data() + reason.size(), value).ptr;
     text += '#';
     i += static_cast<std::size_t>(end - begin);
   }

@@ -35,19 +35,31 @@ struct Arguments {
   bool print_config = false;
 };
 
+// What the key asks beyond that is said of the key.
+std::string is_number(const std::string& text) {
+  double value = 0.0;
+  return CLI::detail::lexical_cast(text, value) ? "" : "must be a number, is \"" + text + "\"";
+}
+
 void describe(CLI::App& app, const RunExtras& extras, Arguments& arguments) {
   app.add_option("--case", arguments.case_name,
                  "which case to run (--list-cases), or all: every case, on all cores")
-      ->type_name("NAME");
+      ->type_name("NAME")
+      ->check([](const std::string& name) {
+        return std::string(name.empty() ? "must be a case's name (--list-cases)" : "");
+      });
   app.add_option("--config", arguments.config,
                  "another scenario file, such as a run's own config.toml")
       ->type_name("FILE");
   app.add_option("--set", arguments.sets,
                  "override keys of the scenario file (--print-config shows them all)")
       ->type_name("KEY=VALUE");
-  app.add_option("--seed", arguments.seed, "the same as --set run.seed=N")->type_name("N");
+  app.add_option("--seed", arguments.seed, "the same as --set run.seed=N")
+      ->type_name("N")
+      ->check(is_number);
   app.add_option("--duration", arguments.duration, "the same as --set run.duration_s=S")
-      ->type_name("S");
+      ->type_name("S")
+      ->check(is_number);
   app.add_option("--out", arguments.out,
                  "the run's folder; with --case all, the folder of the runs' folders\n"
                  "(default: runs/SCENARIO/CASE-seedN)")
@@ -75,8 +87,17 @@ void describe(CLI::App& app, const RunExtras& extras, Arguments& arguments) {
 
 std::vector<std::string> all_sets(const Arguments& arguments) {
   std::vector<std::string> sets = arguments.sets;
-  if (!arguments.seed.empty()) sets.push_back("run.seed=" + arguments.seed);
-  if (!arguments.duration.empty()) sets.push_back("run.duration_s=" + arguments.duration);
+  const auto add = [&](const std::string& option, const std::string& key,
+                       const std::string& value) {
+    if (value.empty()) return;
+    for (const std::string& set : arguments.sets) {
+      if (!set.starts_with(key + "=")) continue;
+      throw std::invalid_argument(option + ": --set gives " + key + " too: leave one out");
+    }
+    sets.push_back(key + "=" + value);
+  };
+  add("--seed", "run.seed", arguments.seed);
+  add("--duration", "run.duration_s", arguments.duration);
   return sets;
 }
 
@@ -214,6 +235,11 @@ int run_matrix(const Catalogue& catalogue, const std::string& scenario, const Sc
   }
   if (!arguments.case_name.empty()) {
     throw std::invalid_argument(scenario + ": --matrix: runs all cases, so leave --case out");
+  }
+  for (const std::string& set : arguments.sets) {
+    if (!set.starts_with(matrix.key + "=")) continue;
+    throw std::invalid_argument(scenario + ": --matrix: runs all of " + matrix.key +
+                                ", so leave it out of --set");
   }
   std::vector<PreparedRun> runs;
   std::vector<std::string> places;

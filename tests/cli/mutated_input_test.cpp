@@ -26,7 +26,7 @@ std::string complaint(const Mutant& mutant, const std::string& path) {
     const ScenarioKind& kind = testing::catalogue().get<ScenarioKind>(mutant.scenario);
     const ScenarioFile file(is_scenario ? path : kind.file().string(), mutant.scenario);
     std::vector<std::string> sets;
-    if (!is_scenario) sets.push_back(mutant.option + "=" + path);
+    if (!is_scenario) sets.emplace_back(mutant.option + "=" + path);
     const Config config = file.config(file.default_case(), sets);
     const auto scenario = kind.make(testing::catalogue());
     Fields fields = scenario->fields();
@@ -97,7 +97,7 @@ TEST_F(MutatedInput, WhatIsLegalRunsOrFailsAsRunsDo) {
     std::vector<std::string> arguments = {
         "breakwater", "run",        mutant.scenario, "--quiet", "--out",
         "run",        "--duration", "0.2",           "--set",   mutant.option + "=" + path};
-    if (mutant.scenario == "quadrotor_waves") arguments.push_back("metrics.window_s=0.1");
+    if (mutant.scenario == "quadrotor_waves") arguments.emplace_back("metrics.window_s=0.1");
     const auto result = testing::run_program(arguments, folder_);
     EXPECT_TRUE(result.status == 0 || result.status == 3)
         << mutant.name() << ": " << result.status << ": " << result.err;

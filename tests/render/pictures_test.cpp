@@ -185,6 +185,7 @@ TEST_F(Pictures, ACameraThatTheModelLacksFailsTheVideoAlone) {
   const ProgramResult result = run({"arm_push", "--quiet", "--duration", "0.2", "--video", "--out",
                                     "run", "--set", "model.mjcf=mine.xml"});
   expect_failure(result, 4, "has no camera", kRunFiles, "run");
+  EXPECT_NE(result.err.find("arm_push/shots.toml:"), std::string::npos) << result.err;
 }
 
 TEST_F(Pictures, AFailedRunIsDrawnToo) {
