@@ -1,0 +1,289 @@
+"""Between docs/ and mkdocs: the navigation, what pages link to outside of docs/, notebooks, the
+gallery, the headers. The pages themselves are not changed: what a forge shows is what is built.
+
+Of a file of the tree (`T`) the site has: of docs/X: X; of other Markdown: source/T; of a notebook: a
+page with its cells; of other text: source/T.md, a page that shows it; of a picture: source/T.
+"""
+
+import base64
+import json
+import os
+import pathlib
+import re
+import shutil
+import sys
+import tomllib
+import urllib.parse
+import xml.etree.ElementTree
+
+from mkdocs.structure.files import File
+
+sys.path.insert(0, str(pathlib.Path(__file__).parent))
+import markdown_pages  # noqa: E402
+import numbers_of_tables  # noqa: E402
+from markdown_pages import DOCS, ROOT  # noqa: E402
+
+WORK = ROOT / "build/docs"
+MADE = WORK / "made"  # pages that are no file of docs/
+KATEX = pathlib.Path("/usr/share/javascript/katex")
+DATA = {".csv", ".h5", ".mp4"}  # given as they are
+PICTURES = {".png", ".jpg", ".svg", ".gif"}
+LANGUAGES = {".h": "cpp", ".cpp": "cpp", ".py": "python", ".toml": "toml", ".sh": "bash",
+             ".cmake": "cmake", ".xml": "xml", ".urdf": "xml", ".json": "json"}
+
+
+# Where a file of the tree is in the site.
+
+def place_of(file):
+    """The path of a file or folder of the tree among the site's sources."""
+    inside = file.is_relative_to(DOCS)
+    path = file.relative_to(DOCS) if inside else pathlib.Path("source") / file.relative_to(ROOT)
+    if file.is_dir():
+        return path / "index.md"
+    if file.suffix == ".ipynb":
+        return path.with_suffix(".md")
+    if file.suffix == ".md" or file.suffix in PICTURES | DATA:
+        return path
+    return (pathlib.Path("source") / file.relative_to(ROOT)).with_name(file.name + ".md")
+
+
+def at_home(text, page, place):
+    """The page's Markdown with its links as they are from `place`."""
+    lines = text.split("\n")
+    for number, line in markdown_pages.prose(text):
+        plain = markdown_pages.without_code(line)
+        for link in reversed(list(markdown_pages.LINK.finditer(plain))):
+            path, hash_, fragment = link[3].partition("#")
+            if not path or "://" in path:
+                continue
+            file = pathlib.Path(os.path.normpath(page.parent / urllib.parse.unquote(path)))
+            target = os.path.relpath(place_of(file), place.parent) + hash_ + fragment
+            line = line[:link.start(3)] + target + line[link.end(3):]
+        lines[number - 1] = line
+    return "\n".join(lines)
+
+
+# Pages that are made.
+
+def shown(file):
+    """A text of the tree as a page."""
+    language = LANGUAGES.get(file.suffix, "text")
+    text = file.read_text(encoding="utf-8")
+    fence = "`" * max([3, *(len(run) + 1 for run in re.findall("`{3,}", text))])
+    return f"# {file.relative_to(ROOT)}\n\n{fence}{language}\n{text}\n{fence}\n"
+
+
+def listed(folder):
+    """A folder as a page: its pages by their titles."""
+    name = folder.relative_to(DOCS if folder.is_relative_to(DOCS) else ROOT)
+    lines = [f"# {str(name).capitalize()}", ""]
+    for file in sorted(folder.iterdir()):
+        if file.suffix == ".md":
+            title = next(markdown_pages.headings(file.read_text(encoding="utf-8")))[2]
+        elif file.suffix == ".ipynb":
+            title = title_of_notebook(json.loads(file.read_text(encoding="utf-8")))
+        elif file.is_file() and not folder.is_relative_to(DOCS):
+            title = file.name
+        else:
+            continue
+        lines.append(f"- [{title}]({file.name})")
+    return at_home("\n".join(lines) + "\n", folder / "index.md", place_of(folder))
+
+
+def title_of_notebook(notebook):
+    return re.search(r"^# (.*)$", "".join(notebook["cells"][0]["source"]), re.M)[1]
+
+
+def write_notebook(file, place):
+    """The cells of a notebook as a page, with the text and the pictures that they left."""
+    notebook = json.loads(file.read_text(encoding="utf-8"))
+    title = title_of_notebook(notebook)
+    parts, pictures = [], 0
+    for cell in notebook["cells"]:
+        source = "".join(cell["source"])
+        if cell["cell_type"] == "markdown":
+            parts.append(at_home(source, file, place))
+            continue
+        parts.append(f"```python\n{source}\n```")
+        for output in cell.get("outputs", []):
+            data = output.get("data", {})
+            if "image/png" in data:
+                pictures += 1
+                name = f"{file.stem}-{pictures}.png"
+                (MADE / place.parent / name).write_bytes(base64.b64decode(data["image/png"]))
+                parts.append(f"![Figure {pictures} of the notebook “{title}”]({name})")
+            elif text := "".join(output.get("text", data.get("text/plain", ""))):
+                parts.append(f"```text\n{text.rstrip()}\n```")
+    parts.insert(1, f"As a [notebook for Jupyter]({file.name}).")
+    return "\n\n".join(parts) + "\n"
+
+
+def headers():
+    """The rooms' headers, each with its first comment, and where Doxygen has it."""
+    tags = xml.etree.ElementTree.parse(WORK / "api.tag")
+    pages = {}
+    for compound in tags.iter("compound"):
+        if compound.get("kind") == "file":
+            path = compound.findtext("path", "") + compound.findtext("name")
+            page = compound.findtext("filename")
+            pages[path[path.index("breakwater/"):]] = page if page.endswith(".html") else page + ".html"
+    lines = ["# C++ headers", "",
+             "What an installation has, room by room ([architecture](architecture.md)); "
+             '<a href="api/annotated.html">all classes</a>, <a href="api/globals_func.html">functions</a>.']
+    room = None
+    for path in sorted(pages):
+        _, here, name = path.split("/", 2)
+        if here != room:
+            room = here
+            lines += ["", f"## {room}", "", "| header | |", "|---|---|"]
+        first = (ROOT / "src" / room / name).read_text(encoding="utf-8").split("#pragma")[0]
+        about = " ".join(line.lstrip("/ ") for line in first.split("\n")).strip().replace("|", "\\|")
+        lines.append(f'| <a href="api/{pages[path]}"><code>&lt;{path}&gt;</code></a> | {about} |')
+    return "\n".join(lines) + "\n"
+
+
+def gallery():
+    """The kept runs' replays and videos."""
+    kept = WORK / "gallery"
+    exhibits = tomllib.loads((pathlib.Path(__file__).parent / "gallery.toml").read_text("utf-8"))
+    lines = ["# Gallery", "", exhibits["introduction"].strip(), ""]
+    for exhibit in exhibits["exhibit"]:
+        folder = f"gallery/{exhibit['name']}"
+        lines += [f"## {exhibit['title']}", "", exhibit["text"].strip(), ""]
+        if not (kept / exhibit["name"] / "made.json").exists():
+            lines += ["*Not drawn when this site was built.*", ""]
+            continue
+        lines += [
+            f'<video controls preload="none" playsinline poster="{folder}/still.png" width="1280" height="720"'
+            f' src="{folder}/video.mp4" aria-label="{exhibit["alt"]}">{exhibit["alt"]}</video>', "",
+            f'<a class="md-button" href="{folder}/replay.html">Replay in three dimensions</a>', "",
+            "```", *exhibit["runs"], "```", ""]
+        for name in ("still.png", "video.mp4", "replay.html"):
+            (MADE / folder).mkdir(parents=True, exist_ok=True)
+            shutil.copy(kept / exhibit["name"] / name, MADE / folder / name)
+    return "\n".join(lines)
+
+
+# mkdocs' events.
+
+def on_config(config):
+    """The navigation is docs/README.md's: its sections, in its order, each with the pages it names."""
+    text = (DOCS / "README.md").read_text(encoding="utf-8")
+    nav, section, named = [], None, set()
+    for number, line in markdown_pages.prose(text):
+        if title := re.match(r"\*\*([^*]+)\*\*", line):
+            section = []
+            nav.append({markdown_pages.plain_text(title[1]): section})
+        for _, _, _, target in markdown_pages.links(line):
+            path = target.partition("#")[0]
+            file = DOCS / path
+            if section is None or path in named or "://" in path:
+                continue
+            named.add(path)
+            if file.is_dir():
+                section += [str(place_of(file)), *(str(place_of(page)) for page in sorted(file.iterdir())
+                                                   if page.suffix in {".md", ".ipynb"})]
+            elif file.suffix == ".md":
+                section.append(path)
+    here = next(iter(nav[0].values()))
+    here.append("README.md")
+    config["nav"] = [*nav, {"Gallery": "gallery.md"}, {"C++ headers": "headers.md"},
+                     {"Changes": "source/CHANGELOG.md"}]
+    return config
+
+
+def on_files(files, config):
+    shutil.rmtree(MADE, ignore_errors=True)
+    wanted = {ROOT / "CHANGELOG.md"}
+    seen = set()
+    for page in [*markdown_pages.pages()]:
+        for _, _, _, target in markdown_pages.links(page.read_text(encoding="utf-8")):
+            path = target.partition("#")[0]
+            if path and "://" not in path:
+                wanted.add(pathlib.Path(os.path.normpath(page.parent / urllib.parse.unquote(path))))
+    wanted |= set((DOCS / "notebooks").glob("*.ipynb"))
+    have = {file.src_path for file in files}
+
+    def add(place, content):
+        (MADE / place).parent.mkdir(parents=True, exist_ok=True)
+        content = content() if callable(content) else content
+        if isinstance(content, bytes):
+            (MADE / place).write_bytes(content)
+        else:
+            (MADE / place).write_text(content, encoding="utf-8")
+        seen.add(str(place))
+
+    for file in sorted(wanted):
+        place = place_of(file)
+        if str(place) in have:
+            continue
+        (MADE / place).parent.mkdir(parents=True, exist_ok=True)
+        if file.is_dir():
+            add(place, listed(file))
+        elif file.suffix == ".ipynb":
+            add(place, write_notebook(file, place))
+        elif file.suffix == ".md":
+            add(place, at_home(file.read_text(encoding="utf-8"), file, place))
+        elif file.suffix in PICTURES | DATA:
+            add(place, file.read_bytes())
+        else:
+            add(place, at_home(shown(file), file, place))
+    add(pathlib.Path("headers.md"), headers)
+    add(pathlib.Path("gallery.md"), gallery)
+    for file in sorted(MADE.rglob("*")):
+        if file.is_file():
+            files.append(File(str(file.relative_to(MADE)), str(MADE), config["site_dir"],
+                              use_directory_urls=False))
+    return files
+
+
+def on_post_build(config):
+    """What comes from other packages: KaTeX, and Doxygen's pages."""
+    site = pathlib.Path(config["site_dir"])
+    katex = site / "assets/katex"
+    (katex / "fonts").mkdir(parents=True)
+    for name in ("katex.js", "katex.min.css"):
+        shutil.copy(KATEX / name, katex / name)
+    for font in sorted((KATEX / "fonts").glob("*.woff2")):
+        shutil.copy(font, katex / "fonts" / font.name)
+    shutil.copytree(WORK / "api", site / "api")
+    # Sources are found by the pages that link to them. theme/assets/from-disk.js wants a script.
+    index_file = site / "search/search_index.json"
+    index = json.loads(index_file.read_text(encoding="utf-8"))
+    index["docs"] = [entry for entry in index["docs"]
+                     if not entry["location"].startswith("source/") or
+                     entry["location"].startswith("source/CHANGELOG.html")]
+    text = json.dumps(index, ensure_ascii=False, separators=(",", ":"))
+    index_file.write_text(text, encoding="utf-8")
+    index_file.with_suffix(".js").write_text(f"breakwaterSearchIndex({text});\n", encoding="utf-8")
+
+
+def on_page_markdown(markdown, page, config, files):
+    file = pathlib.Path(page.file.abs_src_path)
+    if file.is_relative_to(DOCS):
+        markdown = at_home(numbers_of_tables.with_commands(markdown), file, place_of(file))
+    return for_python_markdown(markdown)
+
+
+def for_python_markdown(text):
+    """A forge's lists: they need no empty line before them, and two spaces are a level."""
+    lines, outside = text.split("\n"), {number for number, _ in markdown_pages.prose(text)}
+    result, item = [], re.compile(r"([-*]|\d+\.) ")
+    for number, line in enumerate(lines, 1):
+        before = lines[number - 2] if number > 1 else ""
+        if number in outside and item.match(line) and before.strip() and not (
+                item.match(before) or before.startswith(" ")):
+            result.append("")
+        top_fence = number not in outside and not line.startswith("  ")
+        if re.match(r"  \S|   +\S", line) and not top_fence and in_list(lines, number - 1):
+            line = "  " + line
+        result.append(line)
+    return "\n".join(result)
+
+
+def in_list(lines, index):
+    """Whether an indented line belongs to a list's item."""
+    for line in reversed(lines[:index]):
+        if line.strip() and not line.startswith(" "):
+            return bool(re.match(r"([-*]|\d+\.) ", line))
+    return False

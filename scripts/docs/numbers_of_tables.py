@@ -1,0 +1,425 @@
+#!/usr/bin/python3
+"""The numbers of the documentation's tables, and the runs that they come from: `./dev docs --check`.
+
+A table is told, in a comment above it, what makes its numbers. It is TOML:
+
+    <!-- numbers
+    run     = "breakwater sweep studies/contact-damping.toml"
+    rows    = "case"                        # the first column says which case
+    columns = "contact.damping_Ns_m"        # the head says which damping
+    cells   = "peak_force_raw_N, peak_force_filtered_N, bounce_count"
+    -->
+    | case | B = 1 | 3 | …
+
+or why there are none: <!-- numbers not checked: measured on a clock -->, of all tables of a page that
+have no comment of their own <!-- numbers of this page not checked: … -->. docs/README.md has the keys.
+
+A number in a cell holds if the run's value, rounded to as many digits as are written, is that number.
+"""
+
+import argparse
+import ast
+import csv
+import dataclasses
+import fnmatch
+import hashlib
+import html
+import math
+import os
+import pathlib
+import re
+import shlex
+import subprocess
+import sys
+import tomllib
+
+import numpy
+
+import markdown_pages
+from markdown_pages import DOCS, ROOT
+
+KEPT = ROOT / "build/docs/runs"
+BINARIES = ROOT / "build/bin"
+
+COMMENT = re.compile(r"<!-- numbers\b(.*?)-->", re.S)
+NUMBER = re.compile(r"(?<![\w.])(?P<below>< ?)?(?P<sign>(?<![\d)])[−-])?"
+                    r"(?P<digits>\d{1,3}(?:[ \u202f\u00a0]\d{3})+(?![\d.])|\d+\.?\d*|\.\d+)"
+                    r"(?:e(?P<e>[-+]?\d+)|·10(?P<ten>[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)|(?P<power>[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+))?")
+SUPERSCRIPTS = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
+
+
+class Mistake(Exception):
+    """What is wrong with a comment, or with a run: one line."""
+
+
+# Tables and their comments.
+
+@dataclasses.dataclass
+class Table:
+    page: pathlib.Path
+    line: int           # of its head
+    head: list
+    rows: list          # (line number, cells)
+    comment: str | None
+    spec: dict | None
+    reason: str | None  # why it is not checked
+
+    def __str__(self):
+        return f"{os.path.relpath(self.page, ROOT)}:{self.line}"
+
+
+def cells_of(line):
+    """The cells of a table's line; a bar in code or behind a backslash is no border."""
+    plain = re.sub(r"\\\|", "  ", markdown_pages.without_code(line))
+    borders = [i for i, letter in enumerate(plain) if letter == "|"]
+    return [line[a + 1:b].strip() for a, b in zip(borders, borders[1:])]
+
+
+def tables(page, text=None):
+    text = page.read_text(encoding="utf-8") if text is None else text
+    lines = dict(markdown_pages.prose(text))
+    everywhere = re.search(r"<!-- numbers of this page not checked: (.*?) -->", text, re.S)
+    found = []
+    for number in lines:
+        if not (lines[number].startswith("|") and re.match(r"\|[-: |]+\|$", lines.get(number + 1, ""))):
+            continue
+        rows, at = [], number + 2
+        while lines.get(at, "").startswith("|"):
+            rows.append((at, cells_of(lines[at])))
+            at += 1
+        above = "\n".join(text.split("\n")[:number - 1])
+        comment = None
+        for comment in COMMENT.finditer(above):
+            pass
+        comment = comment[1] if comment and comment.end() == len(above) else None
+        reason = everywhere[1] if everywhere else None
+        spec = None
+        if comment is not None:
+            if why := re.match(r" not checked: (.*?) *$", comment, re.S):
+                reason = " ".join(why[1].split())
+            else:
+                reason = None
+                try:
+                    spec = tomllib.loads(comment)
+                except tomllib.TOMLDecodeError as error:
+                    raise Mistake(f"{os.path.relpath(page, ROOT)}:{number}: the comment above: {error}")
+        found.append(Table(page, number, cells_of(lines[number]), rows, comment, spec, reason))
+    return found
+
+
+def has_numbers(table):
+    """Whether there are digits behind the first column, beside code, formulas and links."""
+    for _, cells in table.rows:
+        for cell in cells[1:]:
+            text = re.sub(r"\[[^\]]*\]\([^)]*\)|\$[^$]*\$", "", markdown_pages.without_code(cell))
+            if re.search(r"\d", text):
+                return True
+    return False
+
+
+def with_commands(text):
+    """A page for readers: the comments are gone, and below a table stands what made its numbers."""
+    lines = text.split("\n")
+    for table in reversed(tables(DOCS / "page.md", text)):
+        if table.spec and "run" in table.spec:
+            end = table.rows[-1][0] if table.rows else table.line + 1
+            commands = "<br>".join(f"<code>{html.escape(run)}</code>" for run in as_list(table.spec["run"]))
+            lines.insert(end, f'\n<p class="made-by">made by {commands}</p>\n')
+    return COMMENT.sub("", "\n".join(lines))
+
+
+# Numbers as they are written.
+
+@dataclasses.dataclass
+class Written:
+    text: str
+    value: float
+    quantum: float  # of its last digit
+    below: bool     # "< 1e-13"
+
+    def holds(self, measured):
+        if math.isnan(measured):
+            return False
+        if self.below:
+            return abs(measured) < self.value
+        return abs(measured - self.value) <= 0.5 * self.quantum * (1 + 1e-6)
+
+    def instead(self, measured):
+        """The measured value in as many digits."""
+        if math.isnan(measured):
+            return "nothing"
+        exponent = re.search(r"e.*|·10.*", self.text)
+        scale = 10.0 ** round(math.log10(self.quantum))
+        digits = re.search(r"\.(\d*)", self.text)
+        if exponent:
+            return f"{measured:.{len(digits[1]) if digits else 0}e}"
+        shown = f"{round(measured / scale) * scale:.{len(digits[1]) if digits else 0}f}"
+        return shown.replace("-", "−").replace("0.", ".", 1) if self.text.lstrip("−-").startswith(".") \
+            else shown.replace("-", "−")
+
+
+def numbers_in(cell):
+    """The numbers of a cell, in order; what stands in code counts, marks do not."""
+    found = []
+    for token in NUMBER.finditer(re.sub(r"[*`]", "", cell)):
+        digits = re.sub(r"\s", "", token["digits"])
+        if token["power"]:
+            power, mantissa = 0, float(digits) ** int(token["power"].translate(SUPERSCRIPTS))
+            quantum = mantissa
+        else:
+            power = int(token["e"] or (token["ten"] or "0").translate(SUPERSCRIPTS))
+            mantissa = float(digits)
+            quantum = 10.0 ** -len(digits.partition(".")[2])
+        sign = -1.0 if token["sign"] else 1.0
+        found.append(Written(token[0], sign * mantissa * 10.0 ** power, quantum * 10.0 ** power,
+                             bool(token["below"])))
+    return found
+
+
+# Runs.
+
+def as_list(value):
+    return value if isinstance(value, list) else [value]
+
+
+def is_number(text):
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
+def rows_of(path):
+    with open(path, newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def swept(command, quiet):
+    """results.csv of a sweep, kept under its command: `sweep` itself knows what it is made of."""
+    words = shlex.split(command)
+    if words[:2] != ["breakwater", "sweep"]:
+        raise Mistake(f"`{command}` is no `breakwater sweep …`")
+    folder = KEPT / hashlib.sha256(command.encode()).hexdigest()[:16]
+    call = [str(BINARIES / "breakwater"), *words[1:], "--out", str(folder)]
+    if not pathlib.Path(call[0]).exists():
+        raise Mistake("there is no build/bin/breakwater: ./dev build")
+    for again in ([], ["--rerun"]):
+        done = subprocess.run([*call, *again], cwd=ROOT, text=True, stdout=subprocess.PIPE,
+                              stderr=subprocess.STDOUT if quiet else None)
+        # 2: another program, scenario file or model than what was kept.
+        if done.returncode != 2 or not (folder / "study.toml").exists():
+            break
+    if done.returncode != 0:
+        raise Mistake(f"`{command}`: exit status {done.returncode}: {(done.stdout or '').strip()[-300:]}")
+    return rows_of(folder / "results.csv")
+
+
+def results(spec, quiet=True):
+    """All rows that a table is made of; `run` counts the commands from 1."""
+    rows = []
+    for number, run in enumerate(as_list(spec.get("run", [])), 1):
+        rows += [row | {"run": str(number)} for row in swept(run, quiet)]
+    for file in as_list(spec.get("csv", [])):
+        rows += rows_of(ROOT / file)
+    if not rows:
+        raise Mistake("neither `run` nor `csv` gives any row")
+    return rows
+
+
+# From rows to cells.
+
+def matches(row, selector, labels):
+    """Whether a row is one of "key=value key=value": {1} is the label in column 1, {} that of the head."""
+    for condition in shlex.split(selector):
+        parts = re.match(r"([\w.-]+?)(=|<|>)(.*)$", condition)
+        if not parts:
+            raise Mistake(f"“{condition}” is no key=value")
+        key, operation, wanted = parts.groups()
+        if key not in row:
+            raise Mistake(f"the runs have no column “{key}”")
+        have = row[key]
+        if not is_number(have):
+            words = re.sub(r"\{(\w*)\}", lambda name: first_word(labels, name[1]), wanted)
+            if not fnmatch.fnmatch(have.lower(), words.lower()):
+                return False
+            continue
+        scaled, _, factor = wanted.partition("*")
+        name = re.fullmatch(r"\{(\w*)\}", scaled)
+        value = (number_of(labels, name[1]) if name else float(scaled)) * float(factor or 1)
+        difference = float(have) - value
+        equal = abs(difference) <= 1e-9 * max(abs(value), 1e-300)
+        if not (equal if operation == "=" else difference < 0 if operation == "<" else difference > 0):
+            return False
+    return True
+
+
+def label(labels, name):
+    if name not in labels:
+        raise Mistake(f"there is no label {{{name}}}")
+    return re.sub(r"\$.*?\$", "", markdown_pages.plain_text(labels[name]))
+
+
+def first_word(labels, name):
+    return (re.split(r"[\s,]+", label(labels, name).strip()) or [""])[0]
+
+
+def number_of(labels, name):
+    """The last number of a label: of "raw N, 1e-4 s" the timestep."""
+    found = numbers_in(label(labels, name))
+    if not found:
+        raise Mistake(f"no number in “{label(labels, name)}”")
+    return found[-1].value
+
+
+FUNCTIONS = {
+    "median": numpy.nanmedian, "mean": numpy.nanmean, "min": numpy.nanmin, "max": numpy.nanmax,
+    "count": numpy.count_nonzero, "abs": numpy.abs, "sqrt": numpy.sqrt, "exp": numpy.exp, "pi": math.pi,
+}
+
+
+def evaluate(expression, rows):
+    """The values of an expression over columns: Python's, with one array a column."""
+    names = {node.id for node in ast.walk(ast.parse(expression, mode="eval"))
+             if isinstance(node, ast.Name)} - {"_"} - set(FUNCTIONS)
+    values = {}
+    for name in names:
+        if any(name not in row for row in rows):
+            raise Mistake(f"the runs have no column “{name}”")
+        values[name] = numpy.array([float(row[name]) if row[name] else math.nan for row in rows])
+    result = eval(expression, {"__builtins__": {}}, FUNCTIONS | values | {"_": None})
+    flat = []
+    for value in result if isinstance(result, tuple) else (result,):
+        flat += [None] if value is None else [float(item) for item in numpy.atleast_1d(value)]
+    return flat
+
+
+def drifted(table, all_rows):
+    """Yields (line, where, what is written, what the runs say) of each number that does not hold."""
+    spec = table.spec
+    unknown = set(spec) - {"run", "csv", "where", "rows", "columns", "cells"}
+    if unknown or "cells" not in spec or "rows" not in spec:
+        raise Mistake(f"keys are run or csv, where, rows, columns, cells; here: {', '.join(spec)}")
+    rows_spec, cells_spec = spec["rows"], spec["cells"]
+    if isinstance(rows_spec, list) and len(rows_spec) != len(table.rows):
+        raise Mistake(f"{len(rows_spec)} rows are told of, {len(table.rows)} are there")
+    columns = len(table.head) - 1
+    if isinstance(cells_spec, str):
+        cells_spec = [cells_spec] * columns
+    heads = as_list(spec["columns"]) if "columns" in spec else [""]
+    heads = heads * columns if len(heads) == 1 else heads
+    if len(cells_spec) != columns or len(heads) != columns:
+        raise Mistake(f"behind the first column are {columns}; `cells` has {len(cells_spec)}, "
+                      f"`columns` {len(heads)}")
+    labels, compared = {}, 0
+    for index, (line, cells) in enumerate(table.rows):
+        labels |= {str(i): cell for i, cell in enumerate(cells, 1) if cell}
+        row_selector = rows_spec[index] if isinstance(rows_spec, list) else rows_spec
+        if row_selector.startswith("#"):
+            continue
+        for column, (head, expression) in enumerate(zip(heads, cells_spec), 1):
+            if not expression or expression.startswith("#") or head.startswith("#"):
+                continue
+            expression, _, where = expression.partition(" where ")
+            selectors = [as_selector(row_selector, "{1}"), as_selector(head, "{}"), where,
+                         spec.get("where", "")]
+            chosen = [row for row in all_rows
+                      if all(matches(row, selector, labels | {"": table.head[column]})
+                             for selector in selectors)]
+            place = f"{markdown_pages.plain_text(cells[0])} | {markdown_pages.plain_text(table.head[column])}"
+            if not chosen:
+                raise Mistake(f"{place}: no run is “{' '.join(filter(None, selectors))}”")
+            measured = evaluate(expression, chosen)
+            written = numbers_in(cells[column])
+            while measured and measured[-1] is None and len(measured) > len(written):
+                measured.pop()
+            if not written and all(value is None or math.isnan(value) for value in measured):
+                continue
+            if len(written) != len(measured):
+                yield line, place, cells[column] or "nothing", f"{len(measured)} numbers: " + ", ".join(
+                    "–" if value is None else f"{value:.6g}" for value in measured)
+                continue
+            for number, value in zip(written, measured):
+                if value is None:
+                    continue
+                compared += 1
+                if not number.holds(value):
+                    yield line, place, number.text, f"{number.instead(value)} ({value:.6g})"
+    table.compared = compared
+    if compared == 0:
+        raise Mistake("not one number is compared")
+
+
+def as_selector(text, placeholder):
+    """"case" is short for "case={1}" (in the head: "case={}")."""
+    return f"{text}={placeholder}" if text and not re.search("[=<>]", text) else text
+
+
+# The command.
+
+def pages_of(arguments):
+    return [pathlib.Path(name).resolve() for name in arguments] or [
+        page for page in markdown_pages.pages() if page.name != "CHANGELOG.md"]
+
+
+def list_tables(pages):
+    """Which tables are checked, and why others are not; exit status 1 where one says neither."""
+    status = 0
+    for page in pages:
+        for table in tables(page):
+            if not has_numbers(table) and table.spec is None:
+                continue
+            if table.spec is None and table.reason is None:
+                status = 1
+            source = table.spec and ", ".join(as_list(table.spec.get("run", table.spec.get("csv", "?"))))
+            print(f"{table}: " + (f"checked: {source}" if table.spec else
+                                  f"not checked: {table.reason}" if table.reason else
+                                  "NEITHER a command nor a reason stands above it"))
+    return status
+
+
+def check(pages):
+    kept, status, count, checked = {}, 0, 0, 0
+    for page in pages:
+        for table in tables(page):
+            if table.spec is None:
+                if table.reason is None and has_numbers(table):
+                    print(f"{table}: neither a command nor a reason stands above the table")
+                    status = 1
+                continue
+            try:
+                source = repr((table.spec.get("run"), table.spec.get("csv")))
+                if source not in kept:
+                    kept[source] = results(table.spec)
+                for line, place, written, says in drifted(table, kept[source]):
+                    print(f"{os.path.relpath(page, ROOT)}:{line}: {place}: {written}, the runs say {says}")
+                    status = 1
+                count += getattr(table, "compared", 0)
+                checked += 1
+            except Mistake as mistake:
+                print(f"{table}: {mistake}")
+                status = 1
+            except (SyntaxError, NameError, TypeError, ValueError, OSError) as error:
+                print(f"{table}: {type(error).__name__}: {error}")
+                status = 1
+    print(f"{count} numbers in {checked} tables compared" + ("" if status else ": nothing drifts"))
+    return status
+
+
+def main(arguments):
+    parser = argparse.ArgumentParser(prog="./dev docs --check", description=__doc__.split("\n")[0])
+    parser.add_argument("--list", action="store_true", help="which tables are checked, and why others are not")
+    parser.add_argument("pages", nargs="*", metavar="FILE", help="these pages alone")
+    options = parser.parse_args(arguments)
+    for name in options.pages:
+        if not pathlib.Path(name).is_file():
+            parser.error(f"{name}: there is no such page")
+    try:
+        return (list_tables if options.list else check)(pages_of(options.pages))
+    except Mistake as mistake:
+        print(mistake)
+        return 1
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
