@@ -46,6 +46,7 @@ NUMBER = re.compile(r"(?<![\w.])(?P<below>< ?)?(?P<sign>(?<![\d)])[−-])?"
                     r"(?P<digits>\d{1,3}(?:[ \u202f\u00a0]\d{3})+(?![\d.])|\d+\.?\d*|\.\d+)"
                     r"(?:e(?P<e>[-+]?\d+)|·10(?P<ten>[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)|(?P<power>[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+))?")
 SUPERSCRIPTS = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
+BELOW = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 class Mistake(Exception):
@@ -68,10 +69,14 @@ class Table:
         return f"{os.path.relpath(self.page, ROOT)}:{self.line}"
 
 
-def cells_of(line):
-    """The cells of a table's line; a bar in code or behind a backslash is no border."""
+def borders_of(line):
+    """Where the bars of a table's line are; one in code or behind a backslash is none."""
     plain = re.sub(r"\\\|", "  ", markdown_pages.without_code(line))
-    borders = [i for i, letter in enumerate(plain) if letter == "|"]
+    return [i for i, letter in enumerate(plain) if letter == "|"]
+
+
+def cells_of(line):
+    borders = borders_of(line)
     return [line[a + 1:b].strip() for a, b in zip(borders, borders[1:])]
 
 
@@ -101,6 +106,8 @@ def tables(page, text=None):
                 reason = None
                 try:
                     spec = tomllib.loads(comment)
+                    if spec.pop("like_above", False):
+                        spec = next(table.spec for table in reversed(found) if table.spec) | spec
                 except tomllib.TOMLDecodeError as error:
                     raise Mistake(f"{os.path.relpath(page, ROOT)}:{number}: the comment above: {error}")
         found.append(Table(page, number, cells_of(lines[number]), rows, comment, spec, reason))
@@ -133,6 +140,7 @@ def with_commands(text):
 @dataclasses.dataclass
 class Written:
     text: str
+    start: int      # in its cell
     value: float
     quantum: float  # of its last digit
     below: bool     # "< 1e-13"
@@ -145,23 +153,26 @@ class Written:
         return abs(measured - self.value) <= 0.5 * self.quantum * (1 + 1e-6)
 
     def instead(self, measured):
-        """The measured value in as many digits."""
+        """The measured value as this one is written: as many digits, the same way."""
         if math.isnan(measured):
-            return "nothing"
-        exponent = re.search(r"e.*|·10.*", self.text)
-        scale = 10.0 ** round(math.log10(self.quantum))
-        digits = re.search(r"\.(\d*)", self.text)
-        if exponent:
-            return f"{measured:.{len(digits[1]) if digits else 0}e}"
-        shown = f"{round(measured / scale) * scale:.{len(digits[1]) if digits else 0}f}"
-        return shown.replace("-", "−").replace("0.", ".", 1) if self.text.lstrip("−-").startswith(".") \
-            else shown.replace("-", "−")
+            return "–"
+        decimals = len(re.match(r"[^\d.]*\d*\.?(\d*)", self.text)[1])
+        exponent = re.search(r"e|·10", self.text)
+        if exponent and measured:
+            mantissa, power = f"{measured:.{decimals}e}".split("e")
+            shown = mantissa + (f"e{int(power)}" if exponent[0] == "e" else
+                                "·10" + str(int(power)).translate(BELOW))
+        else:
+            shown = f"{measured:.{decimals}f}"
+        if re.match(r"[<−-]? ?\.", self.text):
+            shown = shown.replace("0.", ".", 1)
+        return shown.replace("-", "−", 1) if measured < 0 else shown
 
 
 def numbers_in(cell):
-    """The numbers of a cell, in order; what stands in code counts, marks do not."""
+    """The numbers of a cell, in order."""
     found = []
-    for token in NUMBER.finditer(re.sub(r"[*`]", "", cell)):
+    for token in NUMBER.finditer(cell):
         digits = re.sub(r"\s", "", token["digits"])
         if token["power"]:
             power, mantissa = 0, float(digits) ** int(token["power"].translate(SUPERSCRIPTS))
@@ -171,7 +182,7 @@ def numbers_in(cell):
             mantissa = float(digits)
             quantum = 10.0 ** -len(digits.partition(".")[2])
         sign = -1.0 if token["sign"] else 1.0
-        found.append(Written(token[0], sign * mantissa * 10.0 ** power, quantum * 10.0 ** power,
+        found.append(Written(token[0], token.start(), sign * mantissa * 10.0 ** power, quantum * 10.0 ** power,
                              bool(token["below"])))
     return found
 
@@ -191,8 +202,12 @@ def is_number(text):
 
 
 def rows_of(path):
+    """The rows of a CSV file; what stands in a column `set` as "key=value key=value" are columns too."""
     with open(path, newline="", encoding="utf-8") as file:
-        return list(csv.DictReader(file))
+        rows = list(csv.DictReader(file))
+    for row in rows:
+        row |= dict(setting.split("=", 1) for setting in row.get("set", "").split())
+    return rows
 
 
 def swept(command, quiet):
@@ -230,23 +245,22 @@ def results(spec, quiet=True):
 # From rows to cells.
 
 def matches(row, selector, labels):
-    """Whether a row is one of "key=value key=value": {1} is the label in column 1, {} that of the head."""
+    """Whether a row is one of "key=value key<value": {1} is the label in column 1, {1.2} the second
+    number of it, {} the label of the head."""
     for condition in shlex.split(selector):
         parts = re.match(r"([\w.-]+?)(=|<|>)(.*)$", condition)
         if not parts:
             raise Mistake(f"“{condition}” is no key=value")
         key, operation, wanted = parts.groups()
-        if key not in row:
-            raise Mistake(f"the runs have no column “{key}”")
-        have = row[key]
+        have = row.get(key, "")
         if not is_number(have):
             words = re.sub(r"\{(\w*)\}", lambda name: first_word(labels, name[1]), wanted)
             if not fnmatch.fnmatch(have.lower(), words.lower()):
                 return False
             continue
         scaled, _, factor = wanted.partition("*")
-        name = re.fullmatch(r"\{(\w*)\}", scaled)
-        value = (number_of(labels, name[1]) if name else float(scaled)) * float(factor or 1)
+        name = re.fullmatch(r"\{(\w*)(?:\.(\d+))?\}", scaled)
+        value = (number_of(labels, *name.groups()) if name else float(scaled)) * float(factor or 1)
         difference = float(have) - value
         equal = abs(difference) <= 1e-9 * max(abs(value), 1e-300)
         if not (equal if operation == "=" else difference < 0 if operation == "<" else difference > 0):
@@ -264,42 +278,68 @@ def first_word(labels, name):
     return (re.split(r"[\s,]+", label(labels, name).strip()) or [""])[0]
 
 
-def number_of(labels, name):
-    """The last number of a label: of "raw N, 1e-4 s" the timestep."""
+def number_of(labels, name, which=None):
+    """The last number of a label (of "raw N, 1e-4 s" the timestep), or the which-th."""
     found = numbers_in(label(labels, name))
-    if not found:
-        raise Mistake(f"no number in “{label(labels, name)}”")
-    return found[-1].value
+    if len(found) < int(which or 1):
+        raise Mistake(f"no such number in “{label(labels, name)}”")
+    return found[int(which) - 1 if which else -1].value
 
 
 FUNCTIONS = {
     "median": numpy.nanmedian, "mean": numpy.nanmean, "min": numpy.nanmin, "max": numpy.nanmax,
-    "count": numpy.count_nonzero, "abs": numpy.abs, "sqrt": numpy.sqrt, "exp": numpy.exp, "pi": math.pi,
+    "count": numpy.count_nonzero, "len": numpy.size, "abs": numpy.abs, "sqrt": numpy.sqrt, "exp": numpy.exp,
+    "atan2": numpy.arctan2, "pi": math.pi,
 }
 
 
-def evaluate(expression, rows):
-    """The values of an expression over columns: Python's, with one array a column."""
-    names = {node.id for node in ast.walk(ast.parse(expression, mode="eval"))
-             if isinstance(node, ast.Name)} - {"_"} - set(FUNCTIONS)
+def evaluate(expression, rows, let):
+    """The values of an expression over columns, and over what `let` says: Python's, an array a column."""
+    def column(name):
+        return numpy.array([float(row.get(name) or math.nan) for row in rows])
+
+    dotted = sorted({name for row in rows for name in row if "." in name}, key=len, reverse=True)
+
+    def value_of(text):
+        text = " ".join(text.split())
+        for name in dotted:
+            text = text.replace(name, name.replace(".", "__"))
+        known = FUNCTIONS | values | {"_": None}
+        for node in ast.walk(ast.parse(text, mode="eval")):
+            if isinstance(node, ast.Name) and node.id not in known:
+                name = node.id.replace("__", ".")
+                if not any(name in row for row in rows):
+                    raise Mistake(f"the runs have no column “{name}”")
+                known[node.id] = column(name)
+        return eval(text, {"__builtins__": {}}, known)
+
     values = {}
-    for name in names:
-        if any(name not in row for row in rows):
-            raise Mistake(f"the runs have no column “{name}”")
-        values[name] = numpy.array([float(row[name]) if row[name] else math.nan for row in rows])
-    result = eval(expression, {"__builtins__": {}}, FUNCTIONS | values | {"_": None})
-    flat = []
+    for name, text in let.items():
+        if name in expression or any(name in other for other in let.values()):
+            values[name] = value_of(text)
+    result, flat = value_of(expression), []
     for value in result if isinstance(result, tuple) else (result,):
         flat += [None] if value is None else [float(item) for item in numpy.atleast_1d(value)]
     return flat
 
 
+@dataclasses.dataclass
+class Drift:
+    line: int
+    place: str      # "row | column"
+    written: str
+    measured: str
+    says: str
+    column: int | None = None   # where it stands, if it can be written anew: the cell, and in it
+    start: int | None = None
+
+
 def drifted(table, all_rows):
-    """Yields (line, where, what is written, what the runs say) of each number that does not hold."""
+    """Yields what does not hold."""
     spec = table.spec
-    unknown = set(spec) - {"run", "csv", "where", "rows", "columns", "cells"}
+    unknown = set(spec) - {"run", "csv", "where", "rows", "columns", "cells", "let"}
     if unknown or "cells" not in spec or "rows" not in spec:
-        raise Mistake(f"keys are run or csv, where, rows, columns, cells; here: {', '.join(spec)}")
+        raise Mistake(f"keys are run or csv, where, rows, columns, cells, let; here: {', '.join(spec)}")
     rows_spec, cells_spec = spec["rows"], spec["cells"]
     if isinstance(rows_spec, list) and len(rows_spec) != len(table.rows):
         raise Mistake(f"{len(rows_spec)} rows are told of, {len(table.rows)} are there")
@@ -329,22 +369,23 @@ def drifted(table, all_rows):
             place = f"{markdown_pages.plain_text(cells[0])} | {markdown_pages.plain_text(table.head[column])}"
             if not chosen:
                 raise Mistake(f"{place}: no run is “{' '.join(filter(None, selectors))}”")
-            measured = evaluate(expression, chosen)
+            measured = evaluate(expression, chosen, spec.get("let", {}))
             written = numbers_in(cells[column])
             while measured and measured[-1] is None and len(measured) > len(written):
                 measured.pop()
             if not written and all(value is None or math.isnan(value) for value in measured):
                 continue
             if len(written) != len(measured):
-                yield line, place, cells[column] or "nothing", f"{len(measured)} numbers: " + ", ".join(
-                    "–" if value is None else f"{value:.6g}" for value in measured)
+                yield Drift(line, place, cells[column] or "nothing", "", f"{len(measured)} numbers: " + ", ".join(
+                    "–" if value is None else f"{value:.6g}" for value in measured))
                 continue
             for number, value in zip(written, measured):
                 if value is None:
                     continue
                 compared += 1
                 if not number.holds(value):
-                    yield line, place, number.text, f"{number.instead(value)} ({value:.6g})"
+                    anew = number.instead(value)
+                    yield Drift(line, place, number.text, anew, f"{anew} ({value:.6g})", column, number.start)
     table.compared = compared
     if compared == 0:
         raise Mistake("not one number is compared")
@@ -378,9 +419,22 @@ def list_tables(pages):
     return status
 
 
-def check(pages):
+def write_anew(page, drifts):
+    """Puts what the runs say in the place of what has drifted."""
+    lines = page.read_text(encoding="utf-8").split("\n")
+    for drift in sorted(drifts, key=lambda drift: (drift.line, drift.column, drift.start), reverse=True):
+        line = lines[drift.line - 1]
+        borders = borders_of(line)
+        cell = line[borders[drift.column] + 1:]
+        start = borders[drift.column] + 1 + len(cell) - len(cell.lstrip()) + drift.start
+        lines[drift.line - 1] = line[:start] + drift.measured + line[start + len(drift.written):]
+    page.write_text("\n".join(lines), encoding="utf-8")
+
+
+def check(pages, fix):
     kept, status, count, checked = {}, 0, 0, 0
     for page in pages:
+        drifts = []
         for table in tables(page):
             if table.spec is None:
                 if table.reason is None and has_numbers(table):
@@ -391,8 +445,10 @@ def check(pages):
                 source = repr((table.spec.get("run"), table.spec.get("csv")))
                 if source not in kept:
                     kept[source] = results(table.spec)
-                for line, place, written, says in drifted(table, kept[source]):
-                    print(f"{os.path.relpath(page, ROOT)}:{line}: {place}: {written}, the runs say {says}")
+                for drift in drifted(table, kept[source]):
+                    print(f"{os.path.relpath(page, ROOT)}:{drift.line}: {drift.place}: {drift.written}, "
+                          f"the runs say {drift.says}", flush=True)
+                    drifts += [drift] if drift.column else []
                     status = 1
                 count += getattr(table, "compared", 0)
                 checked += 1
@@ -402,6 +458,8 @@ def check(pages):
             except (SyntaxError, NameError, TypeError, ValueError, OSError) as error:
                 print(f"{table}: {type(error).__name__}: {error}")
                 status = 1
+        if fix and drifts:
+            write_anew(page, drifts)
     print(f"{count} numbers in {checked} tables compared" + ("" if status else ": nothing drifts"))
     return status
 
@@ -409,13 +467,15 @@ def check(pages):
 def main(arguments):
     parser = argparse.ArgumentParser(prog="./dev docs --check", description=__doc__.split("\n")[0])
     parser.add_argument("--list", action="store_true", help="which tables are checked, and why others are not")
+    parser.add_argument("--fix", action="store_true", help="write what the runs say in the place of what has drifted")
     parser.add_argument("pages", nargs="*", metavar="FILE", help="these pages alone")
     options = parser.parse_args(arguments)
     for name in options.pages:
         if not pathlib.Path(name).is_file():
             parser.error(f"{name}: there is no such page")
+    pages = pages_of(options.pages)
     try:
-        return (list_tables if options.list else check)(pages_of(options.pages))
+        return list_tables(pages) if options.list else check(pages, options.fix)
     except Mistake as mistake:
         print(mistake)
         return 1
