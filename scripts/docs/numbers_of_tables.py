@@ -115,13 +115,8 @@ def tables(page, text=None):
 
 
 def has_numbers(table):
-    """Whether there are digits behind the first column, beside code, formulas and links."""
-    for _, cells in table.rows:
-        for cell in cells[1:]:
-            text = re.sub(r"\[[^\]]*\]\([^)]*\)|\$[^$]*\$", "", markdown_pages.without_code(cell))
-            if re.search(r"\d", text):
-                return True
-    return False
+    """Whether a cell behind the first column begins with a number."""
+    return any(re.match(r"[*<±−~ -]*\.?\d(?![\d.]*\.\d+[.\d]*[:–])", cell) for _, cells in table.rows for cell in cells[1:])
 
 
 def with_commands(text):
@@ -258,6 +253,8 @@ def matches(row, selector, labels):
             if not fnmatch.fnmatch(have.lower(), words.lower()):
                 return False
             continue
+        if not wanted:  # "key=": rows that have none
+            return False
         scaled, _, factor = wanted.partition("*")
         name = re.fullmatch(r"\{(\w*)(?:\.(\d+))?\}", scaled)
         value = (number_of(labels, *name.groups()) if name else float(scaled)) * float(factor or 1)
@@ -344,20 +341,24 @@ def drifted(table, all_rows):
     if isinstance(rows_spec, list) and len(rows_spec) != len(table.rows):
         raise Mistake(f"{len(rows_spec)} rows are told of, {len(table.rows)} are there")
     columns = len(table.head) - 1
-    if isinstance(cells_spec, str):
-        cells_spec = [cells_spec] * columns
     heads = as_list(spec["columns"]) if "columns" in spec else [""]
     heads = heads * columns if len(heads) == 1 else heads
-    if len(cells_spec) != columns or len(heads) != columns:
-        raise Mistake(f"behind the first column are {columns}; `cells` has {len(cells_spec)}, "
-                      f"`columns` {len(heads)}")
+    if len(heads) != columns:
+        raise Mistake(f"behind the first column are {columns}, `columns` has {len(heads)}")
     labels, compared = {}, 0
     for index, (line, cells) in enumerate(table.rows):
         labels |= {str(i): cell for i, cell in enumerate(cells, 1) if cell}
         row_selector = rows_spec[index] if isinstance(rows_spec, list) else rows_spec
+        row_cells = cells_spec
+        if isinstance(row_selector, dict):  # { select = "…", cells = … }: a row of its own metrics
+            row_selector, row_cells = row_selector["select"], row_selector["cells"]
         if row_selector.startswith("#"):
             continue
-        for column, (head, expression) in enumerate(zip(heads, cells_spec), 1):
+        if isinstance(row_cells, str):
+            row_cells = [row_cells] * columns
+        if len(row_cells) != columns:
+            raise Mistake(f"behind the first column are {columns}, `cells` has {len(row_cells)}")
+        for column, (head, expression) in enumerate(zip(heads, row_cells), 1):
             if not expression or expression.startswith("#") or head.startswith("#"):
                 continue
             expression, _, where = expression.partition(" where ")
