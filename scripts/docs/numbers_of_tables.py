@@ -38,9 +38,6 @@ import numpy
 import markdown_pages
 from markdown_pages import DOCS, ROOT
 
-KEPT = ROOT / "build/docs/runs"
-BINARIES = ROOT / "build/bin"
-
 COMMENT = re.compile(r"<!-- numbers\b(.*?)-->", re.S)
 NUMBER = re.compile(r"(?<![\w.])(?P<below>< ?)?(?P<sign>(?<![\d)])[−-])?"
                     r"(?P<digits>\d{1,3}(?:[ \u202f\u00a0]\d{3})+(?![\d.])|\d+\.?\d*|\.\d+)"
@@ -205,18 +202,18 @@ def rows_of(path):
     return rows
 
 
-def swept(command, quiet):
+def swept(command, binaries, kept):
     """results.csv of a sweep, kept under its command: `sweep` itself knows what it is made of."""
     words = shlex.split(command)
     if words[:2] != ["breakwater", "sweep"]:
         raise Mistake(f"`{command}` is no `breakwater sweep …`")
-    folder = KEPT / hashlib.sha256(command.encode()).hexdigest()[:16]
-    call = [str(BINARIES / "breakwater"), *words[1:], "--out", str(folder)]
+    folder = kept / hashlib.sha256(command.encode()).hexdigest()[:16]
+    call = [str(binaries / "breakwater"), *words[1:], "--quiet", "--out", str(folder)]
     if not pathlib.Path(call[0]).exists():
-        raise Mistake("there is no build/bin/breakwater: ./dev build")
+        raise Mistake(f"there is no {call[0]}: ./dev build")
     for again in ([], ["--rerun"]):
         done = subprocess.run([*call, *again], cwd=ROOT, text=True, stdout=subprocess.PIPE,
-                              stderr=subprocess.STDOUT if quiet else None)
+                              stderr=subprocess.STDOUT)
         # 2: another program, scenario file or model than what was kept.
         if done.returncode != 2 or not (folder / "study.toml").exists():
             break
@@ -225,11 +222,11 @@ def swept(command, quiet):
     return rows_of(folder / "results.csv")
 
 
-def results(spec, quiet=True):
+def results(spec, binaries, kept):
     """All rows that a table is made of; `run` counts the commands from 1."""
     rows = []
     for number, run in enumerate(as_list(spec.get("run", [])), 1):
-        rows += [row | {"run": str(number)} for row in swept(run, quiet)]
+        rows += [row | {"run": str(number)} for row in swept(run, binaries, kept)]
     for file in as_list(spec.get("csv", [])):
         rows += rows_of(ROOT / file)
     if not rows:
@@ -432,7 +429,7 @@ def write_anew(page, drifts):
     page.write_text("\n".join(lines), encoding="utf-8")
 
 
-def check(pages, fix):
+def check(pages, fix, binaries, runs):
     kept, status, count, checked = {}, 0, 0, 0
     for page in pages:
         drifts = []
@@ -445,7 +442,7 @@ def check(pages, fix):
             try:
                 source = repr((table.spec.get("run"), table.spec.get("csv")))
                 if source not in kept:
-                    kept[source] = results(table.spec)
+                    kept[source] = results(table.spec, binaries, runs)
                 for drift in drifted(table, kept[source]):
                     print(f"{os.path.relpath(page, ROOT)}:{drift.line}: {drift.place}: {drift.written}, "
                           f"the runs say {drift.says}", flush=True)
@@ -469,6 +466,9 @@ def main(arguments):
     parser = argparse.ArgumentParser(prog="./dev docs --check", description=__doc__.split("\n")[0])
     parser.add_argument("--list", action="store_true", help="which tables are checked, and why others are not")
     parser.add_argument("--fix", action="store_true", help="write what the runs say in the place of what has drifted")
+    parser.add_argument("--bin", type=pathlib.Path, default=ROOT / "build/bin", help="where breakwater is")
+    parser.add_argument("--runs", type=pathlib.Path, default=ROOT / "build/docs/runs",
+                        help="where runs are kept; those of the same program, files and keys are not made again")
     parser.add_argument("pages", nargs="*", metavar="FILE", help="these pages alone")
     options = parser.parse_args(arguments)
     for name in options.pages:
@@ -476,7 +476,8 @@ def main(arguments):
             parser.error(f"{name}: there is no such page")
     pages = pages_of(options.pages)
     try:
-        return list_tables(pages) if options.list else check(pages, options.fix)
+        return list_tables(pages) if options.list else check(
+            pages, options.fix, options.bin.resolve(), options.runs.resolve())
     except Mistake as mistake:
         print(mistake)
         return 1

@@ -1,0 +1,164 @@
+"""Links, tables and their numbers: what does not hold is found, and nothing of the tree's is found.
+
+Usage: docs_test.py BUILD_BIN_FOLDER WORK_FOLDER
+"""
+
+import contextlib
+import io
+import pathlib
+import re
+import sys
+import tempfile
+import unittest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "scripts/docs"))
+import links  # noqa: E402
+import markdown_pages  # noqa: E402
+import numbers_of_tables  # noqa: E402
+
+BINARIES, WORK = None, None
+
+
+def said(command, *arguments):
+    """Exit status and lines of a command of scripts/docs."""
+    out = io.StringIO()
+    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(out):
+        status = command([str(argument) for argument in arguments])
+    return status, out.getvalue()
+
+
+class Page(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.page = pathlib.Path(folder.name) / "page.md"
+
+    def write(self, text):
+        self.page.write_text(text, encoding="utf-8")
+        return self.page
+
+
+class Links(Page):
+    def test_those_of_the_documentation_hold(self):
+        status, text = said(links.main)
+        self.assertEqual(status, 0, text)
+
+    def test_a_missing_file_is_found(self):
+        status, text = said(links.main, self.write("# A\n\nsee [b](b.md)\n"))
+        self.assertEqual(status, 1)
+        self.assertIn("page.md:3: b.md: there is no such file", text)
+
+    def test_a_missing_heading_is_found_here_and_on_other_pages(self):
+        (self.page.parent / "other.md").write_text("# Other\n\n## What it is\n", encoding="utf-8")
+        status, text = said(links.main, self.write(
+            "# A b\n[x](#a-b) [y](#b) [z](other.md#what-it-is) [w](other.md#what-it-was)\n"))
+        self.assertEqual(status, 1)
+        self.assertEqual(re.findall(r": (\S+): there is no such heading", text), ["#b", "other.md#what-it-was"])
+
+    def test_a_picture_needs_words(self):
+        (self.page.parent / "a.png").write_bytes(b"")
+        self.assertEqual(said(links.main, self.write("![words](a.png)"))[0], 0)
+        self.assertEqual(said(links.main, self.write("![](a.png)"))[0], 1)
+
+    def test_code_has_no_links(self):
+        self.assertEqual(said(links.main, self.write("`[a](b.md)`\n\n```\n[a](b.md)\n# no heading\n```\n"))[0], 0)
+
+    def test_anchors_are_those_of_a_forge(self):
+        # As GitHub makes them.
+        for heading, anchor in [("2.3 The cart, under `predictive` control", "23-the-cart-under-predictive-control"),
+                                ("The KFD's start", "the-kfds-start"), ("A – b", "a--b"),
+                                ("`a_b` and [c](d.md)", "a_b-and-c")]:
+            self.assertEqual(markdown_pages.anchor(heading), anchor)
+        self.assertEqual(markdown_pages.anchors("# A\n# A\n"), {"a", "a-1"})
+
+
+class Numbers(Page):
+    def test_a_number_holds_if_it_is_the_rounded_one(self):
+        for written, measured, holds in [
+                ("0.528", 0.52849, True), ("0.528", 0.52851, False), (".10", 0.0951, True), ("−1.5", -1.46, True),
+                ("1.5", -1.5, False), ("3·10⁻⁵", 2.6e-5, True), ("3·10⁻⁵", 2.4e-5, False), ("7e-14", 7.4e-14, True),
+                ("< 1e-13", -9e-14, True), ("< 1e-13", 2e-13, False), ("1 891", 1891.2, True), ("33.5 %", 33.54, True),
+                ("100000", 100001, False), ("2.0", 2.04, True), ("2.00", 2.04, False), ("5", float("nan"), False)]:
+            with self.subTest(written=written, measured=measured):
+                number, = numbers_of_tables.numbers_in(written)
+                self.assertEqual(number.holds(measured), holds)
+
+    def test_cells_with_several_numbers_are_read_in_order(self):
+        for cell, values in [("0.063 (0.056–0.069)", [0.063, 0.056, 0.069]), ("**2.000**/−.485", [2, -.485]),
+                             ("10 of 10", [10, 10]), ("`x2` never, l3", []), ("4.92 / 5.19", [4.92, 5.19]),
+                             ("3.8–4.0 N", [3.8, 4.0]), ("3·10⁴, 10⁵", [3e4, 1e5])]:
+            with self.subTest(cell=cell):
+                found = [number.value for number in numbers_of_tables.numbers_in(cell)]
+                self.assertEqual(len(found), len(values), found)
+                for a, b in zip(found, values):
+                    self.assertAlmostEqual(a, b, delta=1e-12 * max(1, abs(b)))
+
+    def test_what_is_written_anew_looks_like_what_was_there(self):
+        for written, measured, anew in [(".10", .1149, ".11"), ("3·10⁻⁵", 4.2e-6, "4·10⁻⁶"), ("1.0e-2", -0.0234, "−2.3e-2"),
+                                        ("23", 24.4, "24"), ("0.528", -0.5, "−0.500")]:
+            self.assertEqual(numbers_of_tables.numbers_in(written)[0].instead(measured), anew)
+
+    def test_every_table_of_the_documentation_is_checked_or_says_why_not(self):
+        status, text = said(numbers_of_tables.main, "--list")
+        self.assertEqual(status, 0, text)
+        self.assertGreater(text.count(": checked: "), 20)
+
+    def test_a_new_table_with_numbers_must_say_where_they_come_from(self):
+        table = "# A\n\n{}| case | peak N |\n|---|---|\n| a | 1.5 |\n"
+        for command in ["--list"], []:
+            status, text = said(numbers_of_tables.main, *command, self.write(table.format("")))
+            self.assertEqual(status, 1)
+            self.assertIn("page.md:3", text)
+        status, text = said(numbers_of_tables.main, "--list", self.write(table.format(
+            "<!-- numbers not checked: measured on a clock -->\n")))
+        self.assertEqual(status, 0)
+        self.assertIn("measured on a clock", text)
+
+    def test_tables_of_words_need_nothing(self):
+        self.assertEqual(said(numbers_of_tables.main, "--list", self.write(
+            "| key | |\n|---|---|\n| `a.b2` | `1`, in words |\n"))[0], 0)
+
+    def check(self, text):
+        return said(numbers_of_tables.main, "--bin", BINARIES, "--runs", WORK, self.write(text))
+
+    def test_a_number_that_was_changed_by_hand_is_found(self):
+        whole = (ROOT / "docs/methods/model-predictive-control.md").read_text(encoding="utf-8")
+        copy = re.search(r"<!-- numbers\nrun   = \"breakwater sweep cart_offset_free.*?\n\n", whole, re.S)[0]
+        status, text = self.check(copy)
+        self.assertEqual((status, text.strip()), (0, "12 numbers in 1 tables compared: nothing drifts"))
+        changed = copy.replace("−0.639", "−0.640")
+        self.assertNotEqual(changed, copy)
+        status, text = self.check(changed)
+        self.assertEqual(status, 1)
+        self.assertIn("−0.640, the runs say −0.639", text)
+        status, _ = said(numbers_of_tables.main, "--fix", "--bin", BINARIES, "--runs", WORK, self.page)
+        self.assertEqual(self.page.read_text(encoding="utf-8"), copy)
+
+    def test_a_number_where_there_is_none_and_none_where_there_is_one_are_found(self):
+        text = ('<!-- numbers\nrun = "breakwater sweep cart_offset_free --case all"\nrows = "case"\n'
+                'cells = "settling_time_s"\n-->\n| case | s |\n|---|---|\n| proposed | {} |\n')
+        self.assertEqual(self.check(text.format("1.61"))[0], 0)
+        self.assertEqual(self.check(text.format("–"))[0], 1)
+        self.assertEqual(self.check(text.format("1.61, 2"))[0], 1)
+
+    def test_mistakes_are_one_line(self):
+        table = "| case | s |\n|---|---|\n| proposed | 1.61 |\n"
+        good = 'run = "breakwater sweep cart_offset_free --case all"\nrows = "case"\ncells = "settling_time_s"\n'
+        for wrong, what in [(good.replace("settling_time_s", "settling_s"), "no column “settling_s”"),
+                            (good.replace("cells", "cell"), "keys are"),
+                            (good.replace('"case"', '"# none"'), "not one number is compared"),
+                            (good.replace("all", "nothing"), "exit status 2"),
+                            (good.replace("breakwater sweep", "rm"), "is no `breakwater sweep"),
+                            (good + 'where = "seed=2"\n', "no run is"),
+                            (good.replace('"case"', ""), "Invalid value")]:
+            with self.subTest(what=what):
+                status, text = self.check(f"<!-- numbers\n{wrong}-->\n{table}")
+                self.assertEqual(status, 1)
+                self.assertIn(what, text)
+                self.assertNotIn("Traceback", text)
+
+
+if __name__ == "__main__":
+    WORK, BINARIES = pathlib.Path(sys.argv.pop()), pathlib.Path(sys.argv.pop())
+    unittest.main()

@@ -1,0 +1,198 @@
+"""The site in Chromium: built here, it asks no other host, its maths is set, its search finds pages,
+and what it shows can be read, in light and in dark.
+
+Usage: site_test.py WORK_FOLDER
+"""
+
+import json
+import mimetypes
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import unittest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tests"))
+from chromium import visit  # noqa: E402
+
+SKIPPED = 77
+SITE = ROOT / "build/site"
+
+DRIVER = """<!doctype html><title>driver</title>
+<iframe id="frame" style="width:1300px;height:900px;border:0"></iframe>
+<script>
+const frame = document.getElementById("frame");
+const sleep = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
+const open = (path) => new Promise((resolve) => {
+  frame.onload = () => resolve(frame.contentDocument);
+  frame.src = path;
+});
+
+function rgba(text) {
+  const [r, g, b, a = 1] = text.match(/[\\d.]+/g).map(Number);
+  return [r, g, b, a];
+}
+const over = (top, below) => [0, 1, 2].map((i) => top[i] * top[3] + below[i] * (1 - top[3])).concat(1);
+const luminance = (c) => {
+  const [r, g, b] = c.map((v) => (v /= 255) <= .04045 ? v / 12.92 : ((v + .055) / 1.055) ** 2.4);
+  return .2126 * r + .7152 * g + .0722 * b;
+};
+// Text that is not as far from its background as WCAG 2.1 AA wants: 4.5, large text 3.
+function faint(page) {
+  const found = {}, view = page.defaultView;
+  for (const place of page.body.querySelectorAll("*")) {
+    if (![...place.childNodes].some((child) => child.nodeType === 3 && child.data.trim())) continue;
+    if (!place.getClientRects().length || place.closest("svg, [aria-hidden], [hidden], .headerlink, .katex-mathml, script, style")) continue;
+    const style = view.getComputedStyle(place);
+    if (style.visibility !== "visible") continue;
+    const layers = [];
+    let opacity = 1, hidden = false;
+    for (let at = place; at; at = at.parentElement) {
+      const look = view.getComputedStyle(at);
+      layers.push(rgba(look.backgroundColor));
+      opacity *= +look.opacity;
+    }
+    if (opacity < .05) continue;
+    let below = [255, 255, 255, 1];
+    for (const layer of layers.reverse()) below = over(layer, below);
+    const colour = rgba(style.color);
+    const text = over([colour[0], colour[1], colour[2], colour[3] * opacity], below);
+    const [light, dark] = [luminance(text), luminance(below)].sort((a, b) => b - a);
+    const ratio = (light + .05) / (dark + .05), size = parseFloat(style.fontSize);
+    const large = size >= 24 || (size >= 18.66 && +style.fontWeight >= 700);
+    if (ratio < (large ? 3 : 4.5)) {
+      found[`${place.tagName.toLowerCase()}.${place.className} in ${place.parentElement.className}`] =
+          `${ratio.toFixed(2)}: ${place.textContent.trim().slice(0, 30)}`;
+    }
+  }
+  return found;
+}
+
+async function look() {
+  const seen = { pages: {}, requests: [], faint: {} };
+  const note = () => seen.requests.push(...frame.contentWindow.performance.getEntriesByType("resource").map((r) => r.name));
+  for (const path of PAGES) {
+    const page = await open(path);
+    seen.pages[path] = {
+      errors: [...page.querySelectorAll(".katex-error")].map((e) => e.title),
+      unset: [...page.querySelectorAll(".arithmatex")].filter((e) => !e.querySelector(".katex")).length,
+      formulas: page.querySelectorAll(".katex").length,
+      dollars: [...page.querySelectorAll(".md-content p, .md-content li, .md-content td")]
+          .map((e) => { const copy = e.cloneNode(true); copy.querySelectorAll("code, .katex").forEach((c) => c.remove()); return copy.textContent; })
+          .filter((text) => text.includes("$")),
+      unnamed: [...page.querySelectorAll("img:not([alt]), img[alt=''], video:not([aria-label]), iframe:not([title])")].map((e) => e.outerHTML.slice(0, 80)),
+      missing: [...page.images].filter((i) => i.complete && !i.naturalWidth && i.loading !== "lazy").map((i) => i.src),
+      language: page.documentElement.lang,
+      skip: !!page.querySelector("a.md-skip"),
+    };
+    note();
+    if (LOOKED_AT.includes(path)) {
+      for (const scheme of ["default", "slate"]) {
+        page.body.dataset.mdColorScheme = scheme;
+        await sleep(600);  // colours change slowly
+        seen.faint[`${path} ${scheme}`] = faint(page);
+      }
+    }
+  }
+  const page = await open("/index.html");
+  const input = page.querySelector(".md-search__input");
+  input.focus();
+  input.value = "limit cycles of stiffness";
+  input.dispatchEvent(new KeyboardEvent("keyup", { bubbles: true }));
+  for (let i = 0; i < 100 && !page.querySelector(".md-search-result__link"); ++i) await sleep(100);
+  seen.found = [...page.querySelectorAll(".md-search-result__link")].map((a) => new URL(a.href).pathname);
+  note();
+  return seen;
+}
+look().catch((error) => ({ error: String(error.stack) })).then((seen) =>
+  fetch("/report", { method: "POST", body: JSON.stringify(seen) }));
+</script>
+"""
+
+LOOKED_AT = ["/index.html", "/methods/force-control.html", "/your-own-controller.html", "/sweeps.html"]
+
+
+class Site(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        done = subprocess.run(["/usr/bin/python3", ROOT / "scripts/docs/site.py", "--no-gallery"],
+                              text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+        if done.returncode != 0:
+            raise AssertionError(done.stdout)
+        files = [file for file in SITE.rglob("*") if file.is_file() and
+                 file.relative_to(SITE).parts[0] not in {"api", "gallery"}]
+        cls.html = {"/" + str(file.relative_to(SITE)): file.read_text(encoding="utf-8")
+                    for file in files if file.suffix == ".html" and file.name != "404.html"}
+        pages = sorted(path for path in cls.html if not path.startswith("/source/"))
+        driver = DRIVER.replace("PAGES", json.dumps(pages), 1).replace("LOOKED_AT", json.dumps(LOOKED_AT))
+        served = {"/" + str(file.relative_to(SITE)): (
+            file.read_bytes(), mimetypes.guess_type(file.name)[0] or "application/octet-stream") for file in files}
+        served["/"] = (driver.encode(), "text/html; charset=utf-8")
+        shutil.rmtree(WORK, ignore_errors=True)
+        WORK.mkdir(parents=True)
+        cls.seen, _, _ = visit(served, WORK, ["--window-size=1400,1000"], 150)
+        if "error" in cls.seen:
+            raise AssertionError(cls.seen["error"])
+
+    def each(self, key):
+        return {path: page[key] for path, page in self.seen["pages"].items() if page[key]}
+
+    def test_nothing_is_asked_of_another_host(self):
+        others = [url for url in self.seen["requests"] if not re.match(r"http://127\.0\.0\.1:\d+/", url)]
+        self.assertEqual(others, [])
+        self.assertGreater(len(self.seen["requests"]), 100)
+        for path, html in self.html.items():
+            self.assertEqual(re.findall(r"<(?:script|img|link|iframe|video|source)\b[^>]*(?:src|href)=\"?https?:[^>]*>", html),
+                             [], path)
+
+    def test_maths_is_set(self):
+        self.assertEqual(self.each("errors"), {})
+        self.assertEqual(self.each("unset"), {})
+        self.assertEqual(self.each("dollars"), {})
+        self.assertGreater(self.seen["pages"]["/methods/model-predictive-control.html"]["formulas"], 100)
+
+    def test_search_finds_the_page(self):
+        self.assertIn("/studies/contact-stiffness.html", self.seen["found"])
+
+    def test_pictures_have_words_and_are_there(self):
+        self.assertEqual(self.each("unnamed"), {})
+        self.assertEqual(self.each("missing"), {})
+
+    def test_text_can_be_read_in_light_and_in_dark(self):
+        self.assertEqual({page: found for page, found in self.seen["faint"].items() if found}, {})
+
+    def test_the_keyboard_gets_past_the_navigation(self):
+        for path, page in self.seen["pages"].items():
+            self.assertTrue(page["skip"] or "Decisions" in self.html[path], path)
+            self.assertEqual(page["language"], "en")
+
+    def test_links_and_anchors_hold(self):
+        ids = {path: set(re.findall(r'\bid="([^"]+)"', html)) for path, html in self.html.items()}
+        for path, html in self.html.items():
+            for target in re.findall(r'<a\b[^>]*\bhref="([^"]+)"', html):
+                if re.match(r"[a-z]+:", target):
+                    continue
+                name, _, anchor = target.partition("#")
+                file = (SITE / path[1:]).parent / name if name else SITE / path[1:]
+                place = "/" + str(pathlib.Path(*file.resolve().relative_to(SITE.resolve()).parts))
+                if name.startswith(("gallery/", "api/")) or "/api/" in name:
+                    continue
+                self.assertTrue(file.is_file(), f"{path}: {target}")
+                if anchor and place in ids and anchor != "__tabbed":
+                    self.assertIn(anchor, ids[place], f"{path}: {target}")
+
+    def test_ones_own_comes_first(self):
+        nav = re.search(r'<nav class="md-nav md-nav--primary".*?</nav>\s*</div>', self.html["/index.html"], re.S)[0]
+        links = [link for link in re.findall(r'href="([^"#]+\.html)"', nav) if link != "index.html"]
+        self.assertEqual(links[:4], [f"your-own-{what}.html" for what in ("controller", "observer", "scenario", "plant")])
+
+
+if __name__ == "__main__":
+    WORK = pathlib.Path(sys.argv.pop()).resolve()
+    for program, package in (("mkdocs", "mkdocs-material"), ("doxygen", "doxygen")):
+        if shutil.which(program) is None:
+            print(f"skipped: there is no {program} (Debian's {package}, packages/docs.txt)")
+            sys.exit(SKIPPED)
+    unittest.main()
