@@ -5,8 +5,8 @@ foreach(package IN LISTS packages)
 endforeach()
 
 find_package(PkgConfig REQUIRED)
-# Mesa's OSMesa is not linked: render/ loads it when the first picture is drawn.
-pkg_check_modules(osmesa REQUIRED IMPORTED_TARGET osmesa)
+# OpenGL is not linked: render/ loads OSMesa or EGL when the first picture is drawn.
+find_path(EGL_INCLUDE_DIR EGL/egl.h REQUIRED)
 # dygraphs and three.js are read when a page is written, and go into it whole.
 find_path(MUSTACHE_INCLUDE_DIR kainjow/mustache.hpp REQUIRED)
 find_path(THREE_DIR three.min.js PATHS /usr/share/javascript/three NO_DEFAULT_PATH REQUIRED)

@@ -20,6 +20,8 @@
 #include <breakwater/scenario/child_program.h>
 #include <breakwater/scenario/process.h>
 #include <breakwater/scenario/progress.h>
+#include <breakwater/scenario/run_manifest.h>
+#include <breakwater/sim/opengl_asked.h>
 
 namespace breakwater {
 namespace fs = std::filesystem;
@@ -84,7 +86,15 @@ void warn_if_slow(const Offscreen& offscreen) {
   if (const auto warning = offscreen.slowness()) fmt::print(stderr, "pictures: {}\n", *warning);
 }
 
-void report(const PictureArguments& arguments, const std::string& what, const fs::path& file) {
+// A picture in its run's folder is noted there; of others, which may be elsewhere by now, videos
+// say it themselves.
+void report(const PictureArguments& arguments, const FinishedRun& run, const std::string& renderer,
+            const std::string& what, const fs::path& file) {
+  std::error_code error;
+  const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
+  if (fs::equivalent(folder, run.folder(), error)) {
+    note_renderer(run.folder(), run.saved().state_hash(), file.filename().string(), renderer);
+  }
   if (!arguments.quiet) fmt::print("{}: {}\n", what, file.string());
 }
 
@@ -127,22 +137,25 @@ int video(const Catalogue& catalogue, const PictureArguments& arguments) {
   farm.processes = std::max(1U, std::thread::hardware_concurrency());
   farm.stop = &interrupted();
   farm.progress = [&](double done) { progress.update(0, done); };
-  const auto start = [&](std::size_t process) -> DrawFrame {
+  const auto start = [&](std::size_t process) -> Drawer {
     const auto picture = std::make_shared<Picture>(stage.runs, stage.style);
     const auto converter = std::make_shared<ColourConverter>(size.width, size.height);
     if (process == 0) warn_if_slow(picture->offscreen());
-    return [picture, converter, &window, fps](std::size_t number, std::uint8_t* frame) {
-      converter->convert(picture->draw(window.time_of(number, fps)), frame);
-    };
+    return {[picture, converter, &window, fps](std::size_t number, std::uint8_t* frame) {
+              converter->convert(picture->draw(window.time_of(number, fps)), frame);
+            },
+            picture->offscreen().renderer()};
   };
-  draw_frames(farm, start, [&](const std::uint8_t* frame) { output.append(frame); });
+  const std::string renderer =
+      draw_frames(farm, start, [&](const std::uint8_t* frame) { output.append(frame); });
+  output.note("drawn by " + renderer);
   output.finish();
   const double wall_s =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  report(
-      arguments,
-      fmt::format("video, {} frames of {}x{} in {:.1f} s", frames, size.width, size.height, wall_s),
-      file);
+  report(arguments, runs.front(), renderer,
+         fmt::format("video, {} frames of {}x{} in {:.1f} s by {}", frames, size.width, size.height,
+                     wall_s, renderer),
+         file);
   return kSuccess;
 }
 
@@ -169,7 +182,7 @@ int still(const Catalogue& catalogue, const PictureArguments& arguments) {
   Canvas canvas(size.width, size.height);
   std::copy_n(picture.draw(arguments.at_s), 4 * size.width * size.height, canvas.pixels());
   replace_file(file, canvas.png());
-  report(arguments, "still", file);
+  report(arguments, runs.front(), picture.offscreen().renderer(), "still", file);
   return kSuccess;
 }
 
@@ -183,7 +196,7 @@ int strip(const Catalogue& catalogue, const PictureArguments& arguments) {
       {arguments.camera, size.width, size.height, read_look(arguments.look, kPrintLook)});
   for (const std::string& note : strip.notes) fmt::print(stderr, "pictures: {}\n", note);
   replace_file(file, strip.png);
-  report(arguments, fmt::format("strip of {}", strip.pictures), file);
+  report(arguments, run, strip.renderer, fmt::format("strip of {}", strip.pictures), file);
   return kSuccess;
 }
 
@@ -251,6 +264,7 @@ const Command* find_command(const std::string& name) {
 
 // A picture that fails leaves its run whole: a status of its own.
 int draw(const Command& command, const Catalogue& catalogue, const PictureArguments& arguments) {
+  opengl_asked();  // what it refuses is refused at once
   try {
     return command.execute(catalogue, arguments);
   } catch (const RenderError& error) {

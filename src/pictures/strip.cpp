@@ -74,7 +74,7 @@ Strip draw_strip(const FinishedRun& run, const ShotList& shots, const StripStyle
     }
     chart.draw(page, 0, style.height + caption, window.to_s);
   }
-  return {page.png(), count, stage.notes};
+  return {page.png(), count, picture.offscreen().renderer(), stage.notes};
 }
 
 }  // namespace breakwater

@@ -19,6 +19,7 @@ struct StripStyle {
 struct Strip {
   std::string png;
   int pictures = 0;
+  std::string renderer;
   std::vector<std::string> notes;
 };
 

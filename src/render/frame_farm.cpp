@@ -55,8 +55,14 @@ class IgnoredSigpipe {
 
 // Small enough to go through a pipe in one piece.
 struct Answer {
-  std::size_t frame;
-  std::array<char, 400> error;  // empty: the frame is drawn
+  enum class Kind { ready, drawn, failed };
+  Kind kind;
+  std::size_t frame;           // drawn
+  std::array<char, 400> text;  // ready: the renderer's name; failed: why
+
+  void say(const std::string& words) {
+    std::snprintf(text.data(), text.size(), "%s", words.c_str());
+  }
 };
 static_assert(sizeof(Answer) <= 512, "POSIX' PIPE_BUF");
 
@@ -103,20 +109,25 @@ struct Child {
 };
 
 [[noreturn]] void work(std::size_t number, int orders, int answers, const FrameFarm& farm,
-                       std::uint8_t* slots, const std::function<DrawFrame(std::size_t)>& start) {
+                       std::uint8_t* slots, const std::function<Drawer(std::size_t)>& start) {
   Answer answer{};
   int status = EXIT_SUCCESS;
   try {
     // This process is one of as many as there are cores.
     setenv("LP_NUM_THREADS", "0", 1);
-    const DrawFrame draw = start(number);
+    const Drawer drawer = start(number);
+    answer.kind = Answer::Kind::ready;
+    answer.say(drawer.renderer);
+    write_all(answers, &answer, sizeof(answer));
+    answer.kind = Answer::Kind::drawn;
     for (Order order{}; read_all(orders, &order, sizeof(order));) {
-      draw(order.frame, slots + order.slot * farm.frame_bytes);
+      drawer.draw(order.frame, slots + order.slot * farm.frame_bytes);
       answer.frame = order.frame;
       if (!write_all(answers, &answer, sizeof(answer))) break;
     }
   } catch (const std::exception& error) {
-    std::snprintf(answer.error.data(), answer.error.size(), "%s", error.what());
+    answer.kind = Answer::Kind::failed;
+    answer.say(error.what());
     write_all(answers, &answer, sizeof(answer));
     status = EXIT_FAILURE;
   } catch (...) {
@@ -129,7 +140,7 @@ struct Child {
 class Children {
  public:
   Children(const FrameFarm& farm, std::uint8_t* slots,
-           const std::function<DrawFrame(std::size_t)>& start) {
+           const std::function<Drawer(std::size_t)>& start) {
     const auto count = std::max<std::size_t>(1, std::min<std::size_t>(farm.processes, farm.frames));
     for (std::size_t i = 0; i < count; ++i) {
       std::array<int, 2> orders{};
@@ -256,14 +267,15 @@ class Taker {
 
 }  // namespace
 
-void draw_frames(const FrameFarm& farm, const std::function<DrawFrame(std::size_t)>& start,
-                 const std::function<void(const std::uint8_t* frame)>& take) {
+std::string draw_frames(const FrameFarm& farm, const std::function<Drawer(std::size_t)>& start,
+                        const std::function<void(const std::uint8_t* frame)>& take) {
   const std::size_t slot_count = kSlotsPerProcess * std::max(1U, farm.processes);
   const SharedMemory slots(slot_count * farm.frame_bytes);
   const IgnoredSigpipe no_sigpipe;
   Children children(farm, slots.data(), start);
   Taker taker(farm, slots.data(), slot_count, take);
 
+  std::string renderer;
   std::size_t ordered = 0;
   for (std::size_t taken = 0; taken < farm.frames; taken = taker.taken()) {
     if (farm.stop != nullptr && *farm.stop) throw Stopped();
@@ -302,11 +314,16 @@ void draw_frames(const FrameFarm& farm, const std::function<DrawFrame(std::size_
         throw RenderError("video: a process that drew it ended (" +
                           Children::cause_of_death(child) + ")");
       }
-      if (answer.error[0] != '\0') throw RenderError(answer.error.data());
+      if (answer.kind == Answer::Kind::failed) throw RenderError(answer.text.data());
+      if (answer.kind == Answer::Kind::ready) {
+        renderer = answer.text.data();
+        continue;
+      }
       --child.pending;
       taker.add(answer.frame);
     }
   }
+  return renderer;
 }
 
 }  // namespace breakwater

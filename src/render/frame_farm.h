@@ -6,11 +6,23 @@
 #include <cstdint>
 #include <functional>
 #include <stdexcept>
+#include <string>
+#include <utility>
 
 namespace breakwater {
 
 /// Draws frame `number` into memory of the farm's `frame_bytes`.
 using DrawFrame = std::function<void(std::size_t number, std::uint8_t* frame)>;
+
+/// What one process draws with, and what that calls itself, in at most 400 characters.
+struct Drawer {
+  // NOLINTNEXTLINE(google-explicit-constructor): what has no name is just its function.
+  Drawer(DrawFrame draw_frame, std::string name = "")
+      : draw(std::move(draw_frame)), renderer(std::move(name)) {}
+
+  DrawFrame draw;
+  std::string renderer;
+};
 
 struct FrameFarm {
   std::size_t frames = 0;
@@ -31,9 +43,10 @@ class Stopped : public std::runtime_error {
 /// faster with several contexts on the threads of one process, and children take no crash of a
 /// driver to the parent. `take` gets all frames in order, on a thread of its own.
 ///
-/// Call it while no other thread runs. Throws RenderError with a child's message if one fails, what
-/// `take` throws, or Stopped.
-void draw_frames(const FrameFarm& farm, const std::function<DrawFrame(std::size_t process)>& start,
-                 const std::function<void(const std::uint8_t* frame)>& take);
+/// Call it while no other thread runs. Returns the name of what drew. Throws RenderError with a
+/// child's message if one fails, what `take` throws, or Stopped.
+std::string draw_frames(const FrameFarm& farm,
+                        const std::function<Drawer(std::size_t process)>& start,
+                        const std::function<void(const std::uint8_t* frame)>& take);
 
 }  // namespace breakwater

@@ -118,7 +118,7 @@ SceneView::SceneView(Model& model, int camera, const Look& look)
     mjv_defaultFreeCamera(&m, &camera_);
   }
   m.vis.quality.shadowsize = look.shadow_map;
-  m.vis.quality.offsamples = 0;  // drawn into the window's buffer, which Mesa has in our memory
+  m.vis.quality.offsamples = 0;  // drawn into the window's buffer, which Offscreen reads
   m.vis.global.offwidth = m.vis.global.offheight = 1;
   mjv_defaultOption(&options_);
   for (int i = 0; i < mjNGROUP; ++i) {

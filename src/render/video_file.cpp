@@ -184,6 +184,10 @@ void VideoFile::append(const std::uint8_t* frame) {
   encode(&f);
 }
 
+void VideoFile::note(const std::string& comment) {
+  av_dict_set(&streams_->container->metadata, "comment", comment.c_str(), 0);
+}
+
 void VideoFile::finish() {
   Streams& s = *streams_;
   encode(nullptr);

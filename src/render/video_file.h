@@ -53,6 +53,8 @@ class VideoFile {
 
   /// Appends a frame of yuv420p_bytes(). Throws OutputError if the disk is full.
   void append(const std::uint8_t* frame);
+  /// The file's comment: what drew it, say.
+  void note(const std::string& comment);
   void finish();
 
  private:

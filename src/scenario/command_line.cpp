@@ -11,6 +11,7 @@
 #include <breakwater/scenario/progress.h>
 #include <breakwater/scenario/report.h>
 #include <breakwater/scenario/runner.h>
+#include <breakwater/sim/opengl_asked.h>
 #include <breakwater/version.h>
 
 namespace breakwater {
@@ -125,6 +126,8 @@ void report_failures(const std::string& scenario, const std::vector<RunSummary>&
 }
 
 void check_video(const std::vector<PreparedRun>& runs, const Arguments& arguments) {
+  if (arguments.video->count() == 0) return;
+  opengl_asked();  // what it refuses is refused before the run, not after it
   if (runs.size() > 1 && !arguments.video_file.empty()) {
     throw std::invalid_argument("--video: one file cannot hold the videos of several runs");
   }

@@ -4,6 +4,8 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include <breakwater/record/partial_file.h>
+
 namespace breakwater {
 namespace {
 
@@ -82,6 +84,19 @@ RunManifest read_manifest(const std::filesystem::path& folder) {
     }
   }
   return manifest;
+}
+
+void note_renderer(const std::filesystem::path& folder, const std::string& state_hash,
+                   const std::string& picture, const std::string& renderer) {
+  const std::filesystem::path file = folder / "manifest.json";
+  std::ifstream stream(file);
+  auto manifest = nlohmann::ordered_json::parse(stream, nullptr, false);
+  // Another run may have taken its place since.
+  if (!manifest.is_object() || manifest.value("state_hash", "") != state_hash) return;
+  auto& renderers = manifest["renderers"];
+  if (!renderers.is_object()) renderers = nlohmann::ordered_json::object();
+  renderers[picture] = renderer;
+  replace_file(file, manifest.dump(2) + "\n");
 }
 
 }  // namespace breakwater

@@ -25,4 +25,9 @@ struct RunManifest {
 /// damaged one.
 RunManifest read_manifest(const std::filesystem::path& folder);
 
+/// Notes in the manifest of the run in `folder`, if that is still the one with this state hash,
+/// what drew `picture` ("video.mp4"): `renderers.PICTURE`. Throws OutputError.
+void note_renderer(const std::filesystem::path& folder, const std::string& state_hash,
+                   const std::string& picture, const std::string& renderer);
+
 }  // namespace breakwater

@@ -14,11 +14,9 @@
 
 using namespace breakwater;
 
-int main(int argc, char** argv) {
-  if (argc != 4) {
-    std::fputs("usage: bare_render RUN_FOLDER fast|full FRAMES\n", stderr);
-    return 2;
-  }
+namespace {
+
+void render(char** argv) {
   setenv("LP_NUM_THREADS", "0", 1);
   std::deque<FinishedRun> runs;
   runs.emplace_back(standard_catalogue(), argv[1]);
@@ -42,6 +40,21 @@ int main(int argc, char** argv) {
     view.draw({0, 0, shots.width, shots.height}, arrows);
     offscreen.finish();
   }
-  std::printf("frames %ld\n", frames);
+  std::printf("frames %ld, %s\n", frames, offscreen.renderer().c_str());
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc != 4) {
+    std::fputs("usage: bare_render RUN_FOLDER fast|full FRAMES\n", stderr);
+    return 2;
+  }
+  try {
+    render(argv);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return 1;
+  }
   return 0;
 }

@@ -46,10 +46,10 @@ def seconds(command):
     return time.perf_counter() - start
 
 
-def cpu_and_wall_seconds(command, copies=1):
+def cpu_and_wall_seconds(command, copies=1, env=None):
     """Of a command, or so many copies at once, and all the processes that they made."""
     start = time.perf_counter()
-    processes = [subprocess.Popen(command, stdout=subprocess.DEVNULL) for _ in range(copies)]
+    processes = [subprocess.Popen(command, stdout=subprocess.DEVNULL, env=env) for _ in range(copies)]
     cpu = 0.0
     for process in processes:
         _, status, usage = os.wait4(process.pid, 0)
@@ -59,9 +59,45 @@ def cpu_and_wall_seconds(command, copies=1):
     return cpu, time.perf_counter() - start
 
 
+def renderer_by(library, run):
+    """What draws by MUJOCO_GL=library, or why nothing does."""
+    asked = subprocess.run([BUILD / "tests" / "bare_render", run, "fast", "1"], text=True,
+                           capture_output=True, env={**os.environ, "MUJOCO_GL": library})
+    if asked.returncode != 0:
+        return None, asked.stderr.strip()
+    return asked.stdout.strip().partition(", ")[2], ""
+
+
+def bench_renderers(run, frames):
+    """The same video by OSMesa and by EGL, in turn."""
+    print(f"renderers, {frames} frames of 1280x720, look full, {VIDEO_PAIRS} rounds ...", flush=True)
+    names = {}
+    for library in ("osmesa", "egl"):
+        name, reason = renderer_by(library, run)
+        if name is None:
+            print(f"  {library:6}: not measured: {reason}")
+        else:
+            names[library] = name
+    costs = {library: [] for library in names}
+    for _ in range(VIDEO_PAIRS):
+        for library in names:
+            costs[library].append(cpu_and_wall_seconds(
+                [BUILD / "bin" / "breakwater", "video", run, "--quiet",
+                 "--from", "29.9", "--to", "31.4", "--speed", str(45 / frames)],
+                env={**os.environ, "MUJOCO_GL": library}))
+    for library, name in names.items():
+        cpu_ms = 1e3 / frames * statistics.median(cpu for cpu, _ in costs[library])
+        rate = frames / statistics.median(wall for _, wall in costs[library])
+        print(f"  {library:6}: {rate:6.1f} frames/s, {cpu_ms:5.1f} ms of a core per frame   ({name})")
+    if len(names) == 2:
+        ratio = statistics.median(o[0] / e[0] for o, e in zip(costs["osmesa"], costs["egl"]))
+        print(f"  EGL draws {ratio:.2f} times as fast as OSMesa, by processor time")
+
+
 def bench_videos(run):
     frames = 900
     cores = os.cpu_count()
+    bench_renderers(run, frames)
     print(f"video, {frames} frames of 1280x720 with impact, {VIDEO_PAIRS} pairs ...", flush=True)
     for look, goal in (("full", 20), ("fast", 32)):
         video = [BUILD / "bin" / "breakwater", "video", run, "--quiet", "--look", look,

@@ -151,13 +151,113 @@ TEST_F(Pictures, AVideoChangesNothingOfTheRun) {
   EXPECT_EQ(run({"arm_push", "--case", "all", "--duration", "0.2", "--video=x.mp4"}).status, 2);
 }
 
-TEST_F(Pictures, WithoutOpenGLTheRunStays) {
+// A variable of the environment of the programs that are run while it is there.
+class Environment {
+ public:
+  Environment(const char* name, const std::string& value) : name_(name) {
+    setenv(name, value.c_str(), 1);
+  }
+  Environment(const Environment&) = delete;
+  Environment& operator=(const Environment&) = delete;
+  ~Environment() { unsetenv(name_); }
+
+ private:
+  const char* name_;
+};
+
+bool is_missing_library(const ProgramResult& result) {
+  return result.status == 4 && result.err.find("(Debian package lib") != std::string::npos;
+}
+
+TEST_F(Pictures, OsmesaAndEglDrawTheSame) {
+  push("run");
+  for (const std::string library : {"osmesa", "egl"}) {
+    const Environment asked("MUJOCO_GL", library);
+    // The software renderer, which is the last of EGL's devices, in case there are others.
+    const Environment software("LIBGL_ALWAYS_SOFTWARE", "1");
+    const ProgramResult still =
+        breakwater({"still", "run", "--at", "0.3", "--size", "320x180", "--look", "full"});
+    if (is_missing_library(still)) GTEST_SKIP() << still.err;
+    ASSERT_EQ(still.status, 0) << still.err;
+    const ProgramResult video =
+        breakwater({"video", "run", "--from", "0.1", "--to", "0.3", "--size", "320x180"});
+    ASSERT_EQ(video.status, 0) << video.err;
+    testing::output_of("cd " + folder_.string() + " && ffmpeg -v error -i run/video.mp4 " +
+                       "-vf 'select=eq(n\\,0)+eq(n\\,4)' -vsync 0 " + library + "%d.png");
+    fs::rename(folder_ / "run/still.png", folder_ / (library + ".png"));
+    // Each says by what it is drawn.
+    const std::string name = library == "egl" ? ", EGL" : ", OSMesa";
+    for (const char* picture : {"still.png", "video.mp4"}) {
+      const std::string renderer = json("run/manifest.json")["renderers"][picture];
+      EXPECT_TRUE(renderer.ends_with(name)) << renderer;
+    }
+    EXPECT_NE(testing::output_of("ffprobe -v error -show_entries format_tags=comment -of csv=p=0 " +
+                                 (folder_ / "run/video.mp4").string())
+                  .find(name),
+              std::string::npos);
+  }
+  for (const char* picture : {".png", "1.png", "2.png"}) {
+    EXPECT_LT(mean_difference(Png(folder_ / ("osmesa" + std::string(picture))),
+                              Png(folder_ / ("egl" + std::string(picture)))),
+              1.0)
+        << picture;
+  }
+  // Other pictures differ by more.
+  ASSERT_EQ(breakwater({"still", "run", "--at", "0.3", "--size", "320x180", "--look", "full",
+                        "--camera", "top"})
+                .status,
+            0);
+  EXPECT_GT(mean_difference(Png(folder_ / "run/still.png"), Png(folder_ / "egl.png")), 3.0);
+}
+
+TEST_F(Pictures, WhereOsmesaIsNotEglDraws) {
+  push("run");
   std::ofstream(folder_ / "libOSMesa.so.8") << "no library";
-  setenv("LD_LIBRARY_PATH", folder_.c_str(), 1);
-  const ProgramResult result =
-      run({"arm_push", "--quiet", "--duration", "0.2", "--video", "--out", "run"});
-  unsetenv("LD_LIBRARY_PATH");
-  expect_failure(result, 4, "pictures need OpenGL", kRunFiles, "run");
+  const Environment path("LD_LIBRARY_PATH", folder_);
+  const ProgramResult result = breakwater({"still", "run", "--at", "0.1", "--look", "fast"});
+  if (is_missing_library(result)) GTEST_SKIP() << result.err;
+  EXPECT_EQ(result.status, 0) << result.err;
+  const std::string renderer = json("run/manifest.json")["renderers"]["still.png"];
+  EXPECT_TRUE(renderer.starts_with("llvmpipe") && renderer.ends_with(", EGL")) << renderer;
+}
+
+TEST_F(Pictures, WithoutOpenGLTheRunStays) {
+  for (const char* library : {"libOSMesa.so.8", "libEGL.so.1"}) {
+    std::ofstream(folder_ / library) << "no library";
+  }
+  const Environment path("LD_LIBRARY_PATH", folder_);
+  expect_failure(run({"arm_push", "--quiet", "--duration", "0.2", "--video", "--out", "run"}), 4,
+                 "pictures need OpenGL", kRunFiles, "run");
+  // Both libraries and their packages are named.
+  expect_failure(breakwater({"video", "run"}), 4, "libosmesa6), and", kRunFiles, "run");
+  expect_failure(breakwater({"still", "run", "--at", "0.1"}), 4, "libegl1)", kRunFiles, "run");
+  {
+    const Environment asked("MUJOCO_GL", "egl");
+    expect_failure(breakwater({"video", "run"}), 4, "libEGL.so.1", kRunFiles, "run");
+  }
+  push("other");  // nothing else needs it
+}
+
+TEST_F(Pictures, NonsenseInTheEnvironmentIsRefusedBeforeTheRun) {
+  push("run");
+  {
+    const Environment asked("MUJOCO_GL", "softpipe");
+    expect_failure(breakwater({"video", "run"}), 2, "MUJOCO_GL: \"softpipe\"", kRunFiles, "run");
+    expect_failure(breakwater({"still", "run", "--at", "0.1"}), 2, "MUJOCO_GL", kRunFiles, "run");
+    const ProgramResult later =
+        run({"arm_push", "--quiet", "--duration", "0.2", "--video", "--out", "other"});
+    EXPECT_EQ(later.status, 2);
+    EXPECT_EQ(lines_of(later.err), 1) << later.err;
+    EXPECT_FALSE(fs::exists(folder_ / "other"));
+    push("plain");  // which draws nothing
+  }
+  for (const auto& [number, status] :
+       {std::pair("-1", 2), std::pair("GPU", 2), std::pair("99", 4)}) {
+    const Environment device("MUJOCO_EGL_DEVICE_ID", number);
+    const ProgramResult result = breakwater({"video", "run"});
+    if (is_missing_library(result)) GTEST_SKIP() << result.err;
+    expect_failure(result, status, "MUJOCO_EGL_DEVICE_ID", kRunFiles, "run");
+  }
 }
 
 TEST_F(Pictures, AFolderThatIsNotThereIsSaid) {

@@ -1,0 +1,57 @@
+#include <breakwater/sim/opengl_asked.h>
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <cstdlib>
+#include <stdexcept>
+#include <string>
+
+namespace breakwater {
+namespace {
+
+constexpr const char* kLibraryKey = "MUJOCO_GL";
+constexpr const char* kDeviceKey = "MUJOCO_EGL_DEVICE_ID";
+
+std::string environment(const char* key) {
+  const char* const value = std::getenv(key);
+  return value != nullptr ? value : "";
+}
+
+OpenGlAsked::Library library_asked() {
+  const std::string text = environment(kLibraryKey);
+  std::string name = text;
+  std::transform(name.begin(), name.end(), name.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (name.empty()) return OpenGlAsked::Library::any;
+  if (name == "osmesa") return OpenGlAsked::Library::osmesa;
+  if (name == "egl") return OpenGlAsked::Library::egl;
+  throw std::invalid_argument(std::string(kLibraryKey) + ": \"" + text +
+                              "\": must be egl or osmesa, which need no screen, or unset");
+}
+
+std::optional<int> device_asked() {
+  const std::string text = environment(kDeviceKey);
+  if (text.empty()) return std::nullopt;
+  int number = 0;
+  const char* const end = text.data() + text.size();
+  const auto read = std::from_chars(text.data(), end, number);
+  if (read.ec != std::errc() || read.ptr != end || number < 0) {
+    throw std::invalid_argument(std::string(kDeviceKey) + ": \"" + text +
+                                "\": must be a whole number: which of EGL's devices, from 0");
+  }
+  return number;
+}
+
+}  // namespace
+
+OpenGlAsked opengl_asked() {
+  OpenGlAsked asked{library_asked(), device_asked()};
+  // MuJoCo's programs read the device only when they draw by EGL; a machine's environment may
+  // have it for them.
+  if (asked.library == OpenGlAsked::Library::osmesa) asked.egl_device.reset();
+  if (asked.egl_device) asked.library = OpenGlAsked::Library::egl;
+  return asked;
+}
+
+}  // namespace breakwater
