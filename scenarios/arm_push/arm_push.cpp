@@ -83,11 +83,9 @@ Recording ArmPush::run(const RunControl& control) const {
     moment_Nm = hand.moment_Nm(time_s, sim.qpos(), sim.qvel());
     metrics.after_sample(time_s, rig.q(), rig.dq(), rig.tip(), turned_rad, sim.saturated());
   };
-  Recording recording = record_run(
+  return record_run(
       sim, arm_.physics, arm_.physics.step_at(arm_.run.duration_s), std::move(signals), control,
-      [&](std::int64_t) { sim.step(); }, sample);
-  if (!recording.failure) recording.metrics = metrics.metrics();
-  return recording;
+      [&](std::int64_t) { sim.step(); }, sample, [&] { return metrics.metrics(); });
 }
 
 }  // namespace breakwater

@@ -17,6 +17,9 @@ class ArmPush final : public Scenario {
   std::string summary() const override {
     return "forced displacement of each link: torque saturation, recovery";
   }
+  std::vector<std::string> main_metrics() const override {
+    return {"settling_time_s", "tip_error_m"};
+  }
   Fields fields() override;
   void check(const Config& config) override;
   const RunSettings& run_settings() const override { return arm_.run; }

@@ -125,8 +125,9 @@ Recording ArmWallContact::run(const RunControl& control) const {
     rig.observe();
     metrics.after_sample(time_s, rig.contact_force_N(), rig.tip(), sim.saturated());
   };
-  Recording recording = record_run(sim, physics, steps, rig.signals(), control, step, sample);
-  if (!recording.failure) recording.metrics = metrics.metrics(recording.simulated_s);
+  const auto measured = [&] { return metrics.metrics(sim.time_of(sim.steps())); };
+  Recording recording =
+      record_run(sim, physics, steps, rig.signals(), control, step, sample, measured);
   if (fine.rows() > 0) recording.tracks.push_back(std::move(fine));
   return recording;
 }

@@ -18,6 +18,9 @@ class ArmWallContact final : public Scenario {
   std::string summary() const override {
     return "hybrid position/force control against a wall: impact force, free-motion time";
   }
+  std::vector<std::string> main_metrics() const override {
+    return {"free_motion_time_s", "peak_force_filtered_N"};
+  }
   Fields fields() override;
   void check(const Config& config) override;
   const RunSettings& run_settings() const override { return arm_.run; }

@@ -83,7 +83,7 @@ Recording CartConstrained::run(const RunControl& control) const {
   double input_violation_s = 0.0;
   double speed_violation_s = 0.0;
 
-  Recording recording = rig.run(control, axis_, rig.signals(), [&](double t) {
+  const auto sample = [&](double t) {
     const double u = sim.command()(0);
     const double v = sim.qvel()[0];
     speed.add(t, v);
@@ -100,9 +100,9 @@ Recording CartConstrained::run(const RunControl& control) const {
       input_violation_s += period_s;
     }
     if (std::abs(v) > velocity_m_s_ + violation_slack_) speed_violation_s += period_s;
-  });
-  if (!recording.failure) {
-    std::vector<Metric>& metrics = recording.metrics;
+  };
+  const auto measured = [&] {
+    std::vector<Metric> metrics;
     add(metrics, "final_position_m", "m", sim.qpos()[0]);
     add(metrics, "final_speed_m_s", "m/s", std::abs(sim.qvel()[0]));
     add(metrics, "max_speed_m_s", "m/s", speed.peak());
@@ -113,8 +113,10 @@ Recording CartConstrained::run(const RunControl& control) const {
     add(metrics, "input_violation_time_s", "s", input_violation_s);
     add(metrics, "speed_violation_time_s", "s", speed_violation_s);
     add(metrics, "settling_time_s", "s", settling.value());
-    add_qp_metrics(*loop.controller, recording);
-  }
+    return metrics;
+  };
+  Recording recording = rig.run(control, axis_, rig.signals(), sample, measured);
+  if (!recording.failure) add_qp_metrics(*loop.controller, recording);
   return recording;
 }
 

@@ -24,6 +24,9 @@ class CartConstrained final : public AxisScenario {
   std::string summary() const override {
     return "limits of a cart's input and velocity under disturbance and mass error";
   }
+  std::vector<std::string> main_metrics() const override {
+    return {"settling_time_s", "max_speed_m_s"};
+  }
   Matrix matrix() const override {
     return {"condition",
             {"A", "B", "C", "D", "E"},

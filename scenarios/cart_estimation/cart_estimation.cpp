@@ -137,7 +137,7 @@ Recording CartEstimation::run(const RunControl& control) const {
     rig.step();
     quiet_rig.step();
   };
-  Recording recording = rig.run(control, axis_, std::move(signals), step, [&](double t) {
+  const auto sample = [&](double t) {
     truth.add(t, rig.disturbance());
     position_error.add(t, reference_.at(t) - sim.qpos()[0]);
     if (!loop.estimates()) return;
@@ -149,9 +149,9 @@ Recording CartEstimation::run(const RunControl& control) const {
     noise.add(t, noise_N);
     noise_in_window.add(t, noise_N);
     settling.add(t, d_error);
-  });
-  if (!recording.failure) {
-    std::vector<Metric>& metrics = recording.metrics;
+  };
+  const auto measured = [&] {
+    std::vector<Metric> metrics;
     if (error.rms() && truth.rms().value_or(0.0) > 0.0) {
       add(metrics, "relative_rmse_disturbance", "1", *error.rms() / *truth.rms());
     }
@@ -164,8 +164,9 @@ Recording CartEstimation::run(const RunControl& control) const {
     add(metrics, "max_noise_deviation_N", "N", noise_in_window.largest_deviation());
     add(metrics, "rms_noise_N", "N", noise.rms());
     add(metrics, "steady_state_error_m", "m", position_error.mean());
-  }
-  return recording;
+    return metrics;
+  };
+  return rig.run(control, axis_, std::move(signals), step, sample, measured);
 }
 
 }  // namespace breakwater

@@ -18,6 +18,9 @@ class CartEstimation final : public AxisScenario {
   std::string summary() const override {
     return "disturbance models and forgetting factors of Kalman filters on a cart";
   }
+  std::vector<std::string> main_metrics() const override {
+    return {"relative_rmse_disturbance", "rms_noise_N"};
+  }
   Fields fields() override;
   void check(const Config& config) override;
   const RunSettings& run_settings() const override { return axis_.run; }

@@ -57,7 +57,7 @@ Recording CartOffsetFree::run(const RunControl& control) const {
   SettlingTime settling(TimeWindow{reference_.from_s, disturbance_start_s_}.within(end_s),
                         settled_within_ * std::abs(reference_.value));
 
-  Recording recording = rig.run(control, axis_, rig.signals(), [&](double t) {
+  const auto sample = [&](double t) {
     const double r = reference_.at(t);
     const double y = sim.sample().y(0);
     error.add(t, y - r);
@@ -73,9 +73,9 @@ Recording CartOffsetFree::run(const RunControl& control) const {
     d_error.add(t, estimate - rig.disturbance());
     estimate_error.add(t, loop.estimator->state()(0) - sim.qpos()[0]);
     if (t < disturbance_start_s_) early_d_hat.add(t, estimate);
-  });
-  if (!recording.failure) {
-    std::vector<Metric>& metrics = recording.metrics;
+  };
+  const auto measured = [&] {
+    std::vector<Metric> metrics;
     add(metrics, "steady_state_error_m", "m", error.mean());
     add(metrics, "true_position_error_m", "m", true_error.mean());
     add(metrics, "settling_time_s", "s", settling.value());
@@ -87,8 +87,10 @@ Recording CartOffsetFree::run(const RunControl& control) const {
     add(metrics, "max_early_disturbance_estimate_N", "N", early_d_hat.peak());
     add(metrics, "mean_disturbance_estimate_N", "N", d_hat.mean());
     add(metrics, "rms_disturbance_error_N", "N", d_error.rms());
-    add_qp_metrics(*loop.controller, recording);
-  }
+    return metrics;
+  };
+  Recording recording = rig.run(control, axis_, rig.signals(), sample, measured);
+  if (!recording.failure) add_qp_metrics(*loop.controller, recording);
   return recording;
 }
 

@@ -15,6 +15,9 @@ class CartOffsetFree final : public AxisScenario {
   std::string summary() const override {
     return "predictive control of a cart under input and output disturbance: what error remains";
   }
+  std::vector<std::string> main_metrics() const override {
+    return {"steady_state_error_m", "settling_time_s"};
+  }
   Fields fields() override;
   void check(const Config& config) override;
   const RunSettings& run_settings() const override { return axis_.run; }

@@ -51,7 +51,7 @@ Recording CartPosition::run(const RunControl& control) const {
   SettlingTime settling(TimeWindow{reference_.from_s, to_s_}.within_and_on(end_s),
                         settled_within_ * std::abs(reference_.value));
 
-  Recording recording = rig.run(control, axis_, std::move(signals), [&](double t) {
+  const auto sample = [&](double t) {
     if (loop.estimates()) {
       high_passed_N = high_pass.update(loop.estimator->disturbance()(0));
       noise.add(t, high_passed_N);
@@ -63,16 +63,18 @@ Recording CartPosition::run(const RunControl& control) const {
     position.add(t, sim.qpos()[0]);
     input_step.add(t, input - last_input);
     last_input = input;
-  });
-  if (!recording.failure) {
-    std::vector<Metric>& metrics = recording.metrics;
+  };
+  const auto measured = [&] {
+    std::vector<Metric> metrics;
     add(metrics, "steady_state_error_m", "m", error.mean());
     add(metrics, "settling_time_s", "s", settling.value());
     add(metrics, "rms_highpass_disturbance_N", "N", noise.rms());
     add(metrics, "rms_input_step_N", "N", input_step.rms());
     add(metrics, "max_position_m", "m", position.largest());
-    add_qp_metrics(*loop.controller, recording);
-  }
+    return metrics;
+  };
+  Recording recording = rig.run(control, axis_, std::move(signals), sample, measured);
+  if (!recording.failure) add_qp_metrics(*loop.controller, recording);
   return recording;
 }
 

@@ -18,6 +18,9 @@ class CartPosition final : public AxisScenario {
   std::string summary() const override {
     return "position control of a cart with friction, quantised drive and encoder";
   }
+  std::vector<std::string> main_metrics() const override {
+    return {"steady_state_error_m", "settling_time_s"};
+  }
   Fields fields() override;
   void check(const Config& config) override;
   const RunSettings& run_settings() const override { return axis_.run; }

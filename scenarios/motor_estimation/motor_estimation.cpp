@@ -77,7 +77,7 @@ Recording MotorEstimation::run(const RunControl& control) const {
   SettlingTime settling(TimeWindow{start_s, to_s_}.within_and_on(end_s),
                         settled_within_ * std::abs(disturbance_.amplitude));
 
-  Recording recording = rig.run(control, axis_, std::move(signals), [&](double t) {
+  const auto sample = [&](double t) {
     const double angle = sim.sample().y(0);
     raw_velocity = sim.steps() == 1 ? 0.0 : (angle - last_angle) / axis_.physics.control_period_s;
     last_angle = angle;
@@ -96,9 +96,9 @@ Recording MotorEstimation::run(const RunControl& control) const {
       any_lambda.add(t, lambda_now.front());
     }
     if (!poles.empty()) slowest_pole.add(t, *std::max_element(poles.begin(), poles.end()));
-  });
-  if (!recording.failure) {
-    std::vector<Metric>& metrics = recording.metrics;
+  };
+  const auto measured = [&] {
+    std::vector<Metric> metrics;
     add(metrics, "rmse_velocity_rad_s", "rad/s", velocity_error.rms());
     add(metrics, "rmse_raw_velocity_rad_s", "rad/s", raw_velocity_error.rms());
     add(metrics, "rmse_position_rad", "rad", position_error.rms());
@@ -111,8 +111,9 @@ Recording MotorEstimation::run(const RunControl& control) const {
     add(metrics, "lambda_mean_1", "1", lambda.mean());
     add(metrics, "lambda_min_1", "1", any_lambda.smallest());
     add(metrics, "slowest_pole_continuous_rad_s", "rad/s", slowest_pole.mean());
-  }
-  return recording;
+    return metrics;
+  };
+  return rig.run(control, axis_, std::move(signals), sample, measured);
 }
 
 }  // namespace breakwater

@@ -17,6 +17,9 @@ class MotorEstimation final : public AxisScenario {
   std::string summary() const override {
     return "disturbance estimators on a motor: encoder quantisation and white noise";
   }
+  std::vector<std::string> main_metrics() const override {
+    return {"rmse_disturbance_Nm", "rmse_velocity_rad_s"};
+  }
   Fields fields() override;
   void check(const Config& config) override;
   const RunSettings& run_settings() const override { return axis_.run; }

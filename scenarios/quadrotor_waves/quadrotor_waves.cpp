@@ -356,13 +356,14 @@ Recording QuadrotorWaves::run(const RunControl& control) const {
     metrics.after_sample(time_s, truth, sim);
     if (loop.estimates()) metrics.after_estimate(time_s, truth, *loop.estimator);
   };
-  Recording recording = record_run(sim, physics_, steps, std::move(signals), control, step, sample);
-  if (!recording.failure) {
-    recording.metrics = metrics.metrics(loop.estimates() && loop.estimator->models_disturbance());
-    if (loop.estimates() && control.logs) {
-      add(recording.costs, "filter_time_us", "us",
-          filter_time_us(recording.tracks.front(), *parts_.make_estimator(task())));
-    }
+  const auto measured = [&] {
+    return metrics.metrics(loop.estimates() && loop.estimator->models_disturbance());
+  };
+  Recording recording =
+      record_run(sim, physics_, steps, std::move(signals), control, step, sample, measured);
+  if (!recording.failure && loop.estimates() && control.logs) {
+    add(recording.costs, "filter_time_us", "us",
+        filter_time_us(recording.tracks.front(), *parts_.make_estimator(task())));
   }
   return recording;
 }

@@ -19,6 +19,9 @@ class QuadrotorWaves final : public Scenario {
   std::string summary() const override {
     return "underwater quadrotor under JONSWAP waves: nonlinear estimators, backstepping";
   }
+  std::vector<std::string> main_metrics() const override {
+    return {"tracking_rmse_m", "position_estimate_rmse_m"};
+  }
   Fields fields() override;
   void check(const Config& config) override;
   const RunSettings& run_settings() const override { return run_; }

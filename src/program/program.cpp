@@ -9,7 +9,9 @@
 
 #include <breakwater/analysis/analyze_command.h>
 #include <breakwater/pictures/picture_commands.h>
+#include <breakwater/program/doctor.h>
 #include <breakwater/program/new_project.h>
+#include <breakwater/program/run_commands.h>
 #include <breakwater/program/waves_report.h>
 #include <breakwater/report/report_commands.h>
 #include <breakwater/report/study_report.h>
@@ -85,6 +87,15 @@ int program(int argc, const char* const* argv, const Catalogue& catalogue,
   if (argc >= 2 && std::string(argv[1]) == kNewProject) {
     return new_project_main(catalogue, argc - 1, argv + 1);
   }
+  if (argc >= 2 && std::string(argv[1]) == kListRuns) {
+    return list_runs_main(catalogue, argc - 1, argv + 1);
+  }
+  if (argc >= 2 && std::string(argv[1]) == kRemoveRuns) {
+    return remove_runs_main(argc - 1, argv + 1);
+  }
+  if (argc >= 2 && std::string(argv[1]) == kDoctor) {
+    return doctor_main(catalogue, argc - 1, argv + 1);
+  }
   if (argc >= 2 && catalogue.has<CommandKind>(argv[1])) {
     return catalogue.get<CommandKind>(argv[1]).run(catalogue, argc - 1, argv + 1);
   }
@@ -120,6 +131,9 @@ int program(int argc, const char* const* argv, const Catalogue& catalogue,
     app.add_subcommand(kAnalyze, "loops of one axis in the frequency domain: analyze SCENARIO");
     app.add_subcommand(kNewProject,
                        "make a project of your own: new controller|observer|scenario NAME");
+    app.add_subcommand(kListRuns, "the runs and studies below a folder, newest first: ls [DIR]");
+    app.add_subcommand(kRemoveRuns, "remove runs that failed: rm --failed [DIR]");
+    app.add_subcommand(kDoctor, "what works on this machine, and what to install for the rest");
     for (const CommandKind& own : catalogue.all<CommandKind>()) {
       app.add_subcommand(own.name, own.summary);
     }

@@ -219,6 +219,41 @@ bool is_run_folder(const fs::path& folder) {
   return manifest.is_object() && manifest.contains("scenario") && manifest.contains("state_hash");
 }
 
+bool is_unfinished_run(const fs::path& folder) {
+  const std::string name = folder.filename().string();
+  return name.starts_with('.') && name.find(kPartialMark) != std::string::npos;
+}
+
+std::string why_not_removable(const fs::path& folder) {
+  if (fs::is_symlink(folder)) return "is a symbolic link";
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    const std::string name = entry.path().filename().string();
+    if (!is_of_a_run(name) || entry.is_symlink() || !entry.is_regular_file()) {
+      return "holds " + name + ", which is not a run's";
+    }
+    if (name == kKeptMark) return "is a whole run that could not take its name";
+  }
+  if (!is_unfinished_run(folder)) return complaint_of(folder);
+  const std::string name = folder.filename().string();
+  const std::string suffix = name.substr(name.rfind(kPartialMark) + std::strlen(kPartialMark));
+  return is_of_dead_process(suffix) ? "" : "may still be written, by process " + suffix;
+}
+
+void remove_run(const fs::path& folder) {
+  const fs::path whole = without_slash(folder);
+  fs::path going = whole;
+  if (!is_unfinished_run(whole)) {
+    // Half of a run must not be taken for a run.
+    going = whole.parent_path() / (hidden_name(whole, kPartialMark) + process_name());
+    std::error_code error;
+    fs::rename(whole, going, error);
+    if (error) throw OutputError(folder.string() + ": cannot be removed (" + error.message() + ")");
+  }
+  std::error_code error;
+  fs::remove_all(going, error);
+  if (error) throw OutputError(going.string() + ": cannot be removed (" + error.message() + ")");
+}
+
 LeftBeside::LeftBeside(const fs::path& folder) {
   std::error_code ignored;
   for (const auto& entry : fs::directory_iterator(folder, ignored)) {

@@ -58,6 +58,19 @@ class RunFolder {
 /// Whether a folder is one that a run left, by its manifest.json.
 bool is_run_folder(const std::filesystem::path& folder);
 
+/// Whether a folder is what a run that is not done writes into, or one that was killed has left:
+/// by its name.
+bool is_unfinished_run(const std::filesystem::path& folder);
+
+/// Why a folder must not be removed as a run that nobody wants, in one line; empty if it may be. It
+/// holds only files that runs leave; one that is unfinished, of a process of this computer that is
+/// no more.
+std::string why_not_removable(const std::filesystem::path& folder);
+
+/// Removes such a folder: killed at it, what is left of it is an unfinished run. Throws
+/// OutputError.
+void remove_run(const std::filesystem::path& folder);
+
 /// For readers: where a process was killed while it replaced the run in `folder`, which is missing
 /// now, the earlier run is put back. Every RunFolder does so.
 void restore_run(const std::filesystem::path& folder);

@@ -1,5 +1,7 @@
 #include <breakwater/render/canvas.h>
 
+#include <cairo-ft.h>
+
 #include <cmath>
 #include <numbers>
 
@@ -82,6 +84,21 @@ void Canvas::use_font(double size, bool bold) {
   cairo_select_font_face(cairo_.get(), kFont, CAIRO_FONT_SLANT_NORMAL,
                          bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
   cairo_set_font_size(cairo_.get(), size);
+}
+
+std::string Canvas::font() {
+  return kFont;
+}
+
+std::string Canvas::font_in_use() {
+  use_font(1.0, false);
+  cairo_scaled_font_t* const scaled = cairo_get_scaled_font(cairo_.get());
+  if (cairo_scaled_font_get_type(scaled) != CAIRO_FONT_TYPE_FT) return "";
+  const FT_Face face = cairo_ft_scaled_font_lock_face(scaled);
+  const std::string family =
+      face != nullptr && face->family_name != nullptr ? face->family_name : "";
+  cairo_ft_scaled_font_unlock_face(scaled);
+  return family;
 }
 
 double Canvas::text_width(const std::string& text, double size, bool bold) {

@@ -38,6 +38,10 @@ enum class Align { left, center, right };
 /// Draws with Cairo on a picture of 4 bytes a pixel (blue, green, red, unused), rows from the top.
 class Canvas {
  public:
+  /// The font that texts are written in, and what stands in for it where it is not installed.
+  static std::string font();
+  std::string font_in_use();
+
   /// On a picture of its own, white.
   Canvas(int width, int height);
   /// On a picture that outlives it.

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
+#include <optional>
 #include <stdexcept>
 
 #include <breakwater/record/csv.h>
@@ -174,6 +176,30 @@ std::string Comparison::text(std::size_t width) const {
     if (is_printed) table.add(printed);
   }
   return table.print(width);
+}
+
+std::string Comparison::json() const {
+  nlohmann::ordered_json all = {{"scenario", runs_.front().scenario()},
+                                {"runs", nlohmann::ordered_json::array()},
+                                {"metrics", nlohmann::ordered_json::array()}};
+  for (std::size_t i = 0; i < runs_.size(); ++i) {
+    all["runs"].push_back({{"label", labels_[i]}, {"folder", runs_[i].folder().string()}});
+  }
+  const auto number = [](const std::optional<double>& value) {
+    return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json();
+  };
+  for (const Metric& metric : metrics_) {
+    nlohmann::ordered_json row = {{"name", metric.name}, {"unit", metric.unit}};
+    for (std::size_t i = 0; i < runs_.size(); ++i) {
+      row["values"].push_back(number(runs_[i].metric(metric.name)));
+      row["differences"].push_back(number(difference(i, metric.name)));
+      const auto thesis = printed_[i].find(metric.name);
+      row["printed"].push_back(number(
+          thesis == printed_[i].end() ? std::nullopt : std::optional(thesis->second.number())));
+    }
+    all["metrics"].push_back(row);
+  }
+  return all.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 
 std::string Comparison::csv() const {

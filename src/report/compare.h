@@ -34,6 +34,10 @@ class Comparison {
   /// thesis prints, if it does.
   std::string text(std::size_t width) const;
   std::string csv() const;
+  /// The same as JSON: `scenario`; of each of `runs` its `label` and `folder`; of each of `metrics`
+  /// its `name`, `unit`, and for each run `values`, `differences` from the first and what the
+  /// thesis `printed`, null where there is none.
+  std::string json() const;
   std::string latex() const;
   /// `notes`, one line each, say what of the replay could not be shown.
   std::string html(std::vector<std::string>& notes) const;

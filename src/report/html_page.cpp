@@ -18,6 +18,11 @@ fs::path part(const std::string& name) {
   return data_file("data/report/" + name);
 }
 
+constexpr const char* kCharts = BREAKWATER_DYGRAPHS "/dygraph.min.js";
+constexpr const char* kChartStyle = BREAKWATER_DYGRAPHS "/dygraph.min.css";
+constexpr const char* kThree = BREAKWATER_THREE "/three.min.js";
+constexpr const char* kOrbit = BREAKWATER_THREE "/examples/js/controls/OrbitControls.js";
+
 std::string fill_in(const fs::path& file, const mustache::data& data) {
   mustache::mustache sheet(bytes_of(file));
   if (!sheet.is_valid()) throw std::runtime_error(file.string() + ": " + sheet.error_message());
@@ -25,6 +30,10 @@ std::string fill_in(const fs::path& file, const mustache::data& data) {
 }
 
 }  // namespace
+
+std::vector<fs::path> page_libraries() {
+  return {kCharts, kChartStyle, kThree, kOrbit};
+}
 
 std::string html_page(const std::string& name, mustache::data& data, PageCharts charts) {
   for (const std::string partial :
@@ -37,17 +46,15 @@ std::string html_page(const std::string& name, mustache::data& data, PageCharts 
   const std::string own = bytes_of(part("page.css"));
   if (charts == PageCharts::over_time) {
     page.set("has_charts", true);
-    page.set("dygraphs", bytes_of(fs::path(BREAKWATER_DYGRAPHS) / "dygraph.min.js"));
-    page.set("style", bytes_of(fs::path(BREAKWATER_DYGRAPHS) / "dygraph.min.css") + own);
+    page.set("dygraphs", bytes_of(kCharts));
+    page.set("style", bytes_of(kChartStyle) + own);
     page.set("script", bytes_of(part("page.js")));
   } else {
     page.set("style", own + bytes_of(part("drawn.css")) + bytes_of(part(name + ".css")));
     page.set("script", bytes_of(part(name + ".js")));
   }
   if (data.get("has_replays") != nullptr) {
-    const fs::path three = BREAKWATER_THREE;
-    page.set("three", bytes_of(three / "three.min.js") +
-                          bytes_of(three / "examples/js/controls/OrbitControls.js"));
+    page.set("three", bytes_of(kThree) + bytes_of(kOrbit));
     std::string viewer;
     for (const char* script : {"data", "shapes", "shading", "scene", "view"}) {
       viewer += bytes_of(part(std::string("replay/") + script + ".js"));

@@ -5,6 +5,7 @@
 #include <kainjow/mustache.hpp>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <vector>
 
 #include <breakwater/report/page_chart.h>
 
@@ -20,6 +21,9 @@ enum class PageCharts { over_time, drawn };
 /// request whatever. Throws std::runtime_error if a template is missing or damaged.
 std::string html_page(const std::string& name, kainjow::mustache::data& data,
                       PageCharts charts = PageCharts::over_time);
+
+/// The files of other projects that pages need, each of which goes into a page whole.
+std::vector<std::filesystem::path> page_libraries();
 
 /// What the templates call a chart.
 kainjow::mustache::data chart_data(const PageChart& chart);

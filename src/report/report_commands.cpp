@@ -163,6 +163,7 @@ struct RunsArguments {
   std::string baseline;
   std::vector<std::string> goals;
   bool csv = false;
+  bool json = false;
   bool latex = false;
   bool svg = false;
   bool pdf = false;
@@ -211,7 +212,9 @@ int compare(const Catalogue& catalogue, const RunsArguments& arguments) {
     if (made != kSuccess) status = made;
     if (made == kSuccess) written.push_back(file);
   }
-  if (!arguments.quiet) {
+  if (arguments.json) {
+    fmt::print("{}", comparison.json());
+  } else if (!arguments.quiet) {
     fmt::print("{}\n", comparison.text(output_width()));
     for (const fs::path& file : written) fmt::print("{}\n", file.string());
   }
@@ -335,6 +338,7 @@ int runs_main(const Catalogue& catalogue, bool is_comparison, int argc, const ch
         ->type_name("METRIC=GOAL")
         ->allow_extra_args(false)
         ->needs("--paired");
+    app.add_flag("--json", arguments.json, "print the table as JSON")->excludes("--paired");
     app.add_flag("--csv", arguments.csv, "write compare.csv: the metrics and their differences");
     app.add_flag("--latex", arguments.latex, "write compare.tex: a booktabs table of the metrics");
     app.add_flag("--svg", arguments.svg, "write compare.svg: the signals, for a paper");

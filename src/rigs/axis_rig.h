@@ -1,6 +1,7 @@
 // One axis, the motor or the cart, wired: what their scenarios share.
 #pragma once
 
+#include <concepts>
 #include <memory>
 #include <string>
 #include <vector>
@@ -112,18 +113,24 @@ class AxisRig {
   /// A run of the settings' duration, with the sample at its end: record_run() where each step is
   /// `step(k)`, or one of this rig alone.
   template <typename Step, typename Sample>
-  Recording run(const RunControl& control, const AxisSettings& settings,
-                std::vector<Signal> signals, Step&& step, Sample&& sample) {
+  requires std::invocable<Sample&, double> Recording run(const RunControl& control,
+                                                         const AxisSettings& settings,
+                                                         std::vector<Signal> signals, Step&& step,
+                                                         Sample&& sample,
+                                                         const Measured& measured = {}) {
     return record_run(*simulation_, settings.physics,
                       settings.physics.step_at(settings.run.duration_s) + 1, std::move(signals),
-                      control, std::forward<Step>(step), std::forward<Sample>(sample));
+                      control, std::forward<Step>(step), std::forward<Sample>(sample), measured);
   }
   template <typename Sample>
-  Recording run(const RunControl& control, const AxisSettings& settings,
-                std::vector<Signal> signals, Sample&& sample) {
+  requires std::invocable<Sample&, double> Recording run(const RunControl& control,
+                                                         const AxisSettings& settings,
+                                                         std::vector<Signal> signals,
+                                                         Sample&& sample,
+                                                         const Measured& measured = {}) {
     return run(
         control, settings, std::move(signals), [this](std::int64_t) { this->step(); },
-        std::forward<Sample>(sample));
+        std::forward<Sample>(sample), measured);
   }
 
  private:

@@ -11,6 +11,7 @@
 #include <breakwater/scenario/progress.h>
 #include <breakwater/scenario/report.h>
 #include <breakwater/scenario/runner.h>
+#include <breakwater/scenario/terminal.h>
 #include <breakwater/sim/opengl_asked.h>
 #include <breakwater/version.h>
 
@@ -31,6 +32,7 @@ struct Arguments {
   std::string video_file;
   bool csv = false;
   bool quiet = false;
+  bool json = false;
   bool list_cases = false;
   bool matrix = false;
   bool print_config = false;
@@ -73,6 +75,7 @@ void describe(CLI::App& app, const RunExtras& extras, Arguments& arguments) {
                         ->expected(0, 1);
   app.add_flag("--csv", arguments.csv, "write log.csv as well");
   app.add_flag("--quiet", arguments.quiet, "print errors only");
+  app.add_flag("--json", arguments.json, "print JSON in place of the table");
   app.add_flag("--list-cases", arguments.list_cases, "print the cases, one a line, and exit");
   app.add_flag("--matrix", arguments.matrix,
                "run every case under every condition, on all cores, and print one table a metric\n"
@@ -120,8 +123,9 @@ void check_folder_of_runs(const fs::path& folder) {
 void report_failures(const std::string& scenario, const std::vector<RunSummary>& runs) {
   for (const RunSummary& run : runs) {
     if (!run.failure) continue;
-    fmt::print(stderr, "{} {}: failed at t = {:.6g} s: {}; its log is in {}\n", scenario,
-               run.case_name, run.failure->time_s, run.failure->reason, run.folder.string());
+    fmt::print(stderr, "{} {}: {} at t = {:.6g} s: {}; its log is in {}\n", scenario, run.case_name,
+               toned("failed", Tone::bad, is_colourful(stderr)), run.failure->time_s,
+               run.failure->reason, run.folder.string());
   }
 }
 
@@ -139,7 +143,8 @@ int make_videos(const std::vector<RunSummary>& runs, const Arguments& arguments,
   if (arguments.video->count() == 0) return kSuccess;
   int status = kSuccess;
   for (const RunSummary& run : runs) {
-    const int made = extras.make_video(run.folder, arguments.video_file, arguments.quiet);
+    const int made =
+        extras.make_video(run.folder, arguments.video_file, arguments.quiet || arguments.json);
     if (made == kInterrupted) return kInterrupted;
     if (made != kSuccess) status = kLaterOutputFailed;
   }
@@ -211,15 +216,20 @@ int run_cases(const Catalogue& catalogue, const std::string& scenario, const Sce
   const int video_status = make_videos(summaries, arguments, extras);
   const bool failed = std::any_of(summaries.begin(), summaries.end(),
                                   [](const RunSummary& run) { return run.failure.has_value(); });
-  if (!arguments.quiet) {
+  if (arguments.json) {
+    fmt::print("{}", runs_json(scenario, summaries, extras.references));
+  } else if (!arguments.quiet) {
+    const bool colourful = is_colourful(stdout);
     if (all) {
-      fmt::print("results: {}\n\n{}", out.string(),
-                 comparison_table(scenario, summaries, extras.references, output_width()));
+      fmt::print(
+          "results: {}\n\n{}", out.string(),
+          with_colours(comparison_table(scenario, summaries, extras.references, output_width()),
+                       colourful));
     } else if (!failed) {
       const RunSummary& run = summaries.front();
       fmt::print("{} {}: {:.6g} s simulated in {:.1f} s\nresults: {}\n\n{}", scenario,
                  run.case_name, run.simulated_s, run.wall_s, out.string(),
-                 metrics_table(scenario, run, extras.references));
+                 with_colours(metrics_table(scenario, run, extras.references), colourful));
     }
   }
   return failed ? static_cast<int>(kRunFailed) : video_status;
@@ -268,8 +278,12 @@ int run_matrix(const Catalogue& catalogue, const std::string& scenario, const Sc
       execute_runs(runs, folders, {arguments.csv, arguments.quiet, &interrupted()});
   report_failures(scenario, summaries);
   const int video_status = make_videos(summaries, arguments, extras);
-  if (!arguments.quiet) {
-    fmt::print("results: {}\n\n{}", out.string(), matrix_tables(matrix, summaries, output_width()));
+  if (arguments.json) {
+    fmt::print("{}", runs_json(scenario, summaries, extras.references));
+  } else if (!arguments.quiet) {
+    fmt::print(
+        "results: {}\n\n{}", out.string(),
+        with_colours(matrix_tables(matrix, summaries, output_width()), is_colourful(stdout)));
   }
   const bool failed = std::any_of(summaries.begin(), summaries.end(),
                                   [](const RunSummary& run) { return run.failure.has_value(); });

@@ -6,8 +6,9 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <limits>
+#include <cstdlib>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 namespace breakwater {
@@ -18,6 +19,15 @@ using Seconds = std::chrono::duration<double>;
 constexpr Seconds kRedrawInterval(0.1);
 constexpr Seconds kLineInterval(30.0);
 constexpr Seconds kFirstEstimate(0.5);
+constexpr std::size_t kUsualWidth = 80;
+
+std::optional<std::size_t> terminal_width(int file) {
+  winsize size{};
+  if (isatty(file) == 0 || ioctl(file, TIOCGWINSZ, &size) != 0 || size.ws_col == 0) {
+    return std::nullopt;
+  }
+  return size.ws_col;
+}
 
 }  // namespace
 
@@ -49,13 +59,17 @@ void Progress::update(std::size_t job, double fraction_done) {
   if (std::chrono::steady_clock::now() - drawn_ >= interval) draw();
 }
 
+void Progress::note(std::string text) {
+  const std::lock_guard lock(mutex_);
+  note_ = std::move(text);
+}
+
 void Progress::draw() {
   drawn_ = std::chrono::steady_clock::now();
   const double done = std::inner_product(done_.begin(), done_.end(), weights_.begin(), 0.0) /
                       std::accumulate(weights_.begin(), weights_.end(), 0.0);
   const double elapsed_s = Seconds(drawn_ - start_).count();
-  std::string line =
-      fmt::format("{}{}: {:.0f} %", in_place_ ? "\r\033[K" : "", what_, 100.0 * done);
+  std::string line = fmt::format("{}: {:.0f} %", what_, 100.0 * done);
   if (done_.size() > 1) {
     line +=
         fmt::format(", {} of {} runs", std::count(done_.begin(), done_.end(), 1.0), done_.size());
@@ -63,7 +77,13 @@ void Progress::draw() {
   if (elapsed_s > kFirstEstimate.count() && done > 0.0) {
     line += fmt::format(", {:.0f} s left", elapsed_s * (1.0 - done) / done);
   }
-  if (!in_place_) line += '\n';
+  if (in_place_) {
+    if (!note_.empty()) line += "   " + note_;
+    // A line that is broken could not be written over.
+    line = "\r\033[K" + line.substr(0, terminal_width(STDERR_FILENO).value_or(kUsualWidth) - 1);
+  } else {
+    line += '\n';
+  }
   std::fputs(line.c_str(), stderr);
   std::fflush(stderr);
 }
@@ -73,12 +93,10 @@ void Progress::clear() const {
 }
 
 std::size_t output_width() {
-  winsize size{};
-  if (isatty(STDOUT_FILENO) != 0 && ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 &&
-      size.ws_col > 0) {
-    return size.ws_col;
-  }
-  return std::numeric_limits<std::size_t>::max();
+  if (const auto columns = terminal_width(STDOUT_FILENO)) return *columns;
+  const char* const asked = std::getenv("COLUMNS");
+  const unsigned long columns = asked != nullptr ? std::strtoul(asked, nullptr, 10) : 0;
+  return columns > 0 ? columns : kUsualWidth;
 }
 
 }  // namespace breakwater

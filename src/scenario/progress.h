@@ -23,6 +23,10 @@ class Progress {
 
   void update(std::size_t job, double fraction_done);
   void finish(std::size_t job) { update(job, 1.0); }
+  /// What stands behind the line from now on, as far as the terminal is wide enough.
+  void note(std::string text);
+  /// Whether anybody sees it: a note is worth making.
+  bool is_seen() const { return visible_ && in_place_; }
 
  private:
   void draw();
@@ -35,10 +39,11 @@ class Progress {
   bool in_place_ = true;
   std::chrono::steady_clock::time_point start_;
   std::chrono::steady_clock::time_point drawn_;
+  std::string note_;
   std::mutex mutex_;
 };
 
-/// The width of the terminal on stdout; very wide if stdout is none.
+/// How wide tables may be: the terminal on stdout; else COLUMNS, or 80.
 std::size_t output_width();
 
 }  // namespace breakwater

@@ -6,9 +6,12 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <optional>
+#include <utility>
 
 #include <breakwater/scenario/table.h>
+#include <breakwater/scenario/terminal.h>
 
 namespace breakwater {
 namespace {
@@ -108,6 +111,45 @@ std::string matrix_tables(const Matrix& matrix, const std::vector<RunSummary>& r
     text += table.print(width);
   }
   return text;
+}
+
+std::string with_colours(const std::string& table, bool colourful) {
+  std::string text = table;
+  for (const auto& [word, tone] :
+       {std::pair("failed", Tone::bad), std::pair(" *", Tone::doubtful)}) {
+    const std::string coloured = toned(word, tone, colourful);
+    for (std::size_t at = text.find(word); at != std::string::npos;
+         at = text.find(word, at + coloured.size())) {
+      text.replace(at, std::string(word).size(), coloured);
+    }
+  }
+  return text;
+}
+
+std::string runs_json(const std::string& scenario, const std::vector<RunSummary>& runs,
+                      const References& references) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const RunSummary& run : runs) {
+    nlohmann::ordered_json entry = {{"case", run.case_name},
+                                    {"folder", run.folder.string()},
+                                    {"status", run.failure ? "failed" : "complete"}};
+    if (run.failure) {
+      entry["time_s"] = run.failure->time_s;
+      entry["reason"] = run.failure->reason;
+    }
+    entry["metrics"] = nlohmann::ordered_json::object();
+    const std::vector<ReferenceValue> printed = printed_for(references, scenario, run);
+    for (const Metric& metric : run.metrics) {
+      entry["metrics"][metric.name] = metric.value;
+      if (const auto value = printed_value(printed, metric.name)) {
+        entry["printed"][metric.name] = {{"value", value->number},
+                                         {"agrees", value->is_met_by(metric.value)}};
+      }
+    }
+    list.push_back(entry);
+  }
+  const nlohmann::ordered_json all = {{"scenario", scenario}, {"runs", list}};
+  return all.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 
 std::string comparison_table(const std::string& scenario, const std::vector<RunSummary>& runs,

@@ -42,4 +42,13 @@ std::string comparison_table(const std::string& scenario, const std::vector<RunS
 std::string matrix_tables(const Matrix& matrix, const std::vector<RunSummary>& runs,
                           std::size_t width);
 
+/// The table with what did not come out (failed, or marked) in colour, if `colourful`.
+std::string with_colours(const std::string& table, bool colourful);
+
+/// Runs as JSON: `scenario`, and of each of `runs` its `case`, `folder`, `status`, where it failed
+/// `time_s` and `reason`, its `metrics`, and of those that are printed somewhere `printed`: `value`
+/// and whether ours `agrees` with it.
+std::string runs_json(const std::string& scenario, const std::vector<RunSummary>& runs,
+                      const References& references);
+
 }  // namespace breakwater

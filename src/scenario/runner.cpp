@@ -11,6 +11,7 @@
 #include <breakwater/record/hdf5_log.h>
 #include <breakwater/record/text_outputs.h>
 #include <breakwater/scenario/all_cores.h>
+#include <breakwater/scenario/main_metrics.h>
 #include <breakwater/scenario/progress.h>
 #include <breakwater/sim/engine_guard.h>
 #include <breakwater/version.h>
@@ -165,8 +166,13 @@ std::vector<RunSummary> execute_runs(const std::vector<PreparedRun>& runs,
   Progress progress(runs.front().scenario->name(), runs.size(), options.quiet);
   try {
     on_all_cores(runs.size(), [&](std::size_t i) {
-      const RunControl control{[&progress, i](double done) { progress.update(i, done); },
-                               options.stop};
+      RunControl control{[&progress, i](double done) { progress.update(i, done); }, options.stop};
+      // Of one run; the numbers of several would chase each other.
+      if (runs.size() == 1 && progress.is_seen()) {
+        control.measured = [&](const std::vector<Metric>& so_far) {
+          progress.note(brief(main_metrics(runs[i].scenario->main_metrics(), so_far)));
+        };
+      }
       summaries[i] = execute(runs[i], folders[i], options, control);
       progress.finish(i);
     });

@@ -44,17 +44,18 @@ SavedRun::SavedRun(const fs::path& folder) : folder_(folder) {
   std::stringstream config;
   config << std::ifstream(folder_ / "config.toml").rdbuf();
   config_text_ = config.str();
-  if (!failure()) read_metrics();
+  if (!failure()) metrics_ = read_metrics(folder_);
   check_log(folder_);
   signals_ = list_hdf5_signals((folder_ / "log.h5").string());
 }
 
-void SavedRun::read_metrics() {
-  const fs::path file = folder_ / "metrics.json";
+std::vector<Metric> read_metrics(const fs::path& folder) {
+  const fs::path file = folder / "metrics.json";
   if (!fs::is_regular_file(file)) {
-    throw std::invalid_argument(folder_.string() +
+    throw std::invalid_argument(folder.string() +
                                 ": the run is incomplete: it has no metrics.json; run it again");
   }
+  std::vector<Metric> list;
   std::ifstream stream(file);
   const auto metrics = nlohmann::ordered_json::parse(stream, nullptr, false);
   if (!metrics.is_object()) {
@@ -66,8 +67,9 @@ void SavedRun::read_metrics() {
       throw std::invalid_argument(file.string() + ": " + name +
                                   ": must be a number: the file is damaged; run it again");
     }
-    metrics_.push_back({name, unit_of(name), value.get<double>()});
+    list.push_back({name, unit_of(name), value.get<double>()});
   }
+  return list;
 }
 
 std::optional<double> SavedRun::metric(const std::string& name) const {

@@ -46,7 +46,6 @@ class SavedRun {
   std::string unit(const std::string& name) const;
 
  private:
-  void read_metrics();
   const LogEntry* find(const std::string& place) const;
   const LoggedSignal& dataset(const std::string& path) const;
 
@@ -57,6 +56,10 @@ class SavedRun {
   std::vector<LogEntry> signals_;
   mutable std::map<std::string, LoggedSignal> read_;  // datasets, as they were asked for
 };
+
+/// The metrics of a run that did not fail, in the scenario's order. Throws std::invalid_argument,
+/// one line, if they are missing or damaged.
+std::vector<Metric> read_metrics(const std::filesystem::path& folder);
 
 /// "N" of "peak_force_raw_N": the unit at the end of a metric's name, as people write it.
 std::string unit_of(const std::string& metric);

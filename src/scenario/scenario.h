@@ -21,6 +21,8 @@ struct RunControl {
   std::function<void(double fraction_done)> progress;  ///< may be empty
   const std::atomic<bool>* stop = nullptr;             ///< ends the run when it becomes true
   bool logs = true;  ///< else the recording's tracks may have no rows: metrics are all that counts
+  /// Told beside the progress what is measured so far; may be empty.
+  std::function<void(const std::vector<Metric>& so_far)> measured = {};
 };
 
 /// Thrown by a run that was asked to stop; `finished_runs` were complete by then and are kept.
@@ -53,6 +55,10 @@ class Scenario {
   virtual std::string name() const = 0;
   /// One line: what it studies.
   virtual std::string summary() const = 0;
+
+  /// Which metrics are shown where there is room for few, the most telling one first; those that
+  /// apply. Empty: the first ones that a run has.
+  virtual std::vector<std::string> main_metrics() const { return {}; }
 
   /// What --matrix runs and prints.
   virtual Matrix matrix() const { return {}; }

@@ -12,14 +12,22 @@ class Table {
  public:
   explicit Table(std::vector<std::string> header) : rows_{std::move(header)} {}
 
-  void add(std::vector<std::string> row) { rows_.push_back(std::move(row)); }
+  void add(std::vector<std::string> row) {
+    row.resize(rows_.front().size());
+    rows_.push_back(std::move(row));
+  }
 
-  /// Wider tables than `width` characters are cut into several, each with the first column.
+  /// A table that is wider than `width` characters is cut into several, each with the first column;
+  /// turned over before, rows for columns, if that takes fewer lines.
   std::string print(std::size_t width) const;
 
  private:
-  std::vector<std::vector<std::string>> rows_;
+  std::vector<std::vector<std::string>> rows_;  // all as long as the first
 };
+
+/// The text in lines of at most `width` characters, cut at spaces; a longer word is a line of its
+/// own. One line at least.
+std::vector<std::string> wrapped(const std::string& text, std::size_t width);
 
 /// "1 run", "2 runs".
 std::string number_of(std::size_t count, const std::string& what);

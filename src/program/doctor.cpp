@@ -1,0 +1,102 @@
+#include <breakwater/program/doctor.h>
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include <breakwater/program/health.h>
+#include <breakwater/scenario/child_program.h>
+#include <breakwater/scenario/process.h>
+#include <breakwater/scenario/table.h>
+#include <breakwater/scenario/terminal.h>
+
+namespace breakwater {
+namespace {
+
+using State = HealthCheck::State;
+
+constexpr std::size_t kWidth = 80;
+constexpr std::size_t kTextColumn = 19;
+
+const char* word(State state) {
+  switch (state) {
+    case State::ok:
+      return "ok";
+    case State::missing:
+      return "missing";
+    case State::broken:
+      return "broken";
+  }
+  return "";
+}
+
+Tone tone(State state) {
+  return state == State::ok ? Tone::good : state == State::missing ? Tone::doubtful : Tone::bad;
+}
+
+std::size_t count(const std::vector<HealthCheck>& checks, State state) {
+  return static_cast<std::size_t>(std::count_if(
+      checks.begin(), checks.end(), [&](const HealthCheck& c) { return c.state == state; }));
+}
+
+std::string summary(const std::vector<HealthCheck>& checks) {
+  const std::size_t broken = count(checks, State::broken);
+  const std::size_t missing = count(checks, State::missing);
+  if (broken > 0) return fmt::format("{} of {} broken", broken, checks.size());
+  if (missing > 0)
+    return fmt::format("all that is there works; {} of {} missing, which are optional", missing,
+                       checks.size());
+  return "all works";
+}
+
+void print_checks(const std::vector<HealthCheck>& checks) {
+  const bool colourful = is_colourful(stdout);
+  const std::string indent(kTextColumn, ' ');
+  for (const HealthCheck& check : checks) {
+    const std::vector<std::string> lines = wrapped(one_line(check.found), kWidth - kTextColumn);
+    fmt::print("{:<10}{}{}\n", check.what,
+               toned(fmt::format("{:<9}", word(check.state)), tone(check.state), colourful),
+               lines.front());
+    for (std::size_t i = 1; i < lines.size(); ++i) fmt::print("{}{}\n", indent, lines[i]);
+    if (check.install.empty()) continue;
+    for (const std::string& line : wrapped(check.install, kWidth - kTextColumn - 2)) {
+      fmt::print("{}> {}\n", indent, line);
+    }
+  }
+  fmt::print("\n{}\n", summary(checks));
+}
+
+void print_checks_json(const std::vector<HealthCheck>& checks) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const HealthCheck& check : checks) {
+    list.push_back({{"what", check.what},
+                    {"state", word(check.state)},
+                    {"found", check.found},
+                    {"install", check.install}});
+  }
+  fmt::print("{}\n", list.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+}
+
+}  // namespace
+
+int doctor_main(const Catalogue& catalogue, int argc, const char* const* argv) {
+  const std::string program = own_program_name() + " " + kDoctor;
+  return guarded(program, [&] {
+    CLI::App app("What works on this machine, and what to install for what does not.", program);
+    bool json = false;
+    app.add_flag("--json", json, "print a list of objects instead: what, state, found, install");
+    app.footer(
+        "Missing is what is optional: all else works without. Broken is what is there and does\n"
+        "not work, or what nothing works without.\n"
+        "Exit status: 0 nothing is broken, 1 something is, 2 usage.");
+    if (const auto status = parse(app, argc, argv)) return *status;
+    const std::vector<HealthCheck> checks = check_health(catalogue);
+    json ? print_checks_json(checks) : print_checks(checks);
+    return static_cast<int>(count(checks, State::broken) == 0 ? kSuccess : kDefect);
+  });
+}
+
+}  // namespace breakwater

@@ -1,0 +1,223 @@
+#include <breakwater/program/health.h>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <stdexcept>
+#include <utility>
+
+#include <breakwater/render/canvas.h>
+#include <breakwater/render/renderer_probe.h>
+#include <breakwater/render/video_file.h>
+#include <breakwater/report/html_page.h>
+#include <breakwater/scenario/child_program.h>
+#include <breakwater/scenario/paths.h>
+#include <breakwater/scenario/runner.h>
+#include <breakwater/sim/engine_guard.h>
+
+namespace breakwater {
+namespace fs = std::filesystem;
+namespace {
+
+using State = HealthCheck::State;
+
+// Long enough for every part of a scenario to have been called.
+constexpr const char* kMoment = "run.duration_s=0.1";
+
+void run_for_a_moment(const Catalogue& catalogue, const ScenarioKind& kind) {
+  const ScenarioFile file(kind.file().string(), kind.name);
+  const PreparedRun run = prepare_run(catalogue, kind.name, file, file.default_case(), {kMoment});
+  model_hashes(run.model_files);
+  const Recording recording =
+      run.scenario->run({.progress = {}, .stop = nullptr, .logs = false, .measured = {}});
+  if (recording.failure) throw std::runtime_error(recording.failure->reason);
+}
+
+HealthCheck check_scenarios(const Catalogue& catalogue) {
+  std::size_t count = 0;
+  for (const ScenarioKind& kind : catalogue.all<ScenarioKind>()) {
+    try {
+      run_for_a_moment(catalogue, kind);
+      ++count;
+    } catch (const std::exception& error) {
+      return {"runs", State::broken, kind.name + ": " + error.what(), ""};
+    }
+  }
+  return {"runs", State::ok,
+          fmt::format("{} scenarios ran for 0.1 s each, MuJoCo {}", count, engine_version()), ""};
+}
+
+HealthCheck check_data() {
+  try {
+    const fs::path file = data_file("data/experiments.toml");
+    data_file("data/reproduced.toml");
+    return {"data", State::ok, "in " + file.parent_path().string(), ""};
+  } catch (const std::invalid_argument& error) {
+    return {"data", State::broken, error.what(), ""};
+  }
+}
+
+HealthCheck check_library(const std::string& what, const std::string& mujoco_gl,
+                          const std::string& packages) {
+  const RendererProbe probe = probe_renderer(mujoco_gl);
+  const bool draws = probe.outcome == RendererProbe::Outcome::draws;
+  return {what, draws ? State::ok : State::missing, probe.words,
+          draws ? "" : "apt install " + packages};
+}
+
+// As the environment asks, which is what counts.
+HealthCheck check_pictures() {
+  const char* const asked = std::getenv("MUJOCO_GL");
+  const std::string when =
+      asked != nullptr && *asked != '\0' ? fmt::format("MUJOCO_GL={}", asked) : "MUJOCO_GL unset";
+  try {
+    const RendererProbe probe = probe_renderer();
+    switch (probe.outcome) {
+      case RendererProbe::Outcome::draws:
+        return {"pictures", State::ok, fmt::format("drawn by {} ({})", probe.words, when), ""};
+      case RendererProbe::Outcome::no_library:
+        return {"pictures", State::missing, probe.words,
+                "apt install libosmesa6, or libegl1 libegl-mesa0"};
+      case RendererProbe::Outcome::no_context:
+        break;
+    }
+    return {"pictures", State::broken, fmt::format("{} ({})", probe.words, when), ""};
+  } catch (const std::invalid_argument& error) {
+    return {"pictures", State::broken, error.what(), ""};
+  }
+}
+
+HealthCheck check_video() {
+  const VideoFormat format{.width = 64, .height = 64};
+  try {
+    const VideoFile video(fs::temp_directory_path() / fmt::format("breakwater-{}.mp4", getpid()),
+                          format);
+    return {"video", State::ok, fmt::format("H.264 by {} of FFmpeg's libraries", format.encoder),
+            ""};
+  } catch (const std::exception& error) {
+    return {"video", State::missing, error.what(), "apt install libavcodec59"};
+  }
+}
+
+HealthCheck check_font() {
+  const std::string wanted = Canvas::font();
+  const std::string used = Canvas(1, 1).font_in_use();
+  if (used == wanted) return {"font", State::ok, used, ""};
+  return {"font", State::missing,
+          fmt::format("pictures are lettered in {}, not in {}", used, wanted),
+          "apt install fonts-dejavu-core"};
+}
+
+HealthCheck check_pages() {
+  std::vector<std::string> missing;
+  for (const fs::path& file : page_libraries()) {
+    if (!fs::is_regular_file(file)) missing.push_back(file.string());
+  }
+  if (missing.empty()) return {"pages", State::ok, "charts by dygraphs, replays by three.js", ""};
+  return {"pages", State::missing,
+          fmt::format("reports and replays lack {}", fmt::join(missing, ", ")),
+          "apt install libjs-dygraphs libjs-three"};
+}
+
+// The first line that a program says, if it is there and says it is well.
+std::optional<std::string> first_line(const std::vector<std::string>& words) {
+  try {
+    ReadProgram program(words, true);
+    std::string first;
+    for (std::optional<std::string> line; (line = program.next());) {
+      if (first.empty()) first = *line;
+    }
+    if (program.wait() != 0) return std::nullopt;
+    return first;
+  } catch (const std::invalid_argument&) {
+    return std::nullopt;  // there is none
+  }
+}
+
+HealthCheck check_slurm() {
+  if (const auto version = first_line({"sbatch", "--version"})) {
+    return {"Slurm", State::ok, *version + "; whether its cluster answers, sinfo says", ""};
+  }
+  return {"Slurm", State::missing, "no sbatch on the PATH: --slurm of sweep and tune needs it",
+          "apt install slurm-client"};
+}
+
+// Where the module is, or nothing; `places` before those that Python looks at by itself.
+std::optional<std::string> python_module(const std::string& name, const std::string& places = "") {
+  return first_line({"python3", "-c",
+                     "import sys, importlib\n"
+                     "sys.path[:0] = [p for p in sys.argv[2:] if p]\n"
+                     "print(importlib.import_module(sys.argv[1]).__file__)",
+                     name, places});
+}
+
+HealthCheck check_python() {
+  if (!first_line({"python3", "-c", "print(1)"})) {
+    return {"Python", State::missing, "no python3 on the PATH", "apt install python3"};
+  }
+  if (!python_module("numpy")) {
+    return {"Python", State::missing, "import breakwater needs NumPy", "apt install python3-numpy"};
+  }
+  if (const auto file = python_module("breakwater")) {
+    return {"Python", State::ok, "import breakwater: " + fs::path(*file).parent_path().string(),
+            ""};
+  }
+  // The tree's own, beside bin/.
+  const fs::path built = fs::path(own_program()).parent_path().parent_path() / "python";
+  if (python_module("breakwater", built.string())) {
+    return {"Python", State::ok, "import breakwater, with PYTHONPATH=" + built.string(), ""};
+  }
+  return {"Python", State::missing, "python3 finds no module breakwater",
+          "apt install ./python3-breakwater_*.deb (./dev package makes it)"};
+}
+
+// Of figures for papers, and of what the Python module gives on request.
+HealthCheck check_python_extras() {
+  const std::vector<std::pair<std::string, std::string>> modules = {
+      {"h5py", "python3-h5py"},
+      {"matplotlib", "python3-matplotlib"},
+      {"pandas", "python3-pandas"},
+      {"xarray", "python3-xarray"},
+      {"h5netcdf", "python3-h5netcdf"}};
+  std::vector<std::string> there;
+  std::vector<std::string> missing;
+  std::vector<std::string> packages;
+  for (const auto& [module, package] : modules) {
+    const bool is_there = python_module(module).has_value();
+    (is_there ? there : missing).push_back(module);
+    if (!is_there) packages.push_back(package);
+  }
+  if (missing.empty()) {
+    return {"figures", State::ok, fmt::format("{}", fmt::join(there, ", ")), ""};
+  }
+  return {"figures", State::missing,
+          fmt::format("no {}: compare --svg, to_pandas() and the like need them",
+                      fmt::join(missing, ", ")),
+          fmt::format("apt install {}", fmt::join(packages, " "))};
+}
+
+}  // namespace
+
+std::vector<HealthCheck> check_health(const Catalogue& catalogue) {
+  // First what forks: the runs may leave threads.
+  const HealthCheck pictures = check_pictures();
+  const HealthCheck osmesa = check_library("OSMesa", "osmesa", "libosmesa6");
+  const HealthCheck egl = check_library("EGL", "egl", "libegl1 libegl-mesa0");
+  return {check_scenarios(catalogue),
+          check_data(),
+          pictures,
+          osmesa,
+          egl,
+          check_video(),
+          check_font(),
+          check_pages(),
+          check_slurm(),
+          check_python(),
+          check_python_extras()};
+}
+
+}  // namespace breakwater

@@ -1,0 +1,61 @@
+#include <breakwater/study/study_summary.h>
+
+#include <algorithm>
+#include <utility>
+
+#include <breakwater/study/quantile.h>
+#include <breakwater/study/shards.h>
+#include <breakwater/study/study_reader.h>
+
+namespace breakwater {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr const char* kStudyFile = "study.toml";
+constexpr const char* kTuningFile = "tune.toml";
+
+// In the order in which a run's metrics are; of a study's cases each may have some of its own.
+std::vector<std::pair<std::string, std::vector<double>>> values_of(
+    const std::unordered_map<std::string, PointResult>& results) {
+  std::vector<std::pair<std::string, std::vector<double>>> all;
+  std::unordered_map<std::string, std::size_t> places;
+  for (const auto& [key, result] : results) {
+    for (const auto& [name, value] : result.metrics) {
+      const auto [place, is_new] = places.emplace(name, all.size());
+      if (is_new) all.emplace_back(name, std::vector<double>());
+      all[place->second].second.push_back(value);
+    }
+  }
+  return all;
+}
+
+}  // namespace
+
+bool is_study_folder(const fs::path& folder) {
+  return fs::is_directory(folder / "shards") &&
+         (fs::exists(folder / kStudyFile) || fs::exists(folder / kTuningFile));
+}
+
+StudySummary summarise_study(const fs::path& folder) {
+  StudySummary summary;
+  summary.folder = folder;
+  const bool is_tuning = !fs::exists(folder / kStudyFile);
+  if (is_tuning) summary.kind = "tuning";
+  const std::string file = (folder / (is_tuning ? kTuningFile : kStudyFile)).string();
+  summary.scenario = StudyReader(file).text_or_nothing(study_tables(file), "scenario");
+  const auto results = results_by_key(folder / "shards");
+  summary.runs = results.size();
+  summary.failed =
+      static_cast<std::size_t>(std::count_if(results.begin(), results.end(), [](const auto& entry) {
+        return entry.second.status != PointStatus::complete;
+      }));
+  for (auto& [name, values] : values_of(results)) {
+    std::sort(values.begin(), values.end());
+    summary.medians.push_back({name, "", quantile(values, 0.5)});
+  }
+  std::error_code ignored;
+  summary.written = fs::last_write_time(folder / "shards", ignored);
+  return summary;
+}
+
+}  // namespace breakwater

@@ -1,0 +1,85 @@
+"""`doctor`: missing is what is optional, broken what does not work.
+
+Usage: doctor_test.py BIN_FOLDER
+"""
+
+import json
+import shutil
+import unittest
+
+from called_program import BIN, Folder
+
+CHECKS = ["runs", "data", "pictures", "OSMesa", "EGL", "video", "font", "pages", "Slurm", "Python",
+          "figures"]
+
+
+class Doctor(Folder):
+    def doctor(self, status=0, **changes):
+        checks = json.loads(self.call("breakwater", "doctor", "--json", status=status, **changes)[0])
+        self.assertEqual([check["what"] for check in checks], CHECKS)
+        return {check["what"]: check for check in checks}
+
+    def hide(self, *libraries):
+        """The folder as LD_LIBRARY_PATH then hides them."""
+        for library in libraries:
+            (self.folder / library).write_text("no library")
+        return {"LD_LIBRARY_PATH": self.folder}
+
+    def test_says_in_80_columns_what_works(self):
+        out, err = self.call("breakwater", "doctor")
+        self.assertEqual(err, "")
+        for name in CHECKS:
+            self.assertIn("\n" + name, "\n" + out)
+        for line in out.splitlines():
+            self.assertLessEqual(len(line), 80, line)
+        checks = self.doctor()
+        for name in ("runs", "data", "video", "font", "pages"):
+            self.assertEqual(checks[name]["state"], "ok", checks[name])
+
+    def test_what_is_optional_may_be_missing(self):
+        (self.folder / "bin").mkdir()
+        checks = self.doctor(PATH=self.folder / "bin")
+        for name, package in (("Slurm", "slurm-client"), ("Python", "python3")):
+            self.assertEqual(checks[name]["state"], "missing")
+            self.assertIn(package, checks[name]["install"])
+        checks = self.doctor(**self.hide("libOSMesa.so.8", "libEGL.so.1"))
+        self.assertEqual(checks["pictures"]["state"], "missing")
+        self.assertIn("libosmesa6", checks["pictures"]["install"])
+        out, _ = self.call("breakwater", "doctor", PATH=self.folder / "bin")
+        self.assertIn("> apt install slurm-client", out)
+
+    def test_names_the_programs_that_are_there(self):
+        (self.folder / "bin").mkdir()
+        sbatch = self.folder / "bin/sbatch"
+        sbatch.write_text("#!/bin/sh\necho slurm 99.1\n")
+        sbatch.chmod(0o755)
+        checks = self.doctor(PATH=self.folder / "bin")
+        self.assertTrue(checks["Slurm"]["found"].startswith("slurm 99.1"), checks["Slurm"])
+        sbatch.write_text("#!/bin/sh\nexit 1\n")
+        self.assertEqual(self.doctor(PATH=self.folder / "bin")["Slurm"]["state"], "missing")
+
+    def test_an_opengl_that_is_there_and_does_not_draw_is_broken(self):
+        nowhere = {"__EGL_VENDOR_LIBRARY_DIRS": self.folder, **self.hide("libOSMesa.so.8")}
+        if "Debian package" in self.doctor()["EGL"]["found"]:
+            self.skipTest("there is no libEGL")
+        pictures = self.doctor(status=1, **nowhere)["pictures"]
+        self.assertEqual(pictures["state"], "broken")
+        self.assertIn("EGL", pictures["found"])
+
+    def test_nonsense_in_the_environment_is_broken(self):
+        pictures = self.doctor(status=1, MUJOCO_GL="softpipe")["pictures"]
+        self.assertIn('MUJOCO_GL: "softpipe"', pictures["found"])
+
+    def test_models_that_cannot_be_read_are_broken(self):
+        source = BIN.resolve().parents[1]
+        shutil.copytree(source / "models", self.folder / "models")
+        (self.folder / "models/arm.xml").write_text("<mujoco>")
+        runs = self.doctor(status=1, BREAKWATER_PATH=self.folder)["runs"]
+        self.assertEqual(runs["state"], "broken")
+        self.assertIn("arm.xml", runs["found"])
+        out, _ = self.call("breakwater", "doctor", status=1, BREAKWATER_PATH=self.folder)
+        self.assertTrue(out.endswith("1 of 11 broken\n"), out)
+
+
+if __name__ == "__main__":
+    unittest.main()

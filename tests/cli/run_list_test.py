@@ -1,0 +1,133 @@
+"""`ls` and `rm --failed`: what lies below a folder, and that only failed runs go.
+
+Usage: run_list_test.py BIN_FOLDER
+"""
+
+import json
+import os
+import socket
+import subprocess
+import unittest
+
+from called_program import FAILS, Folder
+
+
+def dead_process():
+    """The number of a process that is no more."""
+    process = subprocess.Popen(["true"])
+    process.wait()
+    return process.pid
+
+
+class RunList(Folder):
+    def setUp(self):
+        super().setUp()
+        self.push("runs/arm/good")
+        self.push("runs/arm/bad", *FAILS, status=3)
+        self.call("breakwater", "sweep", "motor_estimation", "--case", "stf", "--seeds", "1..3",
+                  "--quiet", "--out", "runs/study")
+        # The study's are the newest, then the failed one.
+        for age, name in enumerate(["study/shards", "arm/bad/log.h5", "arm/good/log.h5"]):
+            os.utime(self.folder / "runs" / name, (1e9 - 60 * age, 1e9 - 60 * age))
+
+    def everything(self):
+        return sorted(str(path) for path in self.folder.rglob("*"))
+
+    def test_lists_the_newest_first_with_main_metrics(self):
+        told = json.loads(self.call("breakwater", "ls", "--json")[0])
+        self.assertEqual([entry["folder"] for entry in told],
+                         ["runs/study", "runs/arm/bad", "runs/arm/good"])
+        study, bad, good = told
+        self.assertEqual((study["kind"], study["runs"], study["failed"]), ("study", 3, 0))
+        self.assertEqual(study["scenario"], "motor_estimation")
+        self.assertEqual((bad["status"], bad["metrics"]), ("failed", {}))
+        self.assertIn("at 0.3", bad["reason"])
+        self.assertEqual((good["status"], good["case"]), ("complete", "proposed-link1"))
+        self.assertEqual(good["metrics"],
+                         json.loads((self.folder / "runs/arm/good/metrics.json").read_text()))
+        # The median of three is the middle one.
+        rows = (self.folder / "runs/study/results.csv").read_text().splitlines()
+        column = rows[0].split(",").index("rmse_disturbance_Nm")
+        values = sorted(float(row.split(",")[column]) for row in rows[1:])
+        self.assertEqual(study["medians"]["rmse_disturbance_Nm"], values[1])
+
+        out, err = self.call("breakwater", "ls", TZ="UTC")
+        self.assertEqual(err, "")
+        self.assertIn("2001-09-09 01:46  3 runs", out)
+        self.assertIn("medians: rmse_disturbance_Nm ", out)
+        for line in out.splitlines():
+            self.assertLessEqual(len(line), 80)
+        self.assertEqual(self.call("breakwater", "ls", "runs/arm/good")[0].count("complete"), 1)
+
+    def test_says_what_is_damaged_or_not_there(self):
+        (self.folder / "runs/arm/good/manifest.json").write_text("{")
+        out, _ = self.call("breakwater", "ls")
+        self.assertIn("damaged", out)
+        _, err = self.call("breakwater", "ls", "nowhere", status=2)
+        self.assertEqual(err, "nowhere: there is no such folder\n")
+        (self.folder / "empty").mkdir()
+        self.assertEqual(self.call("breakwater", "ls", "empty")[0], "no run below empty\n")
+        self.assertEqual(json.loads(self.call("breakwater", "ls", "empty", "--json")[0]), [])
+
+    def test_removes_failed_runs_alone(self):
+        runs = self.folder / "runs"
+        host = socket.gethostname()
+        dead = runs / f"arm/.other.partial-{host}-{dead_process()}"
+        alive = runs / f"arm/.third.partial-{host}-{os.getpid()}"
+        for folder in (dead, alive):
+            folder.mkdir()
+            (folder / "log.h5").write_text("half")
+        before = self.everything()
+        would, _ = self.call("breakwater", "rm", "--failed", "--dry-run")
+        self.assertEqual(self.everything(), before)
+        for text in ("would remove 2 runs:\n", "runs/arm/bad: failed at 0.3", str(dead.name),
+                     "may still be written"):
+            self.assertIn(text, would)
+
+        told, _ = self.call("breakwater", "rm", "--failed")
+        self.assertTrue(told.endswith("removed 2 runs\n"), told)
+        gone = set(before) - set(self.everything())
+        self.assertEqual({path for path in gone if "/arm/bad" not in path and dead.name not in path},
+                         set())
+        self.assertFalse((runs / "arm/bad").exists() or dead.exists())
+        self.assertTrue(alive.exists())
+        again, _ = self.call("breakwater", "rm", "--failed")
+        self.assertIn("no failed or unfinished run to remove below runs", again)
+
+    def test_leaves_alone_whatever_is_a_users(self):
+        runs = self.folder / "runs"
+        elsewhere = self.folder / "elsewhere"
+        (runs / "arm/bad").rename(elsewhere)
+        cases = {"note": "notes.txt", "hidden": ".git", "folder": "log.csv"}
+        for name, file in cases.items():
+            self.push(f"runs/{name}", *FAILS, status=3)
+            if name == "folder":
+                (runs / name / file).mkdir()  # a run's name, but no file
+            else:
+                (runs / name / file).write_text("mine")
+        (runs / "link").symlink_to(elsewhere)
+        (runs / "mine").mkdir()
+        (runs / "mine/failed").write_text("mine")
+        (runs / f"mine/.x.partial-{socket.gethostname()}-{dead_process()}").mkdir()
+        (next((runs / "mine").glob(".x*")) / "thesis.tex").write_text("mine")
+        before = self.everything()
+        told, _ = self.call("breakwater", "rm", "--failed")
+        self.assertEqual(self.everything(), before)
+        for file in [*cases.values(), "thesis.tex"]:
+            self.assertIn(f"holds {file}, which is not a run's", told)
+        # A study's own runs are the study's, failed or not.
+        kept = runs / "study/runs/1"
+        kept.parent.mkdir(exist_ok=True)
+        elsewhere.rename(kept)
+        self.call("breakwater", "rm", "--failed")
+        self.assertTrue(kept.exists())
+
+    def test_must_be_told_what(self):
+        _, err = self.call("breakwater", "rm", status=2)
+        self.assertIn("--failed is required", err)
+        _, err = self.call("breakwater", "rm", "--failed", "nowhere", status=2)
+        self.assertEqual(err, "nowhere: there is no such folder\n")
+
+
+if __name__ == "__main__":
+    unittest.main()

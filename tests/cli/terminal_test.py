@@ -1,0 +1,105 @@
+"""What a terminal shows of a run, and what pipes are spared: progress with what is measured so far,
+colours, tables within the width, JSON.
+
+Usage: terminal_test.py BIN_FOLDER
+"""
+
+import json
+import re
+import unittest
+
+from called_program import FAILS, Folder
+
+# Contact at about 5.5 s of 20: there is something to tell.
+WALL = ["arm_wall_contact", "--duration", "20", "--set", "wall.solid_from_s=4", "force.from_s=5",
+        "metrics.from_s=7", "metrics.to_s=8", "record.fine_from_s=5", "record.fine_to_s=5.1"]
+
+
+class Progress(Folder):
+    def test_shows_what_is_measured_so_far_and_changes_nothing(self):
+        seen = self.on_terminal(*WALL, "--out", "seen", columns=120)
+        shown = re.findall(r"free_motion_time_s ([0-9.]+)  peak_force_filtered_N ([0-9.]+)", seen)
+        self.assertTrue(shown, seen)
+        metrics = json.loads((self.folder / "seen/metrics.json").read_text())
+        self.assertAlmostEqual(float(shown[-1][0]), metrics["free_motion_time_s"], delta=1e-3)
+        self.assertLessEqual(float(shown[-1][1]), 1.001 * metrics["peak_force_filtered_N"])
+
+        out, err = self.call(*WALL, "--out", "piped")
+        self.assertEqual(err, "")
+        self.assertNotIn("\033", out)
+        hashes = {json.loads((self.folder / run / "manifest.json").read_text())["state_hash"]
+                  for run in ("seen", "piped")}
+        self.assertEqual(len(hashes), 1)
+        self.assertEqual(metrics, json.loads((self.folder / "piped/metrics.json").read_text()))
+
+    def test_stays_on_one_line_of_a_narrow_terminal(self):
+        seen = self.on_terminal(*WALL, "--out", "seen", columns=40)
+        lines = [line for line in re.split(r"\r\033\[K", seen.split("simulated")[0]) if "%" in line]
+        self.assertTrue(lines)
+        for line in lines:
+            self.assertLess(len(line), 40, line)
+
+    def test_quiet_shows_none(self):
+        self.assertEqual(self.on_terminal(*WALL, "--quiet", "--out", "seen"), "")
+
+
+class Colours(Folder):
+    FAILING = ["arm_push", "--duration", "0.5", "--out", "run", *FAILS]
+
+    def test_are_on_a_terminal_alone(self):
+        self.assertIn("\033[31mfailed\033[0m", self.on_terminal(*self.FAILING))
+        _, err = self.call(*self.FAILING, status=3)
+        self.assertIn("failed", err)
+        self.assertNotIn("\033", err)
+
+    def test_no_color_is_obeyed(self):
+        for changes in ({"NO_COLOR": "1"}, {"TERM": "dumb"}):
+            self.assertNotIn("\033[31m", self.on_terminal(*self.FAILING, **changes))
+        self.assertIn("\033[31m", self.on_terminal(*self.FAILING, NO_COLOR=""))
+
+
+class Tables(Folder):
+    ALL = ["arm_push", "--case", "all", "--duration", "0.2", "--out", "all"]
+
+    def test_fit_the_width(self):
+        out, _ = self.call(*self.ALL)
+        self.assertGreater(max(map(len, out.splitlines())), 60)  # the width is made use of
+        for text, columns in ((out, 80), (self.call(*self.ALL, COLUMNS=60)[0], 60),
+                              (self.on_terminal(*self.ALL, columns=50, NO_COLOR="1")
+                               .rpartition("\033[K")[2], 50)):
+            for line in text.splitlines():
+                self.assertLessEqual(len(line), columns, line)
+        for case in self.call("arm_push", "--list-cases")[0].split():
+            self.assertIn(case, out)
+
+    def test_run_as_json_has_what_the_folders_have(self):
+        told = json.loads(self.call(*self.ALL, "--json")[0])
+        self.assertEqual(told["scenario"], "arm_push")
+        self.assertEqual([run["case"] for run in told["runs"]],
+                         self.call("arm_push", "--list-cases")[0].split())
+        for run in told["runs"]:
+            self.assertEqual(run["status"], "complete")
+            self.assertEqual(run["metrics"],
+                             json.loads((self.folder / run["folder"] / "metrics.json").read_text()))
+        failed = json.loads(self.call("arm_push", "--duration", "0.5", "--json", "--out", "f", *FAILS,
+                                      status=3)[0])["runs"][0]
+        self.assertEqual(failed["status"], "failed")
+        self.assertAlmostEqual(failed["time_s"], 0.3, delta=0.01)
+        self.assertTrue(failed["reason"])
+
+    def test_compare_as_json_has_values_and_differences(self):
+        self.push("a")
+        self.push("b", "--case", "hpfc-link1")
+        told = json.loads(self.call("breakwater", "compare", "a", "b", "--json", "--no-replay")[0])
+        metrics = [json.loads((self.folder / run / "metrics.json").read_text()) for run in "ab"]
+        self.assertEqual([run["folder"] for run in told["runs"]], ["a", "b"])
+        self.assertTrue(told["metrics"])
+        for row in told["metrics"]:
+            values = [of.get(row["name"]) for of in metrics]
+            self.assertEqual(row["values"], values)
+            if None not in values:
+                self.assertAlmostEqual(row["differences"][1], values[1] - values[0])
+
+
+if __name__ == "__main__":
+    unittest.main()
