@@ -61,7 +61,9 @@ Recording ArmPush::run(const RunControl& control) const {
   Simulation& sim = rig.simulation();
   const HandOnLink hand(hand_, sim.model(), rig.chain(), arm_.start_angles_rad, link_);
   sim.add(hand);
-  sim.set_collidable(sim.model().id(mjOBJ_GEOM, "wall"), false);
+  if (sim.model().has(mjOBJ_GEOM, "wall")) {
+    sim.set_collidable(sim.model().id(mjOBJ_GEOM, "wall"), false);
+  }
 
   double turned_rad = 0.0;
   double moment_Nm = 0.0;

@@ -10,10 +10,13 @@
 namespace breakwater {
 namespace {
 
+constexpr const char* kWall = "wall";
+constexpr const char* kTip = "tip";
+
 // Puts the wall's face where it belongs and gives it its stiffness.
 void place_wall(Model& model, double face_x_m, const ContactLaw& law) {
-  const int wall = model.id(mjOBJ_GEOM, "wall");
-  const int tip = model.id(mjOBJ_GEOM, "tip");
+  const int wall = model.id(mjOBJ_GEOM, kWall);
+  const int tip = model.id(mjOBJ_GEOM, kTip);
   if (model->geom_type[wall] != mjGEOM_PLANE || model->geom_bodyid[wall] != 0) {
     throw std::invalid_argument(model.file() + ": geom \"wall\" must be a plane of the world body");
   }
@@ -58,6 +61,7 @@ ArmRole ArmWallContact::role() const {
   role.force_reference_N = force_reference_N_;
   role.convert_gain_N_m = convert_gain_per_m_ * force_reference_N_;
   role.force_filter_time_constant_s = filter_time_constant_s_;
+  role.geoms = {kTip, kWall};
   role.prepare_model = [this](Model& model) {
     place_wall(model, start_pose(arm_)[0] + wall_distance_m_, contact_);
   };
@@ -91,7 +95,7 @@ void ArmWallContact::animate_scene(Model& model, double time_s) const {
 Recording ArmWallContact::run(const RunControl& control) const {
   ArmRig rig(arm_, role());
   Simulation& sim = rig.simulation();
-  const int wall = sim.model().id(mjOBJ_GEOM, "wall");
+  const int wall = sim.model().id(mjOBJ_GEOM, kWall);
   sim.set_collidable(wall, false);
 
   const PhysicsSettings& physics = arm_.physics;

@@ -290,7 +290,7 @@ void QuadrotorWaves::check(const Config& config) {
   is_point("wave.current_m_s", current_m_s_);
   is_under_water("task.start_m", start_m_[2]);
   is_under_water("task.reference_m", reference_m_[2]);
-  const Model model = Model::load(mjcf_);
+  const Model model = Model::load_physics(mjcf_);
   if (model->nu != 4) throw std::invalid_argument(mjcf_ + ": needs 4 thrusters");
   for (int i = 1; i <= 4; ++i) model.id(mjOBJ_SITE, "t" + std::to_string(i));
   water(model);
@@ -320,7 +320,7 @@ std::vector<WavingSurface> QuadrotorWaves::waving_surfaces(const Model& model) c
 
 Recording QuadrotorWaves::run(const RunControl& control) const {
   const QuadrotorLoop loop = parts_.make(task());
-  Model model = Model::load(mjcf_);
+  Model model = Model::load_physics(mjcf_);
   model.set_physics(physics_.timestep_s, physics_.integrator);
   Simulation sim(std::move(model), *loop.controller, sensing_setup(), physics_.steps_per_sample());
   UnderwaterForce waves = water(sim.model());

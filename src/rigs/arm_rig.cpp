@@ -151,7 +151,7 @@ void check_arm(const ArmSettings& settings, const ArmRole& role, const Config& c
   config.blame("observer.poles_rad_s",
                [&] { AccelerationControl design(acceleration_design(settings, chain)); });
   settings.controller.check(config, arm_setup(settings, role, chain));
-  check_actuators(Model::load(settings.mjcf), chain);
+  check_actuators(Model::load_physics(settings.mjcf, role.geoms), chain);
   const std::vector<SensorChannel> channels = sensing_setup(settings, role, chain).channels;
   settings.faults.check(config, channels);
   ArmRig rig(settings, role);  // or what the model lacks is said
@@ -172,7 +172,7 @@ ArmRig::ArmRig(const ArmSettings& settings, const ArmRole& role)
       q_(Eigen::VectorXd::Zero(chain_.joints())),
       dq_(q_),
       tip_(TipPose::Zero()) {
-  Model model = Model::load(settings.mjcf);
+  Model model = Model::load_physics(settings.mjcf, role.geoms);
   model.set_physics(settings.physics.timestep_s, settings.physics.integrator);
   if (settings.friction_Nm != kFrictionOfModel) {
     for (Eigen::Index i = 0; i < chain_.joints(); ++i) {

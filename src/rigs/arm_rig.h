@@ -45,6 +45,8 @@ struct ArmRole {
   double convert_gain_N_m = 1.0;  ///< K_f
   double force_filter_time_constant_s = 0.0;
   bool starts_at_reference = false;  ///< at q_0^ref instead of keyframe "home"
+  /// Geoms that the run looks up or makes collide: see Model::load_physics().
+  std::vector<std::string> geoms;
   std::function<void(Model&)>
       prepare_model;  ///< may be empty; called before the simulation is made
 };

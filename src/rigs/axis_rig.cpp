@@ -19,7 +19,7 @@ Encoder encoder(const AxisSettings& settings) {
 
 Model load_model(const AxisSettings& settings) {
   const Axis& axis = settings.axis;
-  Model model = Model::load(settings.mjcf);
+  Model model = Model::load_physics(settings.mjcf);
   model.set_physics(settings.physics.timestep_s, settings.physics.integrator);
   const int joint = model.id(mjOBJ_JOINT, axis.joint);
   const int actuator = model.id(mjOBJ_ACTUATOR, axis.actuator);

@@ -5,11 +5,14 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <regex>
 #include <stdexcept>
+#include <utility>
 
 #include <breakwater/plants/mjcf_numbers.h>
 #include <breakwater/sim/engine_guard.h>
+#include <breakwater/sim/physics_part.h>
 
 namespace breakwater {
 namespace {
@@ -49,6 +52,12 @@ void check_memory(const std::string& file, const std::string& fatal) {
                                     const std::string& otherwise) {
   check_memory(file, fatal);
   refuse(file, fatal.empty() ? otherwise : fatal);
+}
+
+int id_of(const mjModel& m, const std::string& file, mjtObj kind, const std::string& name) {
+  const int id = mj_name2id(&m, kind, name.c_str());
+  if (id < 0) refuse(file, std::string("has no ") + mju_type2Str(kind) + " named \"" + name + "\"");
+  return id;
 }
 
 void check_bodies(const mjModel& m, const std::string& file) {
@@ -125,10 +134,12 @@ namespace {
 
 // What SharedModels share. Models in it are never changed, only copied.
 struct Shared {
+  using Geoms = std::optional<std::vector<std::string>>;  // of load_physics(); none: load()
+  using Key = std::pair<std::string, Geoms>;              // with the file
   std::mutex compiling;
   std::mutex mutex;
   std::vector<const SharedModels*> owners;
-  std::map<std::string, std::shared_ptr<const mjModel>> models;
+  std::map<Key, std::shared_ptr<const mjModel>> models;
 };
 
 Shared& shared() {
@@ -141,37 +152,66 @@ std::vector<const SharedModels*> owners() {
   return shared().owners;
 }
 
-std::shared_ptr<const mjModel> find_shared(const std::string& file) {
+std::shared_ptr<const mjModel> find_shared(const Shared::Key& key) {
   const std::lock_guard lock(shared().mutex);
-  const auto found = shared().models.find(file);
+  const auto found = shared().models.find(key);
   return found == shared().models.end() ? nullptr : found->second;
+}
+
+std::shared_ptr<const mjModel> share(const Shared::Key& key, mjModel* model) {
+  std::shared_ptr<const mjModel> kept(
+      model, [](const mjModel* m) { mj_deleteModel(const_cast<mjModel*>(m)); });
+  const std::lock_guard lock(shared().mutex);
+  shared().models.emplace(key, kept);
+  return kept;
 }
 
 }  // namespace
 
+Model Model::copy(const mjModel& model, const std::string& file) {
+  mjModel* copy = nullptr;
+  const std::string fatal = call_engine([&] { copy = mj_copyModel(nullptr, &model); });
+  if (copy == nullptr) refuse_for_engine(file, fatal, "cannot be copied");
+  return {copy, file};
+}
+
+Model Model::physics(const mjModel& full, const std::string& file,
+                     const std::vector<std::string>& geoms) {
+  std::vector<int> ids;
+  for (const std::string& name : geoms) ids.push_back(id_of(full, file, mjOBJ_GEOM, name));
+  std::string fatal;
+  mjModel* part = physics_part(full, ids, fatal);
+  if (part == nullptr) refuse_for_engine(file, fatal, "cannot be copied");
+  return {part, file};
+}
+
 Model Model::load(const std::string& mjcf_file) {
-  const auto copy_of = [&](const mjModel& model) {
-    mjModel* copy = nullptr;
-    const std::string fatal = call_engine([&] { copy = mj_copyModel(nullptr, &model); });
-    if (copy == nullptr) refuse_for_engine(mjcf_file, fatal, "cannot be copied");
-    return Model(copy, mjcf_file);
-  };
   if (owners().empty()) return compile(mjcf_file);
-  if (const auto model = find_shared(mjcf_file)) return copy_of(*model);
+  return copy(*shared_model(mjcf_file), mjcf_file);
+}
+
+Model Model::load_physics(const std::string& mjcf_file, const std::vector<std::string>& geoms) {
+  if (owners().empty()) return physics(*compile(mjcf_file).get(), mjcf_file, geoms);
+  const Shared::Key key(mjcf_file, geoms);
+  if (const auto part = find_shared(key)) return copy(*part, mjcf_file);
+  const auto full = shared_model(mjcf_file);
+  Model part = physics(*full, mjcf_file, geoms);
+  Model own = copy(*part.get(), mjcf_file);
+  share(key, part.model_.release());
+  return own;
+}
+
+// Of the whole file.
+std::shared_ptr<const mjModel> Model::shared_model(const std::string& mjcf_file) {
+  const Shared::Key key(mjcf_file, std::nullopt);
+  if (const auto model = find_shared(key)) return model;
   const std::lock_guard compiling(shared().compiling);
   // Another thread may have compiled it while this one waited.
-  if (const auto model = find_shared(mjcf_file)) return copy_of(*model);
+  if (const auto model = find_shared(key)) return model;
   for (const SharedModels* owner : owners()) {
     if (owner->before_compiling_) owner->before_compiling_(mjcf_file);
   }
-  Model model = compile(mjcf_file);
-  Model copy = copy_of(*model.get());
-  const std::lock_guard lock(shared().mutex);
-  shared().models.emplace(mjcf_file,
-                          std::shared_ptr<const mjModel>(model.model_.release(), [](const auto* m) {
-                            mj_deleteModel(const_cast<mjModel*>(m));
-                          }));
-  return copy;
+  return share(key, compile(mjcf_file).model_.release());
 }
 
 SharedModels::SharedModels(std::function<void(const std::string&)> before_compiling)
@@ -191,10 +231,11 @@ SharedModels::~SharedModels() {
 }
 
 int Model::id(mjtObj kind, const std::string& name) const {
-  const int id = mj_name2id(model_.get(), kind, name.c_str());
-  if (id < 0)
-    refuse(file_, std::string("has no ") + mju_type2Str(kind) + " named \"" + name + "\"");
-  return id;
+  return id_of(*model_, file_, kind, name);
+}
+
+bool Model::has(mjtObj kind, const std::string& name) const {
+  return mj_name2id(model_.get(), kind, name.c_str()) >= 0;
 }
 
 std::vector<int> Model::geoms_named(const std::string& prefix) const {

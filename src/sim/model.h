@@ -27,6 +27,16 @@ class Model {
   /// there are SharedModels, a copy of what was compiled first. Thread-safe.
   static Model load(const std::string& mjcf_file);
 
+  /// What of load() its motion depends on: the same states to the bit, in less time and memory. It
+  /// has no cameras, lights, textures, materials and skins, and no geoms that can touch nothing as
+  /// they stand in the file (by contype, conaffinity and <pair>) unless a sensor, tendon, <pair> or
+  /// tuple names them or a fluid acts on them. `geoms` names those that must stay nevertheless, as
+  /// the run looks them up or makes them collide; they count as able to touch what touches
+  /// anything. The ids of geoms are not those of load(), which pictures are drawn of. Throws as
+  /// load() does, and std::invalid_argument if there is no such geom.
+  static Model load_physics(const std::string& mjcf_file,
+                            const std::vector<std::string>& geoms = {});
+
   mjModel* get() { return model_.get(); }
   const mjModel* get() const { return model_.get(); }
   const mjModel* operator->() const { return model_.get(); }
@@ -34,6 +44,7 @@ class Model {
 
   /// The id of a named element. Throws std::invalid_argument `FILE: has no KIND named "NAME"`.
   int id(mjtObj kind, const std::string& name) const;
+  bool has(mjtObj kind, const std::string& name) const;
 
   /// The geoms whose names begin so.
   std::vector<int> geoms_named(const std::string& prefix) const;
@@ -60,6 +71,10 @@ class Model {
   };
 
   static Model compile(const std::string& mjcf_file);
+  static std::shared_ptr<const mjModel> shared_model(const std::string& mjcf_file);
+  static Model copy(const mjModel& model, const std::string& file);
+  static Model physics(const mjModel& full, const std::string& file,
+                       const std::vector<std::string>& geoms);
 
   Model(mjModel* model, std::string file) : model_(model), file_(std::move(file)) {}
 
@@ -67,8 +82,8 @@ class Model {
   std::string file_;
 };
 
-/// While one lives, Model::load() compiles each file once, in this process: for thousands of runs
-/// of the same files, which must not change meanwhile.
+/// While one lives, Model::load() and load_physics() compile each file once, in this process: for
+/// thousands of runs of the same files, which must not change meanwhile.
 class SharedModels {
  public:
   /// `before_compiling` is told each file just before it is read; one at a time, from any thread.

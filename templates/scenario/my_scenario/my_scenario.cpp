@@ -69,7 +69,7 @@ void MyScenario::check(const Config& config) {
 
 // By name the model must have: joint "hinge", actuator "motor", sensors "angle" and "rate".
 Model MyScenario::plant() const {
-  Model model = Model::load(mjcf_);
+  Model model = Model::load_physics(mjcf_);
   model.set_physics(physics_.timestep_s, physics_.integrator);
   model.scale_inertia(mass_ratio_);
   author_friction(model, model.id(mjOBJ_JOINT, "hinge"), friction_Nms_rad_, 0.0);

@@ -1,0 +1,250 @@
+#include <breakwater/sim/physics_part.h>
+
+#include <mujoco/mjxmacro.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <stdexcept>
+
+#include <breakwater/sim/engine_guard.h>
+
+namespace breakwater {
+namespace {
+
+constexpr std::size_t kAlignment = 64;  // of each array in a model's buffer
+
+// Points a model's arrays to where the engine has them in its buffer, and returns how long that is.
+std::size_t lay_out(mjModel& m, std::byte* buffer) {
+  MJMODEL_POINTERS_PREAMBLE((&m))
+  std::size_t size = 0;
+#define X(type, name, rows, columns)                        \
+  size = (size + kAlignment - 1) / kAlignment * kAlignment; \
+  m.name = reinterpret_cast<type*>(buffer + size);          \
+  size += sizeof(type) * static_cast<std::size_t>(m.rows) * static_cast<std::size_t>(columns);
+  MJMODEL_POINTERS
+#undef X
+  m.buffer = buffer;
+  return size;
+}
+
+template <typename T>
+void copy_rows(const T* from, T* to, int count, int columns) {
+  std::copy_n(from, static_cast<std::size_t>(count) * static_cast<std::size_t>(columns), to);
+}
+
+template <typename T>
+void copy_rows(const T* from, T* to, const std::vector<int>& rows, int columns) {
+  for (const int row : rows) {
+    to = std::copy_n(from + static_cast<std::ptrdiff_t>(row) * columns, columns, to);
+  }
+}
+
+// What stays.
+struct Kept {
+  std::vector<int> geoms;  // rising
+  bool cameras = false;
+  bool lights = false;
+  bool looks = false;  // textures, materials, skins
+  bool meshes = false;
+  bool height_fields = false;
+};
+
+bool is_wrapped_around(int wrap) {
+  return wrap == mjWRAP_SPHERE || wrap == mjWRAP_CYLINDER;
+}
+
+// Calls visit(type, id) of each element that a sensor or a tuple names; the id may be −1.
+template <typename Visit>
+void for_each_named(const mjModel& m, Visit visit) {
+  for (int i = 0; i < m.nsensor; ++i) {
+    visit(m.sensor_objtype[i], m.sensor_objid[i]);
+    visit(m.sensor_reftype[i], m.sensor_refid[i]);
+  }
+  for (int i = 0; i < m.ntupledata; ++i) visit(m.tuple_objtype[i], m.tuple_objid[i]);
+}
+
+// Which geoms can meet which, whoever asks for the same.
+class Collisions {
+ public:
+  Collisions(const mjModel& m, const std::vector<int>& geoms) : m_(m) {
+    for (int i = 0; i < m.ngeom; ++i) {
+      contype_.push_back(m.geom_contype[i]);
+      conaffinity_.push_back(m.geom_conaffinity[i]);
+    }
+    // All bits: whatever it will be made to collide with.
+    for (const int geom : geoms) contype_[at(geom)] = conaffinity_[at(geom)] = ~0;
+  }
+
+  // Those that are welded to each other never do.
+  bool can_touch(int a, int b) const {
+    const bool match = (contype_[at(a)] & conaffinity_[at(b)]) != 0 ||
+                       (contype_[at(b)] & conaffinity_[at(a)]) != 0;
+    return match && m_.body_weldid[m_.geom_bodyid[a]] != m_.body_weldid[m_.geom_bodyid[b]];
+  }
+  bool can_touch_any(int geom) const {
+    for (int other = 0; other < m_.ngeom; ++other) {
+      if (can_touch(geom, other)) return true;
+    }
+    return false;
+  }
+  // How many contacts there can be at once.
+  std::size_t most_contacts() const {
+    std::size_t most = 0;
+    for (int a = 0; a < m_.ngeom; ++a) {
+      for (int b = 0; b < a; ++b) {
+        if (can_touch(a, b)) most += most_of_pair(a, b);
+      }
+    }
+    for (int pair = 0; pair < m_.npair; ++pair) {
+      most += most_of_pair(m_.pair_geom1[pair], m_.pair_geom2[pair]);
+    }
+    return most;
+  }
+
+ private:
+  static std::size_t at(int geom) { return static_cast<std::size_t>(geom); }
+
+  // A sphere touches a plane or a sphere at one point. MuJoCo 2.2.2 may find a pair twice.
+  std::size_t most_of_pair(int a, int b) const {
+    const auto is_simple = [this](int sphere, int other) {
+      const int type = m_.geom_type[other];
+      return m_.geom_type[sphere] == mjGEOM_SPHERE &&
+             (type == mjGEOM_PLANE || type == mjGEOM_SPHERE);
+    };
+    return 2 * (is_simple(a, b) || is_simple(b, a) ? 1 : mjMAXCONPAIR);
+  }
+
+  const mjModel& m_;
+  std::vector<int> contype_;
+  std::vector<int> conaffinity_;
+};
+
+Kept what_stays(const mjModel& m, const std::vector<int>& geoms, const Collisions& collisions) {
+  Kept kept;
+  std::vector<bool> stays(static_cast<std::size_t>(m.ngeom), false);
+  const auto keep = [&](int geom) { stays[static_cast<std::size_t>(geom)] = true; };
+  for (const int geom : geoms) keep(geom);
+  for_each_named(m, [&](int type, int id) {
+    if (id < 0) return;
+    if (type == mjOBJ_GEOM) keep(id);
+    kept.cameras |= type == mjOBJ_CAMERA;
+    kept.lights |= type == mjOBJ_LIGHT;
+    kept.looks |= type == mjOBJ_TEXTURE || type == mjOBJ_MATERIAL || type == mjOBJ_SKIN;
+    kept.meshes |= type == mjOBJ_MESH;
+    kept.height_fields |= type == mjOBJ_HFIELD;
+  });
+  for (int i = 0; i < m.nwrap; ++i) {
+    if (is_wrapped_around(m.wrap_type[i])) keep(m.wrap_objid[i]);
+  }
+  for (int i = 0; i < m.npair; ++i) {
+    keep(m.pair_geom1[i]);
+    keep(m.pair_geom2[i]);
+  }
+  const bool is_seen = std::any_of(m.sensor_type, m.sensor_type + m.nsensor, [](int type) {
+    return type == mjSENS_RANGEFINDER || type == mjSENS_USER;
+  });
+  // A ray passes what its material makes transparent.
+  kept.looks |= is_seen;
+  for (int i = 0; i < m.ngeom; ++i) {
+    const bool is_in_fluid = m.geom_fluid[static_cast<std::ptrdiff_t>(mjNFLUID) * i] > 0.0;
+    if (is_seen || is_in_fluid || collisions.can_touch_any(i)) keep(i);
+    if (!stays[static_cast<std::size_t>(i)]) continue;
+    kept.geoms.push_back(i);
+    const bool has_data = m.geom_dataid[i] >= 0;
+    kept.height_fields |= has_data && m.geom_type[i] == mjGEOM_HFIELD;
+    kept.meshes |= has_data && m.geom_type[i] != mjGEOM_HFIELD;
+  }
+  return kept;
+}
+
+void set_sizes(mjModel& m, const Kept& kept, std::size_t most_contacts) {
+  m.ngeom = static_cast<int>(kept.geoms.size());
+  const auto drop = [](auto&... sizes) { ((sizes = 0), ...); };
+  if (!kept.cameras) drop(m.ncam);
+  if (!kept.lights) drop(m.nlight);
+  if (!kept.looks) {
+    drop(m.ntex, m.ntexdata, m.nmat, m.nskin, m.nskinvert, m.nskintexvert, m.nskinface, m.nskinbone,
+         m.nskinbonevert);
+  }
+  if (!kept.meshes) drop(m.nmesh, m.nmeshvert, m.nmeshtexvert, m.nmeshface, m.nmeshgraph);
+  if (!kept.height_fields) drop(m.nhfield, m.nhfielddata);
+
+  // At least one of each: without, the engine would not say that there are too many.
+  const auto at_most = [](int& size, std::size_t most) {
+    if (static_cast<std::size_t>(size) > most) size = static_cast<int>(most);
+  };
+  constexpr std::size_t kRowsOfContact = 10;  // of a pyramid in 6 dimensions
+  at_most(m.nconmax, std::max<std::size_t>(most_contacts, 1));
+  const int others = m.nemax + m.nv + 2 * m.njnt + 3 * m.ntendon;  // equalities, friction, limits
+  at_most(m.njmax, static_cast<std::size_t>(others) +
+                       kRowsOfContact * static_cast<std::size_t>(std::max(m.nconmax, 1)));
+}
+
+// Makes what names a geom or a material name it by its new number.
+void renumber(mjModel& m, const mjModel& full, const Kept& kept) {
+  std::vector<int> number(static_cast<std::size_t>(full.ngeom), -1);
+  for (std::size_t i = 0; i < kept.geoms.size(); ++i) {
+    number[static_cast<std::size_t>(kept.geoms[i])] = static_cast<int>(i);
+  }
+  const auto renumber_geom = [&](int& geom) {
+    if (geom >= 0) geom = number[static_cast<std::size_t>(geom)];
+  };
+  std::fill_n(m.body_geomnum, m.nbody, 0);
+  std::fill_n(m.body_geomadr, m.nbody, -1);
+  for (int i = 0; i < m.ngeom; ++i) {
+    const int body = m.geom_bodyid[i];
+    if (m.body_geomnum[body]++ == 0) m.body_geomadr[body] = i;
+  }
+  for (int i = 0; i < m.npair; ++i) {
+    renumber_geom(m.pair_geom1[i]);
+    renumber_geom(m.pair_geom2[i]);
+  }
+  for (int i = 0; i < m.nwrap; ++i) {
+    if (is_wrapped_around(m.wrap_type[i])) renumber_geom(m.wrap_objid[i]);
+  }
+  for (int i = 0; i < m.nsensor; ++i) {
+    if (m.sensor_objtype[i] == mjOBJ_GEOM) renumber_geom(m.sensor_objid[i]);
+    if (m.sensor_reftype[i] == mjOBJ_GEOM) renumber_geom(m.sensor_refid[i]);
+  }
+  for (int i = 0; i < m.ntupledata; ++i) {
+    if (m.tuple_objtype[i] == mjOBJ_GEOM) renumber_geom(m.tuple_objid[i]);
+  }
+  if (kept.looks) return;
+  std::fill_n(m.geom_matid, m.ngeom, -1);
+  std::fill_n(m.site_matid, m.nsite, -1);
+  std::fill_n(m.tendon_matid, m.ntendon, -1);
+}
+
+}  // namespace
+
+mjModel* physics_part(const mjModel& full, const std::vector<int>& geoms, std::string& fatal) {
+  mjModel layout = full;
+  if (lay_out(layout, static_cast<std::byte*>(full.buffer)) !=
+          static_cast<std::size_t>(full.nbuffer) ||
+      layout.names != full.names) {
+    throw std::logic_error("the engine lays its models out otherwise than its mjxmacro.h says");
+  }
+  const Collisions collisions(full, geoms);
+  const Kept kept = what_stays(full, geoms, collisions);
+  mjModel part = full;
+  set_sizes(part, kept, collisions.most_contacts());
+  std::vector<std::byte> buffer(lay_out(part, nullptr));
+  part.nbuffer = static_cast<int>(lay_out(part, buffer.data()));
+
+  MJMODEL_POINTERS_PREAMBLE((&full))
+#define X(type, name, rows, columns)                      \
+  if (&full.rows == &full.ngeom) {                        \
+    copy_rows(full.name, part.name, kept.geoms, columns); \
+  } else {                                                \
+    copy_rows(full.name, part.name, part.rows, columns);  \
+  }
+  MJMODEL_POINTERS
+#undef X
+  renumber(part, full, kept);
+
+  mjModel* copy = nullptr;
+  fatal = call_engine([&] { copy = mj_copyModel(nullptr, &part); });
+  return copy;
+}
+
+}  // namespace breakwater
