@@ -103,7 +103,7 @@ LoopCurve designed_curve(const AxisScenario& scenario, const AnalysisOptions& op
 }
 
 // What is measured of one loop, before it is put together.
-struct Measured {
+struct SineResponses {
   std::vector<SineResponse> of_force, of_noise;
 };
 
@@ -143,8 +143,8 @@ std::vector<LoopAnalysis> analyse(const std::vector<AnalysedLoop>& loops,
 
   // The lowest frequencies take the longest, so all loops' first.
   const auto points = static_cast<std::size_t>(options.points);
-  std::vector<Measured> measured(loops.size());
-  for (Measured& one : measured) {
+  std::vector<SineResponses> measured(loops.size());
+  for (SineResponses& one : measured) {
     one.of_force.resize(points);
     one.of_noise.resize(points);
   }

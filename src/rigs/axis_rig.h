@@ -117,7 +117,7 @@ class AxisRig {
                                                          const AxisSettings& settings,
                                                          std::vector<Signal> signals, Step&& step,
                                                          Sample&& sample,
-                                                         const Measured& measured = {}) {
+                                                         const MetricsSoFar& measured = {}) {
     return record_run(*simulation_, settings.physics,
                       settings.physics.step_at(settings.run.duration_s) + 1, std::move(signals),
                       control, std::forward<Step>(step), std::forward<Sample>(sample), measured);
@@ -127,7 +127,7 @@ class AxisRig {
                                                          const AxisSettings& settings,
                                                          std::vector<Signal> signals,
                                                          Sample&& sample,
-                                                         const Measured& measured = {}) {
+                                                         const MetricsSoFar& measured = {}) {
     return run(
         control, settings, std::move(signals), [this](std::int64_t) { this->step(); },
         std::forward<Sample>(sample), measured);

@@ -13,7 +13,7 @@
 namespace breakwater {
 
 /// A run's metrics, of what it has been through by now.
-using Measured = std::function<std::vector<Metric>()>;
+using MetricsSoFar = std::function<std::vector<Metric>()>;
 
 /// Calls `step(k)` for k = 0 … steps − 1; reports progress and obeys a request to stop at the
 /// start, after the first step (from which on nothing allocates), and now and then. Returns the
@@ -21,7 +21,7 @@ using Measured = std::function<std::vector<Metric>()>;
 /// far; it is called only where somebody wants to see them.
 template <typename Step>
 std::optional<Failure> run_loop(std::int64_t steps, const RunControl& control, Step&& step,
-                                const Measured& measured = {}) {
+                                const MetricsSoFar& measured = {}) {
   constexpr std::int64_t kStepsBetweenReports = 10000;
   try {
     for (std::int64_t k = 0; k < steps; ++k) {
@@ -47,7 +47,7 @@ std::optional<Failure> run_loop(std::int64_t steps, const RunControl& control, S
 template <typename Step, typename Sample>
 Recording record_run(const Simulation& simulation, const PhysicsSettings& physics,
                      std::int64_t steps, std::vector<Signal> signals, const RunControl& control,
-                     Step&& step, Sample&& sample, const Measured& measured = {}) {
+                     Step&& step, Sample&& sample, const MetricsSoFar& measured = {}) {
   const std::int64_t rows = steps / physics.steps_per_sample() + 1;
   Track log("control", std::move(signals), static_cast<std::size_t>(control.logs ? rows : 0));
   Recording recording;
