@@ -103,8 +103,8 @@ def tables(page, text=None):
                 reason = None
                 try:
                     spec = tomllib.loads(comment)
-                    if spec.pop("like_above", False):
-                        spec = next(table.spec for table in reversed(found) if table.spec) | spec
+                    if back := spec.pop("like_above", 0):
+                        spec = [table.spec for table in found if table.spec][-back] | spec
                 except tomllib.TOMLDecodeError as error:
                     raise Mistake(f"{os.path.relpath(page, ROOT)}:{number}: the comment above: {error}")
         found.append(Table(page, number, cells_of(lines[number]), rows, comment, spec, reason))

@@ -115,6 +115,8 @@ LOOKED_AT = ["/index.html", "/methods/force-control.html", "/your-own-controller
 
 
 class Site(unittest.TestCase):
+    maxDiff = None
+
     @classmethod
     def setUpClass(cls):
         done = subprocess.run(["/usr/bin/python3", ROOT / "scripts/docs/site.py", "--no-gallery"],
@@ -151,7 +153,7 @@ class Site(unittest.TestCase):
         self.assertEqual(self.each("errors"), {})
         self.assertEqual(self.each("unset"), {})
         self.assertEqual(self.each("dollars"), {})
-        self.assertGreater(self.seen["pages"]["/methods/model-predictive-control.html"]["formulas"], 100)
+        self.assertGreater(self.seen["pages"]["/methods/model-predictive-control.html"]["formulas"], 80)
 
     def test_search_finds_the_page(self):
         self.assertIn("/studies/contact-stiffness.html", self.seen["found"])
@@ -161,7 +163,8 @@ class Site(unittest.TestCase):
         self.assertEqual(self.each("missing"), {})
 
     def test_text_can_be_read_in_light_and_in_dark(self):
-        self.assertEqual({page: found for page, found in self.seen["faint"].items() if found}, {})
+        self.assertEqual([f"{page}: {place}: {ratio}" for page, found in self.seen["faint"].items()
+                          for place, ratio in found.items()], [])
 
     def test_the_keyboard_gets_past_the_navigation(self):
         for path, page in self.seen["pages"].items():
@@ -176,6 +179,7 @@ class Site(unittest.TestCase):
                     continue
                 name, _, anchor = target.partition("#")
                 file = (SITE / path[1:]).parent / name if name else SITE / path[1:]
+                file = file / "index.html" if file.is_dir() else file
                 place = "/" + str(pathlib.Path(*file.resolve().relative_to(SITE.resolve()).parts))
                 if name.startswith(("gallery/", "api/")) or "/api/" in name:
                     continue
@@ -184,8 +188,8 @@ class Site(unittest.TestCase):
                     self.assertIn(anchor, ids[place], f"{path}: {target}")
 
     def test_ones_own_comes_first(self):
-        nav = re.search(r'<nav class="md-nav md-nav--primary".*?</nav>\s*</div>', self.html["/index.html"], re.S)[0]
-        links = [link for link in re.findall(r'href="([^"#]+\.html)"', nav) if link != "index.html"]
+        nav = self.html["/index.html"].split('<nav class="md-nav md-nav--primary')[1]
+        links = re.findall(r'<a href="([^"#]+\.html)" class="md-nav__link"', nav)
         self.assertEqual(links[:4], [f"your-own-{what}.html" for what in ("controller", "observer", "scenario", "plant")])
 
 
