@@ -120,10 +120,11 @@ def with_commands(text):
     """A page for readers: the comments are gone, and below a table stands what made its numbers."""
     lines = text.split("\n")
     for table in reversed(tables(DOCS / "page.md", text)):
-        if table.spec and "run" in table.spec:
+        if table.spec:
             end = table.rows[-1][0] if table.rows else table.line + 1
-            commands = "<br>".join(f"<code>{html.escape(run)}</code>" for run in as_list(table.spec["run"]))
-            lines.insert(end, f'\n<p class="made-by">made by {commands}</p>\n')
+            sources = as_list(table.spec.get("run", table.spec.get("csv")))
+            commands = "<br>".join(f"<code>{html.escape(source)}</code>" for source in sources)
+            lines.insert(end, f'\n<p class="made-by">from {commands}</p>\n')
     return COMMENT.sub("", "\n".join(lines))
 
 

@@ -55,7 +55,7 @@ def draw(exhibit, program):
     runs = sorted(path.parent for path in (folder / "runs").rglob("manifest.json"))
     run(BREAKWATER, "video", *runs, "--out", folder / "video.mp4")
     run(BREAKWATER, "replay", *runs, "--out", folder / "replay.html")
-    # The poster is the video's own picture of that moment.
+    # What is seen before the video is played.
     run(BREAKWATER, "still", *runs[:1], "--at", exhibit["at_s"], "--size", "1280x720",
         "--out", folder / "still.png")
     stamp.write_text(json.dumps(made))
