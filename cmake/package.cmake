@@ -21,7 +21,7 @@ set(CPACK_DEBIAN_PACKAGE_PRIORITY optional)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_NAME breakwater)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SHLIBDEPS ON)
 # What is loaded or read at run time, which shlibdeps cannot see.
-set(CPACK_DEBIAN_RUNTIME_PACKAGE_DEPENDS "libosmesa6 | libegl1, fonts-dejavu-core, libjs-dygraphs, libjs-three")
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_DEPENDS "libhdf5-hl-100, libosmesa6 | libegl1, fonts-dejavu-core, libjs-dygraphs, libjs-three")
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_RECOMMENDS "libegl1, python3, python3-h5py, python3-matplotlib")
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SUGGESTS libbreakwater-dev)
 set(CPACK_COMPONENT_RUNTIME_DESCRIPTION "testbed for robust model-based motion control

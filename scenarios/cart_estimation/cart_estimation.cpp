@@ -115,9 +115,11 @@ void CartEstimation::check(const Config& config) {
 Recording CartEstimation::run(const RunControl& control) const {
   const Disturbance force = disturbance();
   const AxisLoop loop = parts_.make(task());
+  loop.controller->set_watched(control.logs);
   AxisRig rig(axis_, {.force = force}, *loop.controller);
   // Beside it, the run as it would be without noise: what differs is what the noise does.
   const AxisLoop quiet_loop = parts_.make(task());
+  quiet_loop.controller->set_watched(false);
   AxisRig quiet_rig(without_noise(axis_), {.force = force}, *quiet_loop.controller);
   double noise_N = 0.0;
   const Simulation& sim = rig.simulation();

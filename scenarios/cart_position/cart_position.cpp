@@ -35,6 +35,7 @@ void CartPosition::check(const Config& config) {
 
 Recording CartPosition::run(const RunControl& control) const {
   const AxisLoop loop = parts_.make(task());
+  loop.controller->set_watched(control.logs);
   AxisRig rig(axis_, {}, *loop.controller);
   const Simulation& sim = rig.simulation();
 

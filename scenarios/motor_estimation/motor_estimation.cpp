@@ -77,6 +77,10 @@ Recording MotorEstimation::run(const RunControl& control) const {
   SettlingTime settling(TimeWindow{start_s, to_s_}.within_and_on(end_s),
                         settled_within_ * std::abs(disturbance_.amplitude));
 
+  const auto step = [&](std::int64_t k) {
+    loop.controller->set_watched(control.logs || window.contains(sim.time_of(k)));
+    rig.step();
+  };
   const auto sample = [&](double t) {
     const double angle = sim.sample().y(0);
     raw_velocity = sim.steps() == 1 ? 0.0 : (angle - last_angle) / axis_.physics.control_period_s;
@@ -113,7 +117,7 @@ Recording MotorEstimation::run(const RunControl& control) const {
     add(metrics, "slowest_pole_continuous_rad_s", "rad/s", slowest_pole.mean());
     return metrics;
   };
-  return rig.run(control, axis_, std::move(signals), sample, measured);
+  return rig.run(control, axis_, std::move(signals), step, sample, measured);
 }
 
 }  // namespace breakwater

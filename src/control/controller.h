@@ -34,6 +34,11 @@ class Controller {
 
   /// What it lets others see. The views stay valid as long as the controller lives.
   virtual std::span<const Signal> signals() const = 0;
+
+  /// Tells it whether anyone will read, after the next updates, those of signals() that its law
+  /// itself does not need; until it is told, someone does. It may spare itself their computation
+  /// where nobody does.
+  virtual void set_watched(bool /*is_watched*/) {}
 };
 
 }  // namespace breakwater

@@ -40,7 +40,7 @@ void DisturbanceCancellingPd::reset(const Sample&) {
 
 void DisturbanceCancellingPd::update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u) {
   estimator_->update(held_input_, y.y.head<1>());
-  poles_.update();
+  if (is_watched_) poles_.update();
   reference_ = design_.reference.at(y.time_s);
   u(0) = design_.k_p * (reference_ - position()) - design_.k_d * velocity() + disturbance();
   held_input_(0) = std::clamp(u(0), -design_.force_limit, design_.force_limit);

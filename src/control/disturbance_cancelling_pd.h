@@ -40,6 +40,8 @@ class DisturbanceCancellingPd final : public Controller {
   void reset(const Sample& first) override;
   void update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u) override;
   std::span<const Signal> signals() const override { return signals_; }
+  /// The estimator's poles are for those who watch alone.
+  void set_watched(bool is_watched) override { is_watched_ = is_watched; }
 
   double reference() const { return reference_; }
   double position() const { return estimator_->state()(0); }
@@ -50,6 +52,7 @@ class DisturbanceCancellingPd final : public Controller {
   std::shared_ptr<DisturbanceEstimator> estimator_;
   DisturbanceCancellingPdDesign design_;
   ObserverPoles poles_;
+  bool is_watched_ = true;
   double reference_ = 0.0;
   Eigen::VectorXd held_input_;
   std::vector<Signal> signals_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <cstring>
 #include <limits>
 #include <stdexcept>
 #include <utility>
@@ -15,6 +16,8 @@ ObserverPoles::ObserverPoles(const DisturbanceEstimator& estimator, double perio
     : estimator_(estimator),
       period_s_(period_s),
       matrix_(Eigen::MatrixXd::Zero(estimator.poles(), estimator.poles())),
+      solved_(Eigen::MatrixXd::Constant(estimator.poles(), estimator.poles(),
+                                        std::numeric_limits<double>::quiet_NaN())),
       solver_(estimator.poles()),
       discrete_(Eigen::VectorXcd::Zero(estimator.poles())),
       continuous_(discrete_),
@@ -37,6 +40,10 @@ ObserverPoles::ObserverPoles(const DisturbanceEstimator& estimator, double perio
 void ObserverPoles::update() {
   if (discrete_.size() == 0) return;
   estimator_.pole_matrix(matrix_);
+  // By their bits: that of a zero's sign may be a pole's.
+  const auto bytes = static_cast<std::size_t>(matrix_.size()) * sizeof(double);
+  if (std::memcmp(matrix_.data(), solved_.data(), bytes) == 0) return;
+  solved_ = matrix_;
   solver_.compute(matrix_, false);
   discrete_ = solver_.eigenvalues();
   std::sort(discrete_.begin(), discrete_.end(), [](const auto& a, const auto& b) {

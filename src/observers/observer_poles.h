@@ -17,7 +17,8 @@ class ObserverPoles {
   /// The estimator outlives this. Throws std::invalid_argument if the period is not positive.
   ObserverPoles(const DisturbanceEstimator& estimator, double period_s);
 
-  /// To be called once a sample, after the estimator's update. Allocates nothing.
+  /// To be called once a sample, after the estimator's update. Allocates nothing. Where the matrix
+  /// is the last one again, as of an estimator with constant gains, there is nothing to compute.
   void update();
 
   const Eigen::VectorXcd& discrete() const { return discrete_; }
@@ -30,6 +31,7 @@ class ObserverPoles {
   const DisturbanceEstimator& estimator_;
   double period_s_;
   Eigen::MatrixXd matrix_;
+  Eigen::MatrixXd solved_;  // the matrix that the poles are those of
   Eigen::EigenSolver<Eigen::MatrixXd> solver_;
   Eigen::VectorXcd discrete_;
   Eigen::VectorXcd continuous_;

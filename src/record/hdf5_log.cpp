@@ -1,8 +1,6 @@
 #include <breakwater/record/hdf5_log.h>
 
 #include <fmt/core.h>
-#include <hdf5.h>
-#include <hdf5_hl.h>
 
 #include <algorithm>
 #include <array>
@@ -11,6 +9,7 @@
 #include <numeric>
 #include <stdexcept>
 
+#include <breakwater/record/hdf5_library.h>
 #include <breakwater/record/text_outputs.h>
 
 namespace breakwater {
@@ -51,13 +50,14 @@ void check(bool is_sound) {
 // Of fixed length: HDF5 crashes on a damaged text of variable length, which it keeps elsewhere in
 // the file.
 void write_text(hid_t object, const char* name, const std::string& text) {
-  const Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
-  require(H5Tset_size(type, std::max<std::size_t>(1, text.size())));
-  require(H5Tset_strpad(type, H5T_STR_NULLPAD));
-  require(H5Tset_cset(type, H5T_CSET_UTF8));
-  const Handle space(H5Screate(H5S_SCALAR), H5Sclose);
-  const Handle attribute(H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
-  require(H5Awrite(attribute, type, text.c_str()));
+  const Handle type(hdf5().H5Tcopy(hdf5().C_S1), hdf5().H5Tclose);
+  require(hdf5().H5Tset_size(type, std::max<std::size_t>(1, text.size())));
+  require(hdf5().H5Tset_strpad(type, H5T_STR_NULLPAD));
+  require(hdf5().H5Tset_cset(type, H5T_CSET_UTF8));
+  const Handle space(hdf5().H5Screate(H5S_SCALAR), hdf5().H5Sclose);
+  const Handle attribute(hdf5().H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT),
+                         hdf5().H5Aclose);
+  require(hdf5().H5Awrite(attribute, type, text.c_str()));
 }
 
 // A dataset of rows × width (or just rows, if width is 1), with unit and description.
@@ -65,19 +65,20 @@ void write_dataset(hid_t group, const Signal& signal, const std::vector<double>&
                    std::size_t width, int deflate_level) {
   const Size size = {values.size() / width, width};
   const int rank = width == 1 ? 1 : 2;
-  const Handle space(H5Screate_simple(rank, size.data(), nullptr), H5Sclose);
-  const Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
-  require(H5Pset_obj_track_times(properties, false));  // the same run gives the same file
+  const Handle space(hdf5().H5Screate_simple(rank, size.data(), nullptr), hdf5().H5Sclose);
+  const Handle properties(hdf5().H5Pcreate(hdf5().DATASET_CREATE), hdf5().H5Pclose);
+  require(hdf5().H5Pset_obj_track_times(properties, false));  // the same run gives the same file
   if (deflate_level > 0 && size[0] > 0) {
     const Size chunk = {std::min(size[0], kChunkRows), width};
-    require(H5Pset_chunk(properties, rank, chunk.data()));
-    require(H5Pset_shuffle(properties));
-    require(H5Pset_deflate(properties, static_cast<unsigned>(deflate_level)));
+    require(hdf5().H5Pset_chunk(properties, rank, chunk.data()));
+    require(hdf5().H5Pset_shuffle(properties));
+    require(hdf5().H5Pset_deflate(properties, static_cast<unsigned>(deflate_level)));
   }
-  const Handle dataset(H5Dcreate2(group, signal.name.c_str(), H5T_IEEE_F64LE, space, H5P_DEFAULT,
-                                  properties, H5P_DEFAULT),
-                       H5Dclose);
-  require(H5Dwrite(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()));
+  const Handle dataset(hdf5().H5Dcreate2(group, signal.name.c_str(), hdf5().IEEE_F64LE, space,
+                                         H5P_DEFAULT, properties, H5P_DEFAULT),
+                       hdf5().H5Dclose);
+  require(
+      hdf5().H5Dwrite(dataset, hdf5().NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()));
   write_text(dataset, "unit", signal.unit);
   write_text(dataset, "units", signal.unit);  // as netCDF's conventions call it
   write_text(dataset, "description", signal.description);
@@ -85,19 +86,19 @@ void write_dataset(hid_t group, const Signal& signal, const std::vector<double>&
 
 // Makes a dataset of the group the scale of a dimension: readers of netCDF take it for coordinates.
 void make_scale(hid_t group, const std::string& name) {
-  const Handle scale(H5Dopen2(group, name.c_str(), H5P_DEFAULT), H5Dclose);
-  require(H5DSset_scale(scale, name.c_str()));
+  const Handle scale(hdf5().H5Dopen2(group, name.c_str(), H5P_DEFAULT), hdf5().H5Dclose);
+  require(hdf5().H5DSset_scale(scale, name.c_str()));
 }
 
 void attach_scale(hid_t group, hid_t dataset, const std::string& name, unsigned dimension) {
-  const Handle scale(H5Dopen2(group, name.c_str(), H5P_DEFAULT), H5Dclose);
-  require(H5DSattach_scale(dataset, scale, dimension));
+  const Handle scale(hdf5().H5Dopen2(group, name.c_str(), H5P_DEFAULT), hdf5().H5Dclose);
+  require(hdf5().H5DSattach_scale(dataset, scale, dimension));
 }
 
 // 1 … width: the scale that all vectors of one width in a group have.
 std::string write_index(hid_t group, std::size_t width) {
   std::string name = index_name(width);
-  if (H5Lexists(group, name.c_str(), H5P_DEFAULT) > 0) return name;
+  if (hdf5().H5Lexists(group, name.c_str(), H5P_DEFAULT) > 0) return name;
   std::vector<double> numbers(width);
   std::iota(numbers.begin(), numbers.end(), 1.0);
   write_dataset(group, {name, "1", "which value of a vector", {}}, numbers, 1, 0);
@@ -106,8 +107,9 @@ std::string write_index(hid_t group, std::size_t width) {
 }
 
 void write_track(hid_t file, const Track& track, int deflate_level) {
-  const Handle group(H5Gcreate2(file, track.name().c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
-                     H5Gclose);
+  const Handle group(
+      hdf5().H5Gcreate2(file, track.name().c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
+      hdf5().H5Gclose);
   const Signal time{"time_s", "s", "time of each row of this group", {}};
   write_dataset(group, time, track.times(), 1, deflate_level);
   make_scale(group, "time_s");
@@ -115,7 +117,7 @@ void write_track(hid_t file, const Track& track, int deflate_level) {
     const Signal& signal = track.signal(i);
     const std::size_t width = signal.values.size();
     write_dataset(group, signal, track.values(i), width, deflate_level);
-    const Handle dataset(H5Dopen2(group, signal.name.c_str(), H5P_DEFAULT), H5Dclose);
+    const Handle dataset(hdf5().H5Dopen2(group, signal.name.c_str(), H5P_DEFAULT), hdf5().H5Dclose);
     attach_scale(group, dataset, "time_s", 0);
     if (width > 1) attach_scale(group, dataset, write_index(group, width), 1);
   }
@@ -123,17 +125,17 @@ void write_track(hid_t file, const Track& track, int deflate_level) {
 
 // Empty if there is none, or none that write_text() wrote.
 std::string read_text(hid_t object, const char* name) {
-  if (H5Aexists(object, name) <= 0) return "";
-  const Handle attribute(H5Aopen(object, name, H5P_DEFAULT), H5Aclose);
-  const Handle type(H5Aget_type(attribute), H5Tclose);
-  const Handle space(H5Aget_space(attribute), H5Sclose);
-  const std::size_t size = H5Tget_size(type);
-  if (H5Tget_class(type) != H5T_STRING || H5Tis_variable_str(type) != 0 || size == 0 ||
-      size > kLongestText || H5Sget_simple_extent_type(space) != H5S_SCALAR) {
+  if (hdf5().H5Aexists(object, name) <= 0) return "";
+  const Handle attribute(hdf5().H5Aopen(object, name, H5P_DEFAULT), hdf5().H5Aclose);
+  const Handle type(hdf5().H5Aget_type(attribute), hdf5().H5Tclose);
+  const Handle space(hdf5().H5Aget_space(attribute), hdf5().H5Sclose);
+  const std::size_t size = hdf5().H5Tget_size(type);
+  if (hdf5().H5Tget_class(type) != H5T_STRING || hdf5().H5Tis_variable_str(type) != 0 ||
+      size == 0 || size > kLongestText || hdf5().H5Sget_simple_extent_type(space) != H5S_SCALAR) {
     return "";
   }
   std::string text(size, '\0');
-  require(H5Aread(attribute, type, text.data()));
+  require(hdf5().H5Aread(attribute, type, text.data()));
   text.resize(std::min(size, text.find('\0')));
   return text;
 }
@@ -141,19 +143,19 @@ std::string read_text(hid_t object, const char* name) {
 // Only what is in the group itself: a soft or external link could lead out of the file.
 bool is_own(hid_t group, const std::string& name) {
   H5L_info_t info{};
-  require(H5Lget_info(group, name.c_str(), &info, H5P_DEFAULT));
+  require(hdf5().H5Lget_info(group, name.c_str(), &info, H5P_DEFAULT));
   return info.type == H5L_TYPE_HARD;
 }
 
 // The names of all objects of a group, in their order.
 std::vector<std::string> object_names(hid_t group) {
   H5G_info_t info{};
-  require(H5Gget_info(group, &info));
+  require(hdf5().H5Gget_info(group, &info));
   std::vector<std::string> names;
   for (hsize_t i = 0; i < info.nlinks; ++i) {
     const auto get = [&](char* buffer, std::size_t size) {
-      const ssize_t length =
-          H5Lget_name_by_idx(group, ".", H5_INDEX_NAME, H5_ITER_INC, i, buffer, size, H5P_DEFAULT);
+      const ssize_t length = hdf5().H5Lget_name_by_idx(group, ".", H5_INDEX_NAME, H5_ITER_INC, i,
+                                                       buffer, size, H5P_DEFAULT);
       if (length <= 0) throw std::runtime_error("HDF5 error");
       return static_cast<std::size_t>(length);
     };
@@ -166,25 +168,25 @@ std::vector<std::string> object_names(hid_t group) {
 
 // In the file itself, not in another one, and with filters that need no plug-in.
 void check_storage(hid_t dataset, const Size& size) {
-  const Handle properties(H5Dget_create_plist(dataset), H5Pclose);
-  const H5D_layout_t layout = H5Pget_layout(properties);
+  const Handle properties(hdf5().H5Dget_create_plist(dataset), hdf5().H5Pclose);
+  const H5D_layout_t layout = hdf5().H5Pget_layout(properties);
   check(layout == H5D_CONTIGUOUS || layout == H5D_CHUNKED);
-  check(H5Pget_external_count(properties) == 0);
+  check(hdf5().H5Pget_external_count(properties) == 0);
 
   hsize_t bytes = 0;
-  const Handle file(H5Iget_file_id(dataset), H5Fclose);
-  require(H5Fget_filesize(file, &bytes));
-  bytes = std::min(bytes, H5Dget_storage_size(dataset));
+  const Handle file(hdf5().H5Iget_file_id(dataset), hdf5().H5Fclose);
+  require(hdf5().H5Fget_filesize(file, &bytes));
+  bytes = std::min(bytes, hdf5().H5Dget_storage_size(dataset));
   if (layout == H5D_CHUNKED) {
     bytes *= kMostDeflated;
     Size chunk = {1, 1};
-    require(H5Pget_chunk(properties, 2, chunk.data()));
+    require(hdf5().H5Pget_chunk(properties, 2, chunk.data()));
     check(chunk[0] <= size[0] && chunk[1] <= size[1]);
-    const int filters = H5Pget_nfilters(properties);
+    const int filters = hdf5().H5Pget_nfilters(properties);
     for (int i = 0; i < filters; ++i) {
       std::size_t no_values = 0;
-      const H5Z_filter_t filter = H5Pget_filter2(properties, static_cast<unsigned>(i), nullptr,
-                                                 &no_values, nullptr, 0, nullptr, nullptr);
+      const H5Z_filter_t filter = hdf5().H5Pget_filter2(
+          properties, static_cast<unsigned>(i), nullptr, &no_values, nullptr, 0, nullptr, nullptr);
       check(filter == H5Z_FILTER_DEFLATE || filter == H5Z_FILTER_SHUFFLE);
     }
   }
@@ -194,13 +196,13 @@ void check_storage(hid_t dataset, const Size& size) {
 // Throws unless the dataset is one that write_dataset() may have written: what a damaged file
 // claims could take all memory.
 Size checked_size(hid_t dataset) {
-  const Handle type(H5Dget_type(dataset), H5Tclose);
-  check(H5Tequal(type, H5T_IEEE_F64LE) > 0);
-  const Handle space(H5Dget_space(dataset), H5Sclose);
-  const int rank = H5Sget_simple_extent_ndims(space);
+  const Handle type(hdf5().H5Dget_type(dataset), hdf5().H5Tclose);
+  check(hdf5().H5Tequal(type, hdf5().IEEE_F64LE) > 0);
+  const Handle space(hdf5().H5Dget_space(dataset), hdf5().H5Sclose);
+  const int rank = hdf5().H5Sget_simple_extent_ndims(space);
   check(rank == 1 || rank == 2);
   Size size = {0, 1};
-  require(H5Sget_simple_extent_dims(space, size.data(), nullptr));
+  require(hdf5().H5Sget_simple_extent_dims(space, size.data(), nullptr));
   check(size[1] > 0);
   if (size[0] > 0) check_storage(dataset, size);
   return size;
@@ -213,17 +215,18 @@ std::mutex hdf5_in_use;
 std::string file_image(const std::string& file, const std::vector<Track>& tracks,
                        int deflate_level) {
   const std::lock_guard lock(hdf5_in_use);
-  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  hdf5().H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
   try {
-    const Handle in_memory(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
-    require(H5Pset_fapl_core(in_memory, kMemoryStep, false));
-    const Handle handle(H5Fcreate(file.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, in_memory), H5Fclose);
+    const Handle in_memory(hdf5().H5Pcreate(hdf5().FILE_ACCESS), hdf5().H5Pclose);
+    require(hdf5().H5Pset_fapl_core(in_memory, kMemoryStep, false));
+    const Handle handle(hdf5().H5Fcreate(file.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, in_memory),
+                        hdf5().H5Fclose);
     for (const Track& track : tracks) write_track(handle, track, deflate_level);
-    require(H5Fflush(handle, H5F_SCOPE_GLOBAL));
-    const ssize_t size = H5Fget_file_image(handle, nullptr, 0);
+    require(hdf5().H5Fflush(handle, H5F_SCOPE_GLOBAL));
+    const ssize_t size = hdf5().H5Fget_file_image(handle, nullptr, 0);
     check(size > 0);
     std::string bytes(static_cast<std::size_t>(size), '\0');
-    check(H5Fget_file_image(handle, bytes.data(), bytes.size()) == size);
+    check(hdf5().H5Fget_file_image(handle, bytes.data(), bytes.size()) == size);
     return bytes;
   } catch (const std::runtime_error&) {
     throw OutputError(file + ": cannot be made (does the log fit in memory?)");
@@ -240,7 +243,7 @@ std::string hdf5_version() {
   unsigned major = 0;
   unsigned minor = 0;
   unsigned release = 0;
-  H5get_libversion(&major, &minor, &release);
+  hdf5().H5get_libversion(&major, &minor, &release);
   return fmt::format("{}.{}.{}", major, minor, release);
 }
 
@@ -271,15 +274,15 @@ std::string LogEntry::unit_of(std::size_t index) const {
 
 std::vector<LogEntry> list_hdf5_signals(const std::string& file) {
   const std::lock_guard lock(hdf5_in_use);
-  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  hdf5().H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
   try {
-    const Handle handle(H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
+    const Handle handle(hdf5().H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), hdf5().H5Fclose);
     std::vector<LogEntry> entries;
     for (const std::string& track : object_names(handle)) {
-      const Handle group(H5Gopen2(handle, track.c_str(), H5P_DEFAULT), H5Gclose);
+      const Handle group(hdf5().H5Gopen2(handle, track.c_str(), H5P_DEFAULT), hdf5().H5Gclose);
       for (const std::string& name : object_names(group)) {
         if (name == "time_s" || is_index_name(name)) continue;
-        const Handle data(H5Dopen2(group, name.c_str(), H5P_DEFAULT), H5Dclose);
+        const Handle data(hdf5().H5Dopen2(group, name.c_str(), H5P_DEFAULT), hdf5().H5Dclose);
         const Size size = checked_size(data);
         entries.push_back({track, name, read_text(data, "unit"), read_text(data, "description"),
                            size[0], size[1]});
@@ -293,19 +296,20 @@ std::vector<LogEntry> list_hdf5_signals(const std::string& file) {
 
 LoggedSignal read_hdf5_signal(const std::string& file, const std::string& dataset) {
   const std::lock_guard lock(hdf5_in_use);
-  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  hdf5().H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
   try {
-    const Handle handle(H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
+    const Handle handle(hdf5().H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), hdf5().H5Fclose);
     const std::size_t slash = dataset.find('/');
     const std::string track = dataset.substr(0, slash);
     const std::string name = slash == std::string::npos ? "" : dataset.substr(slash + 1);
     check(is_own(handle, track));
-    const Handle group(H5Gopen2(handle, track.c_str(), H5P_DEFAULT), H5Gclose);
+    const Handle group(hdf5().H5Gopen2(handle, track.c_str(), H5P_DEFAULT), hdf5().H5Gclose);
     check(is_own(group, name));
-    const Handle data(H5Dopen2(group, name.c_str(), H5P_DEFAULT), H5Dclose);
+    const Handle data(hdf5().H5Dopen2(group, name.c_str(), H5P_DEFAULT), hdf5().H5Dclose);
     const Size size = checked_size(data);
     LoggedSignal signal{size[0], size[1], std::vector<double>(size[0] * size[1])};
-    require(H5Dread(data, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, signal.values.data()));
+    require(hdf5().H5Dread(data, hdf5().NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT,
+                           signal.values.data()));
     return signal;
   } catch (const std::runtime_error&) {
     throw std::invalid_argument(file + ": is not a log, or has no " + dataset);

@@ -179,7 +179,7 @@ void print_warnings(const std::string& scenario, const std::vector<PreparedRun>&
 }
 
 int run_cases(const Catalogue& catalogue, const std::string& scenario, const ScenarioFile& file,
-              const RunExtras& extras, const Arguments& arguments) {
+              const RunExtras& extras, const Arguments& arguments, KnownModels& models) {
   stop_on_signals();
   const bool all = arguments.case_name == kAll;
   const std::string case_name =
@@ -210,7 +210,7 @@ int run_cases(const Catalogue& catalogue, const std::string& scenario, const Sce
 
   if (!arguments.quiet) print_warnings(scenario, runs);
   const std::vector<RunSummary> summaries =
-      execute_runs(runs, folders, {arguments.csv, arguments.quiet, &interrupted()});
+      execute_runs(runs, folders, {arguments.csv, arguments.quiet, &interrupted(), &models});
 
   report_failures(scenario, summaries);
   const int video_status = make_videos(summaries, arguments, extras);
@@ -237,7 +237,7 @@ int run_cases(const Catalogue& catalogue, const std::string& scenario, const Sce
 
 // All cases for each value of one key, each into OUT/VALUE/CASE.
 int run_matrix(const Catalogue& catalogue, const std::string& scenario, const ScenarioFile& file,
-               const RunExtras& extras, const Arguments& arguments) {
+               const RunExtras& extras, const Arguments& arguments, KnownModels& models) {
   stop_on_signals();
   if (arguments.print_config) {
     throw std::invalid_argument("--print-config: prints one case, not all of --matrix");
@@ -275,7 +275,7 @@ int run_matrix(const Catalogue& catalogue, const std::string& scenario, const Sc
 
   if (!arguments.quiet) print_warnings(scenario, runs);
   const std::vector<RunSummary> summaries =
-      execute_runs(runs, folders, {arguments.csv, arguments.quiet, &interrupted()});
+      execute_runs(runs, folders, {arguments.csv, arguments.quiet, &interrupted(), &models});
   report_failures(scenario, summaries);
   const int video_status = make_videos(summaries, arguments, extras);
   if (arguments.json) {
@@ -308,8 +308,10 @@ int scenario_main(const Catalogue& catalogue, const std::string& scenario, const
       for (const std::string& name : file.cases()) fmt::print("{}\n", name);
       return static_cast<int>(kSuccess);
     }
-    return arguments.matrix ? run_matrix(catalogue, scenario, file, extras, arguments)
-                            : run_cases(catalogue, scenario, file, extras, arguments);
+    KnownModels models;
+    const SharedModels shared([&](const std::string& model) { models.note(model); });
+    return arguments.matrix ? run_matrix(catalogue, scenario, file, extras, arguments, models)
+                            : run_cases(catalogue, scenario, file, extras, arguments, models);
   });
 }
 

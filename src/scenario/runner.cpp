@@ -74,8 +74,10 @@ class RunFolders {
 RunSummary execute(const PreparedRun& run, RunFolder& folder, const RunOptions& options,
                    const RunControl& control) {
   const auto start = std::chrono::steady_clock::now();
-  // Now, not when it was prepared: others may have run for hours since.
-  const ModelHashes models = model_hashes(run.model_files);
+  // Others may have run for hours since it was prepared.
+  if (options.models != nullptr) options.models->check_unchanged(run.model_files);
+  const ModelHashes models = options.models != nullptr ? options.models->of(run.model_files)
+                                                       : model_hashes(run.model_files);
   const Recording recording = run.scenario->run(control);
 
   const double wall_s =

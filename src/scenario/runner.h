@@ -11,6 +11,7 @@
 #include <breakwater/record/recording.h>
 #include <breakwater/record/run_folder.h>
 #include <breakwater/scenario/catalogue.h>
+#include <breakwater/scenario/known_models.h>
 #include <breakwater/scenario/provenance.h>
 
 namespace breakwater {
@@ -68,6 +69,9 @@ struct RunOptions {
   bool csv = false;
   bool quiet = false;
   const std::atomic<bool>* stop = nullptr;
+  /// Those that the runs were prepared with, while SharedModels lived; null: each run reads its
+  /// own.
+  KnownModels* models = nullptr;
 };
 
 /// Writes all that a run leaves into its folder, which then takes its place. `models` are those
@@ -77,7 +81,7 @@ void write_run(const PreparedRun& run, const ModelHashes& models, const Recordin
 
 /// Runs all of `runs`, on all cores, each into its folder of `targets`. Nothing runs unless all
 /// of them can be written. Throws std::invalid_argument, OutputError or Interrupted; a run that
-/// fails is in its summary.
+/// fails is in its summary. A known model that changed since it was read is an invalid argument.
 std::vector<RunSummary> execute_runs(const std::vector<PreparedRun>& runs,
                                      const std::vector<std::filesystem::path>& targets,
                                      const RunOptions& options);

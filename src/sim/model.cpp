@@ -11,6 +11,7 @@
 #include <utility>
 
 #include <breakwater/plants/mjcf_numbers.h>
+#include <breakwater/sim/contact_pairs.h>
 #include <breakwater/sim/engine_guard.h>
 #include <breakwater/sim/physics_part.h>
 
@@ -191,6 +192,7 @@ Model Model::load(const std::string& mjcf_file) {
 }
 
 Model Model::load_physics(const std::string& mjcf_file, const std::vector<std::string>& geoms) {
+  if (WholeModels::are_wanted()) return load(mjcf_file);
   if (owners().empty()) return physics(*compile(mjcf_file).get(), mjcf_file, geoms);
   const Shared::Key key(mjcf_file, geoms);
   if (const auto part = find_shared(key)) return copy(*part, mjcf_file);
@@ -283,6 +285,20 @@ void Model::scale_inertia(double ratio) {
   const DataPointer data = make_data();
   const std::string fatal = call_engine([&] { mj_setConst(&m, data.get()); });
   if (!fatal.empty()) refuse_for_engine(file_, fatal, "");
+}
+
+void Model::list_contacts() {
+  if (lists_contacts_ || WholeModels::are_wanted()) return;
+  mjModel* listed = with_contact_pairs(*model_);
+  if (listed == nullptr) return;
+  model_.reset(listed);
+  lists_contacts_ = true;
+}
+
+void Model::set_collidable(int geom, bool collidable) {
+  model_->geom_contype[geom] = collidable ? 1 : 0;
+  model_->geom_conaffinity[geom] = collidable ? 1 : 0;
+  if (lists_contacts_) switch_contact_pairs(*model_);
 }
 
 void Model::limit_actuator(int actuator, double limit) {

@@ -61,6 +61,13 @@ class Model {
   /// positive and finite, and the engine can derive what follows from them.
   void scale_inertia(double ratio);
 
+  /// Lets the engine look for contacts faster, where that changes none: with_contact_pairs(). What
+  /// it knows of the geoms' contacts does not change any more but by set_collidable().
+  void list_contacts();
+
+  /// Makes a geom collide with those whose contype has bit 1, or with nothing.
+  void set_collidable(int geom, bool collidable);
+
   /// Limits an actuator's command to ±limit; infinity: not at all. Throws std::invalid_argument
   /// unless the limit is positive.
   void limit_actuator(int actuator, double limit);
@@ -80,6 +87,7 @@ class Model {
 
   std::unique_ptr<mjModel, Delete> model_;
   std::string file_;
+  bool lists_contacts_ = false;
 };
 
 /// While one lives, Model::load() and load_physics() compile each file once, in this process: for

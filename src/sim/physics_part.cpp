@@ -1,43 +1,13 @@
 #include <breakwater/sim/physics_part.h>
 
-#include <mujoco/mjxmacro.h>
-
 #include <algorithm>
+#include <atomic>
 #include <cstddef>
-#include <stdexcept>
 
-#include <breakwater/sim/engine_guard.h>
+#include <breakwater/sim/model_draft.h>
 
 namespace breakwater {
 namespace {
-
-constexpr std::size_t kAlignment = 64;  // of each array in a model's buffer
-
-// Points a model's arrays to where the engine has them in its buffer, and returns how long that is.
-std::size_t lay_out(mjModel& m, std::byte* buffer) {
-  MJMODEL_POINTERS_PREAMBLE((&m))
-  std::size_t size = 0;
-#define X(type, name, rows, columns)                        \
-  size = (size + kAlignment - 1) / kAlignment * kAlignment; \
-  m.name = reinterpret_cast<type*>(buffer + size);          \
-  size += sizeof(type) * static_cast<std::size_t>(m.rows) * static_cast<std::size_t>(columns);
-  MJMODEL_POINTERS
-#undef X
-  m.buffer = buffer;
-  return size;
-}
-
-template <typename T>
-void copy_rows(const T* from, T* to, int count, int columns) {
-  std::copy_n(from, static_cast<std::size_t>(count) * static_cast<std::size_t>(columns), to);
-}
-
-template <typename T>
-void copy_rows(const T* from, T* to, const std::vector<int>& rows, int columns) {
-  for (const int row : rows) {
-    to = std::copy_n(from + static_cast<std::ptrdiff_t>(row) * columns, columns, to);
-  }
-}
 
 // What stays.
 struct Kept {
@@ -217,34 +187,32 @@ void renumber(mjModel& m, const mjModel& full, const Kept& kept) {
 
 }  // namespace
 
+namespace {
+
+std::atomic<int> whole_models = 0;
+
+}  // namespace
+
+WholeModels::WholeModels() {
+  ++whole_models;
+}
+
+WholeModels::~WholeModels() {
+  --whole_models;
+}
+
+bool WholeModels::are_wanted() {
+  return whole_models > 0;
+}
+
 mjModel* physics_part(const mjModel& full, const std::vector<int>& geoms, std::string& fatal) {
-  mjModel layout = full;
-  if (lay_out(layout, static_cast<std::byte*>(full.buffer)) !=
-          static_cast<std::size_t>(full.nbuffer) ||
-      layout.names != full.names) {
-    throw std::logic_error("the engine lays its models out otherwise than its mjxmacro.h says");
-  }
   const Collisions collisions(full, geoms);
   const Kept kept = what_stays(full, geoms, collisions);
-  mjModel part = full;
-  set_sizes(part, kept, collisions.most_contacts());
-  std::vector<std::byte> buffer(lay_out(part, nullptr));
-  part.nbuffer = static_cast<int>(lay_out(part, buffer.data()));
-
-  MJMODEL_POINTERS_PREAMBLE((&full))
-#define X(type, name, rows, columns)                      \
-  if (&full.rows == &full.ngeom) {                        \
-    copy_rows(full.name, part.name, kept.geoms, columns); \
-  } else {                                                \
-    copy_rows(full.name, part.name, part.rows, columns);  \
-  }
-  MJMODEL_POINTERS
-#undef X
-  renumber(part, full, kept);
-
-  mjModel* copy = nullptr;
-  fatal = call_engine([&] { copy = mj_copyModel(nullptr, &part); });
-  return copy;
+  mjModel sizes = full;
+  set_sizes(sizes, kept, collisions.most_contacts());
+  ModelDraft part(full, sizes, kept.geoms);
+  renumber(*part, full, kept);
+  return part.make(fatal);
 }
 
 }  // namespace breakwater

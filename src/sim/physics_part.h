@@ -20,4 +20,16 @@ namespace breakwater {
 /// alone differ.
 mjModel* physics_part(const mjModel& full, const std::vector<int>& geoms, std::string& fatal);
 
+/// While one lives, models are left whole and contacts are searched for by the engine, in this
+/// process: so that it shows that neither changes a bit of any run.
+class WholeModels {
+ public:
+  WholeModels();
+  ~WholeModels();
+  WholeModels(const WholeModels&) = delete;
+  WholeModels& operator=(const WholeModels&) = delete;
+
+  static bool are_wanted();
+};
+
 }  // namespace breakwater

@@ -24,6 +24,11 @@ bool all_finite(const mjtNum* values, int count) {
   return std::all_of(values, values + count, [](mjtNum v) { return std::isfinite(v); });
 }
 
+Model with_listed_contacts(Model model) {
+  model.list_contacts();
+  return model;
+}
+
 const char* warning_name(int warning) {
   switch (warning) {
     case mjWARN_INERTIA:
@@ -49,7 +54,7 @@ const char* warning_name(int warning) {
 
 Simulation::Simulation(Model model, Controller& controller, const SensingSetup& sensing,
                        int steps_per_sample)
-    : model_(std::move(model)),
+    : model_(with_listed_contacts(std::move(model))),
       data_(model_.make_data()),
       controller_(controller),
       sensing_(model_, sensing),
@@ -95,8 +100,7 @@ void Simulation::set_velocity(std::span<const double> qvel) {
 }
 
 void Simulation::set_collidable(int geom, bool collidable) {
-  model_.get()->geom_contype[geom] = collidable ? 1 : 0;
-  model_.get()->geom_conaffinity[geom] = collidable ? 1 : 0;
+  model_.set_collidable(geom, collidable);
 }
 
 void Simulation::control_callback(const mjModel*, mjData* data) {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include <breakwater/scenario/runner.h>
-#include <breakwater/study/known_models.h>
+#include <breakwater/scenario/known_models.h>
 #include <breakwater/study/shards.h>
 
 namespace breakwater {

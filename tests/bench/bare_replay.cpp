@@ -1,7 +1,8 @@
 // A bare mj_step loop that replays a run of arm_wall_contact: the same model, the recorded torques,
-// the wall's switch, and nothing else. What the run costs beyond this is what Breakwater costs.
+// the wall's switch, and nothing else. What the run costs beyond this is what Breakwater costs. The
+// model is what of it physics needs, or whole.
 //
-// Usage: bare_replay RUN_FOLDER
+// Usage: bare_replay RUN_FOLDER [whole]
 #include <mujoco/mujoco.h>
 
 #include <toml++/toml.h>
@@ -18,8 +19,9 @@
 using namespace breakwater;
 
 int main(int argc, char** argv) {
-  if (argc != 2) {
-    std::fputs("usage: bare_replay RUN_FOLDER\n", stderr);
+  const bool is_whole = argc == 3 && std::string(argv[2]) == "whole";
+  if (argc != 2 && !is_whole) {
+    std::fputs("usage: bare_replay RUN_FOLDER [whole]\n", stderr);
     return 2;
   }
   const std::string run = argv[1];
@@ -29,8 +31,9 @@ int main(int argc, char** argv) {
   const LoggedSignal qpos = read_hdf5_signal(run + "/log.h5", "control/qpos");
 
   const double timestep_s = number("physics.timestep_s");
-  Model model = Model::load(
-      find_file(config.at_path("model.mjcf").value<std::string>().value(), run).value().string());
+  const std::string mjcf =
+      find_file(config.at_path("model.mjcf").value<std::string>().value(), run).value().string();
+  Model model = is_whole ? Model::load(mjcf) : Model::load_physics(mjcf, {"tip", "wall"});
   model.set_physics(timestep_s, Integrator::euler);
   const int wall = model.id(mjOBJ_GEOM, "wall");
   mjModel& m = *model.get();

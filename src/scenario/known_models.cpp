@@ -1,4 +1,4 @@
-#include <breakwater/study/known_models.h>
+#include <breakwater/scenario/known_models.h>
 
 #include <stdexcept>
 

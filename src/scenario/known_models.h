@@ -1,4 +1,4 @@
-// The models of a study's runs, which must not change while it runs.
+// The models of many runs, which must not change while they run.
 #pragma once
 
 #include <sys/stat.h>
