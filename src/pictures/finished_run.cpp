@@ -20,7 +20,7 @@ std::vector<Series> columns(const std::vector<double>& times_s, const LoggedSign
 }  // namespace
 
 FinishedRun::FinishedRun(const Catalogue& catalogue, const std::filesystem::path& folder)
-    : saved_(folder) {
+    : catalogue_(&catalogue), saved_(folder) {
   if (!catalogue.has<ScenarioKind>(saved_.scenario())) {
     throw std::invalid_argument(folder.string() + ": is a run of scenario \"" + saved_.scenario() +
                                 "\", which this program does not have: the program that made it "

@@ -18,13 +18,14 @@ namespace breakwater {
 /// What a finished run left, its scenario with the run's settings, and its log.
 class FinishedRun {
  public:
-  /// Throws std::invalid_argument, one line, if the folder is not a run's or lacks a file, or the
-  /// catalogue lacks its scenario.
+  /// The catalogue outlives it. Throws std::invalid_argument, one line, if the folder is not a
+  /// run's or lacks a file, or the catalogue lacks its scenario.
   FinishedRun(const Catalogue& catalogue, const std::filesystem::path& folder);
 
   const std::filesystem::path& folder() const { return saved_.folder(); }
   const std::string& case_name() const { return saved_.case_name(); }
   const SavedRun& saved() const { return saved_; }
+  const Catalogue& catalogue() const { return *catalogue_; }
   /// What a user should know, one line each: keys that an older version did not have, and as what
   /// they were taken.
   const std::vector<std::string>& notes() const { return notes_; }
@@ -60,6 +61,7 @@ class FinishedRun {
   std::string log_file() const { return (folder() / "log.h5").string(); }
   void read_settings(const ScenarioKind& kind);
 
+  const Catalogue* catalogue_;
   SavedRun saved_;
   std::vector<std::string> notes_;
   std::filesystem::path shots_file_;

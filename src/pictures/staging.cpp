@@ -160,12 +160,12 @@ PictureStage stage_pictures(const ShownRuns& runs, const ShotList& shots, const 
   PictureStage stage;
   std::vector<SavedRun> saved;
   for (const FinishedRun* run : runs) saved.push_back(run->saved());
-  const std::vector<std::string> labels = labels_of(saved);
+  const std::vector<std::string> labels = labels_of(runs.front()->catalogue(), saved);
   std::vector<ChartLine> lines;
   for (const FinishedRun* run : runs) {
     std::vector<std::string> missing;
     stage.runs.push_back(breakwater::stage(*run, shots, camera, &missing));
-    if (runs.size() > 1) stage.runs.back().caption = labels[stage.runs.size() - 1];
+    stage.runs.back().caption = labels[stage.runs.size() - 1];
     stage.notes.insert(stage.notes.end(), run->notes().begin(), run->notes().end());
     for (const std::string& signal : missing) {
       stage.notes.push_back(fmt::format("{}: its log has no signal {}, which the shot list names",

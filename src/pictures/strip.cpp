@@ -21,7 +21,9 @@ std::vector<Moment> moments_of(const FinishedRun& run, const ShotList& shots) {
   }
   if (moments.empty()) {
     throw std::invalid_argument(run.folder().string() +
-                                ": none of the shot list's moments is in this run's log");
+                                (shots.moments.empty()
+                                     ? ": its scenario has no shot list with moments (shots.toml)"
+                                     : ": none of the shot list's moments is in this run's log"));
   }
   return moments;
 }

@@ -109,7 +109,7 @@ Comparison::Comparison(const Catalogue& catalogue, std::vector<SavedRun> runs,
     throw std::invalid_argument(
         fmt::format("--from {:g}, --to {:g}: must rise", *choice.from_s, *choice.to_s));
   }
-  labels_ = labels_of(runs_);
+  labels_ = labels_of(catalogue, runs_);
   for (const SavedRun& run : runs_) printed_.push_back(printed_of(catalogue, run));
   metrics_ = choose_metrics(runs_, choice.metrics);
   ShotList shots;

@@ -271,8 +271,8 @@ int replay(const Catalogue& catalogue, const ReplayArguments& arguments) {
       arguments.out.empty() ? runs.front().folder() / "replay.html" : fs::path(arguments.out);
   std::vector<std::string> notes;
   try {
-    replace_file(file,
-                 replay_page(runs, labels_of(open_all(arguments.runs)), arguments.camera, notes));
+    replace_file(file, replay_page(runs, labels_of(catalogue, open_all(arguments.runs)),
+                                   arguments.camera, notes));
   } catch (const RenderError& error) {
     fmt::print(stderr, "{}\n", error.what());
     return kLaterOutputFailed;

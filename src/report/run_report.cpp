@@ -74,7 +74,7 @@ void set_changed_keys(const Catalogue& catalogue, const SavedRun& run, mustache:
 
 std::string run_report(const Catalogue& catalogue, const std::vector<SavedRun>& runs,
                        const RunReportOptions& options, std::vector<std::string>& notes) {
-  const std::vector<std::string> labels = labels_of(runs);
+  const std::vector<std::string> labels = labels_of(catalogue, runs);
   mustache::data page;
   mustache::data toc(mustache::data::type::list);
   mustache::data sections(mustache::data::type::list);

@@ -17,7 +17,8 @@ std::unique_ptr<Scenario> make_scenario(const Catalogue& catalogue, const std::s
 namespace detail {
 
 void fail_as_there_already(const std::string& what, const std::string& name) {
-  throw std::invalid_argument("there is a " + what + " \"" + name + "\" already");
+  throw std::invalid_argument("the catalogue has \"" + name + "\" (" + what +
+                              ") already: give yours another name");
 }
 
 void fail_as_not_there(const std::string& what, const std::string& name,

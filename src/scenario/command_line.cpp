@@ -101,7 +101,11 @@ std::vector<std::string> all_sets(const Arguments& arguments) {
     sets.push_back(key + "=" + value);
   };
   add("--seed", "run.seed", arguments.seed);
-  add("--duration", "run.duration_s", arguments.duration);
+  // As TOML has numbers: 0.1, not .1.
+  double duration_s = 0.0;
+  CLI::detail::lexical_cast(arguments.duration, duration_s);
+  add("--duration", "run.duration_s",
+      arguments.duration.empty() ? "" : fmt::format("{:#}", duration_s));
   return sets;
 }
 

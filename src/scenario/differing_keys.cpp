@@ -65,6 +65,15 @@ std::string distinct_text(const ConfigValue& value, const std::vector<ConfigValu
   return is_ambiguous && number != nullptr ? fmt::format("{}", *number) : text;
 }
 
+// ", controller.name=mine": without it a run with another part would pass for its case.
+std::string parts_in_words(const std::vector<ChangedKey>& changed) {
+  std::string words;
+  for (const ChangedKey& key : changed) {
+    if (key.key.ends_with(".name")) words += fmt::format(", {}={}", key.key, key.value);
+  }
+  return words;
+}
+
 }  // namespace
 
 std::vector<ChangedKey> changed_keys(const Catalogue& catalogue, const SavedRun& run) {
@@ -118,7 +127,7 @@ std::vector<DifferingKey> differing_keys(const std::vector<SavedRun>& runs) {
   return differing;
 }
 
-std::vector<std::string> labels_of(const std::vector<SavedRun>& runs) {
+std::vector<std::string> labels_of(const Catalogue& catalogue, const std::vector<SavedRun>& runs) {
   std::vector<std::string> cases;
   std::vector<std::string> folders;
   std::vector<std::string> paths;
@@ -136,7 +145,10 @@ std::vector<std::string> labels_of(const std::vector<SavedRun>& runs) {
   };
   std::vector<std::string> with_keys = cases;
   for (const auto& [name, numbers] : of_case) {
-    if (numbers.size() < 2) continue;
+    if (numbers.size() < 2) {
+      with_keys[numbers.front()] += parts_in_words(changed_keys(catalogue, runs[numbers.front()]));
+      continue;
+    }
     std::vector<SavedRun> same;
     for (const std::size_t i : numbers) same.push_back(runs[i]);
     std::vector<DifferingKey> keys;

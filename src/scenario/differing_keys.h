@@ -27,8 +27,9 @@ struct DifferingKey {
 };
 std::vector<DifferingKey> differing_keys(const std::vector<SavedRun>& runs);
 
-/// How to tell runs apart: by case; where several are of one, by the keys in which these differ as
-/// well, if they are few: "hpfc-5N, wall.distance_m=0.1"; else by folder.
-std::vector<std::string> labels_of(const std::vector<SavedRun>& runs);
+/// How to tell runs apart: by case, with the parts that a run has instead of its case's:
+/// "hpfc-5N, controller.name=mine"; where several are of one case, by the keys in which these
+/// differ, if they are few: "hpfc-5N, wall.distance_m=0.1"; else by folder.
+std::vector<std::string> labels_of(const Catalogue& catalogue, const std::vector<SavedRun>& runs);
 
 }  // namespace breakwater

@@ -352,17 +352,31 @@ void Fields::find_file(const Config& config, const Field& field) const {
   *variable->file = config.find_file_of(field.key, *variable->file);
 }
 
+std::string Fields::missing_in_words(const std::vector<const Field*>& missing) const {
+  const Variable* first = in_use(*missing.front());
+  std::string words = "is missing: " + first->doc;
+  if (!first->part.name.empty()) {
+    words += fmt::format("; {} = \"{}\" needs it", first->part.choice, first->part.name);
+  }
+  for (std::size_t i = 1; i < missing.size(); ++i) {
+    words += (i == 1 ? "; missing too: " : ", ") + missing[i]->key;
+  }
+  return words;
+}
+
 void Fields::read(const Config& config) {
   assign_standards(config);
   check(config);  // and now each choice has chosen
+  std::vector<const Field*> missing;
   for (Field& field : fields_) {
     const Variable* counts = in_use(field);
     if (const ConfigEntry* entry = config.find(field.key)) {
       if (const Error error = assign(field, entry->value, counts)) config.fail(field.key, *error);
     } else if (counts != nullptr && !counts->standard) {
-      config.fail(field.key, "is missing: " + counts->doc);
+      missing.push_back(&field);
     }
   }
+  if (!missing.empty()) config.fail(missing.front()->key, missing_in_words(missing));
   for (const Field& field : fields_) find_file(config, field);
 }
 

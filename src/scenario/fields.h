@@ -158,6 +158,9 @@ class Fields {
   bool has_chosen(const std::string& choice, const std::string& name) const;
   // The one that counts: the scenario's own or the chosen part's; null if there is none.
   const Variable* in_use(const Field& field) const;
+  // Of keys that count and stand nowhere: the first with its meaning and who needs it, then the
+  // others.
+  std::string missing_in_words(const std::vector<const Field*>& missing) const;
   // To every variable. An error if the value does not suit the one that counts; if none does
   // (null), unless it suits some.
   static Error assign(Field& field, const ConfigValue& value, const Variable* counts);

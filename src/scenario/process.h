@@ -67,7 +67,8 @@ int guarded(const std::string& program, Body&& body) {
                    : fmt::format("{} finished run{} kept", kept, kept == 1 ? " is" : "s are"));
     return kInterrupted;
   } catch (const std::exception& error) {
-    fmt::print(stderr, "{}: this is a defect of Breakwater: {}\n", program, one_line(error.what()));
+    fmt::print(stderr, "{}: this is a defect of Breakwater, or of a part of your own: {}\n",
+               program, one_line(error.what()));
     return kDefect;
   }
 }

@@ -17,7 +17,8 @@ namespace breakwater {
 namespace {
 
 constexpr const char* kChanged =
-    "its settings are not those of the case: not compared with printed values\n";
+    "its settings are not those of Breakwater's own case of this name: not compared with printed "
+    "values\n";
 
 std::vector<ReferenceValue> of_case(const References& references, const std::string& scenario,
                                     const RunSummary& run) {

@@ -255,7 +255,7 @@ class Nonsense(unittest.TestCase):
         class pd(Returns):
             pass
 
-        with self.assertRaisesRegex(bw.InputError, 'there is a controller of an axis "pd" already'):
+        with self.assertRaisesRegex(bw.InputError, 'the catalogue has "pd" \(controller of an axis\) already'):
             bw.run("motor_estimation", duration=0.1, controller=pd(0.0))
 
 

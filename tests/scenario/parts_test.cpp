@@ -90,9 +90,10 @@ class PartsTest : public ::testing::Test {
 
 TEST_F(PartsTest, AKeyMustBeThereOnlyWhereItsPartIsChosen) {
   EXPECT_EQ(make("toy.name = \"named\"\ntoy.label = \"x\"\n[case.one]\n"), "x");
-  EXPECT_EQ(make("toy.name = \"small\"\n[case.one]\n"), "FILE: toy.size: is missing: its size");
+  EXPECT_EQ(make("toy.name = \"small\"\n[case.one]\n"),
+            "FILE: toy.size: is missing: its size; toy.name = \"small\" needs it");
   EXPECT_EQ(make("toy.name = \"named\"\n[case.one]\n"),
-            "FILE: toy.label: is missing: what stands on it");
+            "FILE: toy.label: is missing: what stands on it; toy.name = \"named\" needs it");
 }
 
 TEST_F(PartsTest, AStandardStandsInForAKeyThatIsNotThere) {
