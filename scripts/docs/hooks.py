@@ -123,7 +123,7 @@ def headers():
     tags = xml.etree.ElementTree.parse(WORK / "api.tag")
     pages = {}
     for compound in tags.iter("compound"):
-        if compound.get("kind") == "file":
+        if compound.get("kind") == "file" and compound.findtext("name").endswith(".h"):
             path = compound.findtext("path", "") + compound.findtext("name")
             page = compound.findtext("filename")
             pages[path[path.index("breakwater/"):]] = page if page.endswith(".html") else page + ".html"
@@ -195,8 +195,7 @@ def on_config(config):
 def on_files(files, config):
     shutil.rmtree(MADE, ignore_errors=True)
     wanted = {ROOT / "CHANGELOG.md"}
-    seen = set()
-    for page in [*markdown_pages.pages()]:
+    for page in markdown_pages.pages():
         for _, _, _, target in markdown_pages.links(page.read_text(encoding="utf-8")):
             path = target.partition("#")[0]
             if path and "://" not in path:
@@ -206,12 +205,7 @@ def on_files(files, config):
 
     def add(place, content):
         (MADE / place).parent.mkdir(parents=True, exist_ok=True)
-        content = content() if callable(content) else content
-        if isinstance(content, bytes):
-            (MADE / place).write_bytes(content)
-        else:
-            (MADE / place).write_text(content, encoding="utf-8")
-        seen.add(str(place))
+        (MADE / place).write_bytes(content if isinstance(content, bytes) else content.encode())
 
     for file in sorted(wanted):
         place = place_of(file)
@@ -228,8 +222,8 @@ def on_files(files, config):
             add(place, file.read_bytes())
         else:
             add(place, at_home(shown(file), file, place))
-    add(pathlib.Path("headers.md"), headers)
-    add(pathlib.Path("gallery.md"), gallery)
+    add(pathlib.Path("headers.md"), headers())
+    add(pathlib.Path("gallery.md"), gallery())
     for file in sorted(MADE.rglob("*")):
         if file.is_file():
             files.append(File(str(file.relative_to(MADE)), str(MADE), config["site_dir"],

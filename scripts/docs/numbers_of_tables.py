@@ -58,9 +58,10 @@ class Table:
     line: int           # of its head
     head: list
     rows: list          # (line number, cells)
-    comment: str | None
-    spec: dict | None
+    commented: int      # where its comment begins; 0: it has none
+    spec: dict | None   # what the comment says
     reason: str | None  # why it is not checked
+    compared: int = 0   # numbers
 
     def __str__(self):
         return f"{os.path.relpath(self.page, ROOT)}:{self.line}"
@@ -93,39 +94,43 @@ def tables(page, text=None):
         comment = None
         for comment in COMMENT.finditer(above):
             pass
-        comment = comment[1] if comment and comment.end() == len(above) else None
+        comment = comment if comment and comment.end() == len(above) else None
         reason = everywhere[1] if everywhere else None
         spec = None
-        if comment is not None:
-            if why := re.match(r" not checked: (.*?) *$", comment, re.S):
+        if comment:
+            if why := re.match(r" not checked: (.*?) *$", comment[1], re.S):
                 reason = " ".join(why[1].split())
             else:
                 reason = None
                 try:
-                    spec = tomllib.loads(comment)
+                    spec = tomllib.loads(comment[1])
                     if back := spec.pop("like_above", 0):
                         spec = [table.spec for table in found if table.spec][-back] | spec
-                except tomllib.TOMLDecodeError as error:
+                except (tomllib.TOMLDecodeError, IndexError) as error:
                     raise Mistake(f"{os.path.relpath(page, ROOT)}:{number}: the comment above: {error}")
-        found.append(Table(page, number, cells_of(lines[number]), rows, comment, spec, reason))
+        commented = above.count("\n", 0, comment.start()) + 1 if comment else 0
+        found.append(Table(page, number, cells_of(lines[number]), rows, commented, spec, reason))
     return found
 
 
 def has_numbers(table):
     """Whether a cell behind the first column begins with a number."""
-    return any(re.match(r"[*<±−~ -]*\.?\d(?![\d.]*\.\d+[.\d]*[:–])", cell) for _, cells in table.rows for cell in cells[1:])
+    number = re.compile(r"[*<±−~ -]*\.?\d(?![\d.]*\.\d+[.\d]*[:–])")  # 2.3.4: and 2.3–2.5 are sections
+    return any(number.match(cell) for _, cells in table.rows for cell in cells[1:])
 
 
 def with_commands(text):
     """A page for readers: the comments are gone, and below a table stands what made its numbers."""
     lines = text.split("\n")
     for table in reversed(tables(DOCS / "page.md", text)):
+        if table.commented:
+            lines[table.commented - 1:table.line - 1] = [""] * (table.line - table.commented)
         if table.spec:
             end = table.rows[-1][0] if table.rows else table.line + 1
             sources = as_list(table.spec.get("run", table.spec.get("csv")))
             commands = "<br>".join(f"<code>{html.escape(source)}</code>" for source in sources)
             lines.insert(end, f'\n<p class="made-by">from {commands}</p>\n')
-    return COMMENT.sub("", "\n".join(lines))
+    return re.sub(r"^<!-- numbers of this page .*? -->$", "", "\n".join(lines), flags=re.M)
 
 
 # Numbers as they are written.
@@ -449,7 +454,7 @@ def check(pages, fix, binaries, runs):
                           f"the runs say {drift.says}", flush=True)
                     drifts += [drift] if drift.column else []
                     status = 1
-                count += getattr(table, "compared", 0)
+                count += table.compared
                 checked += 1
             except Mistake as mistake:
                 print(f"{table}: {mistake}")

@@ -77,7 +77,7 @@ def headers():
     if not link.is_symlink():
         link.symlink_to(ROOT / "src")
     sources = sorted((ROOT / "src").rglob("*.h"))
-    made = digest(HERE / "Doxyfile", *sources) + "\n"
+    made = digest(HERE / "Doxyfile", HERE / "equations.awk", HERE / "headers.md", *sources) + "\n"
     stamp = WORK / "api.made"
     if stamp.exists() and stamp.read_text() == made:
         return
