@@ -28,6 +28,20 @@ std::vector<Moment> moments_of(const FinishedRun& run, const ShotList& shots) {
   return moments;
 }
 
+// Why moments of the list are not in the strip, one line each.
+std::vector<std::string> notes_of_missing(const FinishedRun& run, const ShotList& shots) {
+  std::vector<std::string> notes;
+  for (const ShotMoment& moment : shots.moments) {
+    if (time_of(moment, run)) continue;
+    const std::string& signal = moment.first_positive;
+    notes.push_back(
+        fmt::format("{}: \"{}\" is not in the strip: {}", run.folder().string(), moment.caption,
+                    !signal.empty() && !run.has(signal) ? "its log has no signal " + signal
+                                                        : "it is not within this run"));
+  }
+  return notes;
+}
+
 }  // namespace
 
 Strip draw_strip(const FinishedRun& run, const ShotList& shots, const StripStyle& style) {
@@ -37,6 +51,7 @@ Strip draw_strip(const FinishedRun& run, const ShotList& shots, const StripStyle
   const ShownRuns runs = {&run};
   const Window window = choose_window(runs, shots, {});
   PictureStage stage = stage_pictures(runs, shots, style.camera, window);
+  for (std::string& note : notes_of_missing(run, shots)) stage.notes.push_back(std::move(note));
   const std::vector<ChartLine> lines = std::exchange(stage.runs.front().lines, {});
   stage.style.width = style.width;
   stage.style.height = style.height;
