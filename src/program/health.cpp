@@ -13,6 +13,7 @@
 #include <breakwater/render/canvas.h>
 #include <breakwater/render/renderer_probe.h>
 #include <breakwater/render/video_file.h>
+#include <breakwater/report/figure_script.h>
 #include <breakwater/report/html_page.h>
 #include <breakwater/scenario/child_program.h>
 #include <breakwater/scenario/paths.h>
@@ -146,32 +147,45 @@ HealthCheck check_slurm() {
           "apt install slurm-client"};
 }
 
-// Where the module is, or nothing; `places` before those that Python looks at by itself.
-std::optional<std::string> python_module(const std::string& name, const std::string& places = "") {
-  return first_line({"python3", "-c",
+// Where a module is, or nothing; `place` is looked at before what Python looks at by itself.
+std::optional<std::string> python_module(const std::string& python, const std::string& name,
+                                         const std::string& place = "") {
+  return first_line({python, "-c",
                      "import sys, importlib\n"
                      "sys.path[:0] = [p for p in sys.argv[2:] if p]\n"
                      "print(importlib.import_module(sys.argv[1]).__file__)",
-                     name, places});
+                     name, place});
 }
 
-HealthCheck check_python() {
-  if (!first_line({"python3", "-c", "print(1)"})) {
-    return {"Python", State::missing, "no python3 on the PATH", "apt install python3"};
-  }
-  if (!python_module("numpy")) {
-    return {"Python", State::missing, "import breakwater needs NumPy", "apt install python3-numpy"};
-  }
-  if (const auto file = python_module("breakwater")) {
-    return {"Python", State::ok, "import breakwater: " + fs::path(*file).parent_path().string(),
-            ""};
+// How a Python has our module; nothing if it has not.
+std::optional<std::string> way_to_import(const std::string& python) {
+  if (const auto file = python_module(python, "breakwater")) {
+    return "import breakwater: " + fs::path(*file).parent_path().string();
   }
   // The tree's own, beside bin/.
   const fs::path built = fs::path(own_program()).parent_path().parent_path() / "python";
-  if (python_module("breakwater", built.string())) {
-    return {"Python", State::ok, "import breakwater, with PYTHONPATH=" + built.string(), ""};
+  if (!python_module(python, "breakwater", built.string())) return std::nullopt;
+  return "import breakwater, with PYTHONPATH=" + built.string();
+}
+
+HealthCheck check_python() {
+  const auto python = first_line({"python3", "-c", "import sys; print(sys.executable)"});
+  if (!python) {
+    return {"Python", State::missing, "no python3 on the PATH", "apt install python3"};
   }
-  return {"Python", State::missing, "python3 finds no module breakwater",
+  if (const auto way = way_to_import(*python)) return {"Python", State::ok, *way, ""};
+  const std::string debian = figure_python();
+  if (const auto way = way_to_import(debian); way && debian != *python) {
+    return {"Python", State::missing,
+            fmt::format("{}, the python3 of the PATH, has no breakwater or no NumPy; {} has: {}",
+                        *python, debian, *way),
+            ""};
+  }
+  if (!python_module(*python, "numpy")) {
+    return {"Python", State::missing, "import breakwater needs NumPy: " + *python + " has none",
+            "apt install python3-numpy"};
+  }
+  return {"Python", State::missing, *python + " finds no module breakwater",
           "apt install ./python3-breakwater_*.deb (./dev package makes it)"};
 }
 
@@ -183,20 +197,28 @@ HealthCheck check_python_extras() {
       {"pandas", "python3-pandas"},
       {"xarray", "python3-xarray"},
       {"h5netcdf", "python3-h5netcdf"}};
-  std::vector<std::string> there;
+  std::vector<std::string> words = {
+      figure_python(), "-c",
+      "import sys, importlib.util as u\n"
+      "print('', *[m for m in sys.argv[1:] if not u.find_spec(m)], '')"};
+  std::vector<std::string> names;
+  for (const auto& [module, package] : modules) names.push_back(module);
+  words.insert(words.end(), names.begin(), names.end());
+  const auto said = first_line(words);
+  if (!said) return {"figures", State::missing, "no " + figure_python(), "apt install python3"};
   std::vector<std::string> missing;
   std::vector<std::string> packages;
   for (const auto& [module, package] : modules) {
-    const bool is_there = python_module(module).has_value();
-    (is_there ? there : missing).push_back(module);
-    if (!is_there) packages.push_back(package);
+    if (said->find(" " + module + " ") == std::string::npos) continue;
+    missing.push_back(module);
+    packages.push_back(package);
   }
   if (missing.empty()) {
-    return {"figures", State::ok, fmt::format("{}", fmt::join(there, ", ")), ""};
+    return {"figures", State::ok, fmt::format("{}", fmt::join(names, ", ")), ""};
   }
   return {"figures", State::missing,
-          fmt::format("no {}: compare --svg, to_pandas() and the like need them",
-                      fmt::join(missing, ", ")),
+          fmt::format("{} has no {}: compare --svg, to_pandas() and the like need them",
+                      figure_python(), fmt::join(missing, ", ")),
           fmt::format("apt install {}", fmt::join(packages, " "))};
 }
 

@@ -11,14 +11,16 @@
 namespace breakwater {
 namespace {
 
-// Debian's own Python is the one that has Debian's packages.
 std::vector<std::string> script() {
-  const char* python = std::getenv("BREAKWATER_PYTHON");
-  return {python == nullptr ? "/usr/bin/python3" : python,
-          data_file("scripts/figures.py").string()};
+  return {figure_python(), data_file("scripts/figures.py").string()};
 }
 
 }  // namespace
+
+std::string figure_python() {
+  const char* const python = std::getenv("BREAKWATER_PYTHON");
+  return python == nullptr ? "/usr/bin/python3" : python;
+}
 
 bool can_draw_figures() {
   std::vector<std::string> words = script();

@@ -8,6 +8,9 @@
 
 namespace breakwater {
 
+/// The Python that draws figures: BREAKWATER_PYTHON, or Debian's own, which has Debian's packages.
+std::string figure_python();
+
 /// Whether the script can draw; if not, it has said in one line on stderr what to install.
 bool can_draw_figures();
 

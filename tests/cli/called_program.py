@@ -12,7 +12,7 @@ import tempfile
 import termios
 import unittest
 
-BIN = pathlib.Path(sys.argv.pop()) if len(sys.argv) > 1 else None
+BIN = pathlib.Path(sys.argv.pop()).resolve() if len(sys.argv) > 1 else None
 
 FAILS = ["--set", "fault.sensor=q1", "fault.at_s=0.3"]  # an arm's run of half a second
 

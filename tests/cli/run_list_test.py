@@ -22,7 +22,7 @@ def dead_process():
 class RunList(Folder):
     def setUp(self):
         super().setUp()
-        self.push("runs/arm/good")
+        self.call("motor_estimation", "--quiet", "--case", "stf", "--out", "runs/arm/good")
         self.push("runs/arm/bad", *FAILS, status=3)
         self.call("breakwater", "sweep", "motor_estimation", "--case", "stf", "--seeds", "1..3",
                   "--quiet", "--out", "runs/study")
@@ -42,7 +42,8 @@ class RunList(Folder):
         self.assertEqual(study["scenario"], "motor_estimation")
         self.assertEqual((bad["status"], bad["metrics"]), ("failed", {}))
         self.assertIn("at 0.3", bad["reason"])
-        self.assertEqual((good["status"], good["case"]), ("complete", "proposed-link1"))
+        self.assertEqual((good["status"], good["case"]), ("complete", "stf"))
+        self.assertGreater(good["metrics"]["rmse_disturbance_Nm"], 0.0)
         self.assertEqual(good["metrics"],
                          json.loads((self.folder / "runs/arm/good/metrics.json").read_text()))
         # The median of three is the middle one.

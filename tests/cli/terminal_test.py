@@ -59,26 +59,27 @@ class Colours(Folder):
 
 
 class Tables(Folder):
-    ALL = ["arm_push", "--case", "all", "--duration", "0.2", "--out", "all"]
+    ALL = ["motor_estimation", "--case", "all", "--out", "all"]
 
     def test_fit_the_width(self):
         out, _ = self.call(*self.ALL)
         self.assertGreater(max(map(len, out.splitlines())), 60)  # the width is made use of
-        for text, columns in ((out, 80), (self.call(*self.ALL, COLUMNS=60)[0], 60),
-                              (self.on_terminal(*self.ALL, columns=50, NO_COLOR="1")
-                               .rpartition("\033[K")[2], 50)):
+        for text, columns in ((out, 80), (self.call(*self.ALL, COLUMNS=64)[0], 64),
+                              (self.on_terminal(*self.ALL, columns=70, NO_COLOR="1")
+                               .rpartition("\033[K")[2], 70)):
             for line in text.splitlines():
                 self.assertLessEqual(len(line), columns, line)
-        for case in self.call("arm_push", "--list-cases")[0].split():
+        for case in self.call("motor_estimation", "--list-cases")[0].split():
             self.assertIn(case, out)
 
     def test_run_as_json_has_what_the_folders_have(self):
         told = json.loads(self.call(*self.ALL, "--json")[0])
-        self.assertEqual(told["scenario"], "arm_push")
+        self.assertEqual(told["scenario"], "motor_estimation")
         self.assertEqual([run["case"] for run in told["runs"]],
-                         self.call("arm_push", "--list-cases")[0].split())
+                         self.call("motor_estimation", "--list-cases")[0].split())
         for run in told["runs"]:
             self.assertEqual(run["status"], "complete")
+            self.assertGreater(run["metrics"]["rmse_position_rad"], 0.0)
             self.assertEqual(run["metrics"],
                              json.loads((self.folder / run["folder"] / "metrics.json").read_text()))
         failed = json.loads(self.call("arm_push", "--duration", "0.5", "--json", "--out", "f", *FAILS,
@@ -88,8 +89,8 @@ class Tables(Folder):
         self.assertTrue(failed["reason"])
 
     def test_compare_as_json_has_values_and_differences(self):
-        self.push("a")
-        self.push("b", "--case", "hpfc-link1")
+        for folder, case in (("a", "stf"), ("b", "idob")):
+            self.call("motor_estimation", "--quiet", "--case", case, "--out", folder)
         told = json.loads(self.call("breakwater", "compare", "a", "b", "--json", "--no-replay")[0])
         metrics = [json.loads((self.folder / run / "metrics.json").read_text()) for run in "ab"]
         self.assertEqual([run["folder"] for run in told["runs"]], ["a", "b"])
