@@ -71,8 +71,8 @@ TEST(House, RoomsDependOneWay) {
        {"linear", "signals", "control", "world", "sim", "record", "scenario", "rigs", "study",
         "report"}},
       {"program",
-       {"math", "world", "record", "scenario", "pictures", "study", "tuning", "report", "analysis",
-        "scenario_program"}}};
+       {"math", "world", "sim", "record", "render", "scenario", "pictures", "study", "tuning",
+        "report", "analysis", "scenario_program"}}};
   const std::vector<Include> includes = all_includes();
   ASSERT_GT(includes.size(), 100U);
   for (const Include& include : includes) {
