@@ -11,7 +11,7 @@
 namespace breakwater {
 namespace {
 
-constexpr std::size_t kBlock = 1 << 20;
+constexpr std::size_t kBlock = 1 << 16;
 
 }  // namespace
 

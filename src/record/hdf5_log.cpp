@@ -16,7 +16,8 @@ namespace breakwater {
 namespace {
 
 constexpr hsize_t kChunkRows = 8192;
-constexpr std::size_t kMemoryStep = 4 << 20;
+constexpr std::size_t kLeastMemoryStep = 1 << 16;
+constexpr std::size_t kLargestMemoryStep = 4 << 20;
 constexpr std::size_t kLongestText = 1 << 16;
 // A byte of deflated data cannot become more.
 constexpr hsize_t kMostDeflated = 1032;
@@ -211,6 +212,16 @@ Size checked_size(hid_t dataset) {
 // Debian's serial HDF5 is not built thread-safe.
 std::mutex hdf5_in_use;
 
+// By how much the file in memory grows at a time, which HDF5 clears: about what it becomes, or a
+// part of it.
+std::size_t memory_step(const std::vector<Track>& tracks) {
+  std::size_t values = 0;
+  for (const Track& track : tracks) {
+    if (track.rows() > 0) values += track.rows() * track.row(0).size();
+  }
+  return std::clamp(values * sizeof(double), kLeastMemoryStep, kLargestMemoryStep);
+}
+
 // The log's bytes. HDF5 itself writes no file: it crashes at exit if a disk was full.
 std::string file_image(const std::string& file, const std::vector<Track>& tracks,
                        int deflate_level) {
@@ -218,7 +229,7 @@ std::string file_image(const std::string& file, const std::vector<Track>& tracks
   hdf5().H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
   try {
     const Handle in_memory(hdf5().H5Pcreate(hdf5().FILE_ACCESS), hdf5().H5Pclose);
-    require(hdf5().H5Pset_fapl_core(in_memory, kMemoryStep, false));
+    require(hdf5().H5Pset_fapl_core(in_memory, memory_step(tracks), false));
     const Handle handle(hdf5().H5Fcreate(file.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, in_memory),
                         hdf5().H5Fclose);
     for (const Track& track : tracks) write_track(handle, track, deflate_level);

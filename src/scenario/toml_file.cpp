@@ -1,6 +1,7 @@
 #include <breakwater/scenario/toml_file.h>
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <fstream>
 #include <stdexcept>
@@ -97,10 +98,13 @@ toml::table parse_toml_file(const std::string& file, std::string* text_of_file) 
     throw std::invalid_argument(file + ": cannot be read" +
                                 (error ? " (" + error.message() + ")" : ""));
   }
-  // One character more than is allowed tells that there are more.
-  std::string text(kLargestText + 1, '\0');
-  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
-  text.resize(static_cast<std::size_t>(stream.gcount()));
+  // To one character more than is allowed, which tells that there are more.
+  std::string text;
+  std::array<char, 1 << 14> block;
+  while (stream && text.size() <= kLargestText) {
+    stream.read(block.data(), block.size());
+    text.append(block.data(), static_cast<std::size_t>(stream.gcount()));
+  }
   Guard guard(text);
   if (const char* complaint = guard.complaint()) {
     throw std::invalid_argument(file + ":" + std::to_string(guard.line()) + ": " + complaint);

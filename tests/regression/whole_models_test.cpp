@@ -1,6 +1,8 @@
 // What a run leaves out that its motion does not depend on changes nothing of it.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include <breakwater/sim/physics_part.h>
 #include "catalogue.h"
 #include "regression/run_case.h"
@@ -55,7 +57,8 @@ TEST(UnwatchedRuns, HaveTheMetricsOfThoseWithALog) {
   RunControl unwatched;
   unwatched.logs = false;
   for (const char* scenario : {"motor_estimation", "cart_estimation", "cart_position"}) {
-    for (const std::string& name : testing::scenario_file(scenario).cases()) {
+    const ScenarioFile file = testing::scenario_file(scenario);
+    for (const std::string& name : file.cases()) {
       expect_same(run_case(scenario, name), run_case(scenario, name, {}, unwatched), name);
     }
   }
