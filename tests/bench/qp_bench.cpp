@@ -1,20 +1,24 @@
-// What a warm solve costs on closed-loop sequences of the cart's predictive controllers.
+// What a warm solve costs, of every solver on the same recorded sequences in one run.
+//     qp_bench [RUNS] [SEQUENCES]
 //
-// Each sequence is recorded from a closed loop with noise, then replayed many times; a step's time
-// is its median over the replays, so that other load on the machine does not show. Printed: the
-// median and the largest over the steps, without what the clock itself takes.
+// A run replays each sequence many times, with the solvers in turn; a step's time is its median
+// over the replays, so that other load on the machine does not show. Printed: the median and the
+// largest over the steps, without what the clock itself takes, and the first solver's over them;
+// the median of the runs for each. A solver has replayed the sequence before the clock starts, so
+// that its data are in the cache, and so is each input. The first step, which starts from the last,
+// is not counted.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <cstdlib>
+#include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
-#include <breakwater/control/lmpc.h>
-#include <breakwater/linear/riccati.h>
-#include <breakwater/linear/state_space.h>
-#include <breakwater/observers/disturbance_model.h>
-#include <breakwater/plants/damped_inertia.h>
-#include <breakwater/world/noise.h>
+#include "active_set_0_2/active_set.h"
+#include "qp_contender.h"
+#include "qp_sequence.h"
 
 using namespace breakwater;
 
@@ -22,88 +26,43 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr int kReplays = 25;
+constexpr int kTurns = 7;              // of each solver in a run
+constexpr int kReplays = 5;            // in a turn; one more goes before
+constexpr int kSweeps = 40;            // Hildreth's cap, as the cart has it
+constexpr int kMostChanges = 100'000;  // the active set's, which is never reached
+constexpr double kSolvedBelow = 1e-8;  // KKT residual
 
-struct Sequence {
+struct Contestant {
   std::string name;
-  QpModel model;
-  std::vector<QpInput> inputs;
+  std::function<std::unique_ptr<QpContender>()> make;
 };
 
-struct Loop {
-  std::string name;
-  double period_s;
-  int prediction_steps;
-  int control_steps;
-  Eigen::Matrix2d Q;
-  double last_factor;  // 0: the regulator's P
-  double r;
-  double change_N;  // 0: no bound
-  double input_N;
-  double position_m;  // 0: no bound
-  double velocity_m_s;
-  int state_steps;
-  Eigen::Vector2d start;
-  double reference_m;
-  double noise_m;
-  double disturbance_N;  // from the middle on
-  int samples;
-};
-
-Sequence record(const Loop& loop) {
-  const StateSpace plant = zero_order_hold(damped_inertia(0.625, 0.78), loop.period_s);
-  const StateSpace extended = extend_by_disturbance_model(plant, 0, loop.period_s).sampled;
-  LmpcDesign design;
-  design.A = extended.A;
-  design.B = extended.B;
-  design.prediction_steps = loop.prediction_steps;
-  design.control_steps = loop.control_steps;
-  const Eigen::MatrixXd R = Eigen::MatrixXd::Constant(1, 1, loop.r);
-  design.Q = design.Q_last = Eigen::MatrixXd::Zero(3, 3);
-  design.Q.topLeftCorner(2, 2) = loop.Q;
-  design.Q_last.topLeftCorner(2, 2) = loop.last_factor > 0.0
-                                          ? Eigen::MatrixXd(loop.last_factor * loop.Q)
-                                          : dlqr(plant.A, plant.B, loop.Q, R).P;
-  design.R = R;
-  const std::vector<int> moves = first_steps(loop.control_steps);
-  const std::vector<int> states = spread_steps(loop.state_steps, loop.prediction_steps);
-  if (loop.change_N > 0.0) design.change_bounds = {{0, -loop.change_N, loop.change_N, moves}};
-  design.input_bounds = {{0, -loop.input_N, loop.input_N, moves}};
-  if (loop.position_m > 0.0) {
-    design.state_bounds.push_back({0, -10.0, loop.position_m, states});
+std::vector<Contestant> contestants(const QpSequence& sequence) {
+  const auto own = [&](QpSolverKind kind) {
+    return [&sequence, kind] {
+      return std::make_unique<OwnQpContender>(make_qp_solver(kind, sequence.model, kSweeps));
+    };
+  };
+  std::vector<Contestant> all = {
+      {"active_set", own(QpSolverKind::active_set)},
+      {"active_set of 0.2",
+       [&] {
+         return std::make_unique<OwnQpContender>(
+             std::make_unique<v0_2::ActiveSetQp>(sequence.model, kMostChanges));
+       }},
+      {"hildreth, 40 sweeps", own(QpSolverKind::hildreth)}};
+  for (const bool simple : {false, true}) {
+    if (make_daqp(sequence, simple) == nullptr) continue;
+    all.push_back({simple ? "DAQP, simple bounds" : "DAQP",
+                   [&sequence, simple] { return make_daqp(sequence, simple); }});
   }
-  if (loop.velocity_m_s > 0.0) {
-    design.state_bounds.push_back({1, -loop.velocity_m_s, loop.velocity_m_s, states});
-  }
-  design.max_iterations = 40;
-  design.softness = 1e-6;
-  Lmpc lmpc(design);
-
-  Sequence sequence{loop.name, lmpc.qp_model(), {}};
-  const Noise noise(1, "position");
-  const Noise speed_noise(1, "velocity");
-  Eigen::VectorXd x = loop.start;
-  Eigen::VectorXd u = Eigen::VectorXd::Zero(1);
-  Eigen::VectorXd trajectory = Eigen::VectorXd::Zero(3 * loop.prediction_steps);
-  for (int i = 0; i < loop.prediction_steps; ++i) trajectory(3 * i) = loop.reference_m;
-  double d_hat = 0.0;
-  for (int k = 0; k < loop.samples; ++k) {
-    const double d = k >= loop.samples / 2 ? loop.disturbance_N : 0.0;
-    d_hat += 0.1 * (d - d_hat);  // an estimator that takes some samples
-    const auto sample = static_cast<std::uint64_t>(k);
-    const Eigen::Vector3d estimate(x(0) + loop.noise_m * noise(sample),
-                                   x(1) + loop.noise_m * speed_noise(sample), d_hat);
-    u += lmpc.optimise(estimate, u, trajectory, Eigen::VectorXd::Zero(1));
-    sequence.inputs.push_back(lmpc.qp_input());
-    x = plant.A * x + plant.B * (u.array() - d).matrix();
-  }
-  return sequence;
+  return all;
 }
 
-double median(std::vector<double>& values) {
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2),
-                   values.end());
-  return values[values.size() / 2];
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
 }
 
 double seconds_between(Clock::time_point a, Clock::time_point b) {
@@ -119,70 +78,114 @@ double clock_cost_s() {
   return median(costs);
 }
 
-void measure(const Sequence& sequence, QpSolverKind kind, double clock_s) {
-  const std::size_t steps = sequence.inputs.size();
-  std::vector<std::vector<double>> times(steps);
-  long iterations = 0;
+// Of one solver, over the steps of a sequence.
+struct Account {
+  std::vector<double> median_us, largest_us;        // of each run
+  std::vector<double> median_ratio, largest_ratio;  // to the first solver's
+  double changes = 0.0;
   long unsolved = 0;
-  for (int replay = 0; replay < kReplays; ++replay) {
-    const auto solver = make_qp_solver(kind, sequence.model, 40);
-    QpSolution solution(sequence.model.H.rows(), sequence.model.Omega.rows());
-    for (std::size_t k = 0; k < steps; ++k) {
-      const auto start = Clock::now();
-      solver->solve(sequence.inputs[k], solution);
-      times[k].push_back(seconds_between(start, Clock::now()) - clock_s);
-      if (replay > 0) continue;
-      iterations += solution.iterations;
-      unsolved += solution.status == QpStatus::solved ? 0 : 1;
+  double residual = 0.0;  // the largest of what it called solved
+};
+
+double residual_of(const QpSequence& sequence, const QpInput& input, const QpSolution& solution) {
+  Eigen::VectorXd gradient(sequence.model.H.rows());
+  const Eigen::VectorXd values = sequence.model.Omega * solution.z;
+  return kkt_residual(sequence.model, input, solution, values, gradient);
+}
+
+// What a solver gives, once.
+void examine(const QpSequence& sequence, const std::vector<QpInput>& inputs, QpContender& solver,
+             Account& account) {
+  for (const QpInput& input : inputs) {
+    solver.prepare(input);
+    solver.solve();
+    const QpSolution& solution = solver.solution();
+    account.changes += solution.iterations / static_cast<double>(inputs.size());
+    if (solution.status == QpStatus::solved) {
+      account.residual = std::max(account.residual, residual_of(sequence, input, solution));
+    } else {
+      ++account.unsolved;
     }
   }
-  std::vector<double> per_step;
-  for (auto& of_step : times) per_step.push_back(median(of_step));
-  const double largest = *std::max_element(per_step.begin(), per_step.end());
-  std::printf("%-9s  %-10s  %8.2f  %8.1f  %10.2f  %8ld\n", sequence.name.c_str(),
-              kind == QpSolverKind::hildreth ? "hildreth" : "active_set", 1e6 * median(per_step),
-              1e6 * largest, static_cast<double>(iterations) / static_cast<double>(steps),
-              unsolved);
+}
+
+// One run: all solvers in turn.
+void measure(const std::vector<QpInput>& inputs,
+             const std::vector<std::unique_ptr<QpContender>>& solvers,
+             std::vector<Account>& accounts) {
+  const double clock_s = clock_cost_s();
+  std::vector<std::vector<std::vector<double>>> times(
+      solvers.size(), std::vector<std::vector<double>>(inputs.size()));
+  for (int turn = 0; turn < kTurns; ++turn) {
+    for (std::size_t s = 0; s < solvers.size(); ++s) {
+      for (int replay = 0; replay <= kReplays; ++replay) {
+        for (std::size_t k = 0; k < inputs.size(); ++k) {
+          solvers[s]->prepare(inputs[k]);
+          const auto start = Clock::now();
+          solvers[s]->solve();
+          const double time_s = seconds_between(start, Clock::now()) - clock_s;
+          if (replay > 0 && k > 0) times[s][k].push_back(time_s);
+        }
+      }
+    }
+  }
+  for (std::size_t s = 0; s < solvers.size(); ++s) {
+    std::vector<double> per_step;
+    for (std::size_t k = 1; k < inputs.size(); ++k) per_step.push_back(1e6 * median(times[s][k]));
+    Account& account = accounts[s];
+    account.median_us.push_back(median(per_step));
+    account.largest_us.push_back(*std::max_element(per_step.begin(), per_step.end()));
+    account.median_ratio.push_back(accounts[0].median_us.back() / account.median_us.back());
+    account.largest_ratio.push_back(accounts[0].largest_us.back() / account.largest_us.back());
+  }
+}
+
+void report(const std::string& name, const std::vector<Contestant>& all,
+            const std::vector<Account>& accounts) {
+  for (std::size_t c = 0; c < all.size(); ++c) {
+    const Account& account = accounts[c];
+    std::printf("| %s | %s | %.3g | %.3g | %.2f | %ld | %.0e | %.2f | %.2f |\n", name.c_str(),
+                all[c].name.c_str(), median(account.median_us), median(account.largest_us),
+                account.changes, account.unsolved, account.residual, median(account.median_ratio),
+                median(account.largest_ratio));
+  }
+  std::fflush(stdout);
 }
 
 }  // namespace
 
-int main() {
-  const Eigen::Matrix2d fast = Eigen::Vector2d(2e3, 1e2).asDiagonal();
-  const Eigen::Matrix2d position = Eigen::Vector2d(1e2, 1.0).asDiagonal();
-  const Eigen::Matrix2d even = Eigen::Matrix2d::Identity();
-  const Eigen::Vector2d rest = Eigen::Vector2d::Zero();
-  const std::vector<Loop> loops = {
-      {"5/60", 0.1, 20, 5, fast, 3.0, 0.1, 40.0, 2.074, 0.5, 0.0, 20, rest, 1.0, 3e-3, 0.5, 2000},
-      {"3/52", 1e-3, 30, 3, position, 1.0, 1.0, 40.0, 2.0, 0.05, 1.0, 10, rest, 0.1, 1e-5, 0.3,
-       4000},
-      {"3/212", 1e-3, 100, 3, position, 1.0, 1.0, 40.0, 2.0, 0.05, 1.0, 50, rest, 0.1, 1e-5, 0.3,
-       4000},
-      {"114/456",
-       1e-2,
-       114,
-       114,
-       even,
-       0.0,
-       1.0,
-       0.0,
-       2.0,
-       0.0,
-       1.0,
-       114,
-       {1.5, 0.9},
-       0.0,
-       1e-3,
-       2.0,
-       1200}};
-  std::printf("variables/rows; us per solve; iterations: sweeps or changes of the working set\n");
-  std::printf("size       solver        median   largest  iterations  unsolved\n");
-  const double clock_s = clock_cost_s();
-  for (const Loop& loop : loops) {
-    const Sequence sequence = record(loop);
-    for (const QpSolverKind kind : {QpSolverKind::active_set, QpSolverKind::hildreth}) {
-      measure(sequence, kind, clock_s);
+int main(int argc, char** argv) {
+  const int runs = argc > 1 ? std::atoi(argv[1]) : 5;
+  const std::string folder = argc > 2 ? argv[2] : BREAKWATER_QP_SEQUENCES;
+  if (runs < 1) {
+    std::fprintf(stderr, "usage: qp_bench [RUNS] [SEQUENCES]\n");
+    return 2;
+  }
+  std::printf(
+      "us per warm solve, median of %d runs; changes of the working set (Hildreth: sweeps, "
+      "DAQP: iterations)\n\n",
+      runs);
+  std::printf(
+      "| variables/rows | solver | median | largest | changes | unsolved | residual | "
+      "active_set over it: median | largest |\n|---|---|---|---|---|---|---|---|---|\n");
+  try {
+    for (const char* name : {"5x60", "3x52", "3x212", "114x456"}) {
+      const QpSequence sequence = read_qp_sequence(folder + "/" + name + ".h5");
+      std::vector<QpInput> inputs;
+      for (std::size_t k = 0; k < sequence.size(); ++k) inputs.push_back(sequence.input(k));
+      const std::vector<Contestant> all = contestants(sequence);
+      std::vector<Account> accounts(all.size());
+      std::vector<std::unique_ptr<QpContender>> solvers;
+      for (std::size_t s = 0; s < all.size(); ++s) {
+        solvers.push_back(all[s].make());
+        examine(sequence, inputs, *solvers[s], accounts[s]);
+      }
+      for (int run = 0; run < runs; ++run) measure(inputs, solvers, accounts);
+      report(name, all, accounts);
     }
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "qp_bench: %s\n", error.what());
+    return 2;
   }
   return 0;
 }

@@ -1,0 +1,76 @@
+#include "factors.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include <breakwater/linear/riccati.h>
+
+namespace breakwater::v0_2 {
+
+double kkt_residual(const QpModel& model, const QpInput& input, const QpSolution& solution,
+                    const Eigen::VectorXd& values, Eigen::VectorXd& gradient) {
+  const double scale =
+      std::max({1.0, input.g.lpNorm<Eigen::Infinity>(), solution.mu.lpNorm<Eigen::Infinity>()});
+  gradient = input.g;
+  gradient.noalias() += model.H * solution.z;
+  double residual = 0.0;
+  bool is_finite = true;
+  for (Eigen::Index i = 0; i < values.size(); ++i) {
+    const double mu = solution.mu(i);
+    const double value = values(i) - input.softness(i) * mu;
+    const double above = value - input.upper(i);
+    const double below = input.lower(i) - value;
+    is_finite &= std::abs(value) < kNoBound;
+    residual = std::max(residual, std::max(above, below));
+    if (mu == 0.0) continue;
+    residual = std::max(residual, std::abs(mu * (mu > 0.0 ? above : below)) / scale);
+    gradient += mu * model.Omega.row(i).transpose();
+  }
+  if (!is_finite || !gradient.allFinite()) return kNoBound;
+  return std::max(residual, gradient.lpNorm<Eigen::Infinity>() / scale);
+}
+
+QpFactors::QpFactors(QpModel qp) : model(std::move(qp)) {
+  const Eigen::Index n = model.H.rows();
+  if (n == 0 || model.H.cols() != n || model.Omega.cols() != n) {
+    throw std::invalid_argument("quadratic program: H must be n×n and Omega m×n");
+  }
+  if (!model.Omega.allFinite()) {
+    throw std::invalid_argument("quadratic program: Omega must be finite");
+  }
+  if (!is_positive_definite(model.H)) {
+    throw std::invalid_argument("quadratic program: H must be symmetric positive definite");
+  }
+  columns = model.Omega;
+  const Eigen::LLT<Eigen::MatrixXd> llt(model.H);
+  const Eigen::MatrixXd inverse = llt.solve(Eigen::MatrixXd::Identity(n, n));
+  H_inverse = 0.5 * (inverse + inverse.transpose());
+  step.resize(n, rows());
+  gram.resize(rows(), rows());
+  if (rows() == 0) return;  // nothing that could be solved for
+  step = llt.solve(model.Omega.transpose());
+  // As the square of L⁻¹ Ωᵀ it is symmetric, and its diagonal is not negative.
+  const Eigen::MatrixXd half = llt.matrixL().solve(model.Omega.transpose());
+  gram = half.transpose() * half;
+}
+
+QpStatus QpFactors::examine(const QpInput& input) {
+  bool is_finite = true;
+  bool is_possible = true;
+  for (Eigen::Index j = 0; j < input.g.size(); ++j) is_finite &= std::abs(input.g(j)) < kNoBound;
+  for (Eigen::Index i = 0; i < input.lower.size(); ++i) {
+    // Comparisons with NaN are false.
+    is_finite &= input.lower(i) < kNoBound;
+    is_finite &= input.upper(i) > -kNoBound;
+    is_finite &= input.softness(i) >= 0.0;
+    is_finite &= input.softness(i) < kNoBound;
+    is_possible &= input.lower(i) <= input.upper(i);
+  }
+  if (!is_finite) return QpStatus::not_finite;
+  return is_possible ? QpStatus::solved : QpStatus::infeasible;
+}
+
+}  // namespace breakwater::v0_2
