@@ -51,9 +51,11 @@ Lmpc::Lmpc(const LmpcDesign& design)
     : design_(design),
       prediction_(predict(design.A, design.B, design.prediction_steps, design.control_steps)),
       solver_(make_qp_solver(design.solver, make_model(), design.max_iterations)),
+      sweeps_(make_horizon_sweeps(*solver_->model().horizon)),
       input_(solver_->model().H.rows(), solver_->model().Omega.rows()),
       solution_(solver_->model().H.rows(), solver_->model().Omega.rows()),
       free_(Eigen::VectorXd::Zero(prediction_.Psi.rows())),
+      errors_(free_),
       change_(Eigen::VectorXd::Zero(inputs())),
       first_change_(first_step(design.change_bounds, inputs())),
       first_input_(first_step(design.input_bounds, inputs())) {
@@ -73,41 +75,55 @@ QpModel Lmpc::make_model() {
   check_weight(design_.R, m, "R");
   check_weight(design_.S, m, "S");
 
-  from_reference_ = prediction_.Theta.transpose();
+  weighted_ = prediction_.Theta.transpose();
   for (int i = 0; i < N_p; ++i) {
     const Eigen::MatrixXd& weight = i + 1 < N_p ? design_.Q : design_.Q_last;
-    from_reference_.middleCols(i * n, n) *= weight;
+    weighted_.middleCols(i * n, n) *= weight;
   }
   const Eigen::MatrixXd C2 = sums(N_u, m);
-  Eigen::MatrixXd weighted = C2.transpose();
-  Eigen::MatrixXd H = from_reference_ * prediction_.Theta;
+  Eigen::MatrixXd weighted_inputs = C2.transpose();
+  Eigen::MatrixXd H = weighted_ * prediction_.Theta;
   for (int i = 0; i < N_u; ++i) {
-    weighted.middleCols(i * m, m) *= design_.S;
+    weighted_inputs.middleCols(i * m, m) *= design_.S;
     H.block(i * m, i * m, m, m) += design_.R;
   }
-  H += weighted * C2;
-  from_state_ = from_reference_ * prediction_.Psi;
-  from_input_ = from_reference_ * prediction_.Gamma + weighted * C2.leftCols(m);
+  H += weighted_inputs * C2;
+  sums_ = weighted_inputs * C2.leftCols(m);
 
   add_rows(RowKind::change, design_.change_bounds, m, 0, N_u - 1);
   add_rows(RowKind::input, design_.input_bounds, m, 0, N_u - 1);
   add_rows(RowKind::state, design_.state_bounds, n, 1, N_p);
-  QpModel model{0.5 * (H + H.transpose()), QpModel::RowMajor(rows_.size(), N_u * m)};
+  QpModel model{0.5 * (H + H.transpose()), QpModel::RowMajor(rows_.size(), N_u * m),
+                make_horizon()};
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     auto row = model.Omega.row(static_cast<Eigen::Index>(i));
     switch (rows_[i].kind) {
       case RowKind::change:
-        row = Eigen::RowVectorXd::Unit(N_u * m, rows_[i].component);
+        row = Eigen::RowVectorXd::Unit(N_u * m, rows_[i].at);
         break;
       case RowKind::input:
-        row = C2.row(rows_[i].component);
+        row = C2.row(rows_[i].at);
         break;
       case RowKind::state:
-        row = prediction_.Theta.row(rows_[i].component);
+        row = prediction_.Theta.row(rows_[i].at);
         break;
     }
   }
   return model;
+}
+
+Horizon Lmpc::make_horizon() const {
+  Horizon horizon{design_.A,
+                  design_.B,
+                  design_.prediction_steps,
+                  design_.control_steps,
+                  design_.Q,
+                  design_.Q_last,
+                  design_.R,
+                  design_.S,
+                  {}};
+  for (const Row& row : rows_) horizon.rows.push_back({row.kind, row.step, row.component});
+  return horizon;
 }
 
 void Lmpc::add_rows(RowKind kind, const std::vector<PredictedBound>& bounds, Eigen::Index width,
@@ -128,8 +144,8 @@ void Lmpc::add_rows(RowKind kind, const std::vector<PredictedBound>& bounds, Eig
                                     std::to_string(first_step) + " to " +
                                     std::to_string(last_step));
       }
-      rows_.push_back(
-          {kind, (step - first_step) * width + bound.component, bound.lower, bound.upper, b});
+      rows_.push_back({kind, step, (step - first_step) * width + bound.component, bound.component,
+                       bound.lower, bound.upper, b});
     }
   }
 }
@@ -156,11 +172,7 @@ const Eigen::VectorXd& Lmpc::optimise(const Eigen::Ref<const Eigen::VectorXd>& x
                                       const Eigen::Ref<const Eigen::VectorXd>& last_input,
                                       const Eigen::Ref<const Eigen::VectorXd>& reference,
                                       const Eigen::Ref<const Eigen::VectorXd>& reserved) {
-  free_.noalias() = prediction_.Psi * x;
-  free_.noalias() += prediction_.Gamma * last_input;
-  input_.g.noalias() = from_state_ * x;
-  input_.g.noalias() += from_input_ * last_input;
-  input_.g.noalias() -= from_reference_ * reference;
+  set_slope(x, last_input, reference);
   set_bounds(last_input, reserved);
   input_.softness.setZero();
   softened_bounds_ = iterations_ = 0;
@@ -194,6 +206,23 @@ const Eigen::VectorXd& Lmpc::optimise(const Eigen::Ref<const Eigen::VectorXd>& x
     }
   }
   return change_;
+}
+
+// g = Θᵀ Q̅ (Ψ x + Γ u − T_ref) + C_2ᵀ S̅ C_1 u.
+void Lmpc::set_slope(const Eigen::Ref<const Eigen::VectorXd>& x,
+                     const Eigen::Ref<const Eigen::VectorXd>& last_input,
+                     const Eigen::Ref<const Eigen::VectorXd>& reference) {
+  if (sweeps_) {
+    sweeps_->free_response(x, last_input, free_);
+    errors_ = free_ - reference;
+    sweeps_->slope(errors_, last_input, input_.g);
+    return;
+  }
+  free_.noalias() = prediction_.Psi * x;
+  free_.noalias() += prediction_.Gamma * last_input;
+  errors_ = free_ - reference;
+  input_.g.noalias() = weighted_ * errors_;
+  input_.g.noalias() += sums_ * last_input;
 }
 
 void Lmpc::soften() {
@@ -240,10 +269,9 @@ void Lmpc::set_bounds(const Eigen::Ref<const Eigen::VectorXd>& last_input,
     const Row& row = rows_[i];
     double already = 0.0;  // what the row's quantity is without ΔU
     if (row.kind == RowKind::input) {
-      const Eigen::Index input = row.component % inputs();
-      already = last_input(input) + reserved(input);
+      already = last_input(row.component) + reserved(row.component);
     } else if (row.kind == RowKind::state) {
-      already = free_(row.component);
+      already = free_(row.at);
     }
     input_.lower(static_cast<Eigen::Index>(i)) = row.lower - already;
     input_.upper(static_cast<Eigen::Index>(i)) = row.upper - already;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <breakwater/control/prediction.h>
+#include <breakwater/linear/horizon.h>
 #include <breakwater/linear/qp.h>
 
 namespace breakwater {
@@ -119,10 +120,12 @@ class Lmpc {
   const QpStatistics& statistics() const { return statistics_; }
 
  private:
-  enum class RowKind { change, input, state };
+  using RowKind = Horizon::RowKind;
   struct Row {
     RowKind kind;
-    Eigen::Index component;  // of u or of Z
+    int step;         // as Horizon::Row
+    Eigen::Index at;  // of it, in u of all steps or in Z
+    Eigen::Index component;
     double lower;
     double upper;
     std::size_t bound;  // which one of its kind it belongs to
@@ -134,8 +137,12 @@ class Lmpc {
   };
 
   QpModel make_model();
+  Horizon make_horizon() const;
   void add_rows(RowKind kind, const std::vector<PredictedBound>& bounds, Eigen::Index width,
                 int first_step, int last_step);
+  void set_slope(const Eigen::Ref<const Eigen::VectorXd>& x,
+                 const Eigen::Ref<const Eigen::VectorXd>& last_input,
+                 const Eigen::Ref<const Eigen::VectorXd>& reference);
   void set_bounds(const Eigen::Ref<const Eigen::VectorXd>& last_input,
                   const Eigen::Ref<const Eigen::VectorXd>& reserved);
   void solve();
@@ -146,13 +153,14 @@ class Lmpc {
   LmpcDesign design_;
   Prediction prediction_;
   std::vector<Row> rows_;
-  Eigen::MatrixXd from_state_;      // of g: Θᵀ Q̅ Ψ
-  Eigen::MatrixXd from_input_;      // Θᵀ Q̅ Γ + C_2ᵀ S̅ C_1
-  Eigen::MatrixXd from_reference_;  // Θᵀ Q̅
+  Eigen::MatrixXd weighted_;  // Θᵀ Q̅
+  Eigen::MatrixXd sums_;      // C_2ᵀ S̅ C_1
   std::unique_ptr<QpSolver> solver_;
+  std::unique_ptr<HorizonSweeps> sweeps_;  // or nullptr: the matrices are multiplied with
   QpInput input_;
   QpSolution solution_;
-  Eigen::VectorXd free_;  // Ψ x + Γ u
+  Eigen::VectorXd free_;    // Ψ x + Γ u
+  Eigen::VectorXd errors_;  // free_ − T_ref
   Eigen::VectorXd change_;
   Range first_change_;  // of Δu(k)
   Range first_input_;   // of u(k)

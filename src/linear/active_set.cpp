@@ -2,13 +2,20 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <stdexcept>
+#include <vector>
+
+#include <breakwater/linear/horizon.h>
+#include <breakwater/linear/ldl_factor.h>
+#include <breakwater/linear/row_scan.h>
 
 namespace breakwater {
 namespace {
 
 constexpr double kViolation = 5e-9;          // what a row may be violated by, in its own unit
-constexpr double kDoubtfulViolation = 1e-6;  // below: may be rounding of what is held
+constexpr double kDoubtfulViolation = 1e-6;  // below: may be rounding of what is held,
+constexpr double kHeldShare = 1e-3;          // if that is off its bounds by so much of it
 constexpr double kWrongSign = 1e-11;         // of a multiplier, relative to max(1, ‖g‖∞)
 constexpr double kRefineAbove = 1e-10;       // KKT residual
 constexpr double kSolvedBelow = 1e-8;        // KKT residual
@@ -16,34 +23,164 @@ constexpr int kMostRefinements = 3;
 // Of a row's squared length in the metric of H⁻¹, what is left of it after the working set:
 constexpr double kDoubtfulPivot = 1e-6;    // below: computed again, with less cancellation
 constexpr double kDependentPivot = 1e-10;  // below: the row depends on the working set
+constexpr Eigen::Index kLongHorizon = 24;  // variables, from which on sweeps are faster
 
-}  // namespace
+template <typename Vector>
+bool is_finite(const Vector& x) {
+  return (x.array() - x.array()).sum() == 0.0;  // ∞ − ∞ and all with NaN are NaN
+}
 
-ActiveSetQp::ActiveSetQp(const QpModel& model, int max_changes)
-    : factors_(model), max_changes_(max_changes) {
-  if (max_changes < 1) {
-    throw std::invalid_argument("active set: needs a cap of at least 1 change");
+// The solver for N variables (Eigen::Dynamic: any number).
+template <int N>
+class Core final : public QpSolver {
+ public:
+  Core(const QpModel& model, int max_changes);
+
+  void solve(const QpInput& input, QpSolution& solution) override;
+  void reset() override;
+  const QpModel& model() const override { return factors_.model; }
+
+ private:
+  using Vector = Eigen::Matrix<double, N, 1>;
+  using Square = Eigen::Matrix<double, N, N>;
+  using Wide = Eigen::Matrix<double, N, Eigen::Dynamic>;
+
+  struct Violation {
+    Eigen::Index row = -1;  // −1: none
+    double amount = 0.0;
+    bool upper = false;
+  };
+
+  // A row of the working set.
+  struct Held {
+    Eigen::Index row;
+    double side;    // 1: at its upper bound, −1: at its lower
+    double length;  // squared, in the metric of H⁻¹
+  };
+
+  Eigen::Index active() const { return factor_.size(); }
+  const Held& held(Eigen::Index j) const { return held_[static_cast<std::size_t>(j)]; }
+  static double bound(const QpInput& input, const Held& row) {
+    return row.side > 0.0 ? input.upper(row.row) : input.lower(row.row);
   }
+  double softness(Eigen::Index row) const { return has_soft_ ? softness_(row) : 0.0; }
+  // (Ω H⁻¹ Ωᵀ) of two rows.
+  double gram(Eigen::Index i, Eigen::Index j) const {
+    if constexpr (N == Eigen::Dynamic) return factors_.gram(i, j);
+    return rows_.col(i).dot(step_.col(j));
+  }
+
+  QpStatus examine(const QpInput& input);
+  void take_over(const QpInput& input);
+  void attempt(const QpInput& input, QpSolution& solution);
+  void weigh(Eigen::Index row);
+  void refactor();
+  QpStatus search(const QpInput& input, QpSolution& solution);
+  void make_dual_feasible(const QpInput& input);
+  void place(const QpInput& input, QpSolution& solution);
+  void scan(const QpInput& input, const QpSolution& solution);
+  void rows_of(const Eigen::VectorXd& z, Eigen::VectorXd& values);
+  Violation worst_violation(const QpInput& input) const;
+  QpStatus drive_to_bound(Violation violation, QpSolution& solution);
+  double held_error(const QpInput& input) const;
+  double pivot_towards(Eigen::Index row);
+  double pivot_with_less_cancellation(Eigen::Index row, double own);
+  void hold_bounds(const QpInput& input);
+  void refine(const QpInput& input, QpSolution& solution);
+  void finish(const QpInput& input, QpSolution& solution);
+  void measure(const QpInput& input, QpSolution& solution);
+  void set_multipliers(QpSolution& solution) const;
+  void set_gradient(const QpInput& input, const QpSolution& solution);
+  void add(Eigen::Index row, double side, double pivot);
+  void remove(Eigen::Index position);
+
+  QpFactors factors_;
+  Square H_;
+  Square H_inverse_;
+  Wide rows_;               // Ωᵀ
+  Wide step_;               // H⁻¹ Ωᵀ
+  Eigen::VectorXd length_;  // of each row, squared, in the metric of H⁻¹
+  double largest_row_;      // ‖Ω‖∞
+  int max_changes_;
+  int changes_left_ = 0;  // of this attempt
+
+  // Of a problem that is long enough for it, and has a Horizon; or nullptr.
+  std::unique_ptr<HorizonSweeps> sweeps_;
+
+  LdlFactor factor_;  // of S
+  std::vector<Held> held_;
+  std::vector<Held> previous_;  // room for refactor()
+  Eigen::VectorXd weight_;  // of each row that is not held: 1/length in the metric of H⁻¹; or 0
+  Eigen::VectorXd softness_;       // that the factor holds
+  bool is_softness_known_ = true;  // the input's is that
+  bool has_soft_ = false;
+  bool is_tilted_ = false;  // more than a row's violation is left in the residual
+
+  // All sized for the largest working set; the first active() entries count.
+  Eigen::VectorXd mu_;         // of the working set
+  Eigen::VectorXd target_;     // S μ
+  Eigen::VectorXd half_;       // D⁻¹ L⁻¹ × (a row's column of the Gram matrix)
+  Eigen::VectorXd direction_;  // S⁻¹ × the same: how the working set's multipliers answer
+  Eigen::VectorXd correction_;
+
+  double g_norm_ = 0.0;     // ‖g‖∞
+  Vector z_free_;           // −H⁻¹ g
+  Eigen::VectorXd values_;  // Ω z
+  Eigen::VectorXd scores_;  // of the rows' violations
+  RowScan scan_;
+  Eigen::VectorXd values_free_;  // Ω z_free
+  Vector gradient_;
+  Vector residual_;
+  Eigen::VectorXd room_;  // n
+};
+
+template <int N>
+Core<N>::Core(const QpModel& model, int max_changes)
+    : factors_(model),
+      H_(factors_.model.H),
+      H_inverse_(factors_.H_inverse),
+      rows_(factors_.model.Omega.transpose()),
+      step_(factors_.step),
+      length_(factors_.gram.diagonal()),
+      max_changes_(max_changes),
+      factor_(factors_.rows()) {
   const Eigen::Index n = factors_.variables();
   const Eigen::Index m = factors_.rows();
-  working_set_.reserve(static_cast<std::size_t>(m));
+  largest_row_ = m > 0 ? factors_.model.Omega.cwiseAbs().rowwise().sum().maxCoeff() : 0.0;
+  held_.reserve(static_cast<std::size_t>(m));
   previous_.reserve(static_cast<std::size_t>(m));
-  is_active_.assign(static_cast<std::size_t>(m), 0);
-  at_upper_.assign(static_cast<std::size_t>(m), 0);
   softness_.setZero(m);
-  factor_.setZero(m, m);
-  mu_ = half_ = direction_ = correction_ = values_ = Eigen::VectorXd::Zero(m);
-  z_free_ = gradient_ = residual_ = Eigen::VectorXd::Zero(n);
+  weight_.setZero(m);
+  for (Eigen::Index i = 0; i < m; ++i) weigh(i);
+  if (N == Eigen::Dynamic && factors_.model.horizon && n >= kLongHorizon) {
+    sweeps_ = make_horizon_sweeps(*factors_.model.horizon);
+  }
+  values_free_.setZero(m);
+  mu_ = target_ = half_ = direction_ = correction_ = values_ = scores_ = Eigen::VectorXd::Zero(m);
+  z_free_.setZero(n);
+  gradient_ = residual_ = z_free_;
+  room_.setZero(n);
 }
 
-void ActiveSetQp::reset() {
-  for (const Eigen::Index row : working_set_) is_active_[static_cast<std::size_t>(row)] = 0;
-  working_set_.clear();
+// A row that no z moves is violated beyond all others.
+template <int N>
+void Core<N>::weigh(Eigen::Index row) {
+  constexpr double kOfNothing = 1e150;
+  const double length = length_(row) + softness(row);
+  weight_(row) = length > 0.0 ? 1.0 / std::sqrt(length) : kOfNothing;
 }
 
-void ActiveSetQp::solve(const QpInput& input, QpSolution& solution) {
+template <int N>
+void Core<N>::reset() {
+  for (const Held& row : held_) weigh(row.row);
+  held_.clear();
+  factor_.clear();
+}
+
+template <int N>
+void Core<N>::solve(const QpInput& input, QpSolution& solution) {
   solution.iterations = 0;
-  solution.status = QpFactors::examine(input);
+  solution.status = examine(input);
   if (solution.status == QpStatus::not_finite) {
     reset();
     solution.set_not_finite();
@@ -63,9 +200,24 @@ void ActiveSetQp::solve(const QpInput& input, QpSolution& solution) {
   if (solution.status != QpStatus::solved) reset();
 }
 
+// As QpFactors::examine(), which looks closer where this sees something.
+template <int N>
+QpStatus Core<N>::examine(const QpInput& input) {
+  g_norm_ = input.g.template lpNorm<Eigen::Infinity>();
+  is_softness_known_ =
+      softness_.size() == 0 ||
+      std::memcmp(softness_.data(), input.softness.data(),
+                  static_cast<std::size_t>(softness_.size()) * sizeof(double)) == 0;
+  if (is_softness_known_ && is_finite(input.g) && are_bounds(input.lower, input.upper)) {
+    return QpStatus::solved;
+  }
+  return QpFactors::examine(input);
+}
+
 // From the working set as it is.
-void ActiveSetQp::attempt(const QpInput& input, QpSolution& solution) {
-  z_free_.noalias() = -factors_.H_inverse * input.g;
+template <int N>
+void Core<N>::attempt(const QpInput& input, QpSolution& solution) {
+  z_free_.noalias() = -H_inverse_ * input.g;
   changes_left_ = max_changes_;
   solution.status = search(input, solution);
   finish(input, solution);
@@ -75,102 +227,141 @@ void ActiveSetQp::attempt(const QpInput& input, QpSolution& solution) {
 }
 
 // Makes the last working set one of this problem.
-void ActiveSetQp::take_over(const QpInput& input) {
+template <int N>
+void Core<N>::take_over(const QpInput& input) {
   for (Eigen::Index j = active() - 1; j >= 0; --j) {
-    const Eigen::Index row = working_set_[static_cast<std::size_t>(j)];
-    if (std::isinf(side(row) > 0.0 ? input.upper(row) : input.lower(row))) remove(j);
+    if (std::isinf(bound(input, held(j)))) remove(j);
   }
-  if (softness_ != input.softness) {
-    softness_ = input.softness;
-    refactor();
-  }
+  if (is_softness_known_) return;
+  softness_ = input.softness;
+  has_soft_ = (softness_.array() != 0.0).any();
+  refactor();
+  for (Eigen::Index i = 0; i < softness_.size(); ++i) weigh(i);
+  for (const Held& row : held_) weight_(row.row) = 0.0;
 }
 
 // Factors the working set anew, without the rows that depend on others.
-void ActiveSetQp::refactor() {
-  previous_.assign(working_set_.begin(), working_set_.end());
+template <int N>
+void Core<N>::refactor() {
+  previous_.assign(held_.begin(), held_.end());
   reset();
-  for (const Eigen::Index row : previous_) {
-    const double pivot = pivot_towards(row);
-    if (pivot > 0.0) add(row, side(row) > 0.0, pivot);
+  for (const Held& row : previous_) {
+    const double pivot = pivot_towards(row.row);
+    if (pivot > 0.0) add(row.row, row.side, pivot);
   }
 }
 
-QpStatus ActiveSetQp::search(const QpInput& input, QpSolution& solution) {
+template <int N>
+QpStatus Core<N>::search(const QpInput& input, QpSolution& solution) {
   make_dual_feasible(input);
   for (;;) {
-    place(solution);
+    place(input, solution);
     Violation violation = worst_violation(input);
-    if (violation.row >= 0 && violation.amount < kDoubtfulViolation) {
+    if (violation.row >= 0 && violation.amount < kDoubtfulViolation &&
+        held_error(input) > kHeldShare * violation.amount) {
       hold_bounds(input);
-      place(solution);
+      place(input, solution);
       violation = worst_violation(input);
     }
     if (violation.row < 0) return QpStatus::solved;
-    const QpStatus status = drive_to_bound(input, violation, solution);
+    const QpStatus status = drive_to_bound(violation, solution);
     if (status != QpStatus::solved) {
-      place(solution);
+      place(input, solution);
       return status;
     }
   }
 }
 
-void ActiveSetQp::make_dual_feasible(const QpInput& input) {
-  const double wrong = kWrongSign * std::max(1.0, input.g.lpNorm<Eigen::Infinity>());
+// S μ = Ω_W z_free − β_W, without rows whose multipliers have the wrong sign.
+template <int N>
+void Core<N>::make_dual_feasible(const QpInput& input) {
+  const double wrong = kWrongSign * std::max(1.0, g_norm_);
+  if constexpr (N == Eigen::Dynamic) {
+    if (active() > 0) rows_of(z_free_, values_free_);
+  }
+  for (Eigen::Index j = 0; j < active(); ++j) {
+    const Eigen::Index row = held(j).row;
+    if constexpr (N == Eigen::Dynamic) {
+      target_(j) = values_free_(row) - bound(input, held(j));
+    } else {
+      target_(j) = rows_.col(row).dot(z_free_) - bound(input, held(j));
+    }
+  }
   for (;;) {
-    solve_multipliers(input);
+    const Eigen::Index k = active();
+    for (Eigen::Index j = 0; j < k; ++j) mu_(j) = target_(j);
+    factor_.solve(mu_.data());
     Eigen::Index worst = -1;
     double most = wrong;
-    for (Eigen::Index j = 0; j < active(); ++j) {
-      const double against = -side(working_set_[static_cast<std::size_t>(j)]) * mu_(j);
+    for (Eigen::Index j = 0; j < k; ++j) {
+      const double against = -held(j).side * mu_(j);
       if (against > most) {
         most = against;
         worst = j;
       }
     }
     if (worst < 0) return;
+    for (Eigen::Index j = worst; j + 1 < k; ++j) target_(j) = target_(j + 1);
     remove(worst);
   }
 }
 
-// S μ = Ω_W z_free − β_W.
-void ActiveSetQp::solve_multipliers(const QpInput& input) {
-  for (Eigen::Index j = 0; j < active(); ++j) {
-    const Eigen::Index row = working_set_[static_cast<std::size_t>(j)];
-    const double bound = side(row) > 0.0 ? input.upper(row) : input.lower(row);
-    mu_(j) = factors_.model.Omega.row(row).dot(z_free_) - bound;
-  }
-  factor_solve(mu_);
-}
-
 // z and the rows' values from the multipliers.
-void ActiveSetQp::place(QpSolution& solution) {
-  solution.z = z_free_;
+template <int N>
+void Core<N>::place(const QpInput& input, QpSolution& solution) {
+  Eigen::Map<Vector> z(solution.z.data(), solution.z.size());
+  if constexpr (N == Eigen::Dynamic) {
+    z = z_free_;
+    for (Eigen::Index j = 0; j < active(); ++j) z -= mu_(j) * step_.col(held(j).row);
+  } else {
+    Vector sum = z_free_;  // in registers
+    for (Eigen::Index j = 0; j < active(); ++j) sum -= mu_(j) * step_.col(held(j).row);
+    z = sum;
+  }
+  scan(input, solution);
+}
+
+template <int N>
+void Core<N>::scan(const QpInput& input, const QpSolution& solution) {
+  if constexpr (N == Eigen::Dynamic) rows_of(solution.z, values_);
+  scan_ = scan_rows<N>(factors_.columns.data(), factors_.columns.outerStride(), solution.z.data(),
+                       values_.size(), input.lower.data(), input.upper.data(), weight_.data(),
+                       kViolation, values_.data(), scores_.data());
+}
+
+// values = Ω z.
+template <int N>
+void Core<N>::rows_of(const Eigen::VectorXd& z, Eigen::VectorXd& values) {
+  if (sweeps_) {
+    sweeps_->rows(z, values);
+  } else {
+    values.noalias() = factors_.columns * z;
+  }
+}
+
+template <int N>
+typename Core<N>::Violation Core<N>::worst_violation(const QpInput& input) const {
+  if (!(scan_.worst_score > 0.0)) return {};
+  Eigen::Index row = 0;
+  while (scores_(row) != scan_.worst_score) ++row;
+  const double above = values_(row) - input.upper(row);
+  const double below = input.lower(row) - values_(row);
+  return {row, std::max(above, below), above > below};
+}
+
+// The largest that a row of the working set is off its bound by.
+template <int N>
+double Core<N>::held_error(const QpInput& input) const {
+  double error = 0.0;
   for (Eigen::Index j = 0; j < active(); ++j) {
-    solution.z -= mu_(j) * factors_.step.col(working_set_[static_cast<std::size_t>(j)]);
+    const double value = values_(held(j).row) - softness(held(j).row) * mu_(j);
+    error = std::max(error, std::abs(value - bound(input, held(j))));
   }
-  values_.noalias() = factors_.columns * solution.z;
+  return error;
 }
 
-ActiveSetQp::Violation ActiveSetQp::worst_violation(const QpInput& input) const {
-  Violation worst;
-  double most = 0.0;
-  for (Eigen::Index i = 0; i < values_.size(); ++i) {
-    const double above = values_(i) - input.upper(i);
-    const double below = input.lower(i) - values_(i);
-    const double amount = std::max(above, below);
-    if (amount <= kViolation || is_active_[static_cast<std::size_t>(i)] != 0) continue;
-    const double length = std::sqrt(factors_.gram(i, i) + input.softness(i));
-    if (amount > most * length) {
-      most = length > 0.0 ? amount / length : kNoBound;
-      worst = {i, amount, above > below};
-    }
-  }
-  return worst;
-}
-
-QpStatus ActiveSetQp::drive_to_bound(const QpInput& input, Violation violation,
-                                     QpSolution& solution) {
+template <int N>
+QpStatus Core<N>::drive_to_bound(Violation violation, QpSolution& solution) {
   const double sign = violation.upper ? 1.0 : -1.0;
   double multiplier = 0.0;  // of the row, times its sign
   for (;;) {
@@ -178,171 +369,200 @@ QpStatus ActiveSetQp::drive_to_bound(const QpInput& input, Violation violation,
     --changes_left_;
     ++solution.iterations;
     const double pivot = pivot_towards(violation.row);
-    const double whole_step = pivot > 0.0 ? violation.amount / pivot : kNoBound;
-    double step = whole_step;
+    double step = pivot > 0.0 ? violation.amount / pivot : kNoBound;
+    const Eigen::Index k = active();
     Eigen::Index blocking = -1;
-    for (Eigen::Index j = 0; j < active(); ++j) {
-      const double own_side = side(working_set_[static_cast<std::size_t>(j)]);
+    for (Eigen::Index j = 0; j < k; ++j) {
+      const double own_side = held(j).side;
       const double falls = own_side * sign * direction_(j);
       if (falls <= 0.0) continue;
-      const double reach = std::max(own_side * mu_(j), 0.0) / falls;
-      if (reach < step) {
-        step = reach;
+      const double reach = std::max(own_side * mu_(j), 0.0);
+      if (reach < step * falls) {
+        step = reach / falls;
         blocking = j;
       }
     }
     if (std::isinf(step)) return QpStatus::infeasible;
-    mu_.head(active()) -= (sign * step) * direction_.head(active());
+    for (Eigen::Index j = 0; j < k; ++j) mu_(j) -= sign * step * direction_(j);
     multiplier += step;
     if (blocking < 0) {
-      mu_(active()) = sign * multiplier;
-      add(violation.row, violation.upper, pivot);
-      // Afresh, so that rounding does not add up from step to step.
-      solve_multipliers(input);
+      mu_(k) = sign * multiplier;
+      add(violation.row, sign, pivot);
       return QpStatus::solved;
     }
     violation.amount -= step * pivot;
-    for (Eigen::Index j = blocking; j + 1 < active(); ++j) mu_(j) = mu_(j + 1);
+    for (Eigen::Index j = blocking; j + 1 < k; ++j) mu_(j) = mu_(j + 1);
     remove(blocking);
   }
 }
 
 // Fills half_ and direction_ for a row outside of the working set, and returns what is left of its
 // squared length: 0 if it depends on the working set.
-double ActiveSetQp::pivot_towards(Eigen::Index row) {
-  const auto gram = factors_.gram.col(row);
-  const double own = gram(row) + softness_(row);
-  for (Eigen::Index j = 0; j < active(); ++j) {
-    half_(j) = gram(working_set_[static_cast<std::size_t>(j)]);
+template <int N>
+double Core<N>::pivot_towards(Eigen::Index row) {
+  const Eigen::Index k = active();
+  const double own = length_(row) + softness(row);
+  bool is_doubtful = false;
+  for (Eigen::Index j = 0; j < k; ++j) {
+    const Held& other = held(j);
+    half_(j) = gram(row, other.row);
+    is_doubtful |= factor_.pivot(j) <= kDoubtfulPivot * other.length;
   }
-  forward_solve(half_);
-  direction_.head(active()) = half_.head(active());
-  backward_solve(direction_);
-  double pivot = own - half_.head(active()).squaredNorm();
-  if (pivot > kDoubtfulPivot * own) return pivot;
+  double pivot = own - factor_.forward_solve(half_.data());
+  for (Eigen::Index j = 0; j < k; ++j) direction_(j) = half_(j);
+  factor_.backward_solve(direction_.data());
+  // As many independent rows as variables leave nothing.
+  if (!has_soft_ && k == rows_.rows() && !is_doubtful) return 0.0;
+  return pivot > kDoubtfulPivot * own ? pivot : pivot_with_less_cancellation(row, own);
+}
 
-  // Corrected seminormal equations: the residual itself, made orthogonal twice.
+// Corrected seminormal equations: the residual itself, made orthogonal twice.
+template <int N>
+double Core<N>::pivot_with_less_cancellation(Eigen::Index row, double own) {
+  double pivot = 0.0;
   for (int pass = 0;; ++pass) {
-    residual_ = factors_.model.Omega.row(row).transpose();
+    residual_ = rows_.col(row);
+    for (Eigen::Index j = 0; j < active(); ++j) residual_ -= direction_(j) * rows_.col(held(j).row);
+    gradient_.noalias() = H_inverse_ * residual_;
+    pivot = residual_.dot(gradient_) + softness(row);
     for (Eigen::Index j = 0; j < active(); ++j) {
-      const Eigen::Index other = working_set_[static_cast<std::size_t>(j)];
-      residual_ -= direction_(j) * factors_.model.Omega.row(other).transpose();
-    }
-    gradient_.noalias() = factors_.H_inverse * residual_;
-    pivot = residual_.dot(gradient_) + softness_(row);
-    for (Eigen::Index j = 0; j < active(); ++j) {
-      const Eigen::Index other = working_set_[static_cast<std::size_t>(j)];
-      pivot += softness_(other) * direction_(j) * direction_(j);
-      correction_(j) =
-          factors_.model.Omega.row(other).dot(gradient_) - softness_(other) * direction_(j);
+      const Eigen::Index other = held(j).row;
+      pivot += softness(other) * direction_(j) * direction_(j);
+      correction_(j) = rows_.col(other).dot(gradient_) - softness(other) * direction_(j);
     }
     if (pass == 2) break;
-    factor_solve(correction_);
+    factor_.solve(correction_.data());
     direction_.head(active()) += correction_.head(active());
   }
   return pivot > kDependentPivot * own ? pivot : 0.0;
 }
 
-void ActiveSetQp::finish(const QpInput& input, QpSolution& solution) {
-  const auto measure = [&] {
-    solution.mu.setZero();
-    for (Eigen::Index j = 0; j < active(); ++j) {
-      const Eigen::Index row = working_set_[static_cast<std::size_t>(j)];
-      // A multiplier of the wrong sign by rounding is none.
-      if (side(row) * mu_(j) > 0.0) solution.mu(row) = mu_(j);
-    }
-    solution.kkt_residual = kkt_residual(factors_.model, input, solution, values_, gradient_);
-  };
-  measure();
+template <int N>
+void Core<N>::finish(const QpInput& input, QpSolution& solution) {
+  measure(input, solution);
   if (solution.status != QpStatus::solved) return;
-  for (int i = 0; i < kMostRefinements && solution.kkt_residual > kRefineAbove; ++i) {
+  // What a row that is not held is violated by, refining does not change.
+  for (int i = 0; i < kMostRefinements && solution.kkt_residual > kRefineAbove &&
+                  (is_tilted_ || held_error(input) > kRefineAbove);
+       ++i) {
     refine(input, solution);
-    measure();
+    measure(input, solution);
+  }
+}
+
+// kkt_residual() from what is at hand: the rows' violations are those of the last scan, and only
+// the working set's rows have multipliers.
+template <int N>
+void Core<N>::measure(const QpInput& input, QpSolution& solution) {
+  set_multipliers(solution);
+  set_gradient(input, solution);
+  double scale = std::max(1.0, g_norm_);
+  double slack = 0.0;  // the largest product with a multiplier
+  for (Eigen::Index j = 0; j < active(); ++j) {
+    const double mu = solution.mu(held(j).row);
+    scale = std::max(scale, std::abs(mu));
+    slack = std::max(slack, std::abs(mu * (values_(held(j).row) - bound(input, held(j)))));
+  }
+  const double largest_value = largest_row_ * solution.z.template lpNorm<Eigen::Infinity>();
+  if (has_soft_ || !is_finite(gradient_) || !(largest_value < kNoBound)) {
+    solution.kkt_residual = kkt_residual(factors_.model, input, solution, values_, room_);
+    is_tilted_ = true;
+    return;
+  }
+  const double tilt = std::max(gradient_.template lpNorm<Eigen::Infinity>(), slack) / scale;
+  is_tilted_ = tilt > kRefineAbove;
+  solution.kkt_residual = std::max(tilt, scan_.violation);
+}
+
+template <int N>
+void Core<N>::set_multipliers(QpSolution& solution) const {
+  solution.mu.setZero();
+  for (Eigen::Index j = 0; j < active(); ++j) {
+    // A multiplier of the wrong sign by rounding is none.
+    if (held(j).side * mu_(j) > 0.0) solution.mu(held(j).row) = mu_(j);
+  }
+}
+
+// H z + g + Ωᵀ μ.
+template <int N>
+void Core<N>::set_gradient(const QpInput& input, const QpSolution& solution) {
+  if constexpr (N == Eigen::Dynamic) {
+    if (sweeps_) {
+      sweeps_->gradient(solution.z, solution.mu, gradient_);
+      gradient_ += input.g;
+      return;
+    }
+  }
+  gradient_.noalias() = H_ * Eigen::Map<const Vector>(solution.z.data(), solution.z.size());
+  gradient_ += input.g;
+  for (Eigen::Index j = 0; j < active(); ++j) {
+    gradient_ += solution.mu(held(j).row) * rows_.col(held(j).row);
   }
 }
 
 // Corrects the multipliers by what the working set's rows are off their bounds.
-void ActiveSetQp::hold_bounds(const QpInput& input) {
+template <int N>
+void Core<N>::hold_bounds(const QpInput& input) {
   for (Eigen::Index j = 0; j < active(); ++j) {
-    const Eigen::Index row = working_set_[static_cast<std::size_t>(j)];
-    const double bound = side(row) > 0.0 ? input.upper(row) : input.lower(row);
-    correction_(j) = values_(row) - input.softness(row) * mu_(j) - bound;
+    const Eigen::Index row = held(j).row;
+    correction_(j) = values_(row) - softness(row) * mu_(j) - bound(input, held(j));
   }
-  factor_solve(correction_);
+  factor_.solve(correction_.data());
   mu_.head(active()) += correction_.head(active());
 }
 
-void ActiveSetQp::refine(const QpInput& input, QpSolution& solution) {
+template <int N>
+void Core<N>::refine(const QpInput& input, QpSolution& solution) {
   hold_bounds(input);
   // z as it must be for these multipliers, by the true gradient.
-  gradient_ = input.g;
-  gradient_.noalias() += factors_.model.H * solution.z;
-  for (Eigen::Index j = 0; j < active(); ++j) {
-    const Eigen::Index row = working_set_[static_cast<std::size_t>(j)];
-    gradient_ += mu_(j) * factors_.model.Omega.row(row).transpose();
-  }
-  solution.z.noalias() -= factors_.H_inverse * gradient_;
-  values_.noalias() = factors_.columns * solution.z;
-}
-
-void ActiveSetQp::factor_solve(Eigen::VectorXd& x) const {
-  forward_solve(x);
-  backward_solve(x);
-}
-
-// x ← L⁻¹ x.
-void ActiveSetQp::forward_solve(Eigen::VectorXd& x) const {
-  const Eigen::Index k = active();
-  for (Eigen::Index j = 0; j < k; ++j) {
-    x(j) /= factor_(j, j);
-    const Eigen::Index below = k - j - 1;
-    x.segment(j + 1, below) -= x(j) * factor_.col(j).segment(j + 1, below);
-  }
-}
-
-// x ← L⁻ᵀ x.
-void ActiveSetQp::backward_solve(Eigen::VectorXd& x) const {
-  const Eigen::Index k = active();
-  for (Eigen::Index j = k - 1; j >= 0; --j) {
-    const Eigen::Index below = k - j - 1;
-    x(j) -= factor_.col(j).segment(j + 1, below).dot(x.segment(j + 1, below));
-    x(j) /= factor_(j, j);
-  }
+  Eigen::Map<Vector> z(solution.z.data(), solution.z.size());
+  set_multipliers(solution);
+  set_gradient(input, solution);
+  z.noalias() -= H_inverse_ * gradient_;
+  scan(input, solution);
 }
 
 // The row that pivot_towards() was last asked for joins the working set.
-void ActiveSetQp::add(Eigen::Index row, bool upper, double pivot) {
-  const Eigen::Index k = active();
-  factor_.row(k).head(k) = half_.head(k).transpose();
-  factor_(k, k) = std::sqrt(pivot);
-  working_set_.push_back(row);
-  is_active_[static_cast<std::size_t>(row)] = 1;
-  at_upper_[static_cast<std::size_t>(row)] = upper ? 1 : 0;
+template <int N>
+void Core<N>::add(Eigen::Index row, double side, double pivot) {
+  factor_.add(half_.data(), pivot);
+  held_.push_back({row, side, length_(row) + softness(row)});
+  weight_(row) = 0.0;
 }
 
-// Row `position` of L goes; Givens rotations of columns make what is left triangular again.
-void ActiveSetQp::remove(Eigen::Index position) {
-  const Eigen::Index last = active() - 1;
-  const auto at = static_cast<std::size_t>(position);
-  is_active_[static_cast<std::size_t>(working_set_[at])] = 0;
-  working_set_.erase(working_set_.begin() + position);
-  for (Eigen::Index j = 0; j <= last; ++j) {
-    const Eigen::Index first = std::max(position, j - 1);
-    for (Eigen::Index i = first; i < last; ++i) factor_(i, j) = factor_(i + 1, j);
+template <int N>
+void Core<N>::remove(Eigen::Index position) {
+  weigh(held(position).row);
+  held_.erase(held_.begin() + position);
+  factor_.remove(position);
+}
+
+std::unique_ptr<QpSolver> make_core(const QpModel& model, int max_changes) {
+  switch (model.H.rows()) {
+    case 1:
+      return std::make_unique<Core<1>>(model, max_changes);
+    case 2:
+      return std::make_unique<Core<2>>(model, max_changes);
+    case 3:
+      return std::make_unique<Core<3>>(model, max_changes);
+    case 4:
+      return std::make_unique<Core<4>>(model, max_changes);
+    case 5:
+      return std::make_unique<Core<5>>(model, max_changes);
+    case 6:
+      return std::make_unique<Core<6>>(model, max_changes);
+    default:
+      return std::make_unique<Core<Eigen::Dynamic>>(model, max_changes);
   }
-  for (Eigen::Index j = position; j < last; ++j) {
-    const double a = factor_(j, j);
-    const double b = factor_(j, j + 1);
-    const double r = std::hypot(a, b);
-    const double c = a / r;
-    const double s = b / r;
-    for (Eigen::Index i = j; i < last; ++i) {
-      const double left = factor_(i, j);
-      const double right = factor_(i, j + 1);
-      factor_(i, j) = c * left + s * right;
-      factor_(i, j + 1) = c * right - s * left;
-    }
+}
+
+}  // namespace
+
+ActiveSetQp::ActiveSetQp(const QpModel& model, int max_changes) {
+  if (max_changes < 1) {
+    throw std::invalid_argument("active set: needs a cap of at least 1 change");
   }
+  solver_ = make_core(model, max_changes);
 }
 
 }  // namespace breakwater

@@ -1,7 +1,7 @@
 // An exact quadratic programming solver: a warm-started dual active-set method.
 #pragma once
 
-#include <vector>
+#include <memory>
 
 #include <breakwater/linear/qp.h>
 
@@ -17,7 +17,7 @@ namespace breakwater {
 /// objective, so no working set comes twice. If a violated row depends on the working set and
 /// nothing can leave, no z satisfies these rows: infeasible.
 ///
-/// S is kept as its Cholesky factor, to which rows are added and from which they are removed. As
+/// S is kept as its factor L D Lᵀ, to which rows are added and from which they are removed. As
 /// that squares the condition of the working set, the multipliers are refined by the true residual
 /// where it is above 1e-10. What is called solved has a KKT residual of at most 1e-8: a problem
 /// that cannot be brought there is solved anew from nothing, and is reported as iteration_cap if
@@ -31,61 +31,14 @@ class ActiveSetQp final : public QpSolver {
   /// nothing has as many again. Throws std::invalid_argument as make_qp_solver.
   ActiveSetQp(const QpModel& model, int max_changes);
 
-  void solve(const QpInput& input, QpSolution& solution) override;
-  void reset() override;
-  const QpModel& model() const override { return factors_.model; }
+  void solve(const QpInput& input, QpSolution& solution) override {
+    solver_->solve(input, solution);
+  }
+  void reset() override { solver_->reset(); }
+  const QpModel& model() const override { return solver_->model(); }
 
  private:
-  struct Violation {
-    Eigen::Index row = -1;  // −1: none
-    double amount = 0.0;
-    bool upper = false;
-  };
-
-  Eigen::Index active() const { return static_cast<Eigen::Index>(working_set_.size()); }
-  double side(Eigen::Index row) const { return at_upper_[static_cast<std::size_t>(row)] ? 1 : -1; }
-
-  void take_over(const QpInput& input);
-  void attempt(const QpInput& input, QpSolution& solution);
-  void refactor();
-  QpStatus search(const QpInput& input, QpSolution& solution);
-  void make_dual_feasible(const QpInput& input);
-  void solve_multipliers(const QpInput& input);
-  void place(QpSolution& solution);
-  Violation worst_violation(const QpInput& input) const;
-  QpStatus drive_to_bound(const QpInput& input, Violation violation, QpSolution& solution);
-  double pivot_towards(Eigen::Index row);
-  void hold_bounds(const QpInput& input);
-  void refine(const QpInput& input, QpSolution& solution);
-  void finish(const QpInput& input, QpSolution& solution);
-
-  void factor_solve(Eigen::VectorXd& x) const;
-  void forward_solve(Eigen::VectorXd& x) const;
-  void backward_solve(Eigen::VectorXd& x) const;
-  void add(Eigen::Index row, bool upper, double pivot);
-  void remove(Eigen::Index position);
-
-  QpFactors factors_;
-  int max_changes_;
-  int changes_left_ = 0;  // of this attempt
-
-  std::vector<Eigen::Index> working_set_;
-  std::vector<Eigen::Index> previous_;  // room for refactor()
-  std::vector<char> is_active_;         // of each row
-  std::vector<char> at_upper_;          // of each active row
-  Eigen::VectorXd softness_;            // that the factor holds
-  Eigen::MatrixXd factor_;              // L of S = L Lᵀ, in the top left corner
-
-  // All sized for the largest working set; the first active() entries count.
-  Eigen::VectorXd mu_;         // of the working set
-  Eigen::VectorXd half_;       // L⁻¹ × (a row's column of the Gram matrix)
-  Eigen::VectorXd direction_;  // S⁻¹ × the same: how the working set's multipliers answer
-  Eigen::VectorXd correction_;
-
-  Eigen::VectorXd z_free_;    // −H⁻¹ g, n
-  Eigen::VectorXd values_;    // Ω z, m
-  Eigen::VectorXd gradient_;  // n
-  Eigen::VectorXd residual_;  // n
+  std::unique_ptr<QpSolver> solver_;  // made for the number of variables, where that is small
 };
 
 }  // namespace breakwater

@@ -4,6 +4,9 @@
 #include <Eigen/Core>
 #include <limits>
 #include <memory>
+#include <optional>
+
+#include <breakwater/linear/horizon.h>
 
 namespace breakwater {
 
@@ -18,6 +21,8 @@ struct QpModel {
 
   Eigen::MatrixXd H;  ///< n×n, symmetric positive definite
   RowMajor Omega;     ///< m×n; a row has two sides, so Ω ΔU ≤ ω of the thesis has 2 m rows
+  /// What H and Ω are made of, where they are those of predictive control: a solver may use it.
+  std::optional<Horizon> horizon = std::nullopt;
 };
 
 /// What changes from solve to solve.

@@ -97,6 +97,21 @@ QpSequence read_qp_sequence(const std::string& name) {
   sequence.R = file.read("R");
   sequence.prediction_steps = static_cast<int>(file.read("prediction_steps")(0, 0));
   sequence.rows = file.read("rows").cast<int>();
+
+  Horizon horizon;
+  horizon.A = sequence.A;
+  horizon.B = sequence.B;
+  horizon.prediction_steps = sequence.prediction_steps;
+  horizon.control_steps = static_cast<int>(sequence.model.H.rows() / sequence.B.cols());
+  horizon.Q = sequence.Q;
+  horizon.Q_last = sequence.Q_last;
+  horizon.R = sequence.R;
+  horizon.S = Eigen::MatrixXd::Zero(sequence.B.cols(), sequence.B.cols());
+  for (Eigen::Index i = 0; i < sequence.rows.rows(); ++i) {
+    const auto row = sequence.rows.row(i);
+    horizon.rows.push_back({static_cast<Horizon::RowKind>(row(0)), row(1), row(2)});
+  }
+  sequence.model.horizon = horizon;
   return sequence;
 }
 

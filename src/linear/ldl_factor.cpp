@@ -1,0 +1,147 @@
+#include <breakwater/linear/ldl_factor.h>
+
+namespace breakwater {
+namespace {
+
+// Loops of fixed lengths, which the compiler unrolls.
+template <int k>
+void unit_forward(const double* L, Eigen::Index stride, double* x) {
+  for (int j = 0; j + 1 < k; ++j) {
+    for (int i = j + 1; i < k; ++i) x[i] -= x[j] * L[j * stride + i];
+  }
+}
+
+template <int k>
+void unit_backward(const double* L, Eigen::Index stride, double* x) {
+  for (int i = k - 1; i > 0; --i) {
+    for (int j = 0; j < i; ++j) x[j] -= x[i] * L[j * stride + i];
+  }
+}
+
+// Four columns at once: x is read and written a quarter as often.
+void unit_forward(const double* L, Eigen::Index stride, Eigen::Index k, double* x) {
+  Eigen::Index j = 0;
+  for (; j + 4 <= k; j += 4) {
+    const double* first = L + j * stride;
+    const double* second = first + stride;
+    const double* third = second + stride;
+    const double* fourth = third + stride;
+    const double x0 = x[j];
+    const double x1 = x[j + 1] - x0 * first[j + 1];
+    const double x2 = x[j + 2] - x0 * first[j + 2] - x1 * second[j + 2];
+    const double x3 = x[j + 3] - x0 * first[j + 3] - x1 * second[j + 3] - x2 * third[j + 3];
+    x[j + 1] = x1;
+    x[j + 2] = x2;
+    x[j + 3] = x3;
+    for (Eigen::Index i = j + 4; i < k; ++i) {
+      x[i] -= (x0 * first[i] + x1 * second[i]) + (x2 * third[i] + x3 * fourth[i]);
+    }
+  }
+  for (; j < k; ++j) {
+    for (Eigen::Index i = j + 1; i < k; ++i) x[i] -= x[j] * L[j * stride + i];
+  }
+}
+
+void unit_backward(const double* L, Eigen::Index stride, Eigen::Index k, double* x) {
+  using Column = Eigen::Map<const Eigen::VectorXd>;
+  for (Eigen::Index j = k - 2; j >= 0; --j) {
+    const Eigen::Index below = k - j - 1;
+    x[j] -= Column(L + j * stride + j + 1, below).dot(Column(x + j + 1, below));
+  }
+}
+
+}  // namespace
+
+double LdlFactor::forward_solve(double* x) const {
+  const double* L = L_.data();
+  const Eigen::Index stride = L_.outerStride();
+  switch (size_) {
+    case 0:
+    case 1:
+      break;
+    case 2:
+      unit_forward<2>(L, stride, x);
+      break;
+    case 3:
+      unit_forward<3>(L, stride, x);
+      break;
+    case 4:
+      unit_forward<4>(L, stride, x);
+      break;
+    case 5:
+      unit_forward<5>(L, stride, x);
+      break;
+    case 6:
+      unit_forward<6>(L, stride, x);
+      break;
+    default:
+      unit_forward(L, stride, size_, x);
+  }
+  double square = 0.0;
+  for (Eigen::Index j = 0; j < size_; ++j) {
+    const double half = x[j] * D_inverse_(j);
+    square += half * x[j];
+    x[j] = half;
+  }
+  return square;
+}
+
+void LdlFactor::backward_solve(double* x) const {
+  const double* L = L_.data();
+  const Eigen::Index stride = L_.outerStride();
+  switch (size_) {
+    case 0:
+    case 1:
+      break;
+    case 2:
+      unit_backward<2>(L, stride, x);
+      break;
+    case 3:
+      unit_backward<3>(L, stride, x);
+      break;
+    case 4:
+      unit_backward<4>(L, stride, x);
+      break;
+    case 5:
+      unit_backward<5>(L, stride, x);
+      break;
+    case 6:
+      unit_backward<6>(L, stride, x);
+      break;
+    default:
+      unit_backward(L, stride, size_, x);
+  }
+}
+
+void LdlFactor::remove(Eigen::Index position) {
+  const Eigen::Index last = --size_;
+  const Eigen::Index stride = L_.outerStride();
+  const Eigen::Index left = last - position;  // rows that stood below
+  double* w = falling_.data();
+  const double* gone = L_.data() + position * stride + position + 1;
+  for (Eigen::Index i = 0; i < left; ++i) w[i] = gone[i];
+  double alpha = D_(position);
+  for (Eigen::Index j = 0; j < position; ++j) {
+    double* column = L_.data() + j * stride;
+    for (Eigen::Index i = position; i < last; ++i) column[i] = column[i + 1];
+  }
+  for (Eigen::Index j = position; j < last; ++j, ++w) {
+    const double* old = L_.data() + (j + 1) * stride + 1;  // one row up
+    double* column = L_.data() + j * stride;
+    const double d = D_(j + 1);
+    const double p = *w;
+    const double d_new = d + alpha * p * p;
+    const double inverse = 1.0 / d_new;
+    const double beta = alpha * p * inverse;
+    alpha *= d * inverse;
+    D_(j) = d_new;
+    D_inverse_(j) = inverse;
+    for (Eigen::Index i = j + 1; i < last; ++i) {
+      const double fallen = w[i - j] - p * old[i];
+      w[i - j] = fallen;
+      column[i] = old[i] + beta * fallen;
+    }
+  }
+}
+
+}  // namespace breakwater

@@ -1,0 +1,81 @@
+// How far the rows of a quadratic program are beyond their bounds, in one pass.
+#pragma once
+
+#include <Eigen/Core>
+#include <limits>
+
+namespace breakwater {
+
+/// Of rows i with values v_i, beyond their bounds by t_i = max(v_i − upper_i, lower_i − v_i).
+struct RowScan {
+  double violation = 0.0;    ///< the largest t_i, or 0
+  double worst_score = 0.0;  ///< the largest weight_i (t_i − tolerance), or 0
+};
+
+/// Ω z by N columns (N < 0: they are in `values` already), and what a RowScan says of it. All
+/// arrays of m; columns of length `stride`. The bits do not depend on how many lanes the processor
+/// has.
+template <int N>
+RowScan scan_rows(const double* columns, Eigen::Index stride, const double* z, Eigen::Index m,
+                  const double* lower, const double* upper, const double* weight, double tolerance,
+                  double* values, double* scores) {
+  using namespace Eigen::internal;  // NOLINT(google-build-using-namespace): its packets
+  using Packet = packet_traits<double>::type;
+  constexpr Eigen::Index kLanes = packet_traits<double>::size;
+  const auto of_rows = [&]<typename P>(Eigen::Index i, P& violation, P& worst) {
+    P value;
+    if constexpr (N >= 0) {
+      value = pmul(ploadu<P>(columns + i), pset1<P>(z[0]));
+      for (int j = 1; j < N; ++j) {
+        value = padd(value, pmul(ploadu<P>(columns + j * stride + i), pset1<P>(z[j])));
+      }
+      pstoreu(values + i, value);
+    } else {
+      value = ploadu<P>(values + i);
+    }
+    const P beyond = pmax(psub(value, ploadu<P>(upper + i)), psub(ploadu<P>(lower + i), value));
+    const P score = pmul(psub(beyond, pset1<P>(tolerance)), ploadu<P>(weight + i));
+    pstoreu(scores + i, score);
+    violation = pmax(violation, beyond);
+    worst = pmax(worst, score);
+  };
+  // Two of each: one maximum waits for the last.
+  Packet violation[2] = {pset1<Packet>(0.0), pset1<Packet>(0.0)};
+  Packet worst[2] = {violation[0], violation[0]};
+  Eigen::Index i = 0;
+  for (; i + 2 * kLanes <= m; i += 2 * kLanes) {
+    of_rows(i, violation[0], worst[0]);
+    of_rows(i + kLanes, violation[1], worst[1]);
+  }
+  RowScan scan{predux_max(pmax(violation[0], violation[1])), predux_max(pmax(worst[0], worst[1]))};
+  for (; i < m; ++i) of_rows(i, scan.violation, scan.worst_score);
+  return scan;
+}
+
+/// Whether every lower bound is at most its upper one, and neither is an infinity of the other side
+/// or NaN.
+inline bool are_bounds(const Eigen::VectorXd& lower, const Eigen::VectorXd& upper) {
+  using namespace Eigen::internal;  // NOLINT(google-build-using-namespace): its packets
+  using Packet = packet_traits<double>::type;
+  constexpr Eigen::Index kLanes = packet_traits<double>::size;
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  Packet crossed = pset1<Packet>(0.0);
+  Packet highest = pset1<Packet>(-kInfinity);  // lower bound
+  Packet lowest = pset1<Packet>(kInfinity);    // upper bound
+  Eigen::Index i = 0;
+  for (; i + kLanes <= lower.size(); i += kLanes) {
+    const Packet l = ploadu<Packet>(lower.data() + i);
+    const Packet u = ploadu<Packet>(upper.data() + i);
+    crossed = por(crossed, pcmp_lt_or_nan(u, l));
+    highest = pmax(highest, l);
+    lowest = pmin(lowest, u);
+  }
+  bool is_fine =
+      !predux_any(crossed) && predux_max(highest) < kInfinity && predux_min(lowest) > -kInfinity;
+  for (; i < lower.size(); ++i) {
+    is_fine &= lower(i) <= upper(i) && lower(i) < kInfinity && upper(i) > -kInfinity;
+  }
+  return is_fine;
+}
+
+}  // namespace breakwater
