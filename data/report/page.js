@@ -365,8 +365,20 @@
   }
 
   const redrawAll = () => charts.forEach((box) => { if (box.chart) box.chart.redraw(); });
-  window.addEventListener("beforeprint", () => { drawAllCharts(); document.body.classList.add("paper"); redrawAll(); });
-  window.addEventListener("afterprint", () => { document.body.classList.remove("paper"); redrawAll(); });
+  // What is drawn anew now would come too late: Chromium prints a canvas as it was. So charts are made smaller.
+  window.addEventListener("beforeprint", () => {
+    drawAllCharts();
+    document.body.classList.add("paper");
+    for (const box of charts) {
+      const plot = box.chart.plot;
+      plot.style.zoom = Math.min(1, plot.clientWidth / plot.firstElementChild.offsetWidth);
+    }
+  });
+  window.addEventListener("afterprint", () => {
+    document.body.classList.remove("paper");
+    for (const box of charts) box.chart.plot.style.zoom = "";
+    redrawAll();
+  });
   dark.addEventListener("change", redrawAll);
   // What plays is known only after the scripts behind this one.
   document.addEventListener("DOMContentLoaded", () => {

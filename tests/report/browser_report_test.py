@@ -207,12 +207,23 @@ def read(report, folder):
     return seen
 
 
+def printed_canvases(folder):
+    """How many pictures the page has on paper: Chromium prints a canvas that has ink as pictures."""
+    paper = folder / "paper.pdf"
+    subprocess.run(["chromium", "--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage",
+                    f"--user-data-dir={folder / 'printer'}", "--virtual-time-budget=20000",
+                    f"--print-to-pdf={paper}", (folder / "out" / "report.html").as_uri()],
+                   check=True, timeout=TIMEOUT_S, capture_output=True)
+    return paper.read_bytes().count(b"/Subtype /Image")
+
+
 def main():
     bin_folder = pathlib.Path(sys.argv[1]).resolve()
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as name:
         folder = pathlib.Path(name)
         report = make_report(bin_folder, folder)
         seen = read(report, folder)
+        seen["printed"] = printed_canvases(folder)
     print(json.dumps(seen, indent=1))
 
     assert seen["errors"] == [], seen["errors"]
@@ -224,6 +235,7 @@ def main():
 
     assert seen["charts"] == 6 and seen["inked"], seen
     assert seen["undrawnAtFirst"] == 0, seen
+    assert seen["printed"] >= seen["charts"], seen
     assert all(re.fullmatch(r"-?[\d.e+-]+ rad", value) for value in seen["hover"]), seen["hover"]
     assert re.fullmatch(r"t = [\d.]+ s", seen["clock"]), seen["clock"]
     assert any(value.endswith(" rad") for value in seen["hoverElsewhere"]), seen
