@@ -39,8 +39,13 @@ class Fakfd final : public KalmanEstimator<N, m, p> {
   void update(const DisturbanceEstimator::Vector& held_input,
               const DisturbanceEstimator::Vector& y) override {
     this->predict(held_input, y);
-    this->correct(this->R_);
-    this->covariance_ = this->covariance_.cwiseProduct(inflation_);
+    if constexpr (KalmanEstimator<N, m, p>::kOneOutput) {
+      const double R = this->R_(0, 0);
+      this->correct_one(R, 1.0 / (this->output_covariance_(0, 0) + R), inflation_);
+    } else {
+      this->correct(this->R_);
+      this->covariance_ = this->covariance_.cwiseProduct(inflation_);
+    }
   }
 
  private:

@@ -8,6 +8,7 @@
 
 #include <breakwater/observers/disturbance_estimator.h>
 #include <breakwater/observers/kalman_design.h>
+#include <breakwater/observers/one_output.h>
 
 namespace breakwater {
 
@@ -46,6 +47,8 @@ class KalmanEstimator : public DisturbanceEstimator {
   using Outputs = Eigen::Matrix<double, p, 1>;
   using OutputCovariance = Eigen::Matrix<double, p, p>;
   using Covariance = Eigen::Matrix<double, N, N>;
+  /// One output of a few states: scalar operations take half the time of matrices'.
+  static constexpr bool kOneOutput = p == 1 && N != Eigen::Dynamic && N <= 6;
 
   /// Throws std::invalid_argument if the design is none, or of other sizes than N, m and p.
   explicit KalmanEstimator(const KalmanDesign& design) : plant_states_(design.plant.plant_states) {
@@ -60,6 +63,7 @@ class KalmanEstimator : public DisturbanceEstimator {
     A_ = design.plant.sampled.A;
     B_ = design.plant.sampled.B;
     C_ = design.plant.sampled.C;
+    measures_first_ = C_ == Eigen::Matrix<double, p, N>::Identity(C_.rows(), C_.cols());
     Q_ = design.Q;
     R_ = design.R;
     initial_covariance_ = design.P0;
@@ -84,9 +88,13 @@ class KalmanEstimator : public DisturbanceEstimator {
       predicted_.noalias() +=
           B_ * Eigen::Map<const Eigen::Matrix<double, m, 1>>(held_input.data(), held_input.size());
       extended_state_ = predicted_;
-      work_.noalias() = A_ * covariance_;
-      covariance_.noalias() = work_ * A_.transpose();
-      covariance_ += Q_;
+      if constexpr (kOneOutput) {
+        one_output::carry<N>(A_, Q_, covariance_);
+      } else {
+        work_.noalias() = A_ * covariance_;
+        covariance_.noalias() = work_ * A_.transpose();
+        covariance_ += Q_;
+      }
     }
     has_prior_ = false;
     innovation_ = Eigen::Map<const Outputs>(y.data(), y.size());
@@ -96,14 +104,26 @@ class KalmanEstimator : public DisturbanceEstimator {
 
   /// C̅ P, and from it C̅ P C̅ᵀ.
   void see_covariance() {
-    output_cross_.noalias() = C_ * covariance_;
-    output_covariance_.noalias() = output_cross_ * C_.transpose();
+    if constexpr (kOneOutput) {
+      output_cross_ =
+          one_output::times<N>(covariance_, C_.transpose(), measures_first_).transpose();
+      output_covariance_(0, 0) =
+          measures_first_ ? output_cross_(0, 0) : one_output::product<N>(output_cross_, C_);
+    } else {
+      output_cross_.noalias() = C_ * covariance_;
+      output_covariance_.noalias() = output_cross_ * C_.transpose();
+    }
   }
 
   /// D = C̅ P C̅ᵀ + R, K = P C̅ᵀ D⁻¹, x̄(k|k) and P(k|k) (Eqs. 4.13, 4.14, 4.16, 4.17). The
   /// covariance in Joseph's form, which stays positive definite where (I − K C̅) P does not:
   ///     (I − K C̅) P (I − K C̅)ᵀ + K R Kᵀ = M + (K R − M C̅ᵀ) Kᵀ   with   M = P − K (C̅ P).
   void correct(const OutputCovariance& R) {
+    if constexpr (kOneOutput) {
+      correct_one(R(0, 0), 1.0 / (output_covariance_(0, 0) + R(0, 0)),
+                  [](int, int) { return 1.0; });
+      return;
+    }
     if constexpr (p == 1) {
       gain_ = output_cross_.transpose() / (output_covariance_(0, 0) + R(0, 0));
     } else {
@@ -123,11 +143,21 @@ class KalmanEstimator : public DisturbanceEstimator {
     covariance_ = 0.5 * (work_ + work_.transpose());
   }
 
+  /// The same for one output, given 1/D, and P(k|k) times inflation(i, j) at once.
+  template <typename Inflation>
+  void correct_one(double R, double D_inverse, const Inflation& inflation) {
+    gain_ = output_cross_.transpose() * D_inverse;
+    extended_state_ += gain_ * innovation_(0);
+    one_output::correct<N>(covariance_, gain_, output_cross_.transpose(), C_.transpose(),
+                           measures_first_, R, inflation);
+  }
+
   Eigen::Index plant_states_;
   bool has_prior_ = true;  // no sample since the reset: P0 is this sample's P(k|k−1)
   Covariance A_;
   Eigen::Matrix<double, N, m> B_;
   Eigen::Matrix<double, p, N> C_;
+  bool measures_first_ = false;  // C̅ = (1, 0, …)
   Covariance Q_;
   OutputCovariance R_;
   Covariance initial_covariance_;

@@ -40,8 +40,9 @@ class Stf final : public KalmanEstimator<N, m, p> {
               const DisturbanceEstimator::Vector& y) override {
     this->predict(held_input, y);
     const double inflation = this->inflation();
-    this->lambda_ = 1.0 / inflation;
+    this->lambda_ = 1.0;
     if (inflation > 1.0) {
+      this->lambda_ = 1.0 / inflation;
       this->covariance_ *= inflation;
       this->see_covariance();
     }

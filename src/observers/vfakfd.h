@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 
 #include <breakwater/observers/kalman_estimator.h>
 
@@ -58,6 +59,10 @@ class Vfakfd final : public KalmanEstimator<N, m, p> {
   void update(const DisturbanceEstimator::Vector& held_input,
               const DisturbanceEstimator::Vector& y) override {
     this->predict(held_input, y);
+    if constexpr (KalmanEstimator<N, m, p>::kOneOutput) {
+      correct_and_forget();
+      return;
+    }
     this->lambda_ = std::clamp(lambda_max_ - surprise(), lambda_min_, lambda_max_);
     observation_covariance_.setZero();
     observation_covariance_.diagonal().setConstant(this->lambda_);
@@ -66,6 +71,20 @@ class Vfakfd final : public KalmanEstimator<N, m, p> {
   }
 
  private:
+  // One output, with one division: s = C̅ P C̅ᵀ, b = 1 + s and a = λ b give
+  //     1/D = 1/(s + λ) = b a r   and   1/λ = b (s b + a) r   with   r = 1/(a (s b + a)).
+  void correct_and_forget() {
+    const double s = this->output_covariance_(0, 0);
+    const double error = std::max(std::abs(this->innovation_(0)) - dead_zone_(0), 0.0) * weight_(0);
+    const double b = 1.0 + s;
+    const double a = std::clamp(lambda_max_ * b - error * error, lambda_min_ * b, lambda_max_ * b);
+    const double rest = s * b + a;
+    const double br = b / (a * rest);
+    const double forgetting = br * rest;
+    this->lambda_ = std::clamp(a / b, lambda_min_, lambda_max_);
+    this->correct_one(this->lambda_, br * a, [forgetting](int, int) { return forgetting; });
+  }
+
   // ẽᵀ (I + C̅ P C̅ᵀ)⁻¹ ẽ
   double surprise() {
     weighted_ = (this->innovation_.cwiseAbs() - dead_zone_).cwiseMax(0.0).cwiseProduct(weight_);

@@ -225,6 +225,8 @@ def main():
         bench_sweeps(folder)
     print("quadratic programs ...", flush=True)
     subprocess.run([BUILD / "tests" / "qp_bench"], check=True)
+    print("one update of an estimator ...", flush=True)
+    subprocess.run([BUILD / "tests" / "estimators_bench"], check=True)
     print("the Python module ...", flush=True)
     subprocess.run(["/usr/bin/python3", pathlib.Path(__file__).with_name("python_bench.py")], check=True,
                    env={**os.environ, "PYTHONPATH": str(BUILD / "python")})

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/LU>
+
 #include <breakwater/control/quadrotor_process.h>
 #include <breakwater/observers/ekf.h>
 #include <breakwater/observers/fakfd.h>
@@ -71,6 +73,45 @@ SensorError sensor(Eigen::Index outputs) {
   return {Eigen::VectorXd::Constant(outputs, kQuantum), Eigen::VectorXd::Zero(outputs)};
 }
 
+// What a filter costs without anything but its equations: the textbook's, in fixed-size matrices.
+template <int N, int p>
+class PlainFilter final : public DisturbanceEstimator {
+ public:
+  explicit PlainFilter(const KalmanDesign& design)
+      : A_(design.plant.sampled.A),
+        B_(design.plant.sampled.B),
+        C_(design.plant.sampled.C),
+        Q_(design.Q),
+        R_(design.R),
+        P0_(design.P0) {}
+
+  void reset(const Vector& /*x*/) override {
+    x_.setZero();
+    P_ = P0_;
+  }
+  void update(const Vector& u, const Vector& y) override {
+    x_ = A_ * x_ + B_ * u(0);
+    P_ = A_ * P_ * A_.transpose() + Q_;
+    const Eigen::Matrix<double, p, p> D = C_ * P_ * C_.transpose() + R_;
+    const Eigen::Matrix<double, N, p> K = P_ * C_.transpose() * D.inverse();
+    x_ += K * (Eigen::Map<const Eigen::Matrix<double, p, 1>>(y.data()) - C_ * x_);
+    P_ -= K * C_ * P_;
+  }
+  View state() const override { return {x_.data(), N - 1}; }
+  View disturbance() const override { return {x_.data() + N - 1, 1}; }
+  std::span<const Signal> signals() const override { return {}; }
+
+ private:
+  Eigen::Matrix<double, N, N> A_;
+  Eigen::Matrix<double, N, 1> B_;
+  Eigen::Matrix<double, p, N> C_;
+  Eigen::Matrix<double, N, N> Q_;
+  Eigen::Matrix<double, p, p> R_;
+  Eigen::Matrix<double, N, N> P0_;
+  Eigen::Matrix<double, N, 1> x_;
+  Eigen::Matrix<double, N, N> P_;
+};
+
 template <int N, int p>
 void report_filters(const StateSpace& continuous) {
   const ExtendedPlant plant =
@@ -85,7 +126,9 @@ void report_filters(const StateSpace& continuous) {
                        qvff_design(sensor(p)));
   Stf<N, 1, p> stf(stf_design(plant, sensor(p), kPeriod), sensor(p));
   Kfd<> dynamic(design);
+  PlainFilter<N, p> plain(design);
   std::printf("%d states, %d output%s\n", N, p, p == 1 ? "" : "s");
+  report("textbook's Kalman filter in Eigen", plain, p);
   report("KFD (and DKF)", kfd, p);
   report("FAKFD", fakfd, p);
   report("VFAKFD", vfakfd, p);

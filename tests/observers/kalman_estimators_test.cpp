@@ -89,6 +89,50 @@ TEST(Kfd, FixedSizesGiveTheSameAsDynamicOnes) {
   EXPECT_THROW((Kfd<3, 1, 2>(design)), std::invalid_argument);
 }
 
+// One output of a fixed size has a recursion of its own: against the matrices', with an output that
+// is the first state and with one that is any combination.
+TEST(AdaptiveFilters, FixedSizesGiveTheSameAsDynamicOnes) {
+  Random random(15);
+  for (int trial = 0; trial < 10; ++trial) {
+    KalmanDesign design = random_design(random, 2, 1, 1, 0);
+    if (trial % 2 == 0) design.plant.sampled.C = Eigen::RowVector3d::Unit(0);
+    const Eigen::VectorXd gamma = Eigen::Vector3d(1.0, 1.1, 1.3);
+    VfakfdDesign forgetting{Eigen::VectorXd::Constant(1, 4.0), Eigen::VectorXd::Constant(1, 0.2)};
+    forgetting.lambda_min = 0.6;
+    forgetting.lambda_max = 0.98;
+    const SensorError error{Eigen::VectorXd::Constant(1, 0.4), Eigen::VectorXd::Constant(1, 0.1)};
+    Fakfd<> fakfd(design, gamma);
+    Fakfd<3, 1, 1> fixed_fakfd(design, gamma);
+    Vfakfd<> vfakfd(design, forgetting);
+    Vfakfd<3, 1, 1> fixed_vfakfd(design, forgetting);
+    Stf<> stf(design, error);
+    Stf<3, 1, 1> fixed_stf(design, error);
+    double least = 1.0, most = 0.0, inflated = 1.0;  // λ that were met
+    for (int k = 0; k < 500; ++k) {
+      const Eigen::VectorXd u = random.vector(1), y = random.vector(1, k % 50 == 0 ? 30.0 : 1.0);
+      const auto expect_same = [&](auto& dynamic, auto& fixed, const char* name) {
+        dynamic.update(u, y);
+        fixed.update(u, y);
+        EXPECT_LT((dynamic.extended_state() - fixed.extended_state()).norm(),
+                  1e-11 * (1.0 + fixed.extended_state().norm()))
+            << name << " " << trial << " " << k;
+        EXPECT_LT((dynamic.P() - fixed.P()).norm(), 1e-11 * (1.0 + fixed.P().norm())) << name;
+        EXPECT_NEAR(dynamic.lambda(), fixed.lambda(), 1e-12) << name;
+        EXPECT_EQ(fixed.P(), fixed.P().transpose()) << name;
+      };
+      expect_same(fakfd, fixed_fakfd, "FAKFD");
+      expect_same(vfakfd, fixed_vfakfd, "VFAKFD");
+      expect_same(stf, fixed_stf, "STF");
+      least = std::min(least, fixed_vfakfd.lambda());
+      most = std::max(most, fixed_vfakfd.lambda());
+      inflated = std::min(inflated, fixed_stf.lambda());
+    }
+    EXPECT_NEAR(least, 0.6, 1e-12);
+    EXPECT_NEAR(most, 0.98, 1e-12);
+    EXPECT_LT(inflated, 1.0);
+  }
+}
+
 TEST(AdaptiveFilters, ThatNeverForgetAreThePlainKalmanFilter) {
   Random random(5);
   for (int trial = 0; trial < 20; ++trial) {
