@@ -11,6 +11,7 @@
 #include <breakwater/scenario/process.h>
 #include <breakwater/scenario/progress.h>
 #include <breakwater/scenario/runner.h>
+#include <breakwater/sim/model.h>
 #include <breakwater/study/study.h>
 
 namespace breakwater {
@@ -30,8 +31,7 @@ struct Arguments {
 
 void describe(CLI::App& app, Arguments& arguments) {
   AnalysisOptions& options = arguments.options;
-  app.add_option("SCENARIO", arguments.scenario,
-                 "of one axis: of a motor, a cart, or your own")
+  app.add_option("SCENARIO", arguments.scenario, "of one axis: of a motor, a cart, or your own")
       ->required();
   app.add_option("--case", arguments.cases,
                  "which cases, drawn over each other, or all (default: the file's)")
@@ -86,8 +86,9 @@ std::vector<std::string> cases_of(const Arguments& arguments, const ScenarioFile
   return names;
 }
 
-int analyze(const Catalogue& catalogue, Arguments arguments) {
+int analyze(const Catalogue& catalogue, Arguments arguments, const std::string& command) {
   stop_on_signals();
+  const SharedModels shared;  // one compilation for all frequencies
   const ScenarioKind& kind = catalogue.get<ScenarioKind>(arguments.scenario);
   if (dynamic_cast<const AxisScenario*>(kind.make(catalogue).get()) == nullptr) {
     throw std::invalid_argument(kind.name +
@@ -118,12 +119,6 @@ int analyze(const Catalogue& catalogue, Arguments arguments) {
   }
   const fs::path folder =
       arguments.out.empty() ? fs::path("runs") / kAnalyze / kind.name : fs::path(arguments.out);
-  std::string command = own_program_name() + " " + kAnalyze + " " + kind.name;
-  if (!arguments.config.empty()) command += " --config " + arguments.config;
-  std::string cases;
-  for (const AnalysedLoop& loop : loops) cases += (cases.empty() ? "" : ",") + loop.label;
-  command += " --case " + cases;
-  for (const std::string& set : arguments.sets) command += " --set " + shell_quoted(set);
   write_analysis(results, kind.name, command, loops.front().scenario->plant().axis.units, folder);
   if (arguments.quiet) return kSuccess;
   for (const LoopAnalysis& loop : results) {
@@ -145,7 +140,9 @@ int analyze_main(const Catalogue& catalogue, int argc, const char* const* argv) 
     Arguments arguments;
     describe(app, arguments);
     if (const auto status = parse(app, argc, argv)) return *status;
-    return analyze(catalogue, arguments);
+    std::string command = own_program_name();
+    for (int i = 0; i < argc; ++i) command += " " + shell_word(argv[i]);
+    return analyze(catalogue, arguments, command);
   });
 }
 

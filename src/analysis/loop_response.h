@@ -31,7 +31,7 @@ using Phasors = LoopOutputs<std::complex<double>>;
 Phasors frequency_response(const PulseResponse& pulses, double omega_rad_s, double period_s);
 
 /// The loop of one axis: the controller that a scenario chooses, and a linear plant
-///     x(k+1) = A x(k) + B (u(k) + r(k)),   y(k) = C x(k − delay) + n(k) ,
+///     x(k+1) = A x(k) + B (u(k) + r(k)),   y(k) = C x(k − delay) + n(k − delay) ,
 /// without limits, rounding and Coulomb friction.
 struct AxisLoopDesign {
   const AxisParts* parts = nullptr;

@@ -63,6 +63,12 @@ QpFactors::QpFactors(QpModel qp) : model(std::move(qp)) {
   if (n == 0 || model.H.cols() != n || model.Omega.cols() != n) {
     throw std::invalid_argument("quadratic program: H must be n×n and Omega m×n");
   }
+  if (model.horizon && (static_cast<Eigen::Index>(model.horizon->rows.size()) != rows() ||
+                        model.horizon->control_steps * model.horizon->B.cols() != n)) {
+    throw std::invalid_argument(
+        "quadratic program: its horizon must have the rows of Omega and the "
+        "variables of H");
+  }
   if (!model.Omega.allFinite()) {
     throw std::invalid_argument("quadratic program: Omega must be finite");
   }

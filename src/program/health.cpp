@@ -65,9 +65,15 @@ HealthCheck check_data() {
 HealthCheck check_library(const std::string& what, const std::string& mujoco_gl,
                           const std::string& packages) {
   const RendererProbe probe = probe_renderer(mujoco_gl);
-  const bool draws = probe.outcome == RendererProbe::Outcome::draws;
-  return {what, draws ? State::ok : State::missing, probe.words,
-          draws ? "" : "apt install " + packages};
+  switch (probe.outcome) {
+    case RendererProbe::Outcome::draws:
+      return {what, State::ok, probe.words, ""};
+    case RendererProbe::Outcome::no_library:
+      return {what, State::missing, probe.words, "apt install " + packages};
+    case RendererProbe::Outcome::no_context:
+      break;
+  }
+  return {what, State::broken, probe.words, ""};
 }
 
 // As the environment asks, which is what counts.
@@ -152,8 +158,10 @@ std::optional<std::string> python_module(const std::string& python, const std::s
                                          const std::string& place = "") {
   return first_line({python, "-c",
                      "import sys, importlib\n"
-                     "sys.path[:0] = [p for p in sys.argv[2:] if p]\n"
-                     "print(importlib.import_module(sys.argv[1]).__file__)",
+                     // Not what lies in the working folder; a folder without a module has no file.
+                     "sys.path[:1] = [p for p in sys.argv[2:] if p]\n"
+                     "file = importlib.import_module(sys.argv[1]).__file__\n"
+                     "sys.exit(1) if file is None else print(file)",
                      name, place});
 }
 

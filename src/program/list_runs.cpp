@@ -64,7 +64,16 @@ Entry study_entry(const fs::path& folder) {
   try {
     return entry_of(summarise_study(folder));
   } catch (const std::invalid_argument& error) {
-    return {folder, {}, "study", "damaged", Tone::doubtful, "", error.what(), {}, {}};
+    std::error_code ignored;
+    return {folder,
+            fs::last_write_time(folder, ignored),
+            "study",
+            "damaged",
+            Tone::doubtful,
+            "",
+            error.what(),
+            {},
+            nlohmann::ordered_json::object()};
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -27,7 +28,21 @@ struct Removal {
   std::vector<Folder> stays;
 };
 
+void refuse_within_study(const fs::path& below) {
+  const fs::path absolute = fs::weakly_canonical(below);
+  for (fs::path p = absolute.parent_path(); p != p.parent_path(); p = p.parent_path()) {
+    if (!is_study_folder(p)) continue;
+    throw std::invalid_argument(below.string() + ": belongs to the study " + p.string() +
+                                ", which keeps its runs");
+  }
+}
+
+bool has_failed(const fs::path& folder) {
+  return list_run(folder).status == ListedRun::Status::failed;
+}
+
 Removal plan_removal(const fs::path& below) {
+  refuse_within_study(below);
   Removal removal;
   const auto sort_in = [&](const fs::path& folder, const std::string& why) {
     const std::string complaint = why_not_removable(folder);
@@ -62,8 +77,15 @@ int remove_failed(const fs::path& below, bool dry_run) {
   print_folders(fmt::format("{} {}", dry_run ? "would remove" : "removes", runs), removal.goes);
   if (dry_run) return kSuccess;
   std::fflush(stdout);
-  for (const Removal::Folder& folder : removal.goes) remove_run(folder.path);
-  fmt::print("removed {}\n", runs);
+  std::size_t removed = 0;
+  for (const Removal::Folder& folder : removal.goes) {
+    if (remove_run(folder.path, has_failed)) {
+      ++removed;
+    } else {
+      fmt::print("left alone: {}\n", one_line(folder.path.string() + ": is another run by now"));
+    }
+  }
+  fmt::print("removed {}\n", number_of(removed, "run"));
   return kSuccess;
 }
 

@@ -225,21 +225,25 @@ bool is_unfinished_run(const fs::path& folder) {
 }
 
 std::string why_not_removable(const fs::path& folder) {
-  if (fs::is_symlink(folder)) return "is a symbolic link";
-  for (const auto& entry : fs::directory_iterator(folder)) {
+  std::error_code error;
+  if (fs::is_symlink(without_slash(folder), error)) return "is a symbolic link";
+  for (fs::directory_iterator entries(folder, error), end; !error && entries != end;
+       entries.increment(error)) {
+    const fs::directory_entry& entry = *entries;
     const std::string name = entry.path().filename().string();
     if (!is_of_a_run(name) || entry.is_symlink() || !entry.is_regular_file()) {
       return "holds " + name + ", which is not a run's";
     }
     if (name == kKeptMark) return "is a whole run that could not take its name";
   }
-  if (!is_unfinished_run(folder)) return complaint_of(folder);
-  const std::string name = folder.filename().string();
+  if (error) return "cannot be read (" + error.message() + ")";
+  if (!is_unfinished_run(without_slash(folder))) return complaint_of(folder);
+  const std::string name = without_slash(folder).filename().string();
   const std::string suffix = name.substr(name.rfind(kPartialMark) + std::strlen(kPartialMark));
   return is_of_dead_process(suffix) ? "" : "may still be written, by process " + suffix;
 }
 
-void remove_run(const fs::path& folder) {
+bool remove_run(const fs::path& folder, const std::function<bool(const fs::path&)>& may_go) {
   const fs::path whole = without_slash(folder);
   fs::path going = whole;
   if (!is_unfinished_run(whole)) {
@@ -248,10 +252,18 @@ void remove_run(const fs::path& folder) {
     std::error_code error;
     fs::rename(whole, going, error);
     if (error) throw OutputError(folder.string() + ": cannot be removed (" + error.message() + ")");
+    if (!may_go(going)) {
+      if (!fs::exists(whole, error)) fs::rename(going, whole, error);
+      if (error)
+        throw OutputError(going.string() + ": a whole run, which cannot be put back (" +
+                          error.message() + ")");
+      return false;
+    }
   }
   std::error_code error;
   fs::remove_all(going, error);
   if (error) throw OutputError(going.string() + ": cannot be removed (" + error.message() + ")");
+  return true;
 }
 
 LeftBeside::LeftBeside(const fs::path& folder) {

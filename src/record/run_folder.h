@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <set>
 #include <string>
 #include <vector>
@@ -67,9 +68,11 @@ bool is_unfinished_run(const std::filesystem::path& folder);
 /// no more.
 std::string why_not_removable(const std::filesystem::path& folder);
 
-/// Removes such a folder: killed at it, what is left of it is an unfinished run. Throws
-/// OutputError.
-void remove_run(const std::filesystem::path& folder);
+/// Removes such a folder: killed at it, what is left of it is an unfinished run. Once no other
+/// process finds it by its name, a finished one is looked at again: unless `may_go`, since by then
+/// it is another run, it is put back. Returns whether it was removed. Throws OutputError.
+bool remove_run(const std::filesystem::path& folder,
+                const std::function<bool(const std::filesystem::path&)>& may_go);
 
 /// For readers: where a process was killed while it replaced the run in `folder`, which is missing
 /// now, the earlier run is put back. Every RunFolder does so.

@@ -31,14 +31,19 @@ bool has_library() {
   return osmesa_library().is_there() || egl_library().is_there();
 }
 
-// Answers in one character and words.
-[[noreturn]] void draw_in_child(int answer) {
-  std::string text;
+std::string drawn_or_why_not() {
   try {
-    text = "+" + Offscreen(kSide, kSide).renderer();
+    return "+" + Offscreen(kSide, kSide).renderer();
+  } catch (const std::invalid_argument& error) {
+    return "!" + std::string(error.what());  // nonsense in the environment, which no library mends
   } catch (const std::exception& error) {
-    text = (has_library() ? "!" : "-") + std::string(error.what());
+    return (has_library() ? "!" : "-") + std::string(error.what());
   }
+}
+
+// Answers in one character and words. Nothing may leave it: the frames above are the parent's.
+[[noreturn]] void draw_in_child(int answer) noexcept {
+  const std::string text = drawn_or_why_not();
   const bool is_said = write(answer, text.data(), text.size()) == static_cast<ssize_t>(text.size());
   _exit(is_said ? EXIT_SUCCESS : EXIT_FAILURE);
 }
@@ -63,6 +68,11 @@ RendererProbe probe_renderer(const std::optional<std::string>& mujoco_gl) {
     throw std::system_error(errno, std::generic_category(), "pipe");
   }
   const pid_t child = fork();
+  if (child < 0) {
+    close(ends[0]);
+    close(ends[1]);
+    throw std::system_error(errno, std::generic_category(), "fork");
+  }
   if (child == 0) {
     if (mujoco_gl) setenv("MUJOCO_GL", mujoco_gl->c_str(), 1);
     draw_in_child(ends[1]);
@@ -71,7 +81,7 @@ RendererProbe probe_renderer(const std::optional<std::string>& mujoco_gl) {
   const std::string text = read_to_end(ends[0]);
   close(ends[0]);
   int status = 0;
-  while (child > 0 && waitpid(child, &status, 0) < 0 && errno == EINTR) continue;
+  while (waitpid(child, &status, 0) < 0 && errno == EINTR) continue;
   if (text.empty()) return {RendererProbe::Outcome::no_context, "the driver crashed"};
   return {text[0] == '+'   ? RendererProbe::Outcome::draws
           : text[0] == '-' ? RendererProbe::Outcome::no_library

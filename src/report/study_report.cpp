@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
-#include <cstring>
 #include <string>
 #include <vector>
 
@@ -163,15 +161,6 @@ mustache::data failure_rows(const StudyNumbers& numbers, const ShardIndex& index
   return rows;
 }
 
-// "/tmp/x", but "'/tmp/my study'".
-std::string quoted_if_needed(const std::string& path) {
-  const auto is_plain = [](char c) {
-    return std::isalnum(static_cast<unsigned char>(c)) != 0 ||
-           std::strchr("/._-+:@%,", c) != nullptr;
-  };
-  return std::all_of(path.begin(), path.end(), is_plain) ? path : shell_quoted(path);
-}
-
 // The table of all metrics: the median of each of the first candidates.
 void add_overview(mustache::data& page, const StudySections& sections, const StudyNumbers& numbers,
                   const std::vector<std::string>& labels) {
@@ -238,7 +227,7 @@ void write_study_report(const Catalogue& catalogue, const Plan& plan, const Shar
     toc << entry;
   };
   const std::string go_on =
-      fmt::format("{} {} {}", own_program_name(), kSweep, quoted_if_needed(folder.path().string()));
+      fmt::format("{} {} {}", own_program_name(), kSweep, shell_word(folder.path().string()));
   page.set("title", "Study of " + study.scenario);
   page.set("about", scenario->summary());
   page.set("score", score(index));

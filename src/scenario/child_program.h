@@ -19,6 +19,8 @@ std::string neighbour_program(const std::string& name);
 
 /// A word that a shell takes as it is, whatever is in it.
 std::string shell_quoted(const std::string& word);
+/// The same, quoted only if it must be: "/tmp/x", "'/tmp/my study'".
+std::string shell_word(const std::string& word);
 
 /// Calls a program, words[0] being its path or a name to be found. Returns its exit status. If it
 /// cannot be called or a signal ends it, says so on stderr as `WHAT: …` and returns 4. An

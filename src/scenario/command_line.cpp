@@ -89,6 +89,14 @@ void describe(CLI::App& app, const RunExtras& extras, Arguments& arguments) {
       "output failed, 130 interrupted.");
 }
 
+// ".1" as TOML has it: "0.1".
+std::string as_toml_number(const std::string& text) {
+  double value = 0.0;
+  if (text.empty() || !CLI::detail::lexical_cast(text, value)) return text;
+  const std::string digits = fmt::format("{}", value);
+  return digits.find_first_of(".en") == std::string::npos ? digits + ".0" : digits;
+}
+
 std::vector<std::string> all_sets(const Arguments& arguments) {
   std::vector<std::string> sets = arguments.sets;
   const auto add = [&](const std::string& option, const std::string& key,
@@ -101,11 +109,7 @@ std::vector<std::string> all_sets(const Arguments& arguments) {
     sets.push_back(key + "=" + value);
   };
   add("--seed", "run.seed", arguments.seed);
-  // As TOML has numbers: 0.1, not .1.
-  double duration_s = 0.0;
-  CLI::detail::lexical_cast(arguments.duration, duration_s);
-  add("--duration", "run.duration_s",
-      arguments.duration.empty() ? "" : fmt::format("{:#}", duration_s));
+  add("--duration", "run.duration_s", as_toml_number(arguments.duration));
   return sets;
 }
 

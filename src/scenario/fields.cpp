@@ -358,9 +358,16 @@ std::string Fields::missing_in_words(const std::vector<const Field*>& missing) c
   if (!first->part.name.empty()) {
     words += fmt::format("; {} = \"{}\" needs it", first->part.choice, first->part.name);
   }
-  for (std::size_t i = 1; i < missing.size(); ++i) {
-    words += (i == 1 ? "; missing too: " : ", ") + missing[i]->key;
+  std::vector<std::string> others;
+  for (const Field* field : missing) {
+    if (field == missing.front()) continue;
+    // Of a choice that is missing itself nothing is chosen.
+    const std::string& choice = in_use(*field)->part.choice;
+    const bool is_chosen = std::none_of(missing.begin(), missing.end(),
+                                        [&](const Field* other) { return other->key == choice; });
+    if (is_chosen) others.push_back(field->key);
   }
+  if (!others.empty()) words += fmt::format("; missing too: {}", fmt::join(others, ", "));
   return words;
 }
 

@@ -19,13 +19,18 @@ void look_into(const fs::path& folder, const std::function<bool(const fs::path&)
     found.others.push_back(folder);
     return;
   }
-  if (fs::exists(folder / "manifest.json")) {
+  std::error_code error;
+  if (fs::exists(folder / "manifest.json", error)) {
     found.runs.push_back(folder);
     return;
   }
+  // What cannot be read, or vanishes meanwhile, has nothing to list.
   std::vector<fs::path> folders;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-    if (entry.is_directory() && !entry.is_symlink()) folders.push_back(entry.path());
+  for (fs::directory_iterator entries(folder, error), end; !error && entries != end;
+       entries.increment(error)) {
+    std::error_code ignored;
+    const fs::directory_entry& entry = *entries;
+    if (entry.is_directory(ignored) && !entry.is_symlink(ignored)) folders.push_back(entry.path());
   }
   std::sort(folders.begin(), folders.end());
   for (const fs::path& inner : folders) {

@@ -19,7 +19,8 @@ struct FoundRuns {
 };
 
 /// The folder itself is looked at too. What is found is not looked into; symbolic links are not
-/// followed. Throws std::invalid_argument if there is no such folder or it cannot be read.
+/// followed, and folders that cannot be read hold nothing. Throws std::invalid_argument if there is
+/// no such folder.
 FoundRuns find_runs(const std::filesystem::path& below,
                     const std::function<bool(const std::filesystem::path&)>& is_other);
 

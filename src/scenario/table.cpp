@@ -58,7 +58,7 @@ std::string in_blocks(const Rows& rows, std::size_t width) {
 
 std::string Table::print(std::size_t width) const {
   const std::string upright = in_blocks(rows_, width);
-  if (upright.find("\n\n") == std::string::npos) return upright;  // in one piece
+  if (upright.find("\n\n") == std::string::npos || rows_.size() < 2) return upright;
   const std::string turned = in_blocks(turned_over(rows_), width);
   const auto lines = [](const std::string& text) {
     return std::count(text.begin(), text.end(), '\n');
