@@ -65,15 +65,10 @@ HealthCheck check_data() {
 HealthCheck check_library(const std::string& what, const std::string& mujoco_gl,
                           const std::string& packages) {
   const RendererProbe probe = probe_renderer(mujoco_gl);
-  switch (probe.outcome) {
-    case RendererProbe::Outcome::draws:
-      return {what, State::ok, probe.words, ""};
-    case RendererProbe::Outcome::no_library:
-      return {what, State::missing, probe.words, "apt install " + packages};
-    case RendererProbe::Outcome::no_context:
-      break;
-  }
-  return {what, State::broken, probe.words, ""};
+  const bool draws = probe.outcome == RendererProbe::Outcome::draws;
+  // One that is there and does not draw lacks its driver, another package.
+  return {what, draws ? State::ok : State::missing, probe.words,
+          draws ? "" : "apt install " + packages};
 }
 
 // As the environment asks, which is what counts.

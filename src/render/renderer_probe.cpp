@@ -74,7 +74,10 @@ RendererProbe probe_renderer(const std::optional<std::string>& mujoco_gl) {
     throw std::system_error(errno, std::generic_category(), "fork");
   }
   if (child == 0) {
-    if (mujoco_gl) setenv("MUJOCO_GL", mujoco_gl->c_str(), 1);
+    if (mujoco_gl) {  // the library itself, whatever device is asked for
+      setenv("MUJOCO_GL", mujoco_gl->c_str(), 1);
+      unsetenv("MUJOCO_EGL_DEVICE_ID");
+    }
     draw_in_child(ends[1]);
   }
   close(ends[1]);

@@ -128,7 +128,8 @@ std::string unit_of(const std::string& metric) {
     const char* end;
     const char* unit;
   };
-  static constexpr std::array<Ending, 10> kEndings = {{{"_rad_s", "rad/s"},
+  static constexpr std::array<Ending, 12> kEndings = {{{"_rad_s", "rad/s"},
+                                                       {"_m_Ns", "m/(N s)"},
                                                        {"_m_s", "m/s"},
                                                        {"_Nm", "N m"},
                                                        {"_Ns", "N s"},
@@ -137,6 +138,7 @@ std::string unit_of(const std::string& metric) {
                                                        {"_N", "N"},
                                                        {"_m", "m"},
                                                        {"_s", "s"},
+                                                       {"_kg", "kg"},
                                                        {"_Hz", "Hz"}}};
   for (const Ending& ending : kEndings) {
     if (metric.ends_with(ending.end)) return ending.unit;

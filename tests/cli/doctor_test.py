@@ -70,6 +70,15 @@ class Doctor(Folder):
         pictures = self.doctor(status=1, MUJOCO_GL="softpipe")["pictures"]
         self.assertIn('MUJOCO_GL: "softpipe"', pictures["found"])
 
+        checks = self.doctor(status=1, MUJOCO_EGL_DEVICE_ID="abc")
+        self.assertEqual(checks["pictures"]["state"], "broken")
+        self.assertEqual(checks["OSMesa"]["state"], self.doctor()["OSMesa"]["state"])
+
+    def test_a_folder_of_the_modules_name_is_no_module(self):
+        (self.folder / "breakwater").mkdir()
+        checks = self.doctor()
+        self.assertFalse(checks["Python"]["found"].endswith(": "), checks["Python"])
+
     def test_models_that_cannot_be_read_are_broken(self):
         source = BIN.resolve().parents[1]
         shutil.copytree(source / "models", self.folder / "models")

@@ -66,6 +66,11 @@ class RunList(Folder):
         self.assertIn("damaged", out)
         _, err = self.call("breakwater", "ls", "nowhere", status=2)
         self.assertEqual(err, "nowhere: there is no such folder\n")
+        (self.folder / "odd/shards").mkdir(parents=True)
+        (self.folder / "odd/study.toml").write_text("broken = [")
+        told, = json.loads(self.call("breakwater", "ls", "odd", "--json")[0])
+        self.assertEqual(told["status"], "damaged")
+        self.assertTrue(told["written"].startswith("20"), told)
         (self.folder / "empty").mkdir()
         self.assertEqual(self.call("breakwater", "ls", "empty")[0], "no run below empty\n")
         self.assertEqual(json.loads(self.call("breakwater", "ls", "empty", "--json")[0]), [])
@@ -122,6 +127,14 @@ class RunList(Folder):
         elsewhere.rename(kept)
         self.call("breakwater", "rm", "--failed")
         self.assertTrue(kept.exists())
+        for inner in ("runs/study/runs", "runs/study/runs/1"):
+            _, err = self.call("breakwater", "rm", "--failed", inner, status=2)
+            self.assertIn("belongs to the study", err)
+        self.assertTrue(kept.exists())
+        # A link with a slash behind it is a link.
+        (runs / "linked").symlink_to(kept)
+        self.assertIn("is a symbolic link", self.call("breakwater", "rm", "--failed", "runs/linked/")[0])
+        self.assertTrue((runs / "linked").is_symlink())
 
     def test_must_be_told_what(self):
         _, err = self.call("breakwater", "rm", status=2)
