@@ -24,11 +24,6 @@ namespace fs = std::filesystem;
 namespace mustache = kainjow::mustache;
 namespace {
 
-std::string shell_word(const std::string& word) {
-  const bool is_plain = word.find_first_of(" []{}()'\"$&*?#;<>|") == std::string::npos;
-  return is_plain ? word : "'" + word + "'";
-}
-
 // Reads logs one section at a time, each once.
 class Logs {
  public:
