@@ -132,7 +132,8 @@ class RunList(Folder):
             self.assertIn("belongs to the study", err)
         self.assertTrue(kept.exists())
         # A link with a slash behind it is a link.
-        (runs / "linked").symlink_to(kept)
+        self.push("apart/bad", *FAILS, status=3)
+        (runs / "linked").symlink_to(self.folder / "apart/bad")
         self.assertIn("is a symbolic link", self.call("breakwater", "rm", "--failed", "runs/linked/")[0])
         self.assertTrue((runs / "linked").is_symlink())
 
