@@ -58,6 +58,24 @@ struct Way {
 constexpr std::array<Way, 2> kWays = {
     {{"designed", &LoopAnalysis::designed}, {"measured", &LoopAnalysis::measured}}};
 
+// A curve that is there, of a loop by a way.
+struct NamedCurve {
+  const LoopAnalysis& loop;
+  const Way& way;
+  const LoopCurve& curve;
+};
+
+std::vector<NamedCurve> curves_of(const std::vector<LoopAnalysis>& loops) {
+  std::vector<NamedCurve> curves;
+  for (const LoopAnalysis& loop : loops) {
+    for (const Way& way : kWays) {
+      const LoopCurve& curve = loop.*way.curve;
+      if (!curve.points.empty()) curves.push_back({loop, way, curve});
+    }
+  }
+  return curves;
+}
+
 double in_dB(double gain) {
   return 20.0 * std::log10(gain);
 }
@@ -128,14 +146,10 @@ std::string margins_csv(const std::vector<LoopAnalysis>& loops) {
   std::vector<std::string> header = {"case", "way"};
   for (const Quantity& quantity : quantities()) header.emplace_back(quantity.column);
   std::string text = csv_line(header);
-  for (const LoopAnalysis& loop : loops) {
-    for (const Way& way : kWays) {
-      const LoopCurve& curve = loop.*way.curve;
-      if (curve.points.empty()) continue;
-      std::vector<std::string> row = {loop.label, way.name};
-      for (const Quantity& quantity : quantities()) row.push_back(digits(quantity.of(curve)));
-      text += csv_line(row);
-    }
+  for (const auto& [loop, way, curve] : curves_of(loops)) {
+    std::vector<std::string> row = {loop.label, way.name};
+    for (const Quantity& quantity : quantities()) row.push_back(digits(quantity.of(curve)));
+    text += csv_line(row);
   }
   return text;
 }
@@ -158,21 +172,14 @@ mustache::data named(const std::string& key, const std::string& value) {
 
 void add_margins(mustache::data& page, const std::vector<LoopAnalysis>& loops) {
   mustache::data columns(mustache::data::type::list), rows(mustache::data::type::list);
-  for (const LoopAnalysis& loop : loops) {
-    for (const Way& way : kWays) {
-      if (!(loop.*way.curve).points.empty())
-        columns << named("label", loop.label + ", " + way.name);
-    }
+  const std::vector<NamedCurve> curves = curves_of(loops);
+  for (const NamedCurve& one : curves) {
+    columns << named("label", one.loop.label + ", " + one.way.name);
   }
   for (const Quantity& quantity : quantities()) {
     mustache::data row, cells(mustache::data::type::list);
     row.set("name", quantity.words);
-    for (const LoopAnalysis& loop : loops) {
-      for (const Way& way : kWays) {
-        const LoopCurve& curve = loop.*way.curve;
-        if (!curve.points.empty()) cells << named("value", shown(quantity.of(curve)));
-      }
-    }
+    for (const NamedCurve& one : curves) cells << named("value", shown(quantity.of(one.curve)));
     row.set("cells", cells);
     rows << row;
   }
@@ -184,22 +191,14 @@ void add_margins(mustache::data& page, const std::vector<LoopAnalysis>& loops) {
 
 std::string margins_table(const std::vector<LoopAnalysis>& loops, std::size_t width) {
   std::vector<std::string> header = {""};
-  for (const LoopAnalysis& loop : loops) {
-    for (const Way& way : kWays) {
-      if (!(loop.*way.curve).points.empty()) {
-        header.push_back(loop.label + (&way == &kWays[0] ? "" : " measured"));
-      }
-    }
+  const std::vector<NamedCurve> curves = curves_of(loops);
+  for (const NamedCurve& one : curves) {
+    header.push_back(one.loop.label + (&one.way == &kWays[0] ? "" : " measured"));
   }
   Table table(header);
   for (const Quantity& quantity : quantities()) {
     std::vector<std::string> row = {quantity.words};
-    for (const LoopAnalysis& loop : loops) {
-      for (const Way& way : kWays) {
-        const LoopCurve& curve = loop.*way.curve;
-        if (!curve.points.empty()) row.push_back(shown(quantity.of(curve)));
-      }
-    }
+    for (const NamedCurve& one : curves) row.push_back(shown(quantity.of(one.curve)));
     table.add(row);
   }
   return table.print(width);

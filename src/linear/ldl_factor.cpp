@@ -1,25 +1,28 @@
 #include <breakwater/linear/ldl_factor.h>
 
+#include <type_traits>
+
 namespace breakwater {
 namespace {
 
 // Loops of fixed lengths, which the compiler unrolls.
 template <int k>
-void unit_forward(const double* L, Eigen::Index stride, double* x) {
+void unit_forward(std::integral_constant<int, k>, const double* L, Eigen::Index stride, double* x) {
   for (int j = 0; j + 1 < k; ++j) {
     for (int i = j + 1; i < k; ++i) x[i] -= x[j] * L[j * stride + i];
   }
 }
 
 template <int k>
-void unit_backward(const double* L, Eigen::Index stride, double* x) {
+void unit_backward(std::integral_constant<int, k>, const double* L, Eigen::Index stride,
+                   double* x) {
   for (int i = k - 1; i > 0; --i) {
     for (int j = 0; j < i; ++j) x[j] -= x[i] * L[j * stride + i];
   }
 }
 
 // Four columns at once: x is read and written a quarter as often.
-void unit_forward(const double* L, Eigen::Index stride, Eigen::Index k, double* x) {
+void unit_forward(Eigen::Index k, const double* L, Eigen::Index stride, double* x) {
   Eigen::Index j = 0;
   for (; j + 4 <= k; j += 4) {
     const double* first = L + j * stride;
@@ -42,11 +45,33 @@ void unit_forward(const double* L, Eigen::Index stride, Eigen::Index k, double* 
   }
 }
 
-void unit_backward(const double* L, Eigen::Index stride, Eigen::Index k, double* x) {
+void unit_backward(Eigen::Index k, const double* L, Eigen::Index stride, double* x) {
   using Column = Eigen::Map<const Eigen::VectorXd>;
   for (Eigen::Index j = k - 2; j >= 0; --j) {
     const Eigen::Index below = k - j - 1;
     x[j] -= Column(L + j * stride + j + 1, below).dot(Column(x + j + 1, below));
+  }
+}
+
+// Calls solve(k) with a small k as a constant. A factor of size 1 is its diagonal alone.
+template <typename Solve>
+void of_size(Eigen::Index size, const Solve& solve) {
+  switch (size) {
+    case 0:
+    case 1:
+      return;
+    case 2:
+      return solve(std::integral_constant<int, 2>{});
+    case 3:
+      return solve(std::integral_constant<int, 3>{});
+    case 4:
+      return solve(std::integral_constant<int, 4>{});
+    case 5:
+      return solve(std::integral_constant<int, 5>{});
+    case 6:
+      return solve(std::integral_constant<int, 6>{});
+    default:
+      return solve(size);
   }
 }
 
@@ -55,28 +80,7 @@ void unit_backward(const double* L, Eigen::Index stride, Eigen::Index k, double*
 double LdlFactor::forward_solve(double* x) const {
   const double* L = L_.data();
   const Eigen::Index stride = L_.outerStride();
-  switch (size_) {
-    case 0:
-    case 1:
-      break;
-    case 2:
-      unit_forward<2>(L, stride, x);
-      break;
-    case 3:
-      unit_forward<3>(L, stride, x);
-      break;
-    case 4:
-      unit_forward<4>(L, stride, x);
-      break;
-    case 5:
-      unit_forward<5>(L, stride, x);
-      break;
-    case 6:
-      unit_forward<6>(L, stride, x);
-      break;
-    default:
-      unit_forward(L, stride, size_, x);
-  }
+  of_size(size_, [&](auto k) { unit_forward(k, L, stride, x); });
   double square = 0.0;
   for (Eigen::Index j = 0; j < size_; ++j) {
     const double half = x[j] * D_inverse_(j);
@@ -89,28 +93,7 @@ double LdlFactor::forward_solve(double* x) const {
 void LdlFactor::backward_solve(double* x) const {
   const double* L = L_.data();
   const Eigen::Index stride = L_.outerStride();
-  switch (size_) {
-    case 0:
-    case 1:
-      break;
-    case 2:
-      unit_backward<2>(L, stride, x);
-      break;
-    case 3:
-      unit_backward<3>(L, stride, x);
-      break;
-    case 4:
-      unit_backward<4>(L, stride, x);
-      break;
-    case 5:
-      unit_backward<5>(L, stride, x);
-      break;
-    case 6:
-      unit_backward<6>(L, stride, x);
-      break;
-    default:
-      unit_backward(L, stride, size_, x);
-  }
+  of_size(size_, [&](auto k) { unit_backward(k, L, stride, x); });
 }
 
 void LdlFactor::remove(Eigen::Index position) {
