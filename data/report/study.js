@@ -39,24 +39,6 @@
     return made;
   }
 
-  // A button that copies a command.
-  function copyable(line) {
-    const button = element("button", line, "Copy");
-    button.type = "button";
-    button.addEventListener("click", () => {
-      const code = line.querySelector("code");
-      const selected = document.createRange();
-      selected.selectNodeContents(code);
-      getSelection().removeAllRanges();
-      getSelection().addRange(selected);
-      if (navigator.clipboard) navigator.clipboard.writeText(code.textContent).catch(() => {});
-      else document.execCommand("copy");
-      button.textContent = "Copied";
-      setTimeout(() => { button.textContent = "Copy"; }, 1500);
-    });
-  }
-  document.querySelectorAll(".copy").forEach(copyable);
-
   function inWords(run) {
     const [key, candidate, seed, ...values] = run;
     const parts = [data.candidates[candidate]];

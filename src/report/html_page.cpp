@@ -51,7 +51,8 @@ std::string html_page(const std::string& name, mustache::data& data, PageCharts 
     page.set("script", bytes_of(part("page.js")));
   } else {
     page.set("style", own + bytes_of(part("drawn.css")) + bytes_of(part(name + ".css")));
-    page.set("script", bytes_of(part(name + ".js")));
+    const fs::path shared = part("drawn.js"), of_page = shared.parent_path() / (name + ".js");
+    page.set("script", bytes_of(shared) + (fs::exists(of_page) ? bytes_of(of_page) : ""));
   }
   if (data.get("has_replays") != nullptr) {
     page.set("three", bytes_of(kThree) + bytes_of(kOrbit));

@@ -12,8 +12,8 @@
 namespace breakwater {
 
 /// What a page's charts are: of signals over time, drawn by dygraphs when they come into view; or
-/// drawings that are in the page, with a style and a script of its own, data/report/NAME.css and
-/// NAME.js.
+/// drawings that are in the page, with a style of its own, data/report/NAME.css, and a script
+/// NAME.js where there is one.
 enum class PageCharts { over_time, drawn };
 
 /// `data` in the template data/report/NAME.mustache, put into the common page. `data` has what
