@@ -112,6 +112,15 @@ class MainMetrics {
   std::map<std::string, std::vector<std::string>> names_;
 };
 
+// Scenario and case of a run whose folder does not say them.
+std::string origin_of(const Entry& entry) {
+  if (entry.kind != "run" || entry.scenario.empty()) return "";
+  const auto name = entry.more.value("case", "");
+  const fs::path folder = entry.folder.lexically_normal();
+  if (folder.filename() == name && folder.parent_path().filename() == entry.scenario) return "";
+  return entry.scenario + (name.empty() ? "" : ", " + name);
+}
+
 void print_lines(const std::string& text, std::size_t width) {
   for (const std::string& line : wrapped(text, width - std::string(kListIndent).size())) {
     if (!line.empty()) fmt::print("{}{}\n", kListIndent, line);
@@ -133,6 +142,7 @@ void print_entries(const Catalogue& catalogue, const std::vector<Entry>& entries
     fmt::print("{}  {}{}{}\n", toned(when, Tone::faint, colourful),
                toned(status, entry.tone, colourful), fits ? " " : "\n" + std::string(kListIndent),
                folder);
+    print_lines(origin_of(entry), width);
     const std::string numbers = brief(main.of(entry));
     const bool is_median = entry.kind != "run" && !numbers.empty();
     print_lines(is_median ? "medians: " + numbers : numbers, width);

@@ -148,6 +148,9 @@ std::string without_blanks(const std::string& text) {
 
 Study read_study(const toml::table& tables, const std::string& file) {
   const StudyReader reader(file);
+  if (const toml::node* objective = tables.get("objective")) {
+    reader.fail(*objective, "objective", "is of a tuning: breakwater tune");
+  }
   reader.allow(tables, "",
                {"scenario", "config", "case", "set", "method", "samples", "sampling_seed", "seeds",
                 "keep", "on_failure", "vary", "compare", "slurm", "made_by"});

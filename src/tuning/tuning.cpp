@@ -102,12 +102,24 @@ std::vector<VariedKey> read_searched(const StudyReader& reader, const toml::tabl
   return keys;
 }
 
+const std::vector<std::pair<std::string, WorldMethod>>& world_methods() {
+  static const std::vector<std::pair<std::string, WorldMethod>> names = {
+      {"grid", WorldMethod::grid}, {"list", WorldMethod::list}};
+  return names;
+}
+
 std::vector<VariedKey> read_world(const StudyReader& reader, const toml::table& table,
-                                  const std::string& name) {
+                                  const std::string& name, WorldMethod method) {
   std::vector<VariedKey> keys = reader.varied(table, name);
   for (const VariedKey& key : keys) {
     if (key.distribution) {
       throw std::invalid_argument(key.place + ": a world has values: an array, lin() or log()");
+    }
+    if (method == WorldMethod::list && key.values.size() != keys.front().values.size()) {
+      throw std::invalid_argument(
+          fmt::format("{}: has {} values, {} has {}: in a list all have as "
+                      "many",
+                      key.place, key.values.size(), keys.front().key, keys.front().values.size()));
     }
   }
   return keys;
@@ -163,7 +175,7 @@ void read_validation(const StudyReader& reader, const toml::table& tables, Tunin
   }
   if (const toml::node* world = table->get("world")) {
     if (!world->is_table()) reader.fail(*world, "validate.world", "must be a table");
-    worlds.keys = read_world(reader, *world->as_table(), "validate.world");
+    worlds.keys = read_world(reader, *world->as_table(), "validate.world", worlds.method);
   }
   if (!table->contains("seeds") && !table->contains("world")) {
     reader.fail(*table, "validate", "needs seeds or a world that the tuning does not have");
@@ -245,6 +257,7 @@ double gathered(std::vector<double> values, Over over, bool large_is_bad) {
 
 std::size_t Worlds::size() const {
   std::size_t count = std::max<std::size_t>(1, seeds.size());
+  if (method == WorldMethod::list) return keys.empty() ? count : count * keys[0].values.size();
   for (const VariedKey& key : keys) count *= key.values.size();
   return count;
 }
@@ -256,7 +269,7 @@ std::vector<std::string> Worlds::values(std::size_t i) const {
   i /= count;
   for (std::size_t k = keys.size(); k-- > 0;) {
     all[k + 1] = keys[k].values[i % keys[k].values.size()];
-    i /= keys[k].values.size();
+    if (method == WorldMethod::grid) i /= keys[k].values.size();
   }
   return all;
 }
@@ -280,9 +293,12 @@ SearchSettings Tuning::settings(const TunedCase& tuned) const {
 
 Tuning read_tuning(const toml::table& tables, const std::string& file) {
   const StudyReader reader(file);
+  if (const toml::node* vary = tables.get("vary")) {
+    reader.fail(*vary, "vary", "is of a sweep: breakwater sweep");
+  }
   reader.allow(tables, "",
                {"scenario", "config", "case", "for_each", "set", "algorithm", "budget",
-                "population", "sampling_seed", "seeds", "search", "world", "objective",
+                "population", "sampling_seed", "seeds", "search", "worlds", "world", "objective",
                 "constraint", "validate", "made_by"});
   Tuning tuning;
   const toml::node* scenario = tables.get("scenario");
@@ -304,8 +320,9 @@ Tuning read_tuning(const toml::table& tables, const std::string& file) {
         reader.whole(*node, "sampling_seed", 0, std::numeric_limits<std::uint32_t>::max()));
   }
   if (const toml::node* node = tables.get("seeds")) tuning.worlds.seeds = reader.seeds(*node);
+  reader.choice(tables, "worlds", world_methods(), tuning.worlds.method);
   if (const toml::table* world = reader.table(tables, "world")) {
-    tuning.worlds.keys = read_world(reader, *world, "world");
+    tuning.worlds.keys = read_world(reader, *world, "world", tuning.worlds.method);
   }
   tuning.objectives = read_objectives(reader, tables);
   tuning.constraints = read_constraints(reader, tables);
@@ -326,6 +343,7 @@ std::string Tuning::print() const {
                       toml_string(name_of(search_algorithms(), algorithm)), budget, population,
                       sampling_seed);
   if (!worlds.seeds.empty()) text += print_seeds(worlds.seeds);
+  if (worlds.method == WorldMethod::list) text += "worlds = \"list\"\n";
   if (!sets.empty()) text += "\n[set]\n";
   for (const std::string& set : sets) {
     const std::size_t equals = set.find('=');

@@ -46,10 +46,15 @@ struct TunedCase {
   std::vector<VariedKey> search;  ///< [search], and the case's own
 };
 
-/// Worlds: each combination of the keys' values, with each seed.
+/// How worlds come of the keys' values: every combination, or the first values of all keys, the
+/// second, …
+enum class WorldMethod { grid, list };
+
+/// Worlds: the keys' values put together, with each seed.
 struct Worlds {
   std::vector<std::uint64_t> seeds;  ///< empty: the scenario file's
-  std::vector<VariedKey> keys;
+  std::vector<VariedKey> keys;       ///< in a list all have as many values
+  WorldMethod method = WorldMethod::grid;
 
   std::size_t size() const;
   /// key=value of world i < size(): seeds change first.

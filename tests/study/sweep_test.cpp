@@ -383,6 +383,8 @@ TEST_F(Sweep, NonsenseIsOneLineAndStatus2) {
     return sweep({"bad.toml", "--out", "s"});
   };
   const auto vary = [&](const std::string& text) { return study("[vary]\n" + text); };
+  expect_refused(study("[objective]\ny_1 = { goal = \"min\" }\n"),
+                 "bad.toml:2: objective: is of a tuning: breakwater tune");
   expect_refused(study("sample = 3\n"), "bad.toml:2: sample: unknown key (did you mean samples?)");
   expect_refused(vary("\"x.frist\" = [1]\n"),
                  "bad.toml:3: vary.x.frist: unknown key (did you mean x.first?)");

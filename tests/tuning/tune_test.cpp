@@ -1,4 +1,8 @@
 // `breakwater tune` as users meet it.
+#include <algorithm>
+#include <set>
+#include <utility>
+
 #include "study/sweep_folder.h"
 
 namespace breakwater {
@@ -143,11 +147,52 @@ TEST_F(Tune, NonsenseIsOneLineAndStatus2) {
   expect(budget + search + two + "[world]\n\"x.first\" = [1, 2]\n", "is searched too");
   expect(budget + search + two + "[world]\n\"x.third\" = { uniform = [1, 2] }\n",
          "a world has values");
+  const std::string listed = budget + "worlds = \"list\"\n" + search + two;
+  expect(listed + "[world]\n\"x.third\" = [1, 2]\n\"y.noise\" = [0, 1, 2]\n",
+         "world.y.noise: has 3 values, x.third has 2: in a list all have as many");
+  expect(budget + "worlds = \"lits\"\n" + search + two, "(did you mean list?)");
+  expect(budget + search + "[vary]\n\"x.first\" = [1]\n" + two, "is of a sweep: breakwater sweep");
   expect(budget + search + two + "[validate]\npoints = 3\n", "needs seeds or a world");
   expect(budget + "seeds = [1, 2]\n" + search + two + "[validate]\nseeds = [2, 3]\n",
          "has a world that the tuning has too");
   expect(budget + "case = \"nosy\"\n" + search + two, "(did you mean noisy?)");
   expect("budget = 1000000\nseeds = { count = 1000 }\n" + search + two, "are more than 10000000");
+}
+
+TEST_F(Tune, WorldsAreCombinationsOrAList) {
+  const std::string head =
+      "scenario = \"ishigami\"\nbudget = 8\npopulation = 4\nseeds = { count = 2 }\n";
+  const std::string rest =
+      "[search]\n\"x.first\" = { uniform = [-3, 3] }\n[objective]\ny_1 = { goal = \"min\" }\n"
+      "positive_x_second_1 = { goal = \"max\" }\n"
+      "[world]\n\"x.third\" = [-1, 0, 1]\n\"y.noise\" = [0, 0.1, 0.2]\n"
+      "[validate]\n[validate.world]\n\"x.third\" = [2, 3]\n\"y.noise\" = [0, 0.1]\n";
+  // Of each candidate: x.third and y.noise of its worlds.
+  using Pairs = std::set<std::pair<std::string, std::string>>;
+  const auto worlds = [&](const std::string& folder, const std::string& use) {
+    const auto rows = results(folder);
+    const auto column = [&](const char* name) {
+      const auto found = std::find(rows[0].begin(), rows[0].end(), name);
+      EXPECT_NE(found, rows[0].end()) << name;
+      return static_cast<std::size_t>(found - rows[0].begin());
+    };
+    Pairs found;
+    for (std::size_t i = 1; i < rows.size(); ++i) {
+      if (rows[i][column("use")] != use) continue;
+      found.insert({rows[i][column("x.third")], rows[i][column("y.noise")]});
+    }
+    return found;
+  };
+  write("grid.toml", head + rest);
+  ASSERT_EQ(tune({"grid.toml", "--out", "grid"}).status, 0);
+  EXPECT_EQ(worlds("grid", "search").size(), 9U);
+  EXPECT_EQ(worlds("grid", "validate").size(), 4U);
+  write("list.toml", head + "worlds = \"list\"\n" + rest);
+  ASSERT_EQ(tune({"list.toml", "--out", "list"}).status, 0);
+  EXPECT_EQ(worlds("list", "search"), (Pairs{{"-1", "0"}, {"0", "0.1"}, {"1", "0.2"}}));
+  EXPECT_EQ(worlds("list", "validate"), (Pairs{{"2", "0"}, {"3", "0.1"}}));
+  // The folder's own file says the same.
+  EXPECT_EQ(tune({"list"}).status, 0);
 }
 
 TEST_F(Tune, SaysIfNobodySurvives) {
