@@ -368,12 +368,6 @@ std::string counted(const ShardIndex& index) {
   return text;
 }
 
-void warn(const std::vector<std::string>& warnings) {
-  for (const std::string& warning : warnings) {
-    fmt::print(stderr, "{}: warning: {}\n", kSweep, warning);
-  }
-}
-
 std::vector<std::string> metric_names(const PointResult& run) {
   std::vector<std::string> names;
   for (const auto& [name, value] : run.metrics) names.push_back(name);
@@ -446,7 +440,7 @@ void print_dry_run(const Sweep& sweep, const SweepArguments& arguments) {
              duration_text(time.seconds / static_cast<double>(jobs)), number_of(jobs, "core"),
              duration_text(time.seconds));
   std::fflush(stdout);
-  warn(warnings_of(sweep, time.runs));
+  warn(kSweep, warnings_of(sweep, time.runs));
 }
 
 // Processor time of the points that are not done, each as long as its candidate's others.
@@ -494,7 +488,7 @@ void collect(const Plan& plan, const ShardIndex& index, const StudyFolder& folde
   if (extras.write_report) extras.write_report(plan, index, folder);
   const std::vector<std::string> to_know = notes(plan, index);
   if (arguments.quiet) {
-    warn(to_know);
+    warn(kSweep, to_know);
     return;
   }
   if (comparison) {
@@ -642,7 +636,8 @@ int go_on(const Sweep& sweep, const StudyFolder& folder, const ShardIndex& befor
     const std::vector<int> others = other_writers(folder.shards());
     if (!others.empty()) {
       const bool is_one = others.size() == 1;
-      warn({fmt::format("process{} {} {} at this study too: points may be run twice",
+      warn(kSweep,
+           {fmt::format("process{} {} {} at this study too: points may be run twice",
                         is_one ? "" : "es", fmt::join(others, ", "), is_one ? "is" : "are")});
     }
   }
@@ -755,7 +750,7 @@ int sweep(const Catalogue& catalogue, const StudyExtras& extras, const SweepArgu
   const Plan& plan = sweep.plan();
 
   if (arguments.dry_run) {
-    warn(sweep.check());
+    warn(kSweep, sweep.check());
     print_dry_run(sweep, arguments);
     return kSuccess;
   }
@@ -781,7 +776,7 @@ int sweep(const Catalogue& catalogue, const StudyExtras& extras, const SweepArgu
             fmt::format("--rerun: {} is still in the queue ({}): end it first with scancel",
                         folder.path().string(), queue));
       }
-      warn(sweep.check());  // while what is there is still there
+      warn(kSweep, sweep.check());  // while what is there is still there
       folder.make_anew(plan.study(), sweep.file());
       before.emplace(folder.shards(), plan.size());
     } else {
@@ -790,7 +785,7 @@ int sweep(const Catalogue& catalogue, const StudyExtras& extras, const SweepArgu
     if (!arguments.replay.empty()) return replay_point(sweep, folder, *before, arguments);
   }
   if (!folder.is_there()) {
-    warn(sweep.check());
+    warn(kSweep, sweep.check());
     folder.make(plan.study(), sweep.file());
     before.emplace(folder.shards(), plan.size());
   }

@@ -11,6 +11,7 @@
 #include <breakwater/scenario/progress.h>
 #include <breakwater/scenario/table.h>
 #include <breakwater/scenario/toml_file.h>
+#include <breakwater/study/study_notes.h>
 #include <breakwater/study/study_reader.h>
 #include <breakwater/tuning/tuning_outputs.h>
 
@@ -98,7 +99,7 @@ int run_tune(const Catalogue& catalogue, const TuningExtras& extras,
   const StudyFolder& folder = opened.folder;
   TuningPlan plan(catalogue, std::move(opened.tuning));
   if (arguments.dry_run) {
-    plan.check();
+    warn(kTune, plan.check());
     print_count(plan);
     return kSuccess;
   }
@@ -107,14 +108,14 @@ int run_tune(const Catalogue& catalogue, const TuningExtras& extras,
     const TuningPlan there(catalogue, read_tuning(parse_toml_file(file), file));
     folder.check_is(plan.tuning().print(), there.tuning().print());
     if (arguments.rerun) {
-      plan.check();  // while what is there is still there
+      warn(kTune, plan.check());  // while what is there is still there
       folder.make_anew(plan.tuning().print(), plan.file());
     } else {
       folder.check_made_by_this(plan.file(), ShardIndex(folder.shards(), plan.size()));
     }
   }
   if (!folder.is_there()) {
-    plan.check();
+    warn(kTune, plan.check());
     plan.check_metrics(interrupted());
     folder.make(plan.tuning().print(), plan.file());
   }

@@ -59,13 +59,21 @@ TuningPlan::TuningPlan(const Catalogue& catalogue, Tuning tuning)
   values_.resize(tuning_.cases.size());
 }
 
-void TuningPlan::check() const {
-  for (const TunedCase& tuned : tuning_.cases) {
-    Sweep(catalogue_, probed_study(tuning_, tuned, tuning_.worlds)).check();
-    if (tuning_.validation) {
-      Sweep(catalogue_, probed_study(tuning_, tuned, *tuning_.validation)).check();
+std::vector<std::string> TuningPlan::check() const {
+  std::vector<std::string> warnings;
+  const auto check_in = [&](const TunedCase& tuned, const Worlds& worlds) {
+    for (const std::string& warning :
+         Sweep(catalogue_, probed_study(tuning_, tuned, worlds)).check()) {
+      const std::string text = tuned.name + ": " + warning;
+      const bool is_new = std::find(warnings.begin(), warnings.end(), text) == warnings.end();
+      if (is_new) warnings.push_back(text);
     }
+  };
+  for (const TunedCase& tuned : tuning_.cases) {
+    check_in(tuned, tuning_.worlds);
+    if (tuning_.validation) check_in(tuned, *tuning_.validation);
   }
+  return warnings;
 }
 
 void TuningPlan::check_metrics(const std::atomic<bool>& stop) const {

@@ -36,8 +36,9 @@ class TuningPlan : public PointSource {
   const ScenarioFile& file() const { return *file_; }
 
   /// Prepares runs that between them have each value and each end of a range. Throws
-  /// std::invalid_argument with the first mistake.
-  void check() const;
+  /// std::invalid_argument with the first mistake. What it returns is to be warned of: a key that a
+  /// case does not use.
+  std::vector<std::string> check() const;
   /// Runs each case in the middle of its ranges, in the first world. Throws std::invalid_argument
   /// if one ends and lacks a metric that an objective or a constraint names.
   void check_metrics(const std::atomic<bool>& stop) const;

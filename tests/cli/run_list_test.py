@@ -56,6 +56,7 @@ class RunList(Folder):
         self.assertEqual(err, "")
         self.assertIn("2001-09-09 01:46  3 runs", out)
         self.assertIn("medians: rmse_disturbance_Nm ", out)
+        self.assertIn("    motor_estimation, stf\n", out)
         for line in out.splitlines():
             self.assertLessEqual(len(line), 80)
         self.assertEqual(self.call("breakwater", "ls", "runs/arm/good")[0].count("complete"), 1)

@@ -13,18 +13,21 @@
 #include <breakwater/scenario/toml_file.h>
 #include <breakwater/scenario/toml_text.h>
 #include <breakwater/study/sweep.h>
+#include <breakwater/tuning/tuning_plan.h>
 #include "support.h"
 
 namespace breakwater::shipped_studies_test {
 namespace {
 namespace fs = std::filesystem;
 
-std::vector<std::string> shipped() {
+enum class Use { sweep, tune };
+
+std::vector<std::string> shipped(Use use) {
   std::vector<std::string> names;
   for (const auto& entry : fs::directory_iterator(testing::source_file("studies"))) {
     if (entry.path().extension() != ".toml") continue;
-    // Those with a budget are for `tune`.
-    if (parse_toml_file(entry.path().string()).contains("budget")) continue;
+    const bool is_tuning = parse_toml_file(entry.path().string()).contains("budget");
+    if (is_tuning != (use == Use::tune)) continue;
     names.push_back(entry.path().stem().string());
   }
   std::sort(names.begin(), names.end());
@@ -97,12 +100,26 @@ TEST_P(EachShippedStudy, TableIsItsOwn) {
   EXPECT_EQ(point, plan.size());
 }
 
-INSTANTIATE_TEST_SUITE_P(Studies, EachShippedStudy, ::testing::ValuesIn(shipped()),
-                         [](const auto& param) {
-                           std::string name = param.param;
-                           std::replace(name.begin(), name.end(), '-', '_');
-                           return name;
-                         });
+class EachShippedTuning : public ::testing::TestWithParam<std::string> {};
+
+TEST_P(EachShippedTuning, CanRunAndUsesAllItsKeys) {
+  const std::string file = testing::source_file("studies/" + GetParam() + ".toml");
+  const Catalogue catalogue = standard_catalogue();
+  const TuningPlan plan(catalogue, read_tuning(parse_toml_file(file), file));
+  EXPECT_EQ(plan.check(), std::vector<std::string>{});
+  EXPECT_TRUE(plan.tuning().validation);
+}
+
+std::string test_name(const ::testing::TestParamInfo<std::string>& param) {
+  std::string name = param.param;
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
+}
+
+INSTANTIATE_TEST_SUITE_P(Studies, EachShippedStudy, ::testing::ValuesIn(shipped(Use::sweep)),
+                         test_name);
+INSTANTIATE_TEST_SUITE_P(Studies, EachShippedTuning, ::testing::ValuesIn(shipped(Use::tune)),
+                         test_name);
 
 }  // namespace
 }  // namespace breakwater::shipped_studies_test

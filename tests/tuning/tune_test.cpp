@@ -195,6 +195,21 @@ TEST_F(Tune, WorldsAreCombinationsOrAList) {
   EXPECT_EQ(tune({"list"}).status, 0);
 }
 
+TEST_F(Tune, WarnsOfAKeyThatACaseDoesNotUse) {
+  write("t.toml",
+        "scenario = \"motor_estimation\"\nbudget = 8\npopulation = "
+        "4\n[for_each.stf]\n[for_each.qvff]\n"
+        "[set]\n\"disturbance.frequency_rad_s\" = 2\n"
+        "[search]\n\"controller.kp\" = { uniform = [5, 10] }\n[objective]\n"
+        "peak_position_rad = { goal = \"min\" }\nrmse_velocity_rad_s = { goal = \"min\" }\n");
+  const ProgramResult result =
+      testing::run_program({"breakwater", "tune", "t.toml", "--dry-run"}, folder_);
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 2) << result.err;
+  EXPECT_NE(result.err.find("tune: warning: stf: "), std::string::npos) << result.err;
+  EXPECT_NE(result.err.find("disturbance.kind"), std::string::npos) << result.err;
+}
+
 TEST_F(Tune, SaysIfNobodySurvives) {
   write("t.toml",
         "scenario = \"ishigami\"\nbudget = 16\npopulation = 8\n[search]\n"
