@@ -56,6 +56,12 @@ double contact_speed(double stiffness_N_m, double braking_m_s2, double lag_s, do
   return slow;
 }
 
+double servo_speed(double way_m, double acceleration_m_s2, double lambda) {
+  const double near = acceleration_m_s2 / (2.0 * lambda * lambda);
+  if (way_m < near) return lambda * way_m;
+  return std::sqrt(2.0 * acceleration_m_s2 * way_m) - acceleration_m_s2 / (2.0 * lambda);
+}
+
 SoftContact::SoftContact(const PlanarChain& chain, const AccelerationControlDesign& acceleration,
                          const ArmTask& task, const SoftContactDesign& design)
     : ArmController(chain, acceleration, task),
@@ -223,15 +229,12 @@ void SoftContact::see_contact() {
 }
 
 double SoftContact::contact_acceleration() const {
-  const double lambda = contact_.k_p() / contact_.k_d();
-  const double way = std::abs(way_to_go_m_);
   const bool is_ahead = way_to_go_m_ > 0.0;
   const bool is_approaching = velocity_[0] * way_to_go_m_ > 0.0;
   // Forwards it drives and brakes as named; backwards the other way round.
   const bool needs_braking = is_ahead == is_approaching;
   const double a = kAuthorityShare * authority_(needs_braking ? 0 : 1);
-  const double near = a / (2.0 * lambda * lambda);
-  const double speed = way < near ? lambda * way : std::sqrt(2.0 * a * way) - a / (2.0 * lambda);
+  const double speed = servo_speed(std::abs(way_to_go_m_), a, contact_.k_p() / contact_.k_d());
   const double wanted = std::min(speed, std::max(speed_cap_m_s_, kSlowestInContact_m_s));
   return contact_.k_d() * (std::copysign(wanted, way_to_go_m_) - velocity_[0]);
 }

@@ -32,6 +32,10 @@ double contact_speed(double stiffness_N_m, double braking_m_s2, double lag_s, do
 /// F(v) of it.
 double contact_peak_N(double speed_m_s, double stiffness_N_m, double braking_m_s2, double lag_s);
 
+/// The speed at which a proximate time-optimal servo goes to a point that is `way` ≥ 0 away: λ way
+/// within a/(2λ²) of it, √(2 a way) − a/(2λ) beyond, where both have the same value and slope.
+double servo_speed(double way_m, double acceleration_m_s2, double lambda);
+
 /// A force law that plans with the torques that are left. With g = J⁺ e_x and r = J⁺([0, −k_p^y y −
 /// k_d^y ẏ, −k_p^y φ − k_d^y φ̇]ᵀ − J̇ q̇), a path acceleration a_x needs the joints' accelerations
 /// g a_x + r, so that a_x has the *authority* [lo, hi] = ∩_i ((±τ_lim,i − τ̂_d,i)/J_n,i − r_i)/g_i.

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
@@ -50,6 +51,62 @@ TEST(ContactSpeed, IsTheLargestThatIsAllowed) {
     }
   }
   EXPECT_LT(contact_speed(1000.0, 4.0, 0.05, 0.005, 1e-9), 1e-4);
+}
+
+TEST(ServoSpeed, IsContinuousWithItsSlopeAndCanBeBraked) {
+  constexpr double kLambda = 18.0, kA = 3.0, kStep = 1e-9;
+  const double near = kA / (2.0 * kLambda * kLambda);
+  const auto slope = [&](double way) {
+    return (servo_speed(way + kStep, kA, kLambda) - servo_speed(way, kA, kLambda)) / kStep;
+  };
+  EXPECT_NEAR(servo_speed(near, kA, kLambda), kLambda * near, 1e-15);
+  EXPECT_NEAR(slope(near - 2.0 * kStep), slope(near), 1e-4);
+  // Along the curve it brakes with v dv/dway: a far away, less when near.
+  for (const double way : {near, 0.01, 0.1, 1.0}) {
+    EXPECT_LE(servo_speed(way, kA, kLambda) * slope(way), kA) << way;
+  }
+}
+
+// The contact's servo as a double integrator within bounds, a wall of K that is taken for K-hat.
+// V = v²/2 + (K-hat/K) ∫ sat(k_d w) never rises while the motion has one direction, and it comes to
+// rest at the reference (docs/methods/soft-contact.md, "Stability").
+TEST(ServoSpeed, LyapunovFunctionFallsWithinBounds) {
+  constexpr double kStep = 1e-5, kRise = 1e-4, kAtRest = 1e-7;
+  constexpr double kKp = 35.0 * 35.0, kKd = 70.0;
+  testing::Random random(7);
+  for (int i = 0; i < 60; ++i) {
+    const double brake = std::pow(10.0, random.uniform(-0.5, 1.5));
+    const double drive = i % 2 == 0 ? brake : std::pow(10.0, random.uniform(-0.5, 1.5));
+    const double ratio = std::pow(10.0, random.uniform(-0.7, 0.7));  // K/K-hat
+    const double cap = i % 3 == 0 ? INFINITY : 0.05;
+    const double furthest = 0.05;
+    double way = random.uniform(-furthest, furthest), speed = random.uniform(-0.3, 0.3);
+    const auto acceleration = [&](double v, bool is_forwards, double of) {
+      const double a = 0.85 * (is_forwards ? brake : drive);
+      const double wanted = std::min(servo_speed(std::abs(of), a, kKp / kKd), cap);
+      return std::clamp(kKd * (std::copysign(wanted, of) - v), -brake, drive);
+    };
+    double function = INFINITY;
+    bool was_forwards = speed >= 0.0;
+    double potential = 0.0;  // since the motion last turned, by the trapezium rule
+    for (int k = 0; k < 2'000'000; ++k) {
+      if (std::abs(way) < kAtRest && std::abs(speed) < kAtRest) break;
+      const bool is_forwards = speed >= 0.0;
+      if (is_forwards != was_forwards && drive != brake) function = INFINITY;
+      was_forwards = is_forwards;
+      const double now = 0.5 * speed * speed + potential;
+      ASSERT_LE(now, function + kRise * kStep * (brake + drive)) << i << " at " << k * kStep;
+      function = now;
+      const double force = acceleration(0.0, is_forwards, way);
+      const double a = acceleration(speed, is_forwards, way);
+      const double last = way;
+      way -= ratio * kStep * (speed + 0.5 * kStep * a);
+      speed += kStep * a;
+      potential += 0.5 * (force + acceleration(0.0, is_forwards, way)) * (way - last) / ratio;
+    }
+    EXPECT_NEAR(way, 0.0, kAtRest) << i;
+    EXPECT_NEAR(speed, 0.0, kAtRest) << i;
+  }
 }
 
 // A contact of known K and B, pressed in some way, its force behind the lag, with noise.
