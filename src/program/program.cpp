@@ -73,9 +73,9 @@ int program(int argc, const char* const* argv, const Catalogue& catalogue,
   if (argc >= 2 && is_report_command(argv[1])) return report_main(catalogue, argc - 1, argv + 1);
   if (argc >= 2 && std::string(argv[1]) == kSweep) {
     StudyExtras extras;
-    extras.write_report = [&](const Plan& plan, const ShardIndex& index,
-                              const StudyFolder& folder) {
-      write_study_report(catalogue, plan, index, folder);
+    extras.write_report = [&](const Plan& plan, const ShardIndex& index, const StudyFolder& folder,
+                              const std::optional<CandidateComparison>& comparison) {
+      write_study_report(catalogue, plan, index, folder, comparison);
     };
     return sweep_main(catalogue, extras, argc - 1, argv + 1);
   }

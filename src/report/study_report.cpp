@@ -8,6 +8,7 @@
 
 #include <breakwater/record/partial_file.h>
 #include <breakwater/report/html_page.h>
+#include <breakwater/report/paired_rows.h>
 #include <breakwater/report/study_sections.h>
 #include <breakwater/report/thesis_report.h>
 #include <breakwater/scenario/child_program.h>
@@ -204,7 +205,8 @@ void add_overview(mustache::data& page, const StudySections& sections, const Stu
 }  // namespace
 
 void write_study_report(const Catalogue& catalogue, const Plan& plan, const ShardIndex& index,
-                        const StudyFolder& folder) {
+                        const StudyFolder& folder,
+                        const std::optional<CandidateComparison>& comparison) {
   const Study& study = plan.study();
   const auto scenario = make_scenario(catalogue, study.scenario);
   const StudyNumbers numbers = study_numbers(plan, index, scenario->matrix().metrics);
@@ -261,7 +263,9 @@ void write_study_report(const Catalogue& catalogue, const Plan& plan, const Shar
 
   mustache::data metrics(mustache::data::type::list);
   for (std::size_t m = 0; m < sections.detail().metrics; ++m) {
-    metrics << sections.section(m);
+    mustache::data section = sections.section(m);
+    if (comparison) add_paired_metric(*comparison, numbers.metrics[m], section);
+    metrics << section;
     contents(fmt::format("metric-{}", m + 1), numbers.metrics[m]);
   }
   page.set("metrics", metrics);
@@ -269,6 +273,7 @@ void write_study_report(const Catalogue& catalogue, const Plan& plan, const Shar
   const bool has_failures = !numbers.failures.empty();
   if (has_failures || study.method == Method::saltelli) {
     mustache::data failures = sections.section(std::nullopt);
+    if (comparison) add_paired_failures(*comparison, failures);
     failures.set("kinds", failure_rows(numbers, index, labels, runs));
     failures.set("has_kinds", has_failures);
     if (numbers.failures.size() > kMostListedKinds) {

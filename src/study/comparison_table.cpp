@@ -156,9 +156,21 @@ std::string comparison_text(const CandidateComparison& comparison, std::size_t w
   }
   std::string text = table.print(width);
   if (has_mark) {
-    text +=
-        fmt::format("* of fewer worlds than {}: in the others a run failed or lacks the metric\n",
-                    comparison.worlds);
+    text += fmt::format(
+        "* of fewer worlds than {}: in the others a run failed or lacks the metric, or "
+        "both runs are those of another world\n",
+        comparison.worlds);
+  }
+  std::vector<std::string> repeated;
+  for (std::size_t c = 0; c < comparison.candidates.size(); ++c) {
+    if (comparison.runs[c] == comparison.worlds) continue;
+    repeated.push_back(fmt::format("{} of {}", comparison.runs[c], comparison.candidates[c]));
+  }
+  if (!repeated.empty()) {
+    text += fmt::format(
+        "In {} worlds there are but {} different runs: what is varied does not "
+        "reach {}; the same pair counts once\n",
+        comparison.worlds, fmt::join(repeated, ", "), repeated.size() == 1 ? "that one" : "those");
   }
   return text;
 }

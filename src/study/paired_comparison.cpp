@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <set>
 #include <utility>
 
 #include <breakwater/study/binomial.h>
@@ -29,6 +30,25 @@ std::vector<std::pair<std::size_t, std::size_t>> pairs_of(const PairedResults& r
   return pairs;
 }
 
+// What tells a run from others of its candidate.
+int run_in(const PairedResults& results, Eigen::Index world, std::size_t candidate) {
+  if (results.runs.size() == 0) return static_cast<int>(world);
+  return results.runs(world, static_cast<Eigen::Index>(candidate));
+}
+
+// The worlds in which this pair of runs is new.
+std::vector<Eigen::Index> different_worlds(const PairedResults& results, std::size_t x,
+                                           std::size_t y) {
+  std::set<std::pair<int, int>> met;
+  std::vector<Eigen::Index> worlds;
+  for (Eigen::Index world = 0; world < results.failed.rows(); ++world) {
+    if (met.emplace(run_in(results, world, x), run_in(results, world, y)).second) {
+      worlds.push_back(world);
+    }
+  }
+  return worlds;
+}
+
 EstimatedMedian estimated_median(std::vector<double> values, double level) {
   std::sort(values.begin(), values.end());
   const auto interval = quantile_interval(values, 0.5, level);
@@ -53,7 +73,8 @@ Goal goal_in(const PairedResults& results, const std::string& metric) {
 }
 
 MetricComparison compare_metric(const PairedResults& results, std::size_t metric, std::size_t x,
-                                std::size_t y, const ComparisonSettings& settings) {
+                                std::size_t y, const std::vector<Eigen::Index>& worlds,
+                                const ComparisonSettings& settings) {
   MetricComparison comparison;
   comparison.metric = results.metrics[metric];
   comparison.goal = goal_in(results, comparison.metric);
@@ -61,13 +82,14 @@ MetricComparison compare_metric(const PairedResults& results, std::size_t metric
   comparison.reference = y;
   const Eigen::MatrixXd& values = results.values[metric];
   std::vector<double> of_x, of_y, differences;
+  std::set<int> runs_of_x, runs_of_y;
   double smaller = 0.0;
-  for (Eigen::Index world = 0; world < values.rows(); ++world) {
+  for (const Eigen::Index world : worlds) {
     const double a = values(world, static_cast<Eigen::Index>(x));
     const double b = values(world, static_cast<Eigen::Index>(y));
     if (std::isnan(a) || std::isnan(b)) continue;
-    of_x.push_back(a);
-    of_y.push_back(b);
+    if (runs_of_x.insert(run_in(results, world, x)).second) of_x.push_back(a);
+    if (runs_of_y.insert(run_in(results, world, y)).second) of_y.push_back(b);
     differences.push_back(a - b);
     smaller += a < b ? 1.0 : a == b ? 0.5 : 0.0;
   }
@@ -106,14 +128,15 @@ ComparisonVerdict verdict_of(const MetricComparison& comparison, double alpha) {
                                                       : ComparisonVerdict::worse;
 }
 
-FailureComparison compare_failures(const PairedResults& results, std::size_t x, std::size_t y) {
-  const auto of_x = results.failed.col(static_cast<Eigen::Index>(x)).array();
-  const auto of_y = results.failed.col(static_cast<Eigen::Index>(y)).array();
+FailureComparison compare_failures(const PairedResults& results, std::size_t x, std::size_t y,
+                                   const std::vector<Eigen::Index>& worlds) {
+  const Eigen::ArrayXd of_x = results.failed(worlds, static_cast<Eigen::Index>(x));
+  const Eigen::ArrayXd of_y = results.failed(worlds, static_cast<Eigen::Index>(y));
   const auto count = [](const auto& which) { return static_cast<std::size_t>(which.count()); };
   FailureComparison comparison;
   comparison.candidate = x;
   comparison.reference = y;
-  comparison.pairs = static_cast<std::size_t>(results.failed.rows());
+  comparison.pairs = worlds.size();
   comparison.failures = count(of_x > 0.0);
   comparison.reference_failures = count(of_y > 0.0);
   comparison.alone = count(of_x > of_y);
@@ -132,6 +155,25 @@ void adjust(std::vector<Comparison>& comparisons, const Counts& counts) {
   const std::vector<double> adjusted = holm(p);
   std::size_t next = 0;
   for (Comparison& one : comparisons) one.p_holm = counts(one) ? adjusted[next++] : one.p;
+}
+
+// Whether any two candidates have the same two runs in two worlds.
+bool has_repeated_pair(const PairedResults& results) {
+  const auto all = static_cast<std::size_t>(results.failed.rows());
+  for (std::size_t x = 0; x < results.candidates.size(); ++x) {
+    for (std::size_t y = 0; y < x; ++y) {
+      if (different_worlds(results, x, y).size() < all) return true;
+    }
+  }
+  return false;
+}
+
+std::vector<std::size_t> different_runs(const PairedResults& results) {
+  std::vector<std::size_t> runs;
+  for (std::size_t x = 0; x < results.candidates.size(); ++x) {
+    runs.push_back(different_worlds(results, x, x).size());
+  }
+  return runs;
 }
 
 std::optional<RankComparison> rank(const PairedResults& results, std::size_t metric, double alpha) {
@@ -167,18 +209,23 @@ CandidateComparison compare_candidates(const PairedResults& results,
   CandidateComparison comparison;
   comparison.candidates = results.candidates;
   comparison.worlds = static_cast<std::size_t>(results.failed.rows());
+  comparison.runs = different_runs(results);
   const auto pairs = pairs_of(results);
+  std::vector<std::vector<Eigen::Index>> worlds;
+  for (const auto& [x, y] : pairs) worlds.push_back(different_worlds(results, x, y));
   for (std::size_t metric = 0; metric < results.metrics.size(); ++metric) {
-    for (const auto& [x, y] : pairs) {
-      const MetricComparison one = compare_metric(results, metric, x, y, settings);
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+      const auto& [x, y] = pairs[i];
+      const MetricComparison one = compare_metric(results, metric, x, y, worlds[i], settings);
       if (one.pairs > 0) comparison.metrics.push_back(one);
     }
   }
   adjust(comparison.metrics, [&](const auto& one) { return differs(one, results); });
   for (MetricComparison& one : comparison.metrics) one.verdict = verdict_of(one, settings.alpha);
 
-  for (const auto& [x, y] : pairs) {
-    comparison.failures.push_back(compare_failures(results, x, y));
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    comparison.failures.push_back(
+        compare_failures(results, pairs[i].first, pairs[i].second, worlds[i]));
   }
   adjust(comparison.failures, [](const auto& one) { return one.alone + one.reference_alone > 0; });
   for (FailureComparison& one : comparison.failures) {
@@ -187,7 +234,7 @@ CandidateComparison compare_candidates(const PairedResults& results,
         one.alone < one.reference_alone ? ComparisonVerdict::better : ComparisonVerdict::worse;
   }
 
-  if (results.candidates.size() >= kFewestRanked) {
+  if (results.candidates.size() >= kFewestRanked && !has_repeated_pair(results)) {
     for (std::size_t metric = 0; metric < results.metrics.size(); ++metric) {
       if (auto ranks = rank(results, metric, settings.alpha)) {
         comparison.ranks.push_back(std::move(*ranks));

@@ -21,6 +21,9 @@ struct PairedResults {
   std::map<std::string, Goal> goals;    ///< of metrics; none of those that are not there
   std::vector<Eigen::MatrixXd> values;  ///< of each metric; NaN: the run does not have it
   Eigen::MatrixXd failed;               ///< 1 where the run did not end, else 0
+  /// Equal numbers in a column are the same run again: what makes two worlds different does not
+  /// reach that candidate. Empty: all runs differ.
+  Eigen::MatrixXi runs = {};
 };
 
 enum class ComparisonVerdict { better, worse, smaller, larger, no_difference_shown };
@@ -31,7 +34,8 @@ struct EstimatedMedian {
   std::optional<ConfidenceInterval> interval;
 };
 
-/// One metric of one candidate x beside another, the reference y, over the pairs that have both.
+/// One metric of one candidate x beside another, the reference y, over the pairs that have both. A
+/// pair of the same two runs counts once, as does a run in its median.
 struct MetricComparison {
   std::string metric;
   Goal goal = Goal::none;
@@ -58,7 +62,8 @@ struct FailureComparison {
 };
 
 /// Ranks of three candidates or more in one metric, over the worlds in which all have it: 1 is the
-/// smallest value; with the goal max, the largest.
+/// smallest value; with the goal max, the largest. None where a pair of runs repeats: its worlds
+/// are not independent.
 struct RankComparison {
   std::string metric;
   Goal goal = Goal::none;
@@ -70,6 +75,7 @@ struct RankComparison {
 struct CandidateComparison {
   std::vector<std::string> candidates;
   std::size_t worlds = 0;                 ///< that they met
+  std::vector<std::size_t> runs;          ///< of each candidate, that differ
   std::vector<MetricComparison> metrics;  ///< metrics in their order, in them the candidates
   std::vector<FailureComparison> failures;
   std::vector<RankComparison> ranks;  ///< empty of fewer than three candidates

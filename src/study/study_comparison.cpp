@@ -30,8 +30,9 @@ std::vector<std::string> metrics_of(const ShardIndex& index) {
   return metrics;
 }
 
-// All that a run left: two of the same are one.
+// All that a run left: two of the same are one. A run that left no hash is like no other.
 std::string outcome(const PointResult& result) {
+  if (result.state_hash.empty()) return std::to_string(result.number);
   std::string text = name_of(result.status) + result.state_hash;
   for (const auto& [name, value] : result.metrics) text += fmt::format(" {}={:.17g}", name, value);
   return text;
@@ -64,19 +65,22 @@ PairedResults paired_results(const Plan& plan, const ShardIndex& index) {
   results.values.assign(
       results.metrics.size(),
       Eigen::MatrixXd::Constant(rows, width, std::numeric_limits<double>::quiet_NaN()));
+  results.runs = Eigen::MatrixXi::Zero(rows, width);
   Eigen::Index kept = 0;
-  std::set<std::string> worlds_of_sample;
+  std::set<std::string> worlds;
+  std::unordered_map<std::string, int> numbers;  // of outcomes
   for (std::size_t world = 0; world < all; ++world) {
-    if (world % plan.seeds() == 0) worlds_of_sample.clear();
     std::vector<PointResult> runs;
     std::vector<std::string> outcomes;
     for (std::size_t c = 0; c < k && index.has(world * k + c); ++c) {
       runs.push_back(index.read(world * k + c));
-      outcomes.push_back(outcome(runs.back()));
+      outcomes.push_back(fingerprint({outcome(runs.back())}));
     }
-    if (runs.size() < k || !worlds_of_sample.insert(fingerprint(outcomes)).second) continue;
+    if (runs.size() < k || !worlds.insert(fingerprint(outcomes)).second) continue;
     for (std::size_t c = 0; c < k; ++c) {
       const auto column = static_cast<Eigen::Index>(c);
+      results.runs(kept, column) =
+          numbers.emplace(outcomes[c], static_cast<int>(numbers.size())).first->second;
       if (runs[c].status != PointStatus::complete) results.failed(kept, column) = 1.0;
       for (const auto& [name, value] : runs[c].metrics) {
         const auto found = columns.find(name);
@@ -86,6 +90,7 @@ PairedResults paired_results(const Plan& plan, const ShardIndex& index) {
     ++kept;
   }
   results.failed.conservativeResize(kept, Eigen::NoChange);
+  results.runs.conservativeResize(kept, Eigen::NoChange);
   for (Eigen::MatrixXd& values : results.values) values.conservativeResize(kept, Eigen::NoChange);
   return results;
 }

@@ -13,8 +13,9 @@
 namespace breakwater {
 
 /// The candidates of a study, paired by sample and seed: each row is one world that all of them
-/// have met. Metrics are those of compare.metrics, or all that any run has. Seeds of one sample
-/// that changed nothing in any candidate's result are one world and not several. Throws
+/// have met. Metrics are those of compare.metrics, or all that any run has. Worlds in
+/// which every candidate has the same run are one world and not several; where some have, those
+/// runs have the same number. Throws
 /// std::invalid_argument if that is more than memory should hold.
 PairedResults paired_results(const Plan& plan, const ShardIndex& index);
 

@@ -485,7 +485,7 @@ void collect(const Plan& plan, const ShardIndex& index, const StudyFolder& folde
   const auto comparison = compare_study(plan, index);
   const fs::path compared = folder.path() / "comparison.csv";
   if (comparison) replace_file(compared, comparison_csv(*comparison));
-  if (extras.write_report) extras.write_report(plan, index, folder);
+  if (extras.write_report) extras.write_report(plan, index, folder, comparison);
   const std::vector<std::string> to_know = notes(plan, index);
   if (arguments.quiet) {
     warn(kSweep, to_know);

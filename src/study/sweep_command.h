@@ -2,8 +2,10 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 
 #include <breakwater/scenario/catalogue.h>
+#include <breakwater/study/paired_comparison.h>
 #include <breakwater/study/results.h>
 #include <breakwater/study/study_folder.h>
 
@@ -11,8 +13,10 @@ namespace breakwater {
 
 /// What other rooms add to a study.
 struct StudyExtras {
-  /// Writes DIR/report.html; may be empty.
-  std::function<void(const Plan&, const ShardIndex&, const StudyFolder&)> write_report;
+  /// Writes DIR/report.html, with what compares the candidates, if there are several; may be empty.
+  std::function<void(const Plan&, const ShardIndex&, const StudyFolder&,
+                     const std::optional<CandidateComparison>&)>
+      write_report;
 };
 
 inline constexpr const char* kSweep = "sweep";

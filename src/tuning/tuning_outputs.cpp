@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <map>
 #include <set>
 
@@ -10,11 +11,14 @@
 #include <breakwater/record/partial_file.h>
 #include <breakwater/scenario/table.h>
 #include <breakwater/scenario/toml_text.h>
+#include <breakwater/tuning/front.h>
 
 namespace breakwater {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr std::size_t kMostShown = 12;  // of a front that was not validated
 
 std::string digits(double value) {
   return fmt::format("{:.17g}", value);
@@ -187,37 +191,73 @@ void write_outputs(const TuningPlan& plan, const TuningResult& result, const fs:
   replace_file(folder / "front.csv", text);
 }
 
-std::string fronts_text(const TuningPlan& plan, const TuningResult& result, std::size_t width) {
+namespace {
+
+// A number in short; what is none, as it is.
+std::string in_short(const std::string& value) {
+  double number = 0.0;
+  const char* end = value.data() + value.size();
+  const auto [stop, error] = std::from_chars(value.data(), end, number);
+  return error == std::errc() && stop == end ? fmt::format("{:.4g}", number) : value;
+}
+
+// Those of a front that a screen has room for: what was validated, or some of it evenly.
+std::vector<std::size_t> shown_points(const TunedFront& front) {
+  std::vector<std::size_t> shown;
+  for (std::size_t i = 0; i < front.points.size(); ++i) {
+    if (front.points[i].fresh) shown.push_back(i);
+  }
+  if (shown.empty()) shown = evenly_spaced(front.points.size(), kMostShown);
+  return shown;
+}
+
+std::string front_text(const TuningPlan& plan, const TuningResult& result, std::size_t c,
+                       std::size_t first_label, std::size_t width) {
   const Tuning& tuning = plan.tuning();
+  const TunedFront& front = result.fronts[c];
+  std::vector<std::string> keys;
+  for (const VariedKey& key : tuning.cases[c].search) keys.push_back(key.key);
   std::vector<std::string> header = {"front"};
-  if (tuning.cases.size() > 1) header.emplace_back("case");
-  for (const std::string& key : searched_keys(tuning)) header.push_back(key);
+  header.insert(header.end(), keys.begin(), keys.end());
   for (const Objective& one : tuning.objectives) {
     header.push_back(one.metric);
     if (tuning.validation) header.emplace_back("on fresh worlds");
   }
   Table table(header);
-  std::size_t label = 0;
-  for (std::size_t c = 0; c < result.fronts.size(); ++c) {
-    for (const FrontPoint& point : result.fronts[c].points) {
-      std::vector<std::string> row = {std::to_string(++label)};
-      if (tuning.cases.size() > 1) row.push_back(result.fronts[c].case_name);
-      Cells cells;
-      put_values(plan, c, point.evaluation, cells);
-      for (const std::string& value : cells.in(searched_keys(tuning))) {
-        row.push_back(value.substr(0, 8));
-      }
-      for (std::size_t i = 0; i < tuning.objectives.size(); ++i) {
-        row.push_back(brief(point.tuned.objectives[i]));
-        if (!tuning.validation) continue;
-        row.push_back(!point.fresh                ? "-"
-                      : point.fresh->failures > 0 ? fmt::format("{} failed", point.fresh->failures)
-                                                  : brief(point.fresh->objectives[i]));
-      }
-      table.add(row);
+  const std::vector<std::size_t> shown = shown_points(front);
+  for (const std::size_t i : shown) {
+    const FrontPoint& point = front.points[i];
+    std::vector<std::string> row = {std::to_string(first_label + i)};
+    Cells cells;
+    put_values(plan, c, point.evaluation, cells);
+    for (const std::string& value : cells.in(keys)) row.push_back(in_short(value));
+    for (std::size_t k = 0; k < tuning.objectives.size(); ++k) {
+      row.push_back(brief(point.tuned.objectives[k]));
+      if (!tuning.validation) continue;
+      row.push_back(!point.fresh                ? "-"
+                    : point.fresh->failures > 0 ? fmt::format("{} failed", point.fresh->failures)
+                                                : brief(point.fresh->objectives[k]));
     }
+    table.add(row);
   }
-  return table.print(width);
+  const std::size_t more = front.points.size() - shown.size();
+  return table.print(width) + (more > 0 ? fmt::format("and {} more\n", more) : "");
+}
+
+}  // namespace
+
+std::string fronts_text(const TuningPlan& plan, const TuningResult& result, std::size_t width) {
+  std::string text;
+  std::size_t label = 1;
+  for (std::size_t c = 0; c < result.fronts.size(); ++c) {
+    const TunedFront& front = result.fronts[c];
+    if (front.points.empty()) continue;
+    if (!text.empty()) text += '\n';
+    if (result.fronts.size() > 1) text += front.case_name + "\n";
+    text += front_text(plan, result, c, label, width);
+    label += front.points.size();
+  }
+  return text;
 }
 
 }  // namespace breakwater

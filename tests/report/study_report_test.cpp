@@ -16,6 +16,7 @@
 #include <breakwater/report/study_numbers.h>
 #include <breakwater/report/study_report.h>
 #include <breakwater/scenario/toml_text.h>
+#include <breakwater/study/study_comparison.h>
 #include "catalogue.h"
 #include "support.h"
 
@@ -80,7 +81,8 @@ class Folder {
   const Plan& plan() const { return plan_; }
   ShardIndex index() const { return {folder_.shards(), plan_.size()}; }
   std::string page() const {
-    write_study_report(testing::catalogue(), plan_, index(), folder_);
+    write_study_report(testing::catalogue(), plan_, index(), folder_,
+                       compare_study(plan_, index()));
     return testing::text_of(folder_.path() / "report.html");
   }
   fs::path path() const { return folder_.path(); }
@@ -149,6 +151,37 @@ TEST(QuantileBands, AreTheOrderStatistics) {
     EXPECT_DOUBLE_EQ(band.q25, 0.5 * (values[2] + values[3]));
     EXPECT_DOUBLE_EQ(band.q90, values[9]);
   }
+}
+
+// What the page says of pairs is what comparison.csv says.
+TEST(StudyReport, SaysWhatIsBetter) {
+  Study study = make_study({}, {"idob", "stf", "kfd"}, 12);
+  study.goals = {{"y_m", Goal::min}};
+  study.metrics = {"y_m"};
+  Folder folder("paired", study);
+  testing::Random random;
+  folder.fill([&](const StudyPoint& point, PointResult& result) {
+    if (point.candidate == 2 && *point.seed == 3) return fail(result, "lost");
+    result.metrics = {{"y_m", static_cast<double>(*point.seed) +
+                                  (point.candidate == 1 ? 5.0 : random.uniform(0.0, 1.0))}};
+  });
+  const std::string page = folder.page();
+  const auto comparison = compare_study(folder.plan(), folder.index());
+  ASSERT_TRUE(comparison);
+  EXPECT_NE(page.find("Paired, in the same worlds"), std::string::npos);
+  for (const MetricComparison& one : comparison->metrics) {
+    const std::string begin = fmt::format("<tr><th scope=\"row\">{}</th><td>{}</td><td>{}",
+                                          comparison->candidates[one.candidate],
+                                          comparison->candidates[one.reference], one.pairs);
+    const std::size_t at = page.find(begin);
+    ASSERT_NE(at, std::string::npos) << begin;
+    const std::string row = page.substr(at, page.find("</tr>", at) - at);
+    EXPECT_NE(row.find(">" + name_of(one.verdict) + "</b>"), std::string::npos) << row;
+  }
+  EXPECT_EQ(comparison->metrics[0].verdict, ComparisonVerdict::worse);  // stf beside idob
+  EXPECT_NE(page.find("<td>11 of 12</td>"), std::string::npos);         // where kfd failed
+  EXPECT_NE(page.find("McNemar"), std::string::npos);
+  EXPECT_NE(page.find("(Nemenyi, 5 %)"), std::string::npos);
 }
 
 TEST(QuantileBands, ManyValuesAreGroupedWithTheirNeighbours) {

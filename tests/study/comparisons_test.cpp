@@ -287,9 +287,48 @@ TEST(Comparisons, RowsOfFewerWorldsAreMarked) {
     marked += has_mark ? 1 : 0;
   }
   EXPECT_EQ(marked, 2U);  // as many worlds in b as in c, but others
-  EXPECT_EQ(last, "* of fewer worlds than 3: in the others a run failed or lacks the metric");
+  EXPECT_EQ(
+      last,
+      "* of fewer worlds than 3: in the others a run failed or lacks the metric, or both runs "
+      "are those of another world");
   results.values[0] = results.values[1];
   EXPECT_EQ(comparison_text(compare_candidates(results), 200).find('*'), std::string::npos);
+}
+
+// A key that only "a" knows: nine values in each of two worlds are eighteen runs of it, but two of
+// the others, and two pairs of those.
+TEST(Comparisons, TheSamePairCountsOnce) {
+  PairedResults results;
+  results.candidates = {"a", "b", "c"};
+  results.metrics = {"y"};
+  results.goals = {{"y", Goal::min}};
+  results.failed = Eigen::MatrixXd::Zero(18, 3);
+  results.failed.col(2).head(9).setOnes();
+  results.values = {Eigen::MatrixXd(18, 3)};
+  results.runs = Eigen::MatrixXi(18, 3);
+  for (int i = 0; i < 18; ++i) {
+    const int world = i / 9;
+    results.values[0].row(i) << 0.1 * i, 5.0 + world, 7.0 + world;
+    results.runs.row(i) << i, world, world;
+  }
+  const CandidateComparison comparison = compare_candidates(results);
+  EXPECT_EQ(comparison.runs, (std::vector<std::size_t>{18, 2, 2}));
+  ASSERT_EQ(comparison.metrics.size(), 3U);
+  const MetricComparison& b_beside_a = comparison.metrics[0];
+  EXPECT_EQ(b_beside_a.pairs, 18U);
+  EXPECT_EQ(b_beside_a.verdict, ComparisonVerdict::worse);
+  EXPECT_EQ(b_beside_a.median.value, 5.5);
+  EXPECT_FALSE(b_beside_a.median.interval);  // of two runs there is none
+  EXPECT_TRUE(b_beside_a.reference_median.interval);
+  const MetricComparison& c_beside_b = comparison.metrics[2];
+  EXPECT_EQ(c_beside_b.pairs, 2U);
+  EXPECT_EQ(c_beside_b.verdict, ComparisonVerdict::no_difference_shown);
+  EXPECT_EQ(comparison.failures[2].pairs, 2U);
+  EXPECT_EQ(comparison.failures[2].failures, 1U);
+  EXPECT_TRUE(comparison.ranks.empty());
+  EXPECT_NE(comparison_text(comparison, 200)
+                .find("In 18 worlds there are but 2 of b, 2 of c different runs"),
+            std::string::npos);
 }
 
 TEST(Comparisons, FewerFailuresAreBetter) {
