@@ -17,9 +17,8 @@
 #include <breakwater/scenario/all_cores.h>
 #include <breakwater/scenario/child_program.h>
 #include <breakwater/scenario/process.h>
-#include <breakwater/scenario/table.h>
 #include <breakwater/study/slurm_queue.h>
-#include <breakwater/study/sweep_command.h>
+#include <breakwater/study/sweep.h>
 
 namespace breakwater {
 namespace {
@@ -51,12 +50,8 @@ std::vector<std::string> shares(const std::vector<std::size_t>& points, std::siz
   return lines;
 }
 
-// How many tasks of `minutes` the points make, from one run of each candidate.
-std::size_t tasks_by_time(const Sweep& sweep, std::size_t points, double minutes) {
-  const double all_s = estimate(sweep, interrupted()).seconds;
-  const double left_s =
-      all_s * static_cast<double>(points) / static_cast<double>(sweep.plan().size());
-  return static_cast<std::size_t>(std::max(1.0, std::ceil(left_s / (60.0 * minutes))));
+std::size_t tasks_by_time(double seconds, double minutes) {
+  return static_cast<std::size_t>(std::max(1.0, std::ceil(seconds / (60.0 * minutes))));
 }
 
 // A folder of its own for each submission.
@@ -86,17 +81,18 @@ std::string without_fields(const std::string& path) {
 }
 
 // The words of a task's command, but for its points.
-std::string task_command(const StudyFolder& folder, const SlurmRequest& request) {
-  std::string text = fmt::format("{} {} {} --quiet", shell_quoted(own_program()), kSweep,
-                                 shell_quoted(folder.path().string()));
+std::string task_command(const SlurmStudy& study, const SlurmRequest& request) {
+  std::string text = fmt::format("{} {} {} --quiet", shell_quoted(own_program()), study.command,
+                                 shell_quoted(study.folder.path().string()));
   for (const std::string& option : request.of_task) text += " " + option;
   return text + " --points";
 }
 
-std::string job_script(const SlurmSettings& slurm, const StudyFolder& folder,
-                       const fs::path& submission, std::size_t tasks, const SlurmRequest& request) {
+std::string job_script(const SlurmStudy& study, const fs::path& submission, std::size_t tasks,
+                       const SlurmRequest& request) {
+  const SlurmSettings& slurm = study.settings;
   std::string text = slurm.modules.empty() ? "#!/bin/bash\n" : "#!/bin/bash -l\n";
-  text += directive("job-name", "sweep-" + folder.path().filename().string());
+  text += directive("job-name", study.command + "-" + study.folder.path().filename().string());
   text += directive("array", request.parallel > 0 ? fmt::format("1-{}%{}", tasks, request.parallel)
                                                   : fmt::format("1-{}", tasks));
   text += directive("output", without_fields(submission.string()) + "/%a.log");
@@ -117,7 +113,7 @@ std::string job_script(const SlurmSettings& slurm, const StudyFolder& folder,
   text += fmt::format(
       "[ -x {} ] || fail {}\nexec {} @{}:$SLURM_ARRAY_TASK_ID\n", shell_quoted(own_program()),
       shell_quoted("there is no " + own_program() + ": it must lie where all nodes see it"),
-      task_command(folder, request), shell_quoted((submission / "tasks").string()));
+      task_command(study, request), shell_quoted((submission / "tasks").string()));
   return text;
 }
 
@@ -131,23 +127,50 @@ std::string job_of(const std::vector<std::string>& said) {
   throw std::invalid_argument("sbatch: has named no job");
 }
 
+[[noreturn]] void fail_for_points(const std::string& text, const std::string& reason) {
+  throw std::invalid_argument("--points: " + text + ": " + reason);
+}
+
+struct LineOfFile {
+  fs::path file;
+  std::size_t line = 0;  // from 1
+};
+
+LineOfFile line_of_file(const std::string& text) {
+  LineOfFile place;
+  const std::size_t colon = text.rfind(':');
+  const char* const end = text.data() + text.size();
+  if (text.starts_with("@") && colon != std::string::npos) {
+    const auto read = std::from_chars(text.data() + colon + 1, end, place.line);
+    if (read.ec != std::errc() || read.ptr != end) place.line = 0;
+  }
+  if (place.line == 0) fail_for_points(text, "must be @FILE:LINE");
+  place.file = text.substr(1, colon - 1);
+  return place;
+}
+
 }  // namespace
 
-void submit(const Sweep& sweep, const StudyFolder& folder, const std::vector<std::size_t>& points,
-            const SlurmRequest& request, bool quiet) {
+std::size_t most_tasks() {
   const std::vector<std::string> config = ask_slurm({"scontrol", "show", "config"});
-  const std::size_t most = std::min(limit_of(config, "MaxArraySize") - 1,  // an index stays below
-                                    limit_of(config, "MaxJobCount"));
-  std::size_t tasks =
-      request.tasks > 0 ? request.tasks : tasks_by_time(sweep, points.size(), request.minutes);
+  return std::min(limit_of(config, "MaxArraySize") - 1,  // an index stays below
+                  limit_of(config, "MaxJobCount"));
+}
+
+SubmittedJob submit(const SlurmStudy& study, const std::vector<std::size_t>& points,
+                    const SlurmRequest& request, const std::function<double()>& seconds) {
+  const std::size_t most = most_tasks();
+  std::size_t tasks = request.tasks > 0 ? request.tasks : tasks_by_time(seconds(), request.minutes);
   tasks = std::min({tasks, most, points.size()});
 
-  const fs::path submission = new_submission(folder);
+  const fs::path submission = new_submission(study.folder);
   write_text_file((submission / "tasks").string(),
                   fmt::format("{}\n", fmt::join(shares(points, tasks), "\n")));
+  if (!study.candidates.empty()) {
+    write_text_file((submission / "candidates").string(), study.candidates);
+  }
   const std::string script = (submission / "job.sh").string();
-  write_text_file(script,
-                  job_script(sweep.plan().study().slurm, folder, submission, tasks, request));
+  write_text_file(script, job_script(study, submission, tasks, request));
   std::vector<std::string> words = {"sbatch", "--parsable"};
   for (const std::string& option : request.options) {
     std::istringstream stream(option);
@@ -162,12 +185,7 @@ void submit(const Sweep& sweep, const StudyFolder& folder, const std::vector<std
     throw;
   }
   replace_file(submission / "job", job + "\n");
-  if (quiet) return;
-  fmt::print("{} in {}: job {}\n", number_of(points.size(), "point"), number_of(tasks, "task"),
-             job);
-  if (request.wait) return;
-  fmt::print("--status says how far it is; when it is over, {} {} {} collects the results\n",
-             own_program_name(), kSweep, folder.path().string());
+  return {job, tasks};
 }
 
 void wait_for_queue(const StudyFolder& folder, std::size_t points) {
@@ -191,33 +209,29 @@ void wait_for_queue(const StudyFolder& folder, std::size_t points) {
   }
 }
 
-void print_tasks(const StudyFolder& folder, const std::vector<std::size_t>& points,
+void print_tasks(const SlurmStudy& study, const std::vector<std::size_t>& points,
                  const SlurmRequest& request) {
   if (points.empty()) return;
   const std::size_t tasks =
       std::min(request.tasks > 0 ? request.tasks : kTasksWithoutScheduler, points.size());
   for (const std::string& line : shares(points, tasks)) {
-    fmt::print("{} {}\n", task_command(folder, request), line);
+    fmt::print("{} {}\n", task_command(study, request), line);
   }
 }
 
 std::vector<std::size_t> points_of_task(const std::string& text, std::size_t size) {
   if (!text.starts_with("@")) return parse_points(text, size);
-  const std::size_t colon = text.rfind(':');
-  const auto fail = [&](const std::string& reason) -> std::vector<std::size_t> {
-    throw std::invalid_argument("--points: " + text + ": " + reason);
-  };
-  if (colon == std::string::npos) return fail("must be @FILE:LINE");
-  std::size_t number = 0;
-  const char* const end = text.data() + text.size();
-  const auto read = std::from_chars(text.data() + colon + 1, end, number);
-  if (read.ec != std::errc() || read.ptr != end || number == 0) return fail("must be @FILE:LINE");
-  std::ifstream stream(text.substr(1, colon - 1));
+  const LineOfFile place = line_of_file(text);
+  std::ifstream stream(place.file);
   std::string line;
-  for (std::size_t i = 0; i < number; ++i) {
-    if (!std::getline(stream, line)) return fail("there is no such line");
+  for (std::size_t i = 0; i < place.line; ++i) {
+    if (!std::getline(stream, line)) fail_for_points(text, "there is no such line");
   }
   return parse_points(line, size);
+}
+
+fs::path submission_of_task(const std::string& text) {
+  return line_of_file(text).file.parent_path();
 }
 
 std::size_t task_threads() {

@@ -2,11 +2,13 @@
 #pragma once
 
 #include <cstddef>
+#include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
+#include <breakwater/study/slurm_settings.h>
 #include <breakwater/study/study_folder.h>
-#include <breakwater/study/sweep.h>
 
 namespace breakwater {
 
@@ -17,24 +19,44 @@ struct SlurmRequest {
   std::size_t parallel = 0;          ///< tasks at a time; 0: no limit
   std::vector<std::string> options;  ///< of sbatch, words apart
   std::vector<std::string> of_task;  ///< further options of each task: "--isolate"
-  bool wait = false;
 };
 
-/// Submits `points` as one array job, DIR/slurm/N. Throws std::invalid_argument with what sbatch
-/// says if it refuses.
-void submit(const Sweep& sweep, const StudyFolder& folder, const std::vector<std::size_t>& points,
-            const SlurmRequest& request, bool quiet);
+/// Whose points they are: each task calls `breakwater COMMAND DIR --quiet OPTIONS --points POINTS`.
+struct SlurmStudy {
+  std::string command;  ///< kSweep, kTune
+  StudyFolder folder;
+  SlurmSettings settings = {};
+  std::string candidates = {};  ///< of a tuning: DIR/slurm/N/candidates, what its runs' keys are
+};
+
+/// How many tasks one array job may have here. Throws std::invalid_argument if the cluster does not
+/// answer, or there is none.
+std::size_t most_tasks();
+
+struct SubmittedJob {
+  std::string number;
+  std::size_t tasks = 0;
+};
+
+/// Submits `points` as one array job, DIR/slurm/N. How many seconds of processor time they take
+/// altogether is asked for if the request does not say how many tasks there are to be. Throws
+/// std::invalid_argument with what sbatch says if it refuses.
+SubmittedJob submit(const SlurmStudy& study, const std::vector<std::size_t>& points,
+                    const SlurmRequest& request, const std::function<double()>& seconds);
 
 /// Until nothing of the study is in the queue, or a signal comes. That the cluster does not answer
 /// for a while is no end.
 void wait_for_queue(const StudyFolder& folder, std::size_t points);
 
 /// Prints commands that together run `points`, one a line.
-void print_tasks(const StudyFolder& folder, const std::vector<std::size_t>& points,
+void print_tasks(const SlurmStudy& study, const std::vector<std::size_t>& points,
                  const SlurmRequest& request);
 
 /// The points of "0-99,120" or of "@FILE:LINE", a line of such. Throws std::invalid_argument.
 std::vector<std::size_t> points_of_task(const std::string& text, std::size_t size);
+
+/// DIR/slurm/N of the points "@DIR/slurm/N/tasks:LINE". Throws std::invalid_argument.
+std::filesystem::path submission_of_task(const std::string& text);
 
 /// How many runs at a time a task may make: what its scheduler gave it.
 std::size_t task_threads();

@@ -138,6 +138,24 @@ Queued queued(const StudyFolder& folder, std::size_t points) {
   return result;
 }
 
+std::optional<Queued> queued_if_known(const StudyFolder& folder, std::size_t points,
+                                      const std::string& command) {
+  try {
+    return queued(folder, points);
+  } catch (const std::invalid_argument& error) {
+    fmt::print(stderr, "{}: whether tasks of it are in a queue is not known here ({})\n", command,
+               one_line(error.what()));
+    return std::nullopt;
+  }
+}
+
+void check_not_queued(const Queued& queue, const StudyFolder& folder, const std::string& what) {
+  if (queue.text.empty()) return;
+  throw std::invalid_argument(
+      fmt::format("{}: {} is still in the queue ({}): end it first with scancel", what,
+                  folder.path().string(), queue.text));
+}
+
 void print_slurm_status(const StudyFolder& folder, const ShardIndex& index) {
   const std::vector<Submission> all = submissions(folder);
   if (all.empty()) return;

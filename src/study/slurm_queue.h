@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,7 +13,7 @@
 namespace breakwater {
 
 /// One array job: DIR/slurm/N with job.sh, tasks (the points of each task, a line each), job (its
-/// number) and TASK.log.
+/// number) and TASK.log; of a tuning also candidates (what its runs' keys are).
 struct Submission {
   std::filesystem::path folder;
   std::string job;
@@ -31,6 +32,13 @@ struct Queued {
 
 /// Asks squeue, if anything was submitted. Throws std::invalid_argument, one line, if that fails.
 Queued queued(const StudyFolder& folder, std::size_t points);
+
+/// The same where the cluster need not answer: nothing, once that is said on stderr.
+std::optional<Queued> queued_if_known(const StudyFolder& folder, std::size_t points,
+                                      const std::string& command);
+
+/// Throws std::invalid_argument, one line that begins with `what`, if something is in the queue.
+void check_not_queued(const Queued& queue, const StudyFolder& folder, const std::string& what);
 
 /// Prints what the queue has, and the last words of tasks that ended before their points were done,
 /// unless these were submitted again.

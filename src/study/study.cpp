@@ -40,29 +40,6 @@ const Names<OnFailure>& failure_rules() {
   return names;
 }
 
-SlurmSettings read_slurm(const StudyReader& reader, const toml::table& table) {
-  reader.allow(table, "slurm.",
-               {"account", "partition", "constraint", "modules", "environment", "options"});
-  const auto list = [&](const char* key) {
-    const toml::node* node = table.get(key);
-    return node == nullptr ? std::vector<std::string>()
-                           : reader.texts(*node, std::string("slurm.") + key);
-  };
-  SlurmSettings slurm;
-  slurm.account = reader.text_or_nothing(table, "account", "slurm.");
-  slurm.partition = reader.text_or_nothing(table, "partition", "slurm.");
-  slurm.constraint = reader.text_or_nothing(table, "constraint", "slurm.");
-  slurm.modules = list("modules");
-  slurm.environment = list("environment");
-  slurm.options = list("options");
-  for (const std::string& line : slurm.environment) {
-    if (line.find('=') == std::string::npos || line.front() == '=') {
-      reader.fail(*table.get("environment"), "slurm.environment", line + ": must be NAME=VALUE");
-    }
-  }
-  return slurm;
-}
-
 std::map<std::string, Goal> read_goals(const StudyReader& reader, const toml::table& table) {
   std::map<std::string, Goal> goals;
   for (const auto& [key, node] : table) {
@@ -178,20 +155,13 @@ Study read_study(const toml::table& tables, const std::string& file) {
     study.vary = reader.varied(*vary, "vary", {});
   }
   read_compare(reader, tables, study);
-  if (const toml::table* slurm = reader.table(tables, "slurm")) {
-    study.slurm = read_slurm(reader, *slurm);
-  }
+  study.slurm = read_slurm(reader, tables);
   check(reader, tables, study);
   return study;
 }
 
 std::string Study::print() const {
   std::string text = fmt::format("scenario = {}\n", toml_string(scenario));
-  const auto quoted = [](const std::vector<std::string>& texts) {
-    std::vector<std::string> all;
-    for (const std::string& one : texts) all.push_back(toml_string(one));
-    return fmt::format("[{}]", fmt::join(all, ", "));
-  };
   if (!config.empty()) text += fmt::format("config = {}\n", toml_string(config));
   text += fmt::format("method = {}\n", toml_string(name_of(methods(), method)));
   if (samples > 0) {
@@ -215,9 +185,9 @@ std::string Study::print() const {
   for (const VariedKey& key : vary) {
     text += fmt::format("{} = {}\n", toml_string(key.key), key.written);
   }
-  text += fmt::format("\n[compare]\ncase = {}\n", quoted(cases));
+  text += fmt::format("\n[compare]\ncase = {}\n", toml_text(cases));
   if (!baseline.empty()) text += fmt::format("baseline = {}\n", toml_string(baseline));
-  if (!metrics.empty()) text += fmt::format("metrics = {}\n", quoted(metrics));
+  if (!metrics.empty()) text += fmt::format("metrics = {}\n", toml_text(metrics));
   for (const auto& [metric, goal] : goals) {
     text +=
         fmt::format("goal.{} = {}\n", toml_key(metric), toml_string(name_of(goal_names(), goal)));
@@ -225,20 +195,7 @@ std::string Study::print() const {
   for (const VariedKey& key : compare) {
     text += fmt::format("{} = {}\n", toml_string(key.key), key.written);
   }
-  std::string on_cluster;
-  const auto line = [&](const char* key, const std::string& value) {
-    if (!value.empty()) on_cluster += fmt::format("{} = {}\n", key, toml_string(value));
-  };
-  const auto lines = [&](const char* key, const std::vector<std::string>& values) {
-    if (!values.empty()) on_cluster += fmt::format("{} = {}\n", key, quoted(values));
-  };
-  line("account", slurm.account);
-  line("partition", slurm.partition);
-  line("constraint", slurm.constraint);
-  lines("modules", slurm.modules);
-  lines("environment", slurm.environment);
-  lines("options", slurm.options);
-  return on_cluster.empty() ? text : text + "\n[slurm]\n" + on_cluster;
+  return text + slurm.print();
 }
 
 std::vector<std::string> option_parts(const std::string& text) {

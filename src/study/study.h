@@ -12,6 +12,7 @@
 
 #include <breakwater/study/distribution.h>
 #include <breakwater/study/goal.h>
+#include <breakwater/study/slurm_settings.h>
 
 namespace breakwater {
 
@@ -39,16 +40,6 @@ enum class Keep { metrics, failed, all };
 
 /// What a failed run does to the study: it is a result like others, or ends it.
 enum class OnFailure { count, stop };
-
-/// What jobs of a Slurm cluster are asked for.
-struct SlurmSettings {
-  std::string account;
-  std::string partition;
-  std::string constraint;
-  std::vector<std::string> modules;      ///< that a task loads
-  std::vector<std::string> environment;  ///< NAME=VALUE, that a task sets
-  std::vector<std::string> options;      ///< further ones of sbatch: "--time=1:00:00"
-};
 
 /// A study: for each combination of the varied keys' values (a sample), for each seed, for each
 /// candidate that is compared, one run, its point.

@@ -94,7 +94,7 @@ void StudyFolder::make(const std::string& text, const ScenarioFile& file) const 
   make_folders();
   const std::string whole = whole_text(text, file);
   if (create_file(study_file(), whole)) return;
-  check_is(without_place(whole), without_place(bytes_of(study_file())));
+  check_is(whole, bytes_of(study_file()));
 }
 
 void StudyFolder::make_anew(const std::string& text, const ScenarioFile& file) const {
@@ -115,21 +115,14 @@ fs::path StudyFolder::working_folder() const {
   return made_by(study_file(), "working_folder");
 }
 
-void StudyFolder::check_is(const Study& study) const {
-  // Where it runs changes no result: another account or time limit is the same study.
-  const auto print = [](Study of) {
-    of.slurm = {};
-    return of.print();
-  };
-  check_is(print(study), print(this->study()));
-}
-
 void StudyFolder::check_is(const std::string& now, const std::string& then) const {
-  if (now == then) return;
+  const std::string asked = without_place(now);
+  const std::string found = without_place(then);
+  if (asked == found) return;
   throw std::invalid_argument(
       fmt::format("{}: holds another study: here it is `{}`; leave it be "
                   "with another --out",
-                  folder_.string(), first_difference(now, then)));
+                  folder_.string(), first_difference(asked, found)));
 }
 
 void StudyFolder::fail_to_go_on(const std::string& what) const {

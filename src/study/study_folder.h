@@ -40,8 +40,9 @@ class StudyFolder {
   Study study() const;
   /// Where it was begun, from which relative names of files count.
   std::filesystem::path working_folder() const;
-  /// Throws std::invalid_argument, one line, unless it holds this very study.
-  void check_is(const Study& study) const;
+  /// Throws std::invalid_argument, one line, unless it holds this very study. Where it runs changes
+  /// no result: another account or time limit is the same study.
+  void check_is(const Study& study) const { check_is(study.print(), this->study().print()); }
   /// The same of texts: what is to be, and what it holds.
   void check_is(const std::string& now, const std::string& then) const;
   /// Throws std::invalid_argument, one line, unless it was begun by this program, with the scenario

@@ -93,6 +93,12 @@ std::string toml_text(const toml::node& node) {
   return node.as_boolean()->get() ? "true" : "false";
 }
 
+std::string toml_text(const std::vector<std::string>& texts) {
+  std::vector<std::string> all;
+  for (const std::string& text : texts) all.push_back(toml_string(text));
+  return fmt::format("[{}]", fmt::join(all, ", "));
+}
+
 std::string StudyReader::place(const toml::node& node, const std::string& key) const {
   return node.source().path ? at_line(file_, node.source()) + ": " + key : option_of(key);
 }

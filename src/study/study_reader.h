@@ -42,6 +42,8 @@ toml::table study_tables(const std::string& file);
 
 /// A value as TOML in one line; numbers as the shortest text that reads back the same.
 std::string toml_text(const toml::node& node);
+/// An array of strings.
+std::string toml_text(const std::vector<std::string>& texts);
 
 /// Throws std::invalid_argument `FILE:LINE: KEY: reason` for what is not as it should be. `key` is
 /// how the place is named, the tables that it is in included.

@@ -25,6 +25,7 @@
 #include <breakwater/study/comparison_table.h>
 #include <breakwater/study/isolated.h>
 #include <breakwater/study/slurm.h>
+#include <breakwater/study/slurm_options.h>
 #include <breakwater/study/slurm_queue.h>
 #include <breakwater/study/study_comparison.h>
 #include <breakwater/study/study_notes.h>
@@ -63,6 +64,7 @@ struct SweepArguments {
   bool sqlite = false;
   bool quiet = false;
   bool slurm = false;
+  bool wait = false;
   bool print_tasks = false;
   SlurmRequest request;
   std::string points;
@@ -169,31 +171,14 @@ void describe(CLI::App& app, SweepArguments& arguments) {
     app.get_option("--rerun")->excludes(app.get_option(option));
   }
 
-  const std::string cluster = "On a cluster";
   app.add_flag("--slurm", arguments.slurm, "submit what is left to do as one array job")
-      ->group(cluster);
-  app.add_option("--tasks", arguments.request.tasks, "how many tasks (default: by --minutes)")
-      ->type_name("N")
-      ->check(CLI::Range(1, 1000000))
-      ->group(cluster);
-  app.add_option("--minutes", arguments.request.minutes, "how long a task is to take (default: 30)")
-      ->type_name("M")
-      ->check(CLI::PositiveNumber)
-      ->group(cluster);
-  app.add_option("--parallel", arguments.request.parallel, "how many tasks at a time")
-      ->type_name("M")
-      ->check(CLI::Range(1, 1000000))
-      ->group(cluster);
-  app.add_option("--sbatch", arguments.request.options, "further options of sbatch")
-      ->type_name("OPTIONS")
-      ->expected(1)
-      ->take_all()
-      ->group(cluster);
-  app.add_flag("--wait", arguments.request.wait, "until all tasks have ended; then collect")
-      ->group(cluster);
+      ->group(kOnCluster);
+  add_slurm_options(app, arguments.request);
+  app.add_flag("--wait", arguments.wait, "until all tasks have ended; then collect")
+      ->group(kOnCluster);
   app.add_flag("--print-tasks", arguments.print_tasks,
                "print what is left to do as commands, one a line, for any other scheduler")
-      ->group(cluster);
+      ->group(kOnCluster);
   app.footer(
       "It leaves study.toml, results.csv (one row a run), comparison.csv (of several cases) and\n"
       "report.html in the study's folder.\n"
@@ -576,20 +561,14 @@ int run_here(const Sweep& sweep, const StudyFolder& folder, const std::vector<st
 void leave_out_queued(std::vector<std::size_t>& points, const Plan& plan, const StudyFolder& folder,
                       const SweepArguments& arguments) {
   if (points.empty()) return;
-  Queued queue;
-  try {
-    queue = queued(folder, plan.size());
-  } catch (const std::invalid_argument& error) {
-    if (arguments.slurm) throw;
-    fmt::print(stderr, "{}: whether tasks of it are in a queue is not known here ({})\n", kSweep,
-               one_line(error.what()));
-    return;
-  }
+  const auto queue =
+      arguments.slurm ? queued(folder, plan.size()) : queued_if_known(folder, plan.size(), kSweep);
+  if (!queue) return;
   const std::size_t left =
-      std::erase_if(points, [&](std::size_t point) { return queue.points[point]; });
+      std::erase_if(points, [&](std::size_t point) { return queue->points[point]; });
   if (left == 0) return;
   const std::string text = fmt::format("{} {} still in the queue ({})", number_of(left, "point"),
-                                       left == 1 ? "is" : "are", queue.text);
+                                       left == 1 ? "is" : "are", queue->text);
   if (!arguments.slurm && !arguments.print_tasks) {
     throw std::invalid_argument(
         fmt::format("{}: {}: --status says how far it is; to go on here, end it first with scancel",
@@ -608,6 +587,23 @@ void leave_out_queued(std::vector<std::size_t>& points, const Plan& plan, const 
                   folder.path().string(), counted(index)));
 }
 
+// How long they take is told by one run of each candidate.
+void submit_points(const Sweep& sweep, const StudyFolder& folder,
+                   const std::vector<std::size_t>& points, const SweepArguments& arguments) {
+  const Plan& plan = sweep.plan();
+  const SubmittedJob job =
+      submit({kSweep, folder, plan.study().slurm}, points, arguments.request, [&] {
+        return estimate(sweep, interrupted()).seconds * static_cast<double>(points.size()) /
+               static_cast<double>(plan.size());
+      });
+  if (arguments.quiet) return;
+  fmt::print("{} in {}: job {}\n", number_of(points.size(), "point"), number_of(job.tasks, "task"),
+             job.number);
+  if (arguments.wait) return;
+  fmt::print("--status says how far it is; when it is over, {} {} {} collects the results\n",
+             own_program_name(), kSweep, folder.path().string());
+}
+
 int go_on(const Sweep& sweep, const StudyFolder& folder, const ShardIndex& before,
           const SweepArguments& arguments, const StudyExtras& extras) {
   const Plan& plan = sweep.plan();
@@ -619,12 +615,12 @@ int go_on(const Sweep& sweep, const StudyFolder& folder, const ShardIndex& befor
   const bool is_done = points.empty();
   leave_out_queued(points, plan, folder, arguments);
   if (arguments.print_tasks) {
-    print_tasks(folder, points, arguments.request);
+    print_tasks({kSweep, folder}, points, arguments.request);
     return kSuccess;
   }
   if (arguments.slurm && !is_done) {
-    if (!points.empty()) submit(sweep, folder, points, arguments.request, arguments.quiet);
-    if (!arguments.request.wait) return kSuccess;
+    if (!points.empty()) submit_points(sweep, folder, points, arguments);
+    if (!arguments.wait) return kSuccess;
     wait_for_queue(folder, plan.size());
     if (interrupted()) {
       fmt::print(stderr, "{}: interrupted; what is in the queue goes on\n", kSweep);
@@ -771,11 +767,7 @@ int sweep(const Catalogue& catalogue, const StudyExtras& extras, const SweepArgu
       return kSuccess;
     }
     if (arguments.rerun) {
-      if (const std::string queue = queued(folder, plan.size()).text; !queue.empty()) {
-        throw std::invalid_argument(
-            fmt::format("--rerun: {} is still in the queue ({}): end it first with scancel",
-                        folder.path().string(), queue));
-      }
+      check_not_queued(queued(folder, plan.size()), folder, "--rerun");
       warn(kSweep, sweep.check());  // while what is there is still there
       folder.make_anew(plan.study(), sweep.file());
       before.emplace(folder.shards(), plan.size());
