@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <csignal>
 #include <stdexcept>
 #include <string>
 
@@ -11,8 +12,11 @@
 #include <breakwater/scenario/progress.h>
 #include <breakwater/scenario/table.h>
 #include <breakwater/scenario/toml_file.h>
+#include <breakwater/study/slurm_options.h>
+#include <breakwater/study/slurm_queue.h>
 #include <breakwater/study/study_notes.h>
 #include <breakwater/study/study_reader.h>
+#include <breakwater/tuning/cluster_runs.h>
 #include <breakwater/tuning/tuning_outputs.h>
 
 namespace breakwater {
@@ -29,7 +33,13 @@ struct TuneArguments {
   bool rerun = false;
   bool dry_run = false;
   bool quiet = false;
+  bool status = false;
+  bool slurm = false;
+  SlurmRequest request;
+  std::string points;
 };
+
+constexpr double kMinutesOfTask = 5.0;  // few: a generation waits for its last task
 
 void describe_tune(CLI::App& app, TuneArguments& arguments) {
   app.add_option("TARGET", arguments.target,
@@ -42,7 +52,18 @@ void describe_tune(CLI::App& app, TuneArguments& arguments) {
       ->check(CLI::Range(1, 4096));
   app.add_flag("--dry-run", arguments.dry_run, "check the file, count the runs, and exit");
   app.add_flag("--rerun", arguments.rerun, "remove what is there and begin anew");
+  app.add_flag("--status", arguments.status, "say what is done, and exit")->excludes("--rerun");
   app.add_flag("--quiet", arguments.quiet, "print errors only");
+  app.add_flag("--slurm", arguments.slurm,
+               "run each generation as an array job, and wait here for it")
+      ->group(kOnCluster)
+      ->excludes("--jobs");
+  add_slurm_options(app, arguments.request);
+  for (const char* option : {"--tasks", "--minutes", "--parallel", "--sbatch"}) {
+    app.get_option(option)->needs("--slurm");
+  }
+  // A task of a cluster: "@DIR/slurm/N/tasks:LINE".
+  app.add_option("--points", arguments.points)->group("")->excludes("--slurm", "--rerun");
   app.footer(
       "It leaves results.csv (one row a run), front.csv, front/N.toml (for --config),\n"
       "hypervolume.csv and report.html in the tuning's folder. The same command goes on where it\n"
@@ -82,8 +103,7 @@ OpenedTuning open_tuning(const TuneArguments& arguments) {
 
 void print_count(const TuningPlan& plan) {
   const Tuning& tuning = plan.tuning();
-  const std::size_t runs = tuning.cases.size() * tuning.budget * tuning.worlds.size();
-  fmt::print("{} runs: {}, {} evaluations of each, {} and seeds together\n", runs,
+  fmt::print("{} runs: {}, {} evaluations of each, {} and seeds together\n", plan.searches(),
              number_of(tuning.cases.size(), "case"), tuning.budget,
              number_of(tuning.worlds.size(), "world"));
   if (!tuning.validation) return;
@@ -92,9 +112,88 @@ void print_count(const TuningPlan& plan) {
              tuning.validated_points, tuning.validation->size());
 }
 
+void print_status(const TuningPlan& plan, const StudyFolder& folder) {
+  const ShardIndex index(folder.shards(), plan.size());
+  std::size_t validated = 0;
+  for (std::size_t number = plan.searches(); number < index.points(); ++number) {
+    validated += index.has(number);
+  }
+  fmt::print("{}: {} of {} of the search are done{}\n", folder.path().string(),
+             index.done() - validated, number_of(plan.searches(), "run"),
+             validated > 0 ? fmt::format(", {} of the validation", validated) : "");
+  print_slurm_status(folder, index);
+}
+
+void warn_of_single_candidates(const Tuning& tuning) {
+  if (has_several_objectives(tuning.algorithm)) return;
+  warn(kTune, {fmt::format("{} asks for one candidate at a time: each is an array job of its own, "
+                           "of {}",
+                           name_of(search_algorithms(), tuning.algorithm),
+                           number_of(tuning.worlds.size(), "run"))});
+}
+
+// Makes the folder, or sees that what is in it is of this tuning.
+void make_ready(const TuningPlan& plan, const StudyFolder& folder, bool rerun) {
+  if (folder.is_there()) {
+    if (!rerun) {
+      folder.check_made_by_this(plan.file(), ShardIndex(folder.shards(), plan.size()));
+      return;
+    }
+    check_not_queued(queued(folder, plan.size()), folder, "--rerun");
+    warn(kTune, plan.check());  // while what is there is still there
+    folder.make_anew(plan.tuning().print(), plan.file());
+    return;
+  }
+  warn(kTune, plan.check());
+  plan.check_metrics(interrupted());
+  folder.make(plan.tuning().print(), plan.file());
+}
+
+TuningResult tune_or_go_on(TuningPlan& plan, const StudyFolder& folder,
+                           const TuneArguments& arguments) {
+  // On a cluster the lines of its jobs are the progress.
+  Progress progress(kTune, std::vector<double>(plan.searches(), 1.0),
+                    arguments.quiet || arguments.slurm);
+  TunerOptions options;
+  options.jobs = arguments.jobs;
+  options.stop = &interrupted();
+  options.on_run = [&](std::size_t run) {
+    if (run < plan.searches()) progress.finish(run);
+  };
+  const ClusterTuning cluster{folder, arguments.request, arguments.quiet};
+  if (arguments.slurm) {
+    options.elsewhere = [&](const std::vector<std::size_t>& runs) {
+      run_on_slurm(plan, cluster, runs);
+    };
+  }
+  return tune(plan, folder, options);
+}
+
+// Returns whether each case has a front.
+bool print_result(const TuningPlan& plan, const TuningResult& result, const StudyFolder& folder,
+                  bool has_report, bool quiet) {
+  bool has_all = true;
+  for (const TunedFront& front : result.fronts) {
+    if (!front.points.empty()) continue;
+    has_all = false;
+    fmt::print(stderr, "{}: {}: no candidate of {} met all constraints without a failure\n", kTune,
+               front.case_name, front.evaluations.size());
+  }
+  if (quiet) return has_all;
+  fmt::print("{}\nfront: {}\n", fronts_text(plan, result, output_width()),
+             (folder.path() / "front.csv").string());
+  if (has_report) fmt::print("report: {}\n", (folder.path() / "report.html").string());
+  return has_all;
+}
+
 int run_tune(const Catalogue& catalogue, const TuningExtras& extras,
              const TuneArguments& arguments) {
-  stop_on_signals();
+  const bool is_task = !arguments.points.empty();
+  if (is_task) {
+    stop_on_signals({SIGUSR1});  // a scheduler's warning that time is up
+  } else {
+    stop_on_signals();
+  }
   OpenedTuning opened = open_tuning(arguments);
   const StudyFolder& folder = opened.folder;
   TuningPlan plan(catalogue, std::move(opened.tuning));
@@ -107,47 +206,42 @@ int run_tune(const Catalogue& catalogue, const TuningExtras& extras,
     const std::string file = folder.study_file().string();
     const TuningPlan there(catalogue, read_tuning(parse_toml_file(file), file));
     folder.check_is(plan.tuning().print(), there.tuning().print());
-    if (arguments.rerun) {
-      warn(kTune, plan.check());  // while what is there is still there
-      folder.make_anew(plan.tuning().print(), plan.file());
-    } else {
-      folder.check_made_by_this(plan.file(), ShardIndex(folder.shards(), plan.size()));
-    }
+  } else if (arguments.status || is_task) {
+    throw std::invalid_argument(folder.path().string() + ": has no tune.toml: nothing was begun");
   }
-  if (!folder.is_there()) {
-    warn(kTune, plan.check());
-    plan.check_metrics(interrupted());
-    folder.make(plan.tuning().print(), plan.file());
+  if (arguments.status) {
+    print_status(plan, folder);
+    return kSuccess;
+  }
+  if (arguments.slurm) most_tasks();  // that there is no cluster is said before all else
+  make_ready(plan, folder, arguments.rerun);
+  if (is_task) {
+    if (run_task(plan, folder, arguments.points, arguments.jobs)) return kSuccess;
+    fmt::print(stderr, "{}: interrupted before all runs of this task were made\n", kTune);
+    return kInterrupted;
+  }
+  if (arguments.slurm) {
+    warn_of_single_candidates(plan.tuning());
+  } else if (const auto queue = queued_if_known(folder, plan.size(), kTune)) {
+    check_not_queued(*queue, folder, "without --slurm");
   }
   TuningResult result;
   try {
-    const Tuning& tuning = plan.tuning();
-    const std::size_t searches = tuning.cases.size() * tuning.budget * tuning.worlds.size();
-    Progress progress(kTune, std::vector<double>(searches, 1.0), arguments.quiet);
-    result = tune(plan, folder, {arguments.jobs, &interrupted(), [&](std::size_t run) {
-                                   if (run < searches) progress.finish(run);
-                                 }});
+    result = tune_or_go_on(plan, folder, arguments);
   } catch (const Interrupted&) {
-    fmt::print(stderr, "{}: interrupted; what ran is kept, and the same command goes on\n", kTune);
+    fmt::print(stderr, "{}: interrupted; {}\n", kTune,
+               arguments.slurm ? "what is in the queue goes on, and so does the same command"
+                               : "what ran is kept, and the same command goes on");
+    return kInterrupted;
+  } catch (const RunsMissing& missing) {
+    fmt::print(stderr, "{}: {}; --status says why, the same command goes on\n", kTune,
+               missing.what());
     return kInterrupted;
   }
   write_outputs(plan, result, folder.path());
   if (extras.write_report) extras.write_report(plan, result, folder.path());
-  bool has_all = true;
-  for (const TunedFront& front : result.fronts) {
-    if (!front.points.empty()) continue;
-    has_all = false;
-    fmt::print(stderr, "{}: {}: no candidate of {} met all constraints without a failure\n", kTune,
-               front.case_name, front.evaluations.size());
-  }
-  if (!arguments.quiet) {
-    fmt::print("{}\nfront: {}\n", fronts_text(plan, result, output_width()),
-               (folder.path() / "front.csv").string());
-    if (extras.write_report) {
-      fmt::print("report: {}\n", (folder.path() / "report.html").string());
-    }
-  }
-  return has_all ? kSuccess : kRunFailed;
+  const bool has_report = static_cast<bool>(extras.write_report);
+  return print_result(plan, result, folder, has_report, arguments.quiet) ? kSuccess : kRunFailed;
 }
 
 }  // namespace
@@ -157,6 +251,7 @@ int tune_main(const Catalogue& catalogue, const TuningExtras& extras, int argc,
   return guarded(kTune, [&] {
     CLI::App app(own_program_name() + " tune: the best values of some keys, as a front.", kTune);
     TuneArguments arguments;
+    arguments.request.minutes = kMinutesOfTask;
     describe_tune(app, arguments);
     if (const auto status = parse(app, argc, argv)) return *status;
     return run_tune(catalogue, extras, arguments);

@@ -16,25 +16,12 @@ class Runs {
  public:
   Runs(const TuningPlan& plan, const StudyFolder& folder, const TunerOptions& options)
       : plan_(plan), folder_(folder), options_(options), shard_(folder.shards()) {
-    const ShardIndex index(folder.shards(), plan.size());
-    for (std::size_t number = 0; number < index.points(); ++number) {
-      if (index.has(number)) earlier_.emplace(number, index.read(number));
-    }
+    look();
   }
 
   // Runs of these numbers, in that order.
   std::vector<PointResult> of(const std::vector<std::size_t>& numbers) {
-    std::vector<std::size_t> missing;
-    for (const std::size_t number : numbers) {
-      if (known_.contains(number)) continue;
-      const auto found = earlier_.find(number);
-      if (found == earlier_.end()) {
-        missing.push_back(number);
-        continue;
-      }
-      check_same(found->second);
-      keep(found->second);
-    }
+    const std::vector<std::size_t> missing = take(numbers);
     if (!missing.empty()) run(missing);
     std::vector<PointResult> results;
     for (const std::size_t number : numbers) results.push_back(known_.at(number));
@@ -53,12 +40,45 @@ class Runs {
   }
 
  private:
+  // What the shards have.
+  void look() {
+    const ShardIndex index(folder_.shards(), plan_.size());
+    index.check_models();
+    for (std::size_t number = 0; number < index.points(); ++number) {
+      if (index.has(number) && !earlier_.contains(number)) {
+        earlier_.emplace(number, index.read(number));
+      }
+    }
+  }
+
+  // Keeps those of the runs that are there, and returns the others.
+  std::vector<std::size_t> take(const std::vector<std::size_t>& numbers) {
+    std::vector<std::size_t> missing;
+    for (const std::size_t number : numbers) {
+      if (known_.contains(number)) continue;
+      const auto found = earlier_.find(number);
+      if (found == earlier_.end()) {
+        missing.push_back(number);
+        continue;
+      }
+      check_same(found->second);
+      keep(found->second);
+    }
+    return missing;
+  }
+
   void keep(const PointResult& result) {
     known_.emplace(result.number, result);
     if (options_.on_run) options_.on_run(result.number);
   }
 
   void run(const std::vector<std::size_t>& numbers) {
+    if (options_.elsewhere) {
+      options_.elsewhere(numbers);
+      look();
+      if (!take(numbers).empty()) throw std::logic_error("runs were to be made elsewhere");
+      return;
+    }
     std::mutex mutex;
     ExecutorOptions executor;
     executor.threads = options_.jobs;

@@ -40,6 +40,9 @@ struct TunerOptions {
   std::size_t jobs = 0;  ///< 0: as many as there are cores
   const std::atomic<bool>* stop = nullptr;
   std::function<void(std::size_t run)> on_run = {};  ///< a run is done, now or earlier; thread-safe
+  /// Makes runs elsewhere: they are in the folder's shards when it returns. Empty: they are made
+  /// here. What it throws ends the tuning.
+  std::function<void(const std::vector<std::size_t>& runs)> elsewhere = {};
 };
 
 /// Runs the searches of all cases and the validations, each generation on all cores. What a shard

@@ -299,7 +299,7 @@ Tuning read_tuning(const toml::table& tables, const std::string& file) {
   reader.allow(tables, "",
                {"scenario", "config", "case", "for_each", "set", "algorithm", "budget",
                 "population", "sampling_seed", "seeds", "search", "worlds", "world", "objective",
-                "constraint", "validate", "made_by"});
+                "constraint", "validate", "slurm", "made_by"});
   Tuning tuning;
   const toml::node* scenario = tables.get("scenario");
   if (scenario == nullptr) throw std::invalid_argument(file + ": scenario: is missing");
@@ -328,6 +328,7 @@ Tuning read_tuning(const toml::table& tables, const std::string& file) {
   tuning.constraints = read_constraints(reader, tables);
   read_cases(reader, tables, tuning);
   read_validation(reader, tables, tuning);
+  tuning.slurm = read_slurm(reader, tables);
   check_fits(reader, tables, tuning);
   return tuning;
 }
@@ -374,7 +375,7 @@ std::string Tuning::print() const {
     if (!validation->seeds.empty()) text += print_seeds(validation->seeds);
     if (!validation->keys.empty()) text += "\n[validate.world]\n" + print_keys(validation->keys);
   }
-  return text;
+  return text + slurm.print();
 }
 
 }  // namespace breakwater

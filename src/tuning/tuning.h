@@ -78,6 +78,7 @@ struct Tuning {
   std::vector<Constraint> constraints;
   std::optional<Worlds> validation;
   std::size_t validated_points = 0;  ///< of each front, at most
+  SlurmSettings slurm;
 
   SearchSettings settings(const TunedCase& tuned) const;
   /// As a tuning's file: the same tuning gives the same text.

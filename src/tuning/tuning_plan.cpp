@@ -107,18 +107,20 @@ std::size_t TuningPlan::size() const {
   return tuning_.cases.size() * tuning_.budget * each;
 }
 
+std::size_t TuningPlan::searches() const {
+  return tuning_.cases.size() * tuning_.budget * tuning_.worlds.size();
+}
+
 std::size_t TuningPlan::number(const TuningRun& run) const {
   const std::size_t evaluation = run.tuned * tuning_.budget + run.evaluation;
-  const std::size_t first =
-      run.is_validation ? tuning_.cases.size() * tuning_.budget * tuning_.worlds.size() : 0;
+  const std::size_t first = run.is_validation ? searches() : 0;
   return first + evaluation * worlds(run.is_validation).size() + run.world;
 }
 
 TuningRun TuningPlan::run(std::size_t number) const {
   TuningRun run;
-  const std::size_t searches = tuning_.cases.size() * tuning_.budget * tuning_.worlds.size();
-  run.is_validation = number >= searches;
-  if (run.is_validation) number -= searches;
+  run.is_validation = number >= searches();
+  if (run.is_validation) number -= searches();
   const std::size_t each = worlds(run.is_validation).size();
   run.world = number % each;
   run.evaluation = number / each % tuning_.budget;

@@ -44,6 +44,8 @@ class TuningPlan : public PointSource {
   void check_metrics(const std::atomic<bool>& stop) const;
 
   std::size_t size() const;
+  /// How many of them are of the searches.
+  std::size_t searches() const;
   std::size_t number(const TuningRun& run) const;
   TuningRun run(std::size_t number) const;
   const Worlds& worlds(bool is_validation) const {
@@ -56,6 +58,10 @@ class TuningPlan : public PointSource {
   void begin(std::size_t tuned, std::size_t evaluation, std::vector<std::string> values);
   const std::vector<std::string>& values_of(std::size_t tuned, std::size_t evaluation) const {
     return values_[tuned][evaluation];
+  }
+  /// Whether that was said.
+  bool has(std::size_t tuned, std::size_t evaluation) const {
+    return evaluation < values_[tuned].size() && !values_[tuned][evaluation].empty();
   }
   /// The configuration of an evaluation in the scenario's own world.
   std::string config_text(std::size_t tuned, std::size_t evaluation) const;

@@ -1,5 +1,5 @@
-"""Sweeps through a real Slurm: whatever happens to its tasks and nodes, the results are those of a
-run without it, byte for byte.
+"""Sweeps and tunings through a real Slurm: whatever happens to its tasks and nodes, the results are
+those of a run without it, byte for byte.
 
 Usage: slurm_test.py BREAKWATER ISHIGAMI_LAB [--study]
 """
@@ -8,6 +8,7 @@ import os
 import pathlib
 import random
 import re
+import shlex
 import shutil
 import signal
 import subprocess
@@ -28,17 +29,22 @@ INTERRUPTED = 130
 class Study:
     """A study that is typed again and again."""
 
+    command = "sweep"
+
     def __init__(self, program, folder, *what):
         self.program, self.folder, self.what = program, WORK / folder, what
 
     def call(self, *options):
-        return run(self.program, "sweep", *self.what, "--out", self.folder, *options)
+        return run(*self.words(*options))
+
+    def words(self, *options):
+        return [self.program, self.command, *self.what, "--out", self.folder, *options]
 
     def on_slurm(self, *options):
         return self.call("--slurm", *options)
 
     def looks(self, *options):
-        return run(self.program, "sweep", self.folder, *options)
+        return run(self.program, self.command, self.folder, *options)
 
     def status(self):
         return self.looks("--status").stdout
@@ -60,6 +66,20 @@ class Study:
     def has_ended(self, cluster, number=1, seconds=240.0):
         wait_for(f"job {number} of {self.folder} is over",
                  lambda: not cluster.states(self.job(number)), seconds)
+
+
+class Tuning(Study):
+    command = "tune"
+
+    def begun_on_slurm(self, *options):
+        """Its output is this script's."""
+        return subprocess.Popen([str(word) for word in self.words("--slurm", *options)], cwd=WORK,
+                                stdin=subprocess.DEVNULL)
+
+    def results(self):
+        """All files but its own description, its shards and its jobs."""
+        return {file.relative_to(self.folder): file.read_bytes()
+                for pattern in ("*.csv", "*.html", "front/*") for file in self.folder.glob(pattern)}
 
 
 def run(*words):
@@ -87,7 +107,7 @@ class OnSlurm(unittest.TestCase):
                      "--set", f"trouble.takes_s={each_s}", *more)
 
     def same_bytes(self, study):
-        here = Study(study.program, study.folder.name + " here", *study.what)
+        here = type(study)(study.program, study.folder.name + " here", *study.what)
         self.ok(here.call("--quiet"))
         self.assertEqual(study.results(), here.results())
 
@@ -242,6 +262,50 @@ class Slurm(OnSlurm):
         self.assertIn(b"PLACE=under the 'roof'", environment.split(b"\0"))
         self.assertEqual((WORK / "modules").read_text().splitlines()[-1], "load mujoco/2.2")
         self.ok(study.on_slurm("--wait"))
+        self.same_bytes(study)
+
+    def test_a_tuning_goes_on_whatever_dies(self):
+        file = WORK / "tune.toml"
+        file.write_text(
+            'scenario = "ishigami"\nbudget = 64\npopulation = 16\nseeds = { count = 2 }\n'
+            '[set]\n"trouble.takes_s" = 0.05\n'
+            '[search]\n"x.first" = { uniform = [-3, 3] }\n"x.second" = { uniform = [-1, 3] }\n'
+            '[objective]\ny_1 = { goal = "min", over = "worst" }\n'
+            'positive_x_second_1 = { goal = "max" }\n'
+            '[validate]\nseeds = { first = 101, count = 3 }\npoints = 4\n'
+            '[slurm]\npartition = "other"\n')
+        study = Tuning(ISHIGAMI, "tuning", file)
+
+        # The second generation runs when the node dies with its tasks.
+        front = study.begun_on_slurm("--tasks", "4")
+        wait_for("the second generation", lambda: study.done() > 32 + 4, 120)
+        self.cluster.kill_node()
+        for process in slurm_cluster.stepds() + slurm_cluster.tasks():
+            os.kill(process, signal.SIGKILL)
+        self.assertLess(study.done(), 64)
+        self.cluster.start_node()
+
+        # In the third the command is interrupted; its tasks go on without it.
+        wait_for("the third generation", lambda: study.done() > 64 + 4, 120)
+        front.send_signal(signal.SIGINT)
+        self.assertEqual(front.wait(), INTERRUPTED)
+        self.assertIn("in the queue: job " + study.job(study.submissions()), study.status())
+        here = study.looks()
+        self.assertEqual(here.returncode, 2)
+        self.assertRegex(here.stderr, r"\Awithout --slurm: .* is still in the queue \(job .*\n\Z")
+
+        # In the fourth it is killed, and one task is cancelled.
+        front = study.begun_on_slurm("--tasks", "4")
+        wait_for("the fourth generation", lambda: study.done() > 96 + 4, 120)
+        front.kill()
+        front.wait()
+        run("scancel", study.job(study.submissions()) + "_1")
+
+        # The end is a job that submits jobs.
+        words = shlex.join(str(word) for word in study.words("--slurm", "--tasks", "4"))
+        self.ok(run("sbatch", "--wait", f"--output={WORK}/front.log", "--wrap", words))
+        self.assertGreaterEqual(study.submissions(), 5)
+        self.assertRegex(study.status(), r"128 of 128 runs of the search are done, \d+ of the val")
         self.same_bytes(study)
 
     def test_killed_tasks_leave_no_trace(self):

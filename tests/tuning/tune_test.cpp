@@ -3,48 +3,15 @@
 #include <set>
 #include <utility>
 
-#include "study/sweep_folder.h"
+#include "tuning/tuning_folder.h"
 
 namespace breakwater {
 namespace {
 namespace fs = std::filesystem;
+using testing::kTuning;
 using testing::ProgramResult;
 
-constexpr const char* kTuning = R"(
-scenario = "ishigami"
-budget = 64
-population = 8
-seeds = { first = 1, count = 2 }
-[for_each.plain]
-[for_each.noisy]
-"x.third" = { uniform = [0, 1] }
-[search]
-"x.first" = { uniform = [-3, 3] }
-"x.second" = { uniform = [-1, 3] }
-[objective]
-y_1 = { goal = "min", over = "worst", reference = 20 }
-positive_x_second_1 = { goal = "max", reference = 0 }
-[constraint]
-y_1 = { max = 8 }
-[validate]
-seeds = { first = 101, count = 6 }
-points = 3
-)";
-
-class Tune : public testing::SweepFolder {
- protected:
-  ProgramResult tune(const std::vector<std::string>& arguments, double kill_after_s = 0.0) {
-    std::vector<std::string> words = {ISHIGAMI_LAB, "tune"};
-    words.insert(words.end(), arguments.begin(), arguments.end());
-    return testing::run_program(words, folder_, kill_after_s, SIGKILL);
-  }
-  void expect_same(const std::string& one, const std::string& other) {
-    for (const char* file :
-         {"results.csv", "front.csv", "hypervolume.csv", "report.html", "front/1.toml"}) {
-      EXPECT_EQ(read(one + "/" + file), read(other + "/" + file)) << file;
-    }
-  }
-};
+class Tune : public testing::TuningFolder {};
 
 TEST_F(Tune, LeavesAFrontThatCanBeRun) {
   write("t.toml", kTuning);
@@ -161,7 +128,7 @@ TEST_F(Tune, NonsenseIsOneLineAndStatus2) {
 
 TEST_F(Tune, WorldsAreCombinationsOrAList) {
   const std::string head =
-      "scenario = \"ishigami\"\nbudget = 8\npopulation = 4\nseeds = { count = 2 }\n";
+      "scenario = \"ishigami\"\nbudget = 16\npopulation = 8\nseeds = { count = 2 }\n";
   const std::string rest =
       "[search]\n\"x.first\" = { uniform = [-3, 3] }\n[objective]\ny_1 = { goal = \"min\" }\n"
       "positive_x_second_1 = { goal = \"max\" }\n"
@@ -197,8 +164,8 @@ TEST_F(Tune, WorldsAreCombinationsOrAList) {
 
 TEST_F(Tune, WarnsOfAKeyThatACaseDoesNotUse) {
   write("t.toml",
-        "scenario = \"motor_estimation\"\nbudget = 8\npopulation = "
-        "4\n[for_each.stf]\n[for_each.qvff]\n"
+        "scenario = \"motor_estimation\"\nbudget = 16\npopulation = "
+        "8\n[for_each.stf]\n[for_each.qvff]\n"
         "[set]\n\"disturbance.frequency_rad_s\" = 2\n"
         "[search]\n\"controller.kp\" = { uniform = [5, 10] }\n[objective]\n"
         "peak_position_rad = { goal = \"min\" }\nrmse_velocity_rad_s = { goal = \"min\" }\n");

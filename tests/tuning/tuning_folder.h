@@ -1,0 +1,48 @@
+// Tunings of the Ishigami function as users make them, in a folder of the test's own.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "study/sweep_folder.h"
+
+namespace breakwater::testing {
+
+/// Two cases with the same budget, a constraint that hides one objective, and a validation.
+inline constexpr const char* kTuning = R"(
+scenario = "ishigami"
+budget = 64
+population = 8
+seeds = { first = 1, count = 2 }
+[for_each.plain]
+[for_each.noisy]
+"x.third" = { uniform = [0, 1] }
+[search]
+"x.first" = { uniform = [-3, 3] }
+"x.second" = { uniform = [-1, 3] }
+[objective]
+y_1 = { goal = "min", over = "worst", reference = 20 }
+positive_x_second_1 = { goal = "max", reference = 0 }
+[constraint]
+y_1 = { max = 8 }
+[validate]
+seeds = { first = 101, count = 6 }
+points = 3
+)";
+
+class TuningFolder : public SweepFolder {
+ protected:
+  ProgramResult tune(const std::vector<std::string>& arguments, double kill_after_s = 0.0) {
+    std::vector<std::string> words = {ISHIGAMI_LAB, "tune"};
+    words.insert(words.end(), arguments.begin(), arguments.end());
+    return run_program(words, folder_, kill_after_s, SIGKILL);
+  }
+  void expect_same(const std::string& one, const std::string& other) {
+    for (const char* file :
+         {"results.csv", "front.csv", "hypervolume.csv", "report.html", "front/1.toml"}) {
+      EXPECT_EQ(read(one + "/" + file), read(other + "/" + file)) << file;
+    }
+  }
+};
+
+}  // namespace breakwater::testing
