@@ -29,14 +29,32 @@ Fields MotorEstimation::fields() {
                 {{"none", DisturbanceKind::none},
                  {"step", DisturbanceKind::step},
                  {"ramp", DisturbanceKind::ramp},
-                 {"sine", DisturbanceKind::sine}},
-                "none, step, ramp or sine");
+                 {"sine", DisturbanceKind::sine},
+                 {"two_sines", DisturbanceKind::two_sines},
+                 {"chirp", DisturbanceKind::chirp}},
+                "none, step, ramp, sine, two_sines or chirp");
   fields.number("disturbance.amplitude_Nm", disturbance_.amplitude, any(),
-                "of a step or sine [N m]; of a ramp [N m/s]");
+                "of a step, sine or chirp [N m]; of a ramp [N m/s]");
   fields.number("disturbance.frequency_rad_s", disturbance_.frequency_rad_s, any(),
-                "of a sine [rad/s]");
-  fields.only_for({"disturbance.amplitude_Nm"}, "disturbance.kind", {"step", "ramp", "sine"});
-  fields.only_for({"disturbance.frequency_rad_s"}, "disturbance.kind", {"sine"});
+                "of a sine, of the first of two, of a chirp at first [rad/s]");
+  fields.only_for({"disturbance.amplitude_Nm"}, "disturbance.kind",
+                  {"step", "ramp", "sine", "two_sines", "chirp"});
+  fields.only_for({"disturbance.frequency_rad_s"}, "disturbance.kind",
+                  {"sine", "two_sines", "chirp"});
+  const auto bind_for = [&fields](const std::string& kind, const std::string& key, double& target,
+                                  double standard, const Range& range, const std::string& doc) {
+    fields.number(key, target, range, doc);
+    fields.standard(key, {standard});
+    fields.only_for({key}, "disturbance.kind", {kind});
+  };
+  bind_for("two_sines", "disturbance.second_amplitude_Nm", disturbance_.second_amplitude, 2.0,
+           any(), "of the second sine [N m]");
+  bind_for("two_sines", "disturbance.second_frequency_rad_s", disturbance_.second_frequency_rad_s,
+           5.0, any(), "of the second sine [rad/s]");
+  bind_for("chirp", "disturbance.end_frequency_rad_s", disturbance_.end_frequency_rad_s, 5.0, any(),
+           "where a chirp's frequency goes, evenly, and stays [rad/s]");
+  bind_for("chirp", "disturbance.sweep_s", disturbance_.sweep_s, 9.0, positive(),
+           "how long it takes to get there [s]");
   fields.number("disturbance.start_s", disturbance_.start_s, not_negative(), "when it begins [s]");
   fields.number("metrics.from_s", from_s_, not_negative(),
                 "the errors' window begins, and the transient's ends [s]");
@@ -71,6 +89,8 @@ Recording MotorEstimation::run(const RunControl& control) const {
   WindowStatistics velocity_error(window), position_error(window), disturbance_error(window);
   WindowStatistics raw_velocity_error(window), transient_error(transient);
   WindowStatistics position(TimeWindow{}), lambda(window), any_lambda(TimeWindow{});
+  const TimeWindow disturbed = TimeWindow{start_s}.within(end_s);
+  WindowStatistics disturbed_position(disturbed), torque(disturbed);
   WindowStatistics slowest_pole(window);
   const std::span<const double> lambda_now = published(signals, "lambda");
   const std::span<const double> poles = published(signals, "poles_continuous_re_rad_s");
@@ -87,6 +107,8 @@ Recording MotorEstimation::run(const RunControl& control) const {
     last_angle = angle;
     raw_velocity_error.add(t, raw_velocity - sim.qvel()[0]);
     position.add(t, sim.qpos()[0]);
+    disturbed_position.add(t, sim.qpos()[0]);
+    torque.add(t, sim.actuation()[0]);
     if (loop.estimates()) {
       const double d_error = loop.estimator->disturbance()(0) - rig.disturbance();
       velocity_error.add(t, loop.estimator->state()(1) - sim.qvel()[0]);
@@ -108,6 +130,8 @@ Recording MotorEstimation::run(const RunControl& control) const {
     add(metrics, "rmse_position_rad", "rad", position_error.rms());
     add(metrics, "rmse_disturbance_Nm", "N m", disturbance_error.rms());
     add(metrics, "peak_position_rad", "rad", position.peak());
+    add(metrics, "rms_position_rad", "rad", disturbed_position.rms());
+    add(metrics, "rms_torque_Nm", "N m", torque.rms());
     if (disturbance_.kind == DisturbanceKind::step) {
       add(metrics, "disturbance_settling_time_s", "s", settling.value());
     }

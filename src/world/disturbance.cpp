@@ -1,8 +1,34 @@
 #include <breakwater/world/disturbance.h>
 
+#include <algorithm>
+
 #include <breakwater/math/functions.h>
 
 namespace breakwater {
+namespace {
+
+// A sine's value and its derivative.
+double sine(double amplitude, double frequency_rad_s, double elapsed_s) {
+  return amplitude * math::sin(frequency_rad_s * elapsed_s);
+}
+double sine_rate(double amplitude, double frequency_rad_s, double elapsed_s) {
+  return amplitude * frequency_rad_s * math::cos(frequency_rad_s * elapsed_s);
+}
+
+// A chirp's phase and how fast it grows.
+struct Phase {
+  double value;
+  double rate;
+};
+Phase chirp_phase(const Disturbance& chirp, double elapsed_s) {
+  const double swept_s = std::min(elapsed_s, chirp.sweep_s);
+  const double change = (chirp.end_frequency_rad_s - chirp.frequency_rad_s) * swept_s;
+  const double rate = chirp.frequency_rad_s + change / chirp.sweep_s;
+  const double swept = chirp.frequency_rad_s * swept_s + 0.5 * change * swept_s / chirp.sweep_s;
+  return {swept + rate * (elapsed_s - swept_s), rate};
+}
+
+}  // namespace
 
 double Disturbance::value(double time_s) const {
   const double elapsed_s = time_s - start_s;
@@ -15,7 +41,12 @@ double Disturbance::value(double time_s) const {
     case DisturbanceKind::ramp:
       return amplitude * elapsed_s;
     case DisturbanceKind::sine:
-      return amplitude * math::sin(frequency_rad_s * elapsed_s);
+      return sine(amplitude, frequency_rad_s, elapsed_s);
+    case DisturbanceKind::two_sines:
+      return sine(amplitude, frequency_rad_s, elapsed_s) +
+             sine(second_amplitude, second_frequency_rad_s, elapsed_s);
+    case DisturbanceKind::chirp:
+      return amplitude * math::sin(chirp_phase(*this, elapsed_s).value);
   }
   return 0.0;
 }
@@ -30,7 +61,14 @@ double Disturbance::rate(double time_s) const {
     case DisturbanceKind::ramp:
       return amplitude;
     case DisturbanceKind::sine:
-      return amplitude * frequency_rad_s * math::cos(frequency_rad_s * elapsed_s);
+      return sine_rate(amplitude, frequency_rad_s, elapsed_s);
+    case DisturbanceKind::two_sines:
+      return sine_rate(amplitude, frequency_rad_s, elapsed_s) +
+             sine_rate(second_amplitude, second_frequency_rad_s, elapsed_s);
+    case DisturbanceKind::chirp: {
+      const Phase phase = chirp_phase(*this, elapsed_s);
+      return amplitude * phase.rate * math::cos(phase.value);
+    }
   }
   return 0.0;
 }

@@ -17,6 +17,7 @@ namespace breakwater::testing {
 struct MotorLoop {
   double period_s = 1e-3;  // T_s; the disturbance is held over 1 ms, as the engine holds it
   double inertia = 1.0;    // J, where J_n = 1
+  double coulomb = 0.0;    // F_C, of a dry friction that nobody is told of [N m]
   Encoder encoder;
   double noise_std = 0.0;  // added to the code
   std::uint64_t seed = 1;
@@ -36,6 +37,20 @@ struct MotorErrors {
   double disturbance = 0.0;  // of d̂ [N m]
   double peak = 0.0;         // |q| [rad]
 };
+
+/// A shaft with dry friction under a held torque for the time h: to where it comes to rest, if it
+/// does, and on from there if the torque breaks it away.
+inline void slide(double& q, double& v, double torque, double coulomb, double inertia, double h) {
+  while (v != 0.0 || std::abs(torque) > coulomb) {
+    const double a = (torque - std::copysign(coulomb, v != 0.0 ? v : torque)) / inertia;
+    const bool stops = v * a < 0.0 && -v / a < h;
+    const double moving = stops ? -v / a : h;
+    q += moving * (v + 0.5 * moving * a);
+    v = stops ? 0.0 : v + moving * a;
+    h -= moving;
+    if (!stops) return;
+  }
+}
 
 /// Runs the loop u = −k_p q̂ − k_d v̂ + d̂ (Eq. 4.22) with this estimator.
 inline MotorErrors run_motor(const MotorLoop& loop, DisturbanceEstimator& estimator) {
@@ -65,7 +80,12 @@ inline MotorErrors run_motor(const MotorLoop& loop, DisturbanceEstimator& estima
     u(0) = -loop.k_p * estimator.state()(0) - loop.k_d * estimator.state()(1) +
            estimator.disturbance()(0);
     for (int i = 0; i < substeps; ++i) {
-      const double a = (u(0) - loop.disturbance.value(t + i * h)) / loop.inertia;
+      const double torque = u(0) - loop.disturbance.value(t + i * h);
+      if (loop.coulomb > 0.0) {
+        slide(q, v, torque, loop.coulomb, loop.inertia, h);
+        continue;
+      }
+      const double a = torque / loop.inertia;
       q += h * (v + 0.5 * h * a);
       v += h * a;
     }

@@ -11,11 +11,17 @@
 namespace breakwater {
 namespace {
 
+constexpr DisturbanceKind kKinds[] = {DisturbanceKind::none,      DisturbanceKind::step,
+                                      DisturbanceKind::ramp,      DisturbanceKind::sine,
+                                      DisturbanceKind::two_sines, DisturbanceKind::chirp};
+
+// From 1 s on, with all that any kind needs: a chirp from 2 to 5 rad/s in 2 s.
+Disturbance of_kind(DisturbanceKind kind) {
+  return {kind, 3.0, 2.0, 1.0, 0.7, 6.0, 5.0, 2.0};
+}
+
 TEST(Disturbance, IsNothingBeforeItsStart) {
-  for (const auto kind : {DisturbanceKind::none, DisturbanceKind::step, DisturbanceKind::ramp,
-                          DisturbanceKind::sine}) {
-    EXPECT_EQ((Disturbance{kind, 3.0, 2.0, 1.0}.value(0.999999)), 0.0);
-  }
+  for (const auto kind : kKinds) EXPECT_EQ(of_kind(kind).value(0.999999), 0.0);
   EXPECT_EQ((Disturbance{DisturbanceKind::none, 3.0, 2.0, 1.0}.value(5.0)), 0.0);
 }
 
@@ -31,15 +37,44 @@ TEST(Disturbance, HasItsShapeFromThenOn) {
   EXPECT_NEAR(sine.value(1.0 + M_PI / 10.0), 0.0, 1e-12);
 }
 
+// At a quarter of the first sine's period the second, of three times its frequency, is at −1.
+TEST(Disturbance, TwoSinesAddUp) {
+  const Disturbance two = of_kind(DisturbanceKind::two_sines);
+  EXPECT_EQ(two.value(1.0), 0.0);
+  EXPECT_NEAR(two.value(1.0 + M_PI / 4.0), 3.0 - 0.7, 1e-12);
+  EXPECT_NEAR(two.rate(1.0), 3.0 * 2.0 + 0.7 * 6.0, 1e-12);
+}
+
+// Its phase is what its frequency, which grows evenly and then stays, has gone through.
+TEST(Disturbance, AChirpSweepsItsFrequencyAndKeepsTheLast) {
+  const Disturbance chirp = of_kind(DisturbanceKind::chirp);
+  const auto phase = [](double elapsed_s) {
+    constexpr int kPieces = 3000;  // the midpoint rule, exact where the frequency is a line
+    double sum = 0.0;
+    for (int i = 0; i < kPieces; ++i) {
+      const double at = elapsed_s * (i + 0.5) / kPieces;
+      sum += (at < 2.0 ? 2.0 + 1.5 * at : 5.0) * elapsed_s / kPieces;
+    }
+    return sum;
+  };
+  for (const double elapsed_s : {0.0, 0.5, 1.0, 2.0, 3.0, 6.0}) {
+    EXPECT_NEAR(chirp.value(1.0 + elapsed_s), 3.0 * std::sin(phase(elapsed_s)), 1e-9) << elapsed_s;
+  }
+  // It slows down as well.
+  const Disturbance slower{DisturbanceKind::chirp, 1.0, 5.0, 0.0, 0.0, 0.0, 0.0, 2.0};
+  EXPECT_DOUBLE_EQ(slower.value(2.0), std::sin(5.0));
+  EXPECT_DOUBLE_EQ(slower.value(9.0), std::sin(5.0));
+  EXPECT_EQ(slower.rate(9.0), 0.0);
+}
+
 TEST(Disturbance, ItsRateIsTheSlopeOfItsValue) {
   constexpr double kStep_s = 1e-5;
-  for (const auto kind : {DisturbanceKind::none, DisturbanceKind::step, DisturbanceKind::ramp,
-                          DisturbanceKind::sine}) {
-    const Disturbance disturbance{kind, 3.0, 2.0, 1.0};
+  for (const auto kind : kKinds) {
+    const Disturbance disturbance = of_kind(kind);
     for (const double t : {0.5, 1.1, 2.0, 3.7}) {
       const double slope =
           (disturbance.value(t + kStep_s) - disturbance.value(t - kStep_s)) / (2.0 * kStep_s);
-      EXPECT_NEAR(disturbance.rate(t), slope, 1e-8) << t;
+      EXPECT_NEAR(disturbance.rate(t), slope, 2e-8) << t;
     }
   }
 }
