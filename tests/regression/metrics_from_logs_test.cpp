@@ -62,6 +62,22 @@ TEST(MetricsFromLogs, RawVelocityOfTheMotorIsTheDifferenceOfWhatIsMeasured) {
   EXPECT_NEAR(*run.metric("rmse_raw_velocity_rad_s"), rms(between(run, error, 5.0, 10.0)), 1e-9);
 }
 
+// From the disturbance on; the torque is what the drive gives, not what is asked of it.
+TEST(MetricsFromLogs, AngleAndTorqueOfTheMotorCountFromTheDisturbanceOn) {
+  const Recording run = run_case("motor_estimation", "idob",
+                                 {"encoder.bits=8", "drive.limit_Nm=10.5", "disturbance.start_s=2",
+                                  "disturbance.kind=two_sines"});
+  const auto since = [&](const char* signal) {
+    return rms(between(run, of(run, signal), 2.0 - 1e-9, 10.0 + 1e-9));
+  };
+  EXPECT_NEAR(*run.metric("rms_position_rad"), since("position_true_rad"), 1e-12);
+  EXPECT_NEAR(*run.metric("rms_torque_Nm"), since("applied_Nm"), 1e-9);
+  EXPECT_LT(*run.metric("rms_torque_Nm"), since("command_Nm") - 0.01);
+  // A run that ends before has neither.
+  EXPECT_FALSE(
+      run_case("motor_estimation", "idob", {"run.duration_s=0.5"}).metric("rms_torque_Nm"));
+}
+
 TEST(MetricsFromLogs, LateForceAtTheWallIsThatOfTheContactForce) {
   const Recording run = run_case(
       "arm_wall_contact", "proposed-2N",

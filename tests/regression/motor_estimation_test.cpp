@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <sstream>
 
 #include "regression/run_case.h"
@@ -285,6 +287,48 @@ TEST(MotorEstimation, IdobKeepsItsPolesWhateverHappens) {
     EXPECT_NEAR(re[i + 1], -20.0, 1e-5);
     EXPECT_NEAR(re[i + 2], -10.0, 1e-5);
   }
+}
+
+// What acts is what the keys say; files that lack the newer ones have the shipped values.
+TEST(MotorEstimation, TwoSinesAndAChirpHaveTheirKeys) {
+  const auto acting = [](const Sets& sets) {
+    const Recording run = testing::run_case("motor_estimation", "idob", sets);
+    return run.track("control").values("d_true_Nm");
+  };
+  const auto two = acting({"disturbance.kind=two_sines", "disturbance.amplitude_Nm=3",
+                           "disturbance.frequency_rad_s=2", "disturbance.second_amplitude_Nm=0.5",
+                           "disturbance.second_frequency_rad_s=7"});
+  EXPECT_NEAR(two[4000], 3.0 * std::sin(6.0) + 0.5 * std::sin(21.0), 1e-9);  // 3 s after its start
+  const auto chirp = acting({"disturbance.kind=chirp", "disturbance.amplitude_Nm=3",
+                             "disturbance.frequency_rad_s=2", "disturbance.end_frequency_rad_s=6",
+                             "disturbance.sweep_s=2"});
+  EXPECT_NEAR(chirp[4000], 3.0 * std::sin(8.0 + 6.0), 1e-9);
+}
+
+TEST(MotorEstimation, FilesWithoutTheKeysOfNewerDisturbancesHaveTheShippedValues) {
+  const ScenarioFile shipped = testing::scenario_file("motor_estimation");
+  const auto path = testing::temporary_path("motor_estimation.toml");
+  std::ofstream older(path);
+  std::istringstream lines(shipped.text());
+  int left_out = 0;
+  for (std::string line; std::getline(lines, line);) {
+    const bool is_newer = line.starts_with("second_") || line.starts_with("end_frequency") ||
+                          line.starts_with("sweep_s");
+    left_out += is_newer ? 1 : 0;
+    if (!is_newer) older << line << '\n';
+  }
+  older.close();
+  EXPECT_EQ(left_out, 4);
+  for (const char* kind : {"step", "two_sines", "chirp"}) {
+    const Sets sets = {"disturbance.kind=" + std::string(kind)};
+    const PreparedRun run =
+        prepare_run(testing::catalogue(), "motor_estimation",
+                    ScenarioFile(path.string(), "motor_estimation"), "idob", sets);
+    EXPECT_EQ(run.scenario->run({}).state_hash,
+              testing::run_case("motor_estimation", "idob", sets).state_hash)
+        << kind;
+  }
+  std::filesystem::remove(path);
 }
 
 TEST(MotorEstimation, NoDisturbanceNoMotion) {

@@ -101,6 +101,8 @@ std::vector<Trial> all_trials() {
       {"motor_estimation",
        {{"disturbance.kind=none"},
         {"disturbance.kind=sine"},
+        {"disturbance.kind=two_sines"},
+        {"disturbance.kind=chirp"},
         {"encoder.bits=0", "observer.alpha=1"},
         {"observer.name=state_observer", "observer.poles_rad_s=[-10, -20]"}}},
       {"quadrotor_waves",
