@@ -4,10 +4,18 @@
 
 namespace breakwater {
 
-std::filesystem::path ScenarioKind::home() const {
+std::filesystem::path ScenarioKind::file() const {
+  const std::string file = name + ".toml";
   std::error_code error;
-  if (!folder.empty() && std::filesystem::is_directory(folder, error)) return folder;
-  return data_file("scenarios/" + name);
+  if (!folder.empty() && std::filesystem::is_directory(folder, error)) return folder / file;
+  return data_file("scenarios/" + name + "/" + file);
+}
+
+std::filesystem::path ScenarioKind::shots() const {
+  const char* file = "shots.toml";
+  std::error_code error;
+  if (!folder.empty() && std::filesystem::is_directory(folder, error)) return folder / file;
+  return look_for("scenarios/" + name + "/" + file).value_or(this->file().parent_path() / file);
 }
 
 std::unique_ptr<Scenario> make_scenario(const Catalogue& catalogue, const std::string& name) {

@@ -20,16 +20,15 @@ struct ScenarioKind {
 
   std::string name;
   std::unique_ptr<Scenario> (*make)(const Catalogue&);
-  /// Where NAME.toml, shots.toml and models of its own are. Empty, or not there any more:
-  /// scenarios/NAME where look_for() finds it.
+  /// Where NAME.toml, shots.toml and models of its own are. Empty, or not there any more: each of
+  /// them is scenarios/NAME/FILE where look_for() finds it.
   std::filesystem::path folder = {};
 
-  /// The folder. Throws std::invalid_argument, naming all places where it was looked for, if there
-  /// is none.
-  std::filesystem::path home() const;
-  /// The scenario file that belongs to it, and its shot list, which need not be there.
-  std::filesystem::path file() const { return home() / (name + ".toml"); }
-  std::filesystem::path shots() const { return home() / "shots.toml"; }
+  /// The scenario file that belongs to it. Throws std::invalid_argument, naming all places where it
+  /// was looked for, if there is none.
+  std::filesystem::path file() const;
+  /// Its shot list, which need not be there.
+  std::filesystem::path shots() const;
 };
 
 /// What a part of the catalogue is, for people: "estimator of an axis", its name, one line of help.

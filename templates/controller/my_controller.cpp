@@ -25,15 +25,17 @@ MyController::MyController(const ArmSetup& arm, const MyControllerDesign& design
 }
 
 void MyController::decide(Eigen::Ref<Eigen::VectorXd> a) {
-  const TipPose velocity = J_ * dq_hat_;
-  TipPose acceleration =
-      design_.k_p * (task().start_pose - X_hat_) - 2.0 * std::sqrt(design_.k_p) * velocity;
-  if (force_control_) {
-    virtual_acceleration_m_s2_ =
-        (task().force_reference_N - force_N_ - design_.virtual_damping_Ns_m * velocity[0]) /
-        design_.virtual_mass_kg;
-    acceleration[0] = virtual_acceleration_m_s2_;
+  const double k_d = 2.0 * std::sqrt(design_.k_p);
+  if (!force_control_) {
+    a.noalias() = design_.k_p * (task().start_angles_rad - q_hat_) - k_d * dq_hat_;
+    return;
   }
+  const TipPose velocity = J_ * dq_hat_;
+  TipPose acceleration = design_.k_p * (task().start_pose - X_hat_) - k_d * velocity;
+  virtual_acceleration_m_s2_ =
+      (task().force_reference_N - force_N_ - design_.virtual_damping_Ns_m * velocity[0]) /
+      design_.virtual_mass_kg;
+  acceleration[0] = virtual_acceleration_m_s2_;
   breakwater::pseudo_inverse(J_, design_.singular_value_floor, J_plus_);
   a.noalias() = J_plus_ * (acceleration - chain().tip_bias_acceleration(q_hat_, dq_hat_));
 }
@@ -47,7 +49,7 @@ void bind(Fields& fields, MyControllerDesign& design) {
   fields.number("controller.virtual_damping_Ns_m", design.virtual_damping_Ns_m,
                 breakwater::positive(), "D of the admittance; free motion is at F^ref/D [N s/m]");
   fields.number("controller.k_position", design.k_p, breakwater::not_negative(),
-                "of the held pose; the velocity gain is 2 sqrt(it) [1/s^2]");
+                "of what is held; the velocity gain is 2 sqrt(it) [1/s^2]");
   fields.number("controller.singular_value_floor", design.singular_value_floor,
                 breakwater::not_negative(), "of the pseudo-inverse");
   // Files that know nothing of this controller need not have its keys.

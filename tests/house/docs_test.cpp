@@ -9,11 +9,11 @@ namespace breakwater {
 namespace {
 namespace fs = std::filesystem;
 
-// A fenced block behind <!-- FILE --> is a piece of that file, word for word. The install tests
-// build and run the templates.
+// A fenced block behind <!-- FILE --> is a piece of that file, word for word: of a template, which
+// the install tests build and run, or of a test.
 TEST(Docs, CodeIsWordForWordThatOfTheTemplates) {
   int blocks = 0;
-  const std::regex pattern("<!-- (templates/\\S+) -->\n```[a-z]*\n([^`]*)```");
+  const std::regex pattern("<!-- ((?:templates|tests)/\\S+) -->\n```[a-z]*\n([^`]*)```");
   for (const auto& entry : fs::directory_iterator(testing::source_file("docs"))) {
     if (entry.path().extension() != ".md") continue;
     const std::string page = testing::text_of(entry.path());
@@ -25,13 +25,9 @@ TEST(Docs, CodeIsWordForWordThatOfTheTemplates) {
           << entry.path() << ": not in " << (*block)[1] << ":\n"
           << (*block)[2];
     }
-    std::size_t marks = 0;
-    for (std::size_t at = page.find("<!-- templates/"); at != std::string::npos;
-         at = page.find("<!-- templates/", at + 1)) {
-      ++marks;
-    }
-    EXPECT_EQ(marks, static_cast<std::size_t>(std::distance(
-                         std::sregex_iterator(page.begin(), page.end(), pattern), {})))
+    const std::regex mark("<!-- (templates|tests)/");
+    EXPECT_EQ(std::distance(std::sregex_iterator(page.begin(), page.end(), mark), {}),
+              std::distance(std::sregex_iterator(page.begin(), page.end(), pattern), {}))
         << entry.path() << ": a mark without a block behind it";
   }
   EXPECT_GT(blocks, 15);

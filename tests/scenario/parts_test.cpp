@@ -226,12 +226,15 @@ class Spring final : public Controller {
   explicit Spring(double k) : k_(k) {}
   void reset(const Sample&) override {}
   void update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u) override {
-    u.setConstant(-k_ * y.y(0));
+    pull_N_ = -k_ * y.y(0);
+    u.setConstant(pull_N_);
   }
-  std::span<const Signal> signals() const override { return {}; }
+  std::span<const Signal> signals() const override { return signals_; }
 
  private:
   double k_;
+  double pull_N_ = 0.0;
+  std::vector<Signal> signals_ = {{"pull_N", "N", "-k times the measurement", view(pull_N_)}};
 };
 
 void bind_spring(Fields& fields, Number& number) {
@@ -284,6 +287,7 @@ TEST(OwnParts, AControllerFromOutsideGoesIntoEachExperimentOfAnAxis) {
                                   metric.name.find("estimate") != std::string::npos;
       EXPECT_FALSE(is_of_estimate) << scenario << " " << metric.name;
     }
+    EXPECT_EQ(run.track("control").values("pull_N").size(), run.track("control").rows());
   }
 }
 
