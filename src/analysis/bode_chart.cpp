@@ -35,16 +35,17 @@ std::vector<double> phases(const BodeCurve& curve) {
   return result;
 }
 
-// The turns by which marks are away from the line: their first may be on another one.
+// Each mark on the turn that is nearest to the line: marks are too far apart to be unwrapped alone.
 void bring_near(std::vector<double>& marks, const BodeCurve& at, const std::vector<double>& line,
                 const BodeCurve& line_at) {
-  if (marks.empty() || line.empty()) return;
-  const auto next = std::lower_bound(line_at.omega_rad_s.begin(), line_at.omega_rad_s.end(),
-                                     at.omega_rad_s.front());
-  const auto i =
-      std::min(static_cast<std::size_t>(next - line_at.omega_rad_s.begin()), line.size() - 1);
-  const double turns = 360.0 * std::round((line[i] - marks.front()) / 360.0);
-  for (double& phase : marks) phase += turns;
+  if (line.empty()) return;
+  for (std::size_t k = 0; k < marks.size(); ++k) {
+    const auto next = std::lower_bound(line_at.omega_rad_s.begin(), line_at.omega_rad_s.end(),
+                                       at.omega_rad_s[k]);
+    const auto i =
+        std::min(static_cast<std::size_t>(next - line_at.omega_rad_s.begin()), line.size() - 1);
+    marks[k] += 360.0 * std::round((line[i] - marks[k]) / 360.0);
+  }
 }
 
 struct Extent {

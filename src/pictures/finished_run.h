@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -15,11 +16,18 @@
 
 namespace breakwater {
 
+/// Thrown of a run in which nothing moved that could be drawn: estimates of recorded data.
+class NothingMoved : public std::invalid_argument {
+ public:
+  using std::invalid_argument::invalid_argument;
+};
+
 /// What a finished run left, its scenario with the run's settings, and its log.
 class FinishedRun {
  public:
   /// The catalogue outlives it. Throws std::invalid_argument, one line, if the folder is not a
-  /// run's or lacks a file, or the catalogue lacks its scenario.
+  /// run's or lacks a file, or the catalogue lacks its scenario: NothingMoved if its log has no
+  /// positions either.
   FinishedRun(const Catalogue& catalogue, const std::filesystem::path& folder);
 
   const std::filesystem::path& folder() const { return saved_.folder(); }

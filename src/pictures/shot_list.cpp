@@ -92,6 +92,9 @@ ShotList read_shot_list(const std::string& file) {
   bind_lines(fields, shots.lines);
   fields.read(config);
   if (const ConfigEntry* camera = config.find("camera")) shots.camera_origin = camera->origin;
+  for (std::size_t i = 0; i < shots.arrows.size(); ++i) {
+    shots.arrows[i].site_origin = config.find(key_of("arrow", i, "site"))->origin;
+  }
 
   if (shots.to_s <= shots.from_s) config.fail("video.to_s", "must be after video.from_s");
   for (const char* key : {"video.width", "video.height"}) {

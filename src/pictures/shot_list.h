@@ -22,6 +22,7 @@ struct ShotArrow {
   std::string signal;
   std::string unit;              ///< of the number beside it; empty: no number
   std::string site;              ///< {KEY} in it is that key of the run's configuration
+  std::string site_origin;       ///< where it stands, "FILE:LINE"
   std::vector<double> along;     ///< where a positive value points; for a vector: a factor each
   Frame frame = Frame::world;    ///< whose axes `along` has
   std::vector<double> offset_m;  ///< of its start from the site, in the world

@@ -15,10 +15,22 @@ constexpr Colour kForce{0.84, 0.10, 0.10, 1.0};
 constexpr Colour kOtherForce{0.0, 0.35, 0.70, 1.0};
 constexpr double kLongestVideo_frames = 1e6;
 
+// What the shot list names; if the model has none such, the list is to blame.
+template <typename Find>
+int of_shot_list(const std::string& origin, const char* key, Find&& find) {
+  try {
+    return std::forward<Find>(find)();
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(origin + ": " + key + ": " + error.what());
+  }
+}
+
 ArrowTrack stage_arrow(const FinishedRun& run, const ShotArrow& shot, const Model& model,
                        const Colour& colour) {
   ArrowTrack track;
-  track.arrow.site = model.id(mjOBJ_SITE, run.fill_in(shot.site));
+  track.arrow.site = of_shot_list(shot.site_origin, "site", [&] {
+    return model.id(mjOBJ_SITE, run.fill_in(shot.site));
+  });
   track.arrow.offset_m = Eigen::Map<const Eigen::Vector3d>(shot.offset_m.data());
   track.arrow.in_site_frame = shot.frame == ShotArrow::Frame::site;
   track.arrow.contact_mark_m = shot.contact_mark_m;
@@ -37,15 +49,6 @@ ArrowTrack stage_arrow(const FinishedRun& run, const ShotArrow& shot, const Mode
   return track;
 }
 
-// The shot list's camera; if the model has none such, the list is to blame.
-int listed_camera(const Model& model, const ShotList& shots) {
-  try {
-    return camera_id(model, shots.camera);
-  } catch (const std::invalid_argument& error) {
-    throw std::invalid_argument(shots.camera_origin + ": camera: " + error.what());
-  }
-}
-
 }  // namespace
 
 PictureRun stage(const FinishedRun& run, const ShotList& shots, const std::string& camera,
@@ -62,7 +65,9 @@ PictureRun stage(const FinishedRun& run, const ShotList& shots, const std::strin
   };
   staged.surfaces = scenario->waving_surfaces(staged.model);
   staged.camera =
-      camera.empty() ? listed_camera(staged.model, shots) : camera_id(staged.model, camera);
+      camera.empty() ? of_shot_list(shots.camera_origin, "camera",
+                                    [&] { return camera_id(staged.model, shots.camera); })
+                     : camera_id(staged.model, camera);
   staged.times_s = run.times_s();
   staged.qpos = run.qpos();
   for (const ShotArrow& shot : shots.arrows) {

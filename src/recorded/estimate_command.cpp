@@ -56,7 +56,7 @@ PreparedRun prepare(const Catalogue& catalogue, const Arguments& arguments) {
 
   return prepare_scenario(std::make_unique<RecordedEstimation>(catalogue), file,
                           has_settings ? arguments.observer : file.default_case(), sets,
-                          Tables::unchecked);
+                          Tables::unchecked, arguments.observer);
 }
 
 int estimate(const Catalogue& catalogue, const Arguments& arguments) {
@@ -66,7 +66,7 @@ int estimate(const Catalogue& catalogue, const Arguments& arguments) {
     fmt::print("{}", run.config_text);
     return kSuccess;
   }
-  const std::string name = arguments.observer.empty() ? run.case_name : arguments.observer;
+  const std::string& name = run.case_name;
   RunFolder folder(arguments.out.empty() ? fs::path("runs") / kEstimate / name
                                          : fs::path(arguments.out));
   if (!arguments.quiet) {

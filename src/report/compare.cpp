@@ -27,16 +27,6 @@ namespace {
 constexpr std::size_t kFewestRuns = 2;
 constexpr std::size_t kManyKeys = 12;  // that many are folded away
 
-// "+4.1 %", or the difference itself where a part of the first value says nothing: it is zero, of
-// the other sign, or ten times smaller.
-std::string relative(double difference, double of) {
-  if (difference == 0.0) return "=";
-  const double other = of + difference;
-  const bool is_comparable = of * other > 0.0 && std::abs(other) < 10.0 * std::abs(of);
-  return is_comparable ? fmt::format("{:+.1f} %", 100.0 * difference / std::abs(of))
-                       : fmt::format("{:+.3g}", difference);
-}
-
 void check(const std::vector<SavedRun>& runs) {
   if (runs.size() < kFewestRuns) {
     throw std::invalid_argument("compare: give two runs or more");
@@ -100,6 +90,15 @@ const SavedRun* first_with(const std::vector<SavedRun>& runs, const std::string&
 }
 
 }  // namespace
+
+std::string difference_in_words(double value, double first) {
+  constexpr double kManifold = 3.0, kNoMeasure = 10.0;
+  if (value == first) return "=";
+  const double ratio = value / first;
+  if (!(ratio > 0.0 && ratio < kNoMeasure)) return fmt::format("{:+.3g}", value - first);
+  return ratio >= kManifold ? fmt::format("×{:.1f}", ratio)
+                            : fmt::format("{:+.1f} %", 100.0 * (value - first) / std::abs(first));
+}
 
 Comparison::Comparison(const Catalogue& catalogue, std::vector<SavedRun> runs,
                        const CompareChoice& choice)
@@ -168,8 +167,8 @@ std::string Comparison::text(std::size_t width) const {
       is_printed = is_printed || thesis != printed_[i].end();
       printed.push_back(thesis == printed_[i].end() ? "-" : thesis->second.result.text());
       if (i == 0) continue;
-      const auto off = difference(i, metric.name);
-      differences.push_back(off ? relative(*off, *runs_.front().metric(metric.name)) : "-");
+      const auto first = runs_.front().metric(metric.name);
+      differences.push_back(value && first ? difference_in_words(*value, *first) : "-");
     }
     table.add(values);
     table.add(differences);
@@ -321,10 +320,8 @@ std::string Comparison::html(std::vector<std::string>& notes) const {
       mustache::data cell;
       const auto value = runs_[i].metric(metric.name);
       cell.set("value", value ? format_number(*value) : "–");
-      const auto off = difference(i, metric.name);
-      if (i > 0 && off) {
-        cell.set("difference", relative(*off, *runs_.front().metric(metric.name)));
-      }
+      const auto first = runs_.front().metric(metric.name);
+      if (i > 0 && value && first) cell.set("difference", difference_in_words(*value, *first));
       const auto thesis = printed_[i].find(metric.name);
       if (value && thesis != printed_[i].end()) {
         const Verdict verdict = thesis->second.verdict(*value);

@@ -23,6 +23,10 @@ struct CompareChoice {
   bool with_replay = true;
 };
 
+/// How a metric's value is off the first run's: "=", "+4.1 %", from three times on "×8.0"; where
+/// the first is no measure of it, being 0, of the other sign or ten times smaller, the difference.
+std::string difference_in_words(double value, double first);
+
 /// Some runs' metrics and signals. The first run is what the others are compared with.
 class Comparison {
  public:

@@ -32,6 +32,22 @@ bool is_better_in_log(const std::vector<double>& sorted) {
   return largest_gap(sorted, log) < largest_gap(sorted, same);
 }
 
+using NumberText = std::string (*)(double);
+
+// As short as it may be while all are told apart: four digits, or all of a number that has few.
+NumberText shortest(const std::vector<double>& distinct) {
+  constexpr NumberText kFew = [](double value) {
+    const std::string all = fmt::format("{:.6g}", value);
+    const bool has_few = std::abs(std::stod(all) - value) <= 1e-12 * std::abs(value);
+    return has_few ? all : fmt::format("{:.4g}", value);
+  };
+  constexpr NumberText kMany = [](double value) { return fmt::format("{:.10g}", value); };
+  for (std::size_t i = 1; i < distinct.size(); ++i) {
+    if (kFew(distinct[i]) == kFew(distinct[i - 1])) return kMany;
+  }
+  return kFew;
+}
+
 }  // namespace
 
 KeyGroups group_values(const StudyKey& key, std::size_t most) {
@@ -54,9 +70,10 @@ KeyGroups group_values(const StudyKey& key, std::size_t most) {
       if (begins.empty() || begin > begins.back()) begins.push_back(begin);
     }
   }
+  const NumberText number = shortest(distinct);
   const auto text = [&](double value) {
     if (!key.is_number) return key.texts[static_cast<std::size_t>(value)];
-    return groups.is_binned ? fmt::format("{:.4g}", value) : fmt::format("{:.10g}", value);
+    return groups.is_binned ? fmt::format("{:.4g}", value) : number(value);
   };
   for (std::size_t g = 0; g < begins.size(); ++g) {
     const auto begin = std::lower_bound(sorted.begin(), sorted.end(), begins[g]);

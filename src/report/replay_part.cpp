@@ -128,6 +128,8 @@ std::optional<ReplayPart> replay_of(const Catalogue& catalogue,
     ReplayPart part = replay_part(runs, labels, options);
     notes.insert(notes.end(), part.notes.begin(), part.notes.end());
     return part;
+  } catch (const NothingMoved&) {
+    // A replay is not missed.
   } catch (const std::invalid_argument& error) {
     notes.push_back(fmt::format("no replay: {}", error.what()));
   } catch (const RenderError& error) {

@@ -395,8 +395,10 @@ std::string format_number(double value) {
   if (std::isnan(value)) return "not measured";
   if (std::isinf(value)) return "never";
   const double size = std::abs(value);
-  if (size != 0.0 && (size < 1e-3 || size >= 1e5)) return fmt::format("{:.2e}", value);
-  return fmt::format("{:.3g}", value);
+  constexpr double kLongestCount = 1e7;
+  if (value == std::round(value) && size < kLongestCount) return fmt::format("{:.0f}", value);
+  if (size < 1e-3 || size >= 1e5) return fmt::format("{:.2e}", value);
+  return size < 1e3 ? fmt::format("{:.3g}", value) : fmt::format("{:.0f}", value);
 }
 
 std::string command_of(const RunSpec& run, std::size_t repetition) {

@@ -26,11 +26,15 @@ void bind_poles(Fields& fields, Poles& settings) {
 }
 
 Estimator make_state_observer(const Poles& settings, const NominalAxis& axis) {
-  return std::make_unique<StateObserver>(axis.plant, settings.groups(), axis.period_s);
+  return blame("observer.poles_rad_s", [&] {
+    return std::make_unique<StateObserver>(axis.plant, settings.groups(), axis.period_s);
+  });
 }
 
 Estimator make_idob(const Poles& settings, const NominalAxis& axis) {
-  return std::make_unique<IdobEstimator>(axis.plant, settings.groups(), axis.period_s);
+  return blame("observer.poles_rad_s", [&] {
+    return std::make_unique<IdobEstimator>(axis.plant, settings.groups(), axis.period_s);
+  });
 }
 
 struct MdobCutoffs {
@@ -188,7 +192,7 @@ void bind_vfakfd(Fields& fields, VfakfdSettings& settings) {
 
 Estimator make_vfakfd(const VfakfdSettings& settings, const NominalAxis& axis) {
   if (settings.alpha == 0.0 && axis.pulses_per_revolution == 0.0) {
-    throw std::invalid_argument("alpha = 0 means Eq. 4.26, which needs a quantised encoder");
+    throw WrongKey("observer.alpha", "0 means Eq. 4.26, which needs a quantised encoder");
   }
   VfakfdDesign design;
   design.alpha = Eigen::VectorXd::Constant(
@@ -196,7 +200,9 @@ Estimator make_vfakfd(const VfakfdSettings& settings, const NominalAxis& axis) {
                               : vfakfd_alpha(axis.pulses_per_revolution, axis.period_s));
   design.dead_zone = Eigen::VectorXd::Zero(1);
   settings.limits.apply(design);
-  return std::make_unique<Vfakfd<>>(settings.noise.design(axis), design);
+  const KalmanDesign filter = settings.noise.design(axis);
+  return blame("observer.lambda_min",
+               [&] { return std::make_unique<Vfakfd<>>(filter, design); });
 }
 
 struct QvffSettings {
@@ -212,8 +218,10 @@ void bind_qvff(Fields& fields, QvffSettings& settings) {
 Estimator make_qvff(const QvffSettings& settings, const NominalAxis& axis) {
   VfakfdDesign design = qvff_design(axis.sensor);
   settings.limits.apply(design);
-  return std::make_unique<Vfakfd<>>(
-      variable_forgetting_design(settings.model.extend(axis), kQvffInitialCovariance), design);
+  const KalmanDesign filter =
+      variable_forgetting_design(settings.model.extend(axis), kQvffInitialCovariance);
+  return blame("observer.lambda_min",
+               [&] { return std::make_unique<Vfakfd<>>(filter, design); });
 }
 
 void bind_stf(Fields& fields, DisturbanceModel& settings) {

@@ -113,6 +113,25 @@ std::vector<std::string> all_sets(const Arguments& arguments) {
   return sets;
 }
 
+// --seed and --duration are --set by another name: what is wrong with them is said of what was
+// typed. all_sets() takes care that nobody else set these keys.
+template <typename Body>
+auto naming_options(const Arguments& arguments, Body&& body) {
+  try {
+    return std::forward<Body>(body)();
+  } catch (const std::invalid_argument& error) {
+    const std::string what = error.what();
+    for (const auto& [option, value, key] :
+         {std::tuple("--seed", &arguments.seed, "run.seed"),
+          std::tuple("--duration", &arguments.duration, "run.duration_s")}) {
+      const std::string as_set = std::string("--set: ") + key;
+      if (value->empty() || !what.starts_with(as_set + ":")) continue;
+      throw std::invalid_argument(option + what.substr(as_set.size()));
+    }
+    throw;
+  }
+}
+
 // Refuses a folder for the folders of several runs that holds anything else.
 void check_folder_of_runs(const fs::path& folder) {
   if (!fs::exists(folder)) return;
@@ -318,8 +337,9 @@ int scenario_main(const Catalogue& catalogue, const std::string& scenario, const
     }
     KnownModels models;
     const SharedModels shared([&](const std::string& model) { models.note(model); });
-    return arguments.matrix ? run_matrix(catalogue, scenario, file, extras, arguments, models)
-                            : run_cases(catalogue, scenario, file, extras, arguments, models);
+    const auto run = arguments.matrix ? run_matrix : run_cases;
+    return naming_options(
+        arguments, [&] { return run(catalogue, scenario, file, extras, arguments, models); });
   });
 }
 

@@ -12,7 +12,6 @@
 namespace breakwater {
 namespace {
 
-constexpr const char* kSetOrigin = "--set";
 constexpr std::size_t kLongestWord = 200;  // of keys and names
 constexpr std::size_t kLongestShown = 40;
 
@@ -177,7 +176,7 @@ std::optional<double> Config::number(const std::string& key) const {
 
 std::string Config::find_file_of(const std::string& key, const std::string& name) const {
   const ConfigEntry* entry = find(key);
-  const bool is_set = entry != nullptr && entry->origin == kSetOrigin;
+  const bool is_set = entry != nullptr && entry->is_set();
   const std::filesystem::path folder =
       is_set ? std::filesystem::path() : std::filesystem::path(file_).parent_path();
   const auto file = find_file(name, folder);

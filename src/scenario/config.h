@@ -18,11 +18,15 @@ struct ConfigValue {
   std::variant<bool, std::int64_t, double, std::string, Array> data;
 };
 
+inline constexpr const char* kSetOrigin = "--set";
+
 /// A value and where it was written.
 struct ConfigEntry {
   ConfigValue value;
   std::string origin;      ///< "FILE:LINE" or "--set"
   bool is_chosen = false;  ///< by the case or --set, and not what all cases of the file have
+
+  bool is_set() const { return origin == kSetOrigin; }
 };
 
 /// The keys that one run is to use, dotted ("contact.stiffness_N_m"), with their origins.

@@ -229,7 +229,8 @@ void Fields::only_for(const std::vector<std::string>& keys, const std::string& c
                          return std::any_of(names.begin(), names.end(), [&](const auto& name) {
                            return fields.has_chosen(choice, name);
                          });
-                       }});
+                       },
+                       choice});
 }
 
 void Fields::only_where(const std::vector<std::string>& keys, const std::string& condition,
@@ -306,18 +307,33 @@ std::vector<UnusedKey> Fields::unused() const {
     if (variable == nullptr) {
       std::vector<std::string> names;
       for (const Variable& of_part : field.variables) names.push_back(of_part.part.name);
+      const std::string& choice = field.variables.front().part.choice;
       keys.push_back(
-          {field.key, fmt::format("has an effect only where {} is {}",
-                                  field.variables.front().part.choice, fmt::join(names, " or "))});
+          {field.key,
+           fmt::format("has an effect only where {} is {}", choice, fmt::join(names, " or ")),
+           choice});
       continue;
     }
     const auto fails = std::find_if(variable->conditions.begin(), variable->conditions.end(),
                                     [this](const Condition& c) { return !c.holds(*this); });
     if (fails != variable->conditions.end()) {
-      keys.push_back({field.key, "has an effect only where " + fails->text});
+      keys.push_back({field.key, "has an effect only where " + fails->text, fails->choice});
     }
   }
   return keys;
+}
+
+// Keys of a part that is not there are unknown too, but that is not what is wrong.
+void Fields::check_choices(const Config& table) {
+  std::set<std::string> choices;
+  for (const Field& field : fields_) {
+    for (const Variable& variable : field.variables) choices.insert(variable.part.choice);
+  }
+  for (Field& field : fields_) {
+    const ConfigEntry* entry = table.find(field.key);
+    if (entry == nullptr || !choices.contains(field.key)) continue;
+    if (const Error error = assign(field, entry->value, nullptr)) table.fail(field.key, *error);
+  }
 }
 
 // A table of a file: whatever runs, a key that it has must be one, and its value suit somebody.
@@ -373,6 +389,7 @@ std::string Fields::missing_in_words(const std::vector<const Field*>& missing) c
 
 void Fields::read(const Config& config) {
   assign_standards(config);
+  check_choices(config);
   check(config);  // and now each choice has chosen
   std::vector<const Field*> missing;
   for (Field& field : fields_) {
@@ -388,6 +405,7 @@ void Fields::read(const Config& config) {
 }
 
 void Fields::check(const ScenarioFile& file) {
+  for (const Config& table : file.tables()) check_choices(table);
   for (const Config& table : file.tables()) check(table);
 }
 

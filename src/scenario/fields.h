@@ -32,6 +32,7 @@ Range between(double lower, double upper);
 struct UnusedKey {
   std::string key;
   std::string reason;
+  std::string choice;  ///< the key on whose value it depends; empty: on another condition
 };
 
 /// The keys of a scenario in the order in which they are printed. Each is bound to a variable of
@@ -101,7 +102,8 @@ class Fields {
   /// names a file that is not there.
   void read(const Config& config);
   /// Checks every table of a file, whichever case runs: a value that is wrong is refused even where
-  /// another overrides it. Throws as read() does, but misses nothing. To be called before it.
+  /// another overrides it. Throws as read() does, but misses nothing; a part that is not there is
+  /// named before keys of its own. To be called before it.
   void check(const ScenarioFile& file);
 
   /// Reads what it can of a run that is finished: a key that is unknown, or whose value this
@@ -124,6 +126,7 @@ class Fields {
   struct Condition {
     std::string text;
     std::function<bool(const Fields&)> holds;
+    std::string choice = {};  // the key on whose value it depends, if it does on one
   };
   // One of the parts among which a choice chooses; of none, the scenario itself.
   struct Part {
@@ -166,6 +169,8 @@ class Fields {
   static Error assign(Field& field, const ConfigValue& value, const Variable* counts);
   void assign_standards(const Config& config);
   void check(const Config& table);
+  // The part of it that is about which parts are chosen.
+  void check_choices(const Config& table);
   void find_file(const Config& config, const Field& field) const;
   void add_choice(const std::string& key, const std::vector<std::string>& names,
                   std::function<void(std::size_t)> assign, std::function<std::string()> print,

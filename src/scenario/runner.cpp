@@ -114,10 +114,10 @@ std::string shipped_config(const Catalogue& catalogue, const Scenario& scenario,
 
 PreparedRun prepare_scenario(std::unique_ptr<Scenario> scenario, const ScenarioFile& file,
                              const std::string& case_name, const std::vector<std::string>& sets,
-                             Tables tables) {
+                             Tables tables, const std::string& called) {
   PreparedRun run;
   run.scenario = std::move(scenario);
-  run.case_name = case_name;
+  run.case_name = called.empty() ? case_name : called;
   const Config config = file.config(case_name, sets);
   Fields fields = run.scenario->fields();
   if (tables == Tables::unchecked) fields.check(file);
@@ -125,9 +125,13 @@ PreparedRun prepare_scenario(std::unique_ptr<Scenario> scenario, const ScenarioF
   run.scenario->check(config);
   for (const UnusedKey& unused : fields.unused()) {
     const ConfigEntry& entry = *config.find(unused.key);
-    if (entry.is_chosen) run.vain.push_back({entry.origin, unused.key, unused.reason});
+    if (!entry.is_chosen) continue;
+    // What a case gives to a choice of its own is no fault of a user who chooses otherwise.
+    const ConfigEntry* choice = config.find(unused.choice);
+    const bool is_chosen_otherwise = choice != nullptr && choice->is_set() && !entry.is_set();
+    if (!is_chosen_otherwise) run.vain.push_back({entry.origin, unused.key, unused.reason});
   }
-  run.config_text = fields.print(run.scenario->name(), case_name);
+  run.config_text = fields.print(run.scenario->name(), run.case_name);
   run.model_files = fields.files();
   return run;
 }

@@ -49,10 +49,11 @@ struct RunSummary {
 enum class Tables { checked, unchecked };
 
 /// The run of a scenario that was made, by one case of a file, with `sets` (key=value) on top; as
-/// shipped or not is not known. Throws std::invalid_argument, one line.
+/// shipped or not is not known. It is called after its case, or `called`. Throws
+/// std::invalid_argument, one line.
 PreparedRun prepare_scenario(std::unique_ptr<Scenario> scenario, const ScenarioFile& file,
                              const std::string& case_name, const std::vector<std::string>& sets,
-                             Tables tables);
+                             Tables tables, const std::string& called = "");
 
 /// The same of a scenario's name; whether it is as shipped is found out.
 PreparedRun prepare_run(const Catalogue& catalogue, const std::string& scenario,

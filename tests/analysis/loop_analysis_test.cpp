@@ -4,6 +4,7 @@
 
 #include <Eigen/Dense>
 
+#include <breakwater/analysis/bode_chart.h>
 #include <breakwater/analysis/loop_analysis.h>
 #include <breakwater/linear/riccati.h>
 #include <breakwater/observers/kalman_design.h>
@@ -123,6 +124,23 @@ TEST(LoopAnalysis, MeasuredIsAsDesignedWithoutAnEncoder) {
       }
       EXPECT_EQ(point.saturated, 0.0);
     }
+  }
+}
+
+// A delay of 1 s: its phase falls by ω rad, and the marks are more than half a turn apart.
+TEST(BodeChart, MarksAreOnTheTurnOfTheLine) {
+  BodeLoop loop;
+  loop.label = "it";
+  const auto add = [](BodeCurve& curve, double omega) {
+    curve.omega_rad_s.push_back(omega);
+    curve.gain.push_back(std::polar(1.0, -omega));
+  };
+  for (double omega = 0.1; omega < 20.0; omega += 0.1) add(loop.line, omega);
+  for (const double omega : {0.5, 4.0, 15.0}) add(loop.marks, omega);
+  const std::string svg = draw_bode("a delay", "", {loop});
+  for (const char* mark : {"at 0.5 rad/s: 0.00 dB, -28.6 deg", "at 4 rad/s: 0.00 dB, -229.2 deg",
+                           "at 15 rad/s: 0.00 dB, -859.4 deg"}) {
+    EXPECT_NE(svg.find(mark), std::string::npos) << mark;
   }
 }
 

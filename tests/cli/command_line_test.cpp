@@ -295,9 +295,9 @@ INSTANTIATE_TEST_SUITE_P(
         Nonsense{"UnstablePole",
                  {"--set", "observer.poles_rad_s=[[0,-1,-2],[-1,-2,-3],[-1,-2,-3]]"},
                  "observer.poles_rad_s: pole placement: the poles must lie"},
-        Nonsense{"NegativeSeed", {"--seed", "-1"}, "run.seed: must be 0 or more"},
+        Nonsense{"NegativeSeed", {"--seed", "-1"}, "--seed: must be 0 or more"},
         Nonsense{"SeedNoNumber", {"--seed", "x"}, "--seed: must be a number, is \"x\""},
-        Nonsense{"SeedNotWhole", {"--seed", "1.5"}, "run.seed: must be a whole number"},
+        Nonsense{"SeedNotWhole", {"--seed", "1.5"}, "--seed: must be a whole number"},
         Nonsense{
             "SeedTwice", {"--seed", "2", "--set", "run.seed=1"}, "--seed: --set gives run.seed"},
         Nonsense{"EmptyCase", {"--case", ""}, "--case: must be a case's name"},

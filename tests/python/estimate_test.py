@@ -1,6 +1,7 @@
 """`breakwater estimate`, and the log's HDF5 as others read it."""
 
 import csv
+import json
 import subprocess
 import unittest
 
@@ -20,9 +21,13 @@ def write(file, time_s, u, y, head=("time_s", "u", "y")):
         writer.writerows(zip(map(repr, time_s.tolist()), map(repr, u.tolist()), map(repr, y.tolist())))
 
 
-def estimate(folder, *arguments, status=0):
-    done = subprocess.run([BIN / "breakwater", "estimate", *map(str, arguments)], cwd=folder, text=True,
+def breakwater(folder, *arguments):
+    return subprocess.run([BIN / "breakwater", *map(str, arguments)], cwd=folder, text=True,
                           capture_output=True)
+
+
+def estimate(folder, *arguments, status=0):
+    done = breakwater(folder, "estimate", *arguments)
     assert done.returncode == status, (done.returncode, done.stderr)
     return done
 
@@ -54,6 +59,27 @@ class Estimate(unittest.TestCase):
         # Its own config.toml gives the same again.
         estimate(self.folder, "--config", "est/config.toml", "--out", "again", "--quiet")
         self.assertEqual(bw.load(self.folder / "again").state_hash, estimates.state_hash)
+
+    def test_a_run_of_an_estimator_without_a_case_is_called_after_it(self):
+        estimate(self.folder, "--csv", "motor.csv", "--out", "est", "--quiet", "--set", *self.period)
+        # This file has the case stf alone, as for an estimator of a user's own.
+        estimate(self.folder, "--config", "est/config.toml", "--observer", "idob", "--out", "own", "--quiet",
+                 "--set", "observer.poles_rad_s=[-60,-61,-62]")
+        estimate(self.folder, "--config", "own/config.toml", "--out", "again", "--quiet")
+        for folder in ("own", "again"):
+            manifest = json.loads((self.folder / folder / "manifest.json").read_text())
+            self.assertEqual(manifest["case"], "idob")
+        self.assertEqual(bw.load(self.folder / "again").state_hash, bw.load(self.folder / "own").state_hash)
+
+    def test_nothing_moves_in_it_and_a_page_does_not_miss_it(self):
+        estimate(self.folder, "--csv", "motor.csv", "--out", "est", "--quiet", "--set", *self.period)
+        for command in (["report", "est"], ["compare", "est", "est"]):
+            done = breakwater(self.folder, *command)
+            self.assertEqual((done.returncode, done.stderr), (0, ""))
+            self.assertNotIn("replay", done.stdout)
+        done = breakwater(self.folder, "video", "est")
+        self.assertEqual(done.returncode, 2)
+        self.assertRegex(done.stderr, 'est: is a run of "estimate", .* nothing moved that could be drawn\n$')
 
     def test_every_estimator_works_and_a_whole_python_record_says_the_same(self):
         for name in ("qvff", "kfd", "dkf", "fakfd", "idob", "mdob", "state_observer", "vfakfd"):

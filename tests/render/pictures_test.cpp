@@ -288,6 +288,23 @@ TEST_F(Pictures, ACameraThatTheModelLacksFailsTheVideoAlone) {
   EXPECT_NE(result.err.find("arm_push/shots.toml:"), std::string::npos) << result.err;
 }
 
+TEST_F(Pictures, ASiteThatTheModelLacksIsSaidWithTheShotListsLine) {
+  push("run");
+  std::string shots = testing::text_of(testing::source_file("scenarios/arm_push/shots.toml"));
+  const std::size_t site = shots.find("site = \"");
+  ASSERT_NE(site, std::string::npos);
+  shots.insert(site + 8, "my_");
+  const auto line = 1 + std::count(shots.begin(), shots.begin() + static_cast<long>(site), '\n');
+  // A shot list alone, without the scenario's other files, takes the place of the shipped one.
+  fs::create_directories(folder_ / "mine/scenarios/arm_push");
+  std::ofstream(folder_ / "mine/scenarios/arm_push/shots.toml") << shots;
+  setenv("BREAKWATER_PATH", (folder_ / "mine").c_str(), 1);
+  const ProgramResult result = breakwater({"still", "run", "--at", "0.1"});
+  unsetenv("BREAKWATER_PATH");
+  expect_failure(result, 2,
+                 "arm_push/shots.toml:" + std::to_string(line) + ": site: ", kRunFiles, "run");
+}
+
 TEST_F(Pictures, AFailedRunIsDrawnToo) {
   EXPECT_EQ(run({"arm_push", "--quiet", "--duration", "0.5", "--set", "fault.sensor=q1",
                  "fault.at_s=0.3", "--out", "run"})

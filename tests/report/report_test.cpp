@@ -12,6 +12,7 @@
 #include <breakwater/pictures/finished_run.h>
 #include <breakwater/pictures/page_data.h>
 #include <breakwater/record/csv.h>
+#include <breakwater/report/compare.h>
 #include <breakwater/report/experiments.h>
 #include <breakwater/report/html_page.h>
 #include <breakwater/report/latex.h>
@@ -618,6 +619,28 @@ TEST(Page, EscapesWhatComesFromRuns) {
   EXPECT_NE(html.find("&lt;script&gt;alert(1)&lt;/script&gt; &amp; co"), std::string::npos);
   EXPECT_NE(html.find("\\u003c/script>"), std::string::npos);
   EXPECT_NE(html.find("default-src 'none'"), std::string::npos);
+}
+
+TEST(Numbers, OfPagesAreShortAndCountsAreWhole) {
+  for (const auto& [value, text] : std::vector<std::pair<double, std::string>>{
+           {1460.0, "1460"}, {20000.0, "20000"}, {0.0, "0"}, {-3.0, "-3"}, {1234.5678, "1235"},
+           {0.0123456, "0.0123"}, {12.3456, "12.3"}, {1.23456e-5, "1.23e-05"},
+           {1.23456e6 + 0.5, "1.23e+06"}, {3e8, "3.00e+08"}}) {
+    EXPECT_EQ(format_number(value), text);
+  }
+}
+
+TEST(Differences, AreSharesMultiplesOrDifferences) {
+  EXPECT_EQ(difference_in_words(2.0, 2.0), "=");
+  EXPECT_EQ(difference_in_words(1.041, 1.0), "+4.1 %");
+  EXPECT_EQ(difference_in_words(-1.5, -1.0), "-50.0 %");
+  EXPECT_EQ(difference_in_words(0.01, 1.0), "-99.0 %");
+  EXPECT_EQ(difference_in_words(2.99, 1.0), "+199.0 %");
+  EXPECT_EQ(difference_in_words(7.996, 1.0), "×8.0");
+  EXPECT_EQ(difference_in_words(-4.0, -1.0), "×4.0");
+  EXPECT_EQ(difference_in_words(0.0444, 0.0004), "+0.044");
+  EXPECT_EQ(difference_in_words(-1.0, 2.0), "-3");
+  EXPECT_EQ(difference_in_words(0.25, 0.0), "+0.25");
 }
 
 }  // namespace

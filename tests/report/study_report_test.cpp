@@ -286,6 +286,17 @@ TEST(ChartScale, TicksAreRoundAndInside) {
   EXPECT_NEAR(ChartScale(2.0, 2.0, false, 0.0, 1.0)(2.0), 0.5, 1e-12);
 }
 
+// log(0.1,1000,n) has values of ten digits; what is told apart by no fewer keeps them.
+TEST(StudyGroups, LabelsAreShortWhereAllAreToldApart) {
+  StudyKey key;
+  key.values = {0.3437543855, 281.1706626, 20000.0, 123456.0, 0.015};
+  EXPECT_EQ(group_values(key, 10).labels,
+            (std::vector<std::string>{"0.015", "0.3438", "281.2", "20000", "123456"}));
+  key.values = {1.00000001, 1.00000002, 2.0};
+  EXPECT_EQ(group_values(key, 10).labels,
+            (std::vector<std::string>{"1.00000001", "1.00000002", "2"}));
+}
+
 // Whatever the shape of a study with 36 metrics and 1e5 points.
 class LargeStudy : public ::testing::TestWithParam<const char*> {};
 

@@ -127,12 +127,22 @@ TEST_F(PartsTest, AKeyOfAPartThatIsNotChosenIsSaidToBeUnused) {
   ASSERT_EQ(unused_.size(), 1U);
   EXPECT_EQ(unused_[0].key, "toy.size");
   EXPECT_EQ(unused_[0].reason, "has an effect only where toy.name is small or large");
+  EXPECT_EQ(unused_[0].choice, "toy.name");
 }
 
 TEST_F(PartsTest, AMisspeltPartIsNamed) {
   EXPECT_EQ(make("toy.name = \"smal\"\n[case.one]\n"),
             "FILE:3: toy.name: must be one of small, large, named, is \"smal\" (did you mean "
             "small?)");
+}
+
+// Its keys are unknown too, whichever table has them.
+TEST_F(PartsTest, APartOfAnotherProgramIsNamedBeforeItsKeys) {
+  const std::string complaint = "toy.name: must be one of small, large, named, is \"theirs\"";
+  EXPECT_EQ(make("toy.colour = \"red\"\ntoy.name = \"theirs\"\n[case.one]\n"),
+            "FILE:4: " + complaint);
+  EXPECT_EQ(make("toy.colour = \"red\"\n[case.one]\ntoy.name = \"theirs\"\n"),
+            "FILE:5: " + complaint);
 }
 
 TEST_F(PartsTest, APartBlamesItsKeyOrTheChoice) {
@@ -298,6 +308,47 @@ TEST(OwnParts, AControllerFromOutsideGoesIntoTheArmAndTheQuadrotor) {
     ASSERT_FALSE(run.failure) << scenario << ": " << run.failure->reason;
     EXPECT_GT(run.track("control").rows(), 99U) << scenario;
   }
+}
+
+// The default case has a factor for its estimator, the FAKFD; who takes another one did not set it.
+TEST(OwnParts, WhatACaseGivesToAChoiceOfItsOwnIsNotWarnedOf) {
+  const Catalogue catalogue = standard_catalogue();
+  const ScenarioFile file(catalogue.get<ScenarioKind>("cart_estimation").file().string(),
+                          "cart_estimation");
+  const auto vain = [&](const std::vector<std::string>& sets) {
+    std::string keys;
+    for (const VainKey& key : prepare_run(catalogue, "cart_estimation", file, "gamma-diag", sets).vain) {
+      keys += key.origin + " " + key.key + "\n";
+    }
+    return keys;
+  };
+  EXPECT_EQ(vain({}), "");
+  EXPECT_EQ(vain({"observer.name=stf"}), "");
+  EXPECT_EQ(vain({"observer.name=stf", "observer.gamma_d=1.1"}), "--set observer.gamma_d\n");
+}
+
+// The poles are wrong, not the choice of an observer that has poles.
+TEST(OwnParts, AWrongKeyIsBlamedAndNotTheChoice) {
+  const auto complaint = [](const std::vector<std::string>& sets) {
+    try {
+      run_with_theirs("motor_estimation", sets);
+    } catch (const std::invalid_argument& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  for (const char* name : {"idob", "state_observer"}) {
+    const std::string what =
+        complaint({std::string("observer.name=") + name, "observer.poles_rad_s=[-40]"});
+    EXPECT_TRUE(what.starts_with("--set: observer.poles_rad_s: pole placement")) << what;
+  }
+  EXPECT_TRUE(complaint({"observer.name=vfakfd", "encoder.bits=0", "observer.alpha=0",
+                         "observer.lambda_min=0.1", "observer.lambda_max=1",
+                         "observer.process_noise=0", "observer.initial_covariance=[1,1,1]"})
+                  .starts_with("--set: observer.alpha: "));
+  EXPECT_TRUE(complaint({"observer.name=qvff", "observer.lambda_min=0.9",
+                         "observer.lambda_max=0.5"})
+                  .starts_with("--set: observer.lambda_min: "));
 }
 
 TEST(OwnParts, ARegulatorIsRefusedWhereItCannotWork) {
