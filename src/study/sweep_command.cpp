@@ -428,6 +428,30 @@ void print_dry_run(const Sweep& sweep, const SweepArguments& arguments) {
   warn(kSweep, warnings_of(sweep, time.runs));
 }
 
+// A metric that is asked for by a name that is nearly another's is a slip of the pen: it is found
+// by the first run of each candidate, before all others are made for it. One that those runs lack
+// may come later.
+void check_asked_metrics(const Sweep& sweep) {
+  const auto asked = asked_metrics(sweep.plan().study());
+  std::vector<std::string> known;
+  const auto is_known = [&](const auto& one) {
+    return std::find(known.begin(), known.end(), one.second) != known.end();
+  };
+  RunControl control;
+  control.stop = &interrupted();
+  for (std::size_t c = 0; c < sweep.plan().candidates().size(); ++c) {
+    if (std::all_of(asked.begin(), asked.end(), is_known)) return;
+    const PointResult first = run_point(c, sweep, control);
+    for (const auto& [name, value] : first.metrics) known.push_back(name);
+  }
+  for (const auto& one : asked) {
+    if (is_known(one)) continue;
+    const std::string meant = did_you_mean(one.second, known);
+    if (meant.empty()) continue;
+    throw std::invalid_argument(fmt::format("{}: a run has no such metric{}", one.first, meant));
+  }
+}
+
 // Processor time of the points that are not done, each as long as its candidate's others.
 double time_to_go_s(const Plan& plan, const ShardIndex& index) {
   const std::size_t candidates = plan.candidates().size();
@@ -778,6 +802,7 @@ int sweep(const Catalogue& catalogue, const StudyExtras& extras, const SweepArgu
   }
   if (!folder.is_there()) {
     warn(kSweep, sweep.check());
+    if (!arguments.isolate) check_asked_metrics(sweep);  // else a run may end this process
     folder.make(plan.study(), sweep.file());
     before.emplace(folder.shards(), plan.size());
   }

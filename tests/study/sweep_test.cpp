@@ -315,11 +315,23 @@ goal = { y_1 = "min" }
   EXPECT_FALSE(fs::exists(folder_ / "u/comparison.csv"));  // one candidate
   write("deep.toml",
         "scenario = \"ishigami\"\nseeds = [1, 2, 3]\n[vary]\n\"x.second\" = [1, 2]\n"
-        "[compare]\n\"x.third\" = [0, 1]\nmetrics = [\"y_1\"]\ngoal.y_2 = \"max\"\n");
+        "[compare]\n\"x.third\" = [0, 1]\nmetrics = [\"y_1\"]\ngoal.unheard_of = \"max\"\n");
   const ProgramResult deep = sweep({"deep.toml", "--out", "v"});
   EXPECT_EQ(deep.status, 0);
-  EXPECT_EQ(deep.err, "sweep: compare.goal.y_2: no run has it (did you mean y_1?)\n");
+  EXPECT_EQ(deep.err, "sweep: compare.goal.unheard_of: no run has it\n");
   EXPECT_EQ(results("v", "comparison.csv").at(1).at(4), "2");  // pairs
+}
+
+// A slip of the pen costs no study.
+TEST_F(Sweep, AMisspeltMetricIsFoundByTheFirstRuns) {
+  for (const auto& [option, value] : {std::pair{"--goal", "y_2=max"}, {"--metrics", "y_2"}}) {
+    const ProgramResult result = sweep({"ishigami", "--case", "plain,noisy", "--seeds", "1..9",
+                                        option, value, "--out", "misspelt"});
+    EXPECT_EQ(result.status, 2);
+    EXPECT_NE(result.err.find("a run has no such metric (did you mean y_1?)"), std::string::npos)
+        << result.err;
+    EXPECT_FALSE(fs::exists(folder_ / "misspelt"));
+  }
 }
 
 TEST_F(Sweep, RowsOfFewerWorldsAreMarked) {
