@@ -40,8 +40,8 @@ void bring_near(std::vector<double>& marks, const BodeCurve& at, const std::vect
                 const BodeCurve& line_at) {
   if (line.empty()) return;
   for (std::size_t k = 0; k < marks.size(); ++k) {
-    const auto next = std::lower_bound(line_at.omega_rad_s.begin(), line_at.omega_rad_s.end(),
-                                       at.omega_rad_s[k]);
+    const auto next =
+        std::lower_bound(line_at.omega_rad_s.begin(), line_at.omega_rad_s.end(), at.omega_rad_s[k]);
     const auto i =
         std::min(static_cast<std::size_t>(next - line_at.omega_rad_s.begin()), line.size() - 1);
     marks[k] += 360.0 * std::round((line[i] - marks[k]) / 360.0);

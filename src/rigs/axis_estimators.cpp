@@ -201,8 +201,7 @@ Estimator make_vfakfd(const VfakfdSettings& settings, const NominalAxis& axis) {
   design.dead_zone = Eigen::VectorXd::Zero(1);
   settings.limits.apply(design);
   const KalmanDesign filter = settings.noise.design(axis);
-  return blame("observer.lambda_min",
-               [&] { return std::make_unique<Vfakfd<>>(filter, design); });
+  return blame("observer.lambda_min", [&] { return std::make_unique<Vfakfd<>>(filter, design); });
 }
 
 struct QvffSettings {
@@ -220,8 +219,7 @@ Estimator make_qvff(const QvffSettings& settings, const NominalAxis& axis) {
   settings.limits.apply(design);
   const KalmanDesign filter =
       variable_forgetting_design(settings.model.extend(axis), kQvffInitialCovariance);
-  return blame("observer.lambda_min",
-               [&] { return std::make_unique<Vfakfd<>>(filter, design); });
+  return blame("observer.lambda_min", [&] { return std::make_unique<Vfakfd<>>(filter, design); });
 }
 
 void bind_stf(Fields& fields, DisturbanceModel& settings) {

@@ -301,8 +301,8 @@ TEST_F(Pictures, ASiteThatTheModelLacksIsSaidWithTheShotListsLine) {
   setenv("BREAKWATER_PATH", (folder_ / "mine").c_str(), 1);
   const ProgramResult result = breakwater({"still", "run", "--at", "0.1"});
   unsetenv("BREAKWATER_PATH");
-  expect_failure(result, 2,
-                 "arm_push/shots.toml:" + std::to_string(line) + ": site: ", kRunFiles, "run");
+  expect_failure(result, 2, "arm_push/shots.toml:" + std::to_string(line) + ": site: ", kRunFiles,
+                 "run");
 }
 
 TEST_F(Pictures, AFailedRunIsDrawnToo) {

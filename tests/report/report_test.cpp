@@ -622,10 +622,17 @@ TEST(Page, EscapesWhatComesFromRuns) {
 }
 
 TEST(Numbers, OfPagesAreShortAndCountsAreWhole) {
-  for (const auto& [value, text] : std::vector<std::pair<double, std::string>>{
-           {1460.0, "1460"}, {20000.0, "20000"}, {0.0, "0"}, {-3.0, "-3"}, {1234.5678, "1235"},
-           {0.0123456, "0.0123"}, {12.3456, "12.3"}, {1.23456e-5, "1.23e-05"},
-           {1.23456e6 + 0.5, "1.23e+06"}, {3e8, "3.00e+08"}}) {
+  for (const auto& [value, text] :
+       std::vector<std::pair<double, std::string>>{{1460.0, "1460"},
+                                                   {20000.0, "20000"},
+                                                   {0.0, "0"},
+                                                   {-3.0, "-3"},
+                                                   {1234.5678, "1235"},
+                                                   {0.0123456, "0.0123"},
+                                                   {12.3456, "12.3"},
+                                                   {1.23456e-5, "1.23e-05"},
+                                                   {1.23456e6 + 0.5, "1.23e+06"},
+                                                   {3e8, "3.00e+08"}}) {
     EXPECT_EQ(format_number(value), text);
   }
 }

@@ -317,7 +317,8 @@ TEST(OwnParts, WhatACaseGivesToAChoiceOfItsOwnIsNotWarnedOf) {
                           "cart_estimation");
   const auto vain = [&](const std::vector<std::string>& sets) {
     std::string keys;
-    for (const VainKey& key : prepare_run(catalogue, "cart_estimation", file, "gamma-diag", sets).vain) {
+    for (const VainKey& key :
+         prepare_run(catalogue, "cart_estimation", file, "gamma-diag", sets).vain) {
       keys += key.origin + " " + key.key + "\n";
     }
     return keys;
@@ -346,9 +347,9 @@ TEST(OwnParts, AWrongKeyIsBlamedAndNotTheChoice) {
                          "observer.lambda_min=0.1", "observer.lambda_max=1",
                          "observer.process_noise=0", "observer.initial_covariance=[1,1,1]"})
                   .starts_with("--set: observer.alpha: "));
-  EXPECT_TRUE(complaint({"observer.name=qvff", "observer.lambda_min=0.9",
-                         "observer.lambda_max=0.5"})
-                  .starts_with("--set: observer.lambda_min: "));
+  EXPECT_TRUE(
+      complaint({"observer.name=qvff", "observer.lambda_min=0.9", "observer.lambda_max=0.5"})
+          .starts_with("--set: observer.lambda_min: "));
 }
 
 TEST(OwnParts, ARegulatorIsRefusedWhereItCannotWork) {
