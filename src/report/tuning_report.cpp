@@ -25,8 +25,20 @@ constexpr int kTicks = 6;
 constexpr std::array<const char*, 6> kColours = {"#4477aa", "#ee6677", "#228833",
                                                  "#aa8800", "#66aacc", "#aa3377"};
 
+// Where there are more cases than colours, their marks differ in shape, and lines in dashes.
+constexpr std::array<const char*, 3> kShapes = {"m-3.5 0a3.5 3.5 0 1 0 7 0a3.5 3.5 0 1 0 -7 0z",
+                                                "m0 -4.6l4.6 4.6l-4.6 4.6l-4.6 -4.6z",
+                                                "m-3.2 -3.2h6.4v6.4h-6.4z"};
+constexpr std::array<const char*, 3> kDashes = {"none", "7 3", "2 3"};
+
 std::string colour(std::size_t i) {
   return kColours[i % kColours.size()];
+}
+std::string shape(std::size_t i) {
+  return kShapes[i / kColours.size() % kShapes.size()];
+}
+std::string dashes(std::size_t i) {
+  return kDashes[i / kColours.size() % kDashes.size()];
 }
 
 std::string place(double x) {
@@ -36,7 +48,7 @@ std::string place(double x) {
 struct Mark {
   double x, y;
   double y_fresh, x_fresh;  // NaN: there is none
-  std::size_t colour;
+  std::size_t tuned;        // whose
   std::string text;
 };
 
@@ -51,6 +63,10 @@ struct Range {
     high = std::max(high, value);
   }
   ChartScale scale(double a, double b) const {
+    if (is_for_log(low, high)) {
+      const double margin = std::pow(high / low, 0.04);
+      return {low / margin, high * margin, true, a, b};
+    }
     const double margin = 0.04 * (high - low);
     return {low - margin, high + margin, false, a, b};
   }
@@ -119,7 +135,8 @@ mustache::data front_chart(const TuningPlan& plan, const TuningResult& result) {
     mustache::data one;
     one.set("x", place(x(mark.x)));
     one.set("y", place(y(mark.y)));
-    one.set("colour", colour(mark.colour));
+    one.set("colour", colour(mark.tuned));
+    one.set("shape", shape(mark.tuned));
     one.set("text", mark.text);
     if (!std::isnan(mark.x_fresh)) {
       mustache::data fresh;
@@ -130,6 +147,24 @@ mustache::data front_chart(const TuningPlan& plan, const TuningResult& result) {
     list << one;
   }
   chart.set("marks", list);
+  mustache::data lines(mustache::data::type::list);
+  for (std::size_t c = 0; c < result.fronts.size(); ++c) {
+    std::vector<std::pair<double, double>> points;
+    for (const Mark& mark : marks) {
+      if (mark.tuned == c) points.emplace_back(x(mark.x), y(mark.y));
+    }
+    std::sort(points.begin(), points.end());
+    std::string path;
+    for (const auto& [at, up] : points) {
+      path += fmt::format("{}{} {}", path.empty() ? "M" : "L", place(at), place(up));
+    }
+    mustache::data line;
+    line.set("path", path);
+    line.set("colour", colour(c));
+    line.set("dashes", dashes(c));
+    lines << line;
+  }
+  chart.set("lines", lines);
   return chart;
 }
 
@@ -153,6 +188,7 @@ mustache::data volume_chart(const TuningResult& result) {
     mustache::data line;
     line.set("path", path);
     line.set("colour", colour(c));
+    line.set("dashes", dashes(c));
     lines << line;
   }
   chart.set("lines", lines);
@@ -164,6 +200,7 @@ mustache::data legend(const TuningResult& result) {
   for (std::size_t c = 0; c < result.fronts.size(); ++c) {
     mustache::data one;
     one.set("colour", colour(c));
+    one.set("shape", shape(c));
     one.set("case", result.fronts[c].case_name);
     one.set("size", std::to_string(result.fronts[c].points.size()));
     one.set("evaluations", std::to_string(result.fronts[c].evaluations.size()));
