@@ -50,11 +50,11 @@ void bends_its_elbow_and_approaches() {
   Eigen::Vector3d q = Eigen::Vector3d::Zero(), dq = Eigen::Vector3d::Zero();
   Eigen::VectorXd u(3);
   breakwater::Sample sample;
-  sample.y.resize(4);
+  sample.y.resize(5);
   const double T = arm.period_s;
   for (int k = 0; k < 8000; ++k) {
     sample.time_s = k * T;
-    sample.y << q, 0.0, 0.0;  // angles and the force, which is none
+    sample.y << q, 0.0, 0.0;  // angles and force, before and after its low-pass
     if (k == 0) controller.reset(sample);
     if (k == 6000) {
       for (int i = 0; i < 3; ++i) {

@@ -131,7 +131,7 @@ class Estimate(unittest.TestCase):
             (["--csv", "motor.csv", "--set", "encoder.quantum=-1"], r"^--set: encoder.quantum: must"),
             (["--csv", "motor.csv", "--set", "plant.inertai=1"], r"did you mean plant.inertia"),
             (["--csv", "motor.csv", "--set", "csv.input_scale=0"], r"csv.input_scale: must not be 0"),
-            (["--csv", "motor.csv", "--observer", "vfakfd"], r"observer.name: alpha = 0 means"),
+            (["--csv", "motor.csv", "--observer", "vfakfd"], r"observer.alpha: 0 means"),
             (["--csv", "motor.csv", "--observer", "kfd", "--set", "observer.initial_covariance=[1]"],
              r"observer.initial_covariance: needs one"),
         ):
