@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <breakwater/report/thesis_report.h>
+#include <breakwater/study/comparison_table.h>
 
 namespace breakwater {
 namespace mustache = kainjow::mustache;
@@ -63,6 +64,7 @@ void add_paired_metric(const CandidateComparison& comparison, const std::string&
   section.set("has_pairs", !pairs.is_empty_list());
   section.set("pairs", pairs);
   section.set("worlds", std::to_string(comparison.worlds));
+  section.set("repeated", repeated_text(comparison));
 
   mustache::data ranks(mustache::data::type::list);
   for (const RankComparison& one : comparison.ranks) {
@@ -89,8 +91,8 @@ void add_paired_failures(const CandidateComparison& comparison, mustache::data& 
   mustache::data pairs(mustache::data::type::list);
   for (const FailureComparison& one : comparison.failures) {
     mustache::data row = begun_row(comparison, one);
-    row.set("median", std::to_string(one.failures));
-    row.set("reference_median", std::to_string(one.reference_failures));
+    row.set("failed", std::to_string(one.failures));
+    row.set("reference_failed", std::to_string(one.reference_failures));
     row.set("alone", std::to_string(one.alone));
     row.set("reference_alone", std::to_string(one.reference_alone));
     pairs << row;
@@ -98,6 +100,7 @@ void add_paired_failures(const CandidateComparison& comparison, mustache::data& 
   section.set("has_pairs", !pairs.is_empty_list());
   section.set("pairs", pairs);
   section.set("worlds", std::to_string(comparison.worlds));
+  section.set("repeated", repeated_text(comparison));
 }
 
 }  // namespace breakwater

@@ -148,7 +148,9 @@ mustache::data front_chart(const TuningPlan& plan, const TuningResult& result) {
   }
   chart.set("marks", list);
   mustache::data lines(mustache::data::type::list);
-  for (std::size_t c = 0; c < result.fronts.size(); ++c) {
+  // Of three objectives the front is no line.
+  const std::size_t drawn = tuning.objectives.size() == 2 ? result.fronts.size() : 0;
+  for (std::size_t c = 0; c < drawn; ++c) {
     std::vector<std::pair<double, double>> points;
     for (const Mark& mark : marks) {
       if (mark.tuned == c) points.emplace_back(x(mark.x), y(mark.y));

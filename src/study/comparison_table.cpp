@@ -132,24 +132,39 @@ std::string comparison_csv(const CandidateComparison& comparison) {
   return text;
 }
 
+std::string repeated_text(const CandidateComparison& comparison) {
+  std::vector<std::string> repeated;
+  for (std::size_t c = 0; c < comparison.candidates.size(); ++c) {
+    if (comparison.runs[c] == comparison.worlds) continue;
+    repeated.push_back(fmt::format("{} of {}", comparison.runs[c], comparison.candidates[c]));
+  }
+  if (repeated.empty()) return "";
+  return fmt::format(
+      "In {} worlds there are but {} different runs: not all that is varied reaches {}; the same "
+      "pair counts once",
+      comparison.worlds, fmt::join(repeated, ", "), repeated.size() == 1 ? "that one" : "those");
+}
+
 std::string comparison_text(const CandidateComparison& comparison, std::size_t width) {
   Table table({"metric", "candidate", "reference", "pairs", "median", "difference (95 %)", "p",
                "better in", "verdict"});
   bool has_mark = false;
+  const auto counted = [&](std::size_t pairs) {
+    const bool is_marked = pairs < comparison.worlds;
+    has_mark = has_mark || is_marked;
+    return std::to_string(pairs) + (is_marked ? " *" : "");
+  };
   for (const MetricComparison& one : comparison.metrics) {
     const bool has_goal = one.probability_better.has_value();
-    const bool is_marked = one.pairs < comparison.worlds;
-    has_mark = has_mark || is_marked;
     table.add({one.metric, comparison.candidates[one.candidate],
-               comparison.candidates[one.reference],
-               std::to_string(one.pairs) + (is_marked ? " *" : ""), brief(one.median.value),
+               comparison.candidates[one.reference], counted(one.pairs), brief(one.median.value),
                brief(one.difference), fmt::format("{:.2g}", one.p_holm),
                has_goal ? fmt::format("{:.0f} %", 100.0 * *one.probability_better) : "-",
                name_of(one.verdict)});
   }
   for (const FailureComparison& one : comparison.failures) {
     table.add({kFailure, comparison.candidates[one.candidate], comparison.candidates[one.reference],
-               std::to_string(one.pairs), std::to_string(one.failures),
+               counted(one.pairs), std::to_string(one.failures),
                fmt::format("{:+d}", static_cast<long>(one.failures) -
                                         static_cast<long>(one.reference_failures)),
                fmt::format("{:.2g}", one.p_holm), "-", name_of(one.verdict)});
@@ -161,17 +176,8 @@ std::string comparison_text(const CandidateComparison& comparison, std::size_t w
         "both runs are those of another world\n",
         comparison.worlds);
   }
-  std::vector<std::string> repeated;
-  for (std::size_t c = 0; c < comparison.candidates.size(); ++c) {
-    if (comparison.runs[c] == comparison.worlds) continue;
-    repeated.push_back(fmt::format("{} of {}", comparison.runs[c], comparison.candidates[c]));
-  }
-  if (!repeated.empty()) {
-    text += fmt::format(
-        "In {} worlds there are but {} different runs: what is varied does not "
-        "reach {}; the same pair counts once\n",
-        comparison.worlds, fmt::join(repeated, ", "), repeated.size() == 1 ? "that one" : "those");
-  }
+  const std::string repeated = repeated_text(comparison);
+  if (!repeated.empty()) text += repeated + '\n';
   return text;
 }
 

@@ -13,6 +13,10 @@ namespace breakwater {
 /// apply are empty.
 std::string comparison_csv(const CandidateComparison& comparison);
 
+/// "In 18 worlds there are but 2 different runs of b, …": what a reader must know where the same
+/// runs come again. Empty if none does.
+std::string repeated_text(const CandidateComparison& comparison);
+
 /// The same for people, in short.
 std::string comparison_text(const CandidateComparison& comparison, std::size_t width);
 

@@ -30,9 +30,12 @@ std::vector<std::string> metrics_of(const ShardIndex& index) {
   return metrics;
 }
 
-// All that a run left: two of the same are one. A run that left no hash is like no other.
-std::string outcome(const PointResult& result) {
-  if (result.state_hash.empty()) return std::to_string(result.number);
+// All that a run left: two of the same are one. Of one that left no hash (it was refused, it
+// crashed) the same reason in the same sample is.
+std::string outcome(const PointResult& result, std::size_t sample) {
+  if (result.state_hash.empty()) {
+    return fmt::format("{} {} {}", name_of(result.status), sample, result.reason);
+  }
   std::string text = name_of(result.status) + result.state_hash;
   for (const auto& [name, value] : result.metrics) text += fmt::format(" {}={:.17g}", name, value);
   return text;
@@ -74,7 +77,7 @@ PairedResults paired_results(const Plan& plan, const ShardIndex& index) {
     std::vector<std::string> outcomes;
     for (std::size_t c = 0; c < k && index.has(world * k + c); ++c) {
       runs.push_back(index.read(world * k + c));
-      outcomes.push_back(fingerprint({outcome(runs.back())}));
+      outcomes.push_back(fingerprint({outcome(runs.back(), world / plan.seeds())}));
     }
     if (runs.size() < k || !worlds.insert(fingerprint(outcomes)).second) continue;
     for (std::size_t c = 0; c < k; ++c) {

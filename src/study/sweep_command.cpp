@@ -428,9 +428,9 @@ void print_dry_run(const Sweep& sweep, const SweepArguments& arguments) {
   warn(kSweep, warnings_of(sweep, time.runs));
 }
 
-// A metric that is asked for by a name that is nearly another's is a slip of the pen: it is found
-// by the first run of each candidate, before all others are made for it. One that those runs lack
-// may come later.
+// A metric that is asked for by a name that is nearly another's is most likely a slip of the pen:
+// it is found by a first and a last run of each candidate, before all others are made for it. One
+// that those lack and that is like none of theirs may be in others.
 void check_asked_metrics(const Sweep& sweep) {
   const auto asked = asked_metrics(sweep.plan().study());
   std::vector<std::string> known;
@@ -439,16 +439,21 @@ void check_asked_metrics(const Sweep& sweep) {
   };
   RunControl control;
   control.stop = &interrupted();
-  for (std::size_t c = 0; c < sweep.plan().candidates().size(); ++c) {
-    if (std::all_of(asked.begin(), asked.end(), is_known)) return;
-    const PointResult first = run_point(c, sweep, control);
-    for (const auto& [name, value] : first.metrics) known.push_back(name);
+  const std::size_t candidates = sweep.plan().candidates().size();
+  for (const std::size_t first : {std::size_t{0}, sweep.plan().size() - candidates}) {
+    for (std::size_t c = 0; c < candidates; ++c) {
+      if (std::all_of(asked.begin(), asked.end(), is_known)) return;
+      const PointResult run = run_point(first + c, sweep, control);
+      if (run.status != PointStatus::complete) return;
+      for (const auto& [name, value] : run.metrics) known.push_back(name);
+    }
   }
   for (const auto& one : asked) {
     if (is_known(one)) continue;
     const std::string meant = did_you_mean(one.second, known);
     if (meant.empty()) continue;
-    throw std::invalid_argument(fmt::format("{}: a run has no such metric{}", one.first, meant));
+    throw std::invalid_argument(
+        fmt::format("{}: the first and the last run have no such metric{}", one.first, meant));
   }
 }
 
@@ -793,6 +798,7 @@ int sweep(const Catalogue& catalogue, const StudyExtras& extras, const SweepArgu
     if (arguments.rerun) {
       check_not_queued(queued(folder, plan.size()), folder, "--rerun");
       warn(kSweep, sweep.check());  // while what is there is still there
+      if (!arguments.isolate) check_asked_metrics(sweep);
       folder.make_anew(plan.study(), sweep.file());
       before.emplace(folder.shards(), plan.size());
     } else {

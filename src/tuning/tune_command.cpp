@@ -141,6 +141,7 @@ void make_ready(const TuningPlan& plan, const StudyFolder& folder, bool rerun) {
     }
     check_not_queued(queued(folder, plan.size()), folder, "--rerun");
     warn(kTune, plan.check());  // while what is there is still there
+    plan.check_metrics(interrupted());
     folder.make_anew(plan.tuning().print(), plan.file());
     return;
   }

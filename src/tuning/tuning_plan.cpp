@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <stdexcept>
 
 #include <breakwater/record/file_hash.h>
@@ -27,6 +28,16 @@ Study probed_study(const Tuning& tuning, const TunedCase& tuned, const Worlds& w
   study.vary.insert(study.vary.end(), worlds.keys.begin(), worlds.keys.end());
   if (!worlds.seeds.empty()) study.seeds = {worlds.seeds.front()};
   return study;
+}
+
+// What may be probed with every value beside every other: of a list each of its worlds by itself.
+std::vector<Worlds> probed_at_once(const Worlds& worlds) {
+  if (worlds.method == WorldMethod::grid || worlds.keys.empty()) return {worlds};
+  std::vector<Worlds> each(worlds.keys.front().values.size(), worlds);
+  for (std::size_t i = 0; i < each.size(); ++i) {
+    for (VariedKey& key : each[i].keys) key.values = {key.values[i]};
+  }
+  return each;
 }
 
 std::string value_of(const VariedKey& key, double u) {
@@ -62,11 +73,18 @@ TuningPlan::TuningPlan(const Catalogue& catalogue, Tuning tuning)
 std::vector<std::string> TuningPlan::check() const {
   std::vector<std::string> warnings;
   const auto check_in = [&](const TunedCase& tuned, const Worlds& worlds) {
-    for (const std::string& warning :
-         Sweep(catalogue_, probed_study(tuning_, tuned, worlds)).check()) {
-      const std::string text = tuned.name + ": " + warning;
+    // A key that is in vain in one world only is not in vain.
+    std::map<std::string, std::size_t> said;
+    const std::vector<Worlds> probed = probed_at_once(worlds);
+    for (const Worlds& some : probed) {
+      for (const std::string& warning :
+           Sweep(catalogue_, probed_study(tuning_, tuned, some)).check()) {
+        ++said[tuned.name + ": " + warning];
+      }
+    }
+    for (const auto& [text, times] : said) {
       const bool is_new = std::find(warnings.begin(), warnings.end(), text) == warnings.end();
-      if (is_new) warnings.push_back(text);
+      if (is_new && times == probed.size()) warnings.push_back(text);
     }
   };
   for (const TunedCase& tuned : tuning_.cases) {

@@ -328,7 +328,7 @@ TEST_F(Sweep, AMisspeltMetricIsFoundByTheFirstRuns) {
     const ProgramResult result = sweep({"ishigami", "--case", "plain,noisy", "--seeds", "1..9",
                                         option, value, "--out", "misspelt"});
     EXPECT_EQ(result.status, 2);
-    EXPECT_NE(result.err.find("a run has no such metric (did you mean y_1?)"), std::string::npos)
+    EXPECT_NE(result.err.find("have no such metric (did you mean y_1?)"), std::string::npos)
         << result.err;
     EXPECT_FALSE(fs::exists(folder_ / "misspelt"));
   }

@@ -162,6 +162,23 @@ TEST_F(Tune, WorldsAreCombinationsOrAList) {
   EXPECT_EQ(tune({"list"}).status, 0);
 }
 
+// From 1 to 3 s and from 4 to 6 s: nobody asks for a window from 4 to 3 s.
+TEST_F(Tune, WorldsOfAListAreCheckedAsTheyAre) {
+  const std::string text =
+      "scenario = \"motor_estimation\"\nbudget = 16\npopulation = 8\n"
+      "[search]\n\"controller.kp\" = { uniform = [5, 10] }\n[objective]\n"
+      "peak_position_rad = { goal = \"min\" }\nrmse_velocity_rad_s = { goal = \"min\" }\n"
+      "[world]\n\"metrics.from_s\" = [1, 4]\n\"metrics.to_s\" = [3, 6]\n";
+  write("grid.toml", text);
+  EXPECT_EQ(testing::run_program({"breakwater", "tune", "grid.toml", "--dry-run"}, folder_).status,
+            2);
+  write("list.toml", "worlds = \"list\"\n" + text);
+  const ProgramResult list =
+      testing::run_program({"breakwater", "tune", "list.toml", "--dry-run"}, folder_);
+  EXPECT_EQ(list.status, 0) << list.err;
+  EXPECT_EQ(list.err, "");
+}
+
 TEST_F(Tune, WarnsOfAKeyThatACaseDoesNotUse) {
   write("t.toml",
         "scenario = \"motor_estimation\"\nbudget = 16\npopulation = "

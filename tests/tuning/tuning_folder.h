@@ -40,6 +40,7 @@ class TuningFolder : public SweepFolder {
   void expect_same(const std::string& one, const std::string& other) {
     for (const char* file :
          {"results.csv", "front.csv", "hypervolume.csv", "report.html", "front/1.toml"}) {
+      EXPECT_NE(read(one + "/" + file), "") << file;
       EXPECT_EQ(read(one + "/" + file), read(other + "/" + file)) << file;
     }
   }
