@@ -33,10 +33,8 @@ std::vector<std::string> metrics_of(const ShardIndex& index) {
 // All that a run left: two of the same are one. Of one that left no hash (it was refused, it
 // crashed) the same reason in the same sample is.
 std::string outcome(const PointResult& result, std::size_t sample) {
-  if (result.state_hash.empty()) {
-    return fmt::format("{} {} {}", name_of(result.status), sample, result.reason);
-  }
-  std::string text = name_of(result.status) + result.state_hash;
+  std::string text = name_of(result.status) + " " + result.state_hash;
+  if (result.state_hash.empty()) text += fmt::format("{} {}", sample, result.reason);
   for (const auto& [name, value] : result.metrics) text += fmt::format(" {}={:.17g}", name, value);
   return text;
 }
