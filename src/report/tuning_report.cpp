@@ -9,6 +9,7 @@
 #include <breakwater/record/partial_file.h>
 #include <breakwater/report/chart_scale.h>
 #include <breakwater/report/html_page.h>
+#include <breakwater/scenario/table.h>
 #include <breakwater/study/goal.h>
 #include <breakwater/study/study_reader.h>
 #include <breakwater/tuning/tuning_outputs.h>
@@ -268,10 +269,10 @@ void write_tuning_report(const TuningPlan& plan, const TuningResult& result,
   data.set("scenario", tuning.scenario);
   data.set("algorithm", name_of(search_algorithms(), tuning.algorithm));
   data.set("budget", std::to_string(tuning.budget));
-  data.set("worlds", std::to_string(tuning.worlds.size()));
+  data.set("worlds", number_of(tuning.worlds.size(), "world"));
   if (tuning.validation) {
     mustache::data fresh;
-    fresh.set("worlds", std::to_string(tuning.validation->size()));
+    fresh.set("worlds", number_of(tuning.validation->size(), "world"));
     data.set("validation", fresh);
   }
   data.set("cases", legend(result));

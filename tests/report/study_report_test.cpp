@@ -170,13 +170,15 @@ TEST(StudyReport, SaysWhatIsBetter) {
   ASSERT_TRUE(comparison);
   EXPECT_NE(page.find("Paired, in the same worlds"), std::string::npos);
   for (const MetricComparison& one : comparison->metrics) {
-    const std::string begin = fmt::format("<tr><th scope=\"row\">{}</th><td>{}</td><td>{}",
-                                          comparison->candidates[one.candidate],
-                                          comparison->candidates[one.reference], one.pairs);
+    const std::string begin =
+        fmt::format("<tr><th scope=\"row\">{}</th><td>{}</td><td><b",
+                    comparison->candidates[one.candidate], comparison->candidates[one.reference]);
     const std::size_t at = page.find(begin);
     ASSERT_NE(at, std::string::npos) << begin;
     const std::string row = page.substr(at, page.find("</tr>", at) - at);
-    EXPECT_NE(row.find(">" + name_of(one.verdict) + "</b>"), std::string::npos) << row;
+    EXPECT_NE(row.find(fmt::format(">{}</b></td><td>{}", name_of(one.verdict), one.pairs)),
+              std::string::npos)
+        << row;
   }
   EXPECT_EQ(comparison->metrics[0].verdict, ComparisonVerdict::worse);  // stf beside idob
   EXPECT_NE(page.find("<td>11 of 12</td>"), std::string::npos);         // where kfd failed
