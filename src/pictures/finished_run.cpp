@@ -21,11 +21,11 @@ std::vector<Series> columns(const std::vector<double>& times_s, const LoggedSign
 
 FinishedRun::FinishedRun(const Catalogue& catalogue, const std::filesystem::path& folder)
     : catalogue_(&catalogue), saved_(folder) {
-  if (!catalogue.has<ScenarioKind>(saved_.scenario()) && !saved_.has_signal("qpos")) {
-    throw NothingMoved(folder.string() + ": is a run of \"" + saved_.scenario() +
-                       "\", whose log has no qpos: nothing moved that could be drawn");
-  }
   if (!catalogue.has<ScenarioKind>(saved_.scenario())) {
+    if (!saved_.has_signal("qpos")) {
+      throw NothingMoved(folder.string() + ": is a run of \"" + saved_.scenario() +
+                         "\", whose log has no qpos: nothing moved that could be drawn");
+    }
     throw std::invalid_argument(folder.string() + ": is a run of scenario \"" + saved_.scenario() +
                                 "\", which this program does not have: the program that made it "
                                 "can draw it");

@@ -71,12 +71,9 @@ int estimate(const Catalogue& catalogue, const Arguments& arguments) {
                                          : fs::path(arguments.out));
   if (!arguments.quiet) {
     for (const VainKey& vain : run.vain) {
-      fmt::print(stderr, "{}: warning: {}: {}: {}\n", kEstimate, vain.origin, vain.key,
-                 vain.reason);
+      warn(kEstimate, {fmt::format("{}: {}: {}", vain.origin, vain.key, vain.reason)});
     }
-    for (const std::string& warning : run.scenario->warnings()) {
-      fmt::print(stderr, "{}: warning: {}\n", kEstimate, warning);
-    }
+    warn(kEstimate, run.scenario->warnings());
   }
   const std::string& csv = static_cast<const RecordedEstimation&>(*run.scenario).file();
   const ModelHashes made_of = {{portable_path(csv), file_hash(csv)}};

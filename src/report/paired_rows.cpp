@@ -45,6 +45,14 @@ mustache::data begun_row(const CandidateComparison& comparison, const Comparison
   return row;
 }
 
+void set_pairs(mustache::data& section, const CandidateComparison& comparison,
+               const mustache::data& pairs) {
+  section.set("has_pairs", !pairs.is_empty_list());
+  section.set("pairs", pairs);
+  section.set("worlds", std::to_string(comparison.worlds));
+  section.set("repeated", repeated_text(comparison));
+}
+
 }  // namespace
 
 void add_paired_metric(const CandidateComparison& comparison, const std::string& metric,
@@ -61,10 +69,7 @@ void add_paired_metric(const CandidateComparison& comparison, const std::string&
     section.set("share_is", one.probability_better ? "better in" : "smaller in");
     pairs << row;
   }
-  section.set("has_pairs", !pairs.is_empty_list());
-  section.set("pairs", pairs);
-  section.set("worlds", std::to_string(comparison.worlds));
-  section.set("repeated", repeated_text(comparison));
+  set_pairs(section, comparison, pairs);
 
   mustache::data ranks(mustache::data::type::list);
   for (const RankComparison& one : comparison.ranks) {
@@ -97,10 +102,7 @@ void add_paired_failures(const CandidateComparison& comparison, mustache::data& 
     row.set("reference_alone", std::to_string(one.reference_alone));
     pairs << row;
   }
-  section.set("has_pairs", !pairs.is_empty_list());
-  section.set("pairs", pairs);
-  section.set("worlds", std::to_string(comparison.worlds));
-  section.set("repeated", repeated_text(comparison));
+  set_pairs(section, comparison, pairs);
 }
 
 }  // namespace breakwater

@@ -22,6 +22,7 @@ namespace {
 constexpr double kChartWidth = 640.0, kChartHeight = 400.0;
 constexpr double kLeftEdge = 64.0, kRightEdge = 16.0, kTopEdge = 14.0, kBottomEdge = 46.0;
 constexpr int kTicks = 6;
+constexpr int kDigits = 5;  // that people read
 // Told apart by people who see no red or green too (P. Tol's bright colours).
 constexpr std::array<const char*, 6> kColours = {"#4477aa", "#ee6677", "#228833",
                                                  "#aa8800", "#66aacc", "#aa3377"};
@@ -108,6 +109,19 @@ double value_of(const std::optional<Evaluation>& evaluation, std::size_t objecti
   return evaluation->objectives[objective].value;
 }
 
+// Through points of the drawing, in their order.
+mustache::data line_of(const std::vector<std::pair<double, double>>& points, std::size_t tuned) {
+  std::string path;
+  for (const auto& [x, y] : points) {
+    path += fmt::format("{}{} {}", path.empty() ? "M" : "L", place(x), place(y));
+  }
+  mustache::data line;
+  line.set("path", path);
+  line.set("colour", colour(tuned));
+  line.set("dashes", dashes(tuned));
+  return line;
+}
+
 mustache::data front_chart(const TuningPlan& plan, const TuningResult& result) {
   const Tuning& tuning = plan.tuning();
   std::vector<Mark> marks;
@@ -157,15 +171,7 @@ mustache::data front_chart(const TuningPlan& plan, const TuningResult& result) {
       if (mark.tuned == c) points.emplace_back(x(mark.x), y(mark.y));
     }
     std::sort(points.begin(), points.end());
-    std::string path;
-    for (const auto& [at, up] : points) {
-      path += fmt::format("{}{} {}", path.empty() ? "M" : "L", place(at), place(up));
-    }
-    mustache::data line;
-    line.set("path", path);
-    line.set("colour", colour(c));
-    line.set("dashes", dashes(c));
-    lines << line;
+    lines << line_of(points, c);
   }
   chart.set("lines", lines);
   return chart;
@@ -183,16 +189,11 @@ mustache::data volume_chart(const TuningResult& result) {
   mustache::data chart = frame(x, y, "evaluations", "hypervolume");
   mustache::data lines(mustache::data::type::list);
   for (std::size_t c = 0; c < result.fronts.size(); ++c) {
-    std::string path;
+    std::vector<std::pair<double, double>> points;
     for (const auto& [evaluations, volume] : result.fronts[c].hypervolume) {
-      path += fmt::format("{}{} {}", path.empty() ? "M" : "L",
-                          place(x(static_cast<double>(evaluations))), place(y(volume)));
+      points.emplace_back(x(static_cast<double>(evaluations)), y(volume));
     }
-    mustache::data line;
-    line.set("path", path);
-    line.set("colour", colour(c));
-    line.set("dashes", dashes(c));
-    lines << line;
+    lines << line_of(points, c);
   }
   chart.set("lines", lines);
   return chart;
@@ -220,16 +221,9 @@ mustache::data legend(const TuningResult& result) {
   return list;
 }
 
-// A number with the digits that people read; anything else as it is.
+// Whole numbers are counts, and names of what is counted.
 std::string readable(const std::string& cell) {
-  if (cell.find('.') == std::string::npos) return cell;
-  try {
-    std::size_t end = 0;
-    const double number = std::stod(cell, &end);
-    return end == cell.size() ? fmt::format("{:.5g}", number) : cell;
-  } catch (const std::exception&) {
-    return cell;
-  }
+  return cell.find('.') == std::string::npos ? cell : in_short(cell, kDigits);
 }
 
 mustache::data front_rows(const FrontTable& table) {

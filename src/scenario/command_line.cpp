@@ -187,21 +187,19 @@ void print_vain_sets(const std::string& scenario, const std::vector<PreparedRun>
       });
     });
     if (!is_vain_in_all) continue;
-    fmt::print(stderr, "{}: warning: --set: {}: {}\n", scenario, vain.key, vain.reason);
+    warn(scenario, {fmt::format("--set: {}: {}", vain.key, vain.reason)});
   }
 }
 
 void print_warnings(const std::string& scenario, const std::vector<PreparedRun>& runs) {
   print_vain_sets(scenario, runs);
   for (const PreparedRun& run : runs) {
+    const std::string which = fmt::format("{} {}", scenario, run.case_name);
     for (const VainKey& vain : run.vain) {
       if (vain.origin == "--set") continue;
-      fmt::print(stderr, "{} {}: warning: {}: {}: {}\n", scenario, run.case_name, vain.origin,
-                 vain.key, vain.reason);
+      warn(which, {fmt::format("{}: {}: {}", vain.origin, vain.key, vain.reason)});
     }
-    for (const std::string& warning : run.scenario->warnings()) {
-      fmt::print(stderr, "{} {}: warning: {}\n", scenario, run.case_name, warning);
-    }
+    warn(which, run.scenario->warnings());
   }
 }
 

@@ -37,6 +37,12 @@ std::string one_line(const std::string& text) {
   return line;
 }
 
+void warn(const std::string& program, const std::vector<std::string>& warnings) {
+  for (const std::string& warning : warnings) {
+    fmt::print(stderr, "{}: warning: {}\n", program, warning);
+  }
+}
+
 int out_of_memory() {
   fmt::print(stderr, "run.duration_s: the log of so long a run does not fit in memory\n");
   return kUsage;

@@ -12,6 +12,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include <breakwater/record/output_error.h>
 #include <breakwater/scenario/scenario.h>
@@ -36,6 +37,9 @@ std::optional<int> parse(CLI::App& app, int argc, const char* const* argv);
 
 /// The text with control characters spelt out: what a user gave may hold any.
 std::string one_line(const std::string& text);
+
+/// A line each on standard error: `PROGRAM: warning: …`.
+void warn(const std::string& program, const std::vector<std::string>& warnings);
 
 /// Says that the log is longer than memory can hold.
 int out_of_memory();

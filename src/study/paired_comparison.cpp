@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <set>
+#include <cstdint>
+#include <unordered_set>
 #include <utility>
 
 #include <breakwater/study/binomial.h>
@@ -39,12 +40,13 @@ int run_in(const PairedResults& results, Eigen::Index world, std::size_t candida
 // The worlds in which this pair of runs is new.
 std::vector<Eigen::Index> different_worlds(const PairedResults& results, std::size_t x,
                                            std::size_t y) {
-  std::set<std::pair<int, int>> met;
+  std::unordered_set<std::uint64_t> met;
+  met.reserve(static_cast<std::size_t>(results.failed.rows()));
   std::vector<Eigen::Index> worlds;
   for (Eigen::Index world = 0; world < results.failed.rows(); ++world) {
-    if (met.emplace(run_in(results, world, x), run_in(results, world, y)).second) {
-      worlds.push_back(world);
-    }
+    const auto a = static_cast<std::uint32_t>(run_in(results, world, x));
+    const auto b = static_cast<std::uint32_t>(run_in(results, world, y));
+    if (met.insert(std::uint64_t{a} << 32 | b).second) worlds.push_back(world);
   }
   return worlds;
 }
@@ -82,7 +84,7 @@ MetricComparison compare_metric(const PairedResults& results, std::size_t metric
   comparison.reference = y;
   const Eigen::MatrixXd& values = results.values[metric];
   std::vector<double> of_x, of_y, differences;
-  std::set<int> runs_of_x, runs_of_y;
+  std::unordered_set<int> runs_of_x(worlds.size()), runs_of_y(worlds.size());
   double smaller = 0.0;
   for (const Eigen::Index world : worlds) {
     const double a = values(world, static_cast<Eigen::Index>(x));
@@ -157,11 +159,13 @@ void adjust(std::vector<Comparison>& comparisons, const Counts& counts) {
   for (Comparison& one : comparisons) one.p_holm = counts(one) ? adjusted[next++] : one.p;
 }
 
-// Whether any two candidates have the same two runs in two worlds.
-bool has_repeated_pair(const PairedResults& results) {
+// Whether any two candidates have the same two runs in two worlds, given how many runs of each
+// differ.
+bool has_repeated_pair(const PairedResults& results, const std::vector<std::size_t>& runs) {
   const auto all = static_cast<std::size_t>(results.failed.rows());
   for (std::size_t x = 0; x < results.candidates.size(); ++x) {
     for (std::size_t y = 0; y < x; ++y) {
+      if (std::max(runs[x], runs[y]) == all) continue;
       if (different_worlds(results, x, y).size() < all) return true;
     }
   }
@@ -234,7 +238,7 @@ CandidateComparison compare_candidates(const PairedResults& results,
         one.alone < one.reference_alone ? ComparisonVerdict::better : ComparisonVerdict::worse;
   }
 
-  if (results.candidates.size() >= kFewestRanked && !has_repeated_pair(results)) {
+  if (results.candidates.size() >= kFewestRanked && !has_repeated_pair(results, comparison.runs)) {
     for (std::size_t metric = 0; metric < results.metrics.size(); ++metric) {
       if (auto ranks = rank(results, metric, settings.alpha)) {
         comparison.ranks.push_back(std::move(*ranks));

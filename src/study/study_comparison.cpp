@@ -68,20 +68,20 @@ PairedResults paired_results(const Plan& plan, const ShardIndex& index) {
       Eigen::MatrixXd::Constant(rows, width, std::numeric_limits<double>::quiet_NaN()));
   results.runs = Eigen::MatrixXi::Zero(rows, width);
   Eigen::Index kept = 0;
-  std::set<std::string> worlds;
+  std::set<std::vector<int>> worlds;             // by the numbers of their runs
   std::unordered_map<std::string, int> numbers;  // of outcomes
   for (std::size_t world = 0; world < all; ++world) {
     std::vector<PointResult> runs;
-    std::vector<std::string> outcomes;
+    std::vector<int> same;  // of the runs, the numbers of their outcomes
     for (std::size_t c = 0; c < k && index.has(world * k + c); ++c) {
       runs.push_back(index.read(world * k + c));
-      outcomes.push_back(fingerprint({outcome(runs.back(), world / plan.seeds())}));
+      const std::string left = fingerprint({outcome(runs.back(), world / plan.seeds())});
+      same.push_back(numbers.emplace(left, static_cast<int>(numbers.size())).first->second);
     }
-    if (runs.size() < k || !worlds.insert(fingerprint(outcomes)).second) continue;
+    if (runs.size() < k || !worlds.insert(same).second) continue;
     for (std::size_t c = 0; c < k; ++c) {
       const auto column = static_cast<Eigen::Index>(c);
-      results.runs(kept, column) =
-          numbers.emplace(outcomes[c], static_cast<int>(numbers.size())).first->second;
+      results.runs(kept, column) = same[c];
       if (runs[c].status != PointStatus::complete) results.failed(kept, column) = 1.0;
       for (const auto& [name, value] : runs[c].metrics) {
         const auto found = columns.find(name);
@@ -103,21 +103,15 @@ std::optional<CandidateComparison> compare_study(const Plan& plan, const ShardIn
   return compare_candidates(paired_results(plan, index));
 }
 
-std::vector<std::pair<std::string, std::string>> asked_metrics(const Study& study) {
-  std::vector<std::pair<std::string, std::string>> asked;
-  for (const std::string& name : study.metrics)
-    asked.emplace_back("compare.metrics: " + name, name);
-  for (const auto& [name, goal] : study.goals) asked.emplace_back("compare.goal." + name, name);
-  return asked;
-}
-
-std::vector<std::string> unknown_metrics(const Plan& plan,
-                                         const std::vector<std::string>& metrics) {
-  std::vector<std::string> unknown;
-  for (const auto& [key, name] : asked_metrics(plan.study())) {
-    if (std::find(metrics.begin(), metrics.end(), name) != metrics.end()) continue;
-    unknown.push_back(fmt::format("{}: no run has it{}", key, did_you_mean(name, metrics)));
-  }
+std::vector<UnknownMetric> unknown_metrics(const Study& study,
+                                           const std::vector<std::string>& known) {
+  std::vector<UnknownMetric> unknown;
+  const auto add = [&](const std::string& place, const std::string& name) {
+    if (std::find(known.begin(), known.end(), name) != known.end()) return;
+    unknown.push_back({place, did_you_mean(name, known)});
+  };
+  for (const std::string& name : study.metrics) add("compare.metrics: " + name, name);
+  for (const auto& [name, goal] : study.goals) add("compare.goal." + name, name);
   return unknown;
 }
 

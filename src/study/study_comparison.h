@@ -3,7 +3,6 @@
 
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <breakwater/study/paired_comparison.h>
@@ -23,11 +22,13 @@ PairedResults paired_results(const Plan& plan, const ShardIndex& index);
 /// more than 20 and no baseline.
 std::optional<CandidateComparison> compare_study(const Plan& plan, const ShardIndex& index);
 
-/// The metrics that compare.metrics or compare.goal name, each behind what to call its place.
-std::vector<std::pair<std::string, std::string>> asked_metrics(const Study& study);
+struct UnknownMetric {
+  std::string place;  ///< where it is asked for: "compare.goal.pea_N"
+  std::string meant;  ///< did_you_mean()
+};
 
-/// Those of them that are not among `metrics`, which all runs together have, as they are to be
-/// said.
-std::vector<std::string> unknown_metrics(const Plan& plan, const std::vector<std::string>& metrics);
+/// The metrics that compare.metrics or compare.goal name and that are not among `known`.
+std::vector<UnknownMetric> unknown_metrics(const Study& study,
+                                           const std::vector<std::string>& known);
 
 }  // namespace breakwater

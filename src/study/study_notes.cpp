@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <cstdio>
 #include <map>
 #include <optional>
 
@@ -115,12 +114,6 @@ std::vector<std::string> notes(const Plan& plan, const ShardIndex& index) {
         plan.seeds()));
   }
   return lines;
-}
-
-void warn(const std::string& program, const std::vector<std::string>& warnings) {
-  for (const std::string& warning : warnings) {
-    fmt::print(stderr, "{}: warning: {}\n", program, warning);
-  }
 }
 
 }  // namespace breakwater

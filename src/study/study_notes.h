@@ -13,7 +13,4 @@ namespace breakwater {
 /// other runs; seeds that change nothing.
 std::vector<std::string> notes(const Plan& plan, const ShardIndex& index);
 
-/// A line each on standard error: `PROGRAM: warning: …`.
-void warn(const std::string& program, const std::vector<std::string>& warnings);
-
 }  // namespace breakwater

@@ -391,10 +391,8 @@ std::vector<std::string> warnings_of(const Sweep& sweep, const std::vector<Point
         "comes later are missing",
         here_s, sweep.file().file(), own_s));
   }
-  for (const auto& [key, name] : asked_metrics(plan.study())) {
-    if (std::find(all.begin(), all.end(), name) != all.end()) continue;
-    warnings.push_back(
-        fmt::format("{}: none of these runs has it{}", key, did_you_mean(name, all)));
+  for (const auto& [place, meant] : unknown_metrics(plan.study(), all)) {
+    warnings.push_back(fmt::format("{}: none of these runs has it{}", place, meant));
   }
   if (plan.seeds() > 1 && runs.front().status == PointStatus::complete) {
     RunControl control;
@@ -432,28 +430,23 @@ void print_dry_run(const Sweep& sweep, const SweepArguments& arguments) {
 // it is found by a first and a last run of each candidate, before all others are made for it. One
 // that those lack and that is like none of theirs may be in others.
 void check_asked_metrics(const Sweep& sweep) {
-  const auto asked = asked_metrics(sweep.plan().study());
+  const Study& study = sweep.plan().study();
   std::vector<std::string> known;
-  const auto is_known = [&](const auto& one) {
-    return std::find(known.begin(), known.end(), one.second) != known.end();
-  };
   RunControl control;
   control.stop = &interrupted();
   const std::size_t candidates = sweep.plan().candidates().size();
   for (const std::size_t first : {std::size_t{0}, sweep.plan().size() - candidates}) {
     for (std::size_t c = 0; c < candidates; ++c) {
-      if (std::all_of(asked.begin(), asked.end(), is_known)) return;
+      if (unknown_metrics(study, known).empty()) return;
       const PointResult run = run_point(first + c, sweep, control);
       if (run.status != PointStatus::complete) return;
       for (const auto& [name, value] : run.metrics) known.push_back(name);
     }
   }
-  for (const auto& one : asked) {
-    if (is_known(one)) continue;
-    const std::string meant = did_you_mean(one.second, known);
+  for (const auto& [place, meant] : unknown_metrics(study, known)) {
     if (meant.empty()) continue;
     throw std::invalid_argument(
-        fmt::format("{}: the first and the last run have no such metric{}", one.first, meant));
+        fmt::format("{}: the first and the last run have no such metric{}", place, meant));
   }
 }
 
@@ -493,8 +486,8 @@ void collect(const Plan& plan, const ShardIndex& index, const StudyFolder& folde
   table.write_csv(csv);
   const fs::path sqlite = folder.path() / "results.sqlite";
   if (arguments.sqlite || fs::exists(sqlite)) table.write_sqlite(sqlite);
-  for (const std::string& line : unknown_metrics(plan, table.metrics())) {
-    fmt::print(stderr, "{}: {}\n", kSweep, line);
+  for (const auto& [place, meant] : unknown_metrics(plan.study(), table.metrics())) {
+    fmt::print(stderr, "{}: {}: no run has it{}\n", kSweep, place, meant);
   }
   const auto comparison = compare_study(plan, index);
   const fs::path compared = folder.path() / "comparison.csv";
@@ -779,11 +772,12 @@ int sweep(const Catalogue& catalogue, const StudyExtras& extras, const SweepArgu
     print_dry_run(sweep, arguments);
     return kSuccess;
   }
-  if (!folder.is_there() && only_looks) {
+  const bool is_there = folder.is_there();
+  if (!is_there && only_looks) {
     throw std::invalid_argument(folder.path().string() + ": has no study.toml: nothing was begun");
   }
   std::optional<ShardIndex> before;  // what was there
-  if (folder.is_there()) {
+  if (is_there) {
     if (arguments.announce) return run_announced(sweep, folder, arguments);
     folder.check_is(plan.study());
     before.emplace(folder.shards(), plan.size());
@@ -795,21 +789,18 @@ int sweep(const Catalogue& catalogue, const StudyExtras& extras, const SweepArgu
       collect(plan, *before, folder, extras, arguments);
       return kSuccess;
     }
-    if (arguments.rerun) {
-      check_not_queued(queued(folder, plan.size()), folder, "--rerun");
-      warn(kSweep, sweep.check());  // while what is there is still there
-      if (!arguments.isolate) check_asked_metrics(sweep);
-      folder.make_anew(plan.study(), sweep.file());
-      before.emplace(folder.shards(), plan.size());
-    } else {
-      folder.check_made_by_this(sweep.file(), *before);
-    }
+    if (!arguments.rerun) folder.check_made_by_this(sweep.file(), *before);
     if (!arguments.replay.empty()) return replay_point(sweep, folder, *before, arguments);
   }
-  if (!folder.is_there()) {
-    warn(kSweep, sweep.check());
+  if (!is_there || arguments.rerun) {
+    if (is_there) check_not_queued(queued(folder, plan.size()), folder, "--rerun");
+    warn(kSweep, sweep.check());                         // while what is there is still there
     if (!arguments.isolate) check_asked_metrics(sweep);  // else a run may end this process
-    folder.make(plan.study(), sweep.file());
+    if (is_there) {
+      folder.make_anew(plan.study(), sweep.file());
+    } else {
+      folder.make(plan.study(), sweep.file());
+    }
     before.emplace(folder.shards(), plan.size());
   }
   sweep.keep_in(folder);

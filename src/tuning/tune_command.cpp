@@ -14,7 +14,6 @@
 #include <breakwater/scenario/toml_file.h>
 #include <breakwater/study/slurm_options.h>
 #include <breakwater/study/slurm_queue.h>
-#include <breakwater/study/study_notes.h>
 #include <breakwater/study/study_reader.h>
 #include <breakwater/tuning/cluster_runs.h>
 #include <breakwater/tuning/tuning_outputs.h>
@@ -134,20 +133,19 @@ void warn_of_single_candidates(const Tuning& tuning) {
 
 // Makes the folder, or sees that what is in it is of this tuning.
 void make_ready(const TuningPlan& plan, const StudyFolder& folder, bool rerun) {
-  if (folder.is_there()) {
-    if (!rerun) {
-      folder.check_made_by_this(plan.file(), ShardIndex(folder.shards(), plan.size()));
-      return;
-    }
-    check_not_queued(queued(folder, plan.size()), folder, "--rerun");
-    warn(kTune, plan.check());  // while what is there is still there
-    plan.check_metrics(interrupted());
-    folder.make_anew(plan.tuning().print(), plan.file());
+  const bool is_there = folder.is_there();
+  if (is_there && !rerun) {
+    folder.check_made_by_this(plan.file(), ShardIndex(folder.shards(), plan.size()));
     return;
   }
-  warn(kTune, plan.check());
+  if (is_there) check_not_queued(queued(folder, plan.size()), folder, "--rerun");
+  warn(kTune, plan.check());  // while what is there is still there
   plan.check_metrics(interrupted());
-  folder.make(plan.tuning().print(), plan.file());
+  if (is_there) {
+    folder.make_anew(plan.tuning().print(), plan.file());
+  } else {
+    folder.make(plan.tuning().print(), plan.file());
+  }
 }
 
 TuningResult tune_or_go_on(TuningPlan& plan, const StudyFolder& folder,

@@ -18,6 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr int kDigits = 4;              // of what a terminal shows
 constexpr std::size_t kMostShown = 12;  // of a front that was not validated
 
 std::string digits(double value) {
@@ -122,9 +123,9 @@ std::string hypervolume_csv(const TuningResult& result) {
 }
 
 std::string brief(const GatheredValue& number) {
-  if (!number.interval) return fmt::format("{:.4g}", number.value);
-  return fmt::format("{:.4g} [{:.4g}, {:.4g}]", number.value, number.interval->lower,
-                     number.interval->upper);
+  if (!number.interval) return fmt::format("{:.{}g}", number.value, kDigits);
+  return fmt::format("{:.{}g} [{:.{}g}, {:.{}g}]", number.value, kDigits, number.interval->lower,
+                     kDigits, number.interval->upper, kDigits);
 }
 
 }  // namespace
@@ -191,15 +192,14 @@ void write_outputs(const TuningPlan& plan, const TuningResult& result, const fs:
   replace_file(folder / "front.csv", text);
 }
 
-namespace {
-
-// A number in short; what is none, as it is.
-std::string in_short(const std::string& value) {
+std::string in_short(const std::string& value, int digits) {
   double number = 0.0;
   const char* end = value.data() + value.size();
   const auto [stop, error] = std::from_chars(value.data(), end, number);
-  return error == std::errc() && stop == end ? fmt::format("{:.4g}", number) : value;
+  return error == std::errc() && stop == end ? fmt::format("{:.{}g}", number, digits) : value;
 }
+
+namespace {
 
 // Those of a front that a screen has room for: what was validated, or some of it evenly.
 std::vector<std::size_t> shown_points(const TunedFront& front) {
@@ -230,7 +230,7 @@ std::string front_text(const TuningPlan& plan, const TuningResult& result, std::
     std::vector<std::string> row = {std::to_string(first_label + i)};
     Cells cells;
     put_values(plan, c, point.evaluation, cells);
-    for (const std::string& value : cells.in(keys)) row.push_back(in_short(value));
+    for (const std::string& value : cells.in(keys)) row.push_back(in_short(value, kDigits));
     for (std::size_t k = 0; k < tuning.objectives.size(); ++k) {
       row.push_back(brief(point.tuned.objectives[k]));
       if (!tuning.validation) continue;

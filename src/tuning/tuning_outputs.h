@@ -33,6 +33,9 @@ FrontTable front_table(const TuningPlan& plan, const TuningResult& result);
 void write_outputs(const TuningPlan& plan, const TuningResult& result,
                    const std::filesystem::path& folder);
 
+/// A number in so many digits; what is none, as it is.
+std::string in_short(const std::string& value, int digits);
+
 /// The fronts for people.
 std::string fronts_text(const TuningPlan& plan, const TuningResult& result, std::size_t width);
 
