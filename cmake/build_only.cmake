@@ -11,3 +11,9 @@ find_path(EGL_INCLUDE_DIR EGL/egl.h REQUIRED)
 find_path(MUSTACHE_INCLUDE_DIR kainjow/mustache.hpp REQUIRED)
 find_path(THREE_DIR three.min.js PATHS /usr/share/javascript/three NO_DEFAULT_PATH REQUIRED)
 find_path(DYGRAPHS_DIR dygraph.min.js PATHS /usr/share/javascript/dygraphs NO_DEFAULT_PATH REQUIRED)
+# HDF5 as the programs hold it (src/record/hdf5_linked.cpp), with what it compresses with.
+find_library(HDF5_HL_STATIC_LIBRARY libhdf5_serial_hl.a REQUIRED)
+find_library(HDF5_STATIC_LIBRARY libhdf5_serial.a REQUIRED)
+find_library(SZ_LIBRARY sz REQUIRED)
+set(HDF5_STATIC_LIBRARIES ${HDF5_HL_STATIC_LIBRARY} ${HDF5_STATIC_LIBRARY} ${SZ_LIBRARY}
+    PkgConfig::zlib ${CMAKE_DL_LIBS})

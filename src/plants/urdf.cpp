@@ -101,7 +101,7 @@ void check_numbers(const XmlFile& xml, const tinyxml2::XMLElement& element) {
 
 class UrdfFile {
  public:
-  explicit UrdfFile(const std::string& file) : file_(file), xml_(file) {
+  UrdfFile(const std::string& file, const std::string& text) : file_(file), xml_(file, text) {
     check_numbers(xml_, *xml_.root());
     model_ = parse(xml_.text());
   }
@@ -255,10 +255,8 @@ PlanarJoint revolute_joint(const UrdfFile& file, const urdf::Joint& joint,
   return result;
 }
 
-}  // namespace
-
-PlanarChain load_planar_chain(const std::string& urdf_file) {
-  const UrdfFile file(urdf_file);
+PlanarChain read_chain(const std::string& urdf_file, const std::string& text) {
+  const UrdfFile file(urdf_file, text);
   std::vector<PlanarJoint> joints;
   PlanarFrame frame;  // of the current link, in the frame of the moving link that carries it
   urdf::LinkConstSharedPtr link = file.model().getRoot();
@@ -287,6 +285,26 @@ PlanarChain load_planar_chain(const std::string& urdf_file) {
     throw std::invalid_argument(urdf_file + ":1: has no revolute joint");
   }
   return {std::move(joints), frame.position_m, frame.yaw_rad};
+}
+
+// What was read last: a run asks for its chain again and again, a study's runs for the same one.
+struct LastChain {
+  std::mutex mutex;
+  std::string text;
+  std::optional<PlanarChain> chain;
+};
+
+}  // namespace
+
+PlanarChain load_planar_chain(const std::string& urdf_file) {
+  static LastChain last;
+  const std::string text = read_text(urdf_file);
+  const std::lock_guard lock(last.mutex);
+  if (!last.chain || last.text != text) {
+    last.chain = read_chain(urdf_file, text);
+    last.text = text;
+  }
+  return *last.chain;
 }
 
 }  // namespace breakwater

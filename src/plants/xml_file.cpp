@@ -38,12 +38,18 @@ std::size_t find_no_utf8(const std::string& text) {
 
 }  // namespace
 
-XmlFile::XmlFile(std::string file) : file_(std::move(file)) {
-  std::ifstream stream(file_, std::ios::binary);
+std::string read_text(const std::string& file) {
+  std::ifstream stream(file, std::ios::binary);
   std::stringstream text;
   text << stream.rdbuf();
-  if (!stream) throw std::invalid_argument(file_ + ": cannot be read");
-  text_ = text.str();
+  if (!stream) throw std::invalid_argument(file + ": cannot be read");
+  return text.str();
+}
+
+XmlFile::XmlFile(std::string file) : XmlFile(file, read_text(file)) {}
+
+XmlFile::XmlFile(std::string file, std::string text)
+    : file_(std::move(file)), text_(std::move(text)) {
   const std::size_t broken = find_no_utf8(text_);
   if (broken != std::string::npos) {
     const auto end = text_.begin() + static_cast<std::ptrdiff_t>(broken);

@@ -14,6 +14,8 @@ class XmlFile {
  public:
   /// Throws std::invalid_argument `FILE[:LINE]: reason` if it cannot be read or is none.
   explicit XmlFile(std::string file);
+  /// Of a file that has been read.
+  XmlFile(std::string file, std::string text);
 
   const std::string& text() const { return text_; }
   const tinyxml2::XMLElement* root() const { return document_.RootElement(); }
@@ -26,6 +28,9 @@ class XmlFile {
   std::string text_;
   tinyxml2::XMLDocument document_;
 };
+
+/// The bytes of a file. Throws std::invalid_argument if it cannot be read.
+std::string read_text(const std::string& file);
 
 /// The numbers that `text` is, with blanks between them, in the notation of C whatever the locale;
 /// nothing if a word of it is no number. Infinity and NaN are numbers here.

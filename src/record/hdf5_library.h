@@ -1,4 +1,4 @@
-// HDF5, loaded when the first log is written or read.
+// HDF5, started when the first log is written or read.
 #pragma once
 
 #include <hdf5.h>
@@ -30,8 +30,11 @@ namespace breakwater {
 // clang-format on
 
 /// The functions and identifiers of HDF5 that logs need, by HDF5's own names. Linked in the
-/// ordinary way it would be a quarter of a short run's time: Debian's brings thirty libraries for
-/// files on the web, which every process would load, whether it meets a log or not.
+/// ordinary way it would be a quarter of a short run's time: Debian's shared library brings thirty
+/// others for files on the web, which every process would load, whether it meets a log or not. Our
+/// programs hold its static library (hdf5_linked.cpp). Whatever else links this room loads the
+/// shared one, where it needs it (hdf5_loaded.cpp): the Python module, in whose process h5py's may
+/// be, and programs of users.
 struct Hdf5 {
 #define X(name) decltype(&::name) name = nullptr;
   BREAKWATER_HDF5_FUNCTIONS(X)
@@ -43,7 +46,7 @@ struct Hdf5 {
   hid_t DATASET_CREATE = 0;
 };
 
-/// Throws std::logic_error, which names the library, if the installation lacks it.
+/// Throws std::logic_error if the library, which it names, is not there.
 const Hdf5& hdf5();
 
 }  // namespace breakwater

@@ -1,3 +1,4 @@
+// HDF5, loaded when the first log is written or read.
 #include <breakwater/record/hdf5_library.h>
 
 #include <dlfcn.h>
