@@ -193,7 +193,7 @@ std::string margins_table(const std::vector<LoopAnalysis>& loops, std::size_t wi
   std::vector<std::string> header = {""};
   const std::vector<NamedCurve> curves = curves_of(loops);
   for (const NamedCurve& one : curves) {
-    header.push_back(one.loop.label + (&one.way == &kWays[0] ? "" : " measured"));
+    header.push_back(one.loop.label + (&one.way == kWays.data() ? "" : " measured"));
   }
   Table table(header);
   for (const Quantity& quantity : quantities()) {

@@ -89,7 +89,7 @@ std::vector<std::string> cases_of(const Arguments& arguments, const ScenarioFile
 int analyze(const Catalogue& catalogue, Arguments arguments, const std::string& command) {
   stop_on_signals();
   const SharedModels shared;  // one compilation for all frequencies
-  const ScenarioKind& kind = catalogue.get<ScenarioKind>(arguments.scenario);
+  const auto& kind = catalogue.get<ScenarioKind>(arguments.scenario);
   if (dynamic_cast<const AxisScenario*>(kind.make(catalogue).get()) == nullptr) {
     throw std::invalid_argument(kind.name +
                                 ": has no loop of one axis that could be analysed (a scenario of "
