@@ -117,7 +117,7 @@ async function look() {
   seen.camera = view.cameraChoice.selectedOptions[0].textContent;
   view.seek(1, true);
   key(" ");
-  await wait(400);
+  await until("it plays", () => view.time > 1);
   key(" ");
   seen.played = view.time - 1;
   seen.isPaused = !view.isPlaying;

@@ -53,16 +53,29 @@
         group.height = new Float64Array(this.entries);
         group.slope = new Float64Array(this.entries);
       }
-      const index = Replay.shapes.gridIndex(rows, columns);
-      this.geometry = Replay.shapes.geometry(flat, new Float32Array(flat.length), index);
       this.flips = frame.matrix.elements[10] < 0;
-      if (this.flips) for (let i = 0; i < index.length; i += 3) [index[i + 1], index[i + 2]] = [index[i + 2], index[i + 1]];
+      this.grid = {rows, columns};
+      this.indices = new Map();
+      this.geometry = Replay.shapes.geometry(flat, new Float32Array(flat.length), this.index(1));
+      this.indices.set(1, this.geometry.index);
       // The texture lies in the geom's own frame.
       this.geometry.setAttribute("uv", new THREE.BufferAttribute(new Float32Array(2 * rows * columns), 2));
       this.local = local;
       this.mesh = new THREE.Mesh(this.geometry, material);
       this.mesh.frustumCulled = false;
       this.mesh.renderOrder = 1;
+    }
+
+    index(every) {
+      const index = Replay.shapes.gridIndex(this.grid.rows, this.grid.columns, every);
+      if (this.flips) for (let i = 0; i < index.length; i += 3) [index[i + 1], index[i + 2]] = [index[i + 2], index[i + 1]];
+      return index;
+    }
+
+    // Draws every so many rows and columns: without a graphics card triangles cost more than pixels.
+    thin(every) {
+      if (!this.indices.has(every)) this.indices.set(every, new THREE.BufferAttribute(this.index(every), 1));
+      this.geometry.setIndex(this.indices.get(every));
     }
 
     uvBy([sx, sy]) {
@@ -417,6 +430,7 @@
       this.actors = data.runs.map((run, i) => new Actor(run, i, data, this));
       for (const actor of this.actors) this.scene.add(actor.root);
       this.backdrop = Replay.shading.backdrop();
+      this.backdrop.visible = scene.sky < 0;  // which would hide it
       this.scene.add(this.backdrop);
       if (scene.sky >= 0) this.scene.add(Replay.shading.sky(this.textureOf(scene.sky)));
       this.makeLights(scene);
@@ -525,6 +539,10 @@
         if (made.shadow.map) made.shadow.map.dispose();
         made.shadow.map = null;
       }
+    }
+
+    thinWater(every) {
+      for (const actor of this.actors) for (const water of actor.waters) water.thin(every);
     }
 
     setBackdrop(top, bottom) {

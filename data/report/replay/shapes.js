@@ -76,13 +76,17 @@
     return geometry([-a, -b, 0, a, -b, 0, a, b, 0, -a, b, 0], [0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1], [0, 1, 2, 0, 2, 3]);
   }
 
-  function gridIndex(rows, columns) {
-    const index = new Uint32Array(6 * (rows - 1) * (columns - 1));
+  // Of every so many rows and columns, and the last of each.
+  function gridIndex(rows, columns, every = 1) {
+    const taken = (count) => [...Array.from({length: Math.ceil((count - 1) / every)}, (_, i) => i * every), count - 1];
+    const down = taken(rows), across = taken(columns);
+    const index = new Uint32Array(6 * (down.length - 1) * (across.length - 1));
     let at = 0;
-    for (let r = 0; r + 1 < rows; ++r) {
-      for (let c = 0; c + 1 < columns; ++c) {
-        const a = r * columns + c, b = a + columns;
-        index.set([a, a + 1, b + 1, a, b + 1, b], at);
+    for (let r = 0; r + 1 < down.length; ++r) {
+      for (let c = 0; c + 1 < across.length; ++c) {
+        const a = down[r] * columns + across[c], b = down[r] * columns + across[c + 1];
+        const d = down[r + 1] * columns + across[c], e = down[r + 1] * columns + across[c + 1];
+        index.set([a, b, e, a, e, d], at);
         at += 6;
       }
     }

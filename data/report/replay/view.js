@@ -6,9 +6,11 @@
   const FRAMED_ASPECT = 4 / 3;
   const LIGHT = {top: [200 / 255, 212 / 255, 224 / 255], bottom: [240 / 255, 243 / 255, 246 / 255]};
   const DARK = {top: [0.10, 0.12, 0.15], bottom: [0.20, 0.23, 0.27]};
-  // From the best to the quickest: pixels per pixel of the page, side of the shadow map (0: none).
-  const QUALITIES = [{pixels: 2, shadow: 2048}, {pixels: 1, shadow: 1024}, {pixels: 0.75, shadow: 512},
-                     {pixels: 0.66, shadow: 0}, {pixels: 0.45, shadow: 0}];
+  // From the best to the quickest: pixels per pixel of the page, side of the shadow map (0: none), and
+  // without a graphics card of how many rows and columns of the water one is drawn.
+  const QUALITIES = [{pixels: 2, shadow: 2048, water: 1}, {pixels: 1, shadow: 1024, water: 2},
+                     {pixels: 0.75, shadow: 512, water: 2}, {pixels: 0.66, shadow: 0, water: 2},
+                     {pixels: 0.45, shadow: 0, water: 3}];
   const SLOW_MS = 55, QUICK_MS = 22;
   const REST_MS = 350;  // then what stands still is drawn once more, as well as can be
 
@@ -476,6 +478,7 @@
         stage.poseLights();
       }
       if (quality.shadow > 0) stage.setShadowMap(quality.shadow);
+      stage.thinWater(this.isSoftware ? quality.water : 1);
       const tone = prefersDark.matches && !matchMedia("print").matches ? DARK : LIGHT;
       stage.setBackdrop(tone.top, tone.bottom);
       this.placeCamera();
