@@ -134,6 +134,26 @@ async function look() {
   view.draw();
   seen.turned = from.distanceTo(view.camera.position);
   seen.afterDrag = view.cameraChoice.value;
+
+  // One finger turns, two that part go nearer.
+  view.useCamera(view.data.camera);
+  view.draw();
+  const finger = (identifier, x, y) => new page.Touch({identifier, target: view.canvas, clientX: x, clientY: y, pageX: x, pageY: y});
+  const touch = (kind, ...touches) => view.canvas.dispatchEvent(new page.TouchEvent(kind,
+    {bubbles: true, cancelable: true, touches, targetTouches: touches, changedTouches: touches}));
+  const distance = () => view.camera.position.distanceTo(view.orbit.target);
+  const start = view.camera.position.clone();
+  touch("touchstart", finger(1, 400, 300));
+  touch("touchmove", finger(1, 480, 320));
+  touch("touchend");
+  view.draw();
+  seen.turnedByTouch = start.distanceTo(view.camera.position);
+  const far = distance();
+  touch("touchstart", finger(1, 400, 300), finger(2, 440, 300));
+  touch("touchmove", finger(1, 340, 300), finger(2, 500, 300));
+  touch("touchend");
+  view.draw();
+  seen.nearerByPinch = far / distance();
   view.useCamera(view.data.camera);
   seen.unnamed = Array.from(box.querySelectorAll("button, select, input, canvas")).filter((e) =>
     !(e.getAttribute("aria-label") || e.textContent.trim() || e.closest("label"))).length;
@@ -304,6 +324,7 @@ def main():
     assert 1e-4 < seen["stepBack"] < 0.02 and seen["trails"], seen
     assert seen["camera"] == "top" and seen["played"] > 0 and seen["isPaused"], seen
     assert seen["turned"] > 0.05 and seen["afterDrag"] == "free" and seen["unnamed"] == 0, seen
+    assert seen["turnedByTouch"] > 0.05 and seen["nearerByPinch"] > 1.5, seen
     assert seen["phone"]["overflow"] <= 0 and 300 < seen["phone"]["canvas"] <= 390, seen["phone"]
     assert seen["both"]["panels"] == 1 and seen["both"]["beside"] == 2, seen["both"]
     assert "model.mjcf" in seen["both"]["runs"][0], seen["both"]
