@@ -246,7 +246,7 @@ def matches(row, selector, labels):
     """Whether a row is one of "key=value key<value": {1} is the label in column 1, {1.2} the second
     number of it, {} the label of the head."""
     for condition in shlex.split(selector):
-        parts = re.match(r"([\w.-]+?)(=|<|>)(.*)$", condition)
+        parts = re.match(r"([\w.\[\]-]+?)(=|<|>)(.*)$", condition)
         if not parts:
             raise Mistake(f"“{condition}” is no key=value")
         key, operation, wanted = parts.groups()

@@ -1,7 +1,10 @@
 #include <breakwater/scenario/config.h>
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cctype>
+#include <charconv>
 #include <filesystem>
 #include <numeric>
 #include <stdexcept>
@@ -28,6 +31,44 @@ ConfigValue convert(const toml::node& node, const std::string& origin) {
     return {std::move(values)};
   }
   throw std::invalid_argument(origin + ": dates and tables in arrays are not used here");
+}
+
+// The value that `key` names an element of what `value`, the value of its whole key, is.
+ConfigValue& element_of(ConfigValue& value, const std::string& key) {
+  ConfigValue* found = &value;
+  std::size_t at = whole_key(key).size();
+  while (at < key.size()) {
+    const std::string of = key.substr(0, at);
+    const std::size_t end = std::min(key.find(']', at), key.size() - 1);
+    std::size_t number = 0;
+    const auto read = std::from_chars(key.data() + at + 1, key.data() + end, number);
+    const bool is_number = read.ec == std::errc() && read.ptr == key.data() + end && number > 0;
+    if (!is_number || key.substr(at, end + 1 - at) != fmt::format("[{}]", number)) {
+      throw std::invalid_argument("elements are counted from 1: " + of + "[1] is the first");
+    }
+    auto* array = std::get_if<ConfigValue::Array>(&found->data);
+    if (array == nullptr) throw std::invalid_argument(of + " is no array");
+    if (number > array->size()) {
+      throw std::invalid_argument(
+          fmt::format("{} has {} element{}", of, array->size(), array->size() == 1 ? "" : "s"));
+    }
+    found = &(*array)[number - 1];
+    at = end + 1;
+  }
+  return *found;
+}
+
+// Refuses an array beside an element of it: which of the two counts would depend on their order.
+void check_elements(const std::vector<std::string>& sets) {
+  std::vector<std::string> keys;
+  for (const std::string& assignment : sets) {
+    keys.push_back(assignment.substr(0, assignment.find('=')));
+    for (const std::string& other : keys) {
+      if (!is_element_of(keys.back(), other) && !is_element_of(other, keys.back())) continue;
+      throw std::invalid_argument("--set: " + keys.back() + ": " + other +
+                                  " is given too: give the array, or elements of it");
+    }
+  }
 }
 
 bool is_key_character(char c) {
@@ -138,21 +179,46 @@ std::string did_you_mean(const std::string& word, const std::vector<std::string>
   return best != nullptr ? " (did you mean " + *best + "?)" : "";
 }
 
+std::string whole_key(const std::string& key) {
+  return key.substr(0, key.find('['));
+}
+
+bool is_element_of(const std::string& key, const std::string& other) {
+  return key.size() > other.size() && key.starts_with(other) && key[other.size()] == '[';
+}
+
 void Config::set(const std::string& assignment) {
   const std::size_t equals = assignment.find('=');
   if (equals == std::string::npos || equals == 0 || equals + 1 == assignment.size()) {
     throw std::invalid_argument("--set: " + assignment + ": must be of the form key.path=value");
   }
   const std::string key = assignment.substr(0, equals);
-  if (key.size() > kLongestWord || !std::all_of(key.begin(), key.end(), is_key_character)) {
+  const std::string whole = whole_key(key);
+  if (key.size() > kLongestWord || !std::all_of(whole.begin(), whole.end(), is_key_character)) {
     throw std::invalid_argument("--set: " + shown(key) + ": is no key");
   }
   const std::string text = assignment.substr(equals + 1);
   const std::string origin = "--set: " + key;
   const auto parsed = parse_toml_value(text, origin);
   // What is not TOML is a bare word; whether the key is a string shows when it is read.
-  entries_[key] = {parsed ? convert(*parsed->get("value"), origin) : ConfigValue{text}, kSetOrigin,
-                   true};
+  ConfigValue value = parsed ? convert(*parsed->get("value"), origin) : ConfigValue{text};
+  if (whole != key) {
+    const ConfigEntry* array = find(whole);
+    if (array == nullptr) {
+      std::vector<std::string> keys;
+      for (const auto& [name, entry] : entries_) keys.push_back(name);
+      throw std::invalid_argument(origin + ": " + file_ + " has no " + shown(whole) +
+                                  did_you_mean(whole, keys));
+    }
+    ConfigValue changed = array->value;
+    try {
+      element_of(changed, key) = std::move(value);
+    } catch (const std::invalid_argument& error) {
+      throw std::invalid_argument(origin + ": " + error.what());
+    }
+    value = std::move(changed);
+  }
+  entries_[whole] = {std::move(value), kSetOrigin, true};
 }
 
 void Config::apply(const Entries& overrides) {
@@ -189,7 +255,7 @@ std::string Config::find_file_of(const std::string& key, const std::string& name
 }
 
 void Config::fail(const std::string& key, const std::string& message) const {
-  const ConfigEntry* entry = find(key);
+  const ConfigEntry* entry = find(whole_key(key));
   throw std::invalid_argument((entry != nullptr ? entry->origin : file_) + ": " + key + ": " +
                               message);
 }
@@ -260,16 +326,19 @@ Config ScenarioFile::config(const std::string& case_name,
     throw std::invalid_argument("--case: " + file_ + " has no case \"" + case_name + "\"" +
                                 did_you_mean(case_name, cases_));
   }
+  check_elements(sets);
   Config config(file_, entries_);
   config.apply(found->second);
-  Config with_sets = config;
-  for (const std::string& assignment : sets) with_sets.set(assignment);
-  if (readings_.empty()) return with_sets;
-
-  // Which reading is known only now; the sets then go on top of it.
-  config.apply(reading(with_sets));
+  if (!readings_.empty()) {
+    // Which one may be set; the sets then go on top of it.
+    Config choosing = config;
+    for (const std::string& assignment : sets) {
+      if (assignment.starts_with("reading=")) choosing.set(assignment);
+    }
+    config.apply(reading(choosing));
+  }
   for (const std::string& assignment : sets) config.set(assignment);
-  config.remove("reading");
+  if (!readings_.empty()) config.remove("reading");
   return config;
 }
 

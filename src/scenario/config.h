@@ -35,8 +35,9 @@ class Config {
   Config(std::string file, std::map<std::string, ConfigEntry> entries)
       : file_(std::move(file)), entries_(std::move(entries)) {}
 
-  /// Applies one `key.path=value`; a value that is not TOML is taken as a string. Throws
-  /// std::invalid_argument if it is not of that form.
+  /// Applies one `key.path=value`; a value that is not TOML is taken as a string. Of a key that is
+  /// an array one element alone may be given (whole_key()), if the array is there. Throws
+  /// std::invalid_argument if it is not of that form, or there is no such element.
   void set(const std::string& assignment);
 
   /// Overwrites with all of `overrides`.
@@ -54,7 +55,7 @@ class Config {
   std::string find_file_of(const std::string& key, const std::string& name) const;
 
   /// Throws std::invalid_argument `ORIGIN: KEY: MESSAGE`, the origin being the key's, or the file
-  /// where the key stands nowhere.
+  /// where the key stands nowhere. The key may be an element's.
   [[noreturn]] void fail(const std::string& key, const std::string& message) const;
 
   /// Calls `body`; an std::invalid_argument that it throws is blamed on `key` as fail() does.
@@ -71,6 +72,13 @@ class Config {
   std::string file_;
   std::map<std::string, ConfigEntry> entries_;
 };
+
+/// The key without the element that it may name: "a.b" of "a.b[2]", the second of the array a.b,
+/// and of "a.b[2][1]", the first of that. Elements are counted from 1, as the values of a signal
+/// are.
+std::string whole_key(const std::string& key);
+/// Whether a key names an element of what another one does, or an element of such an element.
+bool is_element_of(const std::string& key, const std::string& other);
 
 /// All keys of a TOML file, those of the tables `[[name]]` as name.1.key, name.2.key, …. Throws
 /// std::invalid_argument `FILE[:LINE]: reason` if it cannot be read or parsed.
@@ -98,7 +106,8 @@ class ScenarioFile {
   std::vector<Config> tables() const;
 
   /// The file's keys with one case's, then the reading's, then `sets` (key=value) on top. Throws
-  /// std::invalid_argument if there is no such case or reading, or a set is malformed.
+  /// std::invalid_argument if there is no such case or reading, a set is malformed, or one gives an
+  /// array and another an element of it.
   Config config(const std::string& case_name, const std::vector<std::string>& sets = {}) const;
 
  private:

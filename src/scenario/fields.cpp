@@ -18,7 +18,7 @@ namespace {
 constexpr std::size_t kLongestValue = 200;  // of a value that is none
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-using Error = std::optional<std::string>;
+using Error = std::optional<Refusal>;
 
 // "" for a key of the root.
 std::string table_of(const std::string& key) {
@@ -52,12 +52,18 @@ Error read_number(const ConfigValue& value, const Range& range, double& target) 
   return std::nullopt;
 }
 
+// Blames the element of this index.
+Error in_element(std::size_t i, Error error) {
+  if (error) error->element = fmt::format("[{}]", i + 1) + error->element;
+  return error;
+}
+
 Error read_numbers(const ConfigValue& value, const Range& range, std::vector<double>& target) {
   const auto* array = std::get_if<ConfigValue::Array>(&value.data);
   if (array == nullptr) return "must be an array of numbers, is " + describe(value);
   target.assign(array->size(), 0.0);
   for (std::size_t i = 0; i < array->size(); ++i) {
-    if (Error error = read_number((*array)[i], range, target[i])) return error;
+    if (Error error = in_element(i, read_number((*array)[i], range, target[i]))) return error;
   }
   return std::nullopt;
 }
@@ -155,10 +161,10 @@ void Fields::number_groups(const std::string& key, std::vector<std::vector<doubl
   add(key, {part_, doc,
             [&target, range](const ConfigValue& v) -> Error {
               const auto* array = std::get_if<ConfigValue::Array>(&v.data);
-              if (array == nullptr) return "must be an array of arrays of numbers";
+              if (array == nullptr) return Refusal("must be an array of arrays of numbers");
               target.assign(array->size(), {});
               for (std::size_t i = 0; i < array->size(); ++i) {
-                if (Error e = read_numbers((*array)[i], range, target[i])) return e;
+                if (Error e = in_element(i, read_numbers((*array)[i], range, target[i]))) return e;
               }
               return std::nullopt;
             },
@@ -323,6 +329,10 @@ std::vector<UnusedKey> Fields::unused() const {
   return keys;
 }
 
+void Fields::fail_if(const Config& config, const Field& field, const Error& error) {
+  if (error) config.fail(field.key + error->element, error->reason);
+}
+
 // Keys of a part that is not there are unknown too, but that is not what is wrong.
 void Fields::check_choices(const Config& table) {
   std::set<std::string> choices;
@@ -332,7 +342,7 @@ void Fields::check_choices(const Config& table) {
   for (Field& field : fields_) {
     const ConfigEntry* entry = table.find(field.key);
     if (entry == nullptr || !choices.contains(field.key)) continue;
-    if (const Error error = assign(field, entry->value, nullptr)) table.fail(field.key, *error);
+    fail_if(table, field, assign(field, entry->value, nullptr));
   }
 }
 
@@ -347,7 +357,7 @@ void Fields::check(const Config& table) {
   for (Field& field : fields_) {
     const ConfigEntry* entry = table.find(field.key);
     if (entry == nullptr) continue;
-    if (const Error error = assign(field, entry->value, nullptr)) table.fail(field.key, *error);
+    fail_if(table, field, assign(field, entry->value, nullptr));
   }
 }
 
@@ -395,7 +405,7 @@ void Fields::read(const Config& config) {
   for (Field& field : fields_) {
     const Variable* counts = in_use(field);
     if (const ConfigEntry* entry = config.find(field.key)) {
-      if (const Error error = assign(field, entry->value, counts)) config.fail(field.key, *error);
+      fail_if(config, field, assign(field, entry->value, counts));
     } else if (counts != nullptr && !counts->standard) {
       missing.push_back(&field);
     }

@@ -35,6 +35,15 @@ struct UnusedKey {
   std::string choice;  ///< the key on whose value it depends; empty: on another condition
 };
 
+/// Why a value is refused.
+struct Refusal {
+  Refusal(std::string why, std::string which = "")
+      : reason(std::move(why)), element(std::move(which)) {}
+
+  std::string reason;
+  std::string element;  ///< of an array: "[2]", "[2][1]"; empty: all of it
+};
+
 /// The keys of a scenario in the order in which they are printed. Each is bound to a variable of
 /// the settings: read() fills them from a config, print() writes them out as a scenario file.
 ///
@@ -122,7 +131,7 @@ class Fields {
   std::vector<std::string> files() const;
 
  private:
-  using Error = std::optional<std::string>;
+  using Error = std::optional<Refusal>;
   struct Condition {
     std::string text;
     std::function<bool(const Fields&)> holds;
@@ -167,6 +176,7 @@ class Fields {
   // To every variable. An error if the value does not suit the one that counts; if none does
   // (null), unless it suits some.
   static Error assign(Field& field, const ConfigValue& value, const Variable* counts);
+  static void fail_if(const Config& config, const Field& field, const Error& error);
   void assign_standards(const Config& config);
   void check(const Config& table);
   // The part of it that is about which parts are chosen.

@@ -41,14 +41,18 @@ Study completed(Study study, const ScenarioFile& file) {
 std::string blamed(const Study& study, const std::string& error) {
   const std::string set = "--set: ";
   if (!error.starts_with(set)) return error;
+  const std::size_t end = std::min(error.find(": ", set.size()), error.size());
+  const std::string wrong = error.substr(set.size(), end - set.size());
+  const VariedKey* element = nullptr;  // of what is wrong
   for (const auto* keys : {&study.vary, &study.compare}) {
     for (const VariedKey& key : *keys) {
-      if (error.starts_with(set + key.key + ": ")) {
+      if (wrong == key.key || is_element_of(wrong, key.key)) {
         return key.place + error.substr(set.size() + key.key.size());
       }
+      if (element == nullptr && is_element_of(key.key, wrong)) element = &key;
     }
   }
-  return error;
+  return element != nullptr ? element->place + error.substr(end) : error;
 }
 
 // Whose runs take longer in proportion.
@@ -170,7 +174,7 @@ std::vector<std::string> Sweep::check() const {
   }
   std::vector<std::string> warnings;
   for (const auto& [key, place] : places_of_keys(study)) {
-    const auto found = vain.find(key);
+    const auto found = vain.find(whole_key(key));
     if (found == vain.end() || found->second.first < probes.size()) continue;
     warnings.push_back(fmt::format("{}: {}", place, found->second.second));
   }

@@ -152,13 +152,73 @@ TEST_F(ConfigTest, SaysWhereAndWhatIsWrong) {
   EXPECT_EQ(read("slow", {"motion.gains=3"}),
             "--set: motion.gains: must be an array of numbers, is 3");
   EXPECT_EQ(read("slow", {"motion.gains=[1, \"x\"]"}),
-            "--set: motion.gains: must be a number, is \"x\"");
+            "--set: motion.gains[2]: must be a number, is \"x\"");
   EXPECT_EQ(read("slow", {"run.name=true"}), "--set: run.name: must be a string, is true");
   EXPECT_EQ(read("slow", {"motion.speed_m_s"}),
             "--set: motion.speed_m_s: must be of the form key.path=value");
   EXPECT_EQ(read("slow", {"motion.speed_m_s=1\nrun.seed=2"}),
             "--set: motion.speed_m_s: must be a number, is \"1\\nrun.seed=2\"");
   EXPECT_EQ(read("slo", {}), "--case: FILE has no case \"slo\" (did you mean slow?)");
+}
+
+TEST_F(ConfigTest, AnElementIsSetAlone) {
+  ASSERT_EQ(
+      read("slow", {"motion.gains[2]=7", "motion.poles[1][2]=-9", "motion.poles[2]=[-4, -5]"}), "");
+  EXPECT_EQ(settings_.gains, (std::vector<double>{1, 7}));
+  EXPECT_EQ(settings_.poles, (std::vector<std::vector<double>>{{-1, -9}, {-4, -5}}));
+  // What is printed, and so what a run is known by, is that of the whole array.
+  const std::string printed = settings_.fields().print("test", "slow");
+  ASSERT_EQ(read("slow", {"motion.gains=[1, 7]", "motion.poles=[[-1, -9], [-4, -5]]"}), "");
+  EXPECT_EQ(settings_.fields().print("test", "slow"), printed);
+  // Over what the case gives, and the reading.
+  ASSERT_EQ(
+      read("slow", {"motion.gains[1]=3"},
+           "reading = \"one\"\n" + std::string(kText) + "[readings.one]\nmotion.gains = [8, 9]\n"),
+      "");
+  EXPECT_EQ(settings_.gains, (std::vector<double>{3, 9}));
+  const Config config = file().config("slow", {"motion.gains[1]=3"});
+  EXPECT_TRUE(config.find("motion.gains")->is_set());
+  EXPECT_TRUE(config.find("motion.gains")->is_chosen);
+}
+
+TEST_F(ConfigTest, SaysWhichElementIsWrong) {
+  EXPECT_EQ(read("slow", {"motion.gains[3]=1"}),
+            "--set: motion.gains[3]: motion.gains has 2 elements");
+  EXPECT_EQ(read("slow", {"motion.poles[2][2]=1"}),
+            "--set: motion.poles[2][2]: motion.poles[2] has 1 element");
+  EXPECT_EQ(read("slow", {"motion.gains[1][1]=1"}),
+            "--set: motion.gains[1][1]: motion.gains[1] is no array");
+  EXPECT_EQ(read("slow", {"motion.steps[1]=1"}),
+            "--set: motion.steps[1]: motion.steps is no array");
+  EXPECT_EQ(read("slow", {"motion.gians[1]=1"}),
+            "--set: motion.gians[1]: FILE has no motion.gians (did you mean motion.gains?)");
+  for (const char* element : {"[0]", "[01]", "[-1]", "[+1]", "[ 1]", "[x]", "[]", "[", "[1", "[1]2",
+                              "[1],[2]", "[99999999999999999999999]"}) {
+    const std::string key = "motion.gains" + std::string(element);
+    const std::string what = read("slow", {key + "=1"});
+    EXPECT_TRUE(what.starts_with("--set: " + key + ": elements are counted from 1: motion.gains"))
+        << what;
+  }
+  EXPECT_EQ(read("slow", {"[1]=1"}), "--set: [1]: FILE has no ");
+  EXPECT_EQ(read("slow", {"motion.gains[2]=fast"}),
+            "--set: motion.gains[2]: must be a number, is \"fast\"");
+  EXPECT_EQ(read("slow", {"motion.poles[1][2]=nan"}),
+            "--set: motion.poles[1][2]: must be finite, is nan");
+  const auto together = [&](const std::vector<std::string>& sets) -> std::string {
+    try {
+      file().config("slow", sets);
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(together({"motion.gains=[1, 2]", "motion.gains[1]=3"}),
+            "--set: motion.gains[1]: motion.gains is given too: give the array, or elements of it");
+  EXPECT_EQ(
+      together({"motion.poles[1][1]=3", "run.seed=1", "motion.poles[1]=[1, 2]"}),
+      "--set: motion.poles[1]: motion.poles[1][1] is given too: give the array, or elements of "
+      "it");
+  EXPECT_EQ(together({"motion.gains[1]=3", "motion.gains[2]=3", "motion.gains[1]=4"}), "");
 }
 
 TEST_F(ConfigTest, AFileThatIsEditedLaterIsKnownAsItWasRead) {
