@@ -52,10 +52,18 @@ int call_program(const std::string& what, std::vector<std::string> words) {
   return kLaterOutputFailed;
 }
 
-ReadProgram::ReadProgram(std::vector<std::string> words, bool with_stderr) {
+ReadProgram::ReadProgram(std::vector<std::string> words, bool with_stderr,
+                         bool (*leave_out)(std::string_view name)) {
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
+  std::vector<char*> variables;
+  for (char** variable = environ; *variable != nullptr; ++variable) {
+    const std::string_view text = *variable;
+    if (leave_out != nullptr && leave_out(text.substr(0, text.find('=')))) continue;
+    variables.push_back(*variable);
+  }
+  variables.push_back(nullptr);
   int ends[2];
   int error = pipe2(ends, O_CLOEXEC) == 0 ? 0 : errno;
   if (error == 0) {
@@ -64,7 +72,7 @@ ReadProgram::ReadProgram(std::vector<std::string> words, bool with_stderr) {
     posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
     if (with_stderr) posix_spawn_file_actions_adddup2(&actions, ends[1], STDERR_FILENO);
     std::fflush(nullptr);
-    error = posix_spawnp(&process_, argv[0], &actions, nullptr, argv.data(), environ);
+    error = posix_spawnp(&process_, argv[0], &actions, nullptr, argv.data(), variables.data());
     posix_spawn_file_actions_destroy(&actions);
     close(ends[1]);
     said_.reset(fdopen(ends[0], "r"));

@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace breakwater {
@@ -30,9 +31,10 @@ int call_program(const std::string& what, std::vector<std::string> words);
 /// A program that runs beside this one, and what it writes to its stdout; words[0] as above.
 class ReadProgram {
  public:
-  /// With its stderr too, or that is ours. Throws std::invalid_argument `PROGRAM: cannot be called
-  /// (…)`.
-  explicit ReadProgram(std::vector<std::string> words, bool with_stderr = false);
+  /// With its stderr too, or that is ours; without variables of the environment that `leave_out`
+  /// picks by their names. Throws std::invalid_argument `PROGRAM: cannot be called (…)`.
+  explicit ReadProgram(std::vector<std::string> words, bool with_stderr = false,
+                       bool (*leave_out)(std::string_view name) = nullptr);
   /// Waits for it.
   ~ReadProgram();
   ReadProgram(const ReadProgram&) = delete;

@@ -6,10 +6,12 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cstdlib>
 #include <fstream>
 #include <map>
 #include <set>
 #include <stdexcept>
+#include <string_view>
 
 #include <breakwater/scenario/child_program.h>
 #include <breakwater/scenario/process.h>
@@ -21,6 +23,14 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kMostLogsShown = 5;
+
+// What a job is told about itself: sbatch, called in one, would hand it on to the new job's tasks,
+// such as SLURM_CPUS_PER_TASK where they are given no number of their own. Where the cluster is, is
+// no job's.
+bool is_of_a_job(std::string_view variable) {
+  return (variable.starts_with("SLURM_") || variable.starts_with("SLURMD_")) &&
+         variable != "SLURM_CONF" && variable != "SLURM_CLUSTERS";
+}
 
 std::vector<std::string> lines_of_file(const fs::path& file) {
   std::ifstream stream(file);
@@ -85,7 +95,8 @@ std::string last_words(const fs::path& log) {
 }  // namespace
 
 std::vector<std::string> ask_slurm(const std::vector<std::string>& words) {
-  ReadProgram program(words, true);
+  const bool is_in_a_job = std::getenv("SLURM_JOB_ID") != nullptr;
+  ReadProgram program(words, true, is_in_a_job ? is_of_a_job : nullptr);
   std::vector<std::string> lines;
   while (const auto line = program.next()) {
     if (!line->empty()) lines.push_back(*line);

@@ -82,6 +82,17 @@ class Tuning(Study):
                 for pattern in ("*.csv", "*.html", "front/*") for file in self.folder.glob(pattern)}
 
 
+def variables_of_a_task():
+    """Names in the environment of one that runs; none if none does."""
+    for process in slurm_cluster.tasks():
+        try:
+            told = pathlib.Path(f"/proc/{process}/environ").read_bytes()
+        except OSError:  # it has ended
+            continue
+        return [variable.partition(b"=")[0].decode() for variable in told.split(b"\0")]
+    return []
+
+
 def run(*words):
     return subprocess.run([str(word) for word in words], cwd=WORK, capture_output=True, text=True,
                           stdin=subprocess.DEVNULL)
@@ -301,9 +312,15 @@ class Slurm(OnSlurm):
         front.wait()
         run("scancel", study.job(study.submissions()) + "_1")
 
-        # The end is a job that submits jobs.
+        # The end is a job that submits jobs; what it was given is nothing for them.
         words = shlex.join(str(word) for word in study.words("--slurm", "--tasks", "4"))
-        self.ok(run("sbatch", "--wait", f"--output={WORK}/front.log", "--wrap", words))
+        front = subprocess.Popen(["sbatch", "--wait", "--cpus-per-task=1", "--mem-per-cpu=1",
+                                  f"--output={WORK}/front.log", "--wrap", words], cwd=WORK)
+        told = wait_for("a task of a job's job", variables_of_a_task, 120)
+        self.assertIn("SLURM_ARRAY_TASK_ID", told)
+        self.assertNotIn("SLURM_CPUS_PER_TASK", told)
+        self.assertNotIn("SLURM_MEM_PER_CPU", told)
+        self.assertEqual(front.wait(), 0)
         self.assertGreaterEqual(study.submissions(), 5)
         self.assertRegex(study.status(), r"128 of 128 runs of the search are done, \d+ of the val")
         self.same_bytes(study)
