@@ -32,4 +32,7 @@ std::vector<std::string> wrapped(const std::string& text, std::size_t width);
 /// "1 run", "2 runs".
 std::string number_of(std::size_t count, const std::string& what);
 
+/// "12.3 s", "20 min", "3.4 h", "2.0 days".
+std::string duration_text(double seconds);
+
 }  // namespace breakwater

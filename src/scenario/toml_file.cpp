@@ -114,8 +114,9 @@ toml::table parse_toml_file(const std::string& file, std::string* text_of_file) 
     if (text_of_file != nullptr) *text_of_file = std::move(text);
     return table;
   } catch (const toml::parse_error& e) {
-    throw std::invalid_argument(at_line(file, e.source()) +
-                                ": is not TOML: " + std::string(e.description()));
+    std::string reason(e.description());
+    if (reason.ends_with("expected '=', saw '['")) reason += " (a key with brackets needs quotes)";
+    throw std::invalid_argument(at_line(file, e.source()) + ": is not TOML: " + reason);
   }
 }
 

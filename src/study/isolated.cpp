@@ -14,8 +14,8 @@
 
 #include <breakwater/scenario/all_cores.h>
 #include <breakwater/scenario/child_program.h>
+#include <breakwater/study/announced.h>
 #include <breakwater/study/sweep.h>
-#include <breakwater/study/sweep_command.h>
 
 namespace breakwater {
 namespace {
@@ -36,7 +36,8 @@ bool is_crash(int signal) {
 }  // namespace
 
 std::size_t run_isolated(const std::vector<std::size_t>& points, const PointSource& source,
-                         const StudyFolder& folder, Shard& shard, const ExecutorOptions& options) {
+                         const IsolatedCommand& command, const StudyFolder& folder, Shard& shard,
+                         const ExecutorOptions& options) {
   const std::size_t jobs = options.threads > 0 ? options.threads : usable_cores();
   const std::size_t share = std::clamp<std::size_t>(points.size() / (8 * jobs), 1, kMostOfAChild);
   const std::size_t shares = (points.size() + share - 1) / share;
@@ -55,17 +56,19 @@ std::size_t run_isolated(const std::vector<std::size_t>& points, const PointSour
     while (next < end && !is_stopped) {
       const std::vector<std::size_t> rest(points.begin() + static_cast<std::ptrdiff_t>(next),
                                           points.begin() + static_cast<std::ptrdiff_t>(end));
-      // It says "begin N", "model HASH FILE" of each once, "key N KEY" and "end N STATUS", a line
-      // each.
-      std::vector<std::string> words = {
-          own_program(), kSweep, folder.path().string(), "--points", print_points(rest),
-          "--jobs",      "1",    "--announce",           "--quiet"};
+      std::vector<std::string> words = {own_program(), command.name,       folder.path().string(),
+                                        "--points",    print_points(rest), "--jobs",
+                                        "1",           "--quiet"};
+      std::vector<std::string> known;
       {
         const std::lock_guard lock(models_mutex);
-        for (const auto& [file, hash] : models) {
-          words.insert(words.end(), {"--known", hash + " " + file});
-        }
+        for (const auto& [file, hash] : models) known.push_back(hash + " " + file);
       }
+      const auto add = [&](const std::vector<std::string>& more) {
+        words.insert(words.end(), more.begin(), more.end());
+      };
+      add(announced_words(known));
+      if (command.more) add(command.more(rest));
       ReadProgram child(words);
       bool is_under_way = false;  // points[next]
       std::string key;            // of it, once it is known
@@ -117,8 +120,9 @@ std::size_t run_isolated(const std::vector<std::size_t>& points, const PointSour
       if (WIFSIGNALED(status) && !is_crash(WTERMSIG(status))) {
         // Nothing is known of the point that it was at: it is left undone.
         if (next == end) break;
-        fmt::print(stderr, "{}: point {} is left undone: its process was ended by {}\n", kSweep,
-                   is_under_way && !key.empty() ? key : std::to_string(points[next]), reason);
+        fmt::print(stderr, "{}: point {} is left undone: its process was ended by {}\n",
+                   command.name, is_under_way && !key.empty() ? key : std::to_string(points[next]),
+                   reason);
         ++next;
       } else if (WIFSIGNALED(status) && is_under_way) {
         PointResult crash;

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
+#include <string>
 #include <vector>
 
 #include <breakwater/study/executor.h>
@@ -9,11 +11,19 @@
 
 namespace breakwater {
 
-/// As run_points(), but in child processes, `sweep DIR --points …` of this program, each of which
-/// runs some points and keeps their results itself. One that crashes costs the point that it was
-/// at, which goes into `shard`; one that is killed from outside (where memory is short, say) leaves
-/// its point undone, and says so. Another child goes on behind it.
+/// The command of this program that runs points and is announced: `COMMAND DIR --points …`.
+struct IsolatedCommand {
+  std::string name;  ///< kSweep, kTune
+  /// Further words, for some points.
+  std::function<std::vector<std::string>(const std::vector<std::size_t>& points)> more = {};
+};
+
+/// As run_points(), but in child processes, each of which runs some of `points`, which ascend, and
+/// keeps their results itself. One that crashes costs the point that it was at, which goes into
+/// `shard`; one that is killed from outside (where memory is short, say) leaves its point undone,
+/// and says so. Another child goes on behind it.
 std::size_t run_isolated(const std::vector<std::size_t>& points, const PointSource& source,
-                         const StudyFolder& folder, Shard& shard, const ExecutorOptions& options);
+                         const IsolatedCommand& command, const StudyFolder& folder, Shard& shard,
+                         const ExecutorOptions& options);
 
 }  // namespace breakwater

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <csignal>
 #include <filesystem>
-#include <mutex>
 #include <numeric>
 #include <optional>
 #include <set>
@@ -22,6 +21,7 @@
 #include <breakwater/scenario/progress.h>
 #include <breakwater/scenario/table.h>
 #include <breakwater/scenario/toml_file.h>
+#include <breakwater/study/announced.h>
 #include <breakwater/study/comparison_table.h>
 #include <breakwater/study/isolated.h>
 #include <breakwater/study/slurm.h>
@@ -68,8 +68,7 @@ struct SweepArguments {
   bool print_tasks = false;
   SlurmRequest request;
   std::string points;
-  bool announce = false;
-  std::vector<std::string> known;
+  Announced announced;
 };
 
 void describe(CLI::App& app, SweepArguments& arguments) {
@@ -163,9 +162,7 @@ void describe(CLI::App& app, SweepArguments& arguments) {
                  "run these points alone (0-99,120, or @FILE:LINE), as a task of a scheduler does")
       ->type_name("LIST")
       ->group(with);
-  // For --isolate: "HASH FILE" of models that processes before have read.
-  app.add_flag("--announce", arguments.announce)->group("");
-  app.add_option("--known", arguments.known)->expected(1)->take_all()->group("");
+  add_announced_options(app, arguments.announced);
 
   for (const char* option : {"--replay", "--points", "--status", "--collect"}) {
     app.get_option("--rerun")->excludes(app.get_option(option));
@@ -304,8 +301,10 @@ Opened open_target(const Catalogue& catalogue, const SweepArguments& arguments) 
   if (fs::is_directory(target) && !catalogue.has<ScenarioKind>(arguments.target)) {
     const StudyFolder folder(fs::absolute(target).lexically_normal());
     if (!folder.is_there()) {
-      throw std::invalid_argument(arguments.target +
-                                  ": has no study.toml: it is no study's folder");
+      const bool is_tuning = fs::exists(folder.path() / "tune.toml");
+      throw std::invalid_argument(
+          arguments.target + ": has no study.toml: it is " +
+          (is_tuning ? own_program_name() + " tune's" : std::string("no study's folder")));
     }
     if (says_what(arguments)) {
       throw std::invalid_argument(arguments.target +
@@ -332,13 +331,6 @@ Opened open_target(const Catalogue& catalogue, const SweepArguments& arguments) 
   const fs::path out = arguments.out.empty() ? fs::path("studies") / name : fs::path(arguments.out);
   return {read_study(tables, file ? file->string() : arguments.target),
           StudyFolder(fs::absolute(out).lexically_normal()), false};
-}
-
-std::string duration_text(double seconds) {
-  if (seconds < 90.0) return fmt::format("{:.1f} s", seconds);
-  if (seconds < 5400.0) return fmt::format("{:.0f} min", seconds / 60.0);
-  if (seconds < 172800.0) return fmt::format("{:.1f} h", seconds / 3600.0);
-  return fmt::format("{:.1f} days", seconds / 86400.0);
 }
 
 std::string counted(const ShardIndex& index) {
@@ -525,54 +517,27 @@ bool has_to_stop(const Plan& plan, const ShardIndex& index) {
   return true;
 }
 
-// One of an MJCF file and all that it has read in.
-std::string hash_of(const std::string& file, KnownModels& models) {
-  return point_key("", models.of({file}));
-}
-
-// With --announce, `models` are those that are known.
 int run_here(const Sweep& sweep, const StudyFolder& folder, const std::vector<std::size_t>& points,
-             const SweepArguments& arguments, bool is_task, KnownModels* models = nullptr) {
+             const SweepArguments& arguments, bool is_task) {
   Shard shard(folder.shards());
   std::atomic<bool> stop = false;
-  std::mutex telling;
   ExecutorOptions options;
   options.threads = is_task && arguments.jobs == 0 ? task_threads() : arguments.jobs;
   options.finishes_runs = is_task;
   options.stop = &interrupted();
-  options.models = models;
   const bool stops = sweep.plan().study().on_failure == OnFailure::stop;
   options.on_result = [&](const PointResult& result) {
-    if (arguments.announce) {
-      fmt::print("end {} {}\n", result.number, name_of(result.status));
-      std::fflush(stdout);
-    }
     if (stops && result.status != PointStatus::complete) stop = true;
   };
-  if (arguments.announce && models != nullptr) {
-    options.on_begin = [](std::size_t point) {
-      fmt::print("begin {}\n", point);
-      std::fflush(stdout);
-    };
-    options.on_models =
-        [&, told = std::set<std::string>()](const std::vector<std::string>& files) mutable {
-          const std::lock_guard lock(telling);
-          for (const std::string& file : files) {
-            if (told.insert(file).second) fmt::print("model {} {}\n", hash_of(file, *models), file);
-          }
-          std::fflush(stdout);
-        };
-    options.on_key = [](std::size_t point, const std::string& key) {
-      fmt::print("key {} {}\n", point, key);
-      std::fflush(stdout);
-    };
-  }
+  KnownModels models;
+  if (arguments.announced.is_on) announce(arguments.announced, models, options);
   if (stops) options.is_over = [&] { return stop.load(); };
   Progress progress(kSweep, std::vector<double>(points.size(), 1.0),
-                    arguments.quiet || arguments.announce);
+                    arguments.quiet || arguments.announced.is_on);
   options.progress = [&](std::size_t i, double done) { progress.update(i, done); };
-  const std::size_t ran = arguments.isolate ? run_isolated(points, sweep, folder, shard, options)
-                                            : run_points(points, sweep, shard, options);
+  const std::size_t ran = arguments.isolate
+                              ? run_isolated(points, sweep, {kSweep}, folder, shard, options)
+                              : run_points(points, sweep, shard, options);
   shard.finish();
   // Fewer may have been run though nobody stopped it: with --isolate, a point whose process was
   // killed from outside is left undone.
@@ -721,15 +686,8 @@ int replay_point(const Sweep& sweep, const StudyFolder& folder, const ShardIndex
 int run_announced(Sweep& sweep, const StudyFolder& folder, const SweepArguments& arguments) {
   folder.check_made_by_this(sweep.file());
   sweep.keep_in(folder);
-  KnownModels models;
-  for (const std::string& known : arguments.known) {
-    const std::size_t space = known.find(' ');
-    const std::string file = known.substr(space + 1);
-    if (hash_of(file, models) == known.substr(0, space)) continue;
-    throw std::invalid_argument(file + ": was changed while it ran: start again");
-  }
   return run_here(sweep, folder, points_of_task(arguments.points, sweep.plan().size()), arguments,
-                  true, &models);
+                  true);
 }
 
 // The points of --points that are not done.
@@ -778,7 +736,7 @@ int sweep(const Catalogue& catalogue, const StudyExtras& extras, const SweepArgu
   }
   std::optional<ShardIndex> before;  // what was there
   if (is_there) {
-    if (arguments.announce) return run_announced(sweep, folder, arguments);
+    if (arguments.announced.is_on) return run_announced(sweep, folder, arguments);
     folder.check_is(plan.study());
     before.emplace(folder.shards(), plan.size());
     if (arguments.status) {

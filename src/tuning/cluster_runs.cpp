@@ -5,14 +5,15 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
-#include <set>
-#include <sstream>
+#include <optional>
 #include <utility>
 
 #include <breakwater/scenario/process.h>
 #include <breakwater/scenario/table.h>
 #include <breakwater/study/shards.h>
 #include <breakwater/study/slurm_queue.h>
+#include <breakwater/tuning/candidates.h>
+#include <breakwater/tuning/make_runs.h>
 #include <breakwater/tuning/tune_command.h>
 
 namespace breakwater {
@@ -22,40 +23,12 @@ namespace fs = std::filesystem;
 
 constexpr int kMostInVain = 3;  // jobs
 
-// A line for each candidate of the runs: the number of its case, its own, and its keys' values as
-// TOML, which has no bare tab or end of a line in them.
-std::string candidates_text(const TuningPlan& plan, const std::vector<std::size_t>& runs) {
-  std::set<std::pair<std::size_t, std::size_t>> candidates;
-  for (const std::size_t number : runs) {
-    const TuningRun run = plan.run(number);
-    candidates.emplace(run.tuned, run.evaluation);
-  }
-  std::string text;
-  for (const auto& [tuned, evaluation] : candidates) {
-    text += fmt::format("{}\t{}\t{}\n", tuned, evaluation,
-                        fmt::join(plan.values_of(tuned, evaluation), "\t"));
-  }
-  return text;
-}
-
-void read_candidates(TuningPlan& plan, const fs::path& file) {
+std::vector<std::string> lines_of(const fs::path& file) {
   std::ifstream stream(file);
   if (!stream) throw std::invalid_argument(file.string() + ": cannot be read");
-  for (std::string line; std::getline(stream, line);) {
-    std::istringstream parts(line);
-    std::size_t tuned = 0;
-    std::size_t evaluation = 0;
-    parts >> tuned >> evaluation;
-    parts.ignore();
-    std::vector<std::string> values;
-    for (std::string value; std::getline(parts, value, '\t');) values.push_back(value);
-    const Tuning& tuning = plan.tuning();
-    if (tuned >= tuning.cases.size() || evaluation >= tuning.budget ||
-        values.size() != tuning.cases[tuned].search.size()) {
-      throw std::invalid_argument(fmt::format("{}: has no candidate in: {}", file.string(), line));
-    }
-    plan.begin(tuned, evaluation, std::move(values));
-  }
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
 }
 
 // Of `runs`, those that no shard has.
@@ -64,10 +37,10 @@ std::vector<std::size_t> missing(const ShardIndex& index, std::vector<std::size_
   return runs;
 }
 
-// Processor time of runs of one case: as long as those that are there, else as the first of them,
-// which is run for it.
-double estimated_s(const TuningPlan& plan, const StudyFolder& folder, const ShardIndex& index,
-                   const std::vector<std::size_t>& runs) {
+// Processor time of a run of the case whose `runs` are wanted, as those that are there took it;
+// nothing if none is.
+std::optional<double> mean_s(const TuningPlan& plan, const ShardIndex& index,
+                             const std::vector<std::size_t>& runs) {
   const std::size_t tuned = plan.run(runs.front()).tuned;
   double cost_s = 0.0;
   std::size_t count = 0;
@@ -76,16 +49,19 @@ double estimated_s(const TuningPlan& plan, const StudyFolder& folder, const Shar
     cost_s += index.cost_s(number);
     ++count;
   }
-  if (count == 0) {
-    Shard shard(folder.shards());
-    ExecutorOptions options;
-    options.stop = &interrupted();
-    options.on_result = [&](const PointResult& result) { cost_s = result.cost_s; };
-    count = run_points({runs.front()}, plan, shard, options);
-    shard.finish();
-    if (count == 0) throw Interrupted();
-  }
-  return cost_s / static_cast<double>(count) * static_cast<double>(runs.size());
+  if (count == 0) return std::nullopt;
+  return cost_s / static_cast<double>(count);
+}
+
+void make_here(const TuningPlan& plan, const ClusterTuning& cluster, std::size_t run) {
+  Shard shard(cluster.folder.shards());
+  ExecutorOptions options;
+  options.threads = 1;
+  options.stop = &interrupted();
+  const std::size_t made = make_runs(plan, cluster.folder, {run}, cluster.isolate, shard, options);
+  shard.finish();
+  if (interrupted()) throw Interrupted();
+  if (made == 0) fail_for_undone(cluster.folder, 1);
 }
 
 // "ours, evaluations 17 to 32: 64 runs"
@@ -110,41 +86,62 @@ void run_on_slurm(const TuningPlan& plan, const ClusterTuning& cluster,
     wait_for_queue(folder, plan.size());
     if (interrupted()) throw Interrupted();
     const ShardIndex index(folder.shards(), plan.size());
+    const std::optional<double> each_s = mean_s(plan, index, runs);
     const std::size_t before = left.size();
     left = missing(index, runs);
     if (left.empty()) return;
+    if (cluster.request.tasks == 0 && !each_s) {
+      make_here(plan, cluster, left.front());  // which tells how long the others take
+      continue;
+    }
     if (left.size() < before) in_vain = 0;
     if (in_vain++ == kMostInVain) {
       throw RunsMissing(fmt::format("{} jobs in a row have brought nothing of {}", kMostInVain,
                                     text_of(plan, left)));
     }
-    const SlurmStudy study = {kTune, folder, plan.tuning().slurm, candidates_text(plan, left)};
-    const SubmittedJob job = submit(study, left, cluster.request,
-                                    [&] { return estimated_s(plan, folder, index, left); });
+    const SlurmStudy study = {kTune, folder, plan.tuning().slurm,
+                              fmt::format("{}\n", fmt::join(candidate_lines(plan, left), "\n"))};
+    const SubmittedJob job = submit(study, left, cluster.request, [&] {
+      return each_s.value_or(0.0) * static_cast<double>(left.size());
+    });
     if (cluster.quiet) continue;
     fmt::print("{} in {}: job {}\n", text_of(plan, left), number_of(job.tasks, "task"), job.number);
     std::fflush(stdout);  // it may be a file that somebody watches
   }
 }
 
-bool run_task(TuningPlan& plan, const StudyFolder& folder, const std::string& points,
-              std::size_t jobs) {
-  read_candidates(plan, submission_of_task(points) / "candidates");
-  const ShardIndex index(folder.shards(), plan.size());
-  const std::vector<std::size_t> runs = missing(index, points_of_task(points, plan.size()));
+void fail_for_undone(const StudyFolder& folder, std::size_t runs) {
+  throw OutputError(fmt::format("{}: {} left undone: the same command goes on",
+                                folder.path().string(),
+                                runs == 1 ? "one run was" : fmt::format("{} runs were", runs)));
+}
+
+bool run_task(TuningPlan& plan, const StudyFolder& folder, const TuningTask& task) {
+  if (task.candidates.empty()) {
+    const fs::path file = submission_of_task(task.points) / "candidates";
+    begin_candidates(plan, lines_of(file), file.string());
+  } else {
+    begin_candidates(plan, task.candidates, "--candidate");
+  }
+  std::vector<std::size_t> runs = points_of_task(task.points, plan.size());
+  // One of --isolate is told what is missing by a process that has looked.
+  if (!task.announced.is_on) runs = missing(ShardIndex(folder.shards(), plan.size()), runs);
   for (const std::size_t number : runs) {
     const TuningRun run = plan.run(number);
     if (plan.has(run.tuned, run.evaluation)) continue;
     throw std::invalid_argument(
-        fmt::format("--points: {}: the candidate of run {} is not beside it", points, number));
+        fmt::format("--points: {}: the candidate of run {} is not beside it", task.points, number));
   }
   Shard shard(folder.shards());
+  KnownModels models;
   ExecutorOptions options;
-  options.threads = jobs > 0 ? jobs : task_threads();
+  options.threads = task.jobs > 0 ? task.jobs : task_threads();
   options.finishes_runs = true;
   options.stop = &interrupted();
-  const std::size_t ran = run_points(runs, plan, shard, options);
+  if (task.announced.is_on) announce(task.announced, models, options);
+  const std::size_t ran = make_runs(plan, folder, runs, task.isolate, shard, options);
   shard.finish();
+  if (ran < runs.size() && !interrupted()) fail_for_undone(folder, runs.size() - ran);
   return ran == runs.size();
 }
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include <breakwater/study/announced.h>
 #include <breakwater/study/slurm.h>
 #include <breakwater/study/study_folder.h>
 #include <breakwater/tuning/tuning_plan.h>
@@ -23,7 +24,18 @@ class RunsMissing : public std::runtime_error {
 struct ClusterTuning {
   StudyFolder folder;
   SlurmRequest request;
+  bool isolate = false;
   bool quiet = false;
+};
+
+/// Runs that a scheduler or another process hands out.
+struct TuningTask {
+  std::string points;  ///< "0-99,120", or "@DIR/slurm/N/tasks:LINE"
+  std::vector<std::string>
+      candidates;        ///< candidate_lines(); empty: those of DIR/slurm/N/candidates
+  std::size_t jobs = 0;  ///< 0: as many as the task was given
+  bool isolate = false;
+  Announced announced;
 };
 
 /// Submits runs as one array job and waits until all of them are in the folder's shards; what is
@@ -33,10 +45,11 @@ struct ClusterTuning {
 void run_on_slurm(const TuningPlan& plan, const ClusterTuning& cluster,
                   const std::vector<std::size_t>& runs);
 
-/// Makes those runs of "@DIR/slurm/N/tasks:LINE" that are not there yet, `jobs` at a time (0: as
-/// many as the task was given). Returns whether it got to the end, or was stopped after the runs
-/// under way. Throws std::invalid_argument, OutputError.
-bool run_task(TuningPlan& plan, const StudyFolder& folder, const std::string& points,
-              std::size_t jobs);
+/// Makes those runs of a task that are not there yet. Returns whether it got to the end, or was
+/// stopped after the runs under way. Throws std::invalid_argument, OutputError.
+bool run_task(TuningPlan& plan, const StudyFolder& folder, const TuningTask& task);
+
+/// Throws OutputError: so many runs, whose processes were killed from outside, are not there.
+[[noreturn]] void fail_for_undone(const StudyFolder& folder, std::size_t runs);
 
 }  // namespace breakwater

@@ -147,6 +147,11 @@ std::size_t usual_population(SearchAlgorithm algorithm) {
   return algorithm == SearchAlgorithm::cmaes ? 16 : 40;
 }
 
+std::size_t used_budget(const SearchSettings& settings) {
+  if (settings.algorithm == SearchAlgorithm::bobyqa) return settings.budget;
+  return settings.budget / settings.population * settings.population;
+}
+
 std::string objection(const SearchSettings& settings) {
   constexpr std::size_t kFewestOfNsga2 = 8, kFewest = 5, kMost = 10000;
   const auto& names = search_algorithms();

@@ -38,6 +38,9 @@ using Vectors = std::vector<std::vector<double>>;
 /// The objectives of some points u of the open unit cube.
 using EvaluateAll = std::function<Vectors(const Vectors& u)>;
 
+/// How much of the budget a search uses: whole generations; of bobyqa it may be less.
+std::size_t used_budget(const SearchSettings& settings);
+
 /// What does not fit together, in words; empty if all does: nsga2 wants a population that is a
 /// multiple of 4, a generation needs twice the population (the first one is drawn), and so on.
 std::string objection(const SearchSettings& settings);

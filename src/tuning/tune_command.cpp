@@ -2,12 +2,20 @@
 
 #include <fmt/format.h>
 
+#include <sys/wait.h>
+
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <csignal>
+#include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
+#include <vector>
 
+#include <breakwater/scenario/all_cores.h>
 #include <breakwater/scenario/child_program.h>
+#include <breakwater/scenario/paths.h>
 #include <breakwater/scenario/process.h>
 #include <breakwater/scenario/progress.h>
 #include <breakwater/scenario/table.h>
@@ -15,7 +23,9 @@
 #include <breakwater/study/slurm_options.h>
 #include <breakwater/study/slurm_queue.h>
 #include <breakwater/study/study_reader.h>
+#include <breakwater/study/sweep_command.h>
 #include <breakwater/tuning/cluster_runs.h>
+#include <breakwater/tuning/make_runs.h>
 #include <breakwater/tuning/tuning_outputs.h>
 
 namespace breakwater {
@@ -29,6 +39,7 @@ struct TuneArguments {
   std::string target;
   std::string out;
   std::size_t jobs = 0;
+  bool isolate = false;
   bool rerun = false;
   bool dry_run = false;
   bool quiet = false;
@@ -36,6 +47,8 @@ struct TuneArguments {
   bool slurm = false;
   SlurmRequest request;
   std::string points;
+  std::vector<std::string> candidates;
+  Announced announced;
 };
 
 constexpr double kMinutesOfTask = 5.0;  // few: a generation waits for its last task
@@ -49,10 +62,14 @@ void describe_tune(CLI::App& app, TuneArguments& arguments) {
   app.add_option("--jobs", arguments.jobs, "how many runs at a time (default: all cores)")
       ->type_name("N")
       ->check(CLI::Range(1, 4096));
-  app.add_flag("--dry-run", arguments.dry_run, "check the file, count the runs, and exit");
+  app.add_flag("--isolate", arguments.isolate,
+               "in processes of their own: a run that crashes is one failed run");
+  app.add_flag("--dry-run", arguments.dry_run,
+               "check the file, count the runs, say how long they will take, from one of each\n"
+               "case, and exit");
   app.add_flag("--rerun", arguments.rerun, "remove what is there and begin anew");
   app.add_flag("--status", arguments.status, "say what is done, and exit")->excludes("--rerun");
-  app.add_flag("--quiet", arguments.quiet, "print errors only");
+  app.add_flag("--quiet", arguments.quiet, "print errors and warnings only");
   app.add_flag("--slurm", arguments.slurm,
                "run each generation as an array job, and wait here for it")
       ->group(kOnCluster)
@@ -61,12 +78,15 @@ void describe_tune(CLI::App& app, TuneArguments& arguments) {
   for (const char* option : {"--tasks", "--minutes", "--parallel", "--sbatch"}) {
     app.get_option(option)->needs("--slurm");
   }
-  // A task of a cluster: "@DIR/slurm/N/tasks:LINE".
+  // A task of a cluster: "@DIR/slurm/N/tasks:LINE"; a process of --isolate: "0-9", and candidates.
   app.add_option("--points", arguments.points)->group("")->excludes("--slurm", "--rerun");
+  app.add_option("--candidate", arguments.candidates)->expected(1)->take_all()->group("");
+  add_announced_options(app, arguments.announced);
   app.footer(
       "It leaves results.csv (one row a run), front.csv, front/N.toml (for --config),\n"
       "hypervolume.csv and report.html in the tuning's folder. The same command goes on where it\n"
-      "was, whatever ended it. docs/tuning.md has the file.\n"
+      "was, whatever ended it. docs/tuning.md has the file; one that is there to be tried is\n"
+      "studies/impact.toml.\n"
       "Exit status: 0 done, 1 a defect, 2 usage or input, 3 no candidate met the constraints,\n"
       "130 interrupted.");
 }
@@ -74,41 +94,74 @@ void describe_tune(CLI::App& app, TuneArguments& arguments) {
 struct OpenedTuning {
   Tuning tuning;
   StudyFolder folder;
+  std::string target;  // wherever the working folder is
 };
 
-OpenedTuning open_tuning(const TuneArguments& arguments) {
+OpenedTuning open_tuning(const Catalogue& catalogue, const TuneArguments& arguments) {
   const fs::path target = arguments.target;
   if (fs::is_directory(target)) {
     const StudyFolder folder(fs::absolute(target).lexically_normal(), kTuningFile);
     if (!folder.is_there()) {
-      throw std::invalid_argument(arguments.target +
-                                  ": has no tune.toml: it is no tuning's folder");
+      throw std::invalid_argument(arguments.target + ": has no tune.toml: it is " +
+                                  (StudyFolder(target).is_there()
+                                       ? fmt::format("a study's: {} {}", own_program_name(), kSweep)
+                                       : "no tuning's folder"));
     }
     if (!arguments.out.empty()) {
       throw std::invalid_argument(arguments.target + ": is a tuning's folder: leave --out out");
     }
     fs::current_path(folder.working_folder());
     const std::string file = folder.study_file().string();
-    return {read_tuning(parse_toml_file(file), file), folder};
+    return {read_tuning(parse_toml_file(file), file), folder, folder.path().string()};
   }
-  if (!fs::is_regular_file(target)) {
-    throw std::invalid_argument(arguments.target + ": there is no such file or folder");
+  // Those that Breakwater brings with it are found from everywhere.
+  const std::optional<fs::path> file =
+      fs::is_regular_file(target) ? target : look_for(arguments.target);
+  if (!file || !fs::is_regular_file(*file)) {
+    throw std::invalid_argument(arguments.target +
+                                (catalogue.has<ScenarioKind>(arguments.target)
+                                     ? ": is a scenario: a tuning is a file that names it"
+                                     : ": there is no such file or folder"));
   }
   const fs::path out =
       arguments.out.empty() ? fs::path("studies") / target.stem() : fs::path(arguments.out);
-  return {read_tuning(study_tables(arguments.target), arguments.target),
-          StudyFolder(fs::absolute(out).lexically_normal(), kTuningFile)};
+  return {read_tuning(study_tables(file->string()), file->string()),
+          StudyFolder(fs::absolute(out).lexically_normal(), kTuningFile), file->string()};
+}
+
+// Runs of all searches.
+std::size_t searches(const TuningPlan& plan) {
+  const Tuning& tuning = plan.tuning();
+  return plan.evaluations() * tuning.cases.size() * tuning.worlds.size();
 }
 
 void print_count(const TuningPlan& plan) {
   const Tuning& tuning = plan.tuning();
-  fmt::print("{} runs: {}, {} evaluations of each, {} and seeds together\n", plan.searches(),
-             number_of(tuning.cases.size(), "case"), tuning.budget,
-             number_of(tuning.worlds.size(), "world"));
+  fmt::print("{} runs: {}, {} evaluations of each, {} and seeds together{}\n", searches(plan),
+             number_of(tuning.cases.size(), "case"), plan.evaluations(),
+             number_of(tuning.worlds.size(), "world"),
+             plan.evaluations() == tuning.budget
+                 ? ""
+                 : fmt::format(" ({} of the budget are left: they make no generation)",
+                               tuning.budget - plan.evaluations()));
   if (!tuning.validation) return;
   fmt::print("at most {} more to validate: {} of each front in {}\n",
              tuning.cases.size() * tuning.validated_points * tuning.validation->size(),
              tuning.validated_points, tuning.validation->size());
+}
+
+void print_dry_run(const TuningPlan& plan, const TuneArguments& arguments) {
+  warn(kTune, plan.check());
+  if (!arguments.quiet) print_count(plan);
+  std::fflush(stdout);
+  const Trial trial = plan.try_each_case(interrupted());
+  warn(kTune, trial.warnings);
+  if (arguments.quiet) return;
+  const double seconds = trial.search_s + trial.validation_s;
+  const std::size_t jobs = arguments.jobs > 0 ? arguments.jobs : usable_cores();
+  fmt::print("about {} on {} ({} of processor time)\n",
+             duration_text(seconds / static_cast<double>(jobs)), number_of(jobs, "core"),
+             duration_text(seconds));
 }
 
 void print_status(const TuningPlan& plan, const StudyFolder& folder) {
@@ -118,7 +171,7 @@ void print_status(const TuningPlan& plan, const StudyFolder& folder) {
     validated += index.has(number);
   }
   fmt::print("{}: {} of {} of the search are done{}\n", folder.path().string(),
-             index.done() - validated, number_of(plan.searches(), "run"),
+             index.done() - validated, number_of(searches(plan), "run"),
              validated > 0 ? fmt::format(", {} of the validation", validated) : "");
   print_slurm_status(folder, index);
 }
@@ -131,16 +184,45 @@ void warn_of_single_candidates(const Tuning& tuning) {
                            number_of(tuning.worlds.size(), "run"))});
 }
 
+// What is wrong with a tuning that its runs tell. One may end the process: with --isolate another
+// one makes them.
+void check_apart(const std::string& target) {
+  ReadProgram child({own_program(), kTune, target, "--dry-run", "--quiet"}, true);
+  std::vector<std::string> said;
+  while (const auto line = child.next()) {
+    if (interrupted()) child.interrupt();
+    if (!line->empty()) said.push_back(*line);
+  }
+  const int status = child.wait();
+  if (interrupted()) throw Interrupted();
+  std::string error;
+  if (WIFEXITED(status) && WEXITSTATUS(status) == kUsage && !said.empty()) {
+    error = said.back();
+    said.pop_back();
+  }
+  for (const std::string& line : said) fmt::print(stderr, "{}\n", line);
+  if (!error.empty()) throw std::invalid_argument(error);
+}
+
 // Makes the folder, or sees that what is in it is of this tuning.
-void make_ready(const TuningPlan& plan, const StudyFolder& folder, bool rerun) {
+void make_ready(const TuningPlan& plan, const StudyFolder& folder, const std::string& target,
+                const TuneArguments& arguments) {
   const bool is_there = folder.is_there();
-  if (is_there && !rerun) {
+  if (arguments.announced.is_on) {
+    folder.check_made_by_this(plan.file());
+    return;
+  }
+  if (is_there && !arguments.rerun) {
     folder.check_made_by_this(plan.file(), ShardIndex(folder.shards(), plan.size()));
     return;
   }
   if (is_there) check_not_queued(queued(folder, plan.size()), folder, "--rerun");
-  warn(kTune, plan.check());  // while what is there is still there
-  plan.check_metrics(interrupted());
+  if (arguments.isolate) {  // while what is there is still there
+    check_apart(target);
+  } else {
+    warn(kTune, plan.check());
+    warn(kTune, plan.try_each_case(interrupted()).warnings);
+  }
   if (is_there) {
     folder.make_anew(plan.tuning().print(), plan.file());
   } else {
@@ -148,21 +230,67 @@ void make_ready(const TuningPlan& plan, const StudyFolder& folder, bool rerun) {
   }
 }
 
+// One line while the searches are made, another one for the validations, which are not known
+// before.
+class TuningProgress {
+ public:
+  TuningProgress(const TuningPlan& plan, bool quiet) : plan_(plan), quiet_(quiet) {
+    begin(kTune, searches(plan));
+  }
+
+  void begin_validation(std::vector<std::size_t> runs) {
+    validations_ = std::move(runs);
+    std::sort(validations_.begin(), validations_.end());
+    begin(fmt::format("{}: validation", kTune), validations_.size());
+  }
+  void finish(std::size_t number) {
+    const TuningRun run = plan_.run(number);
+    if (run.is_validation) {
+      const auto found = std::lower_bound(validations_.begin(), validations_.end(), number);
+      return line_->finish(static_cast<std::size_t>(found - validations_.begin()));
+    }
+    const std::size_t evaluation = run.tuned * plan_.evaluations() + run.evaluation;
+    line_->finish(evaluation * plan_.worlds(false).size() + run.world);
+  }
+
+ private:
+  void begin(const std::string& what, std::size_t runs) {
+    line_.emplace(what, std::vector<double>(runs, 1.0), quiet_);
+  }
+
+  const TuningPlan& plan_;
+  bool quiet_;
+  std::vector<std::size_t> validations_;
+  std::optional<Progress> line_;
+};
+
 TuningResult tune_or_go_on(TuningPlan& plan, const StudyFolder& folder,
                            const TuneArguments& arguments) {
   // On a cluster the lines of its jobs are the progress.
-  Progress progress(kTune, std::vector<double>(plan.searches(), 1.0),
-                    arguments.quiet || arguments.slurm);
+  TuningProgress progress(plan, arguments.quiet || arguments.slurm);
   TunerOptions options;
   options.jobs = arguments.jobs;
   options.stop = &interrupted();
-  options.on_run = [&](std::size_t run) {
-    if (run < plan.searches()) progress.finish(run);
+  options.on_run = [&](std::size_t run) { progress.finish(run); };
+  options.on_validation = [&](const std::vector<std::size_t>& runs) {
+    progress.begin_validation(runs);
   };
-  const ClusterTuning cluster{folder, arguments.request, arguments.quiet};
+  const ClusterTuning cluster{folder, arguments.request, arguments.isolate, arguments.quiet};
   if (arguments.slurm) {
     options.elsewhere = [&](const std::vector<std::size_t>& runs) {
       run_on_slurm(plan, cluster, runs);
+    };
+  } else if (arguments.isolate) {
+    options.elsewhere = [&](const std::vector<std::size_t>& runs) {
+      Shard shard(folder.shards());
+      ExecutorOptions executor;
+      executor.threads = arguments.jobs;
+      executor.stop = &interrupted();
+      executor.on_result = [&](const PointResult& result) { progress.finish(result.number); };
+      const std::size_t made = make_runs(plan, folder, runs, true, shard, executor);
+      shard.finish();
+      if (interrupted()) throw Interrupted();
+      if (made < runs.size()) fail_for_undone(folder, runs.size() - made);
     };
   }
   return tune(plan, folder, options);
@@ -193,12 +321,11 @@ int run_tune(const Catalogue& catalogue, const TuningExtras& extras,
   } else {
     stop_on_signals();
   }
-  OpenedTuning opened = open_tuning(arguments);
+  OpenedTuning opened = open_tuning(catalogue, arguments);
   const StudyFolder& folder = opened.folder;
   TuningPlan plan(catalogue, std::move(opened.tuning));
   if (arguments.dry_run) {
-    warn(kTune, plan.check());
-    print_count(plan);
+    print_dry_run(plan, arguments);
     return kSuccess;
   }
   if (folder.is_there()) {
@@ -213,9 +340,12 @@ int run_tune(const Catalogue& catalogue, const TuningExtras& extras,
     return kSuccess;
   }
   if (arguments.slurm) most_tasks();  // that there is no cluster is said before all else
-  make_ready(plan, folder, arguments.rerun);
+  make_ready(plan, folder, opened.target, arguments);
   if (is_task) {
-    if (run_task(plan, folder, arguments.points, arguments.jobs)) return kSuccess;
+    const TuningTask task = {arguments.points, arguments.candidates, arguments.jobs,
+                             arguments.isolate, arguments.announced};
+    if (run_task(plan, folder, task)) return kSuccess;
+    if (arguments.announced.is_on) return kInterrupted;
     fmt::print(stderr, "{}: interrupted before all runs of this task were made\n", kTune);
     return kInterrupted;
   }
@@ -253,6 +383,7 @@ int tune_main(const Catalogue& catalogue, const TuningExtras& extras, int argc,
     arguments.request.minutes = kMinutesOfTask;
     describe_tune(app, arguments);
     if (const auto status = parse(app, argc, argv)) return *status;
+    if (arguments.isolate) arguments.request.of_task = {"--isolate"};
     return run_tune(catalogue, extras, arguments);
   });
 }

@@ -102,7 +102,8 @@ class Runs {
     } catch (const std::invalid_argument&) {
       key = plan_.unprepared_key(result.number);
     }
-    if (key == result.key) return;
+    // What crashed while it was prepared had no key yet.
+    if (key == result.key || plan_.unprepared_key(result.number) == result.key) return;
     throw std::invalid_argument(
         fmt::format("{}: run {} is of another candidate than the search asks for (another libpagmo "
                     "or libnlopt?): begin anew with --rerun",
@@ -237,13 +238,39 @@ void measure_hypervolume(const Tuning& tuning, const std::vector<double>& refere
   }
 }
 
-void validate(const TuningPlan& plan, Runs& runs, std::size_t tuned, TunedFront& front) {
+// Points of a front that are validated, and their evaluations.
+struct Validated {
+  std::vector<std::size_t> points;
   std::vector<std::size_t> evaluations;
-  const std::vector<std::size_t> chosen =
-      evenly_spaced(front.points.size(), plan.tuning().validated_points);
-  for (const std::size_t i : chosen) evaluations.push_back(front.points[i].evaluation);
-  const std::vector<Evaluation> fresh = evaluate_all(plan, runs, tuned, evaluations, true);
-  for (std::size_t i = 0; i < chosen.size(); ++i) front.points[chosen[i]].fresh = fresh[i];
+};
+
+Validated to_validate(const TuningPlan& plan, const TunedFront& front) {
+  Validated chosen;
+  chosen.points = evenly_spaced(front.points.size(), plan.tuning().validated_points);
+  for (const std::size_t i : chosen.points) {
+    chosen.evaluations.push_back(front.points[i].evaluation);
+  }
+  return chosen;
+}
+
+void validate_all(const TuningPlan& plan, Runs& runs, const TunerOptions& options,
+                  std::vector<TunedFront>& fronts) {
+  std::vector<Validated> chosen;
+  std::vector<std::size_t> numbers;
+  for (std::size_t c = 0; c < fronts.size(); ++c) {
+    chosen.push_back(to_validate(plan, fronts[c]));
+    for (const std::size_t evaluation : chosen[c].evaluations) {
+      const auto more = numbers_of(plan, c, evaluation, true);
+      numbers.insert(numbers.end(), more.begin(), more.end());
+    }
+  }
+  if (options.on_validation) options.on_validation(numbers);
+  for (std::size_t c = 0; c < fronts.size(); ++c) {
+    const auto fresh = evaluate_all(plan, runs, c, chosen[c].evaluations, true);
+    for (std::size_t i = 0; i < fresh.size(); ++i) {
+      fronts[c].points[chosen[c].points[i]].fresh = fresh[i];
+    }
+  }
 }
 
 }  // namespace
@@ -262,8 +289,8 @@ TuningResult tune(TuningPlan& plan, const StudyFolder& folder, const TunerOption
   result.reference = reference_of(tuning, result.fronts);
   for (std::size_t c = 0; c < tuning.cases.size(); ++c) {
     measure_hypervolume(tuning, result.reference, result.fronts[c]);
-    if (tuning.validation) validate(plan, runs, c, result.fronts[c]);
   }
+  if (tuning.validation) validate_all(plan, runs, options, result.fronts);
   runs.finish();
   result.runs = runs.all();
   return result;

@@ -40,6 +40,8 @@ struct TunerOptions {
   std::size_t jobs = 0;  ///< 0: as many as there are cores
   const std::atomic<bool>* stop = nullptr;
   std::function<void(std::size_t run)> on_run = {};  ///< a run is done, now or earlier; thread-safe
+  /// The validations begin: these runs, in no order, once the fronts are known.
+  std::function<void(const std::vector<std::size_t>& runs)> on_validation = {};
   /// Makes runs elsewhere: they are in the folder's shards when it returns. Empty: they are made
   /// here. What it throws ends the tuning.
   std::function<void(const std::vector<std::size_t>& runs)> elsewhere = {};

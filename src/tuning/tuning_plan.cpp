@@ -8,6 +8,7 @@
 
 #include <breakwater/record/file_hash.h>
 #include <breakwater/scenario/toml_text.h>
+#include <breakwater/signals/thread_time.h>
 #include <breakwater/study/sweep.h>
 
 namespace breakwater {
@@ -94,7 +95,11 @@ std::vector<std::string> TuningPlan::check() const {
   return warnings;
 }
 
-void TuningPlan::check_metrics(const std::atomic<bool>& stop) const {
+Trial TuningPlan::try_each_case(const std::atomic<bool>& stop) const {
+  Trial trial;
+  const auto runs = static_cast<double>(evaluations() * tuning_.worlds.size());
+  const std::size_t fresh =
+      tuning_.validation ? tuning_.validated_points * tuning_.validation->size() : 0;
   for (std::size_t c = 0; c < tuning_.cases.size(); ++c) {
     const TunedCase& tuned = tuning_.cases[c];
     std::vector<std::string> sets =
@@ -103,10 +108,19 @@ void TuningPlan::check_metrics(const std::atomic<bool>& stop) const {
     RunControl control;
     control.stop = &stop;
     control.logs = false;
+    const double begin_s = thread_time_s();
     const Recording recording =
         prepare_point(catalogue_, tuning_.scenario, *file_, tuned.name, sets)
             .scenario->run(control);
-    if (recording.failure) continue;
+    const double cost_s = thread_time_s() - begin_s;
+    trial.search_s += runs * cost_s;
+    trial.validation_s += static_cast<double>(fresh) * cost_s;
+    if (recording.failure) {
+      trial.warnings.push_back(fmt::format("{}: the candidate in the middle fails: at {:.6g} s: {}",
+                                           tuned.name, recording.failure->time_s,
+                                           recording.failure->reason));
+      continue;
+    }
     std::vector<std::string> names;
     for (const Metric& metric : recording.metrics) names.push_back(metric.name);
     const auto check = [&](const std::string& place, const std::string& metric) {
@@ -117,6 +131,7 @@ void TuningPlan::check_metrics(const std::atomic<bool>& stop) const {
     for (const Objective& one : tuning_.objectives) check(one.place, one.metric);
     for (const Constraint& one : tuning_.constraints) check(one.place, one.metric);
   }
+  return trial;
 }
 
 std::size_t TuningPlan::size() const {
@@ -127,6 +142,10 @@ std::size_t TuningPlan::size() const {
 
 std::size_t TuningPlan::searches() const {
   return tuning_.cases.size() * tuning_.budget * tuning_.worlds.size();
+}
+
+std::size_t TuningPlan::evaluations() const {
+  return used_budget(tuning_.settings(tuning_.cases.front()));
 }
 
 std::size_t TuningPlan::number(const TuningRun& run) const {

@@ -23,6 +23,13 @@ struct TuningRun {
   std::size_t world = 0;
 };
 
+/// What one run of each case tells.
+struct Trial {
+  double search_s = 0.0;              ///< processor time of all searches, as far as these runs tell
+  double validation_s = 0.0;          ///< of the validations, at most
+  std::vector<std::string> warnings;  ///< of runs that failed
+};
+
 /// Numbers of all runs that a tuning may make: first the searches', case after case, evaluation
 /// after evaluation, world after world; then the validations'. What an evaluation's keys are is
 /// only known once the search asks for it.
@@ -41,11 +48,13 @@ class TuningPlan : public PointSource {
   std::vector<std::string> check() const;
   /// Runs each case in the middle of its ranges, in the first world. Throws std::invalid_argument
   /// if one ends and lacks a metric that an objective or a constraint names.
-  void check_metrics(const std::atomic<bool>& stop) const;
+  Trial try_each_case(const std::atomic<bool>& stop) const;
 
   std::size_t size() const;
-  /// How many of them are of the searches.
+  /// How many of them are of the searches, were their budgets used to the end.
   std::size_t searches() const;
+  /// Evaluations that each search makes, at most.
+  std::size_t evaluations() const;
   std::size_t number(const TuningRun& run) const;
   TuningRun run(std::size_t number) const;
   const Worlds& worlds(bool is_validation) const {

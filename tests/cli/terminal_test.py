@@ -39,6 +39,26 @@ class Progress(Folder):
         for line in lines:
             self.assertLess(len(line), 40, line)
 
+    def test_of_a_tuning_goes_on_while_it_validates(self):
+        (self.folder / "t.toml").write_text(
+            'scenario = "motor_estimation"\nbudget = 16\npopulation = 8\n'
+            '[set]\n"run.duration_s" = 1.0\n"metrics.from_s" = 0.5\n"metrics.to_s" = 1.0\n'
+            '[search]\n"controller.kp" = { uniform = [5, 10] }\n"controller.kd" = { uniform = [1, 5] }\n'
+            '[objective]\npeak_position_rad = { goal = "min" }\nrms_torque_Nm = { goal = "min" }\n'
+            '[validate]\nseeds = { first = 101, count = 100 }\npoints = 4\n')
+        seen = self.on_terminal("breakwater", "tune", "t.toml", "--out", "s")
+        rows = (self.folder / "s/results.csv").read_text().splitlines()
+        validated = sum(",validate," in row for row in rows)
+        self.assertGreaterEqual(validated, 100)
+        lines = [line for line in re.split(r"\r\033\[K", seen.split("front")[0]) if "%" in line]
+        search = [line for line in lines if line.startswith("tune: ") and "of 16 runs" in line]
+        validation = [line for line in lines if line.startswith("tune: validation: ")]
+        self.assertEqual(lines, search + validation)
+        done = [int(re.match(rf"tune: validation: \d+ %, (\d+) of {validated} runs", line)[1])
+                for line in validation]
+        self.assertTrue(done)
+        self.assertEqual(done, sorted(done))
+
     def test_quiet_shows_none(self):
         self.assertEqual(self.on_terminal(*WALL, "--quiet", "--out", "seen"), "")
 

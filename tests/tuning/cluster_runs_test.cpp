@@ -14,6 +14,7 @@ using testing::ProgramResult;
 // Runs each task before it says which job it is; the task that FAILS names it does not run.
 constexpr const char* kSbatch = R"bash(#!/bin/bash
 echo "$@" >> asked
+env | grep ^SLURM >> told
 for script; do :; done
 last=$(sed -n 's/^#SBATCH --array="1-\([0-9]*\).*/\1/p' "$script")
 for task in $(seq "$last"); do
@@ -147,6 +148,47 @@ TEST_F(ClusterRuns, TakeTheMinutesThatTheyAreGiven) {
   ASSERT_EQ(result.status, 0) << result.err;
   EXPECT_NE(result.out.find("8 runs in 2 tasks"), std::string::npos) << result.out;
   EXPECT_EQ(lines_of_shards("there"), results("there").size() - 1);
+}
+
+TEST_F(ClusterRuns, OfOneRunThatToldHowLongTheyTakeAreNotSubmitted) {
+  write("t.toml",
+        "scenario = \"ishigami\"\nalgorithm = \"bobyqa\"\nbudget = 5\n"
+        "[search]\n\"x.first\" = { uniform = [-3, 3] }\n\"x.second\" = { uniform = [0, 1] }\n"
+        "[objective]\ny_1 = { goal = \"min\" }\n");
+  const ProgramResult result = on_slurm("s");
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_EQ(jobs("s"), 4U);  // of 5 evaluations the first is made here
+  EXPECT_EQ(result.out.find("plain, evaluation 2: 1 run in 1 task: job 7\n"), 0U) << result.out;
+  EXPECT_EQ(lines_of_shards("s"), 5U);
+}
+
+// The command may be a job itself: what it is told of that is nothing for its tasks.
+TEST_F(ClusterRuns, AreNotToldOfTheJobThatSubmitsThem) {
+  write("t.toml", kSmall);
+  setenv("SLURM_JOB_ID", "3", 1);
+  setenv("SLURM_CPUS_PER_TASK", "64", 1);
+  setenv("SLURM_MEM_PER_CPU", "100", 1);
+  setenv("SLURM_CONF", "/etc/slurm.conf", 1);
+  const ProgramResult result = on_slurm("s", {"--quiet", "--tasks", "1"});
+  for (const char* name :
+       {"SLURM_JOB_ID", "SLURM_CPUS_PER_TASK", "SLURM_MEM_PER_CPU", "SLURM_CONF"})
+    unsetenv(name);
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_EQ(lines("told"), (std::vector<std::string>{2, "SLURM_CONF=/etc/slurm.conf"}));
+}
+
+TEST_F(ClusterRuns, MayCrash) {
+  write("t.toml", std::string(kSmall) + "[set]\n\"trouble.crashes_above\" = 1\n");
+  ASSERT_EQ(tune({"t.toml", "--out", "here", "--quiet", "--isolate"}).status, 0);
+  ASSERT_EQ(on_slurm("there", {"--quiet", "--tasks", "2", "--isolate"}).status, 0);
+  expect_same("here", "there");
+  EXPECT_NE(read("there/slurm/1/job.sh").find(" tune "), std::string::npos);
+  EXPECT_NE(read("there/slurm/1/job.sh").find(" --isolate --points "), std::string::npos);
+  // The run that tells how long the others take may crash too.
+  write("t.toml", std::string(kSmall) + "[set]\n\"trouble.crashes_above\" = -3\n");
+  const ProgramResult crashed = on_slurm("s", {"--quiet", "--isolate"});
+  EXPECT_EQ(crashed.status, 3) << crashed.err;  // nobody survives: the tuning is done all the same
+  EXPECT_EQ(results("s").size(), 1U + 16);
 }
 
 TEST_F(ClusterRuns, WhereTheyRunIsNoPartOfATuning) {

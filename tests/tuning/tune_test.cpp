@@ -1,5 +1,7 @@
 // `breakwater tune` as users meet it.
 #include <algorithm>
+#include <csignal>
+#include <cstdio>
 #include <set>
 #include <utility>
 
@@ -179,6 +181,71 @@ TEST_F(Tune, WorldsOfAListAreCheckedAsTheyAre) {
   EXPECT_EQ(list.err, "");
 }
 
+// One joint's settling time, and one pole, alone.
+constexpr const char* kElements = R"(
+scenario = "arm_wall_contact"
+budget = 16
+population = 8
+[set]
+"run.duration_s" = 3.0
+"wall.solid_from_s" = 1.0
+"force.from_s" = 1.0
+[search]
+"controller.t_ref_s[1]" = { log_uniform = [0.4, 2] }
+"controller.t_ref_s[3]" = { uniform = [0.4, 2] }
+"observer.poles_rad_s[1][2]" = [-41, -42, -43]
+[objective]
+max_posture_error_rad = { goal = "min" }
+saturated_time_s = { goal = "min" }
+)";
+
+TEST_F(Tune, ElementsOfArraysAreSearchedAlone) {
+  write("t.toml", kElements);
+  const auto breakwater = [&](std::vector<std::string> words) {
+    words.insert(words.begin(), "breakwater");
+    return testing::run_program(words, folder_);
+  };
+  const ProgramResult result = breakwater({"tune", "t.toml", "--out", "s", "--quiet"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  const auto front = results("s", "front.csv");
+  EXPECT_EQ(front[0][3], "controller.t_ref_s[1]");
+  EXPECT_EQ(front[0][5], "observer.poles_rad_s[1][2]");
+  // The first point by hand, with whole arrays: the same configuration.
+  const ProgramResult by_hand = breakwater(
+      {"run", "arm_wall_contact", "--print-config", "--set", "run.duration_s=3",
+       "wall.solid_from_s=1", "force.from_s=1",
+       "controller.t_ref_s=[" + front[1][3] + ", 1.0, " + front[1][4] + "]",
+       "observer.poles_rad_s=[[-40, " + front[1][5] + ", -46], [-41, -44, -47], [-42, -45, -48]]"});
+  EXPECT_EQ(by_hand.status, 0) << by_hand.err;
+  EXPECT_EQ(read("s/front/1.toml"), by_hand.out);
+  // The tuning's own file says the same.
+  EXPECT_EQ(breakwater({"tune", "s", "--quiet"}).status, 0);
+
+  const auto refused = [&](const std::string& from, const std::string& to,
+                           const std::string& message) {
+    std::string text = kElements;
+    write("bad.toml", text.replace(text.find(from), from.size(), to));
+    const ProgramResult bad = breakwater({"tune", "bad.toml", "--out", "b"});
+    EXPECT_EQ(bad.status, 2);
+    EXPECT_EQ(bad.err, "bad.toml:" + message + "\n");
+    EXPECT_FALSE(fs::exists(folder_ / "b"));
+  };
+  refused("s[3]", "s[4]", "11: search.controller.t_ref_s[4]: controller.t_ref_s has 3 elements");
+  refused("t_ref_s[1]", "t_ref_s[0]",
+          "10: search.controller.t_ref_s[0]: elements are counted from 1: controller.t_ref_s[1] is "
+          "the first");
+  refused("controller.t_ref_s[1]", "wall.distance_m[1]",
+          "10: search.wall.distance_m[1]: wall.distance_m is no array");
+  refused("\"controller.t_ref_s[3]\" = { uniform = [0.4, 2] }",
+          "controller.t_ref_s = [[1, 1, 1], [2, 2, 2]]",
+          "11: search.controller.t_ref_s: controller.t_ref_s[1] is given too: give the array, or "
+          "elements of it");
+  refused("uniform = [0.4, 2] }\n\"o", "uniform = [-0.4, 2] }\n\"o",
+          "11: search.controller.t_ref_s[3]: must be positive, is -0.39999999760000005");
+  refused("[objective]", "[world]\n\"controller.t_ref_s[2]\" = [1, 0]\n[objective]",
+          "14: world.controller.t_ref_s[2]: must be positive, is 0");
+}
+
 TEST_F(Tune, WarnsOfAKeyThatACaseDoesNotUse) {
   write("t.toml",
         "scenario = \"motor_estimation\"\nbudget = 16\npopulation = "
@@ -192,6 +259,136 @@ TEST_F(Tune, WarnsOfAKeyThatACaseDoesNotUse) {
   EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 2) << result.err;
   EXPECT_NE(result.err.find("tune: warning: stf: "), std::string::npos) << result.err;
   EXPECT_NE(result.err.find("disturbance.kind"), std::string::npos) << result.err;
+}
+
+// kTuning with two generations.
+std::string brief(const std::string& more) {
+  std::string text = kTuning;
+  return text.replace(text.find("64"), 2, "16") + more;
+}
+
+TEST_F(Tune, ACrashIsAFailedRun) {
+  // Of x.first from -3 to 3 all above 1 end their process, and in the middle nothing does.
+  write("t.toml", brief("[set]\n\"trouble.crashes_above\" = 1\n"));
+  EXPECT_EQ(tune({"t.toml", "--out", "once", "--quiet"}).status, 128 + SIGABRT);
+  const ProgramResult result = tune({"t.toml", "--out", "s", "--isolate", "--jobs", "2"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  const auto rows = results("s");
+  std::size_t crashes = 0;
+  for (std::size_t i = 1; i < rows.size(); ++i) {
+    const bool has_crashed = std::find(rows[i].begin(), rows[i].end(), "crashed") != rows[i].end();
+    EXPECT_EQ(has_crashed, std::stod(rows[i][5]) > 1.0);
+    crashes += has_crashed;
+  }
+  EXPECT_GT(crashes, 0U);
+  for (const auto& point : results("s", "front.csv")) {
+    if (point[0] != "case") {
+      EXPECT_LE(std::stod(point[3]), 1.0);
+    }
+  }
+  // Whoever runs what: one process at a time, killed again and again; and what one process began.
+  for (int i = 0; i < 2; ++i) tune({"t.toml", "--out", "killed", "--isolate", "--quiet"}, 1.0);
+  ASSERT_EQ(tune({"t.toml", "--out", "killed", "--isolate", "--jobs", "1", "--quiet"}).status, 0);
+  expect_same("s", "killed");
+  ASSERT_EQ(tune({"once", "--isolate", "--quiet"}).status, 0);
+  expect_same("s", "once");
+  // All is there: nothing runs, and nothing crashes.
+  EXPECT_EQ(tune({"s", "--quiet"}).status, 0);
+}
+
+TEST_F(Tune, ProcessesOfTheirOwnChangeNoByte) {
+  write("t.toml", brief(""));
+  ASSERT_EQ(tune({"t.toml", "--out", "one", "--quiet"}).status, 0);
+  const ProgramResult apart = tune({"t.toml", "--out", "apart", "--isolate", "--quiet"});
+  ASSERT_EQ(apart.status, 0);
+  EXPECT_EQ(apart.err, "");
+  expect_same("one", "apart");
+}
+
+TEST_F(Tune, WithIsolateTheFileIsCheckedBeforeItBegins) {
+  std::string text = kTuning;
+  write("t.toml", text.replace(text.find("y_1 = { max"), 3, "y_3"));
+  const ProgramResult wrong = tune({"t.toml", "--out", "s", "--isolate"});
+  EXPECT_EQ(wrong.status, 2);
+  EXPECT_NE(wrong.err.find("constraint.y_3: a run of plain has no such metric (did you mean y_1?)"),
+            std::string::npos)
+      << wrong.err;
+  EXPECT_EQ(std::count(wrong.err.begin(), wrong.err.end(), '\n'), 1) << wrong.err;
+  EXPECT_FALSE(fs::exists(folder_ / "s"));
+  // A crash in the middle of the ranges is no mistake.
+  write("t.toml", brief("[set]\n\"trouble.crashes_above\" = -0.1\n"));
+  EXPECT_EQ(tune({"t.toml", "--out", "s", "--isolate", "--quiet"}).status, 0);
+  EXPECT_GT(results("s").size(), 1U);
+}
+
+TEST_F(Tune, ARunThatIsKilledFromOutsideIsLeftUndone) {
+  write("t.toml", brief("[set]\n\"trouble.killed_above\" = 2\n"));
+  const ProgramResult killed = tune({"t.toml", "--out", "s", "--isolate", "--quiet"});
+  EXPECT_EQ(killed.status, 2);
+  EXPECT_NE(killed.err.find("is left undone: its process was ended by signal 9"), std::string::npos)
+      << killed.err;
+  EXPECT_NE(killed.err.find("left undone: the same command goes on\n"), std::string::npos)
+      << killed.err;
+}
+
+TEST_F(Tune, ADryRunSaysHowLongItTakes) {
+  write("t.toml", std::string(kTuning) + "[set]\n\"trouble.takes_s\" = 0.1\n");
+  const ProgramResult result = tune({"t.toml", "--out", "s", "--dry-run", "--jobs", "2"});
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_EQ(
+      result.out.find("256 runs: 2 cases, 64 evaluations of each, 2 worlds and seeds together\n"
+                      "at most 36 more to validate: 3 of each front in 6\nabout "),
+      0U)
+      << result.out;
+  // 292 runs of 0.1 s, or a little more.
+  double seconds = 0.0;
+  ASSERT_EQ(std::sscanf(result.out.c_str() + result.out.find("about "), "about %lf s on 2 cores",
+                        &seconds),
+            1)
+      << result.out;
+  EXPECT_GE(seconds, 14.6 - 0.05);
+  EXPECT_LT(seconds, 2.0 * 14.6);
+  EXPECT_FALSE(fs::exists(folder_ / "s"));
+  // What a run of the file tells is told before the tuning begins.
+  write("t.toml", std::string(kTuning) + "[set]\n\"trouble.fails_above\" = -1\n");
+  EXPECT_EQ(
+      tune({"t.toml", "--out", "s", "--dry-run"}).err,
+      "tune: warning: plain: the candidate in the middle fails: at 0.5 s: x_1 is too large\n"
+      "tune: warning: noisy: the candidate in the middle fails: at 0.5 s: x_1 is too large\n");
+}
+
+TEST_F(Tune, WhatMakesNoGenerationIsNotCounted) {
+  std::string text = kTuning;
+  write("t.toml", text.replace(text.find("64"), 2, "20"));
+  EXPECT_EQ(
+      tune({"t.toml", "--out", "s", "--dry-run"})
+          .out.find("64 runs: 2 cases, 16 evaluations of each, 2 worlds and seeds together (4 of "
+                    "the budget are left: they make no generation)\n"),
+      0U);
+  ASSERT_EQ(tune({"t.toml", "--out", "s", "--quiet"}).status, 0);
+  EXPECT_NE(tune({"s", "--status"}).out.find("64 of 64 runs of the search are done, "),
+            std::string::npos);
+}
+
+TEST_F(Tune, SaysWhatATargetIsInstead) {
+  const auto said = [&](const std::string& target) {
+    const ProgramResult result = tune({target});
+    EXPECT_EQ(result.status, 2);
+    return result.err;
+  };
+  EXPECT_EQ(said("ishigami"), "ishigami: is a scenario: a tuning is a file that names it\n");
+  EXPECT_EQ(said("ishigmi"), "ishigmi: there is no such file or folder\n");
+  fs::create_directory(folder_ / "empty");
+  EXPECT_EQ(said("empty"), "empty: has no tune.toml: it is no tuning's folder\n");
+  ASSERT_EQ(sweep({"ishigami", "--out", "swept", "--quiet"}).status, 0);
+  EXPECT_EQ(said("swept"), "swept: has no tune.toml: it is a study's: ishigami_lab sweep\n");
+  write("t.toml", brief(""));
+  ASSERT_EQ(tune({"t.toml", "--out", "tuned", "--quiet"}).status, 0);
+  EXPECT_EQ(sweep({"tuned"}).err, "tuned: has no study.toml: it is ishigami_lab tune's\n");
+  write("bare.toml", "[search]\nx.first[1] = [1, 2]\n");
+  EXPECT_EQ(said("bare.toml"),
+            "bare.toml:2: is not TOML: Error while parsing key-value pair: expected '=', saw '[' "
+            "(a key with brackets needs quotes)\n");
 }
 
 TEST_F(Tune, SaysIfNobodySurvives) {
