@@ -1,12 +1,15 @@
 // A process that runs points for another one, and tells it on its stdout what it is at.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <string>
 #include <vector>
 
 #include <breakwater/scenario/known_models.h>
 #include <breakwater/study/executor.h>
+
+namespace CLI {
+class App;
+}
 
 namespace breakwater {
 

@@ -61,7 +61,7 @@ TEST(House, RoomsDependOneWay) {
         "scenario"}},
       {"study", {"math", "signals", "world", "sim", "record", "scenario"}},
       {"recorded", {"signals", "plants", "sim", "record", "rigs", "scenario"}},
-      {"tuning", {"record", "scenario", "study"}},
+      {"tuning", {"record", "scenario", "signals", "study"}},
       {"pictures", {"sim", "record", "render", "scenario"}},
       {"printed", {"scenario"}},
       {"report",

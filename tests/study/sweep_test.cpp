@@ -529,6 +529,60 @@ TEST_F(Sweep, APointThatIsKilledFromOutsideIsLeftUndone) {
   EXPECT_EQ(sweep({"s", "--isolate", "--points", "0-28"}).status, 0);
 }
 
+TEST_F(Sweep, AnElementOfAnArrayIsAKey) {
+  const auto swept = [&](const std::string& out, const std::vector<std::string>& options) {
+    std::vector<std::string> words = {
+        "breakwater", "sweep", "arm_wall_contact", "--duration", "0.005", "--out", out};
+    words.insert(words.end(), options.begin(), options.end());
+    return run(words);
+  };
+  ASSERT_EQ(swept("elements", {"--vary", "controller.t_ref_s[3]=0.7,0.9", "--vary",
+                               "observer.poles_rad_s[2][1]=-41,-51"})
+                .status,
+            0);
+  ASSERT_EQ(swept("arrays", {"--vary", "controller.t_ref_s=[1,1,0.7],[1,1,0.9]", "--vary",
+                             "observer.poles_rad_s=[[-40,-43,-46],[-41,-44,-47],[-42,-45,-48]],"
+                             "[[-40,-43,-46],[-51,-44,-47],[-42,-45,-48]]"})
+                .status,
+            0);
+  const auto elements = results("elements");
+  EXPECT_EQ(elements[0][3], "controller.t_ref_s[3]");
+  EXPECT_EQ(elements[0][4], "observer.poles_rad_s[2][1]");
+  ASSERT_EQ(elements.size(), 5U);
+  EXPECT_EQ(elements[3][3], "0.9");
+  EXPECT_EQ(elements[3][4], "-41");
+  // Points of the same keys, and so the same runs, in the same order.
+  for (std::size_t i = 1; i < elements.size(); ++i) {
+    EXPECT_EQ(lines("arrays/results.csv")[i].find(elements[i][0] + ","), 0U);
+    EXPECT_NE(lines("arrays/results.csv")[i].find("," + elements[i][6]), std::string::npos);
+  }
+  // The study's own file says the same, and a study file spells it likewise.
+  EXPECT_EQ(run({"breakwater", "sweep", "elements", "--quiet"}).status, 0);
+  EXPECT_NE(read("elements/study.toml").find("\"controller.t_ref_s[3]\" = [0.7, 0.9]\n"),
+            std::string::npos);
+
+  const auto refused = [&](const std::vector<std::string>& options, const std::string& message) {
+    const ProgramResult result = swept("refused", options);
+    EXPECT_EQ(result.status, 2);
+    EXPECT_EQ(result.err, message + "\n");
+    EXPECT_FALSE(fs::exists(folder_ / "refused"));
+  };
+  refused({"--vary", "controller.t_ref_s[4]=1,2"},
+          "--vary: controller.t_ref_s[4]: controller.t_ref_s has 3 elements");
+  refused({"--vary", "wall.distance_m[1]=1,2"},
+          "--vary: wall.distance_m[1]: wall.distance_m is no array");
+  refused({"--vary", "controller.t_ref_s[1]=1,-2"},
+          "--vary: controller.t_ref_s[1]: must be positive, is -2");
+  refused({"--vary", "controller.t_ref_s=[1,1,1],[1,-2,1]"},
+          "--vary: controller.t_ref_s[2]: must be positive, is -2");
+  refused({"--vary", "controller.t_ref_s[1]=1,2", "--set", "controller.t_ref_s=[1,1,1]"},
+          "--vary: controller.t_ref_s[1]: controller.t_ref_s is given too: give the array, or "
+          "elements of it");
+  EXPECT_EQ(swept("vain", {"--case", "hpfc-2N", "--vary", "controller.t_ref_s[1]=1,2"}).err,
+            "sweep: warning: --vary: controller.t_ref_s[1]: has an effect only where "
+            "controller.name is proposed or tlsc\n");
+}
+
 TEST_F(Sweep, AReplayIsTheRunThatItWasOrSaysSo) {
   ASSERT_EQ(sweep({"ishigami", "--vary", "x.first=1,2", "--out", "s"}).status, 0);
   const std::string key = results("s").at(1).at(0);
