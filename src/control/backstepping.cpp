@@ -113,7 +113,10 @@ QuadrotorController::QuadrotorController(const Backstepping& law,
           Signal{"force_estimate_N", "N", "disturbing force in the world, estimated", view(force_)},
           Signal{"wave_frequency_estimate_rad_s", "rad/s",
                  "of the waves' force, as the estimator assumes; 0: it assumes none",
-                 view(wave_frequency_rad_s_)}} {}
+                 view(wave_frequency_rad_s_)},
+          Signal{"wave_force_std_estimate_N", "N",
+                 "of the waves' vertical force, as the estimator assumes; 0: it assumes none",
+                 view(wave_force_std_N_)}} {}
 
 void QuadrotorController::reset(const Sample& first) {
   estimator_->reset(first.y.head<6>());
@@ -126,6 +129,7 @@ void QuadrotorController::update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u)
   thrust_disturbance_ = estimator_->thrust_disturbance();
   force_ = estimator_->force();
   wave_frequency_rad_s_ = estimator_->wave_frequency_rad_s();
+  wave_force_std_N_ = estimator_->wave_force_std_N();
 
   const bool feeds_force = compensates_ && estimator_->models_world_force();
   Eigen::Vector4d thrusts = to_thrusts_.solve(

@@ -90,7 +90,8 @@ class QuadrotorController final : public Controller {
   Eigen::Vector4d thrust_disturbance_ = Eigen::Vector4d::Zero();
   Eigen::Vector3d force_ = Eigen::Vector3d::Zero();
   double wave_frequency_rad_s_ = 0.0;
-  std::array<Signal, 4> signals_;
+  double wave_force_std_N_ = 0.0;
+  std::array<Signal, 5> signals_;
 };
 
 }  // namespace breakwater

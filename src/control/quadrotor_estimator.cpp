@@ -1,5 +1,6 @@
 #include <breakwater/control/quadrotor_estimator.h>
 
+#include <cmath>
 #include <stdexcept>
 
 #include <breakwater/observers/ekf.h>
@@ -121,6 +122,7 @@ class ResonatorEstimator final : public FilterEstimator<Ukf<WaveResonators, 6>> 
       : FilterEstimator(process, kalman),
         tracks_(design.estimates_wave_frequency),
         guess_rad_s_(design.wave_frequency_rad_s),
+        force_std_N_(design.resonator.force_std_N),
         parameters_(model.parameters()),
         frequency_(frequency_design(design, model), design.wave_frequency_rad_s) {}
 
@@ -145,6 +147,7 @@ class ResonatorEstimator final : public FilterEstimator<Ukf<WaveResonators, 6>> 
   }
   bool models_world_force() const override { return true; }
   bool models_disturbance() const override { return true; }
+  double wave_force_std_N() const override { return force_std_N_; }
   double wave_frequency_rad_s() const override {
     return tracks_ ? frequency_.omega_rad_s() : guess_rad_s_;
   }
@@ -170,15 +173,69 @@ class ResonatorEstimator final : public FilterEstimator<Ukf<WaveResonators, 6>> 
 
   bool tracks_;
   double guess_rad_s_;
+  double force_std_N_;
   QuadrotorParameters parameters_;
   WaveFrequency frequency_;
+};
+
+// Two resonators an axis, which a bank on the vertical axis keeps to the sea.
+class SpectrumEstimator final : public FilterEstimator<Ukf<WaveForces<2, 2>, 6>> {
+ public:
+  using Process = WaveForces<2, 2>;
+
+  SpectrumEstimator(const QuadrotorEstimatorDesign& design, const QuadrotorModel& model,
+                    const WaveForceBank& bank, const Process& process,
+                    const NonlinearKalmanDesign<Process::kStates, 6>& kalman)
+      : FilterEstimator(process, kalman),
+        bank_(bank),
+        parameters_(model.parameters()),
+        torque_walk_Nm_(design.resonator.torque_std_Nm),
+        torque_walk_per_force_m_(design.torque_walk_per_force_m) {}
+
+  void reset(const Vector6d& pose) override {
+    FilterEstimator::reset(pose);
+    bank_.reset(pose(2));
+    assume();
+  }
+
+  void update(const Eigen::Vector4d& held_thrusts, const Vector6d& pose) override {
+    const double up = AttitudeTrig(motion().segment<3>(3)).thrust_axis().z();
+    bank_.update(held_thrusts.sum() * up - parameters_.net_weight_N(), pose(2));
+    assume();
+    FilterEstimator::update(held_thrusts, pose);
+  }
+
+  Eigen::Vector4d thrust_disturbance() const override { return Eigen::Vector4d::Zero(); }
+  Eigen::Vector3d force() const override {
+    const auto& x = filter_.x();
+    return x.segment<3>(Process::force_row(0)) + x.segment<3>(Process::force_row(1)) +
+           x.segment<3>(Process::kBias);
+  }
+  bool models_world_force() const override { return true; }
+  bool models_disturbance() const override { return true; }
+  double wave_frequency_rad_s() const override { return mean_frequency(bank_.resonators()); }
+  double wave_force_std_N() const override { return total_std(bank_.resonators()); }
+
+ private:
+  void assume() {
+    Process& process = filter_.process();
+    process.set_resonators(bank_.resonators());
+    process.set_torque_walk(
+        std::hypot(torque_walk_Nm_, torque_walk_per_force_m_ * wave_force_std_N()));
+    filter_.set_process_noise(process.Q());
+  }
+
+  WaveForceBank bank_;
+  QuadrotorParameters parameters_;
+  double torque_walk_Nm_;
+  double torque_walk_per_force_m_;
 };
 
 template <int Order>
 std::unique_ptr<QuadrotorEstimator> make_thruster_estimator(const QuadrotorEstimatorDesign& design,
                                                             const QuadrotorModel& model) {
   using Process = ThrusterDisturbance<Order>;
-  const Process process(model, design.period_s);
+  const Process process(model, design.period_s, design.kinematics);
   const auto kalman = thruster_design<Process::kStates>(design);
   if (design.filter == QuadrotorFilter::ukf) {
     return std::make_unique<ThrusterEstimator<Ukf<Process, 6>>>(process, kalman);
@@ -190,7 +247,7 @@ std::unique_ptr<QuadrotorEstimator> make_thruster_estimator(const QuadrotorEstim
 std::unique_ptr<QuadrotorEstimator> make_resonator(const QuadrotorEstimatorDesign& design,
                                                    const QuadrotorModel& model) {
   const WaveResonators process(model, design.resonator, design.wave_frequency_rad_s,
-                               design.period_s);
+                               design.period_s, design.kinematics);
   NonlinearKalmanDesign<24, 6> kalman;
   kalman.Q = process.Q();
   kalman.R = measurement_covariance(design);
@@ -200,6 +257,32 @@ std::unique_ptr<QuadrotorEstimator> make_resonator(const QuadrotorEstimatorDesig
       Eigen::Vector3d::Constant(square(0.05)), Eigen::Vector3d::Constant(force);
   kalman.P0 = p.asDiagonal();
   return std::make_unique<ResonatorEstimator>(design, model, process, kalman);
+}
+
+std::unique_ptr<QuadrotorEstimator> make_spectrum(const QuadrotorEstimatorDesign& design,
+                                                  const QuadrotorModel& model) {
+  using Process = SpectrumEstimator::Process;
+  WaveForceBankDesign waves = design.waves;
+  waves.mass_kg = model.parameters().mass_kg;
+  waves.bias_std_N = design.resonator.bias_std_N;
+  waves.velocity_std_m_s = design.resonator.velocity_std_m_s;
+  waves.position_std_m = design.position_std_m;
+  waves.period_s = design.period_s;
+  const WaveForceBank bank(waves);
+  const ResonatorPair& first = bank.resonators();
+  const Process process(model, design.resonator, first, kHorizontalShare, design.period_s,
+                        design.kinematics);
+  NonlinearKalmanDesign<Process::kStates, 6> kalman;
+  kalman.Q = process.Q();
+  kalman.R = measurement_covariance(design);
+  const auto variance = [&](std::size_t i) {
+    return Eigen::Vector3d::Constant(square(first[i].std));
+  };
+  Eigen::Matrix<double, Process::kStates, 1> p;
+  p << first_variances(), variance(0), Eigen::Vector3d::Constant(square(total_std(first))),
+      Eigen::Vector3d::Constant(square(0.05)), variance(0), variance(1), variance(1);
+  kalman.P0 = p.asDiagonal();
+  return std::make_unique<SpectrumEstimator>(design, model, bank, process, kalman);
 }
 
 }  // namespace
@@ -224,6 +307,11 @@ std::unique_ptr<QuadrotorEstimator> make_quadrotor_estimator(const QuadrotorEsti
         throw std::invalid_argument("quadrotor estimator: the resonators need the UKF");
       }
       return make_resonator(design, model);
+    case DisturbanceOrder::spectrum:
+      if (design.filter != QuadrotorFilter::ukf) {
+        throw std::invalid_argument("quadrotor estimator: the spectrum needs the UKF");
+      }
+      return make_spectrum(design, model);
   }
   throw std::logic_error("unknown disturbance model");
 }

@@ -1,4 +1,4 @@
-// The six estimators of thesis 3.4 (Table 3.5), and the resonator estimator.
+// The six estimators of thesis 3.4 (Table 3.5), and those of a world force: resonator, spectrum.
 #pragma once
 
 #include <Eigen/Core>
@@ -6,11 +6,12 @@
 #include <optional>
 
 #include <breakwater/control/quadrotor_process.h>
+#include <breakwater/observers/wave_force_bank.h>
 
 namespace breakwater {
 
 enum class QuadrotorFilter { ukf, ekf };
-enum class DisturbanceOrder { none, zero, second, resonator };
+enum class DisturbanceOrder { none, zero, second, resonator, spectrum };
 enum class ProcessNoiseMode {
   per_step,      ///< Q as printed
   delta,         ///< Q δ
@@ -21,6 +22,11 @@ enum class ProcessNoiseSource {
   input,    ///< W_s G Gᵀ, as the thesis' EKFs have it; EKF only
   tuned     ///< standard deviations per sample
 };
+
+/// Variance of a horizontal axis' wave force over the vertical one's. Deep water moves in circles,
+/// so the force along the waves' heading has the vertical one's variance; the heading is not known,
+/// and on average either axis has half of it.
+inline constexpr double kHorizontalShare = 0.5;
 
 struct QuadrotorEstimatorDesign {
   QuadrotorFilter filter = QuadrotorFilter::ukf;
@@ -36,7 +42,11 @@ struct QuadrotorEstimatorDesign {
   ResonatorDesign resonator;
   double wave_frequency_rad_s = 0.8;      ///< resonator: of the waves' force, or a first guess
   bool estimates_wave_frequency = false;  ///< resonator: tracks it
-  double position_std_m = 0.1;            ///< of the measurement's noise, for R
+  WaveForceBankDesign waves;              ///< spectrum: which seas there may be
+  /// Spectrum: the torques' walk at each sample over the vertical force's deviation [m].
+  double torque_walk_per_force_m = 0.0;
+  AttitudeKinematics kinematics = AttitudeKinematics::level;
+  double position_std_m = 0.1;  ///< of the measurement's noise, for R
   double angle_std_rad = 0.01;
   double period_s = 0.01;  ///< δ
 };
@@ -70,10 +80,13 @@ class QuadrotorEstimator {
   virtual bool models_disturbance() const = 0;
   /// The frequency of the waves' force that it assumes [rad/s]; 0 where it assumes none.
   virtual double wave_frequency_rad_s() const { return 0.0; }
+  /// The standard deviation of the waves' vertical force that it assumes [N]; 0 where none.
+  virtual double wave_force_std_N() const { return 0.0; }
 };
 
 /// Throws std::invalid_argument if a deviation is not positive, or the combination is none: a
-/// resonator needs the UKF, input noise the EKF.
+/// resonator and a spectrum need the UKF, input noise the EKF. A spectrum takes its axis (mass,
+/// walks, noise, δ) from here, not from `waves`.
 std::unique_ptr<QuadrotorEstimator> make_quadrotor_estimator(const QuadrotorEstimatorDesign& design,
                                                              const QuadrotorModel& model);
 

@@ -2,8 +2,6 @@
 
 #include <stdexcept>
 
-#include <breakwater/observers/resonator.h>
-
 namespace breakwater {
 
 Vector6d HeldThrust::velocity_step(
@@ -15,42 +13,71 @@ Vector6d HeldThrust::velocity_step(
     trig_ = AttitudeTrig(angles);
   }
   const Vector6d velocity = pose_and_velocity.tail<6>();
-  return period_s_ * model_.acceleration(trig_, velocity, thruster_matrix_ * thrusts);
+  const Eigen::Vector4d U = thruster_matrix_ * thrusts;
+  return period_s_ * (kinematics_ == AttitudeKinematics::exact
+                          ? model_.rigid_acceleration(trig_, velocity, U)
+                          : model_.acceleration(trig_, velocity, U));
 }
 
-WaveResonators::WaveResonators(const QuadrotorModel& model, const ResonatorDesign& design,
-                               double omega_rad_s, double period_s)
-    : held_(model, period_s), design_(design) {
-  const bool fits = design.damping > 0.0 && design.damping < 1.0 && design.force_std_N > 0.0 &&
-                    design.velocity_std_m_s > 0.0 && design.rate_std_rad_s > 0.0 &&
-                    design.bias_std_N > 0.0 && design.torque_std_Nm > 0.0;
-  if (!fits) throw std::invalid_argument("resonators: damping 0 to 1, deviations positive");
+template <int K, int Order>
+WaveForces<K, Order>::WaveForces(const QuadrotorModel& model, const DisturbanceWalks& walks,
+                                 const Resonators& resonators, double horizontal_share,
+                                 double period_s, AttitudeKinematics kinematics)
+    : held_(model, period_s, kinematics), horizontal_share_(horizontal_share) {
+  const bool fits = walks.velocity_std_m_s > 0.0 && walks.rate_std_rad_s > 0.0 &&
+                    walks.bias_std_N > 0.0 && horizontal_share > 0.0;
+  if (!fits) throw std::invalid_argument("resonators: the walks' deviations must be positive");
   const auto square = [](double value) { return value * value; };
   A_.setIdentity();
-  A_.block<6, 6>(0, 6).diagonal().setConstant(period_s);
+  A_.template block<6, 6>(0, 6).diagonal().setConstant(period_s);
   const Vector6d inverse_inertia = model.parameters().inertia6().cwiseInverse();
-  A_.block<3, 3>(6, 12).diagonal() = period_s * inverse_inertia.head<3>();
-  A_.block<3, 3>(6, 15).diagonal() = period_s * inverse_inertia.head<3>();
-  A_.block<3, 3>(9, 18).diagonal() = period_s * inverse_inertia.tail<3>();
+  const Eigen::Vector3d push = period_s * inverse_inertia.head<3>();
+  for (int i = 0; i < K; ++i) A_.template block<3, 3>(6, force_row(i)).diagonal() = push;
+  A_.template block<3, 3>(6, kBias).diagonal() = push;
+  A_.template block<3, 3>(9, kTorque).diagonal() = period_s * inverse_inertia.tail<3>();
+  if constexpr (Order == 2) {
+    A_.template topRightCorner<6, kStates - 12>() =
+        0.5 * period_s * A_.template block<6, kStates - 12>(6, 12);
+  }
   Q_.setZero();
-  Q_.diagonal().segment<3>(6).setConstant(square(design.velocity_std_m_s));
-  Q_.diagonal().segment<3>(9).setConstant(square(design.rate_std_rad_s));
-  Q_.diagonal().segment<3>(15).setConstant(square(design.bias_std_N));
-  Q_.diagonal().segment<3>(18).setConstant(square(design.torque_std_Nm));
-  set_frequency(omega_rad_s);
+  Q_.diagonal().template segment<3>(6).setConstant(square(walks.velocity_std_m_s));
+  Q_.diagonal().template segment<3>(9).setConstant(square(walks.rate_std_rad_s));
+  Q_.diagonal().template segment<3>(kBias).setConstant(square(walks.bias_std_N));
+  set_torque_walk(walks.torque_std_Nm);
+  set_resonators(resonators);
 }
 
-void WaveResonators::set_frequency(double omega_rad_s) {
-  if (!(omega_rad_s > 0.0))
-    throw std::invalid_argument("resonators: the frequency must be positive");
+template <int K, int Order>
+void WaveForces<K, Order>::set_resonators(const Resonators& resonators) {
   const double period_s = held_.period_s();
-  const Eigen::Matrix2d step = resonator_step(omega_rad_s, design_.damping, period_s);
-  A_.block<3, 3>(12, 12).diagonal().setConstant(step(0, 0));
-  A_.block<3, 3>(12, 21).diagonal().setConstant(step(0, 1));
-  A_.block<3, 3>(21, 12).diagonal().setConstant(step(1, 0));
-  A_.block<3, 3>(21, 21).diagonal().setConstant(step(1, 1));
-  Q_.diagonal().segment<3>(21).setConstant(
-      resonator_noise(omega_rad_s, design_.damping, design_.force_std_N, period_s));
+  for (int i = 0; i < K; ++i) {
+    const Resonator& r = resonators[static_cast<std::size_t>(i)];
+    if (!(r.omega_rad_s > 0.0 && r.damping > 0.0 && r.damping < 1.0 && r.std > 0.0)) {
+      throw std::invalid_argument(
+          "resonators: frequency and deviation must be positive, the damping between 0 and 1");
+    }
+    const int f = force_row(i), h = rate_row(i);
+    const Eigen::Matrix2d step = resonator_step(r.omega_rad_s, r.damping, period_s);
+    A_.template block<3, 3>(f, f).diagonal().setConstant(step(0, 0));
+    A_.template block<3, 3>(f, h).diagonal().setConstant(step(0, 1));
+    A_.template block<3, 3>(h, f).diagonal().setConstant(step(1, 0));
+    A_.template block<3, 3>(h, h).diagonal().setConstant(step(1, 1));
+    const double noise = resonator_noise(r.omega_rad_s, r.damping, r.std, period_s);
+    Q_.diagonal().template segment<3>(h) << horizontal_share_ * noise, horizontal_share_ * noise,
+        noise;
+  }
 }
+
+template <int K, int Order>
+void WaveForces<K, Order>::set_torque_walk(double std_Nm) {
+  if (!(std_Nm > 0.0)) {
+    throw std::invalid_argument("resonators: the torques' walk must be positive");
+  }
+  Q_.diagonal().template segment<3>(kTorque).setConstant(std_Nm * std_Nm);
+}
+
+template class WaveForces<1, 1>;
+template class WaveForces<1, 2>;
+template class WaveForces<2, 2>;
 
 }  // namespace breakwater

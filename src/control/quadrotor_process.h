@@ -1,20 +1,29 @@
 // The quadrotor as the nonlinear filters' process, with models of what disturbs it.
 #pragma once
 
-#include <limits>
+#include <array>
 
 #include <breakwater/observers/process.h>
+#include <breakwater/observers/resonator.h>
 #include <breakwater/plants/quadrotor.h>
 
 namespace breakwater {
 
+/// How the angles' rates go on.
+enum class AttitudeKinematics {
+  level,  ///< they are taken for the body's, as Eq. 3.13 does
+  exact   ///< QuadrotorModel::rigid_acceleration()
+};
+
 /// ζ̈ under held thrusts; keeps the last attitude's sines, which most sigma points share.
 class HeldThrust {
  public:
-  HeldThrust(const QuadrotorModel& model, double period_s)
+  HeldThrust(const QuadrotorModel& model, double period_s,
+             AttitudeKinematics kinematics = AttitudeKinematics::level)
       : model_(model),
         thruster_matrix_(thruster_matrix(model.parameters().thruster_arm_m)),
-        period_s_(period_s) {}
+        period_s_(period_s),
+        kinematics_(kinematics) {}
 
   /// δ ζ̈(ζ, ζ̇, B_tcm T), Euler's step (Eq. 3.31).
   Vector6d velocity_step(const Eigen::Ref<const Eigen::Matrix<double, 12, 1>>& pose_and_velocity,
@@ -27,6 +36,7 @@ class HeldThrust {
   QuadrotorModel model_;
   Eigen::Matrix4d thruster_matrix_;
   double period_s_;
+  AttitudeKinematics kinematics_;
   mutable Eigen::Vector3d angles_ = Eigen::Vector3d::Zero();
   mutable AttitudeTrig trig_{Eigen::Vector3d::Zero()};
 };
@@ -45,7 +55,9 @@ class ThrusterDisturbance : public ProcessTypes<12 + 4 * (Order + 1), 4, 6> {
   using Types = ProcessTypes<kStates, 4, 6>;
   using Square = Eigen::Matrix<double, kStates, kStates>;
 
-  ThrusterDisturbance(const QuadrotorModel& model, double period_s) : held_(model, period_s) {
+  ThrusterDisturbance(const QuadrotorModel& model, double period_s,
+                      AttitudeKinematics kinematics = AttitudeKinematics::level)
+      : held_(model, period_s, kinematics) {
     A_.setIdentity();
     A_.template block<6, 6>(0, 6).diagonal().setConstant(period_s);
     for (int row = 12; row + 4 < kStates; ++row) A_(row, row + 4) = period_s;
@@ -66,48 +78,93 @@ class ThrusterDisturbance : public ProcessTypes<12 + 4 * (Order + 1), 4, 6> {
   Square A_;
 };
 
-/// How the resonator model describes a sea.
-struct ResonatorDesign {
-  double damping = 0.08;           ///< of the resonators, relative
-  double force_std_N = 0.13;       ///< of each world force, stationary
-  double velocity_std_m_s = 3e-3;  ///< walk of ẋ, ẏ, ż at each sample
-  double rate_std_rad_s = 2e-3;    ///< walk of φ̇, θ̇, ψ̇
-  double bias_std_N = 5e-4;        ///< walk of the constant forces
-  double torque_std_Nm = 2e-4;     ///< walk of the torques
+/// What the models of a world force leave to chance, at each sample.
+struct DisturbanceWalks {
+  double velocity_std_m_s = 3e-3;  ///< of ẋ, ẏ, ż
+  double rate_std_rad_s = 2e-3;    ///< of φ̇, θ̇, ψ̇
+  double bias_std_N = 5e-4;        ///< of the constant forces
+  double torque_std_Nm = 2e-4;     ///< of the torques
 };
 
-/// A world force of waves, f, on each axis as a resonator driven by white noise,
-///     f̈ + 2 ζ_r ω ḟ + ω² f = white,
-/// with a constant force b and torques τ that walk: state [ζ, ζ̇, f, b, τ, h], h = ḟ/ω. Unlike a
-/// thruster's disturbance it can represent a horizontal force, and it oscillates as waves do.
-class WaveResonators : public ProcessTypes<24, 4, 6> {
+/// How one resonator an axis describes a sea.
+struct ResonatorDesign : DisturbanceWalks {
+  double damping = 0.08;      ///< relative
+  double force_std_N = 0.13;  ///< of each world force, stationary
+};
+
+/// A world force of waves on each axis, the sum of K resonators driven by white noise,
+///     f̈ᵢ + 2 ζᵢ ωᵢ ḟᵢ + ωᵢ² fᵢ = white,
+/// with a constant force b and torques τ that walk: state [ζ, ζ̇, f₁, b, τ, h₁, f₂, h₂, …],
+/// hᵢ = ḟᵢ/ωᵢ. Unlike a thruster's disturbance it can represent a horizontal force, and it
+/// oscillates as waves do. Order 1: Euler's step, ζ⁺ = ζ + δ ζ̇; order 2: that of a constant
+/// acceleration, ζ⁺ = ζ + δ ζ̇ + δ² ζ̈/2. What Euler's leaves out adds up to δ ζ̇/2.
+template <int K, int Order>
+class WaveForces : public ProcessTypes<18 + 6 * K, 4, 6 * Order> {
  public:
-  static constexpr int kStates = 24;
+  static_assert(K >= 1 && (Order == 1 || Order == 2));
+  static constexpr int kStates = 18 + 6 * K;
   static constexpr int kInputs = 4;
-  static constexpr int kFirstRow = 6;
-  static constexpr int kRows = 6;
+  static constexpr int kRows = 6 * Order;
+  static constexpr int kFirstRow = 12 - kRows;
   static constexpr int kArguments = 12;
-  using Square = Eigen::Matrix<double, 24, 24>;
+  using Types = ProcessTypes<kStates, 4, kRows>;
+  using Square = Eigen::Matrix<double, kStates, kStates>;
+  using Resonators = std::array<Resonator, K>;
 
-  /// Throws std::invalid_argument if a value is not positive.
-  WaveResonators(const QuadrotorModel& model, const ResonatorDesign& design, double omega_rad_s,
-                 double period_s);
+  static constexpr int kBias = 15;
+  static constexpr int kTorque = 18;
+  /// Where fᵢ and hᵢ of the three axes begin.
+  static constexpr int force_row(int i) { return i == 0 ? 12 : 18 + 6 * i; }
+  static constexpr int rate_row(int i) { return force_row(i) + (i == 0 ? 9 : 3); }
 
-  void nonlinear(const State& x, const Input& thrusts, Nonlinear& g) const {
-    g = held_.velocity_step(x.head<12>(), thrusts);
+  /// `horizontal_share`: variance of a horizontal axis' force over that of the vertical one. Throws
+  /// std::invalid_argument if a value is not positive, or a damping not below 1.
+  WaveForces(const QuadrotorModel& model, const DisturbanceWalks& walks,
+             const Resonators& resonators, double horizontal_share, double period_s,
+             AttitudeKinematics kinematics);
+
+  void nonlinear(const typename Types::State& x, const typename Types::Input& thrusts,
+                 typename Types::Nonlinear& g) const {
+    g.template tail<6>() = held_.velocity_step(x.template head<12>(), thrusts);
+    if constexpr (Order == 2) g.template head<6>() = 0.5 * held_.period_s() * g.template tail<6>();
   }
   const Square& linear() const { return A_; }
 
-  /// ω [rad/s]: where the force has its energy.
-  void set_frequency(double omega_rad_s);
-  /// What the process adds to P at each sample, at the present frequency.
+  /// Of the vertical axis. Errors as the constructor's.
+  void set_resonators(const Resonators& resonators);
+  /// The torques' walk at each sample [N m]. Throws std::invalid_argument unless it is positive.
+  void set_torque_walk(double std_Nm);
+  /// What the process adds to P at each sample, with the present resonators.
   const Square& Q() const { return Q_; }
 
  private:
   HeldThrust held_;
-  ResonatorDesign design_;
+  double horizontal_share_;
   Square A_;
   Square Q_;
+};
+
+extern template class WaveForces<1, 1>;
+extern template class WaveForces<1, 2>;
+extern template class WaveForces<2, 2>;
+
+/// One resonator an axis, at a frequency that may be tracked.
+class WaveResonators : public WaveForces<1, 1> {
+ public:
+  /// Throws std::invalid_argument if a value is not positive.
+  WaveResonators(const QuadrotorModel& model, const ResonatorDesign& design, double omega_rad_s,
+                 double period_s, AttitudeKinematics kinematics = AttitudeKinematics::level)
+      : WaveForces(model, design, {{{omega_rad_s, design.damping, design.force_std_N}}}, 1.0,
+                   period_s, kinematics),
+        design_(design) {}
+
+  /// ω [rad/s]: where the force has its energy.
+  void set_frequency(double omega_rad_s) {
+    set_resonators({{{omega_rad_s, design_.damping, design_.force_std_N}}});
+  }
+
+ private:
+  ResonatorDesign design_;
 };
 
 }  // namespace breakwater

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cmath>
+#include <numbers>
 
 #include <breakwater/math/functions.h>
 
@@ -17,6 +19,25 @@ inline Eigen::Matrix2d resonator_step(double omega_rad_s, double damping, double
   const double c = decay * cosine;
   const double s = decay * sine * omega_rad_s / damped;
   return (Eigen::Matrix2d() << c + damping * s, s, -s, c - damping * s).finished();
+}
+
+/// f̈ + 2 ζ ω ḟ + ω² f = white noise, of which f has a stationary standard deviation.
+struct Resonator {
+  double omega_rad_s = 1.0;
+  double damping = 0.1;  ///< ζ, in (0, 1)
+  double std = 1.0;      ///< σ, of f
+};
+/// Two of them, driven by noises of their own; the slower one first. Their sum is the force.
+using ResonatorPair = std::array<Resonator, 2>;
+
+/// One-sided spectral density of f [f²s/rad], ∫₀^∞ G dω = σ²:
+///     G(ω) = (4/π) ζ ω₀³ σ²/((ω₀² − ω²)² + (2 ζ ω₀ ω)²).
+inline double spectral_density(const Resonator& resonator, double omega_rad_s) {
+  const double place = resonator.omega_rad_s;
+  const double apart = place * place - omega_rad_s * omega_rad_s;
+  const double damped = 2.0 * resonator.damping * place * omega_rad_s;
+  return 4.0 / std::numbers::pi * resonator.damping * place * place * place * resonator.std *
+         resonator.std / (apart * apart + damped * damped);
 }
 
 /// What white noise on ḣ adds to h's variance at each sample so that f's stationary standard

@@ -59,6 +59,26 @@ Vector6d QuadrotorModel::acceleration(const AttitudeTrig& attitude, const Vector
   return inverse_inertia_.cwiseProduct(force);
 }
 
+Vector6d QuadrotorModel::rigid_acceleration(const AttitudeTrig& attitude, const Vector6d& velocity,
+                                            const Eigen::Vector4d& U) const {
+  const AttitudeTrig& a = attitude;
+  const double cos_pitch = std::copysign(std::max(std::abs(a.cos_pitch), 1e-6), a.cos_pitch);
+  const double roll_rate = velocity(3), pitch_rate = velocity(4), yaw_rate = velocity(5);
+  Vector6d of_body = velocity;
+  of_body.tail<3>() << roll_rate - yaw_rate * a.sin_pitch,
+      pitch_rate * a.cos_roll + yaw_rate * a.cos_pitch * a.sin_roll,
+      -pitch_rate * a.sin_roll + yaw_rate * a.cos_pitch * a.cos_roll;
+  Vector6d result = acceleration(attitude, of_body, U);
+  const Eigen::Vector3d w = result.tail<3>();  // ω̇
+  // The relations of the rates, differentiated; q sin φ + r cos φ = ψ̇ cos θ.
+  const double turning = w(1) * a.sin_roll + w(2) * a.cos_roll + roll_rate * pitch_rate;
+  const double yaw = (turning + yaw_rate * pitch_rate * a.sin_pitch) / cos_pitch;
+  result(3) = w(0) + yaw * a.sin_pitch + yaw_rate * pitch_rate * a.cos_pitch;
+  result(4) = w(1) * a.cos_roll - w(2) * a.sin_roll - roll_rate * yaw_rate * a.cos_pitch;
+  result(5) = yaw;
+  return result;
+}
+
 Eigen::Matrix4d thruster_matrix(double arm_m) {
   const double h = arm_m;
   Eigen::Matrix4d B;

@@ -69,6 +69,12 @@ class QuadrotorModel {
   Vector6d acceleration(const AttitudeTrig& attitude, const Vector6d& velocity,
                         const Eigen::Vector4d& U, const Vector6d& outside = Vector6d::Zero()) const;
 
+  /// ζ̈ of the rigid body itself: as acceleration(), but drag, torques and the gyroscopic term act
+  /// on its body rates ω, and the angles' rates follow from φ̇ = p + ψ̇ sin θ, θ̇ = q cos φ − r sin φ,
+  /// ψ̇ = (q sin φ + r cos φ)/cos θ. Near a pitch of ±90° the cosine is held at 1e-6.
+  Vector6d rigid_acceleration(const AttitudeTrig& attitude, const Vector6d& velocity,
+                              const Eigen::Vector4d& U) const;
+
   const QuadrotorParameters& parameters() const { return parameters_; }
   QuadrotorPhysics physics() const { return physics_; }
 

@@ -2,21 +2,27 @@
 #include <breakwater/rigs/quadrotor_parts.h>
 
 #include <cmath>
+#include <numbers>
 
 #include <breakwater/control/backstepping.h>
+#include <breakwater/math/functions.h>
+#include <breakwater/observers/resonator_fit.h>
 #include <breakwater/world/waves.h>
 
 namespace breakwater {
 namespace {
 
 enum class WaveFrequencySource { given, estimated };
+enum class WaveForceSource { given, estimated };
 enum class MeasurementCovariance { printed, actual };
 
 struct KalmanSettings {
   QuadrotorEstimatorDesign design;
   MeasurementCovariance covariance = MeasurementCovariance::actual;
   WaveFrequencySource frequency_source = WaveFrequencySource::given;
+  WaveForceSource force_source = WaveForceSource::estimated;
   double assumed_period_s = 0.0;
+  double torque_arm_m = 0.0;
 };
 
 void bind_kalman(Fields& fields, KalmanSettings& settings) {
@@ -26,8 +32,13 @@ void bind_kalman(Fields& fields, KalmanSettings& settings) {
                 {{"none", DisturbanceOrder::none},
                  {"zero", DisturbanceOrder::zero},
                  {"second", DisturbanceOrder::second},
-                 {"resonator", DisturbanceOrder::resonator}},
-                "the disturbance model: none, zero or second order at the thrusters, resonator");
+                 {"resonator", DisturbanceOrder::resonator},
+                 {"spectrum", DisturbanceOrder::spectrum}},
+                "the disturbance model: none, zero or second order at the thrusters; of the waves' "
+                "force: resonator, or spectrum with two resonators an axis");
+  fields.choice("estimator.kinematics", settings.design.kinematics,
+                {{"level", AttitudeKinematics::level}, {"exact", AttitudeKinematics::exact}},
+                "level: the angles' rates are taken for the body's; exact");
   fields.choice("estimator.process_noise", settings.design.noise,
                 {{"printed", ProcessNoiseSource::printed},
                  {"input", ProcessNoiseSource::input},
@@ -52,14 +63,19 @@ void bind_kalman(Fields& fields, KalmanSettings& settings) {
   fields.choice(
       "estimator.wave_frequency", settings.frequency_source,
       {{"given", WaveFrequencySource::given}, {"estimated", WaveFrequencySource::estimated}},
-      "resonator: the frequency follows from a given T_p, or is estimated on line from there");
+      "the waves' frequency follows from a given T_p, or is estimated on line");
   fields.number("estimator.assumed_period_s", settings.assumed_period_s, not_negative(),
-                "resonator: the sea's T_p that is given or guessed; 0: wave.peak_period_s [s]");
+                "the sea's T_p that is given, or resonator: guessed; 0: wave.peak_period_s [s]");
+  fields.choice("estimator.wave_force", settings.force_source,
+                {{"given", WaveForceSource::given}, {"estimated", WaveForceSource::estimated}},
+                "spectrum: the force's deviation is resonator_force_std_N, or estimated on line");
+  fields.number("estimator.wave_torque_arm_m", settings.torque_arm_m, not_negative(),
+                "spectrum: torque of the waves over their horizontal force, z_B/C_m [m]");
   ResonatorDesign& resonator = settings.design.resonator;
   fields.number("estimator.resonator_damping", resonator.damping, between(0.001, 0.999),
                 "relative");
   fields.number("estimator.resonator_force_std_N", resonator.force_std_N, positive(),
-                "of each resonator, stationary [N]");
+                "of a vertical force of waves, stationary [N]");
   fields.number("estimator.resonator_velocity_std_m_s", resonator.velocity_std_m_s, positive(),
                 "walk of the velocities at each sample [m/s]");
   fields.number("estimator.resonator_rate_std_rad_s", resonator.rate_std_rad_s, positive(),
@@ -79,11 +95,101 @@ void bind_kalman(Fields& fields, KalmanSettings& settings) {
   fields.only_for({"estimator.tuned_velocity_std_m_s", "estimator.tuned_rate_std_rad_s",
                    "estimator.tuned_disturbance_std"},
                   "estimator.process_noise", {"tuned"});
-  fields.only_for({"estimator.wave_frequency", "estimator.assumed_period_s",
-                   "estimator.resonator_damping", "estimator.resonator_force_std_N",
-                   "estimator.resonator_velocity_std_m_s", "estimator.resonator_rate_std_rad_s",
-                   "estimator.resonator_bias_std_N", "estimator.resonator_torque_std_Nm"},
-                  "estimator.disturbance", {"resonator"});
+  fields.only_for(
+      {"estimator.wave_frequency", "estimator.assumed_period_s", "estimator.resonator_force_std_N",
+       "estimator.resonator_velocity_std_m_s", "estimator.resonator_rate_std_rad_s",
+       "estimator.resonator_bias_std_N", "estimator.resonator_torque_std_Nm"},
+      "estimator.disturbance", {"resonator", "spectrum"});
+  fields.only_for({"estimator.resonator_damping"}, "estimator.disturbance", {"resonator"});
+  fields.only_for({"estimator.wave_force", "estimator.wave_torque_arm_m"}, "estimator.disturbance",
+                  {"spectrum"});
+  // Files of before these keys know neither.
+  fields.standard("estimator.kinematics", {std::string("level")});
+  fields.standard("estimator.wave_force", {std::string("estimated")});
+  fields.standard("estimator.wave_torque_arm_m", {0.0});
+  const auto is_spectrum = [&settings] {
+    return settings.design.order == DisturbanceOrder::spectrum;
+  };
+  fields.only_where({"estimator.resonator_force_std_N"},
+                    "estimator.disturbance is resonator, or estimator.wave_force is given",
+                    [&settings, is_spectrum] {
+                      return !is_spectrum() || settings.force_source == WaveForceSource::given;
+                    });
+  fields.only_where({"estimator.assumed_period_s"},
+                    "estimator.disturbance is resonator, or estimator.wave_frequency is given",
+                    [&settings, is_spectrum] {
+                      return !is_spectrum() ||
+                             settings.frequency_source == WaveFrequencySource::given;
+                    });
+}
+
+// The vertical force's spectrum in a sea of this period, as strong as is said.
+ForceSpectrum force_spectrum(const SeaState& sea, double depth_m, double strength_N) {
+  constexpr double kLowest = 0.1, kHighest = 5.0;  // over ω_p: all of the force
+  constexpr int kIntervals = 400;
+  SeaState unit = sea;  // the shape does not depend on the height
+  unit.significant_height_m = 1.0;
+  const SampledSpectrum water = acceleration_spectrum(unit, depth_m, kLowest, kHighest, kIntervals);
+  double variance = 0.0;
+  for (const double density : water.density) {
+    variance += density * (water.omega_rad_s[1] - water.omega_rad_s[0]);
+  }
+  ForceSpectrum force{water.omega_rad_s, water.density, {}};
+  for (double& density : force.density) density *= strength_N * strength_N / variance;
+  return force;
+}
+
+ForceSpectrum seen_by(const AxisNoise& axis, ForceSpectrum spectrum) {
+  spectrum.noise.clear();
+  for (const double omega : spectrum.omega_rad_s) {
+    spectrum.noise.push_back(force_noise_density(axis, omega));
+  }
+  return spectrum;
+}
+
+// The seas that the spectrum's bank knows: one period, or fifteen from 4 to 14 s. What counts of a
+// spectrum is what an axis shows of a force in the middle of the bank's strengths.
+void describe_waves(QuadrotorEstimatorDesign& design, const KalmanSettings& settings,
+                    const SeaState& assumed, const QuadrotorTask& task) {
+  constexpr double kShortest_s = 4.0, kLongest_s = 14.0;
+  constexpr int kPeriods = 15;
+  const QuadrotorParameters& vehicle = task.plant.parameters();
+  const AxisNoise vertical{.mass_kg = vehicle.mass_kg,
+                           .position_std_m = design.position_std_m,
+                           .velocity_std_m_s = design.resonator.velocity_std_m_s,
+                           .bias_std_N = design.resonator.bias_std_N,
+                           .period_s = design.period_s};
+  const AxisNoise roll{.mass_kg = vehicle.inertia_kgm2.x(),
+                       .position_std_m = design.angle_std_rad,
+                       .velocity_std_m_s = design.resonator.rate_std_rad_s,
+                       .bias_std_N = 0.0,
+                       .period_s = design.period_s};
+  WaveForceBankDesign& bank = design.waves;
+  double middle_N = std::sqrt(bank.weakest_N * bank.strongest_N);
+  if (settings.force_source == WaveForceSource::given) {
+    bank.weakest_N = middle_N = design.resonator.force_std_N;
+    bank.strengths = 1;
+  }
+  const bool one = settings.frequency_source == WaveFrequencySource::given;
+  const int periods = one ? 1 : kPeriods;
+  double log_walk = 0.0;
+  for (int i = 0; i < periods; ++i) {
+    SeaState sea = assumed;
+    if (!one) {
+      sea.peak_period_s = kShortest_s * math::pow(kLongest_s / kShortest_s, i / (kPeriods - 1.0));
+    }
+    const ForceSpectrum force = force_spectrum(sea, -task.reference_m.z(), middle_N);
+    ResonatorPair pair = fit_resonators(seen_by(vertical, force));
+    for (Resonator& r : pair) r.std /= middle_N;
+    bank.shapes.push_back(pair);
+    if (settings.torque_arm_m == 0.0) continue;
+    ForceSpectrum torque = force;  // of a horizontal axis
+    for (double& density : torque.density) {
+      density *= kHorizontalShare * settings.torque_arm_m * settings.torque_arm_m;
+    }
+    log_walk += math::log(fit_walk(seen_by(roll, torque), design.period_s) / middle_N) / periods;
+  }
+  design.torque_walk_per_force_m = settings.torque_arm_m == 0.0 ? 0.0 : math::exp(log_walk);
 }
 
 std::unique_ptr<QuadrotorEstimator> make_kalman(const KalmanSettings& settings,
@@ -98,6 +204,9 @@ std::unique_ptr<QuadrotorEstimator> make_kalman(const KalmanSettings& settings,
   if (settings.assumed_period_s > 0.0) assumed.peak_period_s = settings.assumed_period_s;
   design.wave_frequency_rad_s = mean_acceleration_frequency(assumed, -task.reference_m.z());
   design.estimates_wave_frequency = settings.frequency_source == WaveFrequencySource::estimated;
+  if (design.order == DisturbanceOrder::spectrum) {
+    describe_waves(design, settings, assumed, task);
+  }
   return blame("estimator.filter", [&] { return make_quadrotor_estimator(design, task.plant); });
 }
 
@@ -150,7 +259,7 @@ std::unique_ptr<Controller> make_backstepping(const BacksteppingSettings& settin
 
 std::vector<QuadrotorEstimatorKind> quadrotor_estimators() {
   return {
-      {"kalman", "UKF or EKF with one of four disturbance models (3.4)", bind_kalman, make_kalman}};
+      {"kalman", "UKF or EKF with one of five disturbance models (3.4)", bind_kalman, make_kalman}};
 }
 
 std::vector<QuadrotorControllerKind> quadrotor_controllers() {

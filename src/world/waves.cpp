@@ -32,25 +32,34 @@ double wave_number(double omega_rad_s, double water_depth_m, double gravity_m_s2
   return x / water_depth_m;
 }
 
-double mean_acceleration_frequency(const SeaState& sea, double depth_m) {
+SampledSpectrum acceleration_spectrum(const SeaState& sea, double depth_m, double lowest,
+                                      double highest, int intervals) {
   if (!(depth_m >= 0.0)) throw std::invalid_argument("waves: the depth must be 0 or more");
-  SeaState unit = sea;  // the mean does not depend on the height
-  unit.significant_height_m = 1.0;
-  const JonswapSpectrum spectrum(unit);
-  constexpr int kIntervals = 1000;
-  const double step = (kHighest - kLowest) * spectrum.peak_rad_s() / kIntervals;
-  double moment = 0.0, area = 0.0;
-  for (int i = 0; i < kIntervals; ++i) {
-    const double omega = kLowest * spectrum.peak_rad_s() + step * (i + 0.5);
+  const JonswapSpectrum spectrum(sea);
+  const double step = (highest - lowest) * spectrum.peak_rad_s() / intervals;
+  SampledSpectrum sampled;
+  for (int i = 0; i < intervals; ++i) {
+    const double omega = lowest * spectrum.peak_rad_s() + step * (i + 0.5);
     const double k = wave_number(omega, sea.water_depth_m, sea.gravity_m_s2);
     double decay = math::exp(-k * depth_m);
     if (sea.water_depth_m > 0.0) {
       decay *= (1.0 - math::exp(-2.0 * k * (sea.water_depth_m - depth_m))) /
                (1.0 - math::exp(-2.0 * k * sea.water_depth_m));
     }
-    const double density = math::pow(omega, 4.0) * decay * decay * spectrum.density(omega);
-    moment += omega * density;
-    area += density;
+    sampled.omega_rad_s.push_back(omega);
+    sampled.density.push_back(math::pow(omega, 4.0) * decay * decay * spectrum.density(omega));
+  }
+  return sampled;
+}
+
+double mean_acceleration_frequency(const SeaState& sea, double depth_m) {
+  SeaState unit = sea;  // the mean does not depend on the height
+  unit.significant_height_m = 1.0;
+  const SampledSpectrum spectrum = acceleration_spectrum(unit, depth_m, kLowest, kHighest, 1000);
+  double moment = 0.0, area = 0.0;
+  for (std::size_t i = 0; i < spectrum.density.size(); ++i) {
+    moment += spectrum.omega_rad_s[i] * spectrum.density[i];
+    area += spectrum.density[i];
   }
   return moment / area;
 }

@@ -53,6 +53,19 @@ class Waves {
   std::vector<Component> components_;
 };
 
+/// A spectrum over a band: densities at equally spaced frequencies, each the middle of its
+/// interval.
+struct SampledSpectrum {
+  std::vector<double> omega_rad_s;
+  std::vector<double> density;
+};
+
+/// The spectrum of the water's vertical acceleration at a depth below the surface [(m/s²)² s/rad],
+/// G = ω⁴ (sinh k(h−d)/sinh kh)² S, from `lowest` to `highest` times ω_p. Errors as
+/// mean_acceleration_frequency().
+SampledSpectrum acceleration_spectrum(const SeaState& sea, double depth_m, double lowest,
+                                      double highest, int intervals);
+
 /// The mean frequency of the water's vertical acceleration at a depth below the surface, over the
 /// components' band [rad/s]: ∫ ω G dω / ∫ G dω of its spectrum G = ω⁴ (sinh k(h−d)/sinh kh)² S,
 /// which at moderate depths lies above the waves' peak. Throws std::invalid_argument as

@@ -1,0 +1,136 @@
+#include <breakwater/observers/wave_force_bank.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include <breakwater/linear/riccati.h>
+#include <breakwater/math/functions.h>
+
+namespace breakwater {
+namespace {
+
+constexpr double kForgotten = 40.0;  // a log likelihood so far below the best has no weight
+
+bool fits(const ResonatorPair& pair) {
+  return std::all_of(pair.begin(), pair.end(), [](const Resonator& r) {
+    return r.omega_rad_s > 0.0 && r.damping > 0.0 && r.damping < 1.0 && r.std > 0.0;
+  });
+}
+
+}  // namespace
+
+WaveForceBank::WaveForceBank(const WaveForceBankDesign& design) : design_(design) {
+  const bool sound =
+      !design.shapes.empty() && std::all_of(design.shapes.begin(), design.shapes.end(), fits) &&
+      design.mass_kg > 0.0 && design.bias_std_N > 0.0 && design.velocity_std_m_s > 0.0 &&
+      design.position_std_m > 0.0 && design.weakest_N > 0.0 && design.strengths > 0 &&
+      (design.strengths == 1 || design.strongest_N > design.weakest_N) && design.memory_s > 0.0 &&
+      design.settling_s >= 0.0 && design.period_s > 0.0;
+  if (!sound) throw std::invalid_argument("wave force bank: every value must be positive");
+  const double dt = design.period_s;
+  const double lowest = math::log(design.weakest_N);
+  const double span = design.strengths > 1 ? math::log(design.strongest_N / design.weakest_N) : 0.0;
+  for (const ResonatorPair& pair : design.shapes) {
+    Shape shape{resonator_step(pair[0].omega_rad_s, pair[0].damping, dt),
+                resonator_step(pair[1].omega_rad_s, pair[1].damping, dt), Logarithms::Zero()};
+    Eigen::MatrixXd A = Eigen::MatrixXd::Identity(7, 7);
+    A(0, 1) = dt;
+    A(1, 2) = A(1, 3) = A(1, 5) = dt / design.mass_kg;
+    A.block<2, 2>(3, 3) = shape.first;
+    A.block<2, 2>(5, 5) = shape.second;
+    int next = 0;
+    for (const Resonator& r : pair) {
+      shape.logarithms(next++) = math::log(r.omega_rad_s);
+      shape.logarithms(next++) = math::log(r.damping);
+      shape.logarithms(next++) = math::log(r.std);
+    }
+    for (int i = 0; i < design.strengths; ++i) {
+      Candidate c;
+      c.shape = shapes_.size();
+      c.log_strength = lowest + (design.strengths > 1 ? span * i / (design.strengths - 1) : 0.0);
+      const double strength = math::exp(c.log_strength);
+      const auto noise = [&](const Resonator& r) {
+        return resonator_noise(r.omega_rad_s, r.damping, strength * r.std, dt);
+      };
+      State q;
+      q << 0.0, design.velocity_std_m_s * design.velocity_std_m_s,
+          design.bias_std_N * design.bias_std_N, 0.0, noise(pair[0]), 0.0, noise(pair[1]);
+      const double r = design.position_std_m * design.position_std_m;
+      const Eigen::MatrixXd P =
+          solve_dare(A.transpose(), Eigen::MatrixXd::Identity(7, 1),
+                     Eigen::MatrixXd(q.asDiagonal()), Eigen::MatrixXd::Constant(1, 1, r));
+      c.variance = P(0, 0) + r;
+      c.log_variance = math::log(c.variance);
+      c.gain = P.col(0) / c.variance;
+      candidates_.push_back(c);
+    }
+    shapes_.push_back(shape);
+  }
+  reset(0.0);
+}
+
+void WaveForceBank::reset(double position_m) {
+  for (Candidate& c : candidates_) {
+    c.x.setZero();
+    c.x(0) = position_m;
+    c.log_likelihood = 0.0;
+  }
+  elapsed_s_ = 0.0;
+  average(0.0);
+}
+
+void WaveForceBank::update(double known_force_N, double position_m) {
+  elapsed_s_ += design_.period_s;
+  const bool listens_only = elapsed_s_ < design_.settling_s;
+  const double keep = 1.0 - design_.period_s / design_.memory_s;
+  const double step = design_.period_s / design_.mass_kg;
+  double best = -1e300;
+  for (Candidate& c : candidates_) {
+    const Shape& shape = shapes_[c.shape];
+    State x;
+    x(0) = c.x(0) + design_.period_s * c.x(1);
+    x(1) = c.x(1) + step * (known_force_N + c.x(2) + c.x(3) + c.x(5));
+    x(2) = c.x(2);
+    x.segment<2>(3).noalias() = shape.first * c.x.segment<2>(3);
+    x.segment<2>(5).noalias() = shape.second * c.x.segment<2>(5);
+    const double innovation = position_m - x(0);
+    c.x = x + c.gain * innovation;
+    if (listens_only) continue;
+    c.log_likelihood =
+        keep * c.log_likelihood - 0.5 * (c.log_variance + innovation * innovation / c.variance);
+    best = std::max(best, c.log_likelihood);
+  }
+  if (!listens_only) average(best);
+}
+
+void WaveForceBank::average(double best) {
+  double weights = 0.0;
+  Logarithms sum = Logarithms::Zero();
+  for (const Candidate& c : candidates_) {
+    const double behind = best - c.log_likelihood;
+    if (behind > kForgotten) continue;
+    const double weight = math::exp(-behind);
+    const Logarithms& of_shape = shapes_[c.shape].logarithms;
+    weights += weight;
+    sum += weight * of_shape;
+    sum(2) += weight * c.log_strength;
+    sum(5) += weight * c.log_strength;
+  }
+  sum /= weights;
+  const auto resonator = [&](int from) {
+    return Resonator{math::exp(sum(from)), math::exp(sum(from + 1)), math::exp(sum(from + 2))};
+  };
+  resonators_ = {resonator(0), resonator(3)};
+}
+
+double total_std(const ResonatorPair& pair) {
+  return std::sqrt(pair[0].std * pair[0].std + pair[1].std * pair[1].std);
+}
+
+double mean_frequency(const ResonatorPair& pair) {
+  const double first = pair[0].std * pair[0].std, second = pair[1].std * pair[1].std;
+  return (first * pair[0].omega_rad_s + second * pair[1].omega_rad_s) / (first + second);
+}
+
+}  // namespace breakwater
