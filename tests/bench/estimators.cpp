@@ -170,10 +170,19 @@ void report_quadrotor() {
   r << 1e-2, 1e-2, 1e-2, 1e-4, 1e-4, 1e-4;
   design.R = r.asDiagonal();
   design.P0 = 0.1 * Eigen::Matrix<double, 24, 24>::Identity();
+  const WaveForces<2, 2> spectrum(model, DisturbanceWalks{},
+                                  {{{0.81, 0.03, 0.11}, {1.13, 0.09, 0.07}}}, 0.5, 0.01,
+                                  AttitudeKinematics::exact);
+  NonlinearKalmanDesign<30, 6> spectrum_design;
+  spectrum_design.Q = spectrum.Q();
+  spectrum_design.R = design.R;
+  spectrum_design.P0 = 0.1 * Eigen::Matrix<double, 30, 30>::Identity();
   std::puts("24 states, 6 outputs: the underwater quadrotor (goal for the UKF: 10 us)");
   report_nonlinear("UKF, resonators", Ukf<WaveResonators, 6>(resonators, design));
   report_nonlinear("UKF, second order", Ukf<ThrusterDisturbance<2>, 6>(polynomial, design));
   report_nonlinear("EKF, second order", Ekf<ThrusterDisturbance<2>, 6>(polynomial, design, 0.0));
+  report_nonlinear("UKF, spectrum (30 states)",
+                   Ukf<WaveForces<2, 2>, 6>(spectrum, spectrum_design));
 }
 
 }  // namespace

@@ -39,6 +39,14 @@ inline NonlinearKalmanDesign<24, 6> endurance_design(const WaveResonators& proce
   return design;
 }
 
+inline NonlinearKalmanDesign<30, 6> endurance_design(const WaveForces<2, 2>& process) {
+  NonlinearKalmanDesign<30, 6> design;
+  design.Q = process.Q();
+  design.R = endurance_design(0).R * 0.01;
+  design.P0 = 0.1 * Eigen::Matrix<double, 30, 30>::Identity();
+  return design;
+}
+
 /// The vehicle of the filter's own model under a vertical and a lateral force of 0.2 N and 6 s,
 /// held at rest by the filter's estimates. P must stay symmetric, finite and positive.
 template <typename Filter>
@@ -81,11 +89,15 @@ void endures(Filter filter, int steps) {
   }
 }
 
-/// Both 24-state models in the UKF, and the thesis' in the EKF.
+/// The 24- and 30-state models in the UKF, and the thesis' in the EKF.
 inline void all_endure(int steps) {
   const QuadrotorModel model({}, QuadrotorPhysics::physical);
   const WaveResonators resonators(model, {}, 1.0, 0.01);
   const ThrusterDisturbance<2> polynomial(model, 0.01);
+  const WaveForces<2, 2> spectrum(model, DisturbanceWalks{2e-4, 1e-4, 5e-4, 5e-4},
+                                  {{{0.81, 0.03, 0.11}, {1.13, 0.09, 0.07}}}, 0.5, 0.01,
+                                  AttitudeKinematics::exact);
+  endures(Ukf<WaveForces<2, 2>, 6>(spectrum, endurance_design(spectrum)), steps);
   endures(Ukf<WaveResonators, 6>(resonators, endurance_design(resonators)), steps);
   endures(Ukf<ThrusterDisturbance<2>, 6>(polynomial, endurance_design(polynomial)), steps);
   endures(Ekf<ThrusterDisturbance<2>, 6>(polynomial, endurance_design(polynomial), 0.0), steps);

@@ -131,7 +131,7 @@ TEST(Allocation, EstimatorsDoNotAllocate) {
 
 // The loop reports every 10 s, so the first of it is counted too.
 TEST(Allocation, QuadrotorLoopDoesNotAllocate) {
-  for (const char* name : {"resonator", "ukf-second", "ekf-second", "ukf-none"}) {
+  for (const char* name : {"resonator", "spectrum", "ukf-second", "ekf-second", "ukf-none"}) {
     EXPECT_EQ(allocations_in_loop("quadrotor_waves", name,
                                   {"run.duration_s=111", "estimator.wave_frequency=estimated"}),
               0)

@@ -106,7 +106,11 @@ std::vector<Trial> all_trials() {
         {"encoder.bits=0", "observer.alpha=1"},
         {"observer.name=state_observer", "observer.poles_rad_s=[-10, -20]"}}},
       {"quadrotor_waves",
-       {{"reading=literal"}, {"reading=consistent"}, {"estimator.wave_frequency=estimated"}}}};
+       {{"reading=literal"},
+        {"reading=consistent"},
+        {"estimator.wave_frequency=estimated"},
+        {"estimator.disturbance=spectrum", "estimator.wave_frequency=estimated"},
+        {"estimator.disturbance=spectrum", "estimator.wave_force=given"}}}};
   std::vector<Trial> trials;
   for (const std::string& name : testing::scenario_names()) {
     const ScenarioFile file = testing::scenario_file(name);

@@ -1,0 +1,520 @@
+// The model of the waves' force by its spectrum: its fit, its bank, its process and its filter.
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <cmath>
+#include <complex>
+#include <random>
+#include <stdexcept>
+
+#include <breakwater/control/quadrotor_estimator.h>
+#include <breakwater/observers/resonator_fit.h>
+#include <breakwater/observers/ukf.h>
+#include <breakwater/observers/wave_force_bank.h>
+#include <breakwater/world/waves.h>
+#include "support.h"
+
+namespace breakwater {
+namespace {
+
+constexpr double kPeriod_s = 0.01;
+constexpr double kDepth_m = 10.0;
+constexpr AxisNoise kVertical{.mass_kg = 1.38,
+                              .position_std_m = 0.1,
+                              .velocity_std_m_s = 2e-4,
+                              .bias_std_N = 5e-4,
+                              .period_s = kPeriod_s};
+
+class Normal {
+ public:
+  explicit Normal(unsigned seed) : engine_(seed) {}
+  double operator()() { return normal_(engine_); }
+  Eigen::VectorXd vector(const Eigen::VectorXd& variances) {
+    Eigen::VectorXd x(variances.size());
+    for (Eigen::Index i = 0; i < x.size(); ++i) x(i) = std::sqrt(variances(i)) * (*this)();
+    return x;
+  }
+
+ private:
+  std::mt19937_64 engine_;
+  std::normal_distribution<double> normal_;
+};
+
+// JONSWAP's formula times ω⁴ exp(−2 ω² d/g), written out once more; not normalised.
+double acceleration_density(double omega, double peak_period_s) {
+  const double peak = 2.0 * M_PI / peak_period_s;
+  const double width = (omega <= peak ? 0.07 : 0.09) * peak;
+  const double bump = std::exp(-0.5 * std::pow((omega - peak) / width, 2.0));
+  return std::exp(-1.25 * std::pow(peak / omega, 4.0)) * std::pow(3.3, bump) / omega *
+         std::exp(-2.0 * omega * omega / 9.806 * kDepth_m);
+}
+
+// The force's spectrum of that deviation, as the vertical axis sees it.
+ForceSpectrum force_of(double peak_period_s, double std_N) {
+  constexpr int kIntervals = 400;
+  const double step = 5.0 * 2.0 * M_PI / peak_period_s / kIntervals;
+  ForceSpectrum s;
+  double variance = 0.0;
+  for (int i = 0; i < kIntervals; ++i) {
+    const double omega = step * (i + 0.5);
+    s.omega_rad_s.push_back(omega);
+    s.density.push_back(acceleration_density(omega, peak_period_s));
+    s.noise.push_back(force_noise_density(kVertical, omega));
+    variance += s.density.back() * step;
+  }
+  for (double& density : s.density) density *= std_N * std_N / variance;
+  return s;
+}
+
+double distance_of(const ForceSpectrum& s, const ResonatorPair& pair) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < s.density.size(); ++i) {
+    const double model = spectral_density(pair[0], s.omega_rad_s[i]) +
+                         spectral_density(pair[1], s.omega_rad_s[i]) + s.noise[i];
+    const double ratio = (s.density[i] + s.noise[i]) / model;
+    sum += ratio - std::log(ratio) - 1.0;
+  }
+  return sum;
+}
+
+TEST(AccelerationSpectrum, IsJonswapsTimesTheDecay) {
+  SeaState sea;
+  sea.significant_height_m = 2.0;
+  const SampledSpectrum s = acceleration_spectrum(sea, kDepth_m, 0.5, 3.0, 200);
+  const double scale = s.density[100] / acceleration_density(s.omega_rad_s[100], 8.0);
+  for (std::size_t i = 0; i < s.density.size(); ++i) {
+    const double expected = scale * acceleration_density(s.omega_rad_s[i], 8.0);
+    EXPECT_NEAR(s.density[i], expected, 1e-10 * expected + 1e-30);
+  }
+  // Its area is the variance of what a realisation of many components does there.
+  double area = 0.0, realised = 0.0;
+  for (const double density : s.density) area += density * (s.omega_rad_s[1] - s.omega_rad_s[0]);
+  sea.components = 1000;
+  const Waves waves(sea, 0.3);
+  for (const Waves::Component& c : waves.components()) {
+    const double a =
+        c.amplitude_m * c.omega_rad_s * c.omega_rad_s * std::exp(-c.wave_number_rad_m * kDepth_m);
+    realised += 0.5 * a * a;
+  }
+  EXPECT_NEAR(area, realised, 0.02 * area);  // the band holds 99 % of the waves
+}
+
+// The density's area is σ², and its shape that of the sampled resonator.
+TEST(ResonatorFit, DensityIsTheResonators) {
+  const Resonator r{0.9, 0.1, 0.2};
+  double area = 0.0;
+  for (double w = 5e-4; w < 60.0; w += 1e-3) area += spectral_density(r, w) * 1e-3;
+  EXPECT_NEAR(area, r.std * r.std, 1e-4 * r.std * r.std);
+  const Eigen::Matrix2d step = resonator_step(r.omega_rad_s, r.damping, 1e-3);
+  const double noise = resonator_noise(r.omega_rad_s, r.damping, r.std, 1e-3);
+  for (const double w : {0.5, 0.9, 1.4}) {
+    const Eigen::Matrix2cd z = std::polar(1.0, 1e-3 * w) * Eigen::Matrix2cd::Identity();
+    const std::complex<double> gain = (z - step.cast<std::complex<double>>()).inverse()(0, 1);
+    const double sampled = std::norm(gain) * noise * 1e-3 / M_PI;
+    EXPECT_NEAR(spectral_density(r, w), sampled, 5e-3 * sampled);
+  }
+}
+
+TEST(ResonatorFit, FindsAPairAgain) {
+  const ResonatorPair truth = {{{0.7, 0.05, 0.1}, {1.2, 0.15, 0.15}}};
+  ForceSpectrum s;
+  for (int i = 0; i < 3000; ++i) {
+    const double w = 0.01 * (i + 0.5);  // far enough for all of the variance
+    s.omega_rad_s.push_back(w);
+    s.density.push_back(spectral_density(truth[0], w) + spectral_density(truth[1], w));
+    s.noise.push_back(1e-6);
+  }
+  const ResonatorPair found = fit_resonators(s);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_NEAR(found[i].omega_rad_s, truth[i].omega_rad_s, 1e-3 * truth[i].omega_rad_s);
+    EXPECT_NEAR(found[i].damping, truth[i].damping, 1e-2 * truth[i].damping);
+    EXPECT_NEAR(found[i].std, truth[i].std, 1e-2 * truth[i].std);
+  }
+}
+
+// No neighbour is nearer, by a distance of the test's own; nor is the best single resonator that a
+// search over its place and damping finds. Before it is scaled to the force's variance, the pair
+// has 0.90 to 1.05 of it, so that the scaled one is the nearest but for that.
+TEST(ResonatorFit, IsTheNearestToTheForce) {
+  for (const double period_s : {4.0, 6.0, 8.0, 10.0, 14.0}) {
+    const ForceSpectrum s = force_of(period_s, 0.17);
+    const ResonatorPair pair = fit_resonators(s);
+    EXPECT_LT(pair[0].omega_rad_s, pair[1].omega_rad_s);
+    EXPECT_NEAR(pair[0].std * pair[0].std + pair[1].std * pair[1].std, 0.17 * 0.17, 1e-9);
+    const auto scaled = [&](ResonatorPair other, double scale) {
+      for (Resonator& r : other) r.std *= scale;
+      return other;
+    };
+    double scale = 1.0, best = distance_of(s, pair);
+    for (double trial = 0.9; trial < 1.05; trial += 1e-4) {
+      const double there = distance_of(s, scaled(pair, trial));
+      if (there < best) best = there, scale = trial;
+    }
+    EXPECT_GT(scale, 0.90);
+    const ResonatorPair nearest = scaled(pair, scale);
+    testing::Random random(3);
+    for (int i = 0; i < 200; ++i) {
+      ResonatorPair other = nearest;
+      for (Resonator& r : other) {
+        r.omega_rad_s *= 1.0 + random.uniform(-0.02, 0.02);
+        r.damping *= 1.0 + random.uniform(-0.05, 0.05);
+        r.std *= 1.0 + random.uniform(-0.02, 0.02);
+      }
+      EXPECT_GT(distance_of(s, other), best - 1e-4) << period_s;
+    }
+    double single = 1e300;
+    for (double omega = 0.4; omega < 2.0; omega += 0.01) {
+      for (double damping = 0.02; damping < 0.4; damping *= 1.1) {
+        const Resonator half{omega, damping, 0.17 * std::sqrt(0.5)};
+        single = std::min(single, distance_of(s, {half, half}));
+      }
+    }
+    EXPECT_LT(distance_of(s, pair), 0.9 * single) << period_s;
+  }
+}
+
+TEST(ResonatorFit, WalkIsTheNearest) {
+  ForceSpectrum s = force_of(8.0, 0.17);
+  const auto distance = [&](double std_N) {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < s.density.size(); ++i) {
+      const double w = s.omega_rad_s[i];
+      const double ratio =
+          (s.density[i] + s.noise[i]) / (std_N * std_N / (M_PI * kPeriod_s * w * w) + s.noise[i]);
+      sum += ratio - std::log(ratio) - 1.0;
+    }
+    return sum;
+  };
+  const double walk = fit_walk(s, kPeriod_s);
+  for (double factor = 0.2; factor < 5.0; factor *= 1.05) {
+    EXPECT_GE(distance(factor * walk), distance(walk) - 1e-9) << factor;
+  }
+  for (std::size_t i = 0; i < s.density.size(); ++i) {
+    const double w = s.omega_rad_s[i];
+    s.density[i] = 4e-6 / (M_PI * kPeriod_s * w * w);
+  }
+  EXPECT_NEAR(fit_walk(s, kPeriod_s), 2e-3, 1e-8);
+}
+
+TEST(ResonatorFit, RefusesNonsense) {
+  EXPECT_THROW(fit_resonators({}), std::invalid_argument);
+  ForceSpectrum s = force_of(8.0, 0.17);
+  s.noise[3] = 0.0;
+  EXPECT_THROW(fit_resonators(s), std::invalid_argument);
+  s = force_of(8.0, 0.17);
+  std::fill(s.density.begin(), s.density.end(), 0.0);
+  EXPECT_THROW(fit_resonators(s), std::invalid_argument);
+  EXPECT_THROW(fit_walk(force_of(8.0, 0.17), 0.0), std::invalid_argument);
+  EXPECT_THROW(WaveForceBank({}), std::invalid_argument);
+}
+
+// An axis under a force of a pair's own, held near its place by a known force.
+class Axis {
+ public:
+  Axis(const ResonatorPair& pair, unsigned seed) : pair_(pair), normal_(seed) {}
+
+  void run(WaveForceBank& bank, double strength, double duration_s) {
+    for (int k = 0; k < duration_s / kPeriod_s; ++k) {
+      const double hold = -1.0 * p_ - 1.5 * v_;
+      double force = 0.0;
+      for (std::size_t i = 0; i < 2; ++i) {
+        const Resonator& r = pair_[i];
+        x_[i] = resonator_step(r.omega_rad_s, r.damping, kPeriod_s) * x_[i];
+        x_[i](1) +=
+            std::sqrt(resonator_noise(r.omega_rad_s, r.damping, strength * r.std, kPeriod_s)) *
+            normal_();
+        force += x_[i](0);
+      }
+      p_ += kPeriod_s * v_;
+      v_ += kPeriod_s / kVertical.mass_kg * (force + hold);
+      bank.update(hold, p_ + kVertical.position_std_m * normal_());
+    }
+  }
+
+ private:
+  ResonatorPair pair_;
+  Normal normal_;
+  std::array<Eigen::Vector2d, 2> x_ = {Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};
+  double p_ = 0.0, v_ = 0.0;
+};
+
+WaveForceBankDesign bank_of(std::initializer_list<double> periods_s) {
+  WaveForceBankDesign design;
+  for (const double period_s : periods_s) {
+    ResonatorPair pair = fit_resonators(force_of(period_s, 0.17));
+    for (Resonator& r : pair) r.std /= 0.17;
+    design.shapes.push_back(pair);
+  }
+  design.mass_kg = kVertical.mass_kg;
+  design.position_std_m = kVertical.position_std_m;
+  return design;
+}
+
+// Over 60 s a sea of 8 s has about ten waves: its strength itself wanders by a quarter.
+TEST(WaveForceBank, FindsTheStrength) {
+  const WaveForceBankDesign design = bank_of({8.0});
+  for (const double strength : {0.06, 0.2, 0.6}) {
+    WaveForceBank bank(design);
+    EXPECT_NEAR(total_std(bank.resonators()), std::sqrt(0.03), 1e-9);  // it knows nothing yet
+    double log_ratio = 0.0;
+    Axis axis(design.shapes[0], 5);
+    axis.run(bank, strength, 100.0);
+    for (int i = 0; i < 10; ++i) {
+      axis.run(bank, strength, 60.0);
+      log_ratio += 0.1 * std::log(total_std(bank.resonators()) / strength);
+    }
+    EXPECT_NEAR(log_ratio, 0.0, 0.2) << strength;
+    axis.run(bank, 2.0 * strength, 300.0);
+    EXPECT_GT(total_std(bank.resonators()), 1.4 * strength) << strength;
+  }
+}
+
+TEST(WaveForceBank, FindsThePeriod) {
+  const WaveForceBankDesign design = bank_of({5.0, 8.0, 12.0});
+  for (const ResonatorPair& truth : design.shapes) {
+    WaveForceBank bank(design);
+    Axis(truth, 7).run(bank, 0.25, 200.0);
+    EXPECT_NEAR(mean_frequency(bank.resonators()), mean_frequency(truth),
+                0.1 * mean_frequency(truth));
+  }
+}
+
+// ψ̇ = (q sin φ + r cos φ)/cos θ and the others, differentiated numerically along the motion of a
+// rotation matrix with body rates under torques and drag.
+TEST(QuadrotorModel, RigidAccelerationIsThatOfTheBody) {
+  const QuadrotorModel model({}, QuadrotorPhysics::physical);
+  const QuadrotorParameters& p = model.parameters();
+  testing::Random random(2);
+  for (int trial = 0; trial < 20; ++trial) {
+    const Eigen::Vector3d angles = random.vector(3, 1.0);
+    const Eigen::Vector3d omega = random.vector(3, 1.0);
+    const Eigen::Vector4d U = random.vector(4, 2.0);
+    const Eigen::Matrix3d R = (Eigen::AngleAxisd(angles(2), Eigen::Vector3d::UnitZ()) *
+                               Eigen::AngleAxisd(angles(1), Eigen::Vector3d::UnitY()) *
+                               Eigen::AngleAxisd(angles(0), Eigen::Vector3d::UnitX()))
+                                  .toRotationMatrix();
+    Vector6d rates = Vector6d::Zero();
+    rates.tail<3>() = omega;
+    const Eigen::Vector3d turning =
+        (U.tail<3>() - p.drag(rates).tail<3>() - omega.cross(p.inertia_kgm2.cwiseProduct(omega)))
+            .cwiseQuotient(p.inertia_kgm2);
+    const auto rates_after = [&](double h) {
+      const Eigen::Vector3d half = omega + 0.5 * h * turning;
+      const Eigen::Matrix3d turned =
+          R * Eigen::AngleAxisd(h * half.norm(), half.normalized()).toRotationMatrix();
+      const Eigen::Vector3d there(std::atan2(turned(2, 1), turned(2, 2)), std::asin(-turned(2, 0)),
+                                  std::atan2(turned(1, 0), turned(0, 0)));
+      return attitude_rates(AttitudeTrig(there), omega + h * turning);
+    };
+    constexpr double kStep_s = 1e-4;
+    const Eigen::Vector3d expected =
+        (rates_after(kStep_s) - rates_after(-kStep_s)) / (2.0 * kStep_s);
+    Vector6d velocity;
+    velocity << random.vector(3, 1.0), attitude_rates(AttitudeTrig(angles), omega);
+    const Vector6d a = model.rigid_acceleration(AttitudeTrig(angles), velocity, U);
+    EXPECT_LT((a.tail<3>() - expected).norm(), 1e-5);
+    const Vector6d level = model.acceleration(AttitudeTrig(angles), velocity, U);
+    EXPECT_EQ(a.head<3>(), level.head<3>());
+  }
+}
+
+using Waves2 = WaveForces<2, 2>;
+constexpr ResonatorPair kSea = {{{0.81, 0.03, 0.11}, {1.13, 0.09, 0.07}}};
+
+// Nothing in it is nonlinear without thrust, drag and gyroscopic terms.
+QuadrotorModel linear_vehicle() {
+  QuadrotorParameters p;
+  p.linear_drag.setZero();
+  p.quadratic_drag.setZero();
+  p.inertia_kgm2.setConstant(0.85);
+  return {p, QuadrotorPhysics::physical};
+}
+
+template <typename Process>
+NonlinearKalmanDesign<Process::kStates, 6> design_of(const Process& process) {
+  NonlinearKalmanDesign<Process::kStates, 6> design;
+  design.Q = process.Q();
+  design.R = (Vector6d() << 1e-2, 1e-2, 1e-2, 1e-4, 1e-4, 1e-4).finished().asDiagonal();
+  Eigen::VectorXd p = Eigen::VectorXd::Constant(Process::kStates, 1e-2);
+  p.segment<3>(3).setConstant(1e-4);
+  p.segment<6>(6) << 2e-3, 2e-3, 2e-3, 4e-4, 4e-4, 4e-4;
+  p.segment<3>(Process::kTorque).setConstant(1e-5);
+  design.P0 = p.asDiagonal();
+  return design;
+}
+
+// V = Φ V Φᵀ + Q, solved as 16 linear equations, has the pair's variances, and their sum is that
+// of the force's own spectrum; and the sampled process' spectrum has the force's distribution over
+// frequency within 0.12 everywhere.
+TEST(WaveForces, HasTheForcesVarianceAndSpectrum) {
+  for (const double period_s : {6.0, 8.0, 10.0}) {
+    const ForceSpectrum s = force_of(period_s, 0.24);
+    const Waves2 process(QuadrotorModel({}, QuadrotorPhysics::physical), {}, fit_resonators(s),
+                         kHorizontalShare, kPeriod_s, AttitudeKinematics::exact);
+    for (const int axis : {0, 2}) {
+      const int rows[] = {Waves2::force_row(0) + axis, Waves2::rate_row(0) + axis,
+                          Waves2::force_row(1) + axis, Waves2::rate_row(1) + axis};
+      Eigen::Matrix4d phi, Q;
+      for (int i = 0; i < 4; ++i) {
+        for (int j = 0; j < 4; ++j) {
+          phi(i, j) = process.linear()(rows[i], rows[j]);
+          Q(i, j) = process.Q()(rows[i], rows[j]);
+        }
+      }
+      Eigen::Matrix<double, 16, 16> kronecker;
+      for (int i = 0; i < 4; ++i) {
+        for (int j = 0; j < 4; ++j) kronecker.block<4, 4>(4 * i, 4 * j) = phi(i, j) * phi;
+      }
+      const Eigen::Matrix<double, 16, 1> v =
+          (Eigen::Matrix<double, 16, 16>::Identity() - kronecker)
+              .lu()
+              .solve(Eigen::Map<const Eigen::Matrix<double, 16, 1>>(Q.data()));
+      const Eigen::Map<const Eigen::Matrix4d> V(v.data());
+      const double variance = V(0, 0) + V(2, 2) + 2.0 * V(0, 2);
+      const double expected = 0.24 * 0.24 * (axis == 2 ? 1.0 : kHorizontalShare);
+      EXPECT_NEAR(variance, expected, 0.01 * expected);
+      if (axis == 0) continue;
+      const double step = s.omega_rad_s[1] - s.omega_rad_s[0];
+      const Eigen::RowVector4cd force = Eigen::RowVector4cd(1.0, 0.0, 1.0, 0.0);
+      double own = 0.0, models = 0.0, largest = 0.0;
+      for (std::size_t i = 0; i < s.density.size(); ++i) {
+        const Eigen::Matrix4cd z =
+            std::polar(1.0, kPeriod_s * s.omega_rad_s[i]) * Eigen::Matrix4cd::Identity();
+        const Eigen::RowVector4cd gain = force * (z - phi.cast<std::complex<double>>()).inverse();
+        const double density = (gain.cwiseAbs2() * Q.diagonal()).value() * kPeriod_s / M_PI;
+        own += s.density[i] * step / expected;
+        models += density * step / expected;
+        largest = std::max(largest, std::abs(own - models));
+      }
+      EXPECT_LT(largest, 0.12) << period_s;
+    }
+  }
+}
+
+// A sample of constant acceleration: exact for position, velocity and angles at rest.
+TEST(WaveForces, StepsAsUnderConstantAcceleration) {
+  const QuadrotorModel model = linear_vehicle();
+  const Waves2 process(model, {}, kSea, 1.0, kPeriod_s, AttitudeKinematics::exact);
+  testing::Random random(4);
+  Eigen::Matrix<double, 30, 1> x = random.vector(30, 0.3);
+  x.segment<3>(3).setZero();
+  x.segment<3>(9).setZero();
+  Eigen::Matrix<double, 12, 1> g;
+  process.nonlinear(x, Eigen::Vector4d::Zero(), g);
+  Eigen::Matrix<double, 30, 1> next = process.linear() * x;
+  next.head<12>() += g;
+  Vector6d a;
+  a << (x.segment<3>(12) + x.segment<3>(15) + x.segment<3>(24)) / model.parameters().mass_kg,
+      x.segment<3>(18) / 0.85;
+  a(2) -= model.parameters().net_weight_N() / model.parameters().mass_kg;
+  const Vector6d v = x.segment<6>(6);
+  EXPECT_LT((next.segment<6>(6) - v - kPeriod_s * a).norm(), 1e-14);
+  EXPECT_LT((next.head<6>() - x.head<6>() - kPeriod_s * v - 5e-5 * a).norm(), 1e-14);
+}
+
+// The textbook's filter: P = A P Aᵀ + Q, K = P Cᵀ (C P Cᵀ + R)⁻¹, Joseph's form.
+TEST(WaveForces, UkfIsTheKalmanFilterOfALinearVehicle) {
+  const QuadrotorModel model = linear_vehicle();
+  const Waves2 process(model, {}, kSea, kHorizontalShare, kPeriod_s, AttitudeKinematics::level);
+  const auto design = design_of(process);
+  Ukf<Waves2, 6> ukf(process, design);
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(30);
+  Eigen::MatrixXd P = design.P0, C = Eigen::MatrixXd::Zero(6, 30);
+  C.leftCols<6>().setIdentity();
+  const double fall = -model.parameters().net_weight_N() / model.parameters().mass_kg;
+  testing::Random random(6);
+  for (int k = 0; k < 1000; ++k) {
+    const Vector6d y = design.R.diagonal().cwiseSqrt().cwiseProduct(random.vector(6));
+    ukf.predict(Eigen::Vector4d::Zero());
+    ukf.correct(y);
+    x = process.linear() * x;
+    x(2) += 0.5 * kPeriod_s * kPeriod_s * fall;
+    x(8) += kPeriod_s * fall;
+    P = process.linear() * P * process.linear().transpose() + design.Q;
+    const Eigen::MatrixXd K = P * C.transpose() * (C * P * C.transpose() + design.R).inverse();
+    const Eigen::MatrixXd keep = Eigen::MatrixXd::Identity(30, 30) - K * C;
+    x += K * (y - C * x);
+    P = keep * P * keep.transpose() + K * design.R * K.transpose();
+    ASSERT_LT((ukf.x() - x).cwiseAbs().maxCoeff(), 1e-10) << k;
+    ASSERT_LT((ukf.P() - P).cwiseAbs().maxCoeff(), 1e-10) << k;
+  }
+}
+
+// A second resonator without a force of its own leaves the filter of one.
+TEST(WaveForces, WithOneSilentIsTheFilterOfOne) {
+  const QuadrotorModel model = linear_vehicle();
+  using Waves1 = WaveForces<1, 2>;
+  ResonatorPair pair = kSea;
+  pair[1].std = 1e-9;
+  const Waves1 one(model, {}, {{pair[0]}}, 1.0, kPeriod_s, AttitudeKinematics::exact);
+  const Waves2 two(model, {}, pair, 1.0, kPeriod_s, AttitudeKinematics::exact);
+  const auto design1 = design_of(one);
+  auto design2 = design_of(two);
+  design2.P0.topLeftCorner<24, 24>() = design1.P0;
+  design2.P0.bottomRightCorner<6, 6>().diagonal().setConstant(1e-18);
+  Ukf<Waves1, 6> first(one, design1);
+  Ukf<Waves2, 6> second(two, design2);
+  testing::Random random(8);
+  for (int k = 0; k < 500; ++k) {
+    Vector6d y = design1.R.diagonal().cwiseSqrt().cwiseProduct(random.vector(6));
+    y.tail<3>().setZero();  // level, where nothing is nonlinear
+    y(2) += 0.1 * std::sin(0.01 * k);
+    first.predict(Eigen::Vector4d::Zero());
+    first.correct(y);
+    second.predict(Eigen::Vector4d::Zero());
+    second.correct(y);
+    ASSERT_LT((first.x() - second.x().head<24>()).cwiseAbs().maxCoeff(), 1e-6) << k;
+    ASSERT_LT((first.P() - second.P().topLeftCorner<24, 24>()).cwiseAbs().maxCoeff(), 1e-6) << k;
+  }
+}
+
+// Where the process is the model's own, (x − x̂)ᵀ P⁻¹ (x − x̂) of all 30 states is χ² of 30.
+TEST(WaveForces, NeesIsInItsBandWhereTheModelIsTrue) {
+  const QuadrotorModel model({}, QuadrotorPhysics::physical);
+  DisturbanceWalks walks{.velocity_std_m_s = 2e-4, .rate_std_rad_s = 1e-4};
+  const Waves2 process(model, walks, kSea, kHorizontalShare, kPeriod_s, AttitudeKinematics::exact);
+  const auto design = design_of(process);
+  constexpr int kRuns = 60;
+  double nees = 0.0;
+  Normal normal(9);
+  for (int run = 0; run < kRuns; ++run) {
+    Ukf<Waves2, 6> ukf(process, design);
+    Eigen::Matrix<double, 30, 1> x = normal.vector(design.P0.diagonal());
+    for (int k = 0; k < 300; ++k) {
+      Eigen::Vector4d T = Eigen::Vector4d::Constant(0.25 * model.parameters().net_weight_N());
+      T += 0.1 * Eigen::Vector4d(normal(), normal(), normal(), normal());
+      Eigen::Matrix<double, 12, 1> g;
+      process.nonlinear(x, T, g);
+      x = (process.linear() * x + normal.vector(design.Q.diagonal())).eval();
+      x.head<12>() += g;
+      ukf.predict(T);
+      ukf.correct(x.head<6>() + normal.vector(design.R.diagonal()));
+    }
+    nees += (x - ukf.x()).dot(ukf.P().llt().solve(x - ukf.x())) / kRuns;
+  }
+  EXPECT_NEAR(nees, 30.0, 1.96 * std::sqrt(2.0 * 30.0 / kRuns));
+}
+
+TEST(WaveForces, RefuseNonsense) {
+  const QuadrotorModel model({}, QuadrotorPhysics::physical);
+  const auto make = [&](const ResonatorPair& pair, double share) {
+    return Waves2(model, {}, pair, share, kPeriod_s, AttitudeKinematics::exact);
+  };
+  ResonatorPair pair = kSea;
+  pair[1].damping = 1.0;
+  EXPECT_THROW(make(pair, 1.0), std::invalid_argument);
+  EXPECT_THROW(make(kSea, 0.0), std::invalid_argument);
+  Waves2 process = make(kSea, 1.0);
+  EXPECT_THROW(process.set_torque_walk(0.0), std::invalid_argument);
+  QuadrotorEstimatorDesign design;
+  design.order = DisturbanceOrder::spectrum;
+  EXPECT_THROW(make_quadrotor_estimator(design, model), std::invalid_argument);  // no sea
+  design.waves.shapes = {kSea};
+  EXPECT_NO_THROW(make_quadrotor_estimator(design, model));
+  design.filter = QuadrotorFilter::ekf;
+  EXPECT_THROW(make_quadrotor_estimator(design, model), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace breakwater
