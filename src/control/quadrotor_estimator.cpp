@@ -270,7 +270,7 @@ std::unique_ptr<QuadrotorEstimator> make_spectrum(const QuadrotorEstimatorDesign
   waves.period_s = design.period_s;
   const WaveForceBank bank(waves);
   const ResonatorPair& first = bank.resonators();
-  const Process process(model, design.resonator, first, kHorizontalShare, design.period_s,
+  const Process process(model, design.resonator.walks(), first, kHorizontalShare, design.period_s,
                         design.kinematics);
   NonlinearKalmanDesign<Process::kStates, 6> kalman;
   kalman.Q = process.Q();

@@ -87,9 +87,17 @@ struct DisturbanceWalks {
 };
 
 /// How one resonator an axis describes a sea.
-struct ResonatorDesign : DisturbanceWalks {
-  double damping = 0.08;      ///< relative
-  double force_std_N = 0.13;  ///< of each world force, stationary
+struct ResonatorDesign {
+  double damping = 0.08;           ///< relative
+  double force_std_N = 0.13;       ///< of each world force, stationary
+  double velocity_std_m_s = 3e-3;  ///< DisturbanceWalks
+  double rate_std_rad_s = 2e-3;
+  double bias_std_N = 5e-4;
+  double torque_std_Nm = 2e-4;
+
+  DisturbanceWalks walks() const {
+    return {velocity_std_m_s, rate_std_rad_s, bias_std_N, torque_std_Nm};
+  }
 };
 
 /// A world force of waves on each axis, the sum of K resonators driven by white noise,
@@ -154,8 +162,8 @@ class WaveResonators : public WaveForces<1, 1> {
   /// Throws std::invalid_argument if a value is not positive.
   WaveResonators(const QuadrotorModel& model, const ResonatorDesign& design, double omega_rad_s,
                  double period_s, AttitudeKinematics kinematics = AttitudeKinematics::level)
-      : WaveForces(model, design, {{{omega_rad_s, design.damping, design.force_std_N}}}, 1.0,
-                   period_s, kinematics),
+      : WaveForces(model, design.walks(), {{{omega_rad_s, design.damping, design.force_std_N}}},
+                   1.0, period_s, kinematics),
         design_(design) {}
 
   /// ω [rad/s]: where the force has its energy.
