@@ -2,7 +2,7 @@
 #include <breakwater/rigs/quadrotor_parts.h>
 
 #include <cmath>
-#include <numbers>
+#include <stdexcept>
 
 #include <breakwater/control/backstepping.h>
 #include <breakwater/math/functions.h>
@@ -134,6 +134,10 @@ ForceSpectrum force_spectrum(const SeaState& sea, double depth_m, double strengt
   for (const double density : water.density) {
     variance += density * (water.omega_rad_s[1] - water.omega_rad_s[0]);
   }
+  constexpr double kNothing = 1e-200;  // (m/s²)² of a wave of 1 m
+  if (!(variance > kNothing)) {
+    throw std::invalid_argument("no waves of this period reach the depth that is to be held");
+  }
   ForceSpectrum force{water.omega_rad_s, water.density, {}};
   for (double& density : force.density) density *= strength_N * strength_N / variance;
   return force;
@@ -205,7 +209,7 @@ std::unique_ptr<QuadrotorEstimator> make_kalman(const KalmanSettings& settings,
   design.wave_frequency_rad_s = mean_acceleration_frequency(assumed, -task.reference_m.z());
   design.estimates_wave_frequency = settings.frequency_source == WaveFrequencySource::estimated;
   if (design.order == DisturbanceOrder::spectrum) {
-    describe_waves(design, settings, assumed, task);
+    blame("estimator.assumed_period_s", [&] { describe_waves(design, settings, assumed, task); });
   }
   return blame("estimator.filter", [&] { return make_quadrotor_estimator(design, task.plant); });
 }

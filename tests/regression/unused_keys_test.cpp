@@ -33,6 +33,7 @@ std::string other_option(const std::string& key, const std::string& now) {
       {"encoder.origin", {"counted", "calibrated"}},
       {"estimator.process_noise", {"printed", "tuned"}},
       {"estimator.process_noise_mode", {"per_step", "delta"}},
+      {"estimator.wave_force", {"given", "estimated"}},
       {"estimator.wave_frequency", {"given", "estimated"}},
       {"observer.process_noise_on", {"input", "all"}},
       {"solver.name", {"active_set", "hildreth"}},
