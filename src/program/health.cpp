@@ -151,13 +151,13 @@ HealthCheck check_slurm() {
 // Where a module is, or nothing; `place` is looked at before what Python looks at by itself.
 std::optional<std::string> python_module(const std::string& python, const std::string& name,
                                          const std::string& place = "") {
-  return first_line({python, "-c",
-                     "import sys, importlib\n"
-                     // Not what lies in the working folder; a folder without a module has no file.
-                     "sys.path[:1] = [p for p in sys.argv[2:] if p]\n"
-                     "file = importlib.import_module(sys.argv[1]).__file__\n"
-                     "sys.exit(1) if file is None else print(file)",
-                     name, place});
+  // Not what lies in the working folder; a folder without a module has no file.
+  constexpr const char* kScript =
+      "import sys, importlib\n"
+      "sys.path[:1] = [p for p in sys.argv[2:] if p]\n"
+      "file = importlib.import_module(sys.argv[1]).__file__\n"
+      "sys.exit(1) if file is None else print(file)";
+  return first_line({python, "-c", kScript, name, place});
 }
 
 // How a Python has our module; nothing if it has not.

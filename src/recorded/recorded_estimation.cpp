@@ -178,6 +178,7 @@ Recording RecordedEstimation::run(const RunControl& control) const {
       correlation.interrupt();
     }
     y(0) = record_.positions[k];
+    // The log views it. NOLINTNEXTLINE(clang-analyzer-deadcode.DeadStores)
     raw_velocity = starts ? 0.0 : (y(0) - position) / (time_s - record_.times_s[k - 1]);
     if (starts) {
       start(0) = y(0);

@@ -94,9 +94,8 @@ std::string Canvas::font_in_use() {
   use_font(1.0, false);
   cairo_scaled_font_t* const scaled = cairo_get_scaled_font(cairo_.get());
   if (cairo_scaled_font_get_type(scaled) != CAIRO_FONT_TYPE_FT) return "";
-  const FT_Face face = cairo_ft_scaled_font_lock_face(scaled);
-  const std::string family =
-      face != nullptr && face->family_name != nullptr ? face->family_name : "";
+  FT_FaceRec_* const face = cairo_ft_scaled_font_lock_face(scaled);
+  std::string family = face != nullptr && face->family_name != nullptr ? face->family_name : "";
   cairo_ft_scaled_font_unlock_face(scaled);
   return family;
 }

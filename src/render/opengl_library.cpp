@@ -5,7 +5,8 @@
 namespace breakwater {
 
 RenderError no_opengl(const std::string& reason) {
-  return RenderError("pictures need OpenGL: " + reason);
+  RenderError error("pictures need OpenGL: " + reason);
+  return error;
 }
 
 // Global: MuJoCo finds there what it needs.
