@@ -21,7 +21,7 @@ set(CPACK_DEBIAN_PACKAGE_PRIORITY optional)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_NAME breakwater)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SHLIBDEPS ON)
 # What is loaded or read at run time, which shlibdeps cannot see.
-set(CPACK_DEBIAN_RUNTIME_PACKAGE_DEPENDS "libhdf5-hl-100, libosmesa6 | libegl1, fonts-dejavu-core, libjs-dygraphs, libjs-three")
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_DEPENDS "libosmesa6 | libegl1, fonts-dejavu-core, libjs-dygraphs, libjs-three")
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_RECOMMENDS "libegl1, python3, python3-h5py, python3-matplotlib")
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SUGGESTS libbreakwater-dev)
 set(CPACK_COMPONENT_RUNTIME_DESCRIPTION "testbed for robust model-based motion control
@@ -56,7 +56,7 @@ set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS ON)
 if(TARGET breakwater_python)
   math(EXPR next_minor "${Python_VERSION_MINOR} + 1")
   set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "breakwater (= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE}), \
-python3 (>= 3.${Python_VERSION_MINOR}), python3 (<< 3.${next_minor}), python3-numpy")
+python3 (>= 3.${Python_VERSION_MINOR}), python3 (<< 3.${next_minor}), python3-numpy, libhdf5-hl-100")
 endif()
 set(CPACK_DEBIAN_PYTHON_PACKAGE_RECOMMENDS "python3-pandas, python3-xarray, python3-h5netcdf")
 set(CPACK_COMPONENT_PYTHON_DESCRIPTION "testbed for robust model-based motion control (Python module)

@@ -39,11 +39,12 @@ ConfigValue& element_of(ConfigValue& value, const std::string& key) {
   std::size_t at = whole_key(key).size();
   while (at < key.size()) {
     const std::string of = key.substr(0, at);
-    const std::size_t end = std::min(key.find(']', at), key.size() - 1);
+    const std::size_t end = key.find(']', at);
     std::size_t number = 0;
-    const auto read = std::from_chars(key.data() + at + 1, key.data() + end, number);
-    const bool is_number = read.ec == std::errc() && read.ptr == key.data() + end && number > 0;
-    if (!is_number || key.substr(at, end + 1 - at) != fmt::format("[{}]", number)) {
+    if (end != std::string::npos && key[at] == '[') {
+      std::from_chars(key.data() + at + 1, key.data() + end, number);
+    }
+    if (number == 0 || key.substr(at, end + 1 - at) != fmt::format("[{}]", number)) {
       throw std::invalid_argument("elements are counted from 1: " + of + "[1] is the first");
     }
     auto* array = std::get_if<ConfigValue::Array>(&found->data);

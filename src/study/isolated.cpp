@@ -26,14 +26,12 @@ constexpr std::size_t kMostOfAChild =
 // What is told to a child on its command line, which the system limits.
 constexpr std::size_t kMostModels = 1000;
 
-// Whether a signal is what a program brings upon itself. Any other comes from outside: of the
-// system that has no memory left, of a scheduler, of somebody.
+}  // namespace
+
 bool is_crash(int signal) {
   constexpr std::array kCrashes = {SIGSEGV, SIGABRT, SIGFPE, SIGILL, SIGBUS, SIGTRAP, SIGSYS};
   return std::find(kCrashes.begin(), kCrashes.end(), signal) != kCrashes.end();
 }
-
-}  // namespace
 
 std::size_t run_isolated(const std::vector<std::size_t>& points, const PointSource& source,
                          const IsolatedCommand& command, const StudyFolder& folder, Shard& shard,

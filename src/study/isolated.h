@@ -26,4 +26,8 @@ std::size_t run_isolated(const std::vector<std::size_t>& points, const PointSour
                          const IsolatedCommand& command, const StudyFolder& folder, Shard& shard,
                          const ExecutorOptions& options);
 
+/// Whether a signal is what a program brings upon itself. Any other comes from outside: of the
+/// system that has no memory left, of a scheduler, of somebody.
+bool is_crash(int signal);
+
 }  // namespace breakwater

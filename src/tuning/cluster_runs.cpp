@@ -38,7 +38,7 @@ std::vector<std::size_t> missing(const ShardIndex& index, std::vector<std::size_
 }
 
 // Processor time of a run of the case whose `runs` are wanted, as those that are there took it;
-// nothing if none is.
+// nothing if none is. A run that crashed has told nothing.
 std::optional<double> mean_s(const TuningPlan& plan, const ShardIndex& index,
                              const std::vector<std::size_t>& runs) {
   const std::size_t tuned = plan.run(runs.front()).tuned;
@@ -46,6 +46,7 @@ std::optional<double> mean_s(const TuningPlan& plan, const ShardIndex& index,
   std::size_t count = 0;
   for (std::size_t number = 0; number < index.points(); ++number) {
     if (!index.has(number) || plan.run(number).tuned != tuned) continue;
+    if (!(index.cost_s(number) > 0.0)) continue;
     cost_s += index.cost_s(number);
     ++count;
   }

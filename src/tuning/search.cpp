@@ -184,7 +184,7 @@ std::string objection(const SearchSettings& settings) {
   }
   if (settings.budget < 2 * settings.population) {
     return fmt::format(
-        "a budget of {} is below one generation: {} are drawn first, and as many "
+        "a budget of {} is below one generation: {} are drawn before it, and as many "
         "are bred of them",
         settings.budget, settings.population);
   }

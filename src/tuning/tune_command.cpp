@@ -7,7 +7,10 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <csignal>
+#include <cstring>
+#include <map>
 #include <optional>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -20,6 +23,7 @@
 #include <breakwater/scenario/progress.h>
 #include <breakwater/scenario/table.h>
 #include <breakwater/scenario/toml_file.h>
+#include <breakwater/study/isolated.h>
 #include <breakwater/study/slurm_options.h>
 #include <breakwater/study/slurm_queue.h>
 #include <breakwater/study/study_reader.h>
@@ -66,7 +70,8 @@ void describe_tune(CLI::App& app, TuneArguments& arguments) {
                "in processes of their own: a run that crashes is one failed run");
   app.add_flag("--dry-run", arguments.dry_run,
                "check the file, count the runs, say how long they will take, from one of each\n"
-               "case, and exit");
+               "case, and exit")
+      ->excludes("--isolate");
   app.add_flag("--rerun", arguments.rerun, "remove what is there and begin anew");
   app.add_flag("--status", arguments.status, "say what is done, and exit")->excludes("--rerun");
   app.add_flag("--quiet", arguments.quiet, "print errors and warnings only");
@@ -196,9 +201,16 @@ void check_apart(const std::string& target) {
   const int status = child.wait();
   if (interrupted()) throw Interrupted();
   std::string error;
-  if (WIFEXITED(status) && WEXITSTATUS(status) == kUsage && !said.empty()) {
+  if (WIFSIGNALED(status) && is_crash(WTERMSIG(status))) {
+    warn(kTune,
+         {fmt::format("a candidate in the middle crashes: {}", strsignal(WTERMSIG(status)))});
+  } else if (WIFEXITED(status) && WEXITSTATUS(status) == kUsage && !said.empty()) {
     error = said.back();
     said.pop_back();
+  } else if (status != 0) {
+    error = fmt::format("--isolate: the process that tries each case ended with {} {}",
+                        WIFSIGNALED(status) ? "signal" : "status",
+                        WIFSIGNALED(status) ? WTERMSIG(status) : WEXITSTATUS(status));
   }
   for (const std::string& line : said) fmt::print(stderr, "{}\n", line);
   if (!error.empty()) throw std::invalid_argument(error);
@@ -296,6 +308,30 @@ TuningResult tune_or_go_on(TuningPlan& plan, const StudyFolder& folder,
   return tune(plan, folder, options);
 }
 
+// Where a candidate's worlds do not differ, its runs are copies of each other: they say nothing
+// about other worlds, and intervals over them are too narrow.
+void warn_of_copies(const TuningPlan& plan, const std::vector<PointResult>& runs) {
+  struct Count {
+    std::size_t copies = 0;
+    std::size_t all = 0;
+  };
+  Count search, validation;
+  std::map<std::pair<std::size_t, std::size_t>, std::set<std::string>> met;  // by each candidate
+  for (const PointResult& run : runs) {
+    if (run.state_hash.empty()) continue;
+    const TuningRun one = plan.run(run.number);
+    Count& count = one.is_validation ? validation : search;
+    ++count.all;
+    if (!met[{one.tuned, one.evaluation}].insert(run.state_hash).second) ++count.copies;
+  }
+  for (const auto& [use, count] : {std::pair("search", search), {"validation", validation}}) {
+    if (count.copies == 0) continue;
+    warn(kTune, {fmt::format("{}: {} of {} runs are the same as another one of their candidate: "
+                             "without noise seeds change nothing",
+                             use, count.copies, count.all)});
+  }
+}
+
 // Returns whether each case has a front.
 bool print_result(const TuningPlan& plan, const TuningResult& result, const StudyFolder& folder,
                   bool has_report, bool quiet) {
@@ -367,6 +403,7 @@ int run_tune(const Catalogue& catalogue, const TuningExtras& extras,
                missing.what());
     return kInterrupted;
   }
+  warn_of_copies(plan, result.runs);
   write_outputs(plan, result, folder.path());
   if (extras.write_report) extras.write_report(plan, result, folder.path());
   const bool has_report = static_cast<bool>(extras.write_report);

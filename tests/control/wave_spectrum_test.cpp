@@ -152,6 +152,7 @@ TEST(ResonatorFit, IsTheNearestToTheForce) {
       if (there < best) best = there, scale = trial;
     }
     EXPECT_GT(scale, 0.90);
+    EXPECT_LT(scale, 1.049);
     const ResonatorPair nearest = scaled(pair, scale);
     testing::Random random(3);
     for (int i = 0; i < 200; ++i) {

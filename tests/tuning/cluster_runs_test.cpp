@@ -211,7 +211,9 @@ TEST_F(ClusterRuns, OneCandidateAtATimeIsWarnedOf) {
   ASSERT_EQ(result.status, 0) << result.err;
   EXPECT_EQ(result.err,
             "tune: warning: bobyqa asks for one candidate at a time: each is an array job of its "
-            "own, of 3 runs\n");
+            "own, of 3 runs\n"
+            "tune: warning: search: 10 of 15 runs are the same as another one of their candidate: "
+            "without noise seeds change nothing\n");
   EXPECT_NE(result.out.find("plain, evaluation 5: 3 runs in 1 task: job 7\n"), std::string::npos)
       << result.out;
   EXPECT_EQ(jobs("s"), 5U);

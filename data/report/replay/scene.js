@@ -430,7 +430,7 @@
       this.actors = data.runs.map((run, i) => new Actor(run, i, data, this));
       for (const actor of this.actors) this.scene.add(actor.root);
       this.backdrop = Replay.shading.backdrop();
-      this.backdrop.visible = scene.sky < 0;  // which would hide it
+      this.backdrop.visible = scene.sky < 0;  // a sky hides it
       this.scene.add(this.backdrop);
       if (scene.sky >= 0) this.scene.add(Replay.shading.sky(this.textureOf(scene.sky)));
       this.makeLights(scene);
