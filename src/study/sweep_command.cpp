@@ -544,16 +544,21 @@ int run_here(const Sweep& sweep, const StudyFolder& folder, const std::vector<st
   return ran == points.size() || stop || !interrupted() ? kSuccess : kInterrupted;
 }
 
-// What is in the queue is not run twice: leaves it out of `points`, and says so.
-void leave_out_queued(std::vector<std::size_t>& points, const Plan& plan, const StudyFolder& folder,
+// What is in the queue is not run twice: leaves it out of `points`, and says so. Returns whether
+// there was any.
+bool leave_out_queued(std::vector<std::size_t>& points, const Plan& plan, const StudyFolder& folder,
                       const SweepArguments& arguments) {
-  if (points.empty()) return;
+  if (points.empty()) return false;
   const auto queue =
       arguments.slurm ? queued(folder, plan.size()) : queued_if_known(folder, plan.size(), kSweep);
-  if (!queue) return;
+  if (!queue) return false;
   const std::size_t left =
       std::erase_if(points, [&](std::size_t point) { return queue->points[point]; });
-  if (left == 0) return;
+  // A task that has ended since `points` were read is no more in the queue, and its points are
+  // done.
+  const ShardIndex now(folder.shards(), plan.size());
+  std::erase_if(points, [&](std::size_t point) { return now.has(point); });
+  if (left == 0) return false;
   const std::string text = fmt::format("{} {} still in the queue ({})", number_of(left, "point"),
                                        left == 1 ? "is" : "are", queue->text);
   if (!arguments.slurm && !arguments.print_tasks) {
@@ -565,6 +570,7 @@ void leave_out_queued(std::vector<std::size_t>& points, const Plan& plan, const 
     fmt::print(stderr, "{}: {}{}\n", kSweep, text,
                points.empty() ? "; nothing else is left to submit" : "");
   }
+  return true;
 }
 
 [[noreturn]] void fail_for_undone(const StudyFolder& folder, const ShardIndex& index) {
@@ -599,8 +605,8 @@ int go_on(const Sweep& sweep, const StudyFolder& folder, const ShardIndex& befor
   if (!arguments.quiet && before.done() > 0 && !points.empty()) {
     fmt::print(stderr, "{}: {}\n", kSweep, counted(before));
   }
-  const bool is_done = points.empty();
-  leave_out_queued(points, plan, folder, arguments);
+  const bool is_queued = leave_out_queued(points, plan, folder, arguments);
+  const bool is_done = points.empty() && !is_queued;
   if (arguments.print_tasks) {
     print_tasks({kSweep, folder}, points, arguments.request);
     return kSuccess;

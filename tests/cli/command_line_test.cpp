@@ -285,7 +285,7 @@ INSTANTIATE_TEST_SUITE_P(
                  "controller.k_position: must be finite"},
         Nonsense{"NanInArray",
                  {"--set", "controller.t_ref_s=[1,nan,1]"},
-                 "controller.t_ref_s: must be finite"},
+                 "controller.t_ref_s[2]: must be finite"},
         Nonsense{"TooFewJoints",
                  {"--set", "controller.t_ref_s=[1,1]"},
                  "controller.t_ref_s: must have one entry for each of the URDF's 3 joints"},

@@ -298,12 +298,15 @@ class Slurm(OnSlurm):
 
         # In the third the command is interrupted; its tasks go on without it.
         wait_for("the third generation", lambda: study.done() > 64 + 4, 120)
+        third = study.job(study.submissions())
+        run("scontrol", "hold", third)  # what is not begun waits, however slow this machine is
         front.send_signal(signal.SIGINT)
         self.assertEqual(front.wait(), INTERRUPTED)
-        self.assertIn("in the queue: job " + study.job(study.submissions()), study.status())
+        self.assertIn("in the queue: job " + third, study.status())
         here = study.looks()
         self.assertEqual(here.returncode, 2)
         self.assertRegex(here.stderr, r"\Awithout --slurm: .* is still in the queue \(job .*\n\Z")
+        run("scontrol", "release", third)
 
         # In the fourth it is killed, and one task is cancelled.
         front = study.begun_on_slurm("--tasks", "4")
