@@ -7,7 +7,6 @@
 #include <cmath>
 #include <filesystem>
 #include <limits>
-#include <ranges>
 #include <set>
 #include <stdexcept>
 
@@ -38,8 +37,8 @@ class Layers {
     if (table != nullptr) tables_.push_back(table);
   }
   const toml::node* get(const char* key) const {
-    for (const toml::table* table : tables_ | std::views::reverse) {
-      if (const toml::node* node = table->get(key)) return node;
+    for (auto table = tables_.rbegin(); table != tables_.rend(); ++table) {
+      if (const toml::node* node = (*table)->get(key)) return node;
     }
     return nullptr;
   }

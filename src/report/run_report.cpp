@@ -15,7 +15,6 @@
 #include <breakwater/scenario/runner.h>
 
 namespace breakwater {
-namespace fs = std::filesystem;
 namespace mustache = kainjow::mustache;
 namespace {
 
