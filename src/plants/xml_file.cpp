@@ -46,7 +46,7 @@ std::string read_text(const std::string& file) {
   return text.str();
 }
 
-XmlFile::XmlFile(std::string file) : XmlFile(file, read_text(file)) {}
+XmlFile::XmlFile(const std::string& file) : XmlFile(file, read_text(file)) {}
 
 XmlFile::XmlFile(std::string file, std::string text)
     : file_(std::move(file)), text_(std::move(text)) {

@@ -13,7 +13,7 @@ namespace breakwater {
 class XmlFile {
  public:
   /// Throws std::invalid_argument `FILE[:LINE]: reason` if it cannot be read or is none.
-  explicit XmlFile(std::string file);
+  explicit XmlFile(const std::string& file);
   /// Of a file that has been read.
   XmlFile(std::string file, std::string text);
 

@@ -37,8 +37,8 @@ class Layers {
     if (table != nullptr) tables_.push_back(table);
   }
   const toml::node* get(const char* key) const {
-    for (auto table = tables_.rbegin(); table != tables_.rend(); ++table) {
-      if (const toml::node* node = (*table)->get(key)) return node;
+    for (std::size_t i = tables_.size(); i-- > 0;) {
+      if (const toml::node* node = tables_[i]->get(key)) return node;
     }
     return nullptr;
   }

@@ -103,7 +103,8 @@ std::vector<double> fitness(const Tuning& tuning, const Evaluation& evaluation,
     penalty = kFailed * (1.0 + static_cast<double>(evaluation.failures) /
                                    static_cast<double>(evaluation.runs));
   }
-  return std::vector<double>(tuning.objectives.size(), penalty * later);
+  std::vector<double> penalties(tuning.objectives.size(), penalty * later);
+  return penalties;
 }
 
 }  // namespace breakwater
