@@ -456,8 +456,9 @@ double time_to_go_s(const Plan& plan, const ShardIndex& index) {
       std::accumulate(cost_s.begin(), cost_s.end(), 0.0) / static_cast<double>(index.done());
   double all_s = 0.0;
   for (std::size_t c = 0; c < candidates; ++c) {
-    const auto left = static_cast<double>(plan.size() / candidates - done[c]);
-    all_s += left * (done[c] > 0 ? cost_s[c] / static_cast<double>(done[c]) : each_s);
+    const std::size_t left = plan.size() / candidates - done[c];
+    all_s += static_cast<double>(left) *
+             (done[c] > 0 ? cost_s[c] / static_cast<double>(done[c]) : each_s);
   }
   return all_s;
 }
@@ -653,12 +654,13 @@ int go_on(const Sweep& sweep, const StudyFolder& folder, const ShardIndex& befor
 // Runs a point once more, and says if it is not the run that it was.
 int replay_point(const Sweep& sweep, const StudyFolder& folder, const ShardIndex& index,
                  const SweepArguments& arguments) {
-  std::size_t point = index.points();
-  try {
-    point = index.find(arguments.replay);
-  } catch (const std::invalid_argument& error) {
-    throw std::invalid_argument(std::string("--replay: ") + error.what());
-  }
+  const std::size_t point = [&] {
+    try {
+      return index.find(arguments.replay);
+    } catch (const std::invalid_argument& error) {
+      throw std::invalid_argument(std::string("--replay: ") + error.what());
+    }
+  }();
   if (point == index.points()) {
     throw std::invalid_argument(
         fmt::format("--replay: no point of {} that ran is {}: the column `point` of results.csv "
