@@ -25,8 +25,8 @@ namespace fs = std::filesystem;
 constexpr std::size_t kMostLogsShown = 5;
 
 // What a job is told about itself: sbatch, called in one, would hand it on to the new job's tasks,
-// such as SLURM_CPUS_PER_TASK where they are given no number of their own. Where the cluster is, and
-// who asks it, is no job's.
+// such as SLURM_CPUS_PER_TASK where they are given no number of their own. Where the cluster is,
+// and who asks it, is no job's.
 bool is_of_a_job(std::string_view variable) {
   return (variable.starts_with("SLURM_") || variable.starts_with("SLURMD_")) &&
          variable != "SLURM_CONF" && variable != "SLURM_CLUSTERS" && variable != "SLURM_JWT";
@@ -133,6 +133,7 @@ Queued queued(const StudyFolder& folder, std::size_t points) {
   result.points.resize(points);
   const std::vector<Submission> all = submissions(folder);
   if (all.empty()) return result;
+  result.is_asked = true;
   const std::vector<QueuedTask> tasks = queued_tasks();
   std::vector<std::string> texts;
   for (const Submission& submission : all) {

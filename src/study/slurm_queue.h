@@ -27,6 +27,7 @@ std::vector<Submission> submissions(const StudyFolder& folder);
 /// What of a study is in the queue.
 struct Queued {
   std::vector<bool> points;  ///< of the study: whether a task has it that is not over
+  bool is_asked = false;     ///< whether anything was submitted, so that squeue was asked
   std::string text;          ///< "job 12: 3 RUNNING, 5 PENDING (Resources)"; empty if nothing is
 };
 

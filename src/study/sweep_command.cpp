@@ -552,7 +552,7 @@ bool leave_out_queued(std::vector<std::size_t>& points, const Plan& plan, const 
   if (points.empty()) return false;
   const auto queue =
       arguments.slurm ? queued(folder, plan.size()) : queued_if_known(folder, plan.size(), kSweep);
-  if (!queue) return false;
+  if (!queue || !queue->is_asked) return false;
   const std::size_t left =
       std::erase_if(points, [&](std::size_t point) { return queue->points[point]; });
   // A task that has ended since `points` were read is no more in the queue, and its points are

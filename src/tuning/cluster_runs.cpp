@@ -55,14 +55,10 @@ std::optional<double> mean_s(const TuningPlan& plan, const ShardIndex& index,
 }
 
 void make_here(const TuningPlan& plan, const ClusterTuning& cluster, std::size_t run) {
-  Shard shard(cluster.folder.shards());
   ExecutorOptions options;
   options.threads = 1;
-  options.stop = &interrupted();
-  const std::size_t made = make_runs(plan, cluster.folder, {run}, cluster.isolate, shard, options);
-  shard.finish();
+  make_runs(plan, cluster.folder, {run}, cluster.isolate, options);
   if (interrupted()) throw Interrupted();
-  if (made == 0) fail_for_undone(cluster.folder, 1);
 }
 
 // "ours, evaluations 17 to 32: 64 runs"
@@ -111,12 +107,6 @@ void run_on_slurm(const TuningPlan& plan, const ClusterTuning& cluster,
   }
 }
 
-void fail_for_undone(const StudyFolder& folder, std::size_t runs) {
-  throw OutputError(fmt::format("{}: {} left undone: the same command goes on",
-                                folder.path().string(),
-                                runs == 1 ? "one run was" : fmt::format("{} runs were", runs)));
-}
-
 bool run_task(TuningPlan& plan, const StudyFolder& folder, const TuningTask& task) {
   if (task.candidates.empty()) {
     const fs::path file = submission_of_task(task.points) / "candidates";
@@ -133,17 +123,12 @@ bool run_task(TuningPlan& plan, const StudyFolder& folder, const TuningTask& tas
     throw std::invalid_argument(
         fmt::format("--points: {}: the candidate of run {} is not beside it", task.points, number));
   }
-  Shard shard(folder.shards());
   KnownModels models;
   ExecutorOptions options;
   options.threads = task.jobs > 0 ? task.jobs : task_threads();
   options.finishes_runs = true;
-  options.stop = &interrupted();
   if (task.announced.is_on) announce(task.announced, models, options);
-  const std::size_t ran = make_runs(plan, folder, runs, task.isolate, shard, options);
-  shard.finish();
-  if (ran < runs.size() && !interrupted()) fail_for_undone(folder, runs.size() - ran);
-  return ran == runs.size();
+  return make_runs(plan, folder, runs, task.isolate, options);
 }
 
 }  // namespace breakwater

@@ -49,7 +49,4 @@ void run_on_slurm(const TuningPlan& plan, const ClusterTuning& cluster,
 /// stopped after the runs under way. Throws std::invalid_argument, OutputError.
 bool run_task(TuningPlan& plan, const StudyFolder& folder, const TuningTask& task);
 
-/// Throws OutputError: so many runs, whose processes were killed from outside, are not there.
-[[noreturn]] void fail_for_undone(const StudyFolder& folder, std::size_t runs);
-
 }  // namespace breakwater

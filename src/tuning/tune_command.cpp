@@ -294,15 +294,11 @@ TuningResult tune_or_go_on(TuningPlan& plan, const StudyFolder& folder,
     };
   } else if (arguments.isolate) {
     options.elsewhere = [&](const std::vector<std::size_t>& runs) {
-      Shard shard(folder.shards());
       ExecutorOptions executor;
       executor.threads = arguments.jobs;
-      executor.stop = &interrupted();
       executor.on_result = [&](const PointResult& result) { progress.finish(result.number); };
-      const std::size_t made = make_runs(plan, folder, runs, true, shard, executor);
-      shard.finish();
+      make_runs(plan, folder, runs, true, executor);
       if (interrupted()) throw Interrupted();
-      if (made < runs.size()) fail_for_undone(folder, runs.size() - made);
     };
   }
   return tune(plan, folder, options);

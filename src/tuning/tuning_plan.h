@@ -47,7 +47,7 @@ class TuningPlan : public PointSource {
   /// case does not use.
   std::vector<std::string> check() const;
   /// Runs each case in the middle of its ranges, in the first world. Throws std::invalid_argument
-  /// if one ends and lacks a metric that an objective or a constraint names.
+  /// if one ends and lacks a metric that an objective or a constraint names, and Interrupted.
   Trial try_each_case(const std::atomic<bool>& stop) const;
 
   std::size_t size() const;
