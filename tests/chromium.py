@@ -41,7 +41,10 @@ def visit(pages, folder, flags, timeout_s):
         def log_message(self, *_):
             pass
 
-    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), Handler)
+    class Server(http.server.ThreadingHTTPServer):
+        request_queue_size = 128  # of five, a page of many files has some refused
+
+    server = Server(("127.0.0.1", 0), Handler)
     threading.Thread(target=server.serve_forever, daemon=True).start()
     with open(folder / "chromium.log", "w+") as log:
         browser = subprocess.Popen(
@@ -57,6 +60,7 @@ def visit(pages, folder, flags, timeout_s):
             browser.kill()
             browser.wait()
         server.shutdown()
+        server.server_close()
         log.seek(0)
         text = log.read()
     if not reported:
