@@ -167,7 +167,7 @@ class ResonatorEstimator final : public FilterEstimator<Ukf<WaveResonators, 6>> 
   }
 
   void assume(double omega_rad_s) {
-    filter_.process().set_frequency(omega_rad_s);
+    filter_.change_process([&](WaveResonators& p) { p.set_frequency(omega_rad_s); });
     filter_.set_process_noise(filter_.process().Q());
   }
 
@@ -218,11 +218,12 @@ class SpectrumEstimator final : public FilterEstimator<Ukf<WaveForces<2, 2>, 6>>
 
  private:
   void assume() {
-    Process& process = filter_.process();
-    process.set_resonators(bank_.resonators());
-    process.set_torque_walk(
-        std::hypot(torque_walk_Nm_, torque_walk_per_force_m_ * wave_force_std_N()));
-    filter_.set_process_noise(process.Q());
+    filter_.change_process([&](Process& process) {
+      process.set_resonators(bank_.resonators());
+      process.set_torque_walk(
+          std::hypot(torque_walk_Nm_, torque_walk_per_force_m_ * wave_force_std_N()));
+    });
+    filter_.set_process_noise(filter_.process().Q());
   }
 
   WaveForceBank bank_;

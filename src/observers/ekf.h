@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include <breakwater/observers/nonlinear_kalman.h>
+#include <breakwater/observers/sparse_square.h>
 
 namespace breakwater {
 
@@ -38,9 +39,11 @@ class Ekf final : public GaussianEstimate<P::kStates, p> {
     for (int j = 0; j < P::kArguments; ++j) {
       F_.template block<P::kRows, 1>(P::kFirstRow, j) += derivative(x, u, x(j));
     }
-    work_.noalias() = F_ * P_;
-    P_.template triangularView<Eigen::Lower>() = work_ * F_.transpose();
-    P_.template triangularView<Eigen::Lower>() += design_.Q;
+    sparse_F_.assign(F_);
+    sparse_F_.transposed_times(P_, work_);  // P Fᵀ
+    FP_ = work_.transpose();
+    sparse_F_.transposed_times(FP_, P_);
+    P_ += design_.Q;
     if (input_noise_ > 0.0) add_input_noise(u);
     this->mirror();
     const State linear = process_.linear() * x_;
@@ -78,7 +81,9 @@ class Ekf final : public GaussianEstimate<P::kStates, p> {
   P process_;
   double input_noise_;
   Covariance F_;
+  detail::SparseSquare<N> sparse_F_;
   Covariance work_;
+  Covariance FP_;
 };
 
 }  // namespace breakwater

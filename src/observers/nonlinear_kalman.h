@@ -66,8 +66,7 @@ class GaussianEstimate {
     W_ = P_.template leftCols<p>();
     factor_.matrixU().template solveInPlace<Eigen::OnTheRight>(W_);
     x_.noalias() += W_ * factor_.matrixL().solve(innovation_);
-    P_.template triangularView<Eigen::Lower>() -= W_ * W_.transpose();
-    mirror();
+    P_.noalias() -= W_.lazyProduct(W_.transpose());
   }
 
  protected:

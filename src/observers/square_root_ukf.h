@@ -25,7 +25,8 @@ class SquareRootUkf {
   using Design = NonlinearKalmanDesign<N, p>;
 
   /// Throws std::invalid_argument as check(design).
-  SquareRootUkf(const Model& process, const Design& design) : process_(process), design_(design) {
+  SquareRootUkf(const Model& process, const Design& design)
+      : process_(process), design_(design), points_(process) {
     check(design);
     // Q is only semidefinite: its root by eigenvalues.
     const Eigen::SelfAdjointEigenSolver<Covariance> eigen(design.Q);
@@ -40,11 +41,11 @@ class SquareRootUkf {
   }
 
   void predict(const Input& u) {
-    points_.spread(process_, x_, L_, u);
+    points_.spread(process_, x_, L_.transpose(), u);
     x_ = points_.mean;
     const double weight = 1.0 / std::sqrt(static_cast<double>(N));
     spread_.setZero();
-    spread_.template topRows<N>() = weight * points_.T.transpose();
+    spread_.template topRows<N>() = weight * points_.transposed_T;
     spread_.template block<Model::kArguments, Model::kRows>(N, Model::kFirstRow) =
         weight * points_.S.transpose();
     spread_.template block<1, Model::kRows>(N + Model::kArguments, Model::kFirstRow) =

@@ -7,6 +7,7 @@
 
 #include <breakwater/observers/nonlinear_kalman.h>
 #include <breakwater/observers/raise_eigenvalues.h>
+#include <breakwater/observers/sparse_square.h>
 
 namespace breakwater {
 namespace detail {
@@ -14,28 +15,37 @@ namespace detail {
 /// Sends the symmetric set x ± √n L e_j through the process. `mean` gets their mean; T and S the
 /// halves of differences and sums of each pair about it, so that the points' covariance is
 /// (T Tᵀ + S Sᵀ)/n; S lives in the process' nonlinear rows. L is lower triangular, so pair j
-/// differs from the mean in states j … n − 1 alone.
+/// differs from the mean in states j … n − 1 alone. L and T are transposed here: the linear part
+/// goes over their columns.
 template <Process P>
-struct SigmaPoints {
+class SigmaPoints {
+ public:
   static constexpr int N = P::kStates;
   using State = Eigen::Matrix<double, N, 1>;
   using Square = Eigen::Matrix<double, N, N>;
 
-  void spread(const P& process, const State& x, const Square& L, const typename P::Input& u) {
-    const Square& A = process.linear();
+  explicit SigmaPoints(const P& process) { set_linear(process.linear()); }
+  void set_linear(const Square& A) { A_.assign(A); }
+
+  void spread(const P& process, const State& x, const Square& transposed_L,
+              const typename P::Input& u) {
     const double root_n = std::sqrt(static_cast<double>(N));
-    T.noalias() = A * L.template triangularView<Eigen::Lower>();
-    T *= root_n;
-    mean.noalias() = A * x;
+    A_.transposed_times(transposed_L, transposed_T);
+    transposed_T *= root_n;
+    A_.times(x, mean);
     typename P::Nonlinear at_mean, plus, minus;
     process.nonlinear(x, u, at_mean);
     typename P::Nonlinear mean_of_g = static_cast<double>(N - P::kArguments) / N * at_mean;
+    State moved = x;
     for (int j = 0; j < P::kArguments; ++j) {
-      const State offset = root_n * L.col(j);
-      process.nonlinear(x + offset, u, plus);
-      process.nonlinear(x - offset, u, minus);
+      const Eigen::Matrix<double, P::kArguments, 1> offset =
+          root_n * transposed_L.row(j).template head<P::kArguments>().transpose();
+      moved.template head<P::kArguments>() = x.template head<P::kArguments>() + offset;
+      process.nonlinear(moved, u, plus);
+      moved.template head<P::kArguments>() = x.template head<P::kArguments>() - offset;
+      process.nonlinear(moved, u, minus);
       S.col(j) = 0.5 * (plus + minus);
-      T.template block<P::kRows, 1>(P::kFirstRow, j) += 0.5 * (plus - minus);
+      transposed_T.template block<1, P::kRows>(j, P::kFirstRow) += 0.5 * (plus - minus).transpose();
       mean_of_g += S.col(j) / N;
     }
     S.colwise() -= mean_of_g;
@@ -45,9 +55,12 @@ struct SigmaPoints {
   }
 
   State mean;
-  Square T;
+  Square transposed_T;
   Eigen::Matrix<double, P::kRows, P::kArguments> S;
   typename P::Nonlinear rest;
+
+ private:
+  SparseSquare<N> A_;
 };
 
 }  // namespace detail
@@ -68,17 +81,18 @@ class Ukf final : public GaussianEstimate<P::kStates, p> {
   using Input = typename P::Input;
 
   /// Throws std::invalid_argument as check(design).
-  Ukf(const P& process, const Design& design) : Base(design), process_(process) {}
+  Ukf(const P& process, const Design& design) : Base(design), process_(process), points_(process) {}
 
   /// From sample k − 1 to k under the input that was held. Allocates nothing.
   void predict(const Input& u) {
     factor_.compute(P_);
     if (factor_.info() != Eigen::Success) repair();
-    root_ = factor_.matrixL();
-    points_.spread(process_, x_, root_, u);
+    transposed_root_ = factor_.matrixL().transpose();
+    points_.spread(process_, x_, transposed_root_, u);
     x_ = points_.mean;
     constexpr double kWeight = 1.0 / N;
-    P_.template triangularView<Eigen::Lower>() = points_.T * points_.T.transpose();
+    P_.template triangularView<Eigen::Lower>() =
+        points_.transposed_T.transpose() * points_.transposed_T;
     nonlinear_part_.noalias() = points_.S * points_.S.transpose();
     nonlinear_part_.noalias() += points_.rest * points_.rest.transpose();
     P_.template block<P::kRows, P::kRows>(P::kFirstRow, P::kFirstRow) += nonlinear_part_;
@@ -86,8 +100,13 @@ class Ukf final : public GaussianEstimate<P::kStates, p> {
     this->mirror();
   }
 
-  /// For a process whose parameters are tracked: both may change between samples.
-  P& process() { return process_; }
+  const P& process() const { return process_; }
+  /// For a process whose parameters are tracked: `change(process)` and Q, between samples.
+  template <typename Change>
+  void change_process(const Change& change) {
+    change(process_);
+    points_.set_linear(process_.linear());
+  }
   void set_process_noise(const Covariance& Q) { design_.Q = Q; }
 
   std::int64_t repairs() const { return repairs_; }
@@ -108,7 +127,7 @@ class Ukf final : public GaussianEstimate<P::kStates, p> {
 
   P process_;
   Eigen::LLT<Covariance> factor_;
-  Covariance root_;
+  Covariance transposed_root_;
   detail::SigmaPoints<P> points_;
   Eigen::Matrix<double, P::kRows, P::kRows> nonlinear_part_;
   std::int64_t repairs_ = 0;
