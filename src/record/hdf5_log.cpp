@@ -17,6 +17,7 @@ namespace {
 
 constexpr hsize_t kChunkRows = 8192;
 constexpr std::size_t kLeastMemoryStep = 1 << 16;
+constexpr std::size_t kHeaderBytes = 2048;  // of a dataset, about
 constexpr std::size_t kLargestMemoryStep = 4 << 20;
 constexpr std::size_t kLongestText = 1 << 16;
 // A byte of deflated data cannot become more.
@@ -215,11 +216,12 @@ std::mutex hdf5_in_use;
 // By how much the file in memory grows at a time, which HDF5 clears: about what it becomes, or a
 // part of it.
 std::size_t memory_step(const std::vector<Track>& tracks) {
-  std::size_t values = 0;
+  std::size_t bytes = kLeastMemoryStep;
   for (const Track& track : tracks) {
-    if (track.rows() > 0) values += track.rows() * track.row(0).size();
+    const std::size_t columns = track.rows() > 0 ? 1 + track.row(0).size() : 0;  // time_s too
+    bytes += columns * track.rows() * sizeof(double) + track.signals() * kHeaderBytes;
   }
-  return std::clamp(values * sizeof(double), kLeastMemoryStep, kLargestMemoryStep);
+  return std::min(bytes, kLargestMemoryStep);
 }
 
 // The log's bytes. HDF5 itself writes no file: it crashes at exit if a disk was full.
