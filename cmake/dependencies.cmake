@@ -67,5 +67,5 @@ breakwater_package(Pagmo::pagmo libpagmo-dev [[find_package(pagmo 2.18 ${how} NO
 breakwater_package(PkgConfig::nlopt libnlopt-cxx-dev [[breakwater_pkg_config(${how} nlopt nlopt)]])
 breakwater_package(PkgConfig::cairo libcairo2-dev [[breakwater_pkg_config(${how} cairo cairo)]])
 breakwater_package(PkgConfig::zlib zlib1g-dev [[breakwater_pkg_config(${how} zlib zlib)]])
-breakwater_package(PkgConfig::ffmpeg "libavformat-dev, libavcodec-dev, libswscale-dev and libavutil-dev"
-  [[breakwater_pkg_config(${how} ffmpeg libavformat libavcodec libswscale libavutil)]])
+breakwater_package(PkgConfig::ffmpeg "libavformat-dev, libavcodec-dev and libavutil-dev"
+  [[breakwater_pkg_config(${how} ffmpeg libavformat libavcodec libavutil)]])

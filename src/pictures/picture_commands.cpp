@@ -13,6 +13,7 @@
 #include <breakwater/pictures/staging.h>
 #include <breakwater/pictures/strip.h>
 #include <breakwater/record/partial_file.h>
+#include <breakwater/render/colour_converter.h>
 #include <breakwater/render/frame_farm.h>
 #include <breakwater/render/picture.h>
 #include <breakwater/render/render_error.h>

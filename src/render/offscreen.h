@@ -32,6 +32,12 @@ class Offscreen {
   /// changed: what is drawn later does not build on it.
   std::vector<std::uint8_t>& pixels() { return pixels_; }
 
+  /// A function of OpenGL's. Throws RenderError if there is none of that name.
+  template <typename Function>
+  Function* function(const char* name) const {
+    return context_->function<Function>(name);
+  }
+
   /// What OpenGL calls itself, and the library: "llvmpipe (LLVM 15.0.6, 256 bits), OSMesa".
   const std::string& renderer() const { return renderer_; }
   /// What a user should know, in one line, if it is a software renderer other than llvmpipe: what

@@ -104,7 +104,8 @@ Picture::Picture(std::vector<PictureRun>& runs, const PictureStyle& style)
   lay_out();
   for (std::size_t i = 0; i < runs_.size(); ++i) {
     Panel& panel = panels_[i];
-    panel.view = std::make_unique<SceneView>(runs_[i].model, runs_[i].camera, style_.look);
+    panel.view =
+        std::make_unique<SceneView>(offscreen_, runs_[i].model, runs_[i].camera, style_.look);
     if (panel.area.width < panel.area.height * 4.0 / 3.0) include_window(runs_[i], panel);
     if (panel.chart_area.width > 0.0) {
       panel.chart = std::make_unique<Chart>(style_.chart_title, runs_[i].lines, style_.chart_range,

@@ -1,5 +1,7 @@
 #include <breakwater/render/scene_view.h>
 
+#include <GL/gl.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
@@ -107,7 +109,7 @@ void interpolate_qpos(const mjModel& model, std::span<const double> first,
   mj_integratePos(&model, qpos.data(), way.data(), part);
 }
 
-SceneView::SceneView(Model& model, int camera, const Look& look)
+SceneView::SceneView(const Offscreen& offscreen, Model& model, int camera, const Look& look)
     : model_(model), data_(make_data(model)) {
   mjModel& m = *model_.get();
   mjv_defaultCamera(&camera_);
@@ -131,11 +133,32 @@ SceneView::SceneView(Model& model, int camera, const Look& look)
     mjr_makeContext(&m, &context_, mjFONTSCALE_100);
     mjr_setBuffer(mjFB_WINDOW, &context_);
   });
+  set_texture_filter(offscreen, look.textures);
   draw_by_engine("pictures", [&] { mjv_makeScene(&m, &scene_, kMaxGeoms); });
   scene_.flags[mjRND_SHADOW] = look.shadows ? 1 : 0;
   scene_.flags[mjRND_SKYBOX] = look.sky ? 1 : 0;
   scene_.flags[mjRND_REFLECTION] = look.reflections ? 1 : 0;
   uploaded_heights_.assign(m.hfield_data, m.hfield_data + m.nhfielddata);
+}
+
+// The engine's own is trilinear.
+void SceneView::set_texture_filter(const Offscreen& offscreen, TextureFilter filter) {
+  if (filter == TextureFilter::trilinear) return;
+  auto* const bind = offscreen.function<void(GLenum, GLuint)>("glBindTexture");
+  auto* const get = offscreen.function<void(GLenum, GLenum, GLint*)>("glGetTexParameteriv");
+  auto* const set = offscreen.function<void(GLenum, GLenum, GLint)>("glTexParameteri");
+  for (int i = 0; i < context_.ntexture; ++i) {
+    const GLenum target =
+        context_.textureType[i] == mjTEXTURE_2D ? GL_TEXTURE_2D : GL_TEXTURE_CUBE_MAP;
+    bind(target, context_.texture[i]);
+    GLint now = 0;
+    get(target, GL_TEXTURE_MIN_FILTER, &now);
+    if (now == GL_LINEAR_MIPMAP_LINEAR) {
+      set(target, GL_TEXTURE_MIN_FILTER,
+          filter == TextureFilter::linear ? GL_LINEAR : GL_LINEAR_MIPMAP_NEAREST);
+    }
+    bind(target, 0);
+  }
 }
 
 SceneView::~SceneView() {

@@ -14,6 +14,7 @@
 
 #include <breakwater/render/canvas.h>
 #include <breakwater/render/look.h>
+#include <breakwater/render/offscreen.h>
 #include <breakwater/sim/model.h>
 
 namespace breakwater {
@@ -37,11 +38,12 @@ void interpolate_qpos(const mjModel& model, std::span<const double> first,
 /// name.
 int camera_id(const Model& model, const std::string& name);
 
-/// Draws a model into the OpenGL context that was current when it was made.
+/// Draws a model.
 class SceneView {
  public:
-  /// The model outlives it; `camera` is a camera_id(). Throws RenderError.
-  SceneView(Model& model, int camera, const Look& look);
+  /// Into `offscreen`, whose context is current. The model outlives it; `camera` is a camera_id().
+  /// Throws RenderError.
+  SceneView(const Offscreen& offscreen, Model& model, int camera, const Look& look);
   ~SceneView();
   SceneView(const SceneView&) = delete;
   SceneView& operator=(const SceneView&) = delete;
@@ -85,6 +87,7 @@ class SceneView {
   void fit_frame(double aspect);
   void add(const SceneArrow& arrow);
   void upload_height_fields();
+  void set_texture_filter(const Offscreen& offscreen, TextureFilter filter);
 
   Model& model_;
   DataPointer data_;

@@ -4,7 +4,6 @@ extern "C" {
 #include <libavcodec/avcodec.h>
 #include <libavformat/avformat.h>
 #include <libavutil/opt.h>
-#include <libswscale/swscale.h>
 }
 
 #include <array>
@@ -37,40 +36,6 @@ Planes planes(std::uint8_t* frame, int width, int height) {
 }
 
 }  // namespace
-
-std::size_t yuv420p_bytes(int width, int height) {
-  return static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * 3 / 2;
-}
-
-struct ColourConverter::Scaler {
-  SwsContext* context = nullptr;
-
-  Scaler() = default;
-  Scaler(const Scaler&) = delete;
-  Scaler& operator=(const Scaler&) = delete;
-  ~Scaler() { sws_freeContext(context); }
-};
-
-ColourConverter::ColourConverter(int width, int height)
-    : scaler_(std::make_unique<Scaler>()), width_(width), height_(height) {
-  scaler_->context =
-      sws_getContext(width, height, AV_PIX_FMT_BGR0, width, height, AV_PIX_FMT_YUV420P,
-                     SWS_FAST_BILINEAR, nullptr, nullptr, nullptr);
-  if (scaler_->context == nullptr) throw RenderError("video: FFmpeg cannot convert the colours");
-  const int* rec709 = sws_getCoefficients(SWS_CS_ITU709);
-  constexpr int kUnity = 1 << 16;
-  sws_setColorspaceDetails(scaler_->context, rec709, 1, rec709, 0, 0, kUnity, kUnity);
-}
-
-ColourConverter::~ColourConverter() = default;
-
-void ColourConverter::convert(const std::uint8_t* pixels, std::uint8_t* frame) {
-  const std::array<const std::uint8_t*, 4> source = {pixels, nullptr, nullptr, nullptr};
-  const std::array<int, 4> stride = {4 * width_, 0, 0, 0};
-  const Planes target = planes(frame, width_, height_);
-  sws_scale(scaler_->context, source.data(), stride.data(), 0, height_, target.data.data(),
-            target.stride.data());
-}
 
 struct VideoFile::Streams {
   AVFormatContext* container = nullptr;

@@ -18,27 +18,6 @@ struct VideoFormat {
   std::string encoder = "libx264";
 };
 
-/// Bytes of one frame as the encoder takes it: planes Y, U, V, the latter two of half the size.
-std::size_t yuv420p_bytes(int width, int height);
-
-/// Converts pictures to the encoder's colours (Rec. 709, limited range).
-class ColourConverter {
- public:
-  ColourConverter(int width, int height);
-  ~ColourConverter();
-  ColourConverter(const ColourConverter&) = delete;
-  ColourConverter& operator=(const ColourConverter&) = delete;
-
-  /// From 4 bytes a pixel (blue, green, red, unused) to yuv420p_bytes().
-  void convert(const std::uint8_t* pixels, std::uint8_t* frame);
-
- private:
-  struct Scaler;
-  std::unique_ptr<Scaler> scaler_;
-  int width_;
-  int height_;
-};
-
 /// Writes H.264 in MP4 that browsers play before they have all of it (faststart). Frame k is shown
 /// at k/fps. Written beside its name, which it takes when finish() is done; without that nothing
 /// is left.
@@ -51,7 +30,7 @@ class VideoFile {
   VideoFile(const VideoFile&) = delete;
   VideoFile& operator=(const VideoFile&) = delete;
 
-  /// Appends a frame of yuv420p_bytes(). Throws OutputError if the disk is full.
+  /// Appends a frame of yuv420p_bytes() (colour_converter.h), in Rec. 709, limited range. Throws OutputError if the disk is full.
   void append(const std::uint8_t* frame);
   /// The file's comment: what drew it, say.
   void note(const std::string& comment);

@@ -26,7 +26,8 @@ void render(char** argv) {
   PictureRun run = stage(runs.front(), shots, "");
 
   Offscreen offscreen(shots.width, shots.height);
-  SceneView view(run.model, run.camera, std::string(argv[2]) == "fast" ? kFastLook : kFullLook);
+  SceneView view(offscreen, run.model, run.camera,
+                 std::string(argv[2]) == "fast" ? kFastLook : kFullLook);
   const auto rows = static_cast<double>(run.qpos.rows - 1);
   const double per_s = rows / (run.times_s.back() - run.times_s.front());
   for (long k = 0; k < frames; ++k) {

@@ -177,7 +177,7 @@ void report_quadrotor() {
   spectrum_design.Q = spectrum.Q();
   spectrum_design.R = design.R;
   spectrum_design.P0 = 0.1 * Eigen::Matrix<double, 30, 30>::Identity();
-  std::puts("24 states, 6 outputs: the underwater quadrotor (goal for the UKF: 10 us)");
+  std::puts("24 states, 6 outputs: the underwater quadrotor (goal for the UKF: 6 us)");
   report_nonlinear("UKF, resonators", Ukf<WaveResonators, 6>(resonators, design));
   report_nonlinear("UKF, second order", Ukf<ThrusterDisturbance<2>, 6>(polynomial, design));
   report_nonlinear("EKF, second order", Ekf<ThrusterDisturbance<2>, 6>(polynomial, design, 0.0));

@@ -107,6 +107,23 @@ TEST(NonlinearKalman, AllAreTheKalmanFilterOfALinearProcess) {
   }
 }
 
+// Also where it had a 0 before: the filter carries what is not 0 alone.
+TEST(NonlinearKalman, ChangedProcessIsTheOneThatIsCarried) {
+  Linear process;
+  const auto d = design<4, 2>(0.01, 0.1, 1.0);
+  Ukf<Linear, 2> changed(process, d);
+  changed.change_process([](Linear& p) { p.A(0, 3) = 0.7; });
+  process.A(0, 3) = 0.7;
+  Ukf<Linear, 2> made_anew(process, d);
+  Ukf<Linear, 2> unchanged(Linear(), d);
+  const Eigen::Vector2d u(0.3, -0.2);
+  changed.predict(u);
+  made_anew.predict(u);
+  unchanged.predict(u);
+  EXPECT_EQ(changed.P(), made_anew.P());
+  EXPECT_GT((changed.P() - unchanged.P()).norm(), 0.1);
+}
+
 // One step against the textbook's loop over all 2n points, drawn again for the measurement.
 TEST(NonlinearKalman, UkfIsTheTextbooks) {
   const Pendulum process;

@@ -57,7 +57,7 @@ TEST(SceneView, APinholeCameraSeesTheBallWhereItIs) {
   Model model = ball();
   Offscreen offscreen(kWidth, kHeight);
   ASSERT_FALSE(offscreen.slowness()) << offscreen.renderer();
-  SceneView view(model, camera_id(model, "above"), kFastLook);
+  SceneView view(offscreen, model, camera_id(model, "above"), kFastLook);
   for (const auto& at : {std::array{0.0, 0.0}, std::array{0.6, 0.3}, std::array{-0.5, -0.7}}) {
     view.pose(std::array{at[0], at[1], 0.0, 1.0, 0.0, 0.0, 0.0});
     view.draw({0, 0, kWidth, kHeight}, {});
@@ -72,7 +72,7 @@ TEST(SceneView, APinholeCameraSeesTheBallWhereItIs) {
 TEST(SceneView, KnowsWhereAnArrowEnds) {
   Model model = ball();
   Offscreen offscreen(kWidth, kHeight);
-  SceneView view(model, camera_id(model, "above"), kFastLook);
+  SceneView view(offscreen, model, camera_id(model, "above"), kFastLook);
   // Turned by 90 degrees about z: the site's x axis is the world's y axis.
   view.pose(std::array{0.1, 0.0, 0.0, std::sqrt(0.5), 0.0, 0.0, std::sqrt(0.5)});
   SceneArrow arrow;

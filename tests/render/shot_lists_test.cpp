@@ -63,7 +63,7 @@ double smallest_share_of_the_plant(const FinishedRun& run, ShotList shots) {
 void expect_arrows_inside(const FinishedRun& run, const ShotList& shots) {
   PictureRun staged = stage(run, shots, "");
   const Offscreen offscreen(kWidth, kHeight);
-  SceneView view(staged.model, staged.camera, kFastLook);
+  SceneView view(offscreen, staged.model, staged.camera, kFastLook);
   for (const ShotMoment& moment : shots.moments) {
     const double time_s = *time_of(moment, run);
     const auto row = std::lower_bound(run.times_s().begin(), run.times_s().end(), time_s - 1e-9) -
