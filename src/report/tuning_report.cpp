@@ -221,6 +221,17 @@ mustache::data legend(const TuningResult& result) {
   return list;
 }
 
+// Where the hypervolumes end: "peak_N = 12, free_motion_s = 1.5".
+std::string reference_text(const Tuning& tuning, const TuningResult& result) {
+  std::vector<std::string> parts;
+  for (std::size_t i = 0; i < result.reference.size(); ++i) {
+    const Objective& objective = tuning.objectives[i];
+    const double sign = objective.goal == Goal::max ? -1.0 : 1.0;
+    parts.push_back(fmt::format("{} = {:.5g}", objective.metric, sign * result.reference[i]));
+  }
+  return fmt::format("{}", fmt::join(parts, ", "));
+}
+
 // Whole numbers are counts, and names of what is counted.
 std::string readable(const std::string& cell) {
   return cell.find('.') == std::string::npos ? cell : in_short(cell, kDigits);
@@ -270,6 +281,11 @@ void write_tuning_report(const TuningPlan& plan, const TuningResult& result,
     data.set("validation", fresh);
   }
   data.set("cases", legend(result));
+  if (!table.rows.empty()) {
+    mustache::data reference;
+    reference.set("text", reference_text(tuning, result));
+    data.set("reference", reference);
+  }
   if (tuning.objectives.size() > 1 && !table.rows.empty()) {
     data.set("front", front_chart(plan, result));
   }

@@ -178,6 +178,11 @@ std::string comparison_text(const CandidateComparison& comparison, std::size_t w
   }
   const std::string repeated = repeated_text(comparison);
   if (!repeated.empty()) text += repeated + '\n';
+  for (std::size_t c = 0; c < comparison.candidates.size(); ++c) {
+    if (comparison.never[c].empty()) continue;
+    text += fmt::format("Not one run of {} has {}\n", comparison.candidates[c],
+                        fmt::join(comparison.never[c], ", "));
+  }
   return text;
 }
 

@@ -180,6 +180,18 @@ std::vector<std::size_t> different_runs(const PairedResults& results) {
   return runs;
 }
 
+std::vector<std::string> never_measured(const PairedResults& results, std::size_t candidate) {
+  std::vector<std::string> metrics;
+  for (std::size_t metric = 0; metric < results.metrics.size(); ++metric) {
+    const auto is_absent = results.values[metric].array().isNaN();
+    const bool is_never = is_absent.col(static_cast<Eigen::Index>(candidate)).all();
+    if (goal_in(results, results.metrics[metric]) != Goal::none && is_never && !is_absent.all()) {
+      metrics.push_back(results.metrics[metric]);
+    }
+  }
+  return metrics;
+}
+
 std::optional<RankComparison> rank(const PairedResults& results, std::size_t metric, double alpha) {
   RankComparison comparison;
   comparison.metric = results.metrics[metric];
@@ -214,6 +226,9 @@ CandidateComparison compare_candidates(const PairedResults& results,
   comparison.candidates = results.candidates;
   comparison.worlds = static_cast<std::size_t>(results.failed.rows());
   comparison.runs = different_runs(results);
+  for (std::size_t c = 0; c < results.candidates.size(); ++c) {
+    comparison.never.push_back(never_measured(results, c));
+  }
   const auto pairs = pairs_of(results);
   std::vector<std::vector<Eigen::Index>> worlds;
   for (const auto& [x, y] : pairs) worlds.push_back(different_worlds(results, x, y));

@@ -6,6 +6,7 @@ whole 100 s runs, run in turn, so that a drifting machine shifts both. The bare 
 needs of the model, and for comparison of the whole. Then what starting up costs. Videos are compared by the
 processors' time of all their processes: it hardly depends on who else uses the machine. Then what a
 run under waves takes with each size of estimator, the solvers of quadratic programs, and the Python module.
+At the end all of it again, as the table of docs/performance.md.
 """
 
 import os
@@ -24,6 +25,27 @@ VIDEO_PAIRS = 3
 # The same experiment in a tenth of the time: wall, switch and impact come earlier.
 SHORT = ["--set", "run.duration_s=10", "wall.solid_from_s=4", "force.from_s=5",
          "metrics.from_s=8", "metrics.to_s=10", "record.fine_from_s=4.9", "record.fine_to_s=8"]
+
+
+TABLE = []  # what, measured, goal
+
+
+def measured(what, value, goal=""):
+    """A line now, and one of the table at the end."""
+    print(f"  {what:42} {value:>28}" + (f"   (goal: {goal})" if goal else ""), flush=True)
+    TABLE.append((what, value, goal))
+
+
+def passed_on(command, **kwargs):
+    """Prints what a benchmark of its own says, line by line, and returns it."""
+    lines = []
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, **kwargs) as process:
+        for line in process.stdout:
+            print(line, end="", flush=True)
+            lines.append(line.rstrip())
+    if process.returncode != 0:
+        sys.exit(f"{command[0]} failed")
+    return lines
 
 
 def run_command(folder, extra):
@@ -89,10 +111,11 @@ def bench_renderers(run, frames):
     for library, name in names.items():
         cpu_ms = 1e3 / frames * statistics.median(cpu for cpu, _ in costs[library])
         rate = frames / statistics.median(wall for _, wall in costs[library])
-        print(f"  {library:6}: {rate:6.1f} frames/s, {cpu_ms:5.1f} ms of a core per frame   ({name})")
+        print(f"  {library}: {name}")
+        measured(f"video, full look, by {library}", f"{rate:.1f} frames/s, {cpu_ms:.1f} ms of a core each")
     if len(names) == 2:
         ratio = statistics.median(o[0] / e[0] for o, e in zip(costs["osmesa"], costs["egl"]))
-        print(f"  EGL draws {ratio:.2f} times as fast as OSMesa, by processor time")
+        measured("EGL's rate over OSMesa's, by processor time", f"{ratio:.2f}")
 
 
 def bench_starting(folder):
@@ -103,7 +126,7 @@ def bench_starting(folder):
     for what, command, goal in (("a run of 0.01 s with its log", [motor, *brief], 13),
                                 ("its configuration, no log", [motor, "--print-config"], 10)):
         least = min(cpu_and_wall_seconds(command)[0] for _ in range(40))
-        print(f"  {what:30} {1e3 * least:7.1f} ms   (goal: at most {goal})")
+        measured(what, f"{1e3 * least:.1f} ms", f"at most {goal}")
 
 
 def bench_videos(run):
@@ -111,7 +134,7 @@ def bench_videos(run):
     cores = os.cpu_count()
     bench_renderers(run, frames)
     print(f"video, {frames} frames of 1280x720 with impact, {VIDEO_PAIRS} pairs ...", flush=True)
-    for look, goal in (("full", 20), ("fast", 32)):
+    for look, goal, bound in (("full", 20, "at most 1.25"), ("fast", 32, "")):
         video = [BUILD / "bin" / "breakwater", "video", run, "--quiet", "--look", look,
                  "--from", "29.9", "--to", "31.4", "--speed", "0.05"]
         # One on each core, as the video is drawn: cores that share a cache slow each other down.
@@ -122,12 +145,10 @@ def bench_videos(run):
         ours_ms = 1e3 / frames * statistics.median(ours[0] for ours, _ in pairs)
         bare_ms = 1e3 / frames * statistics.median(theirs[0] for _, theirs in pairs)
         ratio = statistics.median(ours[0] / theirs[0] for ours, theirs in pairs)
-        print(f"  {look}: end to end   {rate:9.1f} frames/s (goal on 2 cores: at least {goal})")
-        print(f"        bare loop    {bare_ms:9.1f} ms of a core per frame")
-        print(f"        video        {ours_ms:9.1f} ms of a core per frame, "
-              f"{1e3 * cores / ours_ms:.0f} frames/s if {cores} cores are free")
-        print(f"        ratio        {ratio:9.3f}" +
-              ("   (goal: at most 1.25)" if look == "full" else ""))
+        measured(f"video, {look} look", f"{rate:.1f} frames/s, {ours_ms:.1f} ms of a core each",
+                 f"at least {goal} frames/s on 2 cores")
+        measured(f"{look} look, a bare mjr_render loop", f"{bare_ms:.1f} ms of a core")
+        measured(f"{look} look, the video over the loop", f"{ratio:.2f}", bound)
 
 
 def bench_quadrotor(folder):
@@ -137,7 +158,7 @@ def bench_quadrotor(folder):
                    "--out", pathlib.Path(folder) / case,
                    "--set", "estimator.wave_frequency=estimated"]
         cpu_s = statistics.median(cpu_and_wall_seconds(command)[0] for _ in range(3))
-        print(f"  {case:18} {cpu_s:6.2f} s, {100 / cpu_s:5.0f} times real time   (goal: at least 10)")
+        measured(f"quadrotor_waves --case {case}", f"{100 / cpu_s:.0f} times real time", "at least 10")
 
 
 def sweep_command(folder, name, cases, *arguments):
@@ -165,12 +186,9 @@ def bench_sweeps(folder):
         bare = float(subprocess.run([BUILD / "tests" / "bare_points", "vfakfd", "0.001", str(tiny)],
                                     check=True, capture_output=True, text=True).stdout)
         overheads.append(1e3 * (cpu - bare) / tiny)
-    print(f"  processor time over the simulations alone {statistics.median(ratios):6.3f}"
-          "   (goal: at most 1.05)")
-    print(f"  beside the simulation          {statistics.median(overheads):9.3f} ms a run"
-          "   (goal: at most 1)")
-    print(f"  two workers over one           {statistics.median(workers):9.3f}"
-          "   (goal: at least 1.85)")
+    measured("a sweep's processor time over its runs'", f"{statistics.median(ratios):.3f}", "at most 1.05")
+    measured("a sweep's own time beside a run's", f"{statistics.median(overheads):.2f} ms", "at most 1")
+    measured("two workers over one", f"{statistics.median(workers):.2f}", "at least 1.85")
     for points, lists in ((100, ["lin(0,1,100)"]), (100_000, ["lin(0,1,1000)", "lin(0,1,100)"])):
         vary = [word for key, values in zip(("x.first", "x.second"), lists)
                 for word in ("--vary", f"{key}={values}")]
@@ -178,8 +196,7 @@ def bench_sweeps(folder):
         lab = [BUILD / "tests" / "ishigami_lab", "sweep", "ishigami", "--out", out, "--quiet", *vary]
         wall_s, memory = wall_and_memory(lab)
         again_s, _ = wall_and_memory([*lab[:2], out, "--status"])
-        print(f"  {points:6} points of a function      {wall_s:9.2f} s, {memory:.0f} MB; "
-              f"--status {again_s:.2f} s")
+        measured(f"{points} points of a function", f"{wall_s:.2f} s, {memory:.0f} MB; --status {again_s:.2f} s")
 
 
 def wall_and_memory(command):
@@ -192,6 +209,27 @@ def wall_and_memory(command):
     return time.perf_counter() - start, usage.ru_maxrss / 1024
 
 
+def bench_solvers():
+    cells = [[cell.strip() for cell in line.strip("|").split("|")]
+             for line in passed_on([BUILD / "tests" / "qp_bench"]) if re.match(r"\| \d+/\d+ ", line)]
+    times = {(row[0], row[1]): (float(row[2]), float(row[3])) for row in cells}
+    for size in dict.fromkeys(row[0] for row in cells):
+        for solver in ("active_set", "active_set of 0.2", "DAQP", "DAQP, simple bounds"):
+            if (size, solver) in times:
+                median, largest = times[size, solver]
+                measured(f"programs of {size}, {solver}", f"{median:.3g} us, largest {largest:.3g} us")
+
+
+def bench_estimators():
+    of = ""
+    for line in passed_on([BUILD / "tests" / "estimators_bench"]):
+        found = re.match(r"  (.*\S) +([\d.]+ [nu]s)$", line)
+        if found:
+            TABLE.append((f"{of}: {found[1]}", found[2], "at most 6 us" if found[1] == "UKF, resonators" else ""))
+        else:
+            of = line.partition(":")[0]
+
+
 def main():
     with tempfile.TemporaryDirectory() as folder:
         run = pathlib.Path(folder) / "run"
@@ -201,11 +239,11 @@ def main():
         bare = instructions(replay_command(run))
         ours = instructions(run_command(run, SHORT))
         steps = 100_000
-        print(f"  whole model, bare   {whole / steps:10.0f} per physics step")
-        print(f"  bare mj_step loop   {bare / steps:10.0f} per physics step")
-        print(f"  run, logging on     {ours / steps:10.0f} per physics step")
-        print(f"  ratio               {ours / bare:10.3f}   (goal: at most 1.05)")
-        print(f"  over the whole one  {ours / whole:10.3f}   (goal: at most 0.65)")
+        measured("arm, instructions of a step, bare, whole model", f"{whole / steps:.0f}")
+        measured("the same, what physics needs", f"{bare / steps:.0f}")
+        measured("the run, logging on", f"{ours / steps:.0f}")
+        measured("the run over the bare engine", f"{ours / bare:.3f}", "at most 1.05")
+        measured("the run over the whole model, bare", f"{ours / whole:.3f}", "at most 0.65")
 
         print(f"time, 100 s, {PAIRS} pairs ...", flush=True)
         subprocess.run(run_command(run, []), check=True)
@@ -214,22 +252,24 @@ def main():
         ours_s = statistics.median(p[0] for p in pairs)
         bare_s = statistics.median(p[1] for p in pairs)
         ratio = statistics.median(p[0] / p[1] for p in pairs)
-        print(f"  bare mj_step loop   {bare_s:10.2f} s")
-        print(f"  run, logging on     {ours_s:10.2f} s")
-        print(f"  ratio               {ratio:10.3f}   (median of pairs; goal: at most 1.05)")
-        print(f"  real-time factor    {100 / ours_s:10.1f}   (one core; goal: at least 5)")
+        measured("arm, 100 s, bare", f"{bare_s:.2f} s")
+        measured("the run, logging on", f"{ours_s:.2f} s, {100 / ours_s:.0f} times real time", "at least 5 times")
+        measured("the run over the bare engine, by the clock", f"{ratio:.3f}", "at most 1.05")
 
         bench_starting(folder)
         bench_videos(run)
         bench_quadrotor(folder)
         bench_sweeps(folder)
     print("quadratic programs ...", flush=True)
-    subprocess.run([BUILD / "tests" / "qp_bench"], check=True)
+    bench_solvers()
     print("one update of an estimator ...", flush=True)
-    subprocess.run([BUILD / "tests" / "estimators_bench"], check=True)
+    bench_estimators()
     print("the Python module ...", flush=True)
-    subprocess.run(["/usr/bin/python3", pathlib.Path(__file__).with_name("python_bench.py")], check=True,
-                   env={**os.environ, "PYTHONPATH": str(BUILD / "python")})
+    passed_on(["/usr/bin/python3", pathlib.Path(__file__).with_name("python_bench.py")],
+              env={**os.environ, "PYTHONPATH": str(BUILD / "python")})
+    print("\n| | measured | goal |\n|---|---|---|")
+    for row in TABLE:
+        print(f"| {' | '.join(row)} |")
     return 0
 
 

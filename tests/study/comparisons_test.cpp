@@ -331,6 +331,25 @@ TEST(Comparisons, TheSamePairCountsOnce) {
             std::string::npos);
 }
 
+// A candidate that never has what is wanted is not just absent from the table.
+TEST(Comparisons, WhatIsNeverMeasuredIsSaid) {
+  PairedResults results;
+  results.candidates = {"a", "b"};
+  results.metrics = {"settling_s", "repairs"};
+  results.goals = {{"settling_s", Goal::min}};
+  results.failed = Eigen::MatrixXd::Zero(8, 2);
+  results.values = {Eigen::MatrixXd::Constant(8, 2, kNaN), Eigen::MatrixXd::Constant(8, 2, kNaN)};
+  const CandidateComparison nobody = compare_candidates(results);
+  EXPECT_EQ(nobody.never, (std::vector<std::vector<std::string>>{{}, {}}));
+  results.values[0].col(0).setLinSpaced(1.0, 2.0);
+  results.values[1].col(0).setZero();  // it has no goal: what b does not have is nothing to miss
+  const CandidateComparison comparison = compare_candidates(results);
+  EXPECT_TRUE(comparison.metrics.empty());
+  EXPECT_EQ(comparison.never, (std::vector<std::vector<std::string>>{{}, {"settling_s"}}));
+  EXPECT_NE(comparison_text(comparison, 200).find("Not one run of b has settling_s\n"),
+            std::string::npos);
+}
+
 TEST(Comparisons, FewerFailuresAreBetter) {
   PairedResults results;
   results.candidates = {"a", "b"};

@@ -49,6 +49,7 @@ TEST_F(Tune, LeavesAFrontThatCanBeRun) {
   }
   EXPECT_EQ(validated, 6U);
   EXPECT_EQ(results("s").size(), 1U + 2 * 64 * 2 + 6 * 6);
+  EXPECT_NE(read("s/report.html").find("of what is better than y_1 = "), std::string::npos);
   // A point's file is its run.
   const ProgramResult run = testing::run_program(
       {ISHIGAMI_LAB, "run", "ishigami", "--config", "s/front/1.toml", "--out", "r"}, folder_);
@@ -121,6 +122,7 @@ TEST_F(Tune, NonsenseIsOneLineAndStatus2) {
   expect(budget + search + "[objective]\ny_1 = { goal = \"mni\" }\n", "(did you mean min?)");
   expect(budget + search + "[objective]\ny_1 = \"min\"\n", "must be a table");
   expect(budget + search + two + "[world]\n\"x.first\" = [1, 2]\n", "is searched too");
+  expect(budget + search + two + "[set]\n\"x.first\" = 1\n", "is set too");
   expect(budget + search + two + "[world]\n\"x.third\" = { uniform = [1, 2] }\n",
          "a world has values");
   const std::string listed = budget + "worlds = \"list\"\n" + search + two;
