@@ -67,6 +67,8 @@ class GaussianEstimate {
     factor_.matrixU().template solveInPlace<Eigen::OnTheRight>(W_);
     x_.noalias() += W_ * factor_.matrixL().solve(innovation_);
     P_.noalias() -= W_.lazyProduct(W_.transpose());
+    // Of an odd N Eigen sums the last rows in another order than the others.
+    if constexpr (N % 2 != 0) mirror();
   }
 
  protected:

@@ -10,6 +10,8 @@ namespace breakwater {
 /// kFirstRow + kRows − 1 only and depends on the first kArguments states only. A process without
 /// such structure has A = 0, kFirstRow = 0 and kRows = kArguments = kStates.
 ///
+/// linear() stays what it is; only Ukf::change_process() may change it.
+///
 /// The structure saves work, and changes nothing: what is linear a filter carries over exactly, and
 /// a sigma point that differs from the mean in other states alone has the mean's g.
 template <typename P>

@@ -7,7 +7,8 @@
 
 namespace breakwater::detail {
 
-/// What is not 0 in an N×N matrix, row by row. Allocates nothing.
+/// An N×N matrix in compressed rows: its entries that are not 0. Products sum in the order of the
+/// columns; what is 0 here times what is not finite is left out. Allocates nothing.
 template <int N>
 class SparseSquare {
  public:
@@ -21,7 +22,7 @@ class SparseSquare {
     }
   }
 
-  /// result = A x: sums in the order of A's columns, as the dense product's are.
+  /// result = A x.
   void times(const Eigen::Matrix<double, N, 1>& x, Eigen::Matrix<double, N, 1>& result) const {
     std::size_t e = 0;
     for (int i = 0; i < N; ++i) {
@@ -33,7 +34,7 @@ class SparseSquare {
     }
   }
 
-  /// result = X Aᵀ, in the same order; the two must not overlap.
+  /// result = X Aᵀ; the two must not overlap.
   void transposed_times(const Eigen::Matrix<double, N, N>& X,
                         Eigen::Matrix<double, N, N>& result) const {
     std::size_t e = 0;
@@ -50,8 +51,8 @@ class SparseSquare {
     int column;
     double value;
   };
-  std::array<Entry, static_cast<std::size_t>(N* N)> entries_;
-  std::array<std::size_t, N> row_ends_;
+  std::array<Entry, static_cast<std::size_t>(N* N)> entries_{};
+  std::array<std::size_t, N> row_ends_{};
 };
 
 }  // namespace breakwater::detail

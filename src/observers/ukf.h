@@ -101,7 +101,8 @@ class Ukf final : public GaussianEstimate<P::kStates, p> {
   }
 
   const P& process() const { return process_; }
-  /// For a process whose parameters are tracked: `change(process)` and Q, between samples.
+  /// For a process whose parameters are tracked: calls `change(process)`, between samples, and
+  /// takes its linear() over. Q is set_process_noise()'s.
   template <typename Change>
   void change_process(const Change& change) {
     change(process_);

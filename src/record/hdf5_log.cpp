@@ -218,8 +218,8 @@ std::mutex hdf5_in_use;
 std::size_t memory_step(const std::vector<Track>& tracks) {
   std::size_t bytes = kLeastMemoryStep;
   for (const Track& track : tracks) {
-    const std::size_t columns = track.rows() > 0 ? 1 + track.row(0).size() : 0;  // time_s too
-    bytes += columns * track.rows() * sizeof(double) + track.signals() * kHeaderBytes;
+    const std::size_t columns = track.rows() > 0 ? track.row(0).size() : 0;
+    bytes += columns * track.rows() * sizeof(double) + (1 + track.signals()) * kHeaderBytes;
   }
   return std::min(bytes, kLargestMemoryStep);
 }

@@ -1,9 +1,12 @@
 #include <breakwater/render/colour_converter.h>
 
+#include <bit>
 #include <cstring>
 
 namespace breakwater {
 namespace {
+
+static_assert(std::endian::native == std::endian::little, "a pixel's blue is its lowest byte");
 
 // The loops are written so that the compiler makes vector code of them: sixteen bits hold what is
 // in them, and the arrays do not overlap.

@@ -7,18 +7,21 @@
 
 namespace breakwater {
 
-/// Bytes of one frame as the encoder takes it: planes Y, Cb, Cr, the latter two of half the size.
+/// Bytes of one frame as the encoder takes it: planes Y', Cb, Cr, the latter two of half the width
+/// and half the height.
 std::size_t yuv420p_bytes(int width, int height);
 
-/// Converts pictures to Y'CbCr by Rec. ITU-R BT.709-6, limited range: Y' = .2126 R + .7152 G +
-/// .0722 B on 16 … 235, Cb = (B − Y')/1.8556 and Cr = (R − Y')/1.5748, each of the mean of four
-/// pixels, on 16 … 240. In integers, of 1/256: Y' is right to ±1, Cb and Cr to ±2.
+/// Converts R'G'B' of eight bits to Y'CbCr by Rec. ITU-R BT.709-6, limited range:
+/// Y' = .2126 R' + .7152 G' + .0722 B' on 16 … 235; Cb = (B' − Y')/1.8556 and
+/// Cr = (R' − Y')/1.5748 on 16 … 240, each of the mean of two by two pixels and centred between
+/// them. In integers, of 1/256: Y' is right to ±1, Cb and Cr to ±2.
 class ColourConverter {
  public:
   /// Both even.
   ColourConverter(int width, int height);
 
-  /// From 4 bytes a pixel (blue, green, red, unused) to yuv420p_bytes(). Allocates nothing.
+  /// From 4 bytes a pixel (blue, green, red, unused) to yuv420p_bytes(). Allocates
+  /// nothing.
   void convert(const std::uint8_t* pixels, std::uint8_t* frame);
 
  private:

@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include <breakwater/render/offscreen.h>
 #include <breakwater/render/render_error.h>
 #include <breakwater/render/scene_pose.h>
 #include <breakwater/sim/engine_guard.h>
@@ -86,6 +87,26 @@ DataPointer make_data(const Model& model) {
   }
 }
 
+// The engine's textures are trilinear.
+void minify(const Offscreen& offscreen, const mjrContext& context, Minification how) {
+  if (how == Minification::trilinear) return;
+  auto* const bind = offscreen.function<void(GLenum, GLuint)>("glBindTexture");
+  auto* const get = offscreen.function<void(GLenum, GLenum, GLint*)>("glGetTexParameteriv");
+  auto* const set = offscreen.function<void(GLenum, GLenum, GLint)>("glTexParameteri");
+  for (int i = 0; i < context.ntexture; ++i) {
+    const GLenum target =
+        context.textureType[i] == mjTEXTURE_2D ? GL_TEXTURE_2D : GL_TEXTURE_CUBE_MAP;
+    bind(target, context.texture[i]);
+    GLint now = 0;
+    get(target, GL_TEXTURE_MIN_FILTER, &now);
+    if (now == GL_LINEAR_MIPMAP_LINEAR) {
+      set(target, GL_TEXTURE_MIN_FILTER,
+          how == Minification::no_mipmaps ? GL_LINEAR : GL_LINEAR_MIPMAP_NEAREST);
+    }
+    bind(target, 0);
+  }
+}
+
 }  // namespace
 
 int camera_id(const Model& model, const std::string& name) {
@@ -133,32 +154,12 @@ SceneView::SceneView(const Offscreen& offscreen, Model& model, int camera, const
     mjr_makeContext(&m, &context_, mjFONTSCALE_100);
     mjr_setBuffer(mjFB_WINDOW, &context_);
   });
-  set_texture_filter(offscreen, look.textures);
+  minify(offscreen, context_, look.minification);
   draw_by_engine("pictures", [&] { mjv_makeScene(&m, &scene_, kMaxGeoms); });
   scene_.flags[mjRND_SHADOW] = look.shadows ? 1 : 0;
   scene_.flags[mjRND_SKYBOX] = look.sky ? 1 : 0;
   scene_.flags[mjRND_REFLECTION] = look.reflections ? 1 : 0;
   uploaded_heights_.assign(m.hfield_data, m.hfield_data + m.nhfielddata);
-}
-
-// The engine's own is trilinear.
-void SceneView::set_texture_filter(const Offscreen& offscreen, TextureFilter filter) {
-  if (filter == TextureFilter::trilinear) return;
-  auto* const bind = offscreen.function<void(GLenum, GLuint)>("glBindTexture");
-  auto* const get = offscreen.function<void(GLenum, GLenum, GLint*)>("glGetTexParameteriv");
-  auto* const set = offscreen.function<void(GLenum, GLenum, GLint)>("glTexParameteri");
-  for (int i = 0; i < context_.ntexture; ++i) {
-    const GLenum target =
-        context_.textureType[i] == mjTEXTURE_2D ? GL_TEXTURE_2D : GL_TEXTURE_CUBE_MAP;
-    bind(target, context_.texture[i]);
-    GLint now = 0;
-    get(target, GL_TEXTURE_MIN_FILTER, &now);
-    if (now == GL_LINEAR_MIPMAP_LINEAR) {
-      set(target, GL_TEXTURE_MIN_FILTER,
-          filter == TextureFilter::linear ? GL_LINEAR : GL_LINEAR_MIPMAP_NEAREST);
-    }
-    bind(target, 0);
-  }
 }
 
 SceneView::~SceneView() {

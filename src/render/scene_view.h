@@ -14,10 +14,11 @@
 
 #include <breakwater/render/canvas.h>
 #include <breakwater/render/look.h>
-#include <breakwater/render/offscreen.h>
 #include <breakwater/sim/model.h>
 
 namespace breakwater {
+
+class Offscreen;
 
 /// An arrow in the scene: a force, say.
 struct SceneArrow {
@@ -87,7 +88,6 @@ class SceneView {
   void fit_frame(double aspect);
   void add(const SceneArrow& arrow);
   void upload_height_fields();
-  void set_texture_filter(const Offscreen& offscreen, TextureFilter filter);
 
   Model& model_;
   DataPointer data_;

@@ -86,6 +86,7 @@ VideoFile::VideoFile(const std::filesystem::path& file, const VideoFormat& forma
   e.colorspace = AVCOL_SPC_BT709;
   e.color_primaries = AVCOL_PRI_BT709;
   e.color_trc = AVCOL_TRC_BT709;
+  e.chroma_sample_location = AVCHROMA_LOC_CENTER;
   e.flags |= AV_CODEC_FLAG_GLOBAL_HEADER;
   av_opt_set(e.priv_data, "preset", kPreset, 0);
   av_opt_set(e.priv_data, "crf", kQuality, 0);

@@ -30,7 +30,7 @@ class VideoFile {
   VideoFile(const VideoFile&) = delete;
   VideoFile& operator=(const VideoFile&) = delete;
 
-  /// Appends a frame of yuv420p_bytes() (colour_converter.h), in Rec. 709, limited range. Throws OutputError if the disk is full.
+  /// Appends a frame of ColourConverter's. Throws OutputError if the disk is full.
   void append(const std::uint8_t* frame);
   /// The file's comment: what drew it, say.
   void note(const std::string& comment);

@@ -51,6 +51,7 @@ void set_pairs(mustache::data& section, const CandidateComparison& comparison,
   section.set("pairs", pairs);
   section.set("worlds", std::to_string(comparison.worlds));
   section.set("repeated", repeated_text(comparison));
+  section.set("never", never_text(comparison));
 }
 
 }  // namespace

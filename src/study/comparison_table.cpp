@@ -145,6 +145,16 @@ std::string repeated_text(const CandidateComparison& comparison) {
       comparison.worlds, fmt::join(repeated, ", "), repeated.size() == 1 ? "that one" : "those");
 }
 
+std::string never_text(const CandidateComparison& comparison) {
+  std::vector<std::string> parts;
+  for (std::size_t c = 0; c < comparison.candidates.size(); ++c) {
+    if (comparison.never[c].empty()) continue;
+    parts.push_back(fmt::format("Not one run of {} has {}", comparison.candidates[c],
+                                fmt::join(comparison.never[c], ", ")));
+  }
+  return fmt::format("{}", fmt::join(parts, "; "));
+}
+
 std::string comparison_text(const CandidateComparison& comparison, std::size_t width) {
   Table table({"metric", "candidate", "reference", "pairs", "median", "difference (95 %)", "p",
                "better in", "verdict"});
@@ -178,11 +188,8 @@ std::string comparison_text(const CandidateComparison& comparison, std::size_t w
   }
   const std::string repeated = repeated_text(comparison);
   if (!repeated.empty()) text += repeated + '\n';
-  for (std::size_t c = 0; c < comparison.candidates.size(); ++c) {
-    if (comparison.never[c].empty()) continue;
-    text += fmt::format("Not one run of {} has {}\n", comparison.candidates[c],
-                        fmt::join(comparison.never[c], ", "));
-  }
+  const std::string never = never_text(comparison);
+  if (!never.empty()) text += never + '\n';
   return text;
 }
 

@@ -17,6 +17,10 @@ std::string comparison_csv(const CandidateComparison& comparison);
 /// runs come again. Empty if none does.
 std::string repeated_text(const CandidateComparison& comparison);
 
+/// "Not one run of b has settling_s; …": what a reader must know where a row is missing. Empty if
+/// none is.
+std::string never_text(const CandidateComparison& comparison);
+
 /// The same for people, in short.
 std::string comparison_text(const CandidateComparison& comparison, std::size_t width);
 

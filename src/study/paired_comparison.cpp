@@ -182,9 +182,11 @@ std::vector<std::size_t> different_runs(const PairedResults& results) {
 
 std::vector<std::string> never_measured(const PairedResults& results, std::size_t candidate) {
   std::vector<std::string> metrics;
+  const auto column = static_cast<Eigen::Index>(candidate);
+  if ((results.failed.col(column).array() > 0.0).all()) return metrics;
   for (std::size_t metric = 0; metric < results.metrics.size(); ++metric) {
     const auto is_absent = results.values[metric].array().isNaN();
-    const bool is_never = is_absent.col(static_cast<Eigen::Index>(candidate)).all();
+    const bool is_never = is_absent.col(column).all();
     if (goal_in(results, results.metrics[metric]) != Goal::none && is_never && !is_absent.all()) {
       metrics.push_back(results.metrics[metric]);
     }

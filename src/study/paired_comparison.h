@@ -74,9 +74,10 @@ struct RankComparison {
 
 struct CandidateComparison {
   std::vector<std::string> candidates;
-  std::size_t worlds = 0;                 ///< that they met
-  std::vector<std::size_t> runs;          ///< of each candidate, that differ
-  /// Of each candidate, the metrics with a goal that another candidate has and none of its runs.
+  std::size_t worlds = 0;         ///< that they met
+  std::vector<std::size_t> runs;  ///< of each candidate, that differ
+  /// Of each candidate that ends at least once, the metrics with a goal that another candidate has
+  /// and none of its runs.
   std::vector<std::vector<std::string>> never;
   std::vector<MetricComparison> metrics;  ///< metrics in their order, in them the candidates
   std::vector<FailureComparison> failures;

@@ -141,14 +141,19 @@ void read_cases(const StudyReader& reader, const toml::table& tables, Tuning& tu
     for (const auto& [name, node] : in_order(*each)) {
       const std::string key = "for_each." + name;
       const toml::table& own = metric_table(reader, *node, key, "of keys that are searched");
-      TunedCase tuned{name, common};
+      TunedCase tuned{name, reader.place(*node, key), common};
       for (VariedKey& searched : read_searched(reader, own, key)) {
         tuned.search.push_back(std::move(searched));
       }
       tuning.cases.push_back(std::move(tuned));
     }
   } else {
-    tuning.cases.push_back({one == nullptr ? "" : reader.text(*one, "case"), common});
+    TunedCase tuned{.search = common};
+    if (one != nullptr) {
+      tuned.name = reader.text(*one, "case");
+      tuned.place = reader.place(*one, "case");
+    }
+    tuning.cases.push_back(std::move(tuned));
   }
   for (const TunedCase& tuned : tuning.cases) {
     if (tuned.search.empty()) {
@@ -215,14 +220,14 @@ void check_fits(const StudyReader& reader, const toml::table& tables, const Tuni
   };
   for (const TunedCase& tuned : tuning.cases) {
     for (const VariedKey& key : tuned.search) {
-      if (is_set(key)) throw std::invalid_argument(key.place + ": is set too");
+      if (is_set(key)) throw std::invalid_argument(key.place + ": is set and searched");
     }
     for (const Worlds* worlds :
          {&tuning.worlds, tuning.validation ? &*tuning.validation : nullptr}) {
       if (worlds == nullptr) continue;
       for (const VariedKey& key : worlds->keys) {
         if (is_searched(tuned, key)) throw std::invalid_argument(key.place + ": is searched too");
-        if (is_set(key)) throw std::invalid_argument(key.place + ": is set too");
+        if (is_set(key)) throw std::invalid_argument(key.place + ": is set and varied");
       }
     }
   }

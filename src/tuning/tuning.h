@@ -42,7 +42,8 @@ struct Constraint {
 
 /// What is tuned, with a budget of its own.
 struct TunedCase {
-  std::string name;
+  std::string name;               ///< empty: the scenario's default case
+  std::string place;              ///< where it is named, if it is
   std::vector<VariedKey> search;  ///< [search], and the case's own
 };
 

@@ -56,7 +56,11 @@ TuningPlan::TuningPlan(const Catalogue& catalogue, Tuning tuning)
   file_ = std::make_unique<ScenarioFile>(file, tuning_.scenario);
   for (TunedCase& tuned : tuning_.cases) {
     if (tuned.name.empty()) tuned.name = file_->default_case();
-    if (!file_->has_case(tuned.name)) file_->config(tuned.name);  // which says so
+    if (!file_->has_case(tuned.name)) {
+      throw std::invalid_argument(fmt::format("{}: {} has no case \"{}\"{}", tuned.place, file,
+                                              tuned.name,
+                                              did_you_mean(tuned.name, file_->cases())));
+    }
   }
   const double evaluations =
       static_cast<double>(tuning_.cases.size()) * static_cast<double>(tuning_.budget);

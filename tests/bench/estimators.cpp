@@ -181,8 +181,8 @@ void report_quadrotor() {
   report_nonlinear("UKF, resonators", Ukf<WaveResonators, 6>(resonators, design));
   report_nonlinear("UKF, second order", Ukf<ThrusterDisturbance<2>, 6>(polynomial, design));
   report_nonlinear("EKF, second order", Ekf<ThrusterDisturbance<2>, 6>(polynomial, design, 0.0));
-  report_nonlinear("UKF, spectrum (30 states)",
-                   Ukf<WaveForces<2, 2>, 6>(spectrum, spectrum_design));
+  std::puts("30 states, 6 outputs: the underwater quadrotor");
+  report_nonlinear("UKF, spectrum", Ukf<WaveForces<2, 2>, 6>(spectrum, spectrum_design));
 }
 
 }  // namespace

@@ -107,6 +107,51 @@ TEST(NonlinearKalman, AllAreTheKalmanFilterOfALinearProcess) {
   }
 }
 
+// Two entries a row, whose sum has one order only.
+TEST(NonlinearKalman, SparseProductsAreTheDenseOnes) {
+  constexpr int N = 30;
+  using Square = Eigen::Matrix<double, N, N>;
+  testing::Random random;
+  Square A = Square::Zero(), X, product;
+  for (int i = 0; i < N; ++i) {
+    A(i, i) = random.uniform(-1, 1);
+    A(i, (7 * i + 3) % N) = random.uniform(-1, 1);
+    for (int k = 0; k < N; ++k) X(i, k) = random.uniform(-1, 1);
+  }
+  detail::SparseSquare<N> sparse;
+  sparse.assign(Square::Identity());
+  sparse.assign(A);  // nothing of the first one is left
+  sparse.transposed_times(X, product);
+  EXPECT_EQ(product, Square(X * A.transpose()));
+  const Eigen::Matrix<double, N, 1> x = X.col(0);
+  Eigen::Matrix<double, N, 1> image;
+  sparse.times(x, image);
+  EXPECT_EQ(image, (Eigen::Matrix<double, N, 1>(A * x)));
+}
+
+// An odd number of states, of which three are measured.
+struct Chain : ProcessTypes<5, 1, 1> {
+  static constexpr int kStates = 5, kInputs = 1, kFirstRow = 4, kRows = 1, kArguments = 1;
+  using Square = Eigen::Matrix<double, 5, 5>;
+
+  void nonlinear(const State& x, const Input& u, Nonlinear& g) const {
+    g(0) = 0.1 * std::sin(x(0)) + u(0);
+  }
+  const Square& linear() const { return A; }
+
+  Square A = Square::Identity() + 0.1 * Square::Ones();
+};
+
+TEST(NonlinearKalman, PIsSymmetricToTheBit) {
+  Ukf<Chain, 3> filter(Chain(), design<5, 3>(1e-3, 0.01, 0.3));
+  testing::Random random;
+  for (int k = 0; k < 100; ++k) {
+    filter.predict(Eigen::Matrix<double, 1, 1>(random.uniform(-1, 1)));
+    filter.correct(Eigen::Vector3d(random.vector(3)));
+    ASSERT_TRUE(filter.P() == filter.P().transpose()) << k;
+  }
+}
+
 // Also where it had a 0 before: the filter carries what is not 0 alone.
 TEST(NonlinearKalman, ChangedProcessIsTheOneThatIsCarried) {
   Linear process;

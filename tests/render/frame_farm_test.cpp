@@ -12,6 +12,7 @@
 #include <vector>
 
 #include <breakwater/record/output_error.h>
+#include <breakwater/render/colour_converter.h>
 #include <breakwater/render/render_error.h>
 #include <breakwater/render/video_file.h>
 #include "support.h"
@@ -148,19 +149,6 @@ TEST(VideoFile, WithoutItsEndNothingIsLeft) {
 
 TEST(VideoFile, AFolderThatIsNotThereIsRefused) {
   EXPECT_THROW(VideoFile("/no/such/folder/a.mp4", {}), OutputError);
-}
-
-TEST(ColourConverter, GivesTheGreysOfTheStandard) {
-  // Rec. 709, limited range: Y = 16 + 219·grey, U = V = 128.
-  constexpr int kSide = 64;
-  ColourConverter converter(kSide, kSide);
-  std::vector<std::uint8_t> frame(yuv420p_bytes(kSide, kSide));
-  for (const int grey : {0, 100, 255}) {
-    const std::vector<std::uint8_t> pixels(4 * kSide * kSide, static_cast<std::uint8_t>(grey));
-    converter.convert(pixels.data(), frame.data());
-    EXPECT_NEAR(frame[kSide * kSide / 2], 16.0 + 219.0 * grey / 255.0, 1.0);
-    EXPECT_NEAR(frame[kSide * kSide + 10], 128, 1);
-  }
 }
 
 }  // namespace

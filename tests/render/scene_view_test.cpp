@@ -53,6 +53,35 @@ Point centre(const std::vector<std::uint8_t>& pixels, bool red) {
   return {x / count, y / count};
 }
 
+// A checker far finer than the pixels: mipmaps make a grey of it, without them it aliases.
+TEST(SceneView, TexturesAreMinifiedAsTheLookSays) {
+  Model model = load(R"(<mujoco><asset>
+      <texture name="fine" type="2d" builtin="checker" rgb1="0 0 0" rgb2="1 1 1" width="64" height="64"/>
+      <material name="fine" texture="fine" texrepeat="400 400"/></asset>
+    <worldbody><light pos="0 0 3"/>
+    <camera name="above" pos="0 0 2" xyaxes="1 0 0 0 1 0" fovy="60"/>
+    <geom type="plane" size="3 3 .1" material="fine"/></worldbody></mujoco>)");
+  const auto spread = [&](Minification minification) {
+    Offscreen offscreen(kWidth, kHeight);
+    SceneView view(offscreen, model, camera_id(model, "above"),
+                   {.shadows = false, .sky = false, .minification = minification});
+    view.pose({});
+    view.draw({0, 0, kWidth, kHeight}, {});
+    offscreen.finish();
+    double sum = 0.0, squares = 0.0;
+    for (std::size_t i = 0; i < offscreen.pixels().size(); i += 4) {
+      const double grey = offscreen.pixels()[i];
+      sum += grey;
+      squares += grey * grey;
+    }
+    const double mean = sum / (kWidth * kHeight);
+    return std::sqrt(squares / (kWidth * kHeight) - mean * mean);
+  };
+  const double aliased = spread(Minification::no_mipmaps);
+  EXPECT_GT(aliased, 2.0 * spread(Minification::nearest_mipmap));
+  EXPECT_GT(aliased, 2.0 * spread(Minification::trilinear));
+}
+
 TEST(SceneView, APinholeCameraSeesTheBallWhereItIs) {
   Model model = ball();
   Offscreen offscreen(kWidth, kHeight);

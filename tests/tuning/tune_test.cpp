@@ -49,7 +49,8 @@ TEST_F(Tune, LeavesAFrontThatCanBeRun) {
   }
   EXPECT_EQ(validated, 6U);
   EXPECT_EQ(results("s").size(), 1U + 2 * 64 * 2 + 6 * 6);
-  EXPECT_NE(read("s/report.html").find("of what is better than y_1 = "), std::string::npos);
+  EXPECT_NE(read("s/report.html").find("have the reference point y_1 = "), std::string::npos);
+  EXPECT_NE(read("s/report.html").find(", positive_x_second_1 = "), std::string::npos);
   // A point's file is its run.
   const ProgramResult run = testing::run_program(
       {ISHIGAMI_LAB, "run", "ishigami", "--config", "s/front/1.toml", "--out", "r"}, folder_);
@@ -122,7 +123,11 @@ TEST_F(Tune, NonsenseIsOneLineAndStatus2) {
   expect(budget + search + "[objective]\ny_1 = { goal = \"mni\" }\n", "(did you mean min?)");
   expect(budget + search + "[objective]\ny_1 = \"min\"\n", "must be a table");
   expect(budget + search + two + "[world]\n\"x.first\" = [1, 2]\n", "is searched too");
-  expect(budget + search + two + "[set]\n\"x.first\" = 1\n", "is set too");
+  expect("case = \"plian\"\n" + budget + search + two, "bad.toml:2: case: ");
+  expect(budget + search + two + "[for_each.plian]\n", "(did you mean plain?)");
+  expect(budget + search + two + "[set]\n\"x.first\" = 1\n", "search.x.first: is set and searched");
+  expect(budget + search + two + "[set]\n\"x.third\" = 1\n[world]\n\"x.third\" = [1, 2]\n",
+         "world.x.third: is set and varied");
   expect(budget + search + two + "[world]\n\"x.third\" = { uniform = [1, 2] }\n",
          "a world has values");
   const std::string listed = budget + "worlds = \"list\"\n" + search + two;
