@@ -1,6 +1,7 @@
 // The unscented Kalman filter that carries P's Cholesky factor.
 #pragma once
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 
 #include <breakwater/observers/ukf.h>

@@ -51,7 +51,7 @@ std::string value_of(const VariedKey& key, double u) {
 
 TuningPlan::TuningPlan(const Catalogue& catalogue, Tuning tuning)
     : catalogue_(catalogue), tuning_(std::move(tuning)) {
-  const ScenarioKind& kind = catalogue.get<ScenarioKind>(tuning_.scenario);
+  const auto& kind = catalogue.get<ScenarioKind>(tuning_.scenario);
   const std::string file = tuning_.config.empty() ? kind.file().string() : tuning_.config;
   file_ = std::make_unique<ScenarioFile>(file, tuning_.scenario);
   for (TunedCase& tuned : tuning_.cases) {

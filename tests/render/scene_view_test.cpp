@@ -42,10 +42,11 @@ Point centre(const std::vector<std::uint8_t>& pixels, bool red) {
   double y = 0.0;
   int count = 0;
   for (int i = 0; i < kWidth * kHeight; ++i) {
-    const std::uint8_t* p = &pixels[static_cast<std::size_t>(4 * i)];
+    const std::uint8_t* p = &pixels[4 * static_cast<std::size_t>(i)];
     if (red ? p[2] > p[0] + 60 : p[0] > p[2] + 60) {
+      const int row = i / kWidth;
       x += i % kWidth + 0.5;
-      y += i / kWidth + 0.5;
+      y += row + 0.5;
       ++count;
     }
   }
@@ -123,7 +124,7 @@ TEST(SceneView, KnowsWhereAnArrowEnds) {
   int top = kHeight;
   int bottom = 0;
   for (int i = 0; i < kWidth * kHeight; ++i) {
-    const std::uint8_t* p = &offscreen.pixels()[static_cast<std::size_t>(4 * i)];
+    const std::uint8_t* p = &offscreen.pixels()[4 * static_cast<std::size_t>(i)];
     if (p[2] <= p[0] + 60) continue;
     top = std::min(top, i / kWidth);
     bottom = std::max(bottom, i / kWidth + 1);
