@@ -34,19 +34,19 @@ void to_luma(const std::uint16_t* __restrict blue, const std::uint16_t* __restri
 
 // Of two by two pixels.
 void to_means(const std::uint16_t* __restrict upper, const std::uint16_t* __restrict lower,
-              std::int16_t* __restrict means, std::size_t count) {
+              std::uint16_t* __restrict means, std::size_t count) {
   for (std::size_t i = 0; i < count; ++i) {
     std::uint32_t above = 0;
     std::uint32_t below = 0;
     std::memcpy(&above, upper + 2 * i, sizeof(above));
     std::memcpy(&below, lower + 2 * i, sizeof(below));
     const std::uint32_t sums = above + below;  // two of sixteen bits
-    means[i] = static_cast<std::int16_t>(((sums & 0xFFFFU) + (sums >> 16U) + 2U) >> 2U);
+    means[i] = static_cast<std::uint16_t>(((sums & 0xFFFFU) + (sums >> 16U) + 2U) >> 2U);
   }
 }
 
-void to_chroma(const std::int16_t* __restrict blue, const std::int16_t* __restrict green,
-               const std::int16_t* __restrict red, std::uint8_t* __restrict cb,
+void to_chroma(const std::uint16_t* __restrict blue, const std::uint16_t* __restrict green,
+               const std::uint16_t* __restrict red, std::uint8_t* __restrict cb,
                std::uint8_t* __restrict cr, std::size_t count) {
   const auto part = [](int sum) {
     return static_cast<std::uint8_t>(128 + (static_cast<std::int16_t>(sum + 128) >> 8));
@@ -64,12 +64,11 @@ std::size_t yuv420p_bytes(int width, int height) {
 }
 
 ColourConverter::ColourConverter(int width, int height)
-    : width_(static_cast<std::size_t>(width)), height_(static_cast<std::size_t>(height)) {
-  for (Row* row : {&upper_, &lower_}) {
-    for (auto* colour : {&row->blue, &row->green, &row->red}) colour->resize(width_);
-  }
-  for (auto* colour : {&means_.blue, &means_.green, &means_.red}) colour->resize(width_ / 2);
-}
+    : width_(static_cast<std::size_t>(width)),
+      height_(static_cast<std::size_t>(height)),
+      upper_(width_),
+      lower_(width_),
+      means_(width_ / 2) {}
 
 void ColourConverter::convert(const std::uint8_t* pixels, std::uint8_t* frame) {
   const std::size_t half = width_ / 2;

@@ -20,23 +20,20 @@ class ColourConverter {
   /// Both even.
   ColourConverter(int width, int height);
 
-  /// From 4 bytes a pixel (blue, green, red, unused) to yuv420p_bytes(). Allocates
-  /// nothing.
+  /// From 4 bytes a pixel (blue, green, red, unused) to yuv420p_bytes(). Allocates nothing.
   void convert(const std::uint8_t* pixels, std::uint8_t* frame);
 
  private:
   // A row's colours apart.
   struct Row {
+    explicit Row(std::size_t width) : blue(width), green(width), red(width) {}
     std::vector<std::uint16_t> blue, green, red;
-  };
-  struct Means {
-    std::vector<std::int16_t> blue, green, red;
   };
 
   std::size_t width_;
   std::size_t height_;
   Row upper_, lower_;
-  Means means_;
+  Row means_;  // of two by two pixels
 };
 
 }  // namespace breakwater

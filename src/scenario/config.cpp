@@ -320,16 +320,18 @@ std::vector<Config> ScenarioFile::tables() const {
   return tables;
 }
 
+void ScenarioFile::check_case(const std::string& name, const std::string& place) const {
+  if (has_case(name)) return;
+  throw std::invalid_argument(place + ": " + file_ + " has no case \"" + name + "\"" +
+                              did_you_mean(name, cases_));
+}
+
 Config ScenarioFile::config(const std::string& case_name,
                             const std::vector<std::string>& sets) const {
-  const auto found = overrides_.find(case_name);
-  if (found == overrides_.end()) {
-    throw std::invalid_argument("--case: " + file_ + " has no case \"" + case_name + "\"" +
-                                did_you_mean(case_name, cases_));
-  }
+  check_case(case_name, "--case");
   check_elements(sets);
   Config config(file_, entries_);
-  config.apply(found->second);
+  config.apply(overrides_.at(case_name));
   if (!readings_.empty()) {
     // Which one may be set; the sets then go on top of it.
     Config choosing = config;

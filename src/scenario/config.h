@@ -100,6 +100,8 @@ class ScenarioFile {
   /// In the file's order.
   const std::vector<std::string>& cases() const { return cases_; }
   bool has_case(const std::string& name) const { return overrides_.contains(name); }
+  /// Throws std::invalid_argument `PLACE: FILE has no case "NAME"` if there is none of that name.
+  void check_case(const std::string& name, const std::string& place) const;
   const std::string& default_case() const { return default_case_; }
 
   /// Each table of keys alone: the file's own, the cases', the readings'.

@@ -100,9 +100,7 @@ void check(const StudyReader& reader, const toml::table& tables, const Study& st
     for (const VariedKey& other : study.compare) {
       if (other.key == key.key) fail("is varied and compared");
     }
-    for (const std::string& set : study.sets) {
-      if (set.starts_with(key.key + "=")) fail("is set and varied");
-    }
+    if (key.is_in(study.sets)) fail("is set and varied");
     const std::set<std::string> different(key.values.begin(), key.values.end());
     if (study.method != Method::list && different.size() < key.values.size()) {
       fail("a value is there twice");
@@ -122,6 +120,11 @@ std::string without_blanks(const std::string& text) {
 }
 
 }  // namespace
+
+bool VariedKey::is_in(const std::vector<std::string>& sets) const {
+  return std::any_of(sets.begin(), sets.end(),
+                     [&](const std::string& set) { return set.starts_with(key + "="); });
+}
 
 Study read_study(const toml::table& tables, const std::string& file) {
   const StudyReader reader(file);

@@ -23,6 +23,9 @@ struct VariedKey {
   std::optional<Distribution> distribution;  ///< of a number
   std::string written;  ///< as in a study file: "[1, 2]", "{ uniform = [0, 1] }"
   std::string place;    ///< "FILE:LINE: vary.KEY" or "--vary: KEY"
+
+  /// Whether it has a value among `sets` (key=value).
+  bool is_in(const std::vector<std::string>& sets) const;
 };
 
 /// How the varied keys' values are put together.

@@ -214,20 +214,20 @@ void check_fits(const StudyReader& reader, const toml::table& tables, const Tuni
     return std::any_of(tuned.search.begin(), tuned.search.end(),
                        [&](const VariedKey& other) { return other.key == key.key; });
   };
-  const auto is_set = [&](const VariedKey& key) {
-    return std::any_of(tuning.sets.begin(), tuning.sets.end(),
-                       [&](const std::string& set) { return set.starts_with(key.key + "="); });
-  };
   for (const TunedCase& tuned : tuning.cases) {
     for (const VariedKey& key : tuned.search) {
-      if (is_set(key)) throw std::invalid_argument(key.place + ": is set and searched");
+      if (key.is_in(tuning.sets)) {
+        throw std::invalid_argument(key.place + ": is set and searched");
+      }
     }
     for (const Worlds* worlds :
          {&tuning.worlds, tuning.validation ? &*tuning.validation : nullptr}) {
       if (worlds == nullptr) continue;
       for (const VariedKey& key : worlds->keys) {
         if (is_searched(tuned, key)) throw std::invalid_argument(key.place + ": is searched too");
-        if (is_set(key)) throw std::invalid_argument(key.place + ": is set and varied");
+        if (key.is_in(tuning.sets)) {
+          throw std::invalid_argument(key.place + ": is set and varied");
+        }
       }
     }
   }

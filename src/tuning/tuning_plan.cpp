@@ -56,11 +56,7 @@ TuningPlan::TuningPlan(const Catalogue& catalogue, Tuning tuning)
   file_ = std::make_unique<ScenarioFile>(file, tuning_.scenario);
   for (TunedCase& tuned : tuning_.cases) {
     if (tuned.name.empty()) tuned.name = file_->default_case();
-    if (!file_->has_case(tuned.name)) {
-      throw std::invalid_argument(fmt::format("{}: {} has no case \"{}\"{}", tuned.place, file,
-                                              tuned.name,
-                                              did_you_mean(tuned.name, file_->cases())));
-    }
+    file_->check_case(tuned.name, tuned.place);
   }
   const double evaluations =
       static_cast<double>(tuning_.cases.size()) * static_cast<double>(tuning_.budget);

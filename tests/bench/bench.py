@@ -36,10 +36,10 @@ def measured(what, value, goal=""):
     TABLE.append((what, value, goal))
 
 
-def passed_on(command, **kwargs):
+def passed_on(command):
     """Prints what a benchmark of its own says, line by line, and returns it."""
     lines = []
-    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, **kwargs) as process:
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
         for line in process.stdout:
             print(line, end="", flush=True)
             lines.append(line.rstrip())
@@ -271,8 +271,8 @@ def main():
     print("one update of an estimator ...", flush=True)
     bench_estimators()
     print("the Python module ...", flush=True)
-    passed_on(["/usr/bin/python3", pathlib.Path(__file__).with_name("python_bench.py")],
-              env={**os.environ, "PYTHONPATH": str(BUILD / "python")})
+    subprocess.run(["/usr/bin/python3", pathlib.Path(__file__).with_name("python_bench.py")], check=True,
+                   env={**os.environ, "PYTHONPATH": str(BUILD / "python")})
     print("\n| | measured | goal |\n|---|---|---|")
     for row in TABLE:
         print(f"| {' | '.join(row)} |")
