@@ -1,4 +1,5 @@
 #include "arrays.h"
+#include "interpreter.h"
 
 #include <cmath>
 #include <cstring>
@@ -29,7 +30,7 @@ void check_finite(const py::array_t<double>& values, const std::string& name) {
 
 SharedObject share(py::object object) {
   return {object.release().ptr(), [](PyObject* pointer) {
-            const py::gil_scoped_acquire lock;
+            const Locked lock;
             Py_XDECREF(pointer);
           }};
 }

@@ -18,7 +18,7 @@
 #include <breakwater/observers/disturbance_model.h>
 #include <breakwater/plants/damped_inertia.h>
 #include <breakwater/plants/planar_chain.h>
-#include <breakwater/scenario/paths.h>
+#include <breakwater/shell/paths.h>
 #include "arrays.h"
 
 namespace breakwater::python {
@@ -73,6 +73,8 @@ const char* text(QpStatus status) {
       return "infeasible";
     case QpStatus::not_finite:
       return "not_finite";
+    case QpStatus::inaccurate:
+      return "inaccurate";
   }
   throw std::logic_error("unknown status");
 }

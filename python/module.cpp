@@ -6,9 +6,12 @@
 #include <new>
 #include <stdexcept>
 
+#include <breakwater/experiment/scenario.h>
 #include <breakwater/record/output_error.h>
-#include <breakwater/scenario/paths.h>
+#include <breakwater/record/track.h>
+#include <breakwater/shell/paths.h>
 #include <breakwater/version.h>
+#include "interpreter.h"
 #include "linear.h"
 #include "observers.h"
 #include "runs.h"
@@ -16,8 +19,6 @@
 namespace breakwater::python {
 namespace py = pybind11;
 namespace {
-
-constexpr const char* kTooLong = "run.duration_s: the log of so long a run does not fit in memory";
 
 // Models and scenarios are looked for from where this module lies.
 void set_places() {
@@ -32,14 +33,18 @@ void set_places() {
 void translate(std::exception_ptr thrown) {
   try {
     if (thrown) std::rethrow_exception(thrown);
+  } catch (const Interrupted&) {
+    PyErr_SetString(PyExc_SystemExit, "Python ends");
   } catch (const OutputError& error) {
     PyErr_SetString(PyExc_OSError, error.what());
   } catch (const std::filesystem::filesystem_error& error) {
     PyErr_SetString(PyExc_OSError, error.what());
-  } catch (const std::length_error&) {
-    PyErr_SetString(PyExc_MemoryError, kTooLong);
+  } catch (const LogTooLong& error) {
+    PyErr_SetString(PyExc_MemoryError, error.what());
   } catch (const std::bad_alloc&) {
-    PyErr_SetString(PyExc_MemoryError, kTooLong);
+    PyErr_SetString(PyExc_MemoryError, "there is not enough memory");
+  } catch (const std::length_error&) {
+    PyErr_SetString(PyExc_MemoryError, "there is not enough memory");
   } catch (const std::invalid_argument& error) {
     const py::object type = py::module_::import("breakwater.errors").attr("InputError");
     PyErr_SetString(type.ptr(), error.what());
@@ -54,6 +59,7 @@ PYBIND11_MODULE(_core, module) {
   set_places();
   pybind11::register_local_exception_translator(translate);
   module.attr("__version__") = breakwater::kVersion;
+  bind_exit();
   bind_linear(module);
   bind_observers(module);
   bind_runs(module);

@@ -9,6 +9,7 @@
 #include <limits>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <stdexcept>
 #include <string>
 
@@ -18,10 +19,12 @@
 #include <breakwater/observers/kfd.h>
 #include <breakwater/observers/mdob_estimator.h>
 #include <breakwater/observers/qvff.h>
+#include <breakwater/observers/record_intervals.h>
 #include <breakwater/observers/state_observer.h>
 #include <breakwater/observers/stf.h>
 #include <breakwater/observers/vfakfd.h>
 #include "arrays.h"
+#include "interpreter.h"
 
 namespace breakwater::python {
 namespace {
@@ -38,20 +41,19 @@ class Arguments {
   bool has(const char* name) const { return !at(name).is_none(); }
   double number(const char* name) const { return python::number(at(name), name); }
 
-  // In continuous time; and sampled, where the arguments are continuous if they have a period.
+  // In continuous time if the arguments have a period, else sampled.
   StateSpace plant() const {
     StateSpace plant{matrix(at("A"), "A"), matrix(at("B"), "B"), matrix(at("C"), "C")};
     check(plant);
     return plant;
   }
-  StateSpace sampled_plant() const {
-    return has("period_s") ? zero_order_hold(plant(), number("period_s")) : plant();
-  }
   // Without a period time counts in samples.
   double period_s() const { return has("period_s") ? number("period_s") : 1.0; }
 
   ExtendedPlant extended() const {
-    return extend_by_disturbance_model(sampled_plant(), at("order").cast<int>(), period_s());
+    const int order = at("order").cast<int>();
+    return has("period_s") ? sample_with_disturbance_model(plant(), order, period_s())
+                           : extend_by_disturbance_model(plant(), order, period_s());
   }
 
   std::vector<PoleGroup> poles() const { return at("poles").cast<std::vector<PoleGroup>>(); }
@@ -59,7 +61,20 @@ class Arguments {
   SensorError sensor(Eigen::Index outputs) const {
     SensorError error{vector_of(at("delta"), outputs, "delta"),
                       vector_of(at("sigma"), outputs, "sigma")};
+    if (!arguments_.contains("rounding")) return error;
+    const auto rounding = at("rounding").cast<std::string>();
+    if (rounding == "truncate") {
+      error.rounding = EncoderRounding::truncate;
+    } else if (rounding != "nearest") {
+      throw std::invalid_argument("rounding: must be nearest or truncate, is \"" + rounding + "\"");
+    }
     return error;
+  }
+  // The root of the first output's error variance; 0 for estimators that are not told.
+  double sensor_std() const {
+    if (!arguments_.contains("delta")) return 0.0;
+    const SensorError error = sensor(matrix(at("C"), "C").rows());
+    return std::sqrt(error.variance()(0));
   }
 
   KalmanDesign kalman() const {
@@ -178,6 +193,9 @@ class Record {
   }
 
   py::ssize_t rows() const { return rows_; }
+  std::span<const double> values() const {
+    return {values_.data(), static_cast<std::size_t>(values_.size())};
+  }
   Eigen::Map<const Eigen::VectorXd> row(py::ssize_t k) const {
     return {values_.data() + k * width_, width_};
   }
@@ -188,10 +206,10 @@ class Record {
   Eigen::Index width_ = 0;
 };
 
-void check_same_length(const Record& u, const Record& y) {
-  if (u.rows() == y.rows()) return;
-  throw std::invalid_argument("u: must have as many samples as y, " + std::to_string(y.rows()) +
-                              ", has " + std::to_string(u.rows()));
+void check_same_length(const Record& record, const Record& y, const std::string& name) {
+  if (record.rows() == y.rows()) return;
+  throw std::invalid_argument(name + ": must have as many samples as y, " +
+                              std::to_string(y.rows()) + ", has " + std::to_string(record.rows()));
 }
 
 // Rows of an array that is filled one by one.
@@ -216,6 +234,8 @@ class ArrayEstimator {
     n_ = estimator_->state().size();
     m_ = estimator_->disturbance().size();
     C_ = kind == "mdob" ? Eigen::MatrixXd(Eigen::RowVector2d(1.0, 0.0)) : arguments.plant().C;
+    if (arguments.has("period_s")) period_s_ = arguments.period_s();
+    sensor_std_ = arguments.sensor_std();
     innovation_ = published("innovation");
     lambda_ = published("lambda");
     estimator_->reset(Eigen::VectorXd::Zero(n_));
@@ -236,10 +256,28 @@ class ArrayEstimator {
                           array(Vector(estimator_->disturbance())));
   }
 
-  py::tuple filter(const py::object& u_object, const py::object& y_object, const py::object& x0) {
+  py::tuple filter(const py::object& u_object, const py::object& y_object,
+                   const py::object& t_object, const py::object& x0, const py::object& time_std_s) {
     const Record u(u_object, m_, "u");
     const Record y(y_object, C_.rows(), "y");
-    check_same_length(u, y);
+    check_same_length(u, y, "u");
+    const std::optional<Record> t =
+        t_object.is_none() ? std::nullopt : std::optional<Record>(std::in_place, t_object, 1, "t");
+    RecordRows rows{.width = m_, .period_s = period_s_, .output_std = sensor_std_};
+    rows.instant_std_s = number(time_std_s, "time_std_s");
+    if (!(rows.instant_std_s >= 0.0)) {
+      throw std::invalid_argument("time_std_s: must be 0 or more");
+    }
+    if (t) {
+      check_same_length(*t, y, "t");
+      check_times(*t);
+      rows.times_s = t->values();
+      rows.inputs = u.values();
+    } else if (rows.instant_std_s != 0.0) {
+      throw std::invalid_argument("time_std_s: needs t, the times of the samples");
+    }
+    RecordIntervals intervals(rows);
+    const bool is_followed = t && !intervals.is_regular();
     // Without x0: the least state that would give y(0).
     const bool is_guess = x0.is_none() && y.rows() > 0;
     const Eigen::VectorXd start =
@@ -251,18 +289,25 @@ class ArrayEstimator {
     Column innovation(y.rows(), innovation_.size());
     Column lambda(y.rows(), lambda_.size());
     {
-      const py::gil_scoped_release unlocked;
+      const Unlocked unlocked;
       const std::lock_guard lock(mutex_);
       estimator_->reset(start);
       const double* const state = estimator_->state().data();
       const double* const disturbance = estimator_->disturbance().data();
       for (py::ssize_t k = 0; k < y.rows(); ++k) {
-        estimator_->update(u.row(std::max<py::ssize_t>(k - 1, 0)), y.row(k));
+        if (is_followed && k > 0) {
+          intervals.move_to(static_cast<std::size_t>(k));
+          estimator_->follow(intervals.interval());
+          estimator_->update(intervals.held_input(), y.row(k));
+        } else {
+          estimator_->update(u.row(std::max<py::ssize_t>(k - 1, 0)), y.row(k));
+        }
         x.append(state, static_cast<std::size_t>(n_));
         d.append(disturbance, static_cast<std::size_t>(m_));
         innovation.append(innovation_.data(), innovation_.size());
         lambda.append(lambda_.data(), lambda_.size());
       }
+      estimator_->follow({});
     }
     return py::make_tuple(x.array(), d.array(), innovation.array(), lambda.array());
   }
@@ -279,6 +324,16 @@ class ArrayEstimator {
   }
 
  private:
+  void check_times(const Record& t) const {
+    if (!(period_s_ > 0.0)) {
+      throw std::invalid_argument("t: needs an estimator of a plant in continuous time (period_s)");
+    }
+    for (py::ssize_t k = 1; k < t.rows(); ++k) {
+      if (t.row(k)(0) > t.row(k - 1)(0)) continue;
+      throw std::invalid_argument("t: must rise; sample " + std::to_string(k) + " does not");
+    }
+  }
+
   std::span<const double> published(const char* name) const {
     for (const Signal& signal : estimator_->signals()) {
       if (signal.name == name) return signal.values;
@@ -290,6 +345,8 @@ class ArrayEstimator {
   Eigen::Index n_ = 0;
   Eigen::Index m_ = 0;
   Eigen::MatrixXd C_;
+  double period_s_ = 0.0;    // 0: the plant is sampled already
+  double sensor_std_ = 0.0;  // 0: not known
   std::span<const double> innovation_;
   std::span<const double> lambda_;
   std::mutex mutex_;
@@ -355,11 +412,11 @@ class ArrayQuadrotorFilter {
   py::tuple filter(const py::object& u_object, const py::object& y_object) {
     const Record u(u_object, 4, "u");
     const Record y(y_object, 6, "y");
-    check_same_length(u, y);
+    check_same_length(u, y, "u");
     Column motion(y.rows(), 12);
     Column force(y.rows(), 3);
     if (y.rows() > 0) {
-      const py::gil_scoped_release unlocked;
+      const Unlocked unlocked;
       const std::lock_guard lock(mutex_);
       filter_->reset(y.row(0));
       for (py::ssize_t k = 0; k < y.rows(); ++k) {

@@ -10,6 +10,7 @@
 #include <breakwater/rigs/axis_parts.h>
 #include <breakwater/rigs/quadrotor_parts.h>
 #include "arrays.h"
+#include "interpreter.h"
 
 namespace breakwater::python {
 namespace {
@@ -129,8 +130,8 @@ class Part {
   static py::object call(const SharedObject& method, const py::object& first,
                          const py::object& second) {
     PyObject* arguments[] = {nullptr, first.ptr(), second.ptr()};
-    return steal_or_throw(PyObject_Vectorcall(method.get(), arguments + 1,
-                                              2 | PY_VECTORCALL_ARGUMENTS_OFFSET, nullptr));
+    return steal_or_throw(
+        call_python(method.get(), arguments + 1, 2 | PY_VECTORCALL_ARGUMENTS_OFFSET));
   }
 
   std::string name_;
@@ -156,11 +157,11 @@ class PythonController final : public Controller {
   }
 
   void reset(const Sample& first) override {
-    const py::gil_scoped_acquire lock;
+    const Locked lock;
     part_.call_reset(py::float_(first.time_s), part_.sample(first.y.data(), first.y.size()));
   }
   void update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u) override {
-    const py::gil_scoped_acquire lock;
+    const Locked lock;
     const py::object result =
         part_.call_update(py::float_(y.time_s), part_.sample(y.y.data(), y.y.size()));
     part_.take(result, u.data(), u.size(), command_);
@@ -181,12 +182,12 @@ class PythonAxisEstimator final : public DisturbanceEstimator {
   }
 
   void reset(const Vector& x) override {
-    const py::gil_scoped_acquire lock;
+    const Locked lock;
     estimate_ << x, 0.0;
     part_.call_reset(array(x));
   }
   void update(const Vector& held_input, const Vector& y) override {
-    const py::gil_scoped_acquire lock;
+    const Locked lock;
     const py::object result =
         part_.call_update(array(held_input), part_.sample(y.data(), y.size()));
     part_.take(result, estimate_.data(), 3, "[position, velocity, disturbance]");
@@ -209,13 +210,13 @@ class PythonQuadrotorEstimator final : public QuadrotorEstimator {
   }
 
   void reset(const Vector6d& pose) override {
-    const py::gil_scoped_acquire lock;
+    const Locked lock;
     motion_ << pose, Vector6d::Zero();
     force_.setZero();
     part_.call_reset(array(Input(pose)));
   }
   void update(const Eigen::Vector4d& held_thrusts, const Vector6d& pose) override {
-    const py::gil_scoped_acquire lock;
+    const Locked lock;
     const py::object result =
         part_.call_update(array(Input(held_thrusts)), part_.sample(pose.data(), pose.size()));
     Eigen::Matrix<double, 15, 1> values;
@@ -305,7 +306,7 @@ Kind kind_of(const PartKind<Product, Context...>*, const std::string& name, Make
     asked();
     return std::make_unique<Keyless<Product, Context...>>(
         [make](Context... context) -> std::unique_ptr<Product> {
-          const py::gil_scoped_acquire lock;
+          const Locked lock;
           return make(context...);
         });
   });

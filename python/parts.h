@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include <breakwater/scenario/catalogue.h>
+#include <breakwater/experiment/catalogue.h>
 
 namespace breakwater::python {
 namespace py = pybind11;

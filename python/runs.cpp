@@ -11,10 +11,11 @@
 #include <string>
 #include <vector>
 
+#include <breakwater/experiment/runner.h>
+#include <breakwater/experiment/saved_run.h>
 #include <breakwater/program/program.h>
-#include <breakwater/scenario/runner.h>
-#include <breakwater/scenario/saved_run.h>
 #include "arrays.h"
+#include "interpreter.h"
 #include "parts.h"
 
 namespace breakwater::python {
@@ -43,7 +44,7 @@ void write(const OwnRun& own, RunFolder& folder) {
 // Ctrl-C is looked for where a run reports its progress. Handlers of signals run in the main thread
 // alone; elsewhere this does nothing.
 void obey_signals(double /*fraction_done*/) {
-  const py::gil_scoped_acquire lock;
+  const Locked lock;
   if (PyErr_CheckSignals() != 0) throw py::error_already_set();
 }
 
@@ -55,7 +56,7 @@ OwnRun run(const std::string& scenario, const std::optional<std::string>& case_n
   OwnRun own;
   std::optional<RunFolder> folder;
   {
-    const py::gil_scoped_release unlocked;
+    const Unlocked unlocked;
     const auto start = std::chrono::steady_clock::now();
     for (std::string& choice : parts.choices(scenario)) sets.push_back(std::move(choice));
     const ScenarioFile file(
@@ -64,7 +65,7 @@ OwnRun run(const std::string& scenario, const std::optional<std::string>& case_n
                                case_name ? *case_name : file.default_case(), sets);
     if (out) folder.emplace(*out);
     own.models = model_hashes(own.prepared.model_files);
-    own.recording = own.prepared.scenario->run({.progress = obey_signals});
+    own.recording = own.prepared.scenario->run({.progress = obey_signals, .stop = &is_ending()});
     own.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   }
   if (folder) write(own, *folder);
@@ -81,6 +82,7 @@ std::vector<std::string> warnings(const OwnRun& own, bool has_python_parts) {
     lines.push_back(fmt::format("{}: {}: {}", is_set ? "set" : vain.origin, vain.key, vain.reason));
   }
   for (const std::string& warning : own.prepared.scenario->warnings()) lines.push_back(warning);
+  lines.insert(lines.end(), own.recording.warnings.begin(), own.recording.warnings.end());
   return lines;
 }
 
@@ -140,17 +142,13 @@ void save(const OwnRun& own, const std::string& folder) {
   write(own, target);
 }
 
-py::array array_of(const SavedRun& run, const std::string& group, const std::string& name) {
-  auto values = std::make_unique<LoggedSignal>(
-      read_hdf5_signal((run.folder() / "log.h5").string(), group + "/" + name));
-  const auto rows = static_cast<py::ssize_t>(values->rows);
-  const auto width = static_cast<py::ssize_t>(values->width);
-  const double* const data = values->values.data();
-  const py::capsule owner(values.release(),
-                          [](void* pointer) { delete static_cast<LoggedSignal*>(pointer); });
+py::array array_of_saved(const py::object& self, const std::string& path) {
   constexpr auto kSize = static_cast<py::ssize_t>(sizeof(double));
-  if (width == 1) return view_of(data, {rows}, {kSize}, owner);
-  return view_of(data, {rows, width}, {width * kSize, kSize}, owner);
+  const LoggedSignal& signal = self.cast<const SavedRun&>().dataset(path);
+  const auto rows = static_cast<py::ssize_t>(signal.rows);
+  const auto width = static_cast<py::ssize_t>(signal.width);
+  if (width == 1) return view_of(signal.values.data(), {rows}, {kSize}, self);
+  return view_of(signal.values.data(), {rows, width}, {width * kSize, kSize}, self);
 }
 
 py::list signals_of(const SavedRun& run) {
@@ -197,8 +195,9 @@ void bind_runs(py::module_& module) {
                              [](const SavedRun& run) { return failure_of(run.failure()); })
       .def_property_readonly("state_hash", &SavedRun::state_hash)
       .def_property_readonly("signals", [](const SavedRun& run) { return signals_of(run); })
-      .def("array", [](const SavedRun& run, const std::string& group, const std::string& name) {
-        return array_of(run, group, name);
+      .def_property_readonly("notes", &SavedRun::notes)
+      .def("array", [](const py::object& self, const std::string& group, const std::string& name) {
+        return array_of_saved(self, group + "/" + name);
       });
 
   module.def("did_you_mean", did_you_mean);

@@ -1,5 +1,5 @@
 // main() of each scenario's own binary.
-#include <breakwater/scenario_program/scenario_program.h>
+#include <breakwater/program/scenario_program.h>
 
 int main(int argc, char** argv) {
   return breakwater::scenario_program(argc, argv, breakwater::standard_catalogue(),

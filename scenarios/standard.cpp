@@ -1,5 +1,6 @@
 #include <breakwater/program/program.h>
 #include <breakwater/recorded/estimate_command.h>
+#include <breakwater/thesis/printed_references.h>
 
 #include "arm_push/arm_push.h"
 #include "arm_wall_contact/arm_wall_contact.h"
@@ -37,6 +38,7 @@ Catalogue standard_catalogue() {
   for (QuadrotorEstimatorKind& kind : quadrotor_estimators()) catalogue.add(std::move(kind));
   for (QuadrotorControllerKind& kind : quadrotor_controllers()) catalogue.add(std::move(kind));
   catalogue.add(estimate_command());
+  catalogue.add(printed_references());
   return catalogue;
 }
 

@@ -39,7 +39,7 @@ except ImportError as error:
 STYLE = {
     "font.size": 8,
     "font.family": "serif",
-    "mathtext.fontset": "stix",
+    "text.parse_math": False,  # a name may have any $ in it
     "axes.spines.top": False,
     "axes.spines.right": False,
     "axes.linewidth": 0.6,

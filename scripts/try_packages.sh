@@ -33,7 +33,7 @@ run = bw.run('motor_estimation', case='stf', duration=1, out='from-python')
 print(run)
 print(bw.Stf(*bw.damped_inertia(1.0), delta=1e-3, period_s=1e-3).filter(run['applied_Nm'], run['position_measured_rad']).d[-1])
 run.video('motor.mp4', to_s=0.2, size='320x180')\" && ls from-python motor.mp4"
-as_user 'breakwater estimate --csv /usr/share/breakwater/data/estimate/motor.csv --quiet --out est && ls est'
+as_user 'breakwater estimate --csv /usr/share/breakwater/data/estimate/motor.csv --quiet --out est --set plant.inertia=1e-3 encoder.quantum=0.00153398 csv.position_scale=0.00153398 csv.input_scale=0.068 && ls est'
 
 say 'a project of one'"'"'s own'
 inside sh -c 'apt-get -qy install --no-install-recommends /tmp/*.deb ninja-build' >"$root/log" || { cat "$root/log"; exit 1; }

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
+#include <breakwater/experiment/runner.h>
 #include <breakwater/program/program.h>
-#include <breakwater/scenario/runner.h>
 
 namespace breakwater::testing {
 

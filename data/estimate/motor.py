@@ -29,7 +29,7 @@ class Sine(bw.Controller):
 
 def main():
     run = bw.run("motor_estimation", duration=3, controller=Sine(), set={
-        "control.period_s": 2e-3, "plant.inertia_ratio": 1e-3, "plant.viscous_friction_Nms_rad": 2e-4,
+        "encoder.rounding": "nearest", "control.period_s": 2e-3, "plant.inertia_ratio": 1e-3, "plant.viscous_friction_Nms_rad": 2e-4,
         "disturbance.amplitude_Nm": 0.05, "disturbance.start_s": 1.0, "drive.limit_Nm": 0.4})
     random = np.random.default_rng(1)
     time_s = run.time_s + random.uniform(-2e-5, 2e-5, run.time_s.size)

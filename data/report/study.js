@@ -4,6 +4,7 @@
   const data = JSON.parse(document.getElementById("study-runs").textContent);
   const tip = document.getElementById("tip");
   const panel = document.getElementById("chosen");
+  const command = document.getElementById("this-machine").dataset.command + " --replay ";
   const sections = Array.from(document.querySelectorAll(".metric"));
 
   // One metric at a time; all are there for who has no script.
@@ -61,7 +62,7 @@
       element("p", panel, inWords(run));
       const line = element("p", panel);
       line.className = "copy";
-      element("code", line, data.command + run[0]);
+      element("code", line, command + run[0]);
       copyable(line);
     }
     panel.hidden = false;

@@ -20,7 +20,7 @@ docs/python.md has the tutorial.
 """
 
 from ._core import PlanarChain, __version__
-from .errors import InputError, RunFailed
+from .errors import InputError
 from .linear import (
     Plant,
     QpSolution,
@@ -51,7 +51,7 @@ from .observers import (
     Vfakfd,
 )
 from .parts import Controller, Estimator
-from .runs import Run, cases, load, run, scenarios
+from .runs import Run, RunFailed, cases, load, run, scenarios
 from .samples import ArmSample, AxisSample, QuadrotorSample
 from .sweeps import sweep
 

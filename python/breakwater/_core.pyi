@@ -73,6 +73,8 @@ class SavedRun:
     def state_hash(self) -> str: ...
     @property
     def signals(self) -> list[tuple[str, str, str, str, int]]: ...
+    @property
+    def notes(self) -> list[str]: ...
     def array(self, group: str, name: str) -> np.ndarray: ...
 
 class ArrayEstimator:
@@ -86,7 +88,12 @@ class ArrayEstimator:
         """One sample: u (m) acted since the last one, y (p) is measured now. Returns (x, d)."""
 
     def filter_record(
-        self, u: npt.ArrayLike, y: npt.ArrayLike, x0: npt.ArrayLike | None
+        self,
+        u: npt.ArrayLike,
+        y: npt.ArrayLike,
+        t: npt.ArrayLike | None,
+        x0: npt.ArrayLike | None,
+        time_std_s: float,
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]: ...
     @property
     def x(self) -> np.ndarray:

@@ -46,15 +46,23 @@ def set_lines(values: Mapping[str, Any] | None) -> list[str]:
     for key, value in values.items():
         if not isinstance(key, str):
             raise InputError(f"set: keys must be str, one is {type(key).__name__}")
-        if "=" in key:
+        if "=" in _without_nul(key, "set"):
             raise InputError(f"set: there is no key {key!r}")
         lines.append(f"{key}={toml_text(value, f'set: {key}')}")
     return lines
 
 
+def _without_nul(text: str, name: str) -> str:
+    if "\0" in text:
+        raise InputError(f"{name}: must not hold a NUL character, is {text!r}")
+    return text
+
+
 def text_or_none(value: Any, name: str) -> str | None:
-    if value is None or isinstance(value, str):
-        return value
+    if value is None:
+        return None
+    if isinstance(value, str):
+        return _without_nul(value, name)
     raise InputError(f"{name}: must be a str, is {type(value).__name__}")
 
 
@@ -62,13 +70,13 @@ def path_or_none(value: Any, name: str) -> str | None:
     if value is None:
         return None
     try:
-        return os.fsdecode(value)
+        return _without_nul(os.fsdecode(value), name)
     except TypeError:
         raise InputError(f"{name}: must be a path, is {type(value).__name__}") from None
 
 
 def folder_path(value: Any) -> pathlib.Path:
-    try:
-        return pathlib.Path(os.fsdecode(value))
-    except TypeError:
-        raise InputError(f"folder: must be a path, is {type(value).__name__}") from None
+    path = path_or_none(value, "folder")
+    if path is None:
+        raise InputError("folder: must be a path, is NoneType")
+    return pathlib.Path(path)

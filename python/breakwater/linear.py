@@ -35,7 +35,9 @@ class Plant(NamedTuple):
 
 class QpSolution(NamedTuple):
     """z (n); the rows' multipliers mu (m), > 0 at an upper, < 0 at a lower bound; status: solved,
-    iteration_cap, infeasible or not_finite; iterations; kkt_residual: 0 is optimal."""
+    iteration_cap, infeasible, not_finite or inaccurate (rounding hides a solution and a proof that there is
+    none); iterations; kkt_residual: 0 is optimal. Where active_set says infeasible, mu is the proof: Omega' mu
+    is 0, and mu times the bounds that its signs mean sums to less than 0 (0 where a row's bounds cross)."""
 
     z: np.ndarray
     mu: np.ndarray

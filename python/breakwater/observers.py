@@ -40,14 +40,25 @@ class Estimates(NamedTuple):
 class Filter(_core.ArrayEstimator):
     """What all of them do."""
 
-    def filter(self, u: Matrix, y: Matrix, x0: Matrix | None = None) -> Estimates:
+    def filter(
+        self,
+        u: Matrix,
+        y: Matrix,
+        t: Matrix | None = None,
+        *,
+        x0: Matrix | None = None,
+        time_std_s: float = 0.0,
+    ) -> Estimates:
         """Estimates of a whole record, after a reset.
 
         u (samples,) or (samples, m): u[k] acts from sample k until the next one, as a log has it. y
-        (samples,) or (samples, p): y[k] is measured at sample k. x0 (n): the state to start from; without
+        (samples,) or (samples, p): y[k] is measured at sample k. t (samples,): when, rising [s]; the model is
+        then taken over each interval as long as it is, and gaps are predicted over, with inputs on the line
+        between those beside them. Without t samples are period_s apart. time_std_s: standard deviation of the
+        times, where y was really measured a little before or after. x0 (n): the state to start from; without
         it the least one that gives y[0]. The other threads of Python go on meanwhile.
         """
-        x, d, innovation, forgetting = self.filter_record(u, y, x0)
+        x, d, innovation, forgetting = self.filter_record(u, y, t, x0, time_std_s)
         ones = np.ones(len(x)) if forgetting.shape[1] == 0 else forgetting[:, 0]
         return Estimates(x, d, innovation, ones)
 
@@ -204,7 +215,8 @@ class Qvff(Filter):
 class Stf(Filter):
     """Strong tracking filter: a Kalman filter whose covariance is inflated where the innovation is more than
     the sensor's error explains. delta (p): what one count of the encoder is worth, 0: not quantised; sigma
-    (p): the standard deviation of white noise; both in y's unit."""
+    (p): the standard deviation of white noise; both in y's unit. rounding: "nearest", or "truncate" of an
+    encoder that truncates towards 0."""
 
     def __init__(
         self,
@@ -214,11 +226,18 @@ class Stf(Filter):
         *,
         delta: Matrix,
         sigma: Matrix = 0.0,
+        rounding: str = "nearest",
         order: int = 0,
         period_s: float | None = None,
     ):
         super().__init__(
-            "stf", {**_plant(A, B, C, order, period_s), "delta": delta, "sigma": sigma}
+            "stf",
+            {
+                **_plant(A, B, C, order, period_s),
+                "delta": delta,
+                "sigma": sigma,
+                "rounding": str(rounding),
+            },
         )
 
 

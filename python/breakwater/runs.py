@@ -13,6 +13,7 @@ import re
 import shutil
 import tempfile
 import tomllib
+import warnings
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -21,7 +22,7 @@ import numpy as np
 from . import _core
 from .arguments import folder_path, path_or_none, set_lines, text_or_none
 from .commands import call, failure_of
-from .errors import InputError, RunFailed
+from .errors import InputError
 from .parts import Controller, Estimator
 
 if TYPE_CHECKING:
@@ -38,6 +39,23 @@ const text = await new Response(page).text();
 document.open(); document.write(text); document.close();
 })();</script>"""
 _PLACE = re.compile(r"(?:(?P<group>[^/\[]+)/)?(?P<name>[^/\[]+)(?:\[(?P<index>[1-9][0-9]*)\])?")
+
+
+class RunFailed(RuntimeError):
+    """A run that did not reach its end: the plant diverged, a sensor failed, a command was not finite.
+
+    time_s: when [s]; reason: one line; run: the run with its log so far, and without metrics.
+    """
+
+    time_s: float
+    reason: str
+    run: Run
+
+    def __init__(self, time_s: float, reason: str, run: Run):
+        super().__init__(f"failed at t = {time_s:.6g} s: {reason}")
+        self.time_s = time_s
+        self.reason = reason
+        self.run = run
 
 
 def _part(value: Any, base: type, name: str) -> Any:
@@ -360,6 +378,24 @@ class Run:
         )
 
 
+_seeds: dict[int, tuple[int, str]] = {}  # of the first run of each configuration but for its seed
+_MOST_CONFIGURATIONS = 1000
+
+
+def _warn_of_seeds(finished: Run) -> None:
+    """As a sweep does: two seeds that gave the same run."""
+    config = finished.config
+    others = {**config, "run": {key: value for key, value in config["run"].items() if key != "seed"}}
+    if len(_seeds) >= _MOST_CONFIGURATIONS:
+        _seeds.clear()
+    own = (config["run"]["seed"], finished.state_hash)
+    seed, state_hash = _seeds.setdefault(hash(repr(others)), own)
+    if seed != own[0] and state_hash == own[1]:
+        line = f"seed: {seed} and {own[0]} gave the same run: without noise they change nothing"
+        finished._warnings.append(line)
+        warnings.warn(line, stacklevel=3)
+
+
 def run(
     scenario: str,
     case: str | None = None,
@@ -406,11 +442,13 @@ def run(
         *parts,
         folder,
     )
-    warnings = core.warnings(any(parts))
+    lines = core.warnings(any(parts))
     for part in parts:
         if part is not None:
             part.let_go()
-    finished = Run(core, None if folder is None else pathlib.Path(folder), warnings)
+    finished = Run(core, None if folder is None else pathlib.Path(folder), lines)
+    if any(line.startswith("run.seed=") for line in sets):
+        _warn_of_seeds(finished)
     if finished.failure is not None:
         raise RunFailed(*finished.failure, finished)
     return finished
@@ -422,7 +460,8 @@ def load(folder: str | os.PathLike[str]) -> Run:
     Raises InputError if it is no run's folder, or damaged. A failed run has `failure` and no metrics.
     """
     path = folder_path(folder)
-    return Run(_core.SavedRun(path), path, [])
+    saved = _core.SavedRun(path)
+    return Run(saved, path, saved.notes)
 
 
 def scenarios() -> dict[str, str]:

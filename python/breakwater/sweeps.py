@@ -133,6 +133,7 @@ def sweep(
     baseline: str | None = None,
     metrics: str | Sequence[str] | None = None,
     goal: Mapping[str, str] | None = None,
+    worlds: str | None = None,
     keep: str | None = None,
     jobs: int | None = None,
     out: str | os.PathLike[str] | None = None,
@@ -154,7 +155,8 @@ def sweep(
     out: the study's folder, the same as `breakwater sweep` leaves with the same bytes. If it was begun, by either,
     what is missing is run; rerun=True begins anew. It has report.html and, of several cases, comparison.csv:
     baseline is the case that the others are compared with, metrics what is compared (by default all), goal
-    what is better, {"peak_force_filtered_N": "min"}. keep: whose run folders it has, as runs/POINT: "metrics" (none),
+    what is better, {"peak_force_filtered_N": "min"}. worlds: what the comparison counts, "samples" (which seeds
+    repeat; seeds alone where nothing is varied) or "seeds" (each of every sample). keep: whose run folders it has, as runs/POINT: "metrics" (none),
     "failed" or "all". Without out nothing is left.
 
     Runs that fail are rows with `status` "failed". What one should know of the study is a Python warning: keys
@@ -177,7 +179,8 @@ def sweep(
         raise InputError("study: must be a scenario, a study file or a study's folder, is None")
     is_folder = target not in _core.scenarios() and pathlib.Path(target).is_dir()
     folder = path_or_none(out, "out")
-    for name, value in {"baseline": baseline, "metrics": metrics, "goal": goal, "keep": keep}.items():
+    of_folder = {"baseline": baseline, "metrics": metrics, "goal": goal, "worlds": worlds, "keep": keep}
+    for name, value in of_folder.items():
         if value is not None and folder is None and not is_folder:
             raise InputError(f"{name}: says what is left in the study's folder: give out=")
 
@@ -200,6 +203,7 @@ def sweep(
         ("baseline", text_or_none(baseline, "baseline")),
         ("metrics", None if metrics is None else _names(metrics, "metrics")),
         *(("goal", f"{key}={text_or_none(value, f'goal: {key}')}") for key, value in goals.items()),
+        ("worlds", text_or_none(worlds, "worlds")),
         ("keep", text_or_none(keep, "keep")),
         ("jobs", None if jobs is None else _whole(jobs, "jobs")),
     ]

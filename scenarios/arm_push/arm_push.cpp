@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include <breakwater/scenario/run_loop.h>
+#include <breakwater/experiment/run_loop.h>
+#include <breakwater/record/held_reference.h>
 #include <breakwater/sim/hand_on_link.h>
 #include "arm_push/push_metrics.h"
 
@@ -79,15 +80,22 @@ Recording ArmPush::run(const RunControl& control) const {
                        .settled_within_m = settled_within_m_,
                        .period_s = arm_.physics.control_period_s});
 
+  const TipPose pose = start_pose(arm_);
+  HeldReference held({hand_.release_s(), arm_.run.duration_s}, "the tip", "m");
   const auto sample = [&](double time_s) {
     rig.observe();
+    const double away_m = (pose - rig.tip()).head<2>().norm();
+    if (time_s < hand_.release_s()) held.ask(away_m);
+    held.add(time_s, away_m);
     turned_rad = hand.turned_rad(sim.qpos());
     moment_Nm = hand.moment_Nm(time_s, sim.qpos(), sim.qvel());
     metrics.after_sample(time_s, rig.q(), rig.dq(), rig.tip(), turned_rad, sim.saturated());
   };
-  return record_run(
+  Recording recording = record_run(
       sim, arm_.physics, arm_.physics.step_at(arm_.run.duration_s), std::move(signals), control,
       [&](std::int64_t) { sim.step(); }, sample, [&] { return metrics.metrics(); });
+  if (!recording.failure) held.warn(recording.warnings);
+  return recording;
 }
 
 }  // namespace breakwater

@@ -1,8 +1,8 @@
 // Scenario arm_push: forced displacement of a link (thesis 2.4.3.3).
 #pragma once
 
+#include <breakwater/experiment/scenario.h>
 #include <breakwater/rigs/arm_rig.h>
-#include <breakwater/scenario/scenario.h>
 #include <breakwater/world/hand.h>
 
 namespace breakwater {

@@ -9,13 +9,17 @@ void PushMetrics::after_sample(double time_s, const Eigen::VectorXd& q, const Ei
                                const TipPose& tip, double turned_rad, bool saturated) {
   if (time_s < window_.grip_s) return;
   if (saturated) saturated_s_ += window_.period_s;
-  tip_error_m_ = (tip - window_.start_pose).head<2>().norm();
+  const TipPose tip_offset = tip - window_.start_pose;
+  tip_error_m_ = tip_offset.head<2>().norm();
   if (time_s < window_.release_s) {
     max_push_rad_ = std::max(max_push_rad_.value_or(0.0), std::abs(turned_rad));
     for (std::size_t i = 0; i < release_offsets_.size(); ++i)
       release_offsets_[i] = offset_rad(q, i);
+    release_tip_offset_ = tip_offset;
     return;
   }
+  tip_overshoot_ =
+      tip_overshoot_.cwiseMax(-release_tip_offset_.cwiseSign().cwiseProduct(tip_offset));
   last_offset_rad_ = 0.0;
   for (std::size_t i = 0; i < release_offsets_.size(); ++i) {
     last_offset_rad_ = std::max(last_offset_rad_, std::abs(offset_rad(q, i)));
@@ -35,6 +39,9 @@ std::vector<Metric> PushMetrics::metrics() const {
   const bool is_otherwise = has_settled() && last_offset_rad_ > kOtherPosture_rad;
   list.push_back({"overshoot_rad", "rad",
                   is_otherwise ? std::max(overshoot_rad_, last_offset_rad_) : overshoot_rad_});
+  list.push_back({"x_overshoot_m", "m", tip_overshoot_[0]});
+  list.push_back({"y_overshoot_m", "m", tip_overshoot_[1]});
+  list.push_back({"posture_overshoot_rad", "rad", tip_overshoot_[2]});
   int reversals = 0;
   for (const ReversalCount& joint : reversals_) reversals = std::max(reversals, joint.value());
   list.push_back({"reversal_count", "1", static_cast<double>(reversals)});

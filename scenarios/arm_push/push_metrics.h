@@ -25,6 +25,8 @@ struct PushWindow {
 ///  - max_push_rad: how far the hand turned the link, before it let go;
 ///  - overshoot_rad: the largest joint excursion past the start, on the other side of where the
 ///    joint was let go; or, where the tip comes back in another posture, how far a joint is off;
+///  - x_overshoot_m, y_overshoot_m, posture_overshoot_rad: the same of the tip's pose, each
+///    coordinate past its start, in whatever posture;
 ///  - reversal_count: how often the joint that swings most turns back by more than 0.02 rad after
 ///    the release;
 ///  - settling_time_s: from the release until the tip stays within settled_within_m; absent if it
@@ -61,6 +63,8 @@ class PushMetrics {
   std::optional<double> last_free_s_;  // the last sample after the release
   double overshoot_rad_ = 0.0;
   double last_offset_rad_ = 0.0;  // the largest of any joint
+  TipPose release_tip_offset_ = TipPose::Zero();
+  TipPose tip_overshoot_ = TipPose::Zero();
   double saturated_s_ = 0.0;
   double tip_error_m_ = 0.0;
   double peak_speed_rad_s_ = 0.0;

@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include <breakwater/scenario/run_loop.h>
+#include <breakwater/experiment/run_loop.h>
+#include <breakwater/record/held_reference.h>
 #include <breakwater/sim/apparent_mass.h>
 #include "arm_wall_contact/wall_contact_metrics.h"
 
@@ -115,6 +116,11 @@ Recording ArmWallContact::run(const RunControl& control) const {
                               .period_s = physics.control_period_s,
                               .start_pose = start_pose(arm_)});
 
+  // The tip goes to its start pose, and much later touches the wall and presses.
+  const TipPose pose = start_pose(arm_);
+  HeldReference held_pose({0.0, force_from_s_}, "the tip", "m");
+  HeldReference held_force({metrics_from_s_, metrics_to_s_}, "the force", "N");
+  held_force.ask(force_reference_N_);
   ApparentMass mass_along_x(sim.model(), "tip", Eigen::Vector3d::UnitX());
 
   const auto step = [&](std::int64_t k) {
@@ -128,10 +134,18 @@ Recording ArmWallContact::run(const RunControl& control) const {
   const auto sample = [&](double time_s) {
     rig.observe();
     metrics.after_sample(time_s, rig.contact_force_N(), rig.tip(), sim.saturated());
+    const double away_m = (pose - rig.tip()).head<2>().norm();
+    if (sim.steps() == 1) held_pose.ask(away_m);
+    held_pose.add(time_s, away_m);
+    held_force.add(time_s, force_reference_N_ - rig.filtered_force_N());
   };
   const auto measured = [&] { return metrics.metrics(sim.time_of(sim.steps())); };
   Recording recording =
       record_run(sim, physics, steps, rig.signals(), control, step, sample, measured);
+  if (!recording.failure) {
+    held_pose.warn(recording.warnings);
+    held_force.warn(recording.warnings);
+  }
   if (fine.rows() > 0) recording.tracks.push_back(std::move(fine));
   return recording;
 }

@@ -2,8 +2,8 @@
 // (thesis 2.4.3.2, 2.4.3.4).
 #pragma once
 
+#include <breakwater/experiment/scenario.h>
 #include <breakwater/rigs/arm_rig.h>
-#include <breakwater/scenario/scenario.h>
 #include <breakwater/sim/contact.h>
 
 namespace breakwater {

@@ -9,6 +9,7 @@ namespace breakwater {
 namespace {
 
 constexpr double kSettledWithin = 0.05;  // of the step
+constexpr double kReached = 0.99;        // of it
 
 // The same cart, without noise.
 AxisSettings without_noise(AxisSettings settings) {
@@ -49,8 +50,8 @@ Fields CartEstimation::fields() {
   Fields fields;
   axis_.bind(fields);
   parts_.bind(fields);
-  fields.number("task.reference_m", reference_.value, any(), "y_ref [m]");
-  fields.number("task.reference_from_s", reference_.from_s, not_negative(),
+  fields.number("task.reference_m", axis_.reference.value, any(), "y_ref [m]");
+  fields.number("task.reference_from_s", axis_.reference.from_s, not_negative(),
                 "when it is stepped to [s]");
   fields.choice("disturbance.kind", kind_,
                 {{"step", Kind::step},
@@ -82,7 +83,7 @@ Fields CartEstimation::fields() {
   only_for("sine", {"_N", "_rad_s", "_start_s"});
   only_for("high_sine", {"_N", "_rad_s", "_start_s"});
   fields.number("metrics.from_s", from_s_, not_negative(), "the errors' window begins [s]");
-  fields.number("metrics.to_s", to_s_, not_negative(), "the errors' window ends [s]");
+  fields.number("metrics.to_s", axis_.judged_to_s, not_negative(), "the errors' window ends [s]");
   fields.number("metrics.noise_from_s", noise_from_s_, not_negative(),
                 "the noise's window begins [s]");
   fields.number("metrics.noise_to_s", noise_to_s_, not_negative(), "the noise's window ends [s]");
@@ -106,7 +107,8 @@ Disturbance CartEstimation::disturbance() const {
 void CartEstimation::check(const Config& config) {
   check_axis(axis_, config);
   parts_.check(config, task());
-  if (to_s_ <= from_s_) config.fail("metrics.to_s", "must be later than metrics.from_s");
+  if (axis_.judged_to_s <= from_s_)
+    config.fail("metrics.to_s", "must be later than metrics.from_s");
   if (noise_to_s_ <= noise_from_s_) {
     config.fail("metrics.noise_to_s", "must be later than metrics.noise_from_s");
   }
@@ -128,12 +130,16 @@ Recording CartEstimation::run(const RunControl& control) const {
       {"d_hat_noise_N", "N", "what the noise adds to the estimated disturbance", view(noise_N)});
 
   const double end_s = axis_.run.duration_s;
-  const TimeWindow window = TimeWindow{from_s_, to_s_}.within(end_s);
+  const TimeWindow window = TimeWindow{from_s_, axis_.judged_to_s}.within(end_s);
   WindowStatistics error(window), truth(window), position_error(window), noise_in_window(window);
-  WindowStatistics noise(TimeWindow{noise_from_s_, noise_to_s_}.within(end_s));
+  const TimeWindow noise_window = TimeWindow{noise_from_s_, noise_to_s_}.within(end_s);
+  WindowStatistics noise(noise_window);
+  // A sine's delay beside its gain needs all of it that there is.
+  const TimeWindow& lag_window = kind_ == Kind::ramp ? window : noise_window;
   Lag lag;
-  SettlingTime settling(TimeWindow{force.start_s, to_s_}.within_and_on(end_s),
+  SettlingTime settling(TimeWindow{force.start_s, axis_.judged_to_s}.within_and_on(end_s),
                         kSettledWithin * std::abs(force.amplitude));
+  ReachTime reach(force.start_s, kReached * std::abs(force.amplitude));
 
   const auto step = [&](std::int64_t) {
     rig.step();
@@ -141,23 +147,27 @@ Recording CartEstimation::run(const RunControl& control) const {
   };
   const auto sample = [&](double t) {
     truth.add(t, rig.disturbance());
-    position_error.add(t, reference_.at(t) - sim.qpos()[0]);
+    position_error.add(t, axis_.reference.at(t) - sim.qpos()[0]);
     if (!loop.estimates()) return;
     const double d_hat = loop.estimator->disturbance()(0);
     const double d_error = d_hat - rig.disturbance();
     error.add(t, d_error);
-    if (window.contains(t)) lag.add(rig.disturbance(), force.rate(t), d_error);
+    if (lag_window.contains(t)) lag.add(rig.disturbance(), force.rate(t), d_error);
     noise_N = d_hat - quiet_loop.estimator->disturbance()(0);
     noise.add(t, noise_N);
     noise_in_window.add(t, noise_N);
     settling.add(t, d_error);
+    reach.add(t, d_hat);
   };
   const auto measured = [&] {
     std::vector<Metric> metrics;
     if (error.rms() && truth.rms().value_or(0.0) > 0.0) {
       add(metrics, "relative_rmse_disturbance", "1", *error.rms() / *truth.rms());
     }
-    if (kind_ == Kind::step) add(metrics, "settling_time_5pct_s", "s", settling.value());
+    if (kind_ == Kind::step) {
+      add(metrics, "settling_time_5pct_s", "s", settling.value());
+      add(metrics, "reach_time_99pct_s", "s", reach.value());
+    }
     if (kind_ == Kind::ramp) add(metrics, "disturbance_lag_s", "s", lag.of_pure_delay_s());
     if (kind_ == Kind::sine || kind_ == Kind::high_sine) {
       add(metrics, "disturbance_lag_s", "s", lag.beside_gain_s());

@@ -26,7 +26,9 @@ class CartEstimation final : public AxisScenario {
   const RunSettings& run_settings() const override { return axis_.run; }
   Recording run(const RunControl& control) const override;
   AxisSettings plant() const override { return axis_; }
-  AxisTask task() const override { return {.axis = plant().nominal(), .reference = reference_}; }
+  AxisTask task() const override {
+    return {.axis = plant().nominal(), .reference = axis_.reference};
+  }
   const AxisParts& parts() const override { return parts_; }
 
  private:
@@ -36,14 +38,12 @@ class CartEstimation final : public AxisScenario {
 
   AxisSettings axis_{cart_axis()};
   AxisParts parts_;
-  StepReference reference_;
   Kind kind_ = Kind::step;
   Disturbance step_{.kind = DisturbanceKind::step};
   Disturbance ramp_{.kind = DisturbanceKind::ramp};
   Disturbance sine_{.kind = DisturbanceKind::sine};
   Disturbance high_sine_{.kind = DisturbanceKind::sine};
   double from_s_ = 0.0;
-  double to_s_ = 0.0;
   double noise_from_s_ = 0.0;
   double noise_to_s_ = 0.0;
 };

@@ -15,14 +15,14 @@ Fields CartOffsetFree::fields() {
   fields.only_where({"noise.std_m", "noise.input_std_N"}, "noise.enabled is true",
                     [this] { return noise_; });
   parts_.bind(fields);
-  fields.number("reference.position_m", reference_.value, any(), "r [m]");
-  fields.number("reference.start_s", reference_.from_s, not_negative(), "0 before [s]");
+  fields.number("reference.position_m", axis_.reference.value, any(), "r [m]");
+  fields.number("reference.start_s", axis_.reference.from_s, not_negative(), "0 before [s]");
   fields.number("disturbance.input_N", disturbance_N_, any(), "d_i, which opposes the drive [N]");
   fields.number("disturbance.output_m", output_disturbance_m_, any(),
                 "d_o, added to the measured position [m]");
   fields.number("disturbance.start_s", disturbance_start_s_, not_negative(), "of both [s]");
   fields.number("metrics.from_s", from_s_, not_negative(), "of the errors' means [s]");
-  fields.number("metrics.to_s", to_s_, not_negative(), "of the errors' means [s]");
+  fields.number("metrics.to_s", axis_.judged_to_s, not_negative(), "of the errors' means [s]");
   fields.number("metrics.settled_within", settled_within_, positive(),
                 "settled: y stays this close to r, over r, until the disturbance begins");
   return fields;
@@ -37,7 +37,8 @@ AxisSettings CartOffsetFree::plant() const {
 void CartOffsetFree::check(const Config& config) {
   check_axis(axis_, config);
   parts_.check(config, task());
-  if (to_s_ <= from_s_) config.fail("metrics.to_s", "must be later than metrics.from_s");
+  if (axis_.judged_to_s <= from_s_)
+    config.fail("metrics.to_s", "must be later than metrics.from_s");
 }
 
 Recording CartOffsetFree::run(const RunControl& control) const {
@@ -49,16 +50,16 @@ Recording CartOffsetFree::run(const RunControl& control) const {
   const Simulation& sim = rig.simulation();
 
   const double end_s = axis_.run.duration_s;
-  const TimeWindow window = TimeWindow{from_s_, to_s_}.within(end_s);
+  const TimeWindow window = TimeWindow{from_s_, axis_.judged_to_s}.within(end_s);
   WindowStatistics error(window), true_error(window), d_hat(window), d_error(window);
   WindowStatistics position_in_window(window), estimate_error(TimeWindow{});
-  WindowStatistics early_d_hat(TimeWindow{reference_.from_s}.within(end_s));
+  WindowStatistics early_d_hat(TimeWindow{axis_.reference.from_s}.within(end_s));
   WindowStatistics speed(TimeWindow{}), input(TimeWindow{}), position(TimeWindow{});
-  SettlingTime settling(TimeWindow{reference_.from_s, disturbance_start_s_}.within(end_s),
-                        settled_within_ * std::abs(reference_.value));
+  SettlingTime settling(TimeWindow{axis_.reference.from_s, disturbance_start_s_}.within(end_s),
+                        settled_within_ * std::abs(axis_.reference.value));
 
   const auto sample = [&](double t) {
-    const double r = reference_.at(t);
+    const double r = axis_.reference.at(t);
     const double y = sim.sample().y(0);
     error.add(t, y - r);
     true_error.add(t, sim.qpos()[0] - r);

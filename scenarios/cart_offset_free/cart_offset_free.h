@@ -23,19 +23,19 @@ class CartOffsetFree final : public AxisScenario {
   const RunSettings& run_settings() const override { return axis_.run; }
   Recording run(const RunControl& control) const override;
   AxisSettings plant() const override;
-  AxisTask task() const override { return {.axis = plant().nominal(), .reference = reference_}; }
+  AxisTask task() const override {
+    return {.axis = plant().nominal(), .reference = axis_.reference};
+  }
   const AxisParts& parts() const override { return parts_; }
 
  private:
   AxisSettings axis_{cart_axis()};
   AxisParts parts_;
-  StepReference reference_;
   double disturbance_N_ = 0.0;
   double output_disturbance_m_ = 0.0;
   double disturbance_start_s_ = 0.0;
   bool noise_ = false;
   double from_s_ = 0.0;
-  double to_s_ = 0.0;
   double settled_within_ = 0.0;
 };
 

@@ -8,16 +8,21 @@
 #include <breakwater/rigs/predictive_settings.h>
 
 namespace breakwater {
+namespace {
+
+const double kRisen = 1.0 - std::exp(-1.0);  // of Coulomb friction: after one time constant
+
+}  // namespace
 
 Fields CartPosition::fields() {
   Fields fields;
   axis_.bind(fields);
   parts_.bind(fields);
-  fields.number("task.reference_m", reference_.value, any(), "y_ref [m]");
-  fields.number("task.reference_from_s", reference_.from_s, not_negative(),
+  fields.number("task.reference_m", axis_.reference.value, any(), "y_ref [m]");
+  fields.number("task.reference_from_s", axis_.reference.from_s, not_negative(),
                 "when it is stepped to [s]");
   fields.number("metrics.from_s", from_s_, not_negative(), "the steady state begins [s]");
-  fields.number("metrics.to_s", to_s_, not_negative(), "the steady state ends [s]");
+  fields.number("metrics.to_s", axis_.judged_to_s, not_negative(), "the steady state ends [s]");
   fields.number("metrics.settled_within", settled_within_, positive(),
                 "settled: the cart stays this close to the reference, over the step");
   fields.number("metrics.high_pass_Hz", high_pass_Hz_, positive(),
@@ -30,7 +35,8 @@ void CartPosition::check(const Config& config) {
   parts_.check(config, task());
   config.blame("metrics.high_pass_Hz",
                [&] { HighPass(high_pass_Hz_, axis_.physics.control_period_s); });
-  if (to_s_ <= from_s_) config.fail("metrics.to_s", "must be later than metrics.from_s");
+  if (axis_.judged_to_s <= from_s_)
+    config.fail("metrics.to_s", "must be later than metrics.from_s");
 }
 
 Recording CartPosition::run(const RunControl& control) const {
@@ -46,18 +52,21 @@ Recording CartPosition::run(const RunControl& control) const {
                      view(high_passed_N)});
 
   const double end_s = axis_.run.duration_s;
-  const TimeWindow window = TimeWindow{from_s_, to_s_}.within(end_s);
+  const TimeWindow window = TimeWindow{from_s_, axis_.judged_to_s}.within(end_s);
   WindowStatistics error(window), input_step(window), noise(TimeWindow{}), position(TimeWindow{});
   double last_input = 0.0;
-  SettlingTime settling(TimeWindow{reference_.from_s, to_s_}.within_and_on(end_s),
-                        settled_within_ * std::abs(reference_.value));
+  ReachTime rise(axis_.reference.from_s, kRisen * axis_.coulomb_friction);
+  SettlingTime settling(TimeWindow{axis_.reference.from_s, axis_.judged_to_s}.within_and_on(end_s),
+                        settled_within_ * std::abs(axis_.reference.value));
 
   const auto sample = [&](double t) {
     if (loop.estimates()) {
-      high_passed_N = high_pass.update(loop.estimator->disturbance()(0));
+      const double d_hat = loop.estimator->disturbance()(0);
+      rise.add(t, d_hat);
+      high_passed_N = high_pass.update(d_hat);
       noise.add(t, high_passed_N);
     }
-    const double missing = reference_.at(t) - sim.qpos()[0];
+    const double missing = axis_.reference.at(t) - sim.qpos()[0];
     const double input = sim.actuation()(0);
     error.add(t, missing);
     settling.add(t, missing);
@@ -69,6 +78,7 @@ Recording CartPosition::run(const RunControl& control) const {
     std::vector<Metric> metrics;
     add(metrics, "steady_state_error_m", "m", error.mean());
     add(metrics, "settling_time_s", "s", settling.value());
+    add(metrics, "estimate_rise_time_s", "s", rise.value());
     add(metrics, "rms_highpass_disturbance_N", "N", noise.rms());
     add(metrics, "rms_input_step_N", "N", input_step.rms());
     add(metrics, "max_position_m", "m", position.largest());

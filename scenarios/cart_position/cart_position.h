@@ -26,15 +26,15 @@ class CartPosition final : public AxisScenario {
   const RunSettings& run_settings() const override { return axis_.run; }
   Recording run(const RunControl& control) const override;
   AxisSettings plant() const override { return axis_; }
-  AxisTask task() const override { return {.axis = plant().nominal(), .reference = reference_}; }
+  AxisTask task() const override {
+    return {.axis = plant().nominal(), .reference = axis_.reference};
+  }
   const AxisParts& parts() const override { return parts_; }
 
  private:
   AxisSettings axis_{cart_axis()};
   AxisParts parts_;
-  StepReference reference_;
   double from_s_ = 0.0;
-  double to_s_ = 0.0;
   double settled_within_ = 0.0;
   double high_pass_Hz_ = 0.0;
 };

@@ -58,7 +58,7 @@ Fields MotorEstimation::fields() {
   fields.number("disturbance.start_s", disturbance_.start_s, not_negative(), "when it begins [s]");
   fields.number("metrics.from_s", from_s_, not_negative(),
                 "the errors' window begins, and the transient's ends [s]");
-  fields.number("metrics.to_s", to_s_, not_negative(), "the errors' window ends [s]");
+  fields.number("metrics.to_s", axis_.judged_to_s, not_negative(), "the errors' window ends [s]");
   fields.number("metrics.settled_within", settled_within_, positive(),
                 "settled: the estimate stays this close to the disturbance, over its amplitude");
   return fields;
@@ -67,7 +67,8 @@ Fields MotorEstimation::fields() {
 void MotorEstimation::check(const Config& config) {
   check_axis(axis_, config);
   parts_.check(config, task());
-  if (to_s_ <= from_s_) config.fail("metrics.to_s", "must be later than metrics.from_s");
+  if (axis_.judged_to_s <= from_s_)
+    config.fail("metrics.to_s", "must be later than metrics.from_s");
 }
 
 Recording MotorEstimation::run(const RunControl& control) const {
@@ -77,14 +78,17 @@ Recording MotorEstimation::run(const RunControl& control) const {
   // What tables of a differentiated encoder have: not what the controller works with.
   double raw_velocity = 0.0;
   double last_angle = 0.0;
+  double measurement_error = 0.0;
   std::vector<Signal> signals = rig.signals();
   signals.push_back({"velocity_raw_rad_s", "rad/s",
                      "raw difference of the measured angle over a sample; 0 at the first",
                      view(raw_velocity)});
+  signals.push_back({"measurement_error_rad", "rad", "angle as sampled less the true one",
+                     view(measurement_error)});
 
   const double start_s = disturbance_.start_s;
   const double end_s = axis_.run.duration_s;
-  const TimeWindow window = TimeWindow{from_s_, to_s_}.within(end_s);
+  const TimeWindow window = TimeWindow{from_s_, axis_.judged_to_s}.within(end_s);
   const TimeWindow transient = TimeWindow{start_s, from_s_}.within(end_s);
   WindowStatistics velocity_error(window), position_error(window), disturbance_error(window);
   WindowStatistics raw_velocity_error(window), transient_error(transient);
@@ -94,7 +98,7 @@ Recording MotorEstimation::run(const RunControl& control) const {
   WindowStatistics slowest_pole(window);
   const std::span<const double> lambda_now = published(signals, "lambda");
   const std::span<const double> poles = published(signals, "poles_continuous_re_rad_s");
-  SettlingTime settling(TimeWindow{start_s, to_s_}.within_and_on(end_s),
+  SettlingTime settling(TimeWindow{start_s, axis_.judged_to_s}.within_and_on(end_s),
                         settled_within_ * std::abs(disturbance_.amplitude));
 
   const auto step = [&](std::int64_t k) {
@@ -105,6 +109,7 @@ Recording MotorEstimation::run(const RunControl& control) const {
     const double angle = sim.sample().y(0);
     raw_velocity = sim.steps() == 1 ? 0.0 : (angle - last_angle) / axis_.physics.control_period_s;
     last_angle = angle;
+    measurement_error = angle - sim.qpos()[0];
     raw_velocity_error.add(t, raw_velocity - sim.qvel()[0]);
     position.add(t, sim.qpos()[0]);
     disturbed_position.add(t, sim.qpos()[0]);

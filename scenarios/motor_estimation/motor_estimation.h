@@ -33,7 +33,6 @@ class MotorEstimation final : public AxisScenario {
   AxisParts parts_;
   Disturbance disturbance_;
   double from_s_ = 0.0;
-  double to_s_ = 0.0;
   double settled_within_ = 0.0;
 };
 

@@ -8,8 +8,9 @@
 #include <numbers>
 
 #include <breakwater/control/backstepping.h>
+#include <breakwater/experiment/run_loop.h>
+#include <breakwater/record/held_reference.h>
 #include <breakwater/record/window_metrics.h>
-#include <breakwater/scenario/run_loop.h>
 #include <breakwater/signals/thread_time.h>
 
 namespace breakwater {
@@ -222,7 +223,7 @@ SensingSetup QuadrotorWaves::sensing_setup() const {
 
 Fields QuadrotorWaves::fields() {
   Fields fields;
-  fields.file("model.mjcf", mjcf_, "the plant");
+  bind_model(fields, mjcf_);
   fields.choice(
       "plant.model", physics_kind_,
       {{"physical", QuadrotorPhysics::physical}, {"thesis", QuadrotorPhysics::thesis}},
@@ -291,7 +292,7 @@ void QuadrotorWaves::check(const Config& config) {
   is_under_water("task.start_m", start_m_[2]);
   is_under_water("task.reference_m", reference_m_[2]);
   const Model model = Model::load_physics(mjcf_);
-  if (model->nu != 4) throw std::invalid_argument(mjcf_ + ": needs 4 thrusters");
+  if (model->nu != 4) throw std::invalid_argument(mjcf_.path + ": needs 4 thrusters");
   for (int i = 1; i <= 4; ++i) model.id(mjOBJ_SITE, "t" + std::to_string(i));
   water(model);
   parts_.check(config, task());
@@ -344,6 +345,9 @@ Recording QuadrotorWaves::run(const RunControl& control) const {
   const TimeWindow window{run_.duration_s - window_s_, run_.duration_s};
   StationMetrics metrics(window.within(run_.duration_s));
   const Eigen::Vector3d reference = vector3(reference_m_);
+  HeldReference held({0.0, run_.duration_s >= window_s_ ? run_.duration_s : 0.0}, "the position",
+                     "m");
+  held.ask((reference - vector3(start_m_)).norm());
 
   const auto step = [&](std::int64_t) {
     if (sim.steps() > 0) {
@@ -354,6 +358,7 @@ Recording QuadrotorWaves::run(const RunControl& control) const {
   const auto sample = [&](double time_s) {
     truth.observe(sim, waves, reference);
     metrics.after_sample(time_s, truth, sim);
+    held.add(time_s, truth.error.norm());
     if (loop.estimates()) metrics.after_estimate(time_s, truth, *loop.estimator);
   };
   const auto measured = [&] {
@@ -361,6 +366,7 @@ Recording QuadrotorWaves::run(const RunControl& control) const {
   };
   Recording recording =
       record_run(sim, physics_, steps, std::move(signals), control, step, sample, measured);
+  if (!recording.failure) held.warn(recording.warnings);
   if (!recording.failure && loop.estimates() && control.logs) {
     add(recording.costs, "filter_time_us", "us",
         filter_time_us(recording.tracks.front(), *parts_.make_estimator(task())));

@@ -3,8 +3,8 @@
 
 #include <vector>
 
+#include <breakwater/experiment/scenario.h>
 #include <breakwater/rigs/quadrotor_parts.h>
-#include <breakwater/scenario/scenario.h>
 #include <breakwater/sim/underwater_force.h>
 
 namespace breakwater {
@@ -43,7 +43,7 @@ class QuadrotorWaves final : public Scenario {
   RunSettings run_;
   PhysicsSettings physics_;
   FaultSettings faults_;
-  std::string mjcf_;
+  ModelFile mjcf_;
   QuadrotorParameters parameters_;  // Table 3.4
   QuadrotorPhysics physics_kind_ = QuadrotorPhysics::physical;
   std::vector<double> start_m_;

@@ -9,10 +9,10 @@
 #include <numbers>
 
 #include <breakwater/analysis/bode_chart.h>
+#include <breakwater/pages/html_page.h>
 #include <breakwater/record/csv.h>
 #include <breakwater/record/partial_file.h>
-#include <breakwater/report/html_page.h>
-#include <breakwater/scenario/table.h>
+#include <breakwater/shell/table.h>
 
 namespace breakwater {
 namespace mustache = kainjow::mustache;

@@ -7,10 +7,10 @@
 #include <memory>
 
 #include <breakwater/analysis/analysis_outputs.h>
-#include <breakwater/scenario/child_program.h>
-#include <breakwater/scenario/process.h>
-#include <breakwater/scenario/progress.h>
-#include <breakwater/scenario/runner.h>
+#include <breakwater/experiment/runner.h>
+#include <breakwater/shell/child_program.h>
+#include <breakwater/shell/process.h>
+#include <breakwater/shell/progress.h>
 #include <breakwater/sim/model.h>
 #include <breakwater/study/study.h>
 

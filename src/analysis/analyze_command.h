@@ -1,7 +1,7 @@
 // The command `analyze`.
 #pragma once
 
-#include <breakwater/scenario/catalogue.h>
+#include <breakwater/experiment/catalogue.h>
 
 namespace breakwater {
 

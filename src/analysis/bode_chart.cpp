@@ -7,8 +7,8 @@
 #include <limits>
 #include <numbers>
 
-#include <breakwater/report/chart_scale.h>
-#include <breakwater/report/study_charts.h>
+#include <breakwater/pages/chart_scale.h>
+#include <breakwater/pages/study_charts.h>
 
 namespace breakwater {
 namespace {

@@ -11,7 +11,7 @@
 #include <breakwater/analysis/loop_response.h>
 #include <breakwater/analysis/swept_sine.h>
 #include <breakwater/linear/state_space.h>
-#include <breakwater/scenario/all_cores.h>
+#include <breakwater/shell/all_cores.h>
 
 namespace breakwater {
 namespace {

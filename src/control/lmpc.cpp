@@ -196,7 +196,7 @@ const Eigen::VectorXd& Lmpc::optimise(const Eigen::Ref<const Eigen::VectorXd>& x
     throw ControlFailure("the state that the predictive controller was given is not finite");
   }
   change_ = solution_.z.head(inputs());
-  if (solution_.status == QpStatus::iteration_cap) {
+  if (solution_.status == QpStatus::iteration_cap || solution_.status == QpStatus::inaccurate) {
     ++statistics_.capped;
     // Hildreth's violations are what it is there to show.
     if (design_.solver == QpSolverKind::active_set) {

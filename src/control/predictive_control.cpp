@@ -16,6 +16,7 @@ PredictiveControl::PredictiveControl(std::shared_ptr<DisturbanceEstimator> estim
       trajectory_(Eigen::VectorXd::Zero(lmpc_.states() * lmpc_.prediction_steps())),
       reserved_(Eigen::VectorXd::Zero(1)),
       planned_input_(Eigen::VectorXd::Zero(1)),
+      cancelled_(Eigen::VectorXd::Zero(1)),
       held_input_(Eigen::VectorXd::Zero(1)) {
   const Eigen::Index disturbances =
       design.disturbance_use == DisturbanceUse::predict ? estimator_->disturbance().size() : 0;
@@ -42,7 +43,7 @@ PredictiveControl::PredictiveControl(std::shared_ptr<DisturbanceEstimator> estim
       {"qp_iterations", "1", "sweeps or changes of the last optimisation", view(iterations_)},
       {"qp_softened", "1", "how many bounds gave way in it: those of states, then of du",
        view(softened_)},
-      {"qp_status", "1", "after that: 0 solved, 1 iteration cap", view(status_)},
+      {"qp_status", "1", "after that: 0 solved, 1 iteration cap, 4 inaccurate", view(status_)},
       {"qp_kkt_residual", "1", "of its last solve", view(kkt_residual_)}};
   for (const Signal& signal : signals_of(*estimator_, "m")) signals_.push_back(signal);
 }
@@ -51,6 +52,7 @@ void PredictiveControl::reset(const Sample&) {
   estimator_->reset(design_.start_state);
   lmpc_.reset();
   planned_input_.setZero();
+  cancelled_.setZero();
   held_input_.setZero();
   samples_to_move_ = 0;
 }
@@ -60,7 +62,8 @@ void PredictiveControl::update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u) {
   reference_ = design_.reference.at(y.time_s);
   const bool cancels = design_.disturbance_use == DisturbanceUse::cancel ||
                        design_.disturbance_use == DisturbanceUse::cancel_within_bounds;
-  if (samples_to_move_ == 0) {
+  const bool decides = samples_to_move_ == 0;
+  if (decides) {
     samples_to_move_ = design_.samples_per_move;
     predicted_state_.head(plant_states_) = estimator_->state();
     if (design_.disturbance_use == DisturbanceUse::predict) {
@@ -80,7 +83,10 @@ void PredictiveControl::update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u) {
   }
   --samples_to_move_;
   held_input_ = planned_input_;
-  if (cancels) held_input_ += estimator_->disturbance();
+  if (cancels) {
+    if (decides || design_.cancel_at == CancelAt::sample) cancelled_ = estimator_->disturbance();
+    held_input_ += cancelled_;
+  }
   if (design_.disturbance_use == DisturbanceUse::cancel_within_bounds) {
     held_input_(0) =
         std::clamp(held_input_(0), lmpc_.first_input_lower(0), lmpc_.first_input_upper(0));

@@ -23,9 +23,13 @@ enum class DisturbanceUse {
   cancel_within_bounds
 };
 
+/// When the estimate that is cancelled is taken anew.
+enum class CancelAt { sample, decision };
+
 struct PredictiveControlDesign {
   LmpcDesign lmpc;  ///< its A and B are the extended model's with DisturbanceUse::predict
   DisturbanceUse disturbance_use = DisturbanceUse::predict;
+  CancelAt cancel_at = CancelAt::sample;
   int samples_per_move = 1;  ///< the estimator runs at every sample, the optimisation at every …th
   StepReference reference;   ///< of the position
   Eigen::VectorXd start_state;                                   ///< x̂(0), n
@@ -64,6 +68,7 @@ class PredictiveControl final : public Controller {
   Eigen::VectorXd trajectory_;       // T_ref
   Eigen::VectorXd reserved_;
   Eigen::VectorXd planned_input_;  // u of the optimisation
+  Eigen::VectorXd cancelled_;      // the d̂ that is added to it
   Eigen::VectorXd held_input_;     // what is asked for, as the drive clips it
   double iterations_ = 0.0;
   double softened_ = 0.0;

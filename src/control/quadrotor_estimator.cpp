@@ -46,6 +46,8 @@ NonlinearKalmanDesign<N, 6> thruster_design(const QuadrotorEstimatorDesign& desi
           Eigen::Vector4d::Constant(1e6 / square(delta));
       if (design.noise_mode == ProcessNoiseMode::delta) q *= delta;
       if (design.noise_mode == ProcessNoiseMode::delta_squared) q *= square(delta);
+      if (design.noise_states == ProcessNoiseStates::highest)
+        q.head<(N > 12 ? N - 4 : 6)>().setZero();
       break;
     }
     case ProcessNoiseSource::tuned:

@@ -17,6 +17,10 @@ enum class ProcessNoiseMode {
   delta,         ///< Q δ
   delta_squared  ///< Q δ²: the noise enters as δ·w
 };
+enum class ProcessNoiseStates {
+  all,
+  highest  ///< the model's highest derivative alone: d̈, d or, without a disturbance, ζ̇
+};
 enum class ProcessNoiseSource {
   printed,  ///< Q_ukf of 3.4.3.1; an EKF takes it too
   input,    ///< W_s G Gᵀ, as the thesis' EKFs have it; EKF only
@@ -33,7 +37,8 @@ struct QuadrotorEstimatorDesign {
   DisturbanceOrder order = DisturbanceOrder::second;
   ProcessNoiseSource noise = ProcessNoiseSource::printed;
   ProcessNoiseMode noise_mode = ProcessNoiseMode::delta_squared;
-  double input_noise = 0.1;  ///< W_s
+  ProcessNoiseStates noise_states = ProcessNoiseStates::all;  ///< which have the printed Q
+  double input_noise = 0.1;                                   ///< W_s
   /// Tuned: σ of the walk of ẋ ẏ ż, of φ̇ θ̇ ψ̇, and of the highest of the disturbance's derivatives,
   /// at each sample.
   double velocity_std_m_s = 0.03;

@@ -8,17 +8,16 @@
 
 #include <breakwater/linear/horizon.h>
 #include <breakwater/linear/ldl_factor.h>
+#include <breakwater/linear/orthogonal_active_set.h>
 #include <breakwater/linear/row_scan.h>
 
 namespace breakwater {
 namespace {
 
-constexpr double kViolation = 5e-9;          // what a row may be violated by, in its own unit
 constexpr double kDoubtfulViolation = 1e-6;  // below: may be rounding of what is held,
 constexpr double kHeldShare = 1e-3;          // if that is off its bounds by so much of it
 constexpr double kWrongSign = 1e-11;         // of a multiplier, relative to max(1, ‖g‖∞)
 constexpr double kRefineAbove = 1e-10;       // KKT residual
-constexpr double kSolvedBelow = 1e-8;        // KKT residual
 constexpr int kMostRefinements = 3;
 // Of a row's squared length in the metric of H⁻¹, what is left of it after the working set:
 constexpr double kDoubtfulPivot = 1e-6;    // below: computed again, with less cancellation
@@ -131,7 +130,9 @@ class Core final : public QpSolver {
   Eigen::VectorXd values_free_;  // Ω z_free
   Vector gradient_;
   Vector residual_;
-  Eigen::VectorXd room_;  // n
+  Eigen::VectorXd room_;   // n
+  Eigen::VectorXd proof_;  // m: that no z satisfies the rows
+  OrthogonalActiveSet second_;
 };
 
 template <int N>
@@ -143,7 +144,8 @@ Core<N>::Core(const QpModel& model, int max_changes)
       step_(factors_.step),
       length_(factors_.gram.diagonal()),
       max_changes_(max_changes),
-      factor_(factors_.rows()) {
+      factor_(factors_.rows()),
+      second_(factors_, max_changes) {
   const Eigen::Index n = factors_.variables();
   const Eigen::Index m = factors_.rows();
   largest_row_ = m > 0 ? factors_.model.Omega.cwiseAbs().rowwise().sum().maxCoeff() : 0.0;
@@ -160,6 +162,7 @@ Core<N>::Core(const QpModel& model, int max_changes)
   z_free_.setZero(n);
   gradient_ = residual_ = z_free_;
   room_.setZero(n);
+  proof_.setZero(m);
 }
 
 // A row that no z moves is violated beyond all others.
@@ -197,7 +200,16 @@ void Core<N>::solve(const QpInput& input, QpSolution& solution) {
     reset();
     attempt(input, solution);
   }
-  if (solution.status != QpStatus::solved) reset();
+  if (solution.status == QpStatus::solved) return;
+  reset();
+  if (empty) {
+    solution.mu.setZero();
+  } else if (solution.status == QpStatus::infeasible &&
+             infeasibility_margin(factors_.model, input, proof_) >= kInfeasibleFrom) {
+    solution.mu = proof_;
+  } else {
+    second_.solve(input, solution);
+  }
 }
 
 // As QpFactors::examine(), which looks closer where this sees something.
@@ -221,8 +233,8 @@ void Core<N>::attempt(const QpInput& input, QpSolution& solution) {
   changes_left_ = max_changes_;
   solution.status = search(input, solution);
   finish(input, solution);
-  if (solution.status == QpStatus::solved && !(solution.kkt_residual <= kSolvedBelow)) {
-    solution.status = QpStatus::iteration_cap;
+  if (solution.status == QpStatus::solved && !(solution.kkt_residual <= kQpSolvedBelow)) {
+    solution.status = QpStatus::inaccurate;
   }
 }
 
@@ -326,7 +338,7 @@ void Core<N>::scan(const QpInput& input, const QpSolution& solution) {
   if constexpr (N == Eigen::Dynamic) rows_of(solution.z, values_);
   scan_ = scan_rows<N>(factors_.columns.data(), factors_.columns.outerStride(), solution.z.data(),
                        values_.size(), input.lower.data(), input.upper.data(), weight_.data(),
-                       kViolation, values_.data(), scores_.data());
+                       kQpViolation, values_.data(), scores_.data());
 }
 
 // values = Ω z.
@@ -382,7 +394,12 @@ QpStatus Core<N>::drive_to_bound(Violation violation, QpSolution& solution) {
         blocking = j;
       }
     }
-    if (std::isinf(step)) return QpStatus::infeasible;
+    if (std::isinf(step)) {
+      proof_.setZero();
+      proof_(violation.row) = sign;
+      for (Eigen::Index j = 0; j < k; ++j) proof_(held(j).row) = -sign * direction_(j);
+      return QpStatus::infeasible;
+    }
     for (Eigen::Index j = 0; j < k; ++j) mu_(j) -= sign * step * direction_(j);
     multiplier += step;
     if (blocking < 0) {

@@ -58,6 +58,33 @@ double kkt_residual(const QpModel& model, const QpInput& input, const QpSolution
   return std::max(residual, gradient.lpNorm<Eigen::Infinity>() / scale);
 }
 
+double infeasibility_margin(const QpModel& model, const QpInput& input, const Eigen::VectorXd& y) {
+  // A sum of so many terms is right to this share of the sum of their sizes.
+  const double rounding =
+      static_cast<double>((y.array() != 0.0).count() + 2) * std::numeric_limits<double>::epsilon();
+  double gap = 0.0;
+  double tilt = 0.0;   // ‖Ωᵀ y‖₁
+  double reach = 1.0;  // how far from 0 the bounds are
+  for (Eigen::Index i = 0; i < y.size(); ++i) {
+    if (y(i) == 0.0) continue;
+    if (input.softness(i) > 0.0) return 0.0;
+    const double bound = y(i) > 0.0 ? input.upper(i) : input.lower(i);
+    gap -= y(i) * bound + rounding * std::abs(y(i) * bound);
+    const double size = model.Omega.row(i).lpNorm<Eigen::Infinity>();
+    if (size > 0.0) reach = std::max(reach, std::abs(bound) / size);
+  }
+  if (!(gap > 0.0)) return 0.0;
+  for (Eigen::Index j = 0; j < model.Omega.cols(); ++j) {
+    double sum = 0.0;
+    for (Eigen::Index i = 0; i < y.size(); ++i) {
+      sum += y(i) * model.Omega(i, j);
+      tilt += rounding * std::abs(y(i) * model.Omega(i, j));
+    }
+    tilt += std::abs(sum);
+  }
+  return gap / (tilt * reach);
+}
+
 QpFactors::QpFactors(QpModel qp) : model(std::move(qp)) {
   const Eigen::Index n = model.H.rows();
   if (n == 0 || model.H.cols() != n || model.Omega.cols() != n) {
@@ -78,6 +105,7 @@ QpFactors::QpFactors(QpModel qp) : model(std::move(qp)) {
   columns = model.Omega;
   const Eigen::LLT<Eigen::MatrixXd> llt(model.H);
   const Eigen::MatrixXd inverse = llt.solve(Eigen::MatrixXd::Identity(n, n));
+  L = llt.matrixL();
   H_inverse = 0.5 * (inverse + inverse.transpose());
   step.resize(n, rows());
   gram.resize(rows(), rows());

@@ -40,17 +40,21 @@ struct QpInput {
 
 enum class QpStatus {
   solved,         ///< by the solver's own measure; kkt_residual says how well
-  iteration_cap,  ///< gave up: z may violate rows
-  infeasible,     ///< no z satisfies all rows; z violates some
-  not_finite      ///< an input is NaN, or infinite where it may not be; z is 0
+  iteration_cap,  ///< gave up at the cap on iterations: z may violate rows
+  infeasible,     ///< no z satisfies all rows, which is proven; z violates some
+  not_finite,     ///< an input is NaN, or infinite where it may not be; z is 0
+  inaccurate      ///< rounding hides both a solution and a proof that there is none: z is near
 };
 
 struct QpSolution {
-  Eigen::VectorXd z;   ///< n
-  Eigen::VectorXd mu;  ///< m, multipliers: > 0 at an upper, < 0 at a lower bound, 0 between
+  Eigen::VectorXd z;  ///< n
+  /// m, multipliers: > 0 at an upper, < 0 at a lower bound, 0 between. Where the active-set solver
+  /// says infeasible: its certificate y of infeasibility_margin(), or 0 where a row's own bounds
+  /// cross.
+  Eigen::VectorXd mu;
   QpStatus status = QpStatus::not_finite;
   int iterations = 0;
-  double kkt_residual = 0.0;  ///< of z and μ, by kkt_residual()
+  double kkt_residual = 0.0;  ///< of z and the multipliers, by kkt_residual()
 
   QpSolution(Eigen::Index n, Eigen::Index m);
 
@@ -64,6 +68,22 @@ struct QpSolution {
 /// allocates nothing.
 double kkt_residual(const QpModel& model, const QpInput& input, const QpSolution& solution,
                     const Eigen::VectorXd& values, Eigen::VectorXd& gradient);
+
+/// The active-set solver calls solved what has at most this KKT residual,
+inline constexpr double kQpSolvedBelow = 1e-8;
+/// and lets a row be violated by so much, in its own unit.
+inline constexpr double kQpViolation = 5e-9;
+
+/// The margin by which y (m) proves that there is no solution: by Farkas' lemma no z satisfies the
+/// rows if Ωᵀ y = 0 and
+///     gap = −Σ (y_i > 0 ? upper_i : lower_i) y_i > 0.
+/// In numbers Ωᵀ y is nearly 0, and no z with |z|∞ < gap/‖Ωᵀ y‖₁ does. Returned is this limit over
+/// the largest of 1 and |bound_i|/‖Ω_i‖∞ of the rows that y takes, with every rounding of these
+/// sums counted against it; 0 where y proves nothing. Allocates nothing.
+double infeasibility_margin(const QpModel& model, const QpInput& input, const Eigen::VectorXd& y);
+
+/// A certificate has at least this infeasibility_margin().
+inline constexpr double kInfeasibleFrom = 1e5;
 
 /// A solver remembers its last solution and starts from it.
 class QpSolver {
@@ -96,6 +116,7 @@ struct QpFactors {
   Eigen::MatrixXd H_inverse;  ///< n×n
   Eigen::MatrixXd step;       ///< H⁻¹ Ωᵀ, n×m: how z answers to a row's multiplier
   Eigen::MatrixXd gram;       ///< Ω H⁻¹ Ωᵀ, m×m: how the rows do
+  Eigen::MatrixXd L;          ///< lower triangular, H = L Lᵀ
 
   /// Throws std::invalid_argument as make_qp_solver.
   explicit QpFactors(QpModel qp);

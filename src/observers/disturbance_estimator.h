@@ -10,6 +10,16 @@
 
 namespace breakwater {
 
+/// How a sample follows the last one, where that is not after one period, exactly.
+struct SampleInterval {
+  double length_s = 0.0;       ///< since the last sample; 0: T_s
+  double instant_std_s = 0.0;  ///< how well it is known when y was measured
+  /// How well the held input's mean over the interval is known: where samples are missing. What it
+  /// is weighed against is the output's error; 0: that is what the estimator's R says.
+  double input_std = 0.0;
+  double output_std = 0.0;
+};
+
 /// Estimates the state x (n) of a plant and the disturbance d (m) that opposes its inputs,
 ///     x(k+1) = A x(k) + B (u(k) − d(k)),   y(k) = C x(k) + noise   (Eqs. 3.1, 3.2),
 /// from what it was given and what was measured. Used once a sample: update(), then read.
@@ -43,6 +53,11 @@ class DisturbanceEstimator {
   /// sample (thesis 4.3.4). Allocates nothing. One that does not tell them needs neither.
   virtual Eigen::Index poles() const { return 0; }
   virtual void pole_matrix(Eigen::Ref<Eigen::MatrixXd> /*F*/) const {}
+
+  /// Says how the next sample, and those after it, follow the one before each, until a reset.
+  /// Returns false if it takes every interval for T_s and every instant for known, as one may.
+  /// Allocates nothing.
+  virtual bool follow(const SampleInterval& /*interval*/) { return false; }
 };
 
 /// An estimator's signals for a log, where its output is measured in `output_unit`.

@@ -37,7 +37,15 @@ ExtendedPlant extend_by_disturbance_model(const StateSpace& sampled_plant, int o
     throw std::invalid_argument("disturbance model: the extended plant is not observable (rank " +
                                 std::to_string(rank) + " of " + std::to_string(size) + ")");
   }
-  return {extended, n, order};
+  return {extended, n, order, period_s};
+}
+
+ExtendedPlant sample_with_disturbance_model(const StateSpace& continuous_plant, int order,
+                                            double period_s) {
+  ExtendedPlant plant =
+      extend_by_disturbance_model(zero_order_hold(continuous_plant, period_s), order, period_s);
+  plant.continuous = continuous_plant;
+  return plant;
 }
 
 }  // namespace breakwater

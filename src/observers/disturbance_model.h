@@ -1,6 +1,8 @@
 // Disturbance models of order 0, 1 and 2: thesis 4.2.2.
 #pragma once
 
+#include <optional>
+
 #include <breakwater/linear/state_space.h>
 
 namespace breakwater {
@@ -11,6 +13,9 @@ struct ExtendedPlant {
   StateSpace sampled;         ///< A̅, B̅, C̅
   Eigen::Index plant_states;  ///< n, of x
   int order;                  ///< of the disturbance model: 0 step, 1 ramp, 2 parabola
+  double period_s;            ///< T_s
+  /// The plant in continuous time, if it is known: it can then be sampled over other intervals.
+  std::optional<StateSpace> continuous = {};
 
   Eigen::Index states() const { return sampled.states(); }    ///< n + m (order + 1)
   Eigen::Index inputs() const { return sampled.inputs(); }    ///< m, which also d has
@@ -25,5 +30,9 @@ struct ExtendedPlant {
 /// extended plant is not observable (with its rank).
 ExtendedPlant extend_by_disturbance_model(const StateSpace& sampled_plant, int order,
                                           double period_s);
+
+/// The same of a plant in continuous time, sampled with a zero-order hold.
+ExtendedPlant sample_with_disturbance_model(const StateSpace& continuous_plant, int order,
+                                            double period_s);
 
 }  // namespace breakwater

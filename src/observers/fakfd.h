@@ -17,20 +17,24 @@ inline Eigen::VectorXd diagonal_gamma(const ExtendedPlant& plant, double gamma_d
   return gamma;
 }
 
+/// Throws std::invalid_argument unless `gamma`, the diagonal of Γ, has N entries, all ≥ 1.
+inline void check_factors(const KalmanDesign& design, const Eigen::VectorXd& gamma) {
+  if (gamma.size() != design.plant.states() || !gamma.allFinite() || !(gamma.minCoeff() >= 1.0)) {
+    throw std::invalid_argument("FAKFD: needs one factor gamma >= 1 for each extended state");
+  }
+}
+
 /// The KFD whose covariance is inflated after each measurement,
 ///     P(k|k) = √Γ (I − K C̅) P(k|k−1) √Γ.
 /// With Γ = γ·I this is Eq. 4.18. With a diagonal Γ the printed {Γ − K C̅} P (Eq. 4.5) and
-/// Γ (I − K C̅) P are not symmetric, hence no covariances; the symmetric form gives the printed
-/// noise of Table 4.5.
+/// Γ (I − K C̅) P are not symmetric, hence no covariances: asymmetric_fakfd.h has them.
 template <int N = Eigen::Dynamic, int m = Eigen::Dynamic, int p = Eigen::Dynamic>
 class Fakfd final : public KalmanEstimator<N, m, p> {
  public:
-  /// `gamma` is the diagonal of Γ (N). Throws std::invalid_argument unless all of it is ≥ 1.
+  /// `gamma` is the diagonal of Γ. Throws as check_factors() does.
   Fakfd(const KalmanDesign& design, const Eigen::VectorXd& gamma)
       : KalmanEstimator<N, m, p>(design) {
-    if (gamma.size() != design.plant.states() || !gamma.allFinite() || !(gamma.minCoeff() >= 1.0)) {
-      throw std::invalid_argument("FAKFD: needs one factor gamma >= 1 for each extended state");
-    }
+    check_factors(design, gamma);
     const Eigen::VectorXd root = gamma.cwiseSqrt();
     inflation_ = root * root.transpose();
     this->lambda_ = 1.0 / gamma.maxCoeff();

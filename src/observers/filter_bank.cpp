@@ -29,6 +29,7 @@ constexpr double kSmallestFall = 1e-12;  // of a variance, that is worth the wor
 constexpr double kChances_per_s = 0.5;   // of each model to be right next
 constexpr double kForgotten = 6.0;       // below a chance
 constexpr double kCounts = 3.0;          // in the mean: below the best
+constexpr double kMostPieces = 1000.0;   // of an interval, however long
 
 double log_density(double e, double S) {
   return -0.5 * (e * e / S + math::log(S)) - math::kLogRootTwoPi;
@@ -68,10 +69,12 @@ bool is_lost(const FilterBank::Model& model) {
 // What a sample tells.
 struct FilterBank::Observation {
   double y;
+  CodeRange range;
   double moved;  // counts since the last one; NaN: the code is not known
 };
 
-FilterBank::FilterBank(const FilterBankDesign& design) : period_s_(design.period_s) {
+FilterBank::FilterBank(const FilterBankDesign& design)
+    : period_s_(design.period_s), hold_(design.plant), piece_s_(design.period_s) {
   check(design.plant);
   check(design.sensor, 1);
   const StateSpace& plant = design.plant;
@@ -86,13 +89,14 @@ FilterBank::FilterBank(const FilterBankDesign& design) : period_s_(design.period
     throw std::invalid_argument("filter bank: the largest disturbance must be positive");
   }
   const StateSpace sampled = zero_order_hold(plant, period_s_);
-  A_ = sampled.A;
-  B_ = sampled.B;
+  regular_A_ = A_ = sampled.A;
+  regular_B_ = B_ = sampled.B;
   quantum_ = design.sensor.quantum(0);
+  rounding_ = design.sensor.rounding;
   const double sigma = design.sensor.noise_std(0);
-  noise_variance_ = sigma * sigma + kRounding * kRounding;
+  sensor_variance_ = noise_variance_ = sigma * sigma + kRounding * kRounding;
   prior_variance_ = std::max(quantum_ * quantum_ / 12.0 + sigma * sigma, kRounding * kRounding);
-  code_is_known_ = quantum_ > 0.0 && noise_variance_ < kKnownCode * quantum_ * quantum_;
+  know_noise(0.0);
   chance_ = std::max(math::log(1.0 / (kChances_per_s * period_s_)), 0.0);
 
   const double J = 1.0 / plant.B(1, 0);
@@ -129,7 +133,32 @@ FilterBank::FilterBank(const FilterBankDesign& design) : period_s_(design.period
 }
 
 void FilterBank::reset(const Vector& x) {
+  follow({});
+  know_noise(0.0);
   start(x.head<2>());
+}
+
+bool FilterBank::follow(const SampleInterval& interval) {
+  const double length_s = interval.length_s > 0.0 ? interval.length_s : period_s_;
+  instant_std_s_ = interval.instant_std_s;
+  if (instant_std_s_ == 0.0) know_noise(0.0);
+  pieces_ = std::clamp(std::round(length_s / period_s_), 1.0, kMostPieces);
+  piece_s_ = length_s / pieces_;
+  input_variance_ = interval.input_std * interval.input_std * pieces_;
+  if (length_s == period_s_) {
+    A_ = regular_A_;
+    B_ = regular_B_;
+  } else {
+    hold_.over(piece_s_);
+    A_ = hold_.A();
+    B_ = hold_.B();
+  }
+  return true;
+}
+
+void FilterBank::know_noise(double instant_error) {
+  noise_variance_ = sensor_variance_ + instant_error * instant_error;
+  code_is_known_ = quantum_ > 0.0 && noise_variance_ < kKnownCode * quantum_ * quantum_;
 }
 
 void FilterBank::start(const Eigen::Vector2d& x) {
@@ -156,11 +185,12 @@ void FilterBank::update(const Vector& held_input, const Vector& y) {
   if (has_begun_) {
     for (Model& model : models_) predict(model, last_input_);
   }
+  if (instant_std_s_ > 0.0) know_noise(models_[best_].x(1) * instant_std_s_);
   has_begun_ = true;
   innovation_ = 0.0;
   if (std::isfinite(y(0))) {
     innovation_ = y(0) - models_[best_].x(0);
-    Observation seen{y(0), NAN};
+    Observation seen{y(0), code_range(y(0), quantum_, rounding_), NAN};
     if (code_is_known_ && has_output_) seen.moved = std::round((y(0) - last_output_) / quantum_);
     last_output_ = y(0);
     has_output_ = true;
@@ -176,55 +206,68 @@ void FilterBank::predict(Model& model, double u) const {
   F.topLeftCorner<2, 2>() = A_;
   F.block<2, 1>(0, 2) = -B_;
   if (model.kind == Kind::inertia) F.block<2, 1>(0, 3) = B_ * u;
-  if (model.kind == Kind::ramp) F(2, 3) = period_s_;
-  model.x = (F * model.x).eval();
-  model.x.head<2>() += B_ * u;
-  const Eigen::Matrix4d FP = F * model.P;
-  model.P.noalias() = FP * F.transpose();
-  if (model.kind == Kind::walk) model.P(2, 2) += model.step_variance;
-  if (model.kind == Kind::ramp) model.P(3, 3) += model.step_variance;
+  if (model.kind == Kind::ramp) F(2, 3) = piece_s_;
+  const double step_variance = model.step_variance * (piece_s_ / period_s_);
+  for (double piece = 0.0; piece < pieces_; piece += 1.0) {
+    model.x = (F * model.x).eval();
+    model.x.head<2>() += B_ * u;
+    const Eigen::Matrix4d FP = F * model.P;
+    model.P.noalias() = FP * F.transpose();
+    if (model.kind == Kind::walk) model.P(2, 2) += step_variance;
+    if (model.kind == Kind::ramp) model.P(3, 3) += step_variance;
+    if (input_variance_ > 0.0) {
+      model.P.topLeftCorner<2, 2>() += input_variance_ * B_ * B_.transpose();
+    }
+  }
+}
+
+// So narrow that the code is a number.
+bool FilterBank::is_fine(const CodeRange& range, double S) const {
+  return !code_is_known_ || range.width() < kFineQuantum * std::sqrt(S);
 }
 
 // Of an output that is e off: of the code y, the probability of its interval.
-double FilterBank::log_likelihood(double e, double S) const {
-  const double root = std::sqrt(S);
-  if (!code_is_known_ || quantum_ < kFineQuantum * root) {
-    const double width = quantum_ > 0.0 ? math::log(quantum_) : 0.0;
-    return log_density(e, S + quantum_ * quantum_ / 12.0) + width;
+double FilterBank::log_likelihood(double e, double S, const CodeRange& range) const {
+  const double width = range.width();
+  if (is_fine(range, S)) {
+    return log_density(e + range.middle(), S + width * width / 12.0) +
+           (width > 0.0 ? math::log(width) : 0.0);
   }
-  return CodeInterval((e - 0.5 * quantum_) / root, (e + 0.5 * quantum_) / root).log_mass();
+  const double root = std::sqrt(S);
+  return CodeInterval((e + range.lower) / root, (e + range.upper) / root).log_mass();
 }
 
 // One model's update. Returns the log-likelihood of what was seen.
 double FilterBank::observe(Model& model, const Observation& seen) const {
-  const double half = 0.5 * quantum_;
+  const CodeRange& range = seen.range;
   double e = seen.y - model.x(0);
   double S = model.P(0, 0) + noise_variance_;
 
   // Consistency: a model that is surprised beyond kSurprise knows less than it believes.
   double charged = INFINITY;
-  const double excess = std::max(std::abs(e) - half, 0.0);
+  const double excess = std::max({e + range.lower, -(e + range.upper), 0.0});
   if (excess > kSurprise * std::sqrt(S)) {
-    charged = log_likelihood(e, S);
+    charged = log_likelihood(e, S, range);
     const double wanted = excess * excess / (kSurprise * kSurprise) - noise_variance_;
     model.P *= std::clamp(wanted / model.P(0, 0), 1.0, kLargestInflation);
     S = model.P(0, 0) + noise_variance_;
   }
-  const double root = std::sqrt(S);
   double found;
-  if (!code_is_known_ || quantum_ < kFineQuantum * root) {
-    found = log_likelihood(e, S);
-    learn(model, 0, S + quantum_ * quantum_ / 12.0, e, 1.0);
+  if (is_fine(range, S)) {
+    found = log_likelihood(e, S, range);
+    learn(model, 0, S + range.width() * range.width() / 12.0, e + range.middle(), 1.0);
     found += keep_inertia(model);
     model.outside = 1.0;
     return std::min(found, charged);
   }
-  const CodeInterval interval((e - half) / root, (e + half) / root);
+  const double root = std::sqrt(S);
+  const CodeInterval interval((e + range.lower) / root, (e + range.upper) / root);
   if (std::abs(seen.moved) == 1.0) {
     // The edge between the two codes was passed within the last period.
-    const double way = mean_positive(seen.moved * model.x(1), std::sqrt(model.P(1, 1))) * period_s_;
+    const double way =
+        mean_positive(seen.moved * model.x(1), std::sqrt(model.P(1, 1))) * pieces_ * piece_s_;
     const double passed = std::clamp(way, kShortestWay * quantum_, quantum_);
-    e = e - seen.moved * (half - 0.5 * passed);
+    e += seen.moved > 0.0 ? range.lower + 0.5 * passed : range.upper - 0.5 * passed;
     const double R = noise_variance_ + passed * passed / 12.0;
     found = log_density(e, model.P(0, 0) + R) + math::log(passed);
     learn(model, 0, model.P(0, 0) + R, e, 1.0);
@@ -246,7 +289,8 @@ double FilterBank::observe(Model& model, const Observation& seen) const {
   found += keep_inertia(model);
   const double after = std::sqrt(model.P(0, 0) + noise_variance_);
   const double rest = seen.y - model.x(0);
-  model.outside = CodeInterval((rest - half) / after, (rest + half) / after).outside();
+  model.outside =
+      CodeInterval((rest + range.lower) / after, (rest + range.upper) / after).outside();
   return std::min(found, charged);
 }
 

@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include <breakwater/linear/state_space.h>
+#include <breakwater/linear/variable_hold.h>
 #include <breakwater/observers/disturbance_estimator.h>
 #include <breakwater/observers/sensor_error.h>
 
@@ -13,7 +13,7 @@ namespace breakwater {
 struct FilterBankDesign {
   StateSpace plant;        ///< continuous, one axis: J q̈ = u − d − c q̇ with q measured
   double period_s = 0.0;   ///< T_s
-  SensorError sensor;      ///< Δ and σ of q; the noise is added to the code, not before rounding
+  SensorError sensor;      ///< of q; the noise is added to the code, not before rounding
   double largest_d = 0.0;  ///< D > 0, how large a disturbance can be: bounds the bank
 };
 
@@ -26,9 +26,9 @@ struct FilterBankDesign {
 ///     ramp:     d(k+1) = d(k) + T_s ḋ(k), ḋ(k+1) = ḋ(k) + N(0, w⁸ρ²T_s²J²);
 /// w = ½·3ⁱ [1/s] up to (D/(J ρ √T_s))^0.4/1.5, and not beyond 3/T_s.
 ///
-/// Each model is updated by what the code y says: that q lies within y ± Δ/2. How it is told so,
-/// and how likely the model found it, filter_bank.cpp and
-/// docs/methods/filter-bank.md say. Log-likelihoods add up to the models' log-weights, of which
+/// Each model is updated by what the code y says: that q lies within its code_range(), y ± Δ/2 of
+/// an encoder that rounds. How it is told so, and how likely the model found it, filter_bank.cpp
+/// and docs/methods/filter-bank.md say. Log-likelihoods add up to the models' log-weights, of which
 /// the best is 0. One that falls below −(L₀ + 6), L₀ = ln(2/T_s), is seeded anew from the best with
 /// the weight −L₀: about twice a second each belief is given another chance, and no belief is ever
 /// lost. x̂ and d̂ are the weighted means of the models above −3.
@@ -56,6 +56,7 @@ class FilterBank final : public DisturbanceEstimator {
 
   void reset(const Vector& x) override;
   void update(const Vector& held_input, const Vector& y) override;
+  bool follow(const SampleInterval& interval) override;
 
   View state() const override { return {estimate_.data(), 2}; }
   View disturbance() const override { return {estimate_.data() + 2, 1}; }
@@ -70,20 +71,33 @@ class FilterBank final : public DisturbanceEstimator {
   struct Observation;
 
   void start(const Eigen::Vector2d& x);
+  void know_noise(double instant_error);
   void predict(Model& model, double u) const;
   double observe(Model& model, const Observation& seen) const;
   static double keep_inertia(Model& model);
-  double log_likelihood(double e, double S) const;
+  double log_likelihood(double e, double S, const CodeRange& range) const;
+  bool is_fine(const CodeRange& range, double S) const;
   void weigh();
   void seed(Model& model, const Model& from) const;
   void combine();
 
   double period_s_;
+  VariableHold hold_;
   Eigen::Matrix2d A_;  // of the sampled plant
   Eigen::Vector2d B_;
-  double quantum_;         // Δ
-  double noise_variance_;  // s² = σ² + the arithmetic's
-  double prior_variance_;  // ρ²
+  Eigen::Matrix2d regular_A_;  // the same over T_s
+  Eigen::Vector2d regular_B_;
+  // The last interval is predicted in pieces: how many, how long, the variance of the input in
+  // each; and how well the instant is known.
+  double pieces_ = 1.0;
+  double piece_s_;
+  double input_variance_ = 0.0;
+  double instant_std_s_ = 0.0;
+  double quantum_;  // Δ
+  EncoderRounding rounding_;
+  double sensor_variance_;  // σ² + the arithmetic's
+  double noise_variance_;   // s²: that, and what the instant's error makes of it
+  double prior_variance_;   // ρ² = Δ²/12 + σ², what the code's interval leaves
   bool code_is_known_;
   double chance_;  // L₀
   double last_input_ = 0.0;

@@ -4,8 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include <breakwater/linear/pole_placement.h>
-#include <breakwater/linear/state_space.h>
+#include <breakwater/observers/pole_predictor.h>
 
 namespace breakwater {
 
@@ -38,22 +37,21 @@ class Idob {
   void update(const Eigen::Ref<const Eigen::VectorXd>& u,
               const Eigen::Ref<const Eigen::VectorXd>& y);
 
-  auto state() const { return extended_state_.head(states_); }
-  auto disturbance() const { return extended_state_.tail(extended_state_.size() - states_); }
-  /// [x̂; d̂], at an address that does not change.
-  const Eigen::VectorXd& extended_state() const { return extended_state_; }
+  /// The intervals that follow are so long; 0: T_s.
+  void over(double interval_s) { predictor_.over(interval_s); }
 
-  const Eigen::MatrixXd& H() const { return observer_gain_; }
+  auto state() const { return extended_state().head(states_); }
+  auto disturbance() const { return extended_state().tail(extended_state().size() - states_); }
+  /// [x̂; d̂], at an address that does not change.
+  const Eigen::VectorXd& extended_state() const { return predictor_.state(); }
+
+  const Eigen::MatrixXd& H() const { return predictor_.H(); }
   /// Ā_d − H C̄_d: what the estimation error is multiplied with at each sample.
-  const Eigen::MatrixXd& error_dynamics() const { return error_dynamics_; }
+  const Eigen::MatrixXd& error_dynamics() const { return predictor_.error_dynamics(); }
 
  private:
   Eigen::Index states_;
-  Eigen::MatrixXd observer_gain_;
-  Eigen::MatrixXd error_dynamics_;
-  Eigen::MatrixXd input_matrix_;  // B̄_d
-  Eigen::VectorXd extended_state_;
-  Eigen::VectorXd next_;
+  PolePredictor predictor_;
 };
 
 }  // namespace breakwater

@@ -14,6 +14,12 @@ IdobEstimator::IdobEstimator(const StateSpace& continuous_plant,
 void IdobEstimator::reset(const Vector& x) {
   idob_.reset(x);
   has_begun_ = false;
+  follow({});
+}
+
+bool IdobEstimator::follow(const SampleInterval& interval) {
+  idob_.over(interval.length_s);
+  return true;
 }
 
 void IdobEstimator::update(const Vector& held_input, const Vector& y) {

@@ -19,6 +19,7 @@ class IdobEstimator final : public DisturbanceEstimator {
 
   void reset(const Vector& x) override;
   void update(const Vector& held_input, const Vector& y) override;
+  bool follow(const SampleInterval& interval) override;
 
   View state() const override { return {idob_.extended_state().data(), plant_states_}; }
   View disturbance() const override {

@@ -3,9 +3,13 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <optional>
 #include <stdexcept>
 #include <vector>
 
+#include <breakwater/linear/variable_hold.h>
 #include <breakwater/observers/disturbance_estimator.h>
 #include <breakwater/observers/kalman_design.h>
 #include <breakwater/observers/one_output.h>
@@ -24,6 +28,42 @@ class KalmanEstimator : public DisturbanceEstimator {
     gain_.setZero();
     innovation_.setZero();
     has_prior_ = true;
+    if (hold_) follow({});
+  }
+
+  /// Over another interval h the plant is sampled anew, Q counts by h/T_s, and where samples are
+  /// missing there is a prediction for each. The unknown part of the input enters as B̅ does; what
+  /// the instant is off by, as the output's rate times it. A plant that was given sampled cannot.
+  bool follow(const SampleInterval& interval) final {
+    if (!hold_) return false;
+    const double length_s = interval.length_s > 0.0 ? interval.length_s : period_s_;
+    instant_std_s_ = interval.instant_std_s;
+    instant_error_.setZero();
+    R_ = regular_R_;
+    weight_ = interval.output_std > 0.0
+                  ? regular_R_(0, 0) / (interval.output_std * interval.output_std)
+                  : 1.0;
+    pieces_ = std::clamp(std::round(length_s / period_s_), 1.0, kMostPieces);
+    if (length_s == period_s_) {
+      A_ = regular_A_;
+      B_ = regular_B_;
+    } else {
+      const Eigen::Index n = plant_states_;
+      const Eigen::Index inputs = B_.cols();
+      const double piece_s = length_s / pieces_;
+      hold_->over(piece_s);
+      A_.topLeftCorner(n, n) = hold_->A();
+      A_.block(0, n, n, inputs) = -hold_->B();
+      for (Eigen::Index i = n; i + inputs < A_.cols(); ++i) A_(i, i + inputs) = piece_s;
+      B_.topRows(n) = hold_->B();
+    }
+    Q_ = regular_Q_ * (length_s / (pieces_ * period_s_));
+    // White from piece to piece, so that its mean over all has the variance that is given.
+    const double variance = interval.input_std * interval.input_std * pieces_ * weight_;
+    for (Eigen::Index i = 0; variance > 0.0 && i < B_.cols(); ++i) {
+      Q_.noalias() += variance * B_.col(i) * B_.col(i).transpose();
+    }
+    return true;
   }
 
   View state() const final { return {extended_state_.data(), plant_states_}; }
@@ -63,6 +103,19 @@ class KalmanEstimator : public DisturbanceEstimator {
     A_ = design.plant.sampled.A;
     B_ = design.plant.sampled.B;
     C_ = design.plant.sampled.C;
+    regular_A_ = A_;
+    regular_B_ = B_;
+    regular_Q_ = design.Q;
+    regular_R_ = design.R;
+    period_s_ = design.plant.period_s;
+    instant_error_.setZero(C_.rows());
+    if (const auto& plant = design.plant.continuous) {
+      hold_.emplace(*plant);
+      output_rate_.setZero(C_.rows(), A_.cols());
+      output_rate_.leftCols(plant_states_) = plant->C * plant->A;
+      input_rate_ = plant->C * plant->B;
+      output_rate_.middleCols(plant_states_, B_.cols()) = -input_rate_;
+    }
     measures_first_ = C_ == Eigen::Matrix<double, p, N>::Identity(C_.rows(), C_.cols());
     Q_ = design.Q;
     R_ = design.R;
@@ -83,7 +136,7 @@ class KalmanEstimator : public DisturbanceEstimator {
 
   /// x̄(k|k−1), P(k|k−1) (Eqs. 4.11, 4.12), ê(k) (Eq. 4.15) and C̅ P(k|k−1) C̅ᵀ.
   void predict(const Vector& held_input, const Vector& y) {
-    if (!has_prior_) {
+    for (double piece = 0.0; !has_prior_ && piece < pieces_; piece += 1.0) {
       predicted_.noalias() = A_ * extended_state_;
       predicted_.noalias() +=
           B_ * Eigen::Map<const Eigen::Matrix<double, m, 1>>(held_input.data(), held_input.size());
@@ -100,6 +153,16 @@ class KalmanEstimator : public DisturbanceEstimator {
     innovation_ = Eigen::Map<const Outputs>(y.data(), y.size());
     innovation_.noalias() -= C_ * extended_state_;
     see_covariance();
+    if (instant_std_s_ > 0.0) see_instant(held_input);
+  }
+
+  /// What the instant's error makes of the output, and R with it.
+  void see_instant(const Vector& held_input) {
+    instant_error_.noalias() = output_rate_ * extended_state_;
+    instant_error_.noalias() += input_rate_ * held_input;
+    instant_error_ = instant_error_.cwiseAbs() * instant_std_s_;
+    R_ = regular_R_;
+    R_.diagonal() += weight_ * instant_error_.cwiseAbs2();
   }
 
   /// C̅ P, and from it C̅ P C̅ᵀ.
@@ -168,8 +231,24 @@ class KalmanEstimator : public DisturbanceEstimator {
   Outputs innovation_;
   OutputCovariance output_covariance_;
   double lambda_ = 1.0;
+  Outputs instant_error_;  // a standard deviation
 
  private:
+  static constexpr double kMostPieces = 1000.0;  // of an interval, however long
+
+  // What is so once a period; A̅, B̅, Q and R are those of the last interval.
+  Covariance regular_A_;
+  Eigen::Matrix<double, N, m> regular_B_;
+  Covariance regular_Q_;
+  OutputCovariance regular_R_;
+  double period_s_ = 0.0;
+  std::optional<VariableHold> hold_;
+  Eigen::Matrix<double, p, N> output_rate_;  // ẏ = this x̄ + the next u
+  Eigen::Matrix<double, p, m> input_rate_;
+  double instant_std_s_ = 0.0;
+  double weight_ = 1.0;  // R in units of the output's variance
+  double pieces_ = 1.0;  // in which an interval is predicted
+
   Eigen::Matrix<double, N, 1> predicted_;
   Eigen::Matrix<double, p, N> output_cross_;  // C̅ P(k|k−1)
   Eigen::Matrix<double, p, N> solved_;        // D⁻¹ C̅ P(k|k−1) = Kᵀ

@@ -28,6 +28,8 @@ class Mdob {
   Mdob(const MdobDesign& design, double period_s);
 
   void reset(double angle);
+  /// The intervals that follow are so long; 0: T_s. The filters are those of this length.
+  void over(double interval_s);
   void update(double held_torque, double angle);
 
   double angle() const { return angle_; }        ///< as measured
@@ -41,6 +43,9 @@ class Mdob {
   double low_pass_pole() const { return 1.0 - momentum_weight_; }
 
  private:
+  MdobDesign design_;
+  double period_s_;
+  double interval_s_ = 0.0;
   double derivative_gain_;    // g_d/(1 + g_d T_s)
   double derivative_memory_;  // 1/(1 + g_d T_s)
   double torque_gain_;        // 1 − e^{−g_w T_s}

@@ -7,7 +7,13 @@ MdobEstimator::MdobEstimator(const MdobDesign& design, double period_s) : mdob_(
 void MdobEstimator::reset(const Vector& x) {
   mdob_.reset(x(0));
   has_begun_ = false;
+  follow({});
   publish();
+}
+
+bool MdobEstimator::follow(const SampleInterval& interval) {
+  mdob_.over(interval.length_s);
+  return true;
 }
 
 void MdobEstimator::update(const Vector& held_input, const Vector& y) {

@@ -17,6 +17,7 @@ class MdobEstimator final : public DisturbanceEstimator {
 
   void reset(const Vector& x) override;
   void update(const Vector& held_input, const Vector& y) override;
+  bool follow(const SampleInterval& interval) override;
 
   View state() const override { return {estimate_.data(), 2}; }
   View disturbance() const override { return {estimate_.data() + 2, 1}; }

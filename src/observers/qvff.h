@@ -12,7 +12,9 @@ namespace breakwater {
 /// period. QVFF takes out of ê what the sensor's own error explains, and then reacts to little:
 ///     |ê| → max(0, |ê| − Δ − 4.5 σ),   α = max((Δ/2)², (1.5 σ)², α_floor),   P0 = 1e-6·I.
 /// Δ is the ±Δ/2 by which a measurement is rounded and as much for the prediction, which knows no
-/// better than a count where it is; 4.5 σ is passed by 7 samples in a million.
+/// better than a count where it is; 4.5 σ is passed by 7 samples in a million. An encoder that
+/// truncates is off by up to Δ, but always towards 0: the errors of two measurements on one side of
+/// 0 differ by less than Δ as well.
 /// docs/methods/disturbance-kalman-filters.md has the derivation and where it loses.
 ///
 /// Throws std::invalid_argument as check(SensorError) does.

@@ -4,9 +4,8 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include <breakwater/linear/pole_placement.h>
-#include <breakwater/linear/state_space.h>
 #include <breakwater/observers/disturbance_estimator.h>
+#include <breakwater/observers/pole_predictor.h>
 
 namespace breakwater {
 
@@ -21,20 +20,20 @@ class StateObserver final : public DisturbanceEstimator {
 
   void reset(const Vector& x) override;
   void update(const Vector& held_input, const Vector& y) override;
+  bool follow(const SampleInterval& interval) override;
 
-  View state() const override { return {state_.data(), state_.size()}; }
+  View state() const override { return {predictor_.state().data(), poles()}; }
   View disturbance() const override { return {disturbance_.data(), disturbance_.size()}; }
   std::span<const Signal> signals() const override { return signals_; }
 
-  Eigen::Index poles() const override { return state_.size(); }
-  void pole_matrix(Eigen::Ref<Eigen::MatrixXd> F) const override { F = error_dynamics_; }
+  Eigen::Index poles() const override { return predictor_.state().size(); }
+  void pole_matrix(Eigen::Ref<Eigen::MatrixXd> F) const override {
+    F = predictor_.error_dynamics();
+  }
 
  private:
-  StateSpace plant_;                // sampled
-  Eigen::MatrixXd gain_;            // H
-  Eigen::MatrixXd error_dynamics_;  // A − H C
-  Eigen::VectorXd state_;
-  Eigen::VectorXd next_;
+  PolePredictor predictor_;
+  Eigen::MatrixXd C_;
   Eigen::VectorXd disturbance_;  // 0
   bool has_begun_ = false;
   Eigen::VectorXd last_output_;

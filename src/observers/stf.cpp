@@ -13,8 +13,7 @@ constexpr double kPriorShare = 0.01;
 KalmanDesign stf_design(const ExtendedPlant& plant, const SensorError& error, double period_s) {
   check(error, plant.outputs());
   if (!(period_s > 0.0)) throw std::invalid_argument("STF: the sampling period must be positive");
-  const Eigen::VectorXd variance =
-      (error.quantum.cwiseAbs2() / 12.0 + error.noise_std.cwiseAbs2()).cwiseMax(kSmallestR);
+  const Eigen::VectorXd variance = error.variance().cwiseMax(kSmallestR);
   Eigen::VectorXd prior =
       Eigen::VectorXd::Constant(plant.states(), kPriorShare * variance.maxCoeff());
   prior.tail(plant.states() - plant.plant_states) /= period_s * period_s;

@@ -9,13 +9,14 @@
 
 namespace breakwater {
 
-/// The Kalman design of the STF: R = Δ²/12 + σ² (with a floor), Q = 0, and
+/// The Kalman design of the STF: R = Δ²/12 + σ², or Δ²/3 + σ² of an encoder that truncates (with a
+/// floor), Q = 0, and
 /// P0 = R/100·diag(1, …, 1, T_s⁻², …) (T_s⁻² on the disturbance and its derivatives).
 KalmanDesign stf_design(const ExtendedPlant& plant, const SensorError& error, double period_s);
 
 /// The KFD without process noise, whose covariance is inflated before the gain is computed, but
 /// only if the innovation is more than the sensor's error and the estimate's own uncertainty
-/// explain:
+/// explain, however the encoder rounds (qvff.h):
 ///     if |ê| > Δ + 5σ + 2 √P₁₁:  P ← P · clip(4 ê²/(P₁₁ + R), 1, 1e6),   P₁₁ = C̅ P(k|k−1) C̅ᵀ.
 /// After that P₁₁ + R is about 4 ê²: the innovation has become half a standard deviation. Between
 /// such moments the gain fades as 1/k, and so does the noise of the estimate; a disturbance that
@@ -26,7 +27,7 @@ KalmanDesign stf_design(const ExtendedPlant& plant, const SensorError& error, do
 /// is what it is for.
 ///
 /// For p outputs the largest factor of those whose gate is open counts. λ(k) is the factor's
-/// inverse.
+/// inverse. Where the instants are uncertain, what that makes of the output counts as σ does.
 template <int N = Eigen::Dynamic, int m = Eigen::Dynamic, int p = Eigen::Dynamic>
 class Stf final : public KalmanEstimator<N, m, p> {
  public:
@@ -60,7 +61,8 @@ class Stf final : public KalmanEstimator<N, m, p> {
     for (Eigen::Index i = 0; i < gate_.size(); ++i) {
       const double e = std::abs(this->innovation_(i));
       const double P_ii = this->output_covariance_(i, i);
-      if (e > gate_(i) + kUncertaintyShare * std::sqrt(P_ii)) {
+      const double gate = gate_(i) + kNoiseShare * this->instant_error_(i);
+      if (e > gate + kUncertaintyShare * std::sqrt(P_ii)) {
         factor = std::max(factor, kInflationGain * e * e / (P_ii + this->R_(i, i)));
       }
     }

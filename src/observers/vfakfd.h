@@ -75,7 +75,8 @@ class Vfakfd final : public KalmanEstimator<N, m, p> {
   //     1/D = 1/(s + λ) = b a r   and   1/λ = b (s b + a) r   with   r = 1/(a (s b + a)).
   void correct_and_forget() {
     const double s = this->output_covariance_(0, 0);
-    const double error = std::max(std::abs(this->innovation_(0)) - dead_zone_(0), 0.0) * weight_(0);
+    const double dead_zone = dead_zone_(0) + kInstantShare * this->instant_error_(0);
+    const double error = std::max(std::abs(this->innovation_(0)) - dead_zone, 0.0) * weight_(0);
     const double b = 1.0 + s;
     const double a = std::clamp(lambda_max_ * b - error * error, lambda_min_ * b, lambda_max_ * b);
     const double rest = s * b + a;
@@ -87,7 +88,9 @@ class Vfakfd final : public KalmanEstimator<N, m, p> {
 
   // ẽᵀ (I + C̅ P C̅ᵀ)⁻¹ ẽ
   double surprise() {
-    weighted_ = (this->innovation_.cwiseAbs() - dead_zone_).cwiseMax(0.0).cwiseProduct(weight_);
+    weighted_ = (this->innovation_.cwiseAbs() - dead_zone_ - kInstantShare * this->instant_error_)
+                    .cwiseMax(0.0)
+                    .cwiseProduct(weight_);
     if constexpr (p == 1) {
       return weighted_(0) * weighted_(0) / (1.0 + this->output_covariance_(0, 0));
     } else {
@@ -100,6 +103,8 @@ class Vfakfd final : public KalmanEstimator<N, m, p> {
       return weighted_.dot(solved_);
     }
   }
+
+  static constexpr double kInstantShare = 4.5;  // as QVFF's dead zone has of the noise
 
   double lambda_min_;
   double lambda_max_;

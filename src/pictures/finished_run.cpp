@@ -20,7 +20,7 @@ std::vector<Series> columns(const std::vector<double>& times_s, const LoggedSign
 }  // namespace
 
 FinishedRun::FinishedRun(const Catalogue& catalogue, const std::filesystem::path& folder)
-    : catalogue_(&catalogue), saved_(folder) {
+    : catalogue_(&catalogue), saved_(folder), notes_(saved_.notes()) {
   if (!catalogue.has<ScenarioKind>(saved_.scenario())) {
     if (!saved_.has_signal("qpos")) {
       throw NothingMoved(folder.string() + ": is a run of \"" + saved_.scenario() +
@@ -37,9 +37,7 @@ FinishedRun::FinishedRun(const Catalogue& catalogue, const std::filesystem::path
   config_ = std::make_unique<Config>(file.config(case_name()));
   read_settings(kind);
 
-  times_s_ = read_hdf5_signal(log_file(), "control/time_s").values;
-  qpos_ = read_hdf5_signal(log_file(), "control/qpos");
-  if (times_s_.size() < 2 || qpos_.rows != times_s_.size()) {
+  if (times_s().size() < 2 || qpos().rows < 2) {
     throw std::invalid_argument(log_file() + ": is too short to show anything");
   }
 }
@@ -66,9 +64,13 @@ Model FinishedRun::load_scene() const {
   const ConfigEntry* entry = config_->find("model.mjcf");
   const auto* name = entry != nullptr ? std::get_if<std::string>(&entry->value.data) : nullptr;
   if (name == nullptr) config_->fail("model.mjcf", "is missing: there is nothing to draw");
-  Model model = Model::load(config_->find_file_of("model.mjcf", *name));
-  if (static_cast<std::size_t>(model->nq) != qpos_.width) {
-    throw std::invalid_argument(log_file() + ": its qpos has " + std::to_string(qpos_.width) +
+  ModelFile file(config_->find_file_of("model.mjcf", *name));
+  if (const auto most = config_->number("model.most_elements")) {
+    file.most_elements = static_cast<std::uint64_t>(*most);
+  }
+  Model model = Model::load(file);
+  if (static_cast<std::size_t>(model->nq) != qpos().width) {
+    throw std::invalid_argument(log_file() + ": its qpos has " + std::to_string(qpos().width) +
                                 " values, but " + model.file() + " has " +
                                 std::to_string(model->nq));
   }
@@ -77,11 +79,7 @@ Model FinishedRun::load_scene() const {
 }
 
 std::vector<Series> FinishedRun::vector_signal(const std::string& name) const {
-  const LoggedSignal logged = read_hdf5_signal(log_file(), "control/" + name);
-  if (logged.rows != times_s_.size()) {
-    throw std::invalid_argument(log_file() + ": control/" + name + " is incomplete");
-  }
-  return columns(times_s_, logged);
+  return columns(times_s(), saved_.dataset("control/" + name));
 }
 
 Series FinishedRun::signal(const std::string& name) const {
@@ -97,7 +95,7 @@ Series FinishedRun::signal(const std::string& name) const {
 
 Series FinishedRun::value(const std::string& key_or_signal) const {
   if (const auto number = config_->number(key_or_signal)) {
-    return {{times_s_.front(), end_s()}, {*number, *number}};
+    return {{times_s().front(), end_s()}, {*number, *number}};
   }
   return signal(key_or_signal);
 }

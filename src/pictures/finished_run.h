@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
+#include <breakwater/config/config.h>
+#include <breakwater/experiment/catalogue.h>
+#include <breakwater/experiment/saved_run.h>
 #include <breakwater/record/hdf5_log.h>
 #include <breakwater/record/series.h>
-#include <breakwater/scenario/catalogue.h>
-#include <breakwater/scenario/config.h>
-#include <breakwater/scenario/saved_run.h>
 #include <breakwater/sim/model.h>
 
 namespace breakwater {
@@ -34,19 +34,19 @@ class FinishedRun {
   const std::string& case_name() const { return saved_.case_name(); }
   const SavedRun& saved() const { return saved_; }
   const Catalogue& catalogue() const { return *catalogue_; }
-  /// What a user should know, one line each: keys that an older version did not have, and as what
-  /// they were taken.
+  /// What a user should know, one line each: of the log, and keys that an older version did not
+  /// have and as what they were taken.
   const std::vector<std::string>& notes() const { return notes_; }
   const Scenario& scenario() const { return *scenario_; }
   /// Where its scenario's shot list is, if there is one.
   const std::filesystem::path& shots_file() const { return shots_file_; }
 
   /// The times of the log's control samples [s]; two at least.
-  const std::vector<double>& times_s() const { return times_s_; }
+  const std::vector<double>& times_s() const { return saved_.dataset("control/time_s").values; }
   /// When the last sample's period ends [s].
-  double end_s() const { return times_s_.back() + (times_s_[1] - times_s_[0]); }
+  double end_s() const { return times_s().back() + (times_s()[1] - times_s()[0]); }
   /// The generalised positions at these times.
-  const LoggedSignal& qpos() const { return qpos_; }
+  const LoggedSignal& qpos() const { return saved_.dataset("control/qpos"); }
 
   /// The plant as it looks in pictures.
   Model load_scene() const;
@@ -75,8 +75,6 @@ class FinishedRun {
   std::filesystem::path shots_file_;
   std::unique_ptr<Scenario> scenario_;
   std::unique_ptr<Config> config_;
-  std::vector<double> times_s_;
-  LoggedSignal qpos_;
 };
 
 }  // namespace breakwater

@@ -10,6 +10,7 @@
 #include <memory>
 #include <thread>
 
+#include <breakwater/experiment/run_manifest.h>
 #include <breakwater/pictures/staging.h>
 #include <breakwater/pictures/strip.h>
 #include <breakwater/record/partial_file.h>
@@ -18,10 +19,9 @@
 #include <breakwater/render/picture.h>
 #include <breakwater/render/render_error.h>
 #include <breakwater/render/video_file.h>
-#include <breakwater/scenario/child_program.h>
-#include <breakwater/scenario/process.h>
-#include <breakwater/scenario/progress.h>
-#include <breakwater/scenario/run_manifest.h>
+#include <breakwater/shell/child_program.h>
+#include <breakwater/shell/process.h>
+#include <breakwater/shell/progress.h>
 #include <breakwater/sim/opengl_asked.h>
 
 namespace breakwater {
@@ -257,10 +257,9 @@ constexpr Command kCommands[] = {
     {"still", "make a picture of a finished run at one time", describe_still, still},
     {"strip", "make the shot list's pictures of a finished run, in a row", describe_strip, strip}};
 
-const Command* find_command(const std::string& name) {
-  const auto* const found = std::find_if(std::begin(kCommands), std::end(kCommands),
-                                         [&](const Command& c) { return c.name == name; });
-  return found != std::end(kCommands) ? found : nullptr;
+const Command& find_command(const std::string& name) {
+  return *std::find_if(std::begin(kCommands), std::end(kCommands),
+                       [&](const Command& c) { return c.name == name; });
 }
 
 // A picture that fails leaves its run whole: a status of its own.
@@ -278,23 +277,8 @@ int draw(const Command& command, const Catalogue& catalogue, const PictureArgume
   return kLaterOutputFailed;
 }
 
-}  // namespace
-
-const std::vector<std::pair<std::string, std::string>>& picture_commands() {
-  static const std::vector<std::pair<std::string, std::string>> all = [] {
-    std::vector<std::pair<std::string, std::string>> list;
-    for (const Command& command : kCommands) list.emplace_back(command.name, command.summary);
-    return list;
-  }();
-  return all;
-}
-
-bool is_picture_command(const std::string& name) {
-  return find_command(name) != nullptr;
-}
-
 int picture_main(const Catalogue& catalogue, int argc, const char* const* argv) {
-  const Command& command = *find_command(argv[0]);
+  const Command& command = find_command(argv[0]);
   const std::string program = own_program_name() + " " + command.name;
   return guarded(program, [&] {
     CLI::App app(command.summary, program);
@@ -307,6 +291,15 @@ int picture_main(const Catalogue& catalogue, int argc, const char* const* argv) 
     if (const auto status = parse(app, argc, argv)) return *status;
     return draw(command, catalogue, arguments);
   });
+}
+
+}  // namespace
+
+std::vector<CommandKind> picture_commands() {
+  std::vector<CommandKind> all;
+  for (const Command& command : kCommands)
+    all.push_back({command.name, command.summary, picture_main});
+  return all;
 }
 
 }  // namespace breakwater

@@ -24,7 +24,8 @@ double looks_of(const Model& model) {
 TimeSpan span_of(double from_s, double to_s, double step_s) {
   if (!(to_s > from_s)) return {from_s, step_s, 0};
   // The end belongs to the next span, or is the last frame.
-  const auto count = static_cast<std::size_t>(std::ceil((to_s - from_s) / step_s - 1e-6));
+  const auto count =
+      static_cast<std::size_t>(std::max(1.0, std::ceil((to_s - from_s) / step_s - 1e-6)));
   return {from_s, (to_s - from_s) / static_cast<double>(count), count};
 }
 

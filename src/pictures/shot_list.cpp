@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <limits>
 
-#include <breakwater/scenario/fields.h>
+#include <breakwater/config/fields.h>
 
 namespace breakwater {
 namespace {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include <breakwater/scenario/differing_keys.h>
+#include <breakwater/experiment/differing_keys.h>
 
 namespace breakwater {
 namespace {

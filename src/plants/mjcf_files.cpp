@@ -6,6 +6,8 @@
 #include <array>
 #include <string>
 
+#include <breakwater/plants/xml_file.h>
+
 namespace breakwater {
 namespace fs = std::filesystem;
 namespace {
@@ -35,6 +37,7 @@ class MjcfFiles {
   bool add(const fs::path& file) {
     const fs::path path = file.lexically_normal();
     std::error_code ignored;
+    check_ends(path);
     if (!fs::is_regular_file(path, ignored)) return false;
     if (std::find(files.begin(), files.end(), path) != files.end()) return false;
     files.push_back(path);

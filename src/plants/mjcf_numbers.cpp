@@ -1,11 +1,15 @@
 #include <breakwater/plants/mjcf_numbers.h>
 
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
+#include <limits>
 #include <set>
 #include <sstream>
 #include <string_view>
 #include <vector>
 
+#include <breakwater/plants/mjcf_files.h>
 #include <breakwater/plants/xml_file.h>
 
 namespace breakwater {
@@ -31,6 +35,15 @@ bool must_not_be_negative(const tinyxml2::XMLAttribute& attribute) {
   return names.contains(attribute.Name());
 }
 
+// What the engine allocates room for, whatever the machine has: <size>'s, of which user data are
+// for each of the elements.
+double largest(const tinyxml2::XMLElement& element, const tinyxml2::XMLAttribute& attribute) {
+  constexpr double kLargestSize = 1e7;
+  constexpr double kMostUserData = 1e3;
+  if (std::string_view(element.Name()) != "size") return std::numeric_limits<double>::infinity();
+  return std::string_view(attribute.Name()).starts_with("nuser_") ? kMostUserData : kLargestSize;
+}
+
 std::string quoted(const tinyxml2::XMLAttribute& attribute) {
   return std::string(attribute.Name()) + "=\"" + attribute.Value() + "\"";
 }
@@ -43,13 +56,16 @@ void check_element(const XmlFile& xml, const tinyxml2::XMLElement& element) {
     for (std::string word; words >> word;) {
       const auto number = read_numbers(word);
       if (!number) continue;
-      const char* complaint = nullptr;
+      std::string complaint;
       if (!is_sensible(number->front())) {
         complaint = ": must be finite and not beyond 1e30";
       } else if (number->front() < 0.0 && must_not_be_negative(*attribute)) {
         complaint = ": must not be negative";
+      } else if (number->front() > largest(element, *attribute)) {
+        const auto most = static_cast<long>(largest(element, *attribute));
+        complaint = ": must be at most " + std::to_string(most);
       }
-      if (complaint != nullptr) {
+      if (!complaint.empty()) {
         xml.fail(attribute->GetLineNum(),
                  std::string("<") + element.Name() + "> " + quoted(*attribute) + complaint);
       }
@@ -57,32 +73,65 @@ void check_element(const XmlFile& xml, const tinyxml2::XMLElement& element) {
   }
 }
 
-// `folder` is that of the model's own file, from where the engine looks for what is included.
-void check_file(const std::filesystem::path& file, const std::filesystem::path& folder,
-                std::set<std::filesystem::path>& seen) {
-  if (!seen.insert(file.lexically_normal()).second) return;
-  const XmlFile xml(file.string());
-  std::vector<const tinyxml2::XMLElement*> elements = {xml.root()};
-  while (!elements.empty()) {
-    const tinyxml2::XMLElement* element = elements.back();
-    elements.pop_back();
-    check_element(xml, *element);
-    const char* included = element->Attribute("file");
-    if (included != nullptr && std::string_view(element->Name()) == "include") {
-      check_file(folder / included, folder, seen);
-    }
-    for (const auto* child = element->FirstChildElement(); child != nullptr;
-         child = child->NextSiblingElement()) {
-      elements.push_back(child);
+// How many elements of the model an element makes: a <composite> as many as its counts multiply to.
+double elements_of(const tinyxml2::XMLElement& element) {
+  const char* counts = element.Attribute("count");
+  if (counts == nullptr || std::string_view(element.Name()) != "composite") return 1.0;
+  double product = 1.0;
+  for (const double count : read_numbers(counts).value_or(std::vector<double>())) {
+    product *= std::max(count, 1.0);
+  }
+  return product;
+}
+
+class MjcfCheck {
+ public:
+  MjcfCheck(const std::filesystem::path& file, std::uint64_t most_elements)
+      : folder_(file.parent_path()), most_elements_(most_elements) {
+    check(file);
+  }
+
+ private:
+  void check(const std::filesystem::path& file) {
+    if (!seen_.insert(file.lexically_normal()).second) return;
+    const XmlFile xml(file.string());
+    std::vector<const tinyxml2::XMLElement*> elements = {xml.root()};
+    while (!elements.empty()) {
+      const tinyxml2::XMLElement* element = elements.back();
+      elements.pop_back();
+      check_element(xml, *element);
+      count(xml, *element);
+      const char* included = element->Attribute("file");
+      if (included != nullptr && std::string_view(element->Name()) == "include") {
+        check(folder_ / included);
+      }
+      for (const auto* child = element->FirstChildElement(); child != nullptr;
+           child = child->NextSiblingElement()) {
+        elements.push_back(child);
+      }
     }
   }
-}
+
+  void count(const XmlFile& xml, const tinyxml2::XMLElement& element) {
+    elements_ += elements_of(element);
+    if (elements_ <= static_cast<double>(most_elements_)) return;
+    xml.fail(element.GetLineNum(), std::string("<") + element.Name() + ">: here the model has " +
+                                       std::to_string(std::llround(std::min(elements_, 1e18))) +
+                                       " elements: model.most_elements allows " +
+                                       std::to_string(most_elements_));
+  }
+
+  std::filesystem::path folder_;  // from where the engine looks for what is included
+  std::uint64_t most_elements_;
+  double elements_ = 0.0;
+  std::set<std::filesystem::path> seen_;
+};
 
 }  // namespace
 
-void check_mjcf_numbers(const std::string& file) {
-  std::set<std::filesystem::path> seen;
-  check_file(file, std::filesystem::path(file).parent_path(), seen);
+void check_mjcf(const std::string& file, std::uint64_t most_elements) {
+  MjcfCheck(file, most_elements);
+  mjcf_files(file);  // meshes and textures, too, must end
 }
 
 }  // namespace breakwater

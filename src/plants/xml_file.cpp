@@ -5,12 +5,15 @@
 #include <cmath>
 #include <cstdint>
 #include <fstream>
+#include <regex>
 #include <sstream>
 #include <stdexcept>
 #include <utility>
 
 namespace breakwater {
 namespace {
+
+constexpr std::size_t kLongestShown = 80;  // of an XML declaration
 
 // Where the first byte is that is not UTF-8; npos: nowhere.
 std::size_t find_no_utf8(const std::string& text) {
@@ -38,7 +41,18 @@ std::size_t find_no_utf8(const std::string& text) {
 
 }  // namespace
 
+void check_ends(const std::filesystem::path& file) {
+  std::error_code error;
+  const auto type = std::filesystem::status(file, error).type();
+  using Type = std::filesystem::file_type;
+  if (type == Type::fifo || type == Type::character || type == Type::block ||
+      type == Type::socket) {
+    throw std::invalid_argument(file.string() + ": is no regular file: it may never end");
+  }
+}
+
 std::string read_text(const std::string& file) {
+  check_ends(file);
   std::ifstream stream(file, std::ios::binary);
   std::stringstream text;
   text << stream.rdbuf();
@@ -60,6 +74,14 @@ XmlFile::XmlFile(std::string file, std::string text)
          std::string("is not well-formed XML (") + document_.ErrorName() + ")");
   }
   if (root() == nullptr) fail(1, "has no element");
+  // The parser reads on whatever it says.
+  const tinyxml2::XMLNode* first = document_.FirstChild();
+  const auto* declaration = first->ToDeclaration();
+  if (declaration == nullptr) return;
+  static const std::regex rule(R"(^xml\s+version\s*=\s*(["'])1\.[0-9]+\1)");
+  const std::string begin = std::string(declaration->Value()).substr(0, kLongestShown);
+  if (std::regex_search(begin, rule)) return;
+  fail(declaration->GetLineNum(), "<?" + begin + "?>: must begin with <?xml version=\"1.0\"");
 }
 
 void XmlFile::fail(int line, const std::string& what) const {

@@ -3,6 +3,7 @@
 
 #include <tinyxml2.h>
 
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -29,7 +30,10 @@ class XmlFile {
   tinyxml2::XMLDocument document_;
 };
 
-/// The bytes of a file. Throws std::invalid_argument if it cannot be read.
+/// Throws std::invalid_argument if a file is a device, a pipe or a socket.
+void check_ends(const std::filesystem::path& file);
+
+/// The bytes of a file. Throws std::invalid_argument if it cannot be read, or as check_ends().
 std::string read_text(const std::string& file);
 
 /// The numbers that `text` is, with blanks between them, in the notation of C whatever the locale;

@@ -8,10 +8,10 @@
 #include <string>
 
 #include <breakwater/program/health.h>
-#include <breakwater/scenario/child_program.h>
-#include <breakwater/scenario/process.h>
-#include <breakwater/scenario/table.h>
-#include <breakwater/scenario/terminal.h>
+#include <breakwater/shell/child_program.h>
+#include <breakwater/shell/process.h>
+#include <breakwater/shell/table.h>
+#include <breakwater/shell/terminal.h>
 
 namespace breakwater {
 namespace {

@@ -1,7 +1,7 @@
 // `breakwater doctor`: what works on this machine, and what to install for what does not.
 #pragma once
 
-#include <breakwater/scenario/catalogue.h>
+#include <breakwater/experiment/catalogue.h>
 
 namespace breakwater {
 

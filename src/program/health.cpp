@@ -10,14 +10,14 @@
 #include <stdexcept>
 #include <utility>
 
+#include <breakwater/experiment/runner.h>
+#include <breakwater/pages/figure_script.h>
+#include <breakwater/pages/html_page.h>
 #include <breakwater/render/canvas.h>
 #include <breakwater/render/renderer_probe.h>
 #include <breakwater/render/video_file.h>
-#include <breakwater/report/figure_script.h>
-#include <breakwater/report/html_page.h>
-#include <breakwater/scenario/child_program.h>
-#include <breakwater/scenario/paths.h>
-#include <breakwater/scenario/runner.h>
+#include <breakwater/shell/child_program.h>
+#include <breakwater/shell/paths.h>
 #include <breakwater/sim/engine_guard.h>
 
 namespace breakwater {

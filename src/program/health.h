@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include <breakwater/scenario/catalogue.h>
+#include <breakwater/experiment/catalogue.h>
 
 namespace breakwater {
 

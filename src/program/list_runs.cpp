@@ -9,14 +9,14 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include <breakwater/experiment/main_metrics.h>
+#include <breakwater/experiment/run_list.h>
 #include <breakwater/program/run_commands.h>
-#include <breakwater/scenario/child_program.h>
-#include <breakwater/scenario/main_metrics.h>
-#include <breakwater/scenario/process.h>
-#include <breakwater/scenario/progress.h>
-#include <breakwater/scenario/run_list.h>
-#include <breakwater/scenario/table.h>
-#include <breakwater/scenario/terminal.h>
+#include <breakwater/shell/child_program.h>
+#include <breakwater/shell/process.h>
+#include <breakwater/shell/progress.h>
+#include <breakwater/shell/table.h>
+#include <breakwater/shell/terminal.h>
 #include <breakwater/study/study_summary.h>
 
 namespace breakwater {

@@ -12,9 +12,9 @@
 #include <breakwater/record/file_bytes.h>
 #include <breakwater/record/process_name.h>
 #include <breakwater/record/text_outputs.h>
-#include <breakwater/scenario/child_program.h>
-#include <breakwater/scenario/paths.h>
-#include <breakwater/scenario/process.h>
+#include <breakwater/shell/child_program.h>
+#include <breakwater/shell/paths.h>
+#include <breakwater/shell/process.h>
 
 namespace breakwater {
 namespace fs = std::filesystem;
@@ -80,6 +80,28 @@ std::vector<std::string> kinds_of_projects(const fs::path& templates) {
   return kinds;
 }
 
+// The first lines to paste. CMake finds by itself what is installed in the system.
+std::string how_to_build(const fs::path& templates, const fs::path& out) {
+  const fs::path share = templates.parent_path();
+  const fs::path build = fs::path(own_program()).parent_path().parent_path();
+  fs::path prefix;
+  std::string text;
+  if (share.parent_path().filename() == "share") {
+    prefix = share.parent_path().parent_path();
+  } else if (fs::exists(build / "CMakeCache.txt")) {
+    prefix = build / "installed";
+    text = fmt::format("cmake --install {} --prefix {}\n", shell_word(build.string()),
+                       shell_word(prefix.string()));
+  }
+  const bool is_found = prefix.empty() || prefix == "/usr" || prefix == "/usr/local";
+  return text +
+         fmt::format(
+             "cd {} && {}cmake --preset release && cmake --build --preset release && "
+             "ctest --preset release\n",
+             shell_word(out.string()),
+             is_found ? "" : fmt::format("CMAKE_PREFIX_PATH={} ", shell_word(prefix.string())));
+}
+
 int new_project(const Catalogue& catalogue, const std::string& kind, const std::string& name,
                 const std::string& folder) {
   const fs::path templates = data_file("templates");
@@ -94,10 +116,9 @@ int new_project(const Catalogue& catalogue, const std::string& kind, const std::
   make_project(templates / kind, "my_" + kind, name, out);
   fmt::print(
       "a new {0}: {1}\n\n"
-      "cd {1} && cmake --preset release && cmake --build --preset release && ctest --preset "
-      "release\n\n"
+      "{2}\n"
       "{1}/README.md says how to go on.\n",
-      kind, out.string());
+      kind, out.string(), how_to_build(templates, out));
   return kSuccess;
 }
 

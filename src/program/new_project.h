@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-#include <breakwater/scenario/catalogue.h>
+#include <breakwater/experiment/catalogue.h>
 
 namespace breakwater {
 

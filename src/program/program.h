@@ -1,8 +1,8 @@
 // Everything that `breakwater` does, over any catalogue: what a user's own program links.
 #pragma once
 
-#include <breakwater/scenario/catalogue.h>
-#include <breakwater/scenario_program/scenario_program.h>
+#include <breakwater/experiment/catalogue.h>
+#include <breakwater/program/scenario_program.h>
 
 namespace breakwater {
 

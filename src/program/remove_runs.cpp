@@ -6,12 +6,12 @@
 #include <string>
 #include <vector>
 
+#include <breakwater/experiment/run_list.h>
 #include <breakwater/program/run_commands.h>
 #include <breakwater/record/run_folder.h>
-#include <breakwater/scenario/child_program.h>
-#include <breakwater/scenario/process.h>
-#include <breakwater/scenario/run_list.h>
-#include <breakwater/scenario/table.h>
+#include <breakwater/shell/child_program.h>
+#include <breakwater/shell/process.h>
+#include <breakwater/shell/table.h>
 #include <breakwater/study/study_summary.h>
 
 namespace breakwater {
@@ -91,7 +91,7 @@ int remove_failed(const fs::path& below, bool dry_run) {
 
 }  // namespace
 
-int remove_runs_main(int argc, const char* const* argv) {
+int remove_runs_main(const Catalogue&, int argc, const char* const* argv) {
   const std::string program = own_program_name() + " " + kRemoveRuns;
   return guarded(program, [&] {
     CLI::App app("Removes failed and unfinished runs below a folder, and says which.", program);

@@ -1,13 +1,26 @@
 #include <breakwater/record/hdf5_log.h>
 
 #include <fmt/core.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <charconv>
+#include <csignal>
+#include <cstdio>
+#include <cstring>
+#include <memory>
 #include <mutex>
 #include <numeric>
+#include <set>
 #include <stdexcept>
+#include <tuple>
+#include <utility>
 
 #include <breakwater/record/hdf5_library.h>
 #include <breakwater/record/text_outputs.h>
@@ -22,6 +35,9 @@ constexpr std::size_t kLargestMemoryStep = 4 << 20;
 constexpr std::size_t kLongestText = 1 << 16;
 // A byte of deflated data cannot become more.
 constexpr hsize_t kMostDeflated = 1032;
+// How much of the processor's time reading a foreign log may take; far less, if nothing is wrong.
+constexpr rlim_t kForeignSeconds = 10;
+constexpr rlim_t kBytesASecond = 5'000'000;
 
 using Size = std::array<hsize_t, 2>;  // rows, width
 
@@ -246,6 +262,132 @@ std::string file_image(const std::string& file, const std::vector<Track>& tracks
   }
 }
 
+// The caller holds hdf5_in_use.
+std::vector<LogEntry> list_signals(const std::string& file) {
+  hdf5().H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  try {
+    const Handle handle(hdf5().H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), hdf5().H5Fclose);
+    std::vector<LogEntry> entries;
+    for (const std::string& track : object_names(handle)) {
+      const Handle group(hdf5().H5Gopen2(handle, track.c_str(), H5P_DEFAULT), hdf5().H5Gclose);
+      for (const std::string& name : object_names(group)) {
+        if (name == "time_s" || is_index_name(name)) continue;
+        const Handle data(hdf5().H5Dopen2(group, name.c_str(), H5P_DEFAULT), hdf5().H5Dclose);
+        const Size size = checked_size(data);
+        entries.push_back({track, name, read_text(data, "unit"), read_text(data, "description"),
+                           size[0], size[1]});
+      }
+    }
+    return entries;
+  } catch (const std::runtime_error&) {
+    throw std::invalid_argument(file + ": is not a log");
+  }
+}
+
+// The caller holds hdf5_in_use.
+LoggedSignal read_signal(const std::string& file, const std::string& dataset) {
+  hdf5().H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  try {
+    const Handle handle(hdf5().H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), hdf5().H5Fclose);
+    const std::size_t slash = dataset.find('/');
+    const std::string track = dataset.substr(0, slash);
+    const std::string name = slash == std::string::npos ? "" : dataset.substr(slash + 1);
+    check(is_own(handle, track));
+    const Handle group(hdf5().H5Gopen2(handle, track.c_str(), H5P_DEFAULT), hdf5().H5Gclose);
+    check(is_own(group, name));
+    const Handle data(hdf5().H5Dopen2(group, name.c_str(), H5P_DEFAULT), hdf5().H5Dclose);
+    const Size size = checked_size(data);
+    LoggedSignal signal{size[0], size[1], std::vector<double>(size[0] * size[1])};
+    require(hdf5().H5Dread(data, hdf5().NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT,
+                           signal.values.data()));
+    return signal;
+  } catch (const std::runtime_error&) {
+    throw std::invalid_argument(file + ": is not a log, or has no " + dataset);
+  }
+}
+
+// What a child process tells its parent: values and texts, one after the other.
+template <typename Values>
+void put(std::FILE* sheet, const Values& values) {
+  const std::size_t count = values.size();
+  check(std::fwrite(&count, sizeof count, 1, sheet) == 1);
+  check(std::fwrite(values.data(), sizeof values[0], count, sheet) == count);
+}
+
+// The child may have ended anywhere: what is left of the sheet says how much there can be.
+template <typename Values>
+Values taken(std::FILE* sheet) {
+  std::size_t count = 0;
+  check(std::fread(&count, sizeof count, 1, sheet) == 1);
+  struct stat whole = {};
+  check(fstat(fileno(sheet), &whole) == 0);
+  const auto left = static_cast<std::size_t>(whole.st_size - std::ftell(sheet));
+  check(count <= left / sizeof(typename Values::value_type));
+  Values values(count, typename Values::value_type());
+  check(std::fread(values.data(), sizeof values[0], count, sheet) == count);
+  return values;
+}
+
+using Counts = std::vector<std::size_t>;
+
+[[noreturn]] void tell_all(const std::string& file, std::FILE* sheet) {
+  struct stat about = {};
+  stat(file.c_str(), &about);
+  const rlim_t seconds = kForeignSeconds + static_cast<rlim_t>(about.st_size) / kBytesASecond;
+  const rlimit limit = {seconds, seconds};
+  setrlimit(RLIMIT_CPU, &limit);
+  const rlimit no_core = {0, 0};
+  setrlimit(RLIMIT_CORE, &no_core);
+  try {
+    const std::vector<LogEntry> entries = list_signals(file);
+    std::set<std::string> paths;
+    for (const LogEntry& entry : entries) {
+      paths.insert(entry.group + "/" + entry.name);
+      paths.insert(entry.group + "/time_s");
+    }
+    put(sheet, Counts{entries.size(), paths.size()});
+    for (const LogEntry& entry : entries) {
+      for (const auto* text : {&entry.group, &entry.name, &entry.unit, &entry.description}) {
+        put(sheet, *text);
+      }
+      put(sheet, Counts{entry.rows, entry.width});
+    }
+    for (const std::string& path : paths) {
+      const LoggedSignal signal = read_signal(file, path);
+      put(sheet, path);
+      put(sheet, Counts{signal.rows, signal.width});
+      put(sheet, signal.values);
+    }
+    std::fflush(sheet);
+  } catch (...) {
+    // What it has not told, it could not.
+  }
+  _exit(0);
+}
+
+LogContents contents_of(std::FILE* sheet) {
+  const auto pair = [&] {
+    const auto counts = taken<Counts>(sheet);
+    check(counts.size() == 2);
+    return std::pair(counts[0], counts[1]);
+  };
+  const auto text = [&] { return taken<std::string>(sheet); };
+  LogContents log;
+  const auto [signals, datasets] = pair();
+  for (std::size_t i = 0; i < signals; ++i) {
+    LogEntry entry{text(), text(), text(), text()};
+    std::tie(entry.rows, entry.width) = pair();
+    log.signals.push_back(entry);
+  }
+  for (std::size_t i = 0; i < datasets; ++i) {
+    LoggedSignal& signal = log.datasets[text()];
+    std::tie(signal.rows, signal.width) = pair();
+    signal.values = taken<std::vector<double>>(sheet);
+    check(signal.width > 0 && signal.values.size() / signal.width == signal.rows);
+  }
+  return log;
+}
+
 }  // namespace
 
 void write_hdf5_log(const std::string& file, const std::vector<Track>& tracks, int deflate_level) {
@@ -287,45 +429,35 @@ std::string LogEntry::unit_of(std::size_t index) const {
 
 std::vector<LogEntry> list_hdf5_signals(const std::string& file) {
   const std::lock_guard lock(hdf5_in_use);
-  hdf5().H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
-  try {
-    const Handle handle(hdf5().H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), hdf5().H5Fclose);
-    std::vector<LogEntry> entries;
-    for (const std::string& track : object_names(handle)) {
-      const Handle group(hdf5().H5Gopen2(handle, track.c_str(), H5P_DEFAULT), hdf5().H5Gclose);
-      for (const std::string& name : object_names(group)) {
-        if (name == "time_s" || is_index_name(name)) continue;
-        const Handle data(hdf5().H5Dopen2(group, name.c_str(), H5P_DEFAULT), hdf5().H5Dclose);
-        const Size size = checked_size(data);
-        entries.push_back({track, name, read_text(data, "unit"), read_text(data, "description"),
-                           size[0], size[1]});
-      }
-    }
-    return entries;
-  } catch (const std::runtime_error&) {
-    throw std::invalid_argument(file + ": is not a log");
-  }
+  return list_signals(file);
 }
 
 LoggedSignal read_hdf5_signal(const std::string& file, const std::string& dataset) {
   const std::lock_guard lock(hdf5_in_use);
-  hdf5().H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  return read_signal(file, dataset);
+}
+
+LogContents read_foreign_log(const std::string& file) {
+  const int sheet = memfd_create("log", MFD_CLOEXEC);
+  const std::unique_ptr<FILE, int (*)(FILE*)> told(fdopen(sheet, "w+"), std::fclose);
+  if (!told) throw OutputError(file + ": cannot be read (" + std::strerror(errno) + ")");
+  {
+    const std::lock_guard lock(hdf5_in_use);
+    hdf5();  // loaded once, here
+    const pid_t child = fork();
+    if (child < 0) throw OutputError(file + ": cannot be read (" + std::strerror(errno) + ")");
+    if (child == 0) {
+      std::signal(SIGINT, SIG_DFL);  // the parent's handlers would keep it
+      std::signal(SIGTERM, SIG_DFL);
+      tell_all(file, told.get());
+    }
+    while (waitpid(child, nullptr, 0) < 0 && errno == EINTR) continue;
+  }
+  std::rewind(told.get());
   try {
-    const Handle handle(hdf5().H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), hdf5().H5Fclose);
-    const std::size_t slash = dataset.find('/');
-    const std::string track = dataset.substr(0, slash);
-    const std::string name = slash == std::string::npos ? "" : dataset.substr(slash + 1);
-    check(is_own(handle, track));
-    const Handle group(hdf5().H5Gopen2(handle, track.c_str(), H5P_DEFAULT), hdf5().H5Gclose);
-    check(is_own(group, name));
-    const Handle data(hdf5().H5Dopen2(group, name.c_str(), H5P_DEFAULT), hdf5().H5Dclose);
-    const Size size = checked_size(data);
-    LoggedSignal signal{size[0], size[1], std::vector<double>(size[0] * size[1])};
-    require(hdf5().H5Dread(data, hdf5().NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT,
-                           signal.values.data()));
-    return signal;
+    return contents_of(told.get());
   } catch (const std::runtime_error&) {
-    throw std::invalid_argument(file + ": is not a log, or has no " + dataset);
+    throw std::invalid_argument(file + ": is not a log, or one that is damaged");
   }
 }
 

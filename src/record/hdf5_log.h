@@ -1,6 +1,7 @@
 // log.h5: a run's tracks as HDF5.
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -54,7 +55,8 @@ struct LogEntry {
 
 /// What these read is checked first: types, sizes, that the data are in the file. Links are not
 /// followed, texts of variable length (as version 0.1 wrote them) are taken as empty. A damaged
-/// file may still be misread, or stumble over a fault of HDF5 itself: check_log() comes first.
+/// file may still be misread, or crash HDF5 itself: check_log() comes first, and a log of which the
+/// manifest says nothing is read by read_foreign_log().
 
 /// All signals of a log, by group and name. Throws std::invalid_argument if the file is no log.
 /// Thread-safe.
@@ -63,5 +65,16 @@ std::vector<LogEntry> list_hdf5_signals(const std::string& file);
 /// Reads one dataset, "control/qpos" for example. Throws std::invalid_argument if the file is no
 /// log or has no such dataset. Thread-safe.
 LoggedSignal read_hdf5_signal(const std::string& file, const std::string& dataset);
+
+/// All of a log.
+struct LogContents {
+  std::vector<LogEntry> signals;
+  std::map<std::string, LoggedSignal> datasets;  ///< by "GROUP/NAME", time bases too
+};
+
+/// Reads all of a log that anybody may have written, in a child process: on some files HDF5 crashes
+/// or never ends. Throws std::invalid_argument if it is no log, or the child did not read it.
+/// Thread-safe.
+LogContents read_foreign_log(const std::string& file);
 
 }  // namespace breakwater

@@ -2,8 +2,18 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <utility>
+
+#include <breakwater/record/csv.h>
 
 namespace breakwater {
+
+Metric::Metric(std::string its_name, std::string its_unit, double its_value)
+    : name(std::move(its_name)), unit(std::move(its_unit)), value(its_value) {
+  if (!is_column_name(name)) {
+    throw std::invalid_argument("a metric cannot be named \"" + name + "\": " + kColumnName);
+  }
+}
 
 const Track& Recording::track(const std::string& name) const {
   const auto found =

@@ -14,6 +14,9 @@ namespace breakwater {
 /// One finite number that a run is judged by. One that does not apply to a run, or is not finite,
 /// is not there.
 struct Metric {
+  /// Throws std::invalid_argument, one line, unless the name is_column_name().
+  Metric(std::string its_name, std::string its_unit, double its_value);
+
   std::string name;  ///< unit included: "peak_force_raw_N"
   std::string unit;  ///< as people write it: "N"
   double value;
@@ -38,6 +41,7 @@ struct Recording {
   /// the run failed.
   std::vector<Metric> costs;
   std::optional<Failure> failure;
+  std::vector<std::string> warnings;  ///< what one should know of a run that ended, one line each
   std::uint64_t state_hash = 0;
   double simulated_s = 0.0;
   std::int64_t dropped_samples = 0;

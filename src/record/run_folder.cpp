@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <cstring>
 #include <fstream>
+#include <mutex>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <stdexcept>
@@ -82,6 +83,11 @@ void restore_earlier(const fs::path& target, const LeftBeside* beside) {
   // Whoever is quicker has put it back.
   if (!latest.empty()) fs::rename(latest, target, error);
 }
+
+// Of this process: which partial folders its threads write, and who may make, swap or remove
+// folders just now. A process alone is told apart by the folders' names.
+std::mutex in_this_process;
+std::set<fs::path> written_here;
 
 // What our programs put into a run's folder, and what one of them leaves that is killed at it.
 bool is_of_a_run(const std::string& name) {
@@ -284,22 +290,25 @@ std::vector<std::string> LeftBeside::behind(const std::string& begin) const {
 }
 
 void restore_run(const fs::path& folder) {
+  const std::lock_guard lock(in_this_process);
   restore_earlier(without_slash(folder), nullptr);
 }
 
-void check_log(const fs::path& folder) {
+bool check_log(const fs::path& folder) {
   std::ifstream stream(folder / "manifest.json");
   const auto manifest = nlohmann::json::parse(stream, nullptr, false);
-  if (!manifest.is_object() || !manifest.contains("log_hash")) return;
+  if (!manifest.is_object() || !manifest.contains("log_hash")) return false;
   const fs::path log = folder / "log.h5";
   if (manifest["log_hash"] != file_hash(log)) {
     throw std::invalid_argument(log.string() +
                                 ": is damaged: it is not what the run wrote; run it again");
   }
+  return true;
 }
 
 RunFolder::RunFolder(const fs::path& target, const LeftBeside* beside)
     : target_(without_slash(target)) {
+  const std::lock_guard lock(in_this_process);
   try {
     restore_earlier(target_, beside);
     if (fs::exists(target_)) {
@@ -308,9 +317,16 @@ RunFolder::RunFolder(const fs::path& target, const LeftBeside* beside)
     }
     made_parents_ = missing_parents(target_.parent_path());
     fs::create_directories(target_.parent_path());
+    partial_ = fs::canonical(target_.parent_path()) /
+               (hidden_name(target_, kPartialMark) + process_name());
+    if (written_here.contains(partial_)) {
+      throw std::invalid_argument(target.string() +
+                                  ": another thread of this process makes a run there: wait for "
+                                  "it, or give another folder");
+    }
     remove_abandoned(target_, beside);
-    partial_ = target_.parent_path() / (hidden_name(target_, kPartialMark) + process_name());
     fs::create_directory(partial_);
+    written_here.insert(partial_);
   } catch (const fs::filesystem_error& error) {
     remove_empty(made_parents_);
     throw std::invalid_argument(target.string() + ": cannot be made (" + error.code().message() +
@@ -319,6 +335,8 @@ RunFolder::RunFolder(const fs::path& target, const LeftBeside* beside)
 }
 
 RunFolder::~RunFolder() {
+  const std::lock_guard lock(in_this_process);
+  written_here.erase(partial_);
   if (is_done_) return;
   std::error_code ignored;
   fs::remove_all(partial_, ignored);
@@ -328,6 +346,7 @@ RunFolder::~RunFolder() {
 void RunFolder::commit() {
   sync_all(partial_);
   try {
+    const std::lock_guard lock(in_this_process);
     put_in_place(partial_, target_);
   } catch (const OutputError& error) {
     throw OutputError(error.what() + ("; the new run is kept in " + keep().string()));

@@ -79,7 +79,7 @@ bool remove_run(const std::filesystem::path& folder,
 void restore_run(const std::filesystem::path& folder);
 
 /// Throws std::invalid_argument, one line, if the run's log.h5 is not what its manifest.json says.
-/// A run of before 0.2, whose manifest has no `log_hash`, passes.
-void check_log(const std::filesystem::path& folder);
+/// Returns whether the manifest says anything: one of before 0.2 has no `log_hash`.
+bool check_log(const std::filesystem::path& folder);
 
 }  // namespace breakwater

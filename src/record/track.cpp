@@ -5,15 +5,16 @@
 #include <string_view>
 #include <utility>
 
+#include <breakwater/record/csv.h>
+
 namespace breakwater {
 namespace {
 
 constexpr const char* kIndex = "index_";
 
-// What HDF5 would take for a path, or for something else of the log.
+// What else of the log is called so would be lost.
 bool can_be_logged(const std::string& name) {
-  return !name.empty() && name != "." && name != "time_s" && !is_index_name(name) &&
-         name.find_first_of(std::string("/\0", 2)) == std::string::npos;
+  return is_column_name(name) && name != "time_s" && !is_index_name(name);
 }
 
 void check_names(const std::string& track, const std::vector<Signal>& signals) {
@@ -59,7 +60,13 @@ Track::Track(std::string name, std::vector<Signal> signals, std::size_t expected
     offsets_.push_back(width_);
     width_ += signal.values.size();
   }
-  rows_.reserve(expected_rows * width_);
+  try {
+    rows_.reserve(expected_rows * width_);
+  } catch (const std::bad_alloc&) {
+    throw LogTooLong();
+  } catch (const std::length_error&) {
+    throw LogTooLong();
+  }
 }
 
 void Track::append(double time_s) {

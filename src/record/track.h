@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <new>
 #include <span>
 #include <string>
 #include <vector>
@@ -14,13 +15,21 @@ namespace breakwater {
 std::string index_name(std::size_t width);
 bool is_index_name(const std::string& name);
 
+/// There is no memory for the rows that were announced.
+class LogTooLong : public std::bad_alloc {
+ public:
+  const char* what() const noexcept override {
+    return "run.duration_s: the log of so long a run does not fit in memory";
+  }
+};
+
 /// Copies a set of signals, row by row. Allocates in the constructor alone, if no more rows come
 /// than were announced.
 class Track {
  public:
   /// `name` names the time base ("control"). The signals' owners outlive the calls of append().
   /// Throws std::invalid_argument, one line, unless each signal has values and a name of its own
-  /// that a log can hold: not empty, not "time_s" nor "index_3", without a slash.
+  /// that a log can hold: is_column_name(), not "time_s" nor "index_3". Throws LogTooLong.
   Track(std::string name, std::vector<Signal> signals, std::size_t expected_rows);
 
   void append(double time_s);

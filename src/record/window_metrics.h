@@ -131,6 +131,25 @@ class SettlingTime {
   double settled_at_s_ = 0.0;
 };
 
+/// How long a value takes from a time on until its size first reaches a level. Nothing, if it does
+/// not or the level is 0.
+class ReachTime {
+ public:
+  ReachTime(double from_s, double level) : from_s_(from_s), level_(level) {}
+
+  void add(double time_s, double value) {
+    if (value_ || level_ == 0.0 || time_s < from_s_ || std::abs(value) < level_) return;
+    value_ = time_s - from_s_;
+  }
+
+  std::optional<double> value() const { return value_; }
+
+ private:
+  double from_s_;
+  double level_;
+  std::optional<double> value_;
+};
+
 /// How often a value turns back by more than `band` from the farthest that it came. The first way
 /// is not a turn.
 class ReversalCount {

@@ -7,13 +7,15 @@
 #include <filesystem>
 #include <memory>
 
+#include <breakwater/config/toml_text.h>
+#include <breakwater/experiment/run_tables.h>
+#include <breakwater/experiment/runner.h>
 #include <breakwater/record/file_hash.h>
+#include <breakwater/recorded/innovation_watch.h>
 #include <breakwater/recorded/recorded_estimation.h>
-#include <breakwater/scenario/child_program.h>
-#include <breakwater/scenario/paths.h>
-#include <breakwater/scenario/process.h>
-#include <breakwater/scenario/report.h>
-#include <breakwater/scenario/runner.h>
+#include <breakwater/shell/child_program.h>
+#include <breakwater/shell/paths.h>
+#include <breakwater/shell/process.h>
 
 namespace breakwater {
 namespace fs = std::filesystem;
@@ -31,41 +33,50 @@ struct Arguments {
   bool quiet = false;
 };
 
-std::string quoted(const std::string& text) {
-  std::string result = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') result += '\\';
-    result += c;
-  }
-  return result + "\"";
-}
+// The file, the case and the sets that the arguments ask for.
+struct Asked {
+  ScenarioFile file;
+  std::string case_name;
+  std::vector<std::string> sets;
+};
 
-PreparedRun prepare(const Catalogue& catalogue, const Arguments& arguments) {
-  const ScenarioFile file(arguments.config.empty()
-                              ? data_file("data/estimate/estimate.toml").string()
-                              : arguments.config,
-                          kEstimate);
+Asked asked_of(const Arguments& arguments) {
+  ScenarioFile file(arguments.config.empty() ? data_file("data/estimate/estimate.toml").string()
+                                             : arguments.config,
+                    kEstimate);
   // The file has settings for each of our estimators; another's are all in --set.
   const bool has_settings = file.has_case(arguments.observer);
   std::vector<std::string> sets;
-  if (!arguments.csv.empty()) sets.push_back("csv.file=" + quoted(arguments.csv));
+  if (!arguments.csv.empty()) sets.push_back("csv.file=" + toml_string(arguments.csv));
   if (!arguments.observer.empty() && !has_settings) {
-    sets.push_back("observer.name=" + quoted(arguments.observer));
+    sets.push_back("observer.name=" + toml_string(arguments.observer));
   }
   sets.insert(sets.end(), arguments.sets.begin(), arguments.sets.end());
+  std::string case_name = has_settings ? arguments.observer : file.default_case();
+  return {std::move(file), std::move(case_name), std::move(sets)};
+}
 
-  return prepare_scenario(std::make_unique<RecordedEstimation>(catalogue), file,
-                          has_settings ? arguments.observer : file.default_case(), sets,
-                          Tables::unchecked, arguments.observer);
+// Of a record that need not be there yet, and whatever else is still to be filled in.
+std::string editable_config(const Catalogue& catalogue, const Asked& asked,
+                            const std::string& name) {
+  RecordedEstimation estimation(catalogue);
+  Fields fields = estimation.fields();
+  fields.check(asked.file);
+  fields.read_incomplete(asked.file.config(asked.case_name, asked.sets));
+  return fields.print(kEstimate, name);
 }
 
 int estimate(const Catalogue& catalogue, const Arguments& arguments) {
   stop_on_signals();
-  const PreparedRun run = prepare(catalogue, arguments);
+  const Asked asked = asked_of(arguments);
+  const std::string& called = arguments.observer.empty() ? asked.case_name : arguments.observer;
   if (arguments.print_config) {
-    fmt::print("{}", run.config_text);
+    fmt::print("{}", editable_config(catalogue, asked, called));
     return kSuccess;
   }
+  const PreparedRun run =
+      prepare_scenario(std::make_unique<RecordedEstimation>(catalogue), asked.file, asked.case_name,
+                       asked.sets, Tables::unchecked, called);
   const std::string& name = run.case_name;
   RunFolder folder(arguments.out.empty() ? fs::path("runs") / kEstimate / name
                                          : fs::path(arguments.out));
@@ -83,13 +94,14 @@ int estimate(const Catalogue& catalogue, const Arguments& arguments) {
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   write_run(run, made_of, recording, wall_s, folder, true);
   if (arguments.quiet) return kSuccess;
+  if (const auto doubt = doubt_of(recording)) warn(kEstimate, {csv + ": " + *doubt});
   RunSummary summary;
   summary.case_name = run.case_name;
   summary.folder = folder.target();
   summary.metrics = recording.metrics;
   summary.is_as_shipped = false;
   fmt::print("{} {}: {:.6g} s of {}\nresults: {}\n\n{}", kEstimate, name, recording.simulated_s,
-             csv, folder.target().string(), metrics_table(kEstimate, summary, {}));
+             csv, folder.target().string(), metrics_table(kEstimate, summary, catalogue));
   return kSuccess;
 }
 
@@ -99,7 +111,9 @@ int estimate_main(const Catalogue& catalogue, int argc, const char* const* argv)
     CLI::App app("Runs a disturbance estimator on data of your own, without any simulation.",
                  program);
     Arguments arguments;
-    app.add_option("--csv", arguments.csv, "the record: a table with columns time_s, u and y")
+    app.add_option("--csv", arguments.csv,
+                   "the record: a table with columns time_s, u and y\n"
+                   "(csv.time_column, ... name others)")
         ->type_name("FILE");
     app.add_option("--observer", arguments.observer,
                    "which estimator of an axis (" + own_program_name() +
@@ -119,8 +133,9 @@ int estimate_main(const Catalogue& catalogue, int argc, const char* const* argv)
                  "print the effective configuration and exit");
     app.footer(
         "The folder has log.csv and log.h5 with the estimates of each row, metrics.json,\n"
-        "config.toml and manifest.json. Gaps and jitter of time_s are warned of; nothing is\n"
-        "interpolated. Exit status: 0 success, 1 a defect, 2 usage or input, 130 interrupted.");
+        "config.toml and manifest.json. Each interval counts as long as it is; gaps are predicted\n"
+        "over, and warned of. Exit status: 0 success, 1 a defect, 2 usage or input, 130 "
+        "interrupted.");
     if (const auto status = parse(app, argc, argv)) return *status;
     return estimate(catalogue, arguments);
   });

@@ -1,7 +1,7 @@
 // The command `estimate`.
 #pragma once
 
-#include <breakwater/scenario/command_kind.h>
+#include <breakwater/experiment/command_kind.h>
 
 namespace breakwater {
 

@@ -7,18 +7,26 @@
 
 namespace breakwater {
 
-/// As the file has it; row k of all three belongs together.
+/// How a table says it: what its columns are called, and what 1 in them is worth.
+struct RecordFormat {
+  std::string time_column = "time_s";
+  std::string input_column = "u";
+  std::string position_column = "y";
+  double time_scale = 1.0;      ///< s
+  double input_scale = 1.0;     ///< N m, or N
+  double position_scale = 1.0;  ///< rad, or m
+};
+
+/// Row k of all three belongs together.
 struct RecordedAxis {
   std::vector<double> times_s;  ///< rising
   std::vector<double> inputs;
   std::vector<double> positions;
 };
 
-/// Reads CSV whose first line has the columns `time_s`, `u` and `y`, in any order; others are left
-/// alone. Lines that are empty or begin with '#' are skipped. Throws std::invalid_argument
-/// `FILE[:LINE]: reason` if it cannot be read, a column is missing or there twice, a value is no
-/// finite number, a time is not later than the one before, or there are fewer than two rows.
-RecordedAxis read_recorded_axis(const std::string& file);
+/// Reads a table (column_table.h). Throws std::invalid_argument as read_columns() does, and if a
+/// time is not later than the one before, or there are fewer than two rows.
+RecordedAxis read_recorded_axis(const std::string& file, const RecordFormat& format = {});
 
 /// How regularly it was sampled. Nothing is interpolated: an interval is a period, or a gap.
 struct RecordedTiming {

@@ -2,12 +2,15 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <span>
 
+#include <breakwater/observers/record_intervals.h>
 #include <breakwater/plants/damped_inertia.h>
 #include <breakwater/record/window_metrics.h>
-#include <breakwater/scenario/table.h>
+#include <breakwater/recorded/innovation_watch.h>
+#include <breakwater/shell/table.h>
 #include <breakwater/sim/state_hash.h>
 
 namespace breakwater {
@@ -24,55 +27,55 @@ std::span<const double> published(const DisturbanceEstimator& estimator, const s
   return {};
 }
 
-// How far a sequence repeats itself from one value to the next: 0 of white noise, within ±2/√N.
-class LagOneCorrelation {
- public:
-  void add(double value) {
-    squares_ += value * value;
-    if (has_last_) products_ += value * last_;
-    last_ = value;
-    has_last_ = true;
-  }
-  void interrupt() { has_last_ = false; }
-  std::optional<double> value() const {
-    if (squares_ == 0.0) return std::nullopt;
-    return products_ / squares_;
-  }
-
- private:
-  double squares_ = 0.0;
-  double products_ = 0.0;
-  double last_ = 0.0;
-  bool has_last_ = false;
-};
-
 }  // namespace
 
 Fields RecordedEstimation::fields() {
   Fields fields;
-  fields.file("csv.file", file_, "the record: columns time_s, u and y");
-  fields.number("csv.input_scale", input_scale_, any(),
+  fields.file("csv.file", file_, "the record, a table of times, inputs and positions (--csv FILE)");
+  fields.text("csv.time_column", format_.time_column, "what its column of times is called");
+  fields.text("csv.input_column", format_.input_column, "that of inputs, u");
+  fields.text("csv.position_column", format_.position_column, "that of positions, y");
+  fields.standard("csv.time_column", {std::string("time_s")});
+  fields.standard("csv.input_column", {std::string("u")});
+  fields.standard("csv.position_column", {std::string("y")});
+  fields.number("csv.time_scale", format_.time_scale, positive(),
+                "s for 1 of the column of times: 1e-3 of milliseconds");
+  fields.standard("csv.time_scale", {1.0});
+  fields.number(
+      "csv.time_std_s", time_std_s_, not_negative(),
+      "standard deviation of the times: by how much a row was really taken at another [s]");
+  fields.standard("csv.time_std_s", {0.0});
+  fields.number("csv.input_scale", format_.input_scale, any(),
                 "N m (or N) for 1 of the column u: a torque constant, say, with its sign");
-  fields.number("csv.position_scale", position_scale_, any(), "rad (or m) for 1 of the column y");
+  fields.number("csv.position_scale", format_.position_scale, any(),
+                "rad (or m) for 1 of the column y");
   fields.choice("csv.input_acts", input_acts_,
                 {{"after", InputActs::after}, {"before", InputActs::before}},
                 "u of a row acts after it, until the next one, or acted before it, since the last");
   fields.number("csv.period_s", period_s_, not_negative(),
                 "T_s; 0: the mean interval, gaps left out [s]");
   fields.number("csv.gap_periods", gap_periods_, between(1, 1e9),
-                "a longer interval is a gap, behind which the estimator starts again [T_s]");
+                "in a longer interval rows are missing: it is predicted over [T_s]");
+  fields.number("csv.longest_gap_s", longest_gap_s_, not_negative(),
+                "behind a longer one the estimator starts again [s]");
+  fields.standard("csv.longest_gap_s", {1.0});
   fields.number("csv.jitter_share", jitter_share_, not_negative(),
                 "intervals off by more than this are warned of [T_s]");
   fields.choice("plant.motion", motion_,
                 {{"rotation", Motion::rotation}, {"translation", Motion::translation}},
                 "rotation (rad, N m) or translation (m, N)");
-  fields.number("plant.inertia", inertia_, positive(), "moving inertia [kg m^2] or mass [kg]");
+  fields.number("plant.inertia", inertia_, positive(),
+                "moving inertia [kg m^2] or mass [kg] (--set plant.inertia=VALUE)");
   fields.number("plant.viscous_friction", viscous_friction_, not_negative(),
                 "[N m s/rad] or [N s/m]");
-  fields.number("encoder.quantum", quantum_, not_negative(),
-                "what one count is worth; 0: not quantised [rad or m]");
+  fields.number(
+      "encoder.quantum", quantum_, not_negative(),
+      "what one count is worth; 0: not quantised [rad or m] (--set encoder.quantum=VALUE)");
   fields.number("encoder.pulses_per_revolution", pulses_, not_negative(),
                 "b_reso of Eq. 4.26, or counts per metre; 0: not known");
+  bind_encoder_rounding(fields, "encoder.rounding", rounding_);
+  fields.only_where({"encoder.rounding"}, "encoder.quantum is not 0",
+                    [this] { return quantum_ != 0.0; });
   fields.number("noise.std", noise_std_, not_negative(),
                 "standard deviation of y's white noise [rad or m]");
   estimator_.bind(fields);
@@ -82,23 +85,34 @@ Fields RecordedEstimation::fields() {
 }
 
 NominalAxis RecordedEstimation::axis() const {
-  return {
-      .plant = damped_inertia(inertia_, viscous_friction_),
-      .period_s = timing_.period_s,
-      .sensor = {Eigen::VectorXd::Constant(1, quantum_), Eigen::VectorXd::Constant(1, noise_std_)},
-      .pulses_per_revolution = pulses_,
-      .units = motion_ == Motion::rotation ? rotation_units() : translation_units()};
+  return {.plant = damped_inertia(inertia_, viscous_friction_),
+          .period_s = timing_.period_s,
+          .force_limit = largest_input_,
+          .sensor = {Eigen::VectorXd::Constant(1, quantum_),
+                     Eigen::VectorXd::Constant(1, noise_std_), rounding_},
+          .pulses_per_revolution = pulses_,
+          .units = motion_ == Motion::rotation ? rotation_units() : translation_units()};
 }
 
 void RecordedEstimation::check(const Config& config) {
   for (const char* key : {"csv.input_scale", "csv.position_scale"}) {
     if (config.number(key) == 0.0) config.fail(key, "must not be 0");
   }
-  record_ = read_recorded_axis(file_);
-  for (double& input : record_.inputs) input *= input_scale_;
-  for (double& position : record_.positions) position *= position_scale_;
+  record_ = read_recorded_axis(file_, format_);
   timing_ = timing_of(record_.times_s, period_s_, gap_periods_, jitter_share_);
-  estimator_.check(config, axis());
+  const auto [least, most] = std::minmax_element(record_.inputs.begin(), record_.inputs.end());
+  largest_input_ = std::max(std::abs(*least), std::abs(*most));
+  follows_ = estimator_.check(config, axis())->follow({});
+}
+
+double RecordedEstimation::sensor_std() const {
+  return std::sqrt(axis().sensor.variance()(0));
+}
+
+// Whether the estimator starts again at row k > 0.
+bool RecordedEstimation::starts_again(std::size_t k) const {
+  const double interval_s = record_.times_s[k] - record_.times_s[k - 1];
+  return interval_s > gap_periods_ * timing_.period_s && (!follows_ || interval_s > longest_gap_s_);
 }
 
 std::vector<std::string> RecordedEstimation::warnings() const {
@@ -112,12 +126,16 @@ std::vector<std::string> RecordedEstimation::warnings() const {
                             t[k] - t[k - 1]);
     }
     if (timing_.gaps.size() > kMostGapsNamed) places += ", ...";
-    lines.push_back(
-        fmt::format("{}: {}{}: nothing is interpolated; the estimator starts "
-                    "again behind each",
-                    file_, number_of(timing_.gaps.size(), "gap"), places));
+    const std::string what_is_done =
+        follows_ ? fmt::format(
+                       "predicted over, the input from those beside it; behind one of "
+                       "more than {:.3g} s the estimator starts again",
+                       longest_gap_s_)
+                 : "nothing is interpolated; the estimator starts again behind each";
+    lines.push_back(fmt::format("{}: {}{}: {}", file_, number_of(timing_.gaps.size(), "gap"),
+                                places, what_is_done));
   }
-  if (timing_.irregular > 0) {
+  if (timing_.irregular > 0 && !follows_) {
     lines.push_back(fmt::format(
         "{}: {} of {} intervals are off T_s = {:.6g} s by more than {:.3g} T_s, by {:.3g} s at "
         "most: each is taken for one period",
@@ -134,7 +152,7 @@ Recording RecordedEstimation::run(const RunControl& control) const {
   double position = 0.0;
   double input = 0.0;
   double raw_velocity = 0.0;
-  double stretch = 1.0;
+  double stretch = 0.0;
   const auto part = [](const DisturbanceEstimator::View& values, Eigen::Index i) {
     return view(*(values.data() + i));
   };
@@ -158,44 +176,47 @@ Recording RecordedEstimation::run(const RunControl& control) const {
   Track log("control", std::move(signals), rows);
   StateHash hash;
   WindowStatistics d(TimeWindow{-std::numeric_limits<double>::infinity()});
-  WindowStatistics innovations = d;
-  LagOneCorrelation correlation;
-  Eigen::VectorXd held = Eigen::VectorXd::Zero(1);
-  Eigen::VectorXd y = held;
+  InnovationWatch watch(sensor_std());
+  RecordIntervals intervals({.times_s = record_.times_s,
+                             .inputs = record_.inputs,
+                             .inputs_act_before = input_acts_ == InputActs::before,
+                             .period_s = timing_.period_s,
+                             .gap_periods = gap_periods_,
+                             .instant_std_s = time_std_s_,
+                             .output_std = sensor_std()});
+  const bool is_followed = follows_ && !intervals.is_regular();
+  const Eigen::VectorXd no_input = Eigen::VectorXd::Zero(1);
+  Eigen::VectorXd y = no_input;
   Eigen::VectorXd start = Eigen::VectorXd::Zero(2);
-  std::size_t gap = 0;  // the next one
   for (std::size_t k = 0; k < rows; ++k) {
     if (k % kRowsBetweenReports == 0) {
       if (control.stop != nullptr && *control.stop) throw Interrupted();
       if (control.progress) control.progress(static_cast<double>(k) / static_cast<double>(rows));
     }
     const double time_s = record_.times_s[k];
-    const bool starts_again = gap < timing_.gaps.size() && timing_.gaps[gap] == k;
-    const bool starts = k == 0 || starts_again;
-    if (starts_again) {
-      ++gap;
-      stretch += 1.0;
-      correlation.interrupt();
-    }
+    const bool starts = k == 0 || starts_again(k);
     y(0) = record_.positions[k];
+    if (k > 0) intervals.move_to(k);
     // The log views it. NOLINTNEXTLINE(clang-analyzer-deadcode.DeadStores)
     raw_velocity = starts ? 0.0 : (y(0) - position) / (time_s - record_.times_s[k - 1]);
     if (starts) {
+      stretch += 1.0;
+      watch.interrupt();
       start(0) = y(0);
       estimator->reset(start);
+    } else if (is_followed) {
+      estimator->follow(intervals.interval());
     }
-    held(0) = input_acts_ == InputActs::before ? record_.inputs[k] : starts ? 0.0 : input;
     position = y(0);
     input = record_.inputs[k];
-    estimator->update(held, y);
+    estimator->update(k == 0 ? no_input : intervals.held_input(), y);
     log.append(time_s);
     const double estimates[] = {estimator->state()(0), estimator->state()(1),
                                 estimator->disturbance()(0)};
     hash.update(estimates);
     d.add(time_s, estimates[2]);
     if (!innovation.empty() && !starts) {
-      innovations.add(time_s, innovation.front());
-      correlation.add(innovation.front());
+      watch.add(innovation.front(), estimates[1] * time_std_s_);
     }
   }
 
@@ -214,8 +235,10 @@ Recording RecordedEstimation::run(const RunControl& control) const {
   add(metrics, "gap_count", "1", static_cast<double>(timing_.gaps.size()));
   add(metrics, with("mean_disturbance", units.force_suffix), units.force, d.mean());
   add(metrics, with("std_disturbance", units.force_suffix), units.force, d.standard_deviation());
-  add(metrics, with("rms_innovation", units.position_suffix), units.position, innovations.rms());
-  add(metrics, "innovation_correlation_1", "1", correlation.value());
+  add(metrics, with("rms_innovation", units.position_suffix), units.position, watch.rms());
+  add(metrics, "innovation_correlation_1", "1", watch.correlation());
+  add(metrics, "normalised_innovation_squared", "1", watch.normalised_square());
+  add(metrics, "unexplained_share", "1", watch.unexplained_share());
   return recording;
 }
 

@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
+#include <breakwater/experiment/scenario.h>
 #include <breakwater/record/recording.h>
 #include <breakwater/recorded/recorded_axis.h>
 #include <breakwater/rigs/axis_parts.h>
-#include <breakwater/scenario/scenario.h>
 
 namespace breakwater {
 
@@ -23,7 +23,7 @@ class RecordedEstimation final : public Scenario {
   Fields fields() override;
   void check(const Config& config) override;
   const RunSettings& run_settings() const override { return run_; }
-  /// Jitter and gaps.
+  /// Gaps, and jitter where the estimator does not follow it.
   std::vector<std::string> warnings() const override;
   Recording run(const RunControl& control) const override;
 
@@ -34,25 +34,31 @@ class RecordedEstimation final : public Scenario {
   enum class InputActs { after, before };
 
   NominalAxis axis() const;
+  double sensor_std() const;
+  bool starts_again(std::size_t k) const;
 
   RunSettings run_;
   std::string file_;
-  double input_scale_ = 1.0;
-  double position_scale_ = 1.0;
+  RecordFormat format_;
+  double time_std_s_ = 0.0;
   InputActs input_acts_ = InputActs::after;
   double period_s_ = 0.0;
   double gap_periods_ = 0.0;
+  double longest_gap_s_ = 0.0;
   double jitter_share_ = 0.0;
   Motion motion_ = Motion::rotation;
   double inertia_ = 0.0;
   double viscous_friction_ = 0.0;
   double quantum_ = 0.0;
+  EncoderRounding rounding_ = EncoderRounding::nearest;
   double pulses_ = 0.0;
   double noise_std_ = 0.0;
   PartChoice<AxisEstimatorKind> estimator_;
 
   RecordedAxis record_;  // once checked
   RecordedTiming timing_;
+  double largest_input_ = 0.0;  // by amount
+  bool follows_ = false;        // the estimator takes each interval as it is
 };
 
 }  // namespace breakwater

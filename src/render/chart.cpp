@@ -175,11 +175,11 @@ std::vector<Point> Chart::trace(const ChartLine& line, double now_s) const {
   for (std::size_t i = index_after(lower, range_.from_s); i < end;) {
     const double column = std::floor(place(times[i], 0.0).x);
     std::array<std::size_t, 4> kept = {i, i, i, i};
-    for (; i < end && std::floor(place(times[i], 0.0).x) == column; ++i) {
+    do {
       if (values[i] < values[kept[1]]) kept[1] = i;
       if (values[i] > values[kept[2]]) kept[2] = i;
-      kept[3] = i;
-    }
+      kept[3] = i++;
+    } while (i < end && std::floor(place(times[i], 0.0).x) == column);
     std::sort(kept.begin(), kept.end());
     const auto* const last = std::unique(kept.begin(), kept.end());
     std::transform(kept.cbegin(), last, std::back_inserter(points),

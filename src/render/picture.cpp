@@ -286,22 +286,33 @@ void Picture::draw_caption(Canvas& canvas, const PictureRun& run, const Panel& p
                            double time_s) const {
   const double unit = unit_px(panel.area.width, style_.height);
   const double margin = std::round(kMargin * unit);
-  // A long caption is written smaller, so that all of it is there.
-  const double room = panel.area.width - 2.0 * margin;
   const double size = 20.0 * unit;
-  const double wide = canvas.text_width(run.caption, size, true);
-  const double first = size * std::min(1.0, (room - 1.4 * size) / std::max(wide, 1.0));
-  const double small = 17.0 * unit;
+  // Beside the chart, if that is above too.
+  double left = panel.area.left + margin;
+  double right = panel.area.right() - margin;
+  const Rectangle& chart = panel.chart_area;
+  if (chart.width > 0.0 && chart.top < panel.area.top + margin + 3.1 * size) {
+    if (style_.chart_right)
+      right = chart.left - margin;
+    else
+      left = chart.right() + margin;
+  }
+  // What is long is written smaller, so that all of it is there.
+  const double room = right - left - 1.4 * size;
+  const auto fitted = [&](const std::string& text, double wished, bool is_bold) {
+    return wished * std::min(1.0, room / std::max(canvas.text_width(text, wished, is_bold), 1.0));
+  };
   const std::string time = fmt::format("t = {:.{}f} s", time_s, style_.time_decimals);
   const std::string speed = speed_text(style_.speed);
   const std::string second = speed.empty() ? time : time + "   " + speed;
+  const double first = fitted(run.caption, size, true);
+  const double small = fitted(second, 17.0 * unit, false);
   // Digits take the same room, so the box stands still.
   const double width =
       std::max(canvas.text_width(run.caption, first, true), canvas.text_width(second, small));
   canvas.clip(panel.area);
-  canvas.fill({panel.area.left + margin, panel.area.top + margin, width + 1.4 * size, 3.1 * size},
-              kBox, 0.4 * size);
-  const double x = panel.area.left + margin + 0.7 * size;
+  canvas.fill({left, panel.area.top + margin, width + 1.4 * size, 3.1 * size}, kBox, 0.4 * size);
+  const double x = left + 0.7 * size;
   canvas.text({x, panel.area.top + margin + 1.25 * size}, run.caption, first, kInk, Align::left,
               true);
   canvas.text({x, panel.area.top + margin + 2.5 * size}, second, small, kInk);

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include <breakwater/control/arm_controller.h>
-#include <breakwater/scenario/parts.h>
+#include <breakwater/experiment/parts.h>
 
 namespace breakwater {
 

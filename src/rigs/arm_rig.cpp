@@ -50,10 +50,11 @@ SensingSetup sensing_setup(const ArmSettings& settings, const ArmRole& role,
                                  ? 2.0 * std::numbers::pi / settings.encoder_counts_per_turn
                                  : 0.0;
   for (Eigen::Index i = 0; i < chain.joints(); ++i) {
-    setup.channels.push_back({.name = "q" + std::to_string(i + 1),
-                              .sensor = chain.joint(i).name + "_pos",
-                              .encoder = {.quantum = quantum_rad},
-                              .noise_std = settings.angle_noise_rad});
+    setup.channels.push_back(
+        {.name = "q" + std::to_string(i + 1),
+         .sensor = chain.joint(i).name + "_pos",
+         .encoder = {.quantum = quantum_rad, .rounding = settings.encoder_rounding},
+         .noise_std = settings.angle_noise_rad});
   }
   setup.channels.push_back({.name = "force",
                             .sensor = "tip_force",
@@ -106,7 +107,7 @@ TipPose start_pose(const ArmSettings& settings) {
 }
 
 void ArmSettings::bind(Fields& fields) {
-  fields.file("model.mjcf", mjcf, "the plant");
+  bind_model(fields, mjcf);
   fields.file("model.urdf", urdf, "what the controllers know of it");
   physics.bind(fields);
   run.bind(fields);
@@ -125,6 +126,9 @@ void ArmSettings::bind(Fields& fields) {
                 "the torque that the observer sees: after (clipped) or before saturation");
   fields.number("sensor.encoder_counts_per_turn", encoder_counts_per_turn, between(0, 1e12),
                 "of each joint; 0: no quantisation");
+  bind_encoder_rounding(fields, "sensor.encoder_rounding", encoder_rounding);
+  fields.only_where({"sensor.encoder_rounding"}, "sensor.encoder_counts_per_turn is not 0",
+                    [this] { return encoder_counts_per_turn != 0.0; });
   fields.number("sensor.angle_noise_rad", angle_noise_rad, not_negative(),
                 "standard deviation of white noise on each angle sample [rad]");
   fields.number("sensor.force_noise_N", force_noise_N, not_negative(),

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include <breakwater/experiment/scenario.h>
 #include <breakwater/rigs/arm_parts.h>
-#include <breakwater/scenario/scenario.h>
 #include <breakwater/sim/simulation.h>
 
 namespace breakwater {
@@ -17,7 +17,7 @@ namespace breakwater {
 struct ArmSettings {
   explicit ArmSettings(const Catalogue& catalogue) : controller(catalogue, "controller.name") {}
 
-  std::string mjcf;
+  ModelFile mjcf;
   std::string urdf;
   PhysicsSettings physics;
   RunSettings run;
@@ -31,6 +31,7 @@ struct ArmSettings {
   ObserverFeed observer_feed = ObserverFeed::clipped;
 
   double encoder_counts_per_turn = 0.0;
+  EncoderRounding encoder_rounding = EncoderRounding::nearest;
   double angle_noise_rad = 0.0;
   double force_noise_N = 0.0;
   FaultSettings faults;

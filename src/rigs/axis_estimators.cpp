@@ -1,5 +1,5 @@
 // Breakwater's estimators of an axis: the keys of each, and how it is made of them.
-#include <breakwater/observers/fakfd.h>
+#include <breakwater/observers/asymmetric_fakfd.h>
 #include <breakwater/observers/filter_bank.h>
 #include <breakwater/observers/idob_estimator.h>
 #include <breakwater/observers/kfd.h>
@@ -67,8 +67,7 @@ struct DisturbanceModel {
                  "the disturbance is a step (0), ramp (1) or parabola (2)");
   }
   ExtendedPlant extend(const NominalAxis& axis) const {
-    return extend_by_disturbance_model(zero_order_hold(axis.plant, axis.period_s), order,
-                                       axis.period_s);
+    return sample_with_disturbance_model(axis.plant, order, axis.period_s);
   }
 };
 
@@ -138,6 +137,7 @@ struct FakfdSettings {
   double gamma = 1.0;
   double lambda = 1.0;
   double gamma_d = 1.0;
+  CovarianceForm form = CovarianceForm::symmetric;
 };
 
 void bind_fakfd(Fields& fields, FakfdSettings& settings) {
@@ -151,6 +151,14 @@ void bind_fakfd(Fields& fields, FakfdSettings& settings) {
   for (const char* key : {"observer.gamma", "observer.lambda", "observer.gamma_d"}) {
     fields.standard(key, {1.0});
   }
+  const char* const form = "observer.covariance_form";
+  fields.choice(form, settings.form,
+                {{"symmetric", CovarianceForm::symmetric},
+                 {"printed", CovarianceForm::printed},
+                 {"left", CovarianceForm::left}},
+                "of Eq. 4.5, G = Gamma: symmetric sqrt(G) (I - K C) P sqrt(G), printed (G - K C) P "
+                "or left G (I - K C) P");
+  fields.standard(form, {std::string("symmetric")});
 }
 
 Estimator make_fakfd(const FakfdSettings& settings, const NominalAxis& axis) {
@@ -158,9 +166,12 @@ Estimator make_fakfd(const FakfdSettings& settings, const NominalAxis& axis) {
     throw WrongKey("observer.lambda", "must be 1 where observer.gamma says the same otherwise");
   }
   const KalmanDesign design = settings.noise.design(axis);
-  return std::make_unique<Fakfd<>>(
-      design, scalar_gamma(design.plant, settings.gamma / settings.lambda)
-                  .cwiseProduct(diagonal_gamma(design.plant, settings.gamma_d)));
+  const Eigen::VectorXd gamma = scalar_gamma(design.plant, settings.gamma / settings.lambda)
+                                    .cwiseProduct(diagonal_gamma(design.plant, settings.gamma_d));
+  if (settings.form == CovarianceForm::symmetric) {
+    return std::make_unique<Fakfd<>>(design, gamma);
+  }
+  return std::make_unique<AsymmetricFakfd>(design, gamma, settings.form);
 }
 
 struct ForgettingLimits {
@@ -236,13 +247,20 @@ struct FilterBankSettings {
 };
 
 void bind_filter_bank(Fields& fields, FilterBankSettings& settings) {
-  fields.number("observer.largest_disturbance", settings.largest_d, positive(),
-                "D, how large a disturbance can be [N m, or N]");
+  fields.number("observer.largest_disturbance", settings.largest_d, not_negative(),
+                "D, how large a disturbance can be [N m, or N]; 0: as large as the drive's force, "
+                "or a record's inputs");
+  fields.standard("observer.largest_disturbance", {0.0});
 }
 
 Estimator make_filter_bank(const FilterBankSettings& settings, const NominalAxis& axis) {
+  const double largest_d = settings.largest_d > 0.0 ? settings.largest_d : axis.force_limit;
+  if (!(largest_d > 0.0) || !std::isfinite(largest_d)) {
+    throw WrongKey("observer.largest_disturbance",
+                   "0 means as large as the inputs, which have no largest value above 0: give one");
+  }
   return std::make_unique<FilterBank>(
-      FilterBankDesign{axis.plant, axis.period_s, axis.sensor, settings.largest_d});
+      FilterBankDesign{axis.plant, axis.period_s, axis.sensor, largest_d});
 }
 
 }  // namespace

@@ -14,7 +14,8 @@ namespace {
 Encoder encoder(const AxisSettings& settings) {
   return {.quantum = settings.quantum(),
           .phase = settings.encoder_phase,
-          .origin = settings.encoder_origin};
+          .origin = settings.encoder_origin,
+          .rounding = settings.encoder_rounding};
 }
 
 Model load_model(const AxisSettings& settings) {
@@ -82,7 +83,7 @@ void AxisSettings::bind(Fields& fields) {
   const auto key = [](const std::string& stem, const std::string& suffix) {
     return stem + "_" + suffix;
   };
-  fields.file("model.mjcf", mjcf, "the plant");
+  bind_model(fields, mjcf);
   physics.bind(fields);
   run.bind(fields);
   fields.number("plant." + key(axis.inertia_name, "ratio"), inertia_ratio, positive(),
@@ -117,8 +118,10 @@ void AxisSettings::bind(Fields& fields) {
   fields.choice("encoder.origin", encoder_origin,
                 {{"counted", EncoderOrigin::counted}, {"calibrated", EncoderOrigin::calibrated}},
                 "what it calls 0: where it starts (counted), or the true 0 (calibrated)");
-  fields.only_where({"encoder." + key("phase", u.position_suffix), "encoder.origin"},
-                    "the encoder is quantised", [this] { return quantum() != 0.0; });
+  bind_encoder_rounding(fields, "encoder.rounding", encoder_rounding);
+  fields.only_where(
+      {"encoder." + key("phase", u.position_suffix), "encoder.origin", "encoder.rounding"},
+      "the encoder is quantised", [this] { return quantum() != 0.0; });
   fields.number("noise." + key("std", u.position_suffix), noise_std, not_negative(),
                 "standard deviation of the measurement's white noise [" + u.position + "]");
   fields.number("noise." + key("input_std", u.force_suffix), input_noise_std, not_negative(),
@@ -149,13 +152,13 @@ double AxisSettings::force_limit() const {
 }
 
 NominalAxis AxisSettings::nominal() const {
-  return {
-      .plant = damped_inertia(nominal_inertia, nominal_friction),
-      .period_s = physics.control_period_s,
-      .force_limit = force_limit(),
-      .sensor = {Eigen::VectorXd::Constant(1, quantum()), Eigen::VectorXd::Constant(1, noise_std)},
-      .pulses_per_revolution = pulses_per_revolution(),
-      .units = axis.units};
+  return {.plant = damped_inertia(nominal_inertia, nominal_friction),
+          .period_s = physics.control_period_s,
+          .force_limit = force_limit(),
+          .sensor = {Eigen::VectorXd::Constant(1, quantum()),
+                     Eigen::VectorXd::Constant(1, noise_std), encoder_rounding},
+          .pulses_per_revolution = pulses_per_revolution(),
+          .units = axis.units};
 }
 
 void check_axis(const AxisSettings& settings, const Config& config) {
@@ -173,6 +176,7 @@ StateSpace linear_axis(const AxisSettings& settings) {
 AxisRig::AxisRig(const AxisSettings& settings, const AxisDisturbances& disturbances,
                  Controller& controller)
     : units_(settings.axis.units),
+      reference_(settings.reference),
       disturbances_(disturbances),
       input_noise_(settings.run.seed, "input"),
       input_noise_std_(settings.input_noise_std),

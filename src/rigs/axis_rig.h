@@ -7,9 +7,11 @@
 #include <vector>
 
 #include <breakwater/control/controller.h>
+#include <breakwater/control/step_reference.h>
+#include <breakwater/experiment/run_loop.h>
+#include <breakwater/experiment/scenario.h>
+#include <breakwater/record/held_reference.h>
 #include <breakwater/rigs/axis_parts.h>
-#include <breakwater/scenario/run_loop.h>
-#include <breakwater/scenario/scenario.h>
 #include <breakwater/sim/joint_force.h>
 #include <breakwater/sim/simulation.h>
 #include <breakwater/world/disturbance.h>
@@ -39,13 +41,15 @@ struct AxisSettings {
   explicit AxisSettings(Axis which) : axis(std::move(which)) {}
 
   Axis axis;
-  std::string mjcf;
+  ModelFile mjcf;
   PhysicsSettings physics;
   RunSettings run;
 
   // Not keys of all: where it starts, and whether the controller also gets the true state.
   double start_position = 0.0;
   double start_velocity = 0.0;
+  StepReference reference;         ///< of the position
+  double judged_to_s = 0.0;        ///< metrics' windows end: a shorter run is not judged
   bool senses_true_state = false;  ///< samples are [measured position; position; velocity]
 
   double inertia_ratio = 1.0;     ///< of the plant to its model file
@@ -63,6 +67,7 @@ struct AxisSettings {
   double encoder_resolution = 0.0;  ///< instead of pulses; 0: not quantised
   double encoder_phase = 0.0;
   EncoderOrigin encoder_origin = EncoderOrigin::counted;
+  EncoderRounding encoder_rounding = EncoderRounding::nearest;
   double noise_std = 0.0;        ///< of the measurement
   double input_noise_std = 0.0;  ///< of a force that is drawn at each control sample
   int delay_samples = 0;
@@ -111,16 +116,27 @@ class AxisRig {
   std::vector<Signal> signals() const;
 
   /// A run of the settings' duration, with the sample at its end: record_run() where each step is
-  /// `step(k)`, or one of this rig alone.
+  /// `step(k)`, or one of this rig alone. It is warned of if the measured position, which is what a
+  /// loop sees, does not hold its reference.
   template <typename Step, typename Sample>
   requires std::invocable<Sample&, double> Recording run(const RunControl& control,
                                                          const AxisSettings& settings,
                                                          std::vector<Signal> signals, Step&& step,
                                                          Sample&& sample,
                                                          const MetricsSoFar& measured = {}) {
-    return record_run(*simulation_, settings.physics,
-                      settings.physics.step_at(settings.run.duration_s) + 1, std::move(signals),
-                      control, std::forward<Step>(step), std::forward<Sample>(sample), measured);
+    const double end_s = settings.run.duration_s;
+    HeldReference held({reference_.from_s, end_s >= settings.judged_to_s ? end_s : 0.0},
+                       "the position", units_.position);
+    held.ask(reference_.value - simulation_->qpos()[0]);
+    const auto watched_sample = [&](double time_s) {
+      held.add(time_s, reference_.at(time_s) - simulation_->sample().y(0));
+      sample(time_s);
+    };
+    Recording recording = record_run(
+        *simulation_, settings.physics, settings.physics.step_at(settings.run.duration_s) + 1,
+        std::move(signals), control, std::forward<Step>(step), watched_sample, measured);
+    if (!recording.failure) held.warn(recording.warnings);
+    return recording;
   }
   template <typename Sample>
   requires std::invocable<Sample&, double> Recording run(const RunControl& control,
@@ -135,6 +151,7 @@ class AxisRig {
 
  private:
   AxisUnits units_;
+  StepReference reference_;
   AxisDisturbances disturbances_;
   Noise input_noise_;
   double input_noise_std_;

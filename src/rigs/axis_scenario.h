@@ -1,8 +1,8 @@
 // A scenario whose plant is one axis.
 #pragma once
 
+#include <breakwater/experiment/scenario.h>
 #include <breakwater/rigs/axis_rig.h>
-#include <breakwater/scenario/scenario.h>
 
 namespace breakwater {
 

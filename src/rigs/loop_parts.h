@@ -5,7 +5,7 @@
 #include <string>
 
 #include <breakwater/control/controller.h>
-#include <breakwater/scenario/parts.h>
+#include <breakwater/experiment/parts.h>
 
 namespace breakwater {
 

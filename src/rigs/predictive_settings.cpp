@@ -36,6 +36,10 @@ void PredictiveSettings::bind(Fields& fields) {
                  {"cancel", DisturbanceUse::cancel},
                  {"cancel_within_bounds", DisturbanceUse::cancel_within_bounds}},
                 "none, predict (Eq. 2.46), cancel (Eq. 2.45) or cancel_within_bounds");
+  const char* const at = "controller.cancel_at";
+  fields.choice(at, cancel_at, {{"sample", CancelAt::sample}, {"decision", CancelAt::decision}},
+                "cancel: the estimate is taken at each sample, or at each decision of period_s");
+  fields.standard(at, {std::string("sample")});
   fields.count("controller.prediction_steps", prediction_steps, between(1, 1000), "N_p");
   fields.count("controller.control_steps", control_steps, between(1, 1000), "N_u <= N_p");
   fields.number("controller.q_disturbance", q_disturbance, not_negative(),
@@ -72,6 +76,7 @@ void PredictiveSettings::bind(Fields& fields) {
   fields.number("solver.softness", softness, positive(),
                 "of a softened constraint: 1/weight on its violation squared");
 
+  fields.only_for({at}, "controller.disturbance_use", {"cancel", "cancel_within_bounds"});
   fields.only_for({"controller.q_disturbance"}, "controller.disturbance_use", {"predict"});
   fields.only_for({"controller.last_factor"}, "controller.last_weight", {"factor"});
   fields.only_for({"solver.softness"}, "solver.on_infeasible", {"soften"});
@@ -159,6 +164,7 @@ PredictiveControlDesign PredictiveSettings::design(const AxisTask& task) const {
   lmpc.softness = softness;
 
   design.disturbance_use = disturbance_use;
+  design.cancel_at = cancel_at;
   design.samples_per_move = static_cast<int>(std::lround(period_s / axis.period_s));
   design.reference = task.reference;
   design.start_state = task.start_state;

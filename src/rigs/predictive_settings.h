@@ -30,6 +30,7 @@ enum class SoftenFirst { position, velocity };
 struct PredictiveSettings {
   RegulatorSettings weights;
   DisturbanceUse disturbance_use = DisturbanceUse::predict;
+  CancelAt cancel_at = CancelAt::sample;
   int prediction_steps = 0;
   int control_steps = 0;
   double q_disturbance = 0.0;

@@ -49,6 +49,9 @@ void bind_kalman(Fields& fields, KalmanSettings& settings) {
                  {"delta", ProcessNoiseMode::delta},
                  {"delta_squared", ProcessNoiseMode::delta_squared}},
                 "printed Q is added at each sample as it is, times delta, or times delta^2");
+  fields.choice("estimator.process_noise_states", settings.design.noise_states,
+                {{"all", ProcessNoiseStates::all}, {"highest", ProcessNoiseStates::highest}},
+                "which states have the printed Q: all, or the model's highest derivative alone");
   fields.choice(
       "estimator.measurement_covariance", settings.covariance,
       {{"printed", MeasurementCovariance::printed}, {"actual", MeasurementCovariance::actual}},
@@ -85,12 +88,13 @@ void bind_kalman(Fields& fields, KalmanSettings& settings) {
   fields.number("estimator.resonator_torque_std_Nm", resonator.torque_std_Nm, positive(),
                 "walk of the torques at each sample [N m]");
 
-  fields.only_for(
-      {"estimator.process_noise", "estimator.process_noise_mode", "estimator.input_noise",
-       "estimator.tuned_velocity_std_m_s", "estimator.tuned_rate_std_rad_s"},
-      "estimator.disturbance", {"none", "zero", "second"});
+  fields.only_for({"estimator.process_noise", "estimator.process_noise_mode",
+                   "estimator.process_noise_states", "estimator.input_noise",
+                   "estimator.tuned_velocity_std_m_s", "estimator.tuned_rate_std_rad_s"},
+                  "estimator.disturbance", {"none", "zero", "second"});
   fields.only_for({"estimator.tuned_disturbance_std"}, "estimator.disturbance", {"zero", "second"});
-  fields.only_for({"estimator.process_noise_mode"}, "estimator.process_noise", {"printed"});
+  fields.only_for({"estimator.process_noise_mode", "estimator.process_noise_states"},
+                  "estimator.process_noise", {"printed"});
   fields.only_for({"estimator.input_noise"}, "estimator.process_noise", {"input"});
   fields.only_for({"estimator.tuned_velocity_std_m_s", "estimator.tuned_rate_std_rad_s",
                    "estimator.tuned_disturbance_std"},
@@ -103,7 +107,8 @@ void bind_kalman(Fields& fields, KalmanSettings& settings) {
   fields.only_for({"estimator.resonator_damping"}, "estimator.disturbance", {"resonator"});
   fields.only_for({"estimator.wave_force", "estimator.wave_torque_arm_m"}, "estimator.disturbance",
                   {"spectrum"});
-  // Files of before these keys know neither.
+  // Files of before these keys know none of them.
+  fields.standard("estimator.process_noise_states", {std::string("all")});
   fields.standard("estimator.kinematics", {std::string("level")});
   fields.standard("estimator.wave_force", {std::string("estimated")});
   fields.standard("estimator.wave_torque_arm_m", {0.0});

@@ -5,12 +5,17 @@
 #include <csetjmp>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <mutex>
+#include <new>
+#include <stdexcept>
 
 namespace breakwater {
 namespace {
 
 constexpr std::size_t kTextSize = 1000;
+// As the engine says it, where it finds out itself.
+constexpr const char* kNoMemory = "could not allocate memory for a model of this size";
 
 struct ThreadState {
   std::jmp_buf* return_point = nullptr;
@@ -50,7 +55,15 @@ std::string call_engine(void (*body)(void*), void* argument) {
   std::jmp_buf* const outer = state.return_point;
   state.return_point = &here;
   state.error[0] = '\0';
-  if (setjmp(here) == 0) body(argument);
+  if (setjmp(here) == 0) {
+    try {
+      body(argument);
+    } catch (const std::bad_alloc&) {
+      std::strcpy(state.error, kNoMemory);
+    } catch (const std::length_error&) {  // of a size that no memory could hold
+      std::strcpy(state.error, kNoMemory);
+    }
+  }
   state.return_point = outer;
   return state.error;
 }

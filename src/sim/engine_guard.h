@@ -25,7 +25,8 @@ class OutOfMemory : public std::invalid_argument {
 };
 
 /// Calls `body(argument)`, which calls the engine. If the engine reports a fatal error meanwhile,
-/// returns its text (by default it would wait for a key and exit); otherwise an empty string.
+/// returns its text (by default it would wait for a key and exit), or finds no memory, says so;
+/// otherwise returns an empty string.
 ///
 /// A fatal error leaves `body` by longjmp, so neither it nor what it calls may hold anything whose
 /// destructor matters when it calls the engine.

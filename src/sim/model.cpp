@@ -1,6 +1,7 @@
 #include <breakwater/sim/model.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <map>
 #include <memory>
@@ -104,10 +105,31 @@ void check_timestep(double timestep_s, const std::string& file) {
   }
 }
 
+// While it lives the engine compiles.
+class Compiling {
+ public:
+  Compiling() { ++count(); }
+  ~Compiling() { --count(); }
+  Compiling(const Compiling&) = delete;
+  Compiling& operator=(const Compiling&) = delete;
+
+  static std::atomic<int>& count() {
+    static constinit std::atomic<int> threads = 0;
+    static_assert(std::atomic<int>::is_always_lock_free, "asked in a signal handler");
+    return threads;
+  }
+};
+
 }  // namespace
 
-Model Model::compile(const std::string& mjcf_file) {
-  check_mjcf_numbers(mjcf_file);
+bool Model::is_compiling() {
+  return Compiling::count() > 0;
+}
+
+Model Model::compile(const ModelFile& mjcf) {
+  const std::string& mjcf_file = mjcf.path;
+  const Compiling compiling;
+  check_mjcf(mjcf_file, mjcf.most_elements);
   char error[1000] = "";
   mjModel* loaded = nullptr;
   std::string fatal;
@@ -186,34 +208,34 @@ Model Model::physics(const mjModel& full, const std::string& file,
   return {part, file};
 }
 
-Model Model::load(const std::string& mjcf_file) {
-  if (owners().empty()) return compile(mjcf_file);
-  return copy(*shared_model(mjcf_file), mjcf_file);
+Model Model::load(const ModelFile& mjcf) {
+  if (owners().empty()) return compile(mjcf);
+  return copy(*shared_model(mjcf), mjcf.path);
 }
 
-Model Model::load_physics(const std::string& mjcf_file, const std::vector<std::string>& geoms) {
-  if (WholeModels::are_wanted()) return load(mjcf_file);
-  if (owners().empty()) return physics(*compile(mjcf_file).get(), mjcf_file, geoms);
-  const Shared::Key key(mjcf_file, geoms);
-  if (const auto part = find_shared(key)) return copy(*part, mjcf_file);
-  const auto full = shared_model(mjcf_file);
-  Model part = physics(*full, mjcf_file, geoms);
-  Model own = copy(*part.get(), mjcf_file);
+Model Model::load_physics(const ModelFile& mjcf, const std::vector<std::string>& geoms) {
+  if (WholeModels::are_wanted()) return load(mjcf);
+  if (owners().empty()) return physics(*compile(mjcf).get(), mjcf.path, geoms);
+  const Shared::Key key(mjcf.path, geoms);
+  if (const auto part = find_shared(key)) return copy(*part, mjcf.path);
+  const auto full = shared_model(mjcf);
+  Model part = physics(*full, mjcf.path, geoms);
+  Model own = copy(*part.get(), mjcf.path);
   share(key, part.model_.release());
   return own;
 }
 
 // Of the whole file.
-std::shared_ptr<const mjModel> Model::shared_model(const std::string& mjcf_file) {
-  const Shared::Key key(mjcf_file, std::nullopt);
+std::shared_ptr<const mjModel> Model::shared_model(const ModelFile& mjcf) {
+  const Shared::Key key(mjcf.path, std::nullopt);
   if (const auto model = find_shared(key)) return model;
   const std::lock_guard compiling(shared().compiling);
   // Another thread may have compiled it while this one waited.
   if (const auto model = find_shared(key)) return model;
   for (const SharedModels* owner : owners()) {
-    if (owner->before_compiling_) owner->before_compiling_(mjcf_file);
+    if (owner->before_compiling_) owner->before_compiling_(mjcf.path);
   }
-  return share(key, compile(mjcf_file).model_.release());
+  return share(key, compile(mjcf).model_.release());
 }
 
 SharedModels::SharedModels(std::function<void(const std::string&)> before_compiling)

@@ -3,9 +3,11 @@
 
 #include <mujoco/mujoco.h>
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace breakwater {
@@ -17,15 +19,31 @@ struct DeleteData {
 };
 using DataPointer = std::unique_ptr<mjData, DeleteData>;
 
+/// An MJCF file, and how large the model may be: the engine's compiler is slow with very many
+/// elements, and cannot be stopped.
+struct ModelFile {
+  ModelFile() = default;
+  ModelFile(std::string its_path) : path(std::move(its_path)) {}  // NOLINT: a path will do
+  ModelFile(const char* its_path) : path(its_path) {}             // NOLINT
+  ModelFile(std::string its_path, std::uint64_t most)
+      : path(std::move(its_path)), most_elements(most) {}
+
+  static constexpr std::uint64_t kMostElements = 20000;
+
+  std::string path;
+  std::uint64_t most_elements = kMostElements;  ///< key model.most_elements
+};
+
 /// A compiled MuJoCo model that this object owns, and where it came from.
 class Model {
  public:
   /// Compiles an MJCF file. Throws std::invalid_argument with one line, `FILE[:LINE]: reason`, if
-  /// it cannot be read or compiled, or if a number of it is not finite or beyond 1e30, or its
-  /// timestep, a mass, an inertia or a size is not a sensible number: the engine itself accepts
-  /// NaN, a timestep of −1 s and a mass of 1e300 kg; OutOfMemory if the machine has none. While
-  /// there are SharedModels, a copy of what was compiled first. Thread-safe.
-  static Model load(const std::string& mjcf_file);
+  /// it cannot be read or compiled, has too many elements, or if a number of it is not finite or
+  /// beyond 1e30, or its timestep, a mass, an inertia or a size is not a sensible number: the
+  /// engine itself accepts NaN, a timestep of −1 s and a mass of 1e300 kg; OutOfMemory if the
+  /// machine has none. While there are SharedModels, a copy of what was compiled first.
+  /// Thread-safe.
+  static Model load(const ModelFile& mjcf);
 
   /// What of load() its motion depends on: the same states to the bit, in less time and memory. It
   /// has no cameras, lights, textures, materials and skins, and no geoms that can touch nothing as
@@ -34,8 +52,11 @@ class Model {
   /// the run looks them up or makes them collide; they count as able to touch what touches
   /// anything. The ids of geoms are not those of load(), which pictures are drawn of. Throws as
   /// load() does, and std::invalid_argument if there is no such geom.
-  static Model load_physics(const std::string& mjcf_file,
-                            const std::vector<std::string>& geoms = {});
+  static Model load_physics(const ModelFile& mjcf, const std::vector<std::string>& geoms = {});
+
+  /// Whether any thread waits for the engine's compiler, which goes on whatever happens. May be
+  /// asked in a signal handler.
+  static bool is_compiling();
 
   mjModel* get() { return model_.get(); }
   const mjModel* get() const { return model_.get(); }
@@ -77,8 +98,8 @@ class Model {
     void operator()(mjModel* model) const { mj_deleteModel(model); }
   };
 
-  static Model compile(const std::string& mjcf_file);
-  static std::shared_ptr<const mjModel> shared_model(const std::string& mjcf_file);
+  static Model compile(const ModelFile& mjcf);
+  static std::shared_ptr<const mjModel> shared_model(const ModelFile& mjcf);
   static Model copy(const mjModel& model, const std::string& file);
   static Model physics(const mjModel& full, const std::string& file,
                        const std::vector<std::string>& geoms);

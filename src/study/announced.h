@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include <breakwater/scenario/known_models.h>
+#include <breakwater/experiment/known_models.h>
 #include <breakwater/study/executor.h>
 
 namespace CLI {

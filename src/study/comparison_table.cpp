@@ -2,12 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <map>
 #include <optional>
 #include <vector>
 
 #include <breakwater/record/csv.h>
-#include <breakwater/scenario/table.h>
+#include <breakwater/shell/table.h>
 #include <breakwater/study/study_reader.h>
 
 namespace breakwater {
@@ -53,6 +55,7 @@ Row begun_row(const CandidateComparison& comparison, const Comparison& one,
   row.put("candidate", comparison.candidates[one.candidate]);
   row.put("reference", comparison.candidates[one.reference]);
   row.put("pairs", std::to_string(one.pairs));
+  row.put("blocks", std::to_string(one.blocks));
   row.put("p", one.p);
   row.put("p_holm", one.p_holm);
   row.put("verdict", name_of(one.verdict));
@@ -61,6 +64,15 @@ Row begun_row(const CandidateComparison& comparison, const Comparison& one,
 
 std::string brief(double value) {
   return fmt::format("{:.4g}", value);
+}
+
+// "= 0.012"; of one that is all rounding "< 1e-15".
+std::string least_text(double p) {
+  return p < 1e-15 ? "< 1e-15" : fmt::format("= {:.2g}", p);
+}
+
+std::string percent(double share) {
+  return fmt::format("{:.0f} %", 100.0 * share);
 }
 
 std::string brief(const EstimatedMedian& median) {
@@ -96,7 +108,11 @@ std::string comparison_csv(const CandidateComparison& comparison) {
                                             "failures_alone",
                                             "reference_failures_alone",
                                             "average_rank",
-                                            "critical_difference"};
+                                            "critical_difference",
+                                            "blocks",
+                                            "variance_between_blocks",
+                                            "variance_within_blocks",
+                                            "sign_turns_with"};
   std::string text = csv_line(columns);
   for (const MetricComparison& one : comparison.metrics) {
     Row row = begun_row(comparison, one, one.metric);
@@ -106,6 +122,11 @@ std::string comparison_csv(const CandidateComparison& comparison) {
     row.put("difference", one.difference);
     row.put("probability_smaller", one.probability_smaller);
     if (one.probability_better) row.put("probability_better", *one.probability_better);
+    if (one.between) {
+      row.put("variance_between_blocks", *one.between);
+      row.put("variance_within_blocks", 1.0 - *one.between);
+    }
+    row.put("sign_turns_with", fmt::format("{}", fmt::join(one.turns_with, "; ")));
     text += row.print(columns);
   }
   for (const FailureComparison& one : comparison.failures) {
@@ -123,7 +144,8 @@ std::string comparison_csv(const CandidateComparison& comparison) {
       row.put("metric", one.metric);
       if (one.goal != Goal::none) row.put("goal", name_of(goal_names(), one.goal));
       row.put("candidate", comparison.candidates[c]);
-      row.put("pairs", std::to_string(one.worlds));
+      row.put("pairs", std::to_string(one.blocks));
+      row.put("blocks", std::to_string(one.blocks));
       row.put("average_rank", one.average_ranks[c]);
       row.put("critical_difference", one.critical_difference);
       text += row.print(columns);
@@ -132,17 +154,58 @@ std::string comparison_csv(const CandidateComparison& comparison) {
   return text;
 }
 
+std::string by_key_csv(const CandidateComparison& comparison) {
+  std::string text =
+      csv_line({"metric", "candidate", "reference", "key", "value", "repeats", "repeats_are",
+                "difference", "difference_q10", "difference_q90", "p", "p_holm", "sign_turns"});
+  for (const KeyInteraction& one : comparison.interactions) {
+    for (const KeyInteraction::Value& value : one.values) {
+      text += csv_line({one.metric, comparison.candidates[one.candidate],
+                        comparison.candidates[one.reference], one.key, value.label,
+                        std::to_string(value.repeats), one.is_of_worlds ? "seeds" : "blocks",
+                        digits(value.median), digits(value.q10), digits(value.q90), digits(one.p),
+                        digits(one.p_holm), one.turns ? "yes" : "not shown"});
+    }
+  }
+  return text;
+}
+
+std::string turns_text(const CandidateComparison& comparison, const KeyInteraction& one) {
+  std::vector<std::string> values;
+  for (const KeyInteraction::Value& value : one.values) {
+    values.push_back(fmt::format("{} at {}", brief(value.median), value.label));
+  }
+  return fmt::format("{}, {} beside {}: the sign turns with {} (p {}): {}", one.metric,
+                     comparison.candidates[one.candidate], comparison.candidates[one.reference],
+                     one.key, least_text(one.p_holm), fmt::join(values, ", "));
+}
+
 std::string repeated_text(const CandidateComparison& comparison) {
   std::vector<std::string> repeated;
   for (std::size_t c = 0; c < comparison.candidates.size(); ++c) {
-    if (comparison.runs[c] == comparison.worlds) continue;
-    repeated.push_back(fmt::format("{} of {}", comparison.runs[c], comparison.candidates[c]));
+    if (comparison.reached[c] == comparison.blocks) continue;
+    repeated.push_back(fmt::format("{} of {}", comparison.reached[c], comparison.candidates[c]));
   }
   if (repeated.empty()) return "";
   return fmt::format(
-      "In {} worlds there are but {} different runs: not all that is varied reaches {}; the same "
-      "pair counts once",
-      comparison.worlds, fmt::join(repeated, ", "), repeated.size() == 1 ? "that one" : "those");
+      "Of {} blocks but {} differ in their runs: not all that is varied reaches {}; the same pair "
+      "counts once",
+      comparison.blocks, fmt::join(repeated, ", "), repeated.size() == 1 ? "that one" : "those");
+}
+
+std::string few_text(const CandidateComparison& comparison) {
+  const auto is_few = [](const auto& one) {
+    return one.verdict == ComparisonVerdict::too_few_blocks;
+  };
+  const auto metric = std::find_if(comparison.metrics.begin(), comparison.metrics.end(), is_few);
+  if (metric == comparison.metrics.end()) return "";
+  std::string text = fmt::format(
+      "Too few blocks: of {} the least two-sided p is {:.4g}, whatever they say", metric->blocks,
+      std::min(1.0, std::ldexp(2.0, -static_cast<int>(metric->blocks))));
+  if (metric->pairs > metric->blocks) {
+    text += "; seeds repeat a block and are none, unless worlds = \"seeds\" is asked for";
+  }
+  return text;
 }
 
 std::string never_text(const CandidateComparison& comparison) {
@@ -156,40 +219,60 @@ std::string never_text(const CandidateComparison& comparison) {
 }
 
 std::string comparison_text(const CandidateComparison& comparison, std::size_t width) {
-  Table table({"metric", "candidate", "reference", "pairs", "median", "difference (95 %)", "p",
-               "better in", "verdict"});
+  const bool has_repeats = comparison.has_repeats();
+  std::vector<std::string> header = {"metric", "candidate", "reference",
+                                     "blocks", "median",    "difference (95 %)",
+                                     "p",      "better in", "verdict"};
+  if (has_repeats) header.insert(header.begin() + 4, {"pairs", "between"});
+  Table table(header);
   bool has_mark = false;
-  const auto counted = [&](std::size_t pairs) {
-    const bool is_marked = pairs < comparison.worlds;
+  const auto begun = [&](const std::string& metric, const auto& one, const std::string& between) {
+    const bool is_marked = one.blocks < comparison.blocks;
     has_mark = has_mark || is_marked;
-    return std::to_string(pairs) + (is_marked ? " *" : "");
+    std::vector<std::string> row = {metric, comparison.candidates[one.candidate],
+                                    comparison.candidates[one.reference],
+                                    std::to_string(one.blocks) + (is_marked ? " *" : "")};
+    if (has_repeats) row.insert(row.end(), {std::to_string(one.pairs), between});
+    return row;
+  };
+  const auto add = [&](std::vector<std::string> row, const std::vector<std::string>& rest) {
+    row.insert(row.end(), rest.begin(), rest.end());
+    table.add(std::move(row));
   };
   for (const MetricComparison& one : comparison.metrics) {
     const bool has_goal = one.probability_better.has_value();
-    table.add({one.metric, comparison.candidates[one.candidate],
-               comparison.candidates[one.reference], counted(one.pairs), brief(one.median.value),
-               brief(one.difference), fmt::format("{:.2g}", one.p_holm),
-               has_goal ? fmt::format("{:.0f} %", 100.0 * *one.probability_better) : "-",
-               name_of(one.verdict)});
+    add(begun(one.metric, one, one.between ? fmt::format("{:.3g} %", 100.0 * *one.between) : "-"),
+        {brief(one.median.value), brief(one.difference), fmt::format("{:.2g}", one.p_holm),
+         has_goal ? percent(*one.probability_better) : "-",
+         name_of(one.verdict) + (one.turns_with.empty() ? "" : " †")});
   }
   for (const FailureComparison& one : comparison.failures) {
-    table.add({kFailure, comparison.candidates[one.candidate], comparison.candidates[one.reference],
-               counted(one.pairs), std::to_string(one.failures),
-               fmt::format("{:+d}", static_cast<long>(one.failures) -
-                                        static_cast<long>(one.reference_failures)),
-               fmt::format("{:.2g}", one.p_holm), "-", name_of(one.verdict)});
+    add(begun(kFailure, one, "-"),
+        {std::to_string(one.failures),
+         fmt::format("{:+d}",
+                     static_cast<long>(one.failures) - static_cast<long>(one.reference_failures)),
+         fmt::format("{:.2g}", one.p_holm), "-", name_of(one.verdict)});
   }
   std::string text = table.print(width);
+  const auto add_line = [&](const std::string& line) {
+    if (!line.empty()) text += line + '\n';
+  };
   if (has_mark) {
-    text += fmt::format(
-        "* of fewer worlds than {}: in the others a run failed or lacks the metric, or "
-        "both runs are those of another world\n",
-        comparison.worlds);
+    add_line(
+        fmt::format("* of fewer blocks than {}: in the others a run failed or lacks the metric, or "
+                    "both runs are those of another block",
+                    comparison.blocks));
   }
-  const std::string repeated = repeated_text(comparison);
-  if (!repeated.empty()) text += repeated + '\n';
-  const std::string never = never_text(comparison);
-  if (!never.empty()) text += never + '\n';
+  if (has_repeats) {
+    add_line(
+        "between: the share of the difference's variance that lies between blocks, not within");
+  }
+  for (const KeyInteraction& one : comparison.interactions) {
+    if (one.turns) add_line("† " + turns_text(comparison, one));
+  }
+  add_line(few_text(comparison));
+  add_line(repeated_text(comparison));
+  add_line(never_text(comparison));
   return text;
 }
 

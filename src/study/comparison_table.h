@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <string>
 
-#include <breakwater/study/paired_comparison.h>
+#include <breakwater/statistics/paired_comparison.h>
 
 namespace breakwater {
 
@@ -13,7 +13,18 @@ namespace breakwater {
 /// apply are empty.
 std::string comparison_csv(const CandidateComparison& comparison);
 
-/// "In 18 worlds there are but 2 different runs of b, …": what a reader must know where the same
+/// comparison_by_key.csv: a row for each metric, pair of candidates, varied key and value (or
+/// neighbouring values) of it.
+std::string by_key_csv(const CandidateComparison& comparison);
+
+/// "peak_N, a beside b: the sign turns with k (p = 0.001): -1 at 2, 3 at 4".
+std::string turns_text(const CandidateComparison& comparison, const KeyInteraction& one);
+
+/// Why nothing can be shown, where the verdict of a metric is that there are too few blocks; else
+/// empty.
+std::string few_text(const CandidateComparison& comparison);
+
+/// "Of 18 blocks but 2 of b differ in their runs, …": what a reader must know where the same
 /// runs come again. Empty if none does.
 std::string repeated_text(const CandidateComparison& comparison);
 

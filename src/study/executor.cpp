@@ -17,7 +17,7 @@
 #include <shared_mutex>
 #include <stdexcept>
 
-#include <breakwater/scenario/all_cores.h>
+#include <breakwater/shell/all_cores.h>
 #include <breakwater/signals/thread_time.h>
 #include <breakwater/sim/engine_guard.h>
 #include <breakwater/sim/model.h>

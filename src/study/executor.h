@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include <breakwater/scenario/known_models.h>
-#include <breakwater/scenario/runner.h>
+#include <breakwater/experiment/known_models.h>
+#include <breakwater/experiment/runner.h>
 #include <breakwater/study/shards.h>
 
 namespace breakwater {

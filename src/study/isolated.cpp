@@ -12,8 +12,8 @@
 #include <stdexcept>
 #include <string>
 
-#include <breakwater/scenario/all_cores.h>
-#include <breakwater/scenario/child_program.h>
+#include <breakwater/shell/all_cores.h>
+#include <breakwater/shell/child_program.h>
 #include <breakwater/study/announced.h>
 #include <breakwater/study/sweep.h>
 

@@ -7,8 +7,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include <breakwater/scenario/config.h>
-#include <breakwater/scenario/toml_text.h>
+#include <breakwater/config/config.h>
+#include <breakwater/config/toml_text.h>
 
 namespace breakwater {
 namespace {

@@ -9,9 +9,9 @@
 #include <fstream>
 #include <memory>
 
+#include <breakwater/config/toml_text.h>
 #include <breakwater/record/csv.h>
 #include <breakwater/record/partial_file.h>
-#include <breakwater/scenario/toml_text.h>
 
 namespace breakwater {
 namespace {

@@ -19,7 +19,7 @@
 #include <breakwater/record/file_hash.h>
 #include <breakwater/record/on_disk.h>
 #include <breakwater/record/process_name.h>
-#include <breakwater/scenario/process.h>
+#include <breakwater/shell/process.h>
 
 namespace breakwater {
 namespace {

@@ -10,8 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include <breakwater/experiment/provenance.h>
 #include <breakwater/record/output_error.h>
-#include <breakwater/scenario/provenance.h>
 
 namespace breakwater {
 

@@ -2,7 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <breakwater/scenario/toml_text.h>
+#include <breakwater/config/toml_text.h>
+#include <breakwater/shell/process.h>
 #include <breakwater/study/study_reader.h>
 
 namespace breakwater {
@@ -14,14 +15,27 @@ SlurmSettings read_slurm(const StudyReader& reader, const toml::table& tables) {
   const toml::table& table = *found;
   reader.allow(table, "slurm.",
                {"account", "partition", "constraint", "modules", "environment", "options"});
+  // A newline would begin a line of the script.
+  const auto checked = [&](const char* key, const std::string& text) {
+    if (one_line(text) != text) {
+      reader.fail(*table.get(key), std::string("slurm.") + key,
+                  "must have no newline and no other control character, is " + text);
+    }
+    return text;
+  };
+  const auto text = [&](const char* key) {
+    return checked(key, reader.text_or_nothing(table, key, "slurm."));
+  };
   const auto list = [&](const char* key) {
     const toml::node* node = table.get(key);
-    return node == nullptr ? std::vector<std::string>()
-                           : reader.texts(*node, std::string("slurm.") + key);
+    if (node == nullptr) return std::vector<std::string>();
+    std::vector<std::string> texts = reader.texts(*node, std::string("slurm.") + key);
+    for (const std::string& one : texts) checked(key, one);
+    return texts;
   };
-  slurm.account = reader.text_or_nothing(table, "account", "slurm.");
-  slurm.partition = reader.text_or_nothing(table, "partition", "slurm.");
-  slurm.constraint = reader.text_or_nothing(table, "constraint", "slurm.");
+  slurm.account = text("account");
+  slurm.partition = text("partition");
+  slurm.constraint = text("constraint");
   slurm.modules = list("modules");
   slurm.environment = list("environment");
   slurm.options = list("options");

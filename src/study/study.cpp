@@ -11,8 +11,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include <breakwater/scenario/toml_file.h>
-#include <breakwater/scenario/toml_text.h>
+#include <breakwater/config/toml_file.h>
+#include <breakwater/config/toml_text.h>
 #include <breakwater/study/study_reader.h>
 #include <breakwater/study/value_list.h>
 
@@ -40,12 +40,26 @@ const Names<OnFailure>& failure_rules() {
   return names;
 }
 
-std::map<std::string, Goal> read_goals(const StudyReader& reader, const toml::table& table) {
-  std::map<std::string, Goal> goals;
+const Names<WorldUnit>& world_units() {
+  static const Names<WorldUnit> names = {{"samples", WorldUnit::samples},
+                                         {"seeds", WorldUnit::seeds}};
+  return names;
+}
+
+// In the file's order.
+std::vector<std::pair<std::string, Goal>> read_goals(const StudyReader& reader,
+                                                     const toml::table& table) {
+  std::vector<std::pair<toml::source_position, std::pair<std::string, Goal>>> found;
   for (const auto& [key, node] : table) {
     const std::string metric(key.str());
-    goals.emplace(metric, reader.choice(node, "compare.goal." + metric, goal_names()));
+    found.emplace_back(
+        key.source().begin,
+        std::pair(metric, reader.choice(node, "compare.goal." + metric, goal_names())));
   }
+  std::stable_sort(found.begin(), found.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::vector<std::pair<std::string, Goal>> goals;
+  for (auto& [position, goal] : found) goals.push_back(std::move(goal));
   return goals;
 }
 
@@ -65,7 +79,9 @@ void read_compare(const StudyReader& reader, const toml::table& tables, Study& s
   if (const toml::table* goals = reader.table(*compare, "goal")) {
     study.goals = read_goals(reader, *goals);
   }
-  study.compare = reader.varied(*compare, "compare", {"case", "baseline", "metrics", "goal"});
+  reader.choice(*compare, "worlds", world_units(), study.worlds, "compare.");
+  study.compare =
+      reader.varied(*compare, "compare", {"case", "baseline", "metrics", "goal", "worlds"});
   for (const VariedKey& key : study.compare) {
     if (!key.distribution) continue;
     throw std::invalid_argument(key.place + ": candidates are values");
@@ -163,6 +179,14 @@ Study read_study(const toml::table& tables, const std::string& file) {
   return study;
 }
 
+std::vector<std::string> Study::named_metrics() const {
+  std::vector<std::string> named = metrics;
+  for (const auto& [metric, goal] : goals) {
+    if (std::find(named.begin(), named.end(), metric) == named.end()) named.push_back(metric);
+  }
+  return named;
+}
+
 std::string Study::print() const {
   std::string text = fmt::format("scenario = {}\n", toml_string(scenario));
   if (!config.empty()) text += fmt::format("config = {}\n", toml_string(config));
@@ -194,6 +218,9 @@ std::string Study::print() const {
   for (const auto& [metric, goal] : goals) {
     text +=
         fmt::format("goal.{} = {}\n", toml_key(metric), toml_string(name_of(goal_names(), goal)));
+  }
+  if (worlds != WorldUnit::samples) {
+    text += fmt::format("worlds = {}\n", toml_string(name_of(world_units(), worlds)));
   }
   for (const VariedKey& key : compare) {
     text += fmt::format("{} = {}\n", toml_string(key.key), key.written);

@@ -5,13 +5,13 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include <breakwater/study/distribution.h>
-#include <breakwater/study/goal.h>
+#include <breakwater/statistics/distribution.h>
+#include <breakwater/statistics/goal.h>
 #include <breakwater/study/slurm_settings.h>
 
 namespace breakwater {
@@ -38,6 +38,10 @@ enum class Method {
   saltelli          ///< the design that sensitivity indices are computed from
 };
 
+/// What a comparison counts as worlds of their own: samples, which seeds repeat, or every seed of
+/// every sample.
+enum class WorldUnit { samples, seeds };
+
 /// Which runs leave their folder: none, those that failed, all.
 enum class Keep { metrics, failed, all };
 
@@ -57,12 +61,17 @@ struct Study {
   Keep keep = Keep::metrics;
   OnFailure on_failure = OnFailure::count;
   std::vector<VariedKey> vary;
-  std::vector<std::string> cases;     ///< at least one, once completed
-  std::vector<VariedKey> compare;     ///< what candidates differ in besides their case
-  std::string baseline;               ///< a candidate, or empty
-  std::vector<std::string> metrics;   ///< that are compared; empty: all
-  std::map<std::string, Goal> goals;  ///< of metrics that are compared
+  std::vector<std::string> cases;    ///< at least one, once completed
+  std::vector<VariedKey> compare;    ///< what candidates differ in besides their case
+  std::string baseline;              ///< a candidate, or empty
+  std::vector<std::string> metrics;  ///< that are compared; empty: all
+  /// Of metrics that are compared, in the order in which they were named.
+  std::vector<std::pair<std::string, Goal>> goals;
+  WorldUnit worlds = WorldUnit::samples;
   SlurmSettings slurm;
+
+  /// The metrics that the user named, the most wanted first.
+  std::vector<std::string> named_metrics() const;
 
   /// As a study file: the same study gives the same text.
   std::string print() const;

@@ -8,8 +8,9 @@
 #include <stdexcept>
 #include <unordered_map>
 
+#include <breakwater/config/config.h>
 #include <breakwater/record/file_hash.h>
-#include <breakwater/scenario/config.h>
+#include <breakwater/study/key_effects.h>
 
 namespace breakwater {
 namespace {
@@ -49,7 +50,7 @@ PairedResults paired_results(const Plan& plan, const ShardIndex& index) {
     results.candidates.push_back(candidate.label);
   }
   results.metrics = study.metrics.empty() ? metrics_of(index) : study.metrics;
-  results.goals = study.goals;
+  results.goals = {study.goals.begin(), study.goals.end()};
   const std::size_t k = plan.candidates().size();
   const std::size_t all = plan.size() / k;
   if (static_cast<double>(plan.size()) * static_cast<double>(results.metrics.size()) >
@@ -67,21 +68,43 @@ PairedResults paired_results(const Plan& plan, const ShardIndex& index) {
       results.metrics.size(),
       Eigen::MatrixXd::Constant(rows, width, std::numeric_limits<double>::quiet_NaN()));
   results.runs = Eigen::MatrixXi::Zero(rows, width);
+  results.samples = Eigen::VectorXi::Zero(rows);
+  const std::vector<StudyKey> keys = study_keys(study);
+  const std::vector<KeyEffect> effects = key_effects(study);
+  for (const KeyEffect& effect : effects) {
+    results.keys.push_back(keys[effect.key]);
+    results.keys.back().name = effect.name;
+  }
+  const bool are_seeds_worlds = study.vary.empty() || study.worlds == WorldUnit::seeds;
+  // A sample of which some seeds are still to run is compared later: two that are the same would
+  // not be seen to be.
+  const auto is_done = [&](std::size_t sample) {
+    const std::size_t runs = plan.seeds() * k;
+    for (std::size_t point = sample * runs; point < (sample + 1) * runs; ++point) {
+      if (!index.has(point)) return false;
+    }
+    return true;
+  };
   Eigen::Index kept = 0;
-  std::set<std::vector<int>> worlds;             // by the numbers of their runs
   std::unordered_map<std::string, int> numbers;  // of outcomes
   for (std::size_t world = 0; world < all; ++world) {
+    const std::size_t sample = world / plan.seeds();
+    if (!are_seeds_worlds && !is_done(sample)) continue;
     std::vector<PointResult> runs;
-    std::vector<int> same;  // of the runs, the numbers of their outcomes
     for (std::size_t c = 0; c < k && index.has(world * k + c); ++c) {
       runs.push_back(index.read(world * k + c));
-      const std::string left = fingerprint({outcome(runs.back(), world / plan.seeds())});
-      same.push_back(numbers.emplace(left, static_cast<int>(numbers.size())).first->second);
     }
-    if (runs.size() < k || !worlds.insert(same).second) continue;
+    if (runs.size() < k) continue;
+    results.samples(kept) = static_cast<int>(are_seeds_worlds ? world : sample);
+    const StudyPoint point = plan.point(world * k);
+    for (std::size_t i = 0; i < effects.size(); ++i) {
+      results.keys[i].values.push_back(key_number(results.keys[i], point.values[effects[i].key]));
+    }
     for (std::size_t c = 0; c < k; ++c) {
       const auto column = static_cast<Eigen::Index>(c);
-      results.runs(kept, column) = same[c];
+      const std::string left = fingerprint({outcome(runs[c], sample)});
+      results.runs(kept, column) =
+          numbers.emplace(left, static_cast<int>(numbers.size())).first->second;
       if (runs[c].status != PointStatus::complete) results.failed(kept, column) = 1.0;
       for (const auto& [name, value] : runs[c].metrics) {
         const auto found = columns.find(name);
@@ -92,6 +115,7 @@ PairedResults paired_results(const Plan& plan, const ShardIndex& index) {
   }
   results.failed.conservativeResize(kept, Eigen::NoChange);
   results.runs.conservativeResize(kept, Eigen::NoChange);
+  results.samples.conservativeResize(kept);
   for (Eigen::MatrixXd& values : results.values) values.conservativeResize(kept, Eigen::NoChange);
   return results;
 }

@@ -5,17 +5,17 @@
 #include <string>
 #include <vector>
 
-#include <breakwater/study/paired_comparison.h>
+#include <breakwater/statistics/paired_comparison.h>
 #include <breakwater/study/plan.h>
 #include <breakwater/study/shards.h>
 
 namespace breakwater {
 
 /// The candidates of a study, paired by sample and seed: each row is one world that all of them
-/// have met. Metrics are those of compare.metrics, or all that any run has. Worlds in
-/// which every candidate has the same run are one world and not several; where some have, those
-/// runs have the same number. Throws
-/// std::invalid_argument if that is more than memory should hold.
+/// have met. Metrics are those of compare.metrics, or all that any run has. The same runs have the
+/// same number. Seeds repeat a sample; where no key is varied, and with `worlds = "seeds"`, each is
+/// one. Keys that are varied together are one (key_effects()). Throws std::invalid_argument if that
+/// is more than memory should hold.
 PairedResults paired_results(const Plan& plan, const ShardIndex& index);
 
 /// compare_candidates() of them; nothing if the study compares nothing: it has one candidate, or

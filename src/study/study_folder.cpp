@@ -7,12 +7,12 @@
 #include <stdexcept>
 #include <vector>
 
+#include <breakwater/config/toml_file.h>
+#include <breakwater/config/toml_text.h>
 #include <breakwater/record/file_bytes.h>
 #include <breakwater/record/file_hash.h>
 #include <breakwater/record/partial_file.h>
-#include <breakwater/scenario/paths.h>
-#include <breakwater/scenario/toml_file.h>
-#include <breakwater/scenario/toml_text.h>
+#include <breakwater/shell/paths.h>
 #include <breakwater/version.h>
 
 namespace breakwater {
@@ -99,8 +99,9 @@ void StudyFolder::make(const std::string& text, const ScenarioFile& file) const 
 
 void StudyFolder::make_anew(const std::string& text, const ScenarioFile& file) const {
   check_is_ours();
-  for (const char* name : {"shards", "runs", "slurm", "front", "results.csv", "results.sqlite",
-                           "comparison.csv", "front.csv", "indices.csv", "report.html"}) {
+  for (const char* name :
+       {"shards", "runs", "slurm", "front", "results.csv", "results.sqlite", "comparison.csv",
+        "comparison_by_key.csv", "front.csv", "indices.csv", "report.html"}) {
     fs::remove_all(folder_ / name);
   }
   make_folders();

@@ -4,11 +4,14 @@
 #include <filesystem>
 #include <string>
 
-#include <breakwater/scenario/catalogue.h>
+#include <breakwater/experiment/catalogue.h>
 #include <breakwater/study/plan.h>
 #include <breakwater/study/shards.h>
 
 namespace breakwater {
+
+/// The command that makes studies, and goes on with them.
+inline constexpr const char* kSweep = "sweep";
 
 /// DIR with study.toml (of a tuning: tune.toml), shards/, runs/ and what is collected
 /// from them. It may lie on a file system

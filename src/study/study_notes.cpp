@@ -5,6 +5,8 @@
 #include <map>
 #include <optional>
 
+#include <breakwater/study/key_effects.h>
+
 namespace breakwater {
 namespace {
 
@@ -108,6 +110,11 @@ std::vector<std::string> notes(const Plan& plan, const ShardIndex& index) {
     if (run.status == PointStatus::complete) seeds.add(run);
   }
   std::vector<std::string> lines = metrics.lines();
+  for (const KeyEffect& effect : key_effects(plan.study())) {
+    if (effect.with.empty()) continue;
+    lines.push_back(fmt::format(
+        "vary: {}: varied together: their effects cannot be told apart, and are one", effect.name));
+  }
   if (seeds.is_none()) {
     lines.push_back(fmt::format(
         "seeds: the {} of each sample gave the same run: without noise they change nothing",

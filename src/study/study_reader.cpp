@@ -6,8 +6,8 @@
 #include <optional>
 #include <stdexcept>
 
-#include <breakwater/scenario/toml_file.h>
-#include <breakwater/scenario/toml_text.h>
+#include <breakwater/config/toml_file.h>
+#include <breakwater/config/toml_text.h>
 #include <breakwater/study/value_list.h>
 
 namespace breakwater {
@@ -23,7 +23,8 @@ std::string plain_number(double value) {
 
 // What a key is called on the command line: "--on-failure", "--vary: wall.distance_m".
 std::string option_of(std::string key) {
-  for (const std::string table : {"compare.case", "compare.baseline", "compare.metrics"}) {
+  for (const std::string table :
+       {"compare.case", "compare.baseline", "compare.metrics", "compare.worlds"}) {
     if (key == table) return "--" + key.substr(8);
   }
   if (key.starts_with("compare.goal.")) return "--goal: " + key.substr(13);

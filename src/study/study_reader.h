@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include <breakwater/scenario/config.h>
+#include <breakwater/config/config.h>
 #include <breakwater/study/study.h>
 
 namespace breakwater {
@@ -95,8 +95,8 @@ class StudyReader {
   /// Leaves the target as it is where there is no such key.
   template <typename Enum>
   void choice(const toml::table& from, const std::string& key, const Names<Enum>& names,
-              Enum& target) const {
-    if (const toml::node* node = from.get(key)) target = choice(*node, key, names);
+              Enum& target, const std::string& prefix = "") const {
+    if (const toml::node* node = from.get(key)) target = choice(*node, prefix + key, names);
   }
 
  private:

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include <breakwater/study/quantile.h>
+#include <breakwater/statistics/quantile.h>
 #include <breakwater/study/shards.h>
 #include <breakwater/study/study_reader.h>
 

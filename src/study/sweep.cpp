@@ -13,8 +13,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include <breakwater/experiment/run_manifest.h>
 #include <breakwater/record/file_hash.h>
-#include <breakwater/scenario/run_manifest.h>
 
 namespace breakwater {
 namespace {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include <breakwater/scenario/catalogue.h>
+#include <breakwater/experiment/catalogue.h>
 #include <breakwater/study/executor.h>
 #include <breakwater/study/plan.h>
 #include <breakwater/study/results.h>

@@ -5,28 +5,36 @@
 #include <numbers>
 
 #include <breakwater/math/functions.h>
+#include <breakwater/signals/encoder_rounding.h>
 
 namespace breakwater {
 
-/// What an encoder calls 0.
+/// What an encoder calls 0; [x] is x in whole counts, as the rounding says.
 enum class EncoderOrigin {
-  counted,  ///< where it starts: it counts edges from there, y = Δ·(round((q + φ)/Δ) − round(φ/Δ))
-  calibrated  ///< q = 0, known to a fraction of a count: y = Δ·round((q + φ)/Δ) − φ
+  counted,    ///< where it starts: it counts edges from there, y = Δ·([(q + φ)/Δ] − [φ/Δ])
+  calibrated  ///< q = 0, known to a fraction of a count: y = Δ·[(q + φ)/Δ] − φ
 };
 
-/// An encoder that rounds to its nearest count. Counted, it reads 0 at q = 0 wherever between two
-/// edges that lies, as an incremental encoder does. Calibrated, φ decides whether q = 0 lies on a
-/// count or between two, and a loop that holds q at 0 between two counts hunts for ever.
+/// Counted, it reads 0 at q = 0 wherever between two edges that lies, as an incremental encoder
+/// does. Calibrated, φ decides whether q = 0 lies on a count or between two, and a loop that holds
+/// q at 0 between two counts hunts for ever. One that truncates reads 0 over two counts' width,
+/// around q = −φ.
 struct Encoder {
   double quantum = 0.0;  ///< Δ, one count, in the angle's unit; 0 means no quantisation
   double phase = 0.0;    ///< φ, how far q = 0 lies from the middle between two edges
   EncoderOrigin origin = EncoderOrigin::counted;
+  EncoderRounding rounding = EncoderRounding::nearest;
 
   double measure(double q) const {
     if (quantum == 0.0) return q;
-    const double counts = std::round((q + phase) / quantum);
-    if (origin == EncoderOrigin::calibrated) return quantum * counts - phase;
-    return quantum * (counts - std::round(phase / quantum));
+    const double code = counts((q + phase) / quantum);
+    if (origin == EncoderOrigin::calibrated) return quantum * code - phase;
+    return quantum * (code - counts(phase / quantum));
+  }
+
+ private:
+  double counts(double value) const {
+    return rounding == EncoderRounding::truncate ? std::trunc(value) : std::round(value);
   }
 };
 

@@ -83,7 +83,7 @@ TEST(LoopAnalysis, OfAStationaryKalmanFilterIsThatOfItsMatrices) {
   const LoopAnalysis analysis = prepared.analyse({.points = 0});
   ASSERT_EQ(analysis.designed.reason, "");
   ASSERT_TRUE(analysis.estimates);
-  const KalmanLoop loop(1.5e4, 10.0, std::sqrt(10.0), 1e-3);
+  const KalmanLoop loop(1.5e4, 10.0, 5.0, 1e-3);
   for (const LoopPoint& point : analysis.designed.points) {
     const double omega = point.omega_rad_s;
     const Complex z = std::polar(1.0, omega * 1e-3);

@@ -6,8 +6,8 @@
 #include <cstdlib>
 #include <string>
 
+#include <breakwater/experiment/runner.h>
 #include <breakwater/program/program.h>
-#include <breakwater/scenario/runner.h>
 #include <breakwater/signals/thread_time.h>
 #include <breakwater/sim/model.h>
 

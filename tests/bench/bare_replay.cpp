@@ -12,7 +12,7 @@
 #include <string>
 
 #include <breakwater/record/hdf5_log.h>
-#include <breakwater/scenario/paths.h>
+#include <breakwater/shell/paths.h>
 #include <breakwater/sim/contact.h>
 #include <breakwater/sim/model.h>
 

@@ -7,12 +7,12 @@
 #include <random>
 #include <string>
 
+#include <breakwater/experiment/runner.h>
 #include <breakwater/observers/stf.h>
 #include <breakwater/plants/damped_inertia.h>
 #include <breakwater/program/program.h>
 #include <breakwater/rigs/arm_parts.h>
 #include <breakwater/rigs/axis_parts.h>
-#include <breakwater/scenario/runner.h>
 #include <breakwater/signals/thread_time.h>
 
 namespace breakwater {

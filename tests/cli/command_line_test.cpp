@@ -1,5 +1,6 @@
 // The binaries as users call them: help, cases, nonsense, failures, what is left behind.
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <csignal>
 
 #include <algorithm>
@@ -264,6 +265,9 @@ INSTANTIATE_TEST_SUITE_P(
         Nonsense{"DeepKey", {"--set", repeated("a.", 50000) + "a=1"}, "is no key"},
         Nonsense{"DeepValue", {"--set", "run.seed=" + repeated("[", 100000)}, "too deeply"},
         Nonsense{"LinesInACase", {"--case", "a\nb"}, "no case \"a\\nb\""},
+        Nonsense{"KeyOfAnotherScenario",
+                 {"--set", "noise.std_rad=1"},
+                 "--set: noise.std_rad: unknown key (here it is sensor.angle_noise_rad)"},
         Nonsense{"UnknownKeyInFile", {"--config", "typo.toml"}, "wall.distnce_m: unknown key"},
         Nonsense{"StringForNumber",
                  {"--set", "wall.distance_m=far"},
@@ -549,6 +553,87 @@ TEST_F(CommandLine, AnInterruptedRunLeavesNothing) {
     EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
     EXPECT_TRUE(entries().empty());
   }
+}
+
+TEST_F(CommandLine, ANewProjectSaysWhatToPasteInTheTree) {
+  const ProgramResult result = run({"breakwater", "new", "controller", "mine"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  std::istringstream lines(result.out);
+  std::vector<std::string> said;
+  for (std::string line; std::getline(lines, line);) said.push_back(line);
+  ASSERT_EQ(said.size(), 6U) << result.out;
+  const std::string prefix = said[2].substr(said[2].find(" --prefix ") + 10);
+  const std::string build = prefix.substr(0, prefix.rfind("/installed"));
+  EXPECT_TRUE(fs::exists(build + "/CMakeCache.txt")) << build;
+  EXPECT_EQ(said[2], "cmake --install " + build + " --prefix " + prefix);
+  EXPECT_EQ(said[3], "cd mine && CMAKE_PREFIX_PATH=" + prefix +
+                         " cmake --preset release && cmake --build --preset release && ctest "
+                         "--preset release");
+}
+
+// A motor's model with more in its world, and maybe a higher bound on its elements.
+class LargeModels : public CommandLine {
+ protected:
+  ProgramResult motor_with(const std::string& part, std::vector<std::string> sets = {},
+                           double kill_after_s = 0.0) {
+    copy_with("models/motor.xml", "motor.xml", "<worldbody>", part + "<worldbody>");
+    std::vector<std::string> words = {
+        "breakwater", "run", "motor_estimation", "--duration", "0.01",
+        "--out",      "run", "--quiet",          "--set",      "model.mjcf=motor.xml"};
+    words.insert(words.end(), sets.begin(), sets.end());
+    return run_program(words, folder_, kill_after_s, SIGTERM);
+  }
+};
+
+TEST_F(LargeModels, FilesThatNeverEndAreRefusedInOneLine) {
+  ASSERT_EQ(mkfifo((folder_ / "fifo").c_str(), 0600), 0);
+  const std::string pipe = (folder_ / "fifo").string();
+  for (const std::string& file : {std::string("/dev/zero"), pipe}) {
+    for (const std::string& part :
+         {"<include file='" + file + "'/>", "<asset><mesh name='m' file='" + file + "'/></asset>",
+          "<asset><hfield name='h' file='" + file + "' size='1 1 1 1'/></asset>"}) {
+      const ProgramResult result = motor_with(part);
+      EXPECT_EQ(result.status, 2) << part;
+      EXPECT_EQ(result.err, file + ": is no regular file: it may never end\n") << part;
+      EXPECT_FALSE(fs::exists(folder_ / "run"));
+    }
+  }
+  const ProgramResult result =
+      run({"breakwater", "run", "motor_estimation", "--config", pipe, "--out", "run"});
+  EXPECT_EQ(result.status, 2);
+  EXPECT_EQ(result.err, pipe + ": cannot be read\n");
+}
+
+TEST_F(LargeModels, MoreElementsThanTheKeyAllowsAreRefused) {
+  const auto refusal = [&](const std::string& part, const std::vector<std::string>& sets = {}) {
+    const ProgramResult result = motor_with(part, sets);
+    EXPECT_EQ(result.status, 2);
+    EXPECT_LT(result.seconds, 5.0 * testing::kSlowness);
+    return result.err.substr(result.err.find(": ") + 2);
+  };
+  const std::string many =
+      "<worldbody><body><composite type='particle' count='3000 3000 1' spacing='1'>"
+      "<geom size='.1'/></composite></body></worldbody>";
+  EXPECT_TRUE(refusal(many).starts_with("<composite>: here the model has 90000"));
+  EXPECT_NE(refusal(many).find(" elements: model.most_elements allows 20000\n"), std::string::npos);
+  std::string sites = "<worldbody>";
+  for (int k = 0; k < 30000; ++k) sites += "<site/>";
+  sites += "</worldbody>";
+  EXPECT_EQ(refusal(sites),
+            "<site>: here the model has 20001 elements: model.most_elements allows 20000\n");
+  EXPECT_NE(refusal("", {"model.most_elements=9"}).find("has 10 elements"), std::string::npos);
+  EXPECT_EQ(motor_with("", {"model.most_elements=100"}).status, 0);
+}
+
+TEST_F(LargeModels, ASignalEndsACompilationSoon) {
+  std::string geoms = "<worldbody>";
+  for (int k = 0; k < 60000; ++k) geoms += "<geom size='1'/>";
+  const ProgramResult result =
+      motor_with(geoms + "</worldbody>", {"model.most_elements=1000000"}, 1.0);
+  EXPECT_EQ(result.status, 130);
+  EXPECT_LT(result.seconds, 6.0 * testing::kSlowness) << "without the signal it is minutes";
+  EXPECT_EQ(result.err, "interrupted while a model was compiled\n");
+  EXPECT_EQ(entries(), std::vector<std::string>{"motor.xml"});
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 #include <regex>
 #include <sstream>
 
-#include <breakwater/scenario/scenario.h>
+#include <breakwater/experiment/scenario.h>
 #include "support.h"
 
 namespace breakwater::testing {

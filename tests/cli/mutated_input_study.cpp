@@ -1,5 +1,5 @@
 // All broken scenario files and models, each by the program itself.
-#include <breakwater/scenario/all_cores.h>
+#include <breakwater/shell/all_cores.h>
 #include "cli/mutated_input.h"
 
 namespace breakwater {

@@ -5,8 +5,8 @@
 #include <map>
 #include <random>
 
-#include <breakwater/scenario/all_cores.h>
-#include <breakwater/scenario/runner.h>
+#include <breakwater/experiment/runner.h>
+#include <breakwater/shell/all_cores.h>
 #include <breakwater/signals/thread_time.h>
 #include "catalogue.h"
 #include "cli/mutated_input.h"

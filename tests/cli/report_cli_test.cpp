@@ -222,25 +222,36 @@ TEST_F(Reports, ShowsBesideTheRestAndSaysWhyACellDoesNotComeOut) {
       << statements(
              {"metric = \"rmse_velocity_rad_s\", below = 0.0, why = \"since it is, \\\"truly\\\"\"",
               "metric = \"rmse_velocity_rad_s\", over_metric = \"rmse_raw_velocity_rad_s\", above "
-              "= 0.0"}) +
+              "= 0.0",
+              "metric = \"rmse_velocity_rad_s\", below = 1e3, vacuous = \"it stands\"",
+              "metric = \"rmse_velocity_rad_s\", below = 1e3, hypothesis = \"it is lighter\"",
+              "metric = \"rmse_velocity_rad_s\", below = 0.0, hypothesis = \"it is lighter\""}) +
              "\n[[section.table]]\ntitle = \"beside\"\ncolumns = [{ title = \"c\" }]\nrows = [{ "
              "title = "
              "\"r\", shows = \"what is not claimed\", run = \"one\", metric = "
-             "\"peak_position_rad\" }]\n";
+             "\"peak_position_rad\" }]\nnote = \"Two gains for one cell.\"\n";
   const ProgramResult result = reproduce("out");
   ASSERT_EQ(result.status, 0) << result.err;
-  EXPECT_NE(result.out.find("1 held, 1 did not hold\n"), std::string::npos) << result.out;
+  EXPECT_NE(result.out.find("1 held, 1 did not hold; beside them 1 vacuous, "
+                            "1 of 2 hypotheses hold\n"),
+            std::string::npos)
+      << result.out;
   const std::string html = text_of(folder_ / "out/report.html");
   EXPECT_NE(html.find("since it is, &quot;truly&quot;"), std::string::npos);
   EXPECT_NE(html.find("what is not claimed"), std::string::npos);
   EXPECT_NE(html.find("beside the rest, not judged"), std::string::npos);
+  EXPECT_NE(html.find("among them: 1 vacuous, 1 of 2 hypotheses hold."), std::string::npos);
+  EXPECT_NE(html.find("Of 2 results."), std::string::npos);
+  EXPECT_NE(html.find("Two gains for one cell."), std::string::npos);
 
   const std::string list = text_of(folder_ / "out/verdicts.csv");
-  EXPECT_EQ(lines_of(list), 4) << list;
+  EXPECT_EQ(lines_of(list), 7) << list;
   EXPECT_EQ(list.find("section,table,row,column,run,metric,"), 0U) << list;
   EXPECT_NE(list.find("does not hold,\"since it is, \"\"truly\"\"\""), std::string::npos) << list;
   EXPECT_NE(list.find(",one,rmse_velocity_rad_s,one,rmse_raw_velocity_rad_s,"), std::string::npos);
   EXPECT_NE(list.find(",what is not claimed,,shown,"), std::string::npos) << list;
+  EXPECT_NE(list.find(",vacuous,it stands\n"), std::string::npos) << list;
+  EXPECT_NE(list.find(",hypothesis: does not hold,it is lighter\n"), std::string::npos) << list;
 }
 
 TEST_F(Reports, AMetricThatNoRunHasIsAnErrorOfTheList) {
@@ -437,6 +448,31 @@ TEST_F(Reports, CompareOfSetsOfRunsIsPairedBySeed) {
   expect_refused({"compare", "--paired", "kfd1", "stf1", "--goal", "rmse_velocity=min"},
                  "--goal: rmse_velocity: no run has it");
   expect_refused({"compare", "--paired", "kfd1", "kfd1", "stf1"}, "is there twice");
+}
+
+// Folder names are what they are: no mathematics of matplotlib's, no formula of a spreadsheet's.
+TEST_F(Reports, CompareTakesAnyFolderNameForText) {
+  make_run("motor_estimation", "$\\bad{$", {"--case", "kfd"});
+  make_run("motor_estimation", "=cmd|calc", {"--case", "kfd"});
+  const ProgramResult result =
+      breakwater({"compare", "$\\bad{$", "=cmd|calc", "--out", "both", "--csv", "--svg", "--signal",
+                  "d_hat_Nm", "--no-replay", "--quiet"});
+  EXPECT_EQ(result.status, 0);
+  EXPECT_EQ(result.err, "");
+  EXPECT_TRUE(fs::exists(folder_ / "both/compare.svg"));
+  const std::string csv = text_of(folder_ / "both/compare.csv");
+  EXPECT_TRUE(csv.starts_with("metric,unit,$\\bad{$,'=cmd|calc,'=cmd|calc minus $\\bad{$\n"))
+      << csv.substr(0, csv.find('\n'));
+}
+
+TEST_F(Reports, AMetricThatIsNamedAsAFormulaIsRefused) {
+  for (const char* name : {"a", "b"}) make_run("motor_estimation", name, {"--case", "kfd"});
+  std::ofstream(folder_ / "b/metrics.json") << R"({"=cmd|calc": 1.0})";
+  const ProgramResult result = breakwater({"compare", "a", "b", "--csv"});
+  EXPECT_EQ(result.status, 2);
+  EXPECT_EQ(result.err,
+            "b/metrics.json: a metric cannot be named \"=cmd|calc\": a name is letters from A to Z "
+            "or a to z, digits and _\n");
 }
 
 TEST_F(Reports, CompareWritesTablesAndFigures) {

@@ -246,10 +246,10 @@ TEST(Lmpc, WhatIsLeftAtTheCapStaysWithinTheInputsBounds) {
   Lmpc lmpc(design);
   testing::Random random;
   Eigen::VectorXd u = kNothing;
-  for (int k = 0; k < 200; ++k) {
+  for (int k = 0; k < 2000; ++k) {
     const Eigen::VectorXd x = 5.0 * random.vector(2);
     const double change = lmpc.optimise(x, u, Eigen::VectorXd::Zero(20), kNothing)(0);
-    if (lmpc.solution().status == QpStatus::iteration_cap) {
+    if (lmpc.solution().status != QpStatus::solved) {
       EXPECT_LE(std::abs(change), 0.7);
       EXPECT_LE(std::abs(u(0) + change), 1.0 + 1e-15);
     }

@@ -75,6 +75,32 @@ TEST(PredictiveControl, TellsItsEstimatorWhatTheDriveCanDo) {
   EXPECT_THROW(PredictiveControl(idob(), limited), std::invalid_argument);
 }
 
+// Under noise the estimate changes at each sample: so does what cancels it, or at decisions alone.
+TEST(PredictiveControl, CancelsAtEachSampleOrAtEachDecision) {
+  const auto changes = [](CancelAt at) {
+    PredictiveControlDesign cancelling = design(DisturbanceUse::cancel);
+    cancelling.cancel_at = at;
+    PredictiveControl controller(idob(), cancelling);
+    Sample sample{0.0, Eigen::VectorXd::Zero(3)};
+    Eigen::VectorXd u = Eigen::VectorXd::Zero(1);
+    testing::Random random;
+    controller.reset(sample);
+    int count = 0;
+    for (int k = 0; k < 10 * kSamplesPerMove; ++k) {
+      const double before = u(0);
+      sample.y(0) = random.uniform(-0.1, 0.1);
+      controller.update(sample, u);
+      count += u(0) != before ? 1 : 0;
+      if (k % kSamplesPerMove == 0 && k > 0) {
+        EXPECT_NE(u(0), before) << k;
+      }
+    }
+    return count;
+  };
+  EXPECT_GT(changes(CancelAt::sample), 9 * kSamplesPerMove);
+  EXPECT_LE(changes(CancelAt::decision), 10);
+}
+
 TEST(LqrControl, TellsItsEstimatorWhatTheDriveCanDo) {
   const StateSpace plant = zero_order_hold(damped_inertia(1.0, 0.5), kPeriod);
   const Eigen::MatrixXd K =

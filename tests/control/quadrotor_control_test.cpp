@@ -4,6 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
 #include <breakwater/control/backstepping.h>
 #include <breakwater/observers/square_root_ukf.h>
@@ -170,6 +171,39 @@ TEST(WaveFrequency, FindsThePeriodOfAForce) {
       v += kPeriod_s / 1.38 * (force + hold);
     }
     EXPECT_NEAR(2.0 * M_PI / frequency.omega_rad_s(), period_s, 0.2 * period_s);
+  }
+}
+
+// The printed Q of the highest derivative alone is a walk of it, which can be said in deviations
+// too.
+TEST(QuadrotorEstimators, NoiseOnTheHighestStateIsAWalkOfItAlone) {
+  const QuadrotorModel model({}, QuadrotorPhysics::thesis);
+  const auto after_a_climb = [&](const QuadrotorEstimatorDesign& design) {
+    auto estimator = make_quadrotor_estimator(design, model);
+    Vector6d pose = Vector6d::Zero();
+    estimator->reset(pose);
+    for (int k = 0; k < 20; ++k) {
+      pose(2) = 0.01 * k * k;
+      estimator->update(Eigen::Vector4d::Constant(0.1 * k), pose);
+    }
+    return estimator;
+  };
+  const double delta_s = QuadrotorEstimatorDesign().period_s;
+  for (const auto& [order, walk] : {std::pair{DisturbanceOrder::zero, std::sqrt(5e5) * delta_s},
+                                    std::pair{DisturbanceOrder::second, std::sqrt(1e6)}}) {
+    QuadrotorEstimatorDesign all;
+    all.order = order;
+    QuadrotorEstimatorDesign highest = all;
+    highest.noise_states = ProcessNoiseStates::highest;
+    QuadrotorEstimatorDesign tuned = all;
+    tuned.noise = ProcessNoiseSource::tuned;
+    tuned.velocity_std_m_s = tuned.rate_std_rad_s = 0.0;
+    tuned.disturbance_std = walk;
+    const auto one = after_a_climb(highest);
+    const auto other = after_a_climb(tuned);
+    EXPECT_LT((one->motion() - other->motion()).norm(), 1e-9);
+    EXPECT_LT((one->thrust_disturbance() - other->thrust_disturbance()).norm(), 1e-6);
+    EXPECT_GT((one->motion() - after_a_climb(all)->motion()).norm(), 1e-6);
   }
 }
 

@@ -31,15 +31,16 @@ const std::set<std::string> kSameEverywhere = {
     "trunc",     "hypot",     "cabs",      "cabsl",  // no ifunc; square roots, products and sums
 };
 
-// render and report draw and write what is finished; record only writes down.
+// render and pages draw and write what is finished; record only writes down.
 TEST(House, WhatReachesAStateCallsNoFunctionThatDiffersByProcessor) {
   std::set<std::string> libm;
   for (const std::string& name : symbols("nm -D --defined-only '" BREAKWATER_LIBM "'")) {
     if (!kSameEverywhere.contains(name)) libm.insert(name);
   }
   ASSERT_TRUE(libm.contains("sin") && libm.contains("pow") && libm.contains("cexp"));
-  for (const std::string room : {"math", "linear", "plants", "observers", "control", "world", "sim",
-                                 "record", "scenario", "rigs", "study", "scenarios"}) {
+  for (const std::string room :
+       {"math", "linear", "plants", "observers", "control", "world", "sim", "record", "experiment",
+        "rigs", "statistics", "study", "scenarios"}) {
     const std::string folder = room == "scenarios" ? room : "src";
     const std::string archive = BREAKWATER_ARCHIVES "/" + folder + "/libbreakwater_" + room + ".a";
     const auto called = symbols("nm --undefined-only '" + archive + "'");

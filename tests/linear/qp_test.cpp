@@ -19,6 +19,7 @@ namespace {
 
 using testing::kQpSizes;
 using testing::make_infeasible;
+using testing::optimality_error;
 using testing::QpSize;
 using testing::Random;
 using testing::random_feasible_input;
@@ -147,6 +148,34 @@ TEST_P(BothSolvers, CrossedBoundsAreInfeasible) {
   solver->solve(input, solution);
   EXPECT_EQ(solution.status, QpStatus::infeasible);
   EXPECT_GT(solution.kkt_residual, 0.1);
+}
+
+// z_1 ≤ 0 and z_1 + tilt z_2 ≥ by: from `by`/tilt on some z_2 satisfies both.
+TEST(Infeasibility, MarginIsHowFarNoZSatisfiesTheRows) {
+  struct Case {
+    const char* name;
+    double tilt, by, softness, y_1, y_2, least, most;
+  };
+  for (const Case& c : {Case{"contradict each other", 0.0, 1.0, 0.0, 1.0, -1.0, 1e14, 1e16},
+                        Case{"by little", 0.0, 1e-6, 0.0, 1.0, -1.0, 1e8, 1e10},
+                        Case{"in other units", 0.0, 1e9, 0.0, 1.0, -1.0, 1e14, 1e16},
+                        Case{"meet far away", 1e-3, 1.0, 0.0, 1.0, -1.0, 999.0, 1000.0},
+                        Case{"are satisfied", 0.0, -1.0, 0.0, 1.0, -1.0, 0.0, 0.0},
+                        Case{"not this combination", 0.0, 1.0, 0.0, 1.0, -0.5, 0.0, 1.0},
+                        Case{"one row alone", 0.0, 1.0, 0.0, 0.0, -1.0, 0.0, 1.0},
+                        Case{"a side without a bound", 0.0, 1.0, 0.0, -1.0, 1.0, 0.0, 0.0},
+                        Case{"gives way", 0.0, 1.0, 0.1, 1.0, -1.0, 0.0, 0.0},
+                        Case{"nothing", 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0}}) {
+    QpModel model = unit_model();
+    model.Omega << 1.0, 0.0, 1.0, c.tilt;
+    QpInput input(2, 2);
+    input.upper(0) = 0.0;
+    input.lower(1) = c.by;
+    input.softness(0) = c.softness;
+    const double margin = infeasibility_margin(model, input, Eigen::Vector2d(c.y_1, c.y_2));
+    EXPECT_GE(margin, c.least) << c.name;
+    EXPECT_LE(margin, c.most) << c.name;
+  }
 }
 
 TEST_P(BothSolvers, RefuseWhatIsNoProblem) {
@@ -349,20 +378,6 @@ TEST(Hildreth, AgreesWithTheExactSolverWhereItConverges) {
   EXPECT_GT(converged, 200);
 }
 
-// What is wrong with a solution, from the definition alone and not by kkt_residual().
-double optimality_error(const QpModel& model, const QpInput& input, const QpSolution& s) {
-  const double scale = std::max({1.0, input.g.cwiseAbs().maxCoeff(), s.mu.cwiseAbs().maxCoeff()});
-  const Eigen::VectorXd values = model.Omega * s.z - input.softness.cwiseProduct(s.mu);
-  double error = (model.H * s.z + input.g + model.Omega.transpose() * s.mu).cwiseAbs().maxCoeff();
-  error /= scale;
-  for (Eigen::Index i = 0; i < values.size(); ++i) {
-    error = std::max({error, values(i) - input.upper(i), input.lower(i) - values(i)});
-    if (s.mu(i) > 0.0) error = std::max(error, s.mu(i) * (input.upper(i) - values(i)) / scale);
-    if (s.mu(i) < 0.0) error = std::max(error, -s.mu(i) * (values(i) - input.lower(i)) / scale);
-  }
-  return error;
-}
-
 // Every feasible one solved to 1e-8, from cold and along a sequence that drifts.
 void solve_random_problems(const QpSize& size, int models, int inputs, unsigned seed) {
   Random random(seed);
@@ -436,6 +451,21 @@ TEST(ActiveSet, WarmAndColdAgree) {
       EXPECT_EQ(from_cold.iterations, 0) << "already at the solution";
     }
   }
+}
+
+// Two equations contradict each other by less than their sums are rounded by.
+TEST(ActiveSet, RoundingIsNoCapOnIterations) {
+  QpModel model = unit_model();
+  model.Omega << 0.3, 0.7, 0.3, 0.7;
+  QpInput input(2, 2);
+  input.lower.setConstant(1e12 / 3.0);
+  input.lower(1) += 1e-4;
+  input.upper = input.lower;
+  QpSolution solution(2, 2);
+  ActiveSetQp(model, 100).solve(input, solution);
+  EXPECT_EQ(solution.status, QpStatus::inaccurate);
+  EXPECT_GT(solution.kkt_residual, kQpSolvedBelow);
+  EXPECT_LT((model.Omega * solution.z - input.upper).cwiseAbs().maxCoeff(), 1e-3);
 }
 
 TEST(ActiveSet, CapIsTold) {

@@ -1,6 +1,9 @@
 // Random quadratic programs of the sizes that the cart's controllers have.
 #pragma once
 
+#include <Eigen/QR>
+
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -69,6 +72,108 @@ inline void make_infeasible(Random& random, QpModel& model, QpInput& input, doub
   }
   input.lower(last) = most + by;
   input.upper(last) = most + by + 1.0;
+}
+
+/// What is wrong with a solution, from the definition alone and not by kkt_residual().
+inline double optimality_error(const QpModel& model, const QpInput& input, const QpSolution& s) {
+  const double scale = std::max({1.0, input.g.cwiseAbs().maxCoeff(), s.mu.cwiseAbs().maxCoeff()});
+  const Eigen::VectorXd values = model.Omega * s.z - input.softness.cwiseProduct(s.mu);
+  double error = (model.H * s.z + input.g + model.Omega.transpose() * s.mu).cwiseAbs().maxCoeff();
+  error /= scale;
+  for (Eigen::Index i = 0; i < values.size(); ++i) {
+    error = std::max({error, values(i) - input.upper(i), input.lower(i) - values(i)});
+    if (s.mu(i) > 0.0) error = std::max(error, s.mu(i) * (input.upper(i) - values(i)) / scale);
+    if (s.mu(i) < 0.0) error = std::max(error, -s.mu(i) * (values(i) - input.lower(i)) / scale);
+  }
+  return error;
+}
+
+/// A whole program, of any size and condition.
+struct HardQp {
+  QpModel model;
+  QpInput input;
+};
+
+/// 2 to 24 variables, 1 to 60 rows, H with a condition of 1 to 1e8 and of any size. Rows are
+/// random, sums of consecutive variables, single variables, copies, multiples and sums of others,
+/// nearly others (1e-9 to 1e-3 off) or 0. One z satisfies all; many rows hold it at a bound, some
+/// at both.
+inline HardQp hard_feasible_qp(Random& random) {
+  const auto whole = [&random](Eigen::Index least, Eigen::Index most) {
+    return static_cast<Eigen::Index>(
+        std::floor(random.uniform(static_cast<double>(least), static_cast<double>(most) + 1.0)));
+  };
+  const Eigen::Index n = whole(2, 24);
+  const Eigen::Index m = whole(1, 60);
+  // Of few digits, so that sums of rows are exact.
+  const auto rounded = [](const Eigen::MatrixXd& rows) -> Eigen::MatrixXd {
+    constexpr double kGrid = 1ULL << 36;
+    return (kGrid * rows).array().round() / kGrid;
+  };
+  const double decades = random.uniform(0.0, 8.0);
+  const double top = random.uniform(0.0, decades);
+  Eigen::VectorXd roots(n);  // of the eigenvalues
+  for (Eigen::Index j = 0; j < n; ++j) {
+    const double below = j == 0 ? 0.0 : j == 1 ? decades : random.uniform(0.0, decades);
+    roots(j) = std::pow(10.0, 0.5 * (top - below));
+  }
+  const Eigen::MatrixXd axes =
+      Eigen::HouseholderQR<Eigen::MatrixXd>(random.matrix(n, n)).householderQ();
+  const Eigen::MatrixXd root = axes * roots.asDiagonal();
+  HardQp qp{{root * root.transpose(), rounded(random.matrix(m, n))}, QpInput(n, m)};
+  qp.model.H = (0.5 * (qp.model.H + qp.model.H.transpose())).eval();
+  for (Eigen::Index i = 0; i < m; ++i) {
+    const double kind = random.uniform(0.0, 1.0);
+    auto row = qp.model.Omega.row(i);
+    if (kind < 0.15) {
+      row.setZero();
+      row.head(whole(1, n)).setOnes();
+    } else if (kind < 0.2) {
+      row = Eigen::RowVectorXd::Unit(n, whole(0, n - 1));
+    } else if (kind < 0.35 && i > 0) {
+      const Eigen::RowVectorXd other = qp.model.Omega.row(whole(0, i - 1));
+      const double off = kind < 0.31 ? 0.0 : std::pow(10.0, random.uniform(-9.0, -3.0));
+      row = (kind < 0.25 ? 1.0 : kind < 0.28 ? -0.75 : 1.0) * other + rounded(off * row);
+      if (kind >= 0.28 && kind < 0.31) row += 0.5 * qp.model.Omega.row(whole(0, i - 1));
+    } else if (kind > 0.995) {
+      row.setZero();
+    }
+  }
+  qp.input.g = random.vector(n, std::pow(10.0, random.uniform(-1.0, 2.0)));
+  const Eigen::VectorXd values = qp.model.Omega * random.vector(n);
+  const double equations = random.uniform(0.0, 0.2);  // share of the rows
+  for (Eigen::Index i = 0; i < m; ++i) {
+    const double kind = random.uniform(0.0, 1.0);
+    const double below = random.uniform(0.0, 1.0);
+    const double above = random.uniform(0.0, 1.0);
+    qp.input.lower(i) = kind < 0.3 ? values(i) : values(i) - below;
+    qp.input.upper(i) = kind < equations ? values(i) : values(i) + above;
+    if (kind > 0.95) qp.input.lower(i) = -kNoBound;
+    if (kind > 0.9 && kind < 0.95) qp.input.upper(i) = kNoBound;
+  }
+  return qp;
+}
+
+/// The same without a solution, for certain: the last row is a sum of sides of others, exactly, and
+/// asked to be beyond their bounds by 1e-6 to 10.
+inline HardQp hard_infeasible_qp(Random& random) {
+  HardQp qp = hard_feasible_qp(random);
+  while (qp.model.Omega.rows() < 2) qp = hard_feasible_qp(random);
+  auto& [model, input] = qp;
+  const Eigen::Index last = model.Omega.rows() - 1;
+  model.Omega.row(last).setZero();
+  double most = 0.0;
+  for (double terms = random.uniform(0.0, 8.0); terms > 0.0; terms -= 1.0) {
+    const auto row = static_cast<Eigen::Index>(random.uniform(0.0, static_cast<double>(last)));
+    const bool is_upper = input.lower(row) == -kNoBound ||
+                          (input.upper(row) < kNoBound && random.uniform(0.0, 1.0) < 0.5);
+    const double weight = (is_upper ? 0.125 : -0.125) * std::ceil(random.uniform(0.0, 8.0));
+    model.Omega.row(last) += weight * model.Omega.row(row);
+    most += weight * (is_upper ? input.upper(row) : input.lower(row));
+  }
+  input.lower(last) = most + std::pow(10.0, random.uniform(-6.0, 1.0));
+  input.upper(last) = random.uniform(0.0, 1.0) < 0.5 ? kNoBound : input.lower(last) + 1.0;
+  return qp;
 }
 
 }  // namespace breakwater::testing

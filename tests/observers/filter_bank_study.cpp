@@ -1,8 +1,8 @@
 // The bank against every other estimator, encoders × periods × disturbances: on the 70 rows that
 // its constants were found with, and on 40 others, which nobody had seen. Medians over phases
 // (seeds, where there is noise) that nobody tuned on. IDOB, DKF and FAKFD are tuned for each row by
-// their one parameter, on the row's own phases, which the bank is not. Prints the tables of
-// docs/methods/filter-bank.md.
+// their one parameter, on the row's own phases, which the bank is not. All of it for an encoder
+// that rounds and for one that truncates. Prints the tables of docs/methods/filter-bank.md.
 #include <breakwater/observers/filter_bank.h>
 
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@
 #include <breakwater/observers/kfd.h>
 #include <breakwater/observers/qvff.h>
 #include <breakwater/observers/stf.h>
-#include <breakwater/scenario/all_cores.h>
+#include <breakwater/shell/all_cores.h>
 #include "observers/motor_loop.h"
 #include "support.h"
 
@@ -52,13 +52,13 @@ constexpr Disturbance kSineOf10{DisturbanceKind::sine, 10.0, 1.0, 1.0};
 // One row: what all estimators of it have in common.
 class Row {
  public:
-  Row(double period_s, const Behind& behind, const Acting& acting)
-      : period_s_(period_s), behind_(behind), acting_(acting) {}
+  Row(double period_s, const Behind& behind, const Acting& acting, EncoderRounding rounding)
+      : period_s_(period_s), behind_(behind), acting_(acting), rounding_(rounding) {}
 
   double quantum() const { return 2.0 * std::numbers::pi / behind_.pulses; }
   SensorError sensor() const {
     return {Eigen::VectorXd::Constant(1, quantum()),
-            Eigen::VectorXd::Constant(1, behind_.noise_std)};
+            Eigen::VectorXd::Constant(1, behind_.noise_std), rounding_};
   }
   StateSpace plant() const { return damped_inertia(1.0, 0.0); }
   ExtendedPlant extended() const {
@@ -75,7 +75,8 @@ class Row {
       loop.inertia = acting_.inertia;
       loop.coulomb = acting_.coulomb;
       loop.encoder = {.quantum = quantum(),
-                      .phase = quantum() * ((i + 0.5) / kPhases - 0.5 + 0.013)};
+                      .phase = quantum() * ((i + 0.5) / kPhases - 0.5 + 0.013),
+                      .rounding = rounding_};
       loop.noise_std = behind_.noise_std;
       loop.seed = static_cast<std::uint64_t>(101 + i);
       loop.disturbance = acting_.disturbance;
@@ -119,6 +120,7 @@ class Row {
   double period_s_;
   Behind behind_;
   Acting acting_;
+  EncoderRounding rounding_;
 };
 
 struct Result {
@@ -129,8 +131,9 @@ struct Result {
   double stf;
 };
 
-Result compare(double period_s, const Behind& behind, const Acting& acting) {
-  const Row row(period_s, behind, acting);
+Result compare(double period_s, const Behind& behind, const Acting& acting,
+               EncoderRounding rounding) {
+  const Row row(period_s, behind, acting, rounding);
   FilterBank bank({row.plant(), period_s, row.sensor(), 10.0});
   VfakfdDesign variable;
   variable.alpha = Eigen::VectorXd::Constant(
@@ -153,7 +156,8 @@ struct Summary {
 };
 
 // Prints the table of all rows, at 10 and 1 ms.
-Summary compare_all(const std::vector<Behind>& encoders, const std::vector<Acting>& disturbances) {
+Summary compare_all(const std::vector<Behind>& encoders, const std::vector<Acting>& disturbances,
+                    EncoderRounding rounding) {
   struct Cell {
     double period_s;
     const Behind* behind;
@@ -166,9 +170,9 @@ Summary compare_all(const std::vector<Behind>& encoders, const std::vector<Actin
       for (const Acting& acting : disturbances) cells.push_back({period_s, &behind, &acting, {}});
     }
   }
-  on_all_cores(cells.size(), [&cells](std::size_t i) {
+  on_all_cores(cells.size(), [&cells, rounding](std::size_t i) {
     Cell& cell = cells[cells.size() - 1 - i];  // the long ones first
-    cell.result = compare(cell.period_s, *cell.behind, *cell.acting);
+    cell.result = compare(cell.period_s, *cell.behind, *cell.acting, rounding);
   });
   Summary sum;
   std::puts(
@@ -194,7 +198,12 @@ Summary compare_all(const std::vector<Behind>& encoders, const std::vector<Actin
   return sum;
 }
 
-TEST(FilterBankStudy, AgainstRivalsTunedForEachOfSeventyRows) {
+class FilterBankStudy : public ::testing::TestWithParam<EncoderRounding> {
+ protected:
+  bool truncates() const { return GetParam() == EncoderRounding::truncate; }
+};
+
+TEST_P(FilterBankStudy, AgainstRivalsTunedForEachOfSeventyRows) {
   const std::vector<Behind> encoders = {
       bits(4), bits(8), bits(12), bits(48), {"48 bits, σ = .01", std::exp2(48), 0.01}};
   const std::vector<Acting> disturbances = {{"step 10", kStepOf10},
@@ -204,7 +213,7 @@ TEST(FilterBankStudy, AgainstRivalsTunedForEachOfSeventyRows) {
                                             {"2 sin 5t", {DisturbanceKind::sine, 2.0, 5.0, 1.0}},
                                             {"J .5", kStepOf10, 0.5},
                                             {"J 1.5", kStepOf10, 1.5}};
-  const Summary sum = compare_all(encoders, disturbances);
+  const Summary sum = compare_all(encoders, disturbances, GetParam());
   EXPECT_EQ(sum.rows, 70);
   EXPECT_GE(sum.within, 62);
   EXPECT_GE(sum.below_vfakfd, 64);
@@ -212,7 +221,7 @@ TEST(FilterBankStudy, AgainstRivalsTunedForEachOfSeventyRows) {
 
 // Other encoders and other disturbances than those that its constants were found with. Behind dry
 // friction, which jumps wherever the shaft turns back, a tuned DKF is better in 9 rows of 10.
-TEST(FilterBankStudy, OnFortyRowsThatNobodyTunedOn) {
+TEST_P(FilterBankStudy, OnFortyRowsThatNobodyTunedOn) {
   const std::vector<Behind> encoders = {
       bits(5), bits(6), bits(10), bits(16), {"6 bits, gear 25", 25.0 * std::exp2(6)}};
   const std::vector<Acting> disturbances = {
@@ -220,12 +229,19 @@ TEST(FilterBankStudy, OnFortyRowsThatNobodyTunedOn) {
       {"chirp 5, 1 to 10/s", {DisturbanceKind::chirp, 5.0, 1.0, 1.0, 0.0, 0.0, 10.0, 9.0}},
       {"10 sin t, F_C 1", kSineOf10, 1.0, 1.0},
       {"J .7", kStepOf10, 0.7}};
-  const Summary sum = compare_all(encoders, disturbances);
+  const Summary sum = compare_all(encoders, disturbances, GetParam());
   EXPECT_EQ(sum.rows, 40);
   EXPECT_GE(sum.within, 26);
   EXPECT_GE(sum.below_vfakfd, 37);
   EXPECT_GE(sum.below_stf, 36);
 }
+
+INSTANTIATE_TEST_SUITE_P(Encoder, FilterBankStudy,
+                         ::testing::Values(EncoderRounding::nearest, EncoderRounding::truncate),
+                         [](const auto& rounding) {
+                           return rounding.param == EncoderRounding::truncate ? "truncates"
+                                                                              : "rounds";
+                         });
 
 }  // namespace
 }  // namespace breakwater::filter_bank_study

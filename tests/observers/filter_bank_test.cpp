@@ -308,6 +308,54 @@ INSTANTIATE_TEST_SUITE_P(FilterBank, Recovery, ::testing::Values(1e-1, 1e-2, 1e-
                            return "T" + std::to_string(static_cast<int>(1e6 * row.param)) + "us";
                          });
 
+// The encoder itself is the oracle: its positions lie in the range, fill it, and err by as much.
+TEST(SensorError, CodesTellWhereTheEncoderWas) {
+  for (const EncoderRounding rounding : {EncoderRounding::nearest, EncoderRounding::truncate}) {
+    const Encoder encoder{.quantum = 0.2, .rounding = rounding};
+    SensorError error = sensor(encoder.quantum, 0.03);
+    error.rounding = rounding;
+    testing::Random random(3);
+    constexpr int kDraws = 20000;
+    double squares = 0.0, lowest = 1.0, highest = 0.0;
+    for (int i = 0; i < kDraws; ++i) {
+      const double q = random.uniform(-1.0, 1.0);
+      const double y = encoder.measure(q);
+      const CodeRange range = code_range(y, encoder.quantum, rounding);
+      const double place = (q - y - range.lower) / range.width();
+      lowest = std::min(lowest, place);
+      highest = std::max(highest, place);
+      squares += (y - q) * (y - q);
+      EXPECT_EQ(code_range(y + 0.03, encoder.quantum, rounding).lower, range.lower);  // noise
+    }
+    EXPECT_GE(lowest, -1e-12);
+    EXPECT_LT(lowest, 1e-3);
+    EXPECT_LE(highest, 1.0 + 1e-12);
+    EXPECT_GT(highest, 1.0 - 1e-3);
+    EXPECT_NEAR(error.variance()(0), squares / kDraws + 0.03 * 0.03, 0.05 * error.variance()(0));
+  }
+}
+
+// An encoder that truncates, and a bank that is told so or takes it for one that rounds.
+TEST(FilterBank, IsAsGoodBehindAnEncoderThatTruncatesOnlyIfItIsTold) {
+  const double quantum = quantum_of(8);
+  const auto error = [&](EncoderRounding encoder, EncoderRounding told) {
+    FilterBankDesign known = design(quantum, 0.0);
+    known.sensor.rounding = told;
+    FilterBank bank(known);
+    std::vector<double> errors;
+    for (const double phase : {-0.35, -0.1, 0.0, 0.15, 0.4}) {
+      MotorLoop loop;
+      loop.encoder = {.quantum = quantum, .phase = phase * quantum, .rounding = encoder};
+      loop.disturbance = {DisturbanceKind::ramp, 1.0, 0.0, 1.0};
+      errors.push_back(testing::run_motor(loop, bank).velocity);
+    }
+    return testing::median(errors);
+  };
+  const double told = error(EncoderRounding::truncate, EncoderRounding::truncate);
+  EXPECT_LT(told, 0.5 * error(EncoderRounding::truncate, EncoderRounding::nearest));
+  EXPECT_LT(told, 8.0 * error(EncoderRounding::nearest, EncoderRounding::nearest));
+}
+
 // A number that is none in the input, too, and a reset that forgets everything.
 TEST(FilterBank, ForgetsAllInAReset) {
   const double quantum = quantum_of(12);

@@ -7,7 +7,7 @@
 #include <memory>
 #include <stdexcept>
 
-#include <breakwater/observers/fakfd.h>
+#include <breakwater/observers/asymmetric_fakfd.h>
 #include <breakwater/observers/idob_estimator.h>
 #include <breakwater/observers/kfd.h>
 #include <breakwater/observers/mdob_estimator.h>
@@ -184,6 +184,40 @@ TEST(Fakfd, HasTheSymmetricFormAndForScalarsEquation418) {
   EXPECT_EQ(diagonal_gamma(design.plant, 1.25).tail(2), Eigen::Vector2d::Constant(1.25));
   EXPECT_THROW(Fakfd<>(design, scalar_gamma(design.plant, 0.9)), std::invalid_argument);
   EXPECT_THROW(Fakfd<>(design, Eigen::VectorXd::Ones(3)), std::invalid_argument);
+}
+
+TEST(AsymmetricFakfd, IsEquation45AsPrintedAndItsLeftForm) {
+  Random random(16);
+  for (const CovarianceForm form : {CovarianceForm::printed, CovarianceForm::left}) {
+    const KalmanDesign design = random_design(random, 2, 1, 1, 1);
+    const StateSpace& s = design.plant.sampled;
+    const Eigen::VectorXd gamma = diagonal_gamma(design.plant, 1.05);
+    AsymmetricFakfd filter(design, gamma, form);
+    const Eigen::MatrixXd G = gamma.asDiagonal();
+    Eigen::VectorXd x = Eigen::VectorXd::Zero(4);
+    Eigen::MatrixXd P = design.P0;
+    for (int k = 0; k < 100; ++k) {
+      const Eigen::VectorXd u = random.vector(1), y = random.vector(1);
+      if (k > 0) {
+        x = s.A * x + s.B * u;
+        P = s.A * P * s.A.transpose() + design.Q;
+      }
+      const Eigen::MatrixXd K =
+          P * s.C.transpose() * (s.C * P * s.C.transpose() + design.R).inverse();
+      const Eigen::MatrixXd I = Eigen::MatrixXd::Identity(4, 4);
+      x = x + K * (y - s.C * x);
+      P = form == CovarianceForm::printed ? Eigen::MatrixXd((G - K * s.C) * P)
+                                          : Eigen::MatrixXd(G * (I - K * s.C) * P);
+      filter.update(u, y);
+      EXPECT_LT((filter.extended_state() - x).norm(), 1e-10 * (1.0 + x.norm()));
+      EXPECT_LT((filter.P() - P).norm(), 1e-10 * P.norm());
+    }
+    EXPECT_GT((P - P.transpose()).norm(), 1e-3 * P.norm()) << "no covariance";
+    EXPECT_EQ(filter.lambda(), 1.0 / 1.05);
+  }
+  const KalmanDesign two = random_design(random, 3, 1, 2, 0);
+  EXPECT_THROW(AsymmetricFakfd(two, Eigen::VectorXd::Ones(4), CovarianceForm::printed),
+               std::invalid_argument);
 }
 
 TEST(Vfakfd, LambdaIsThatOfEquation420) {

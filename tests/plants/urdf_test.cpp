@@ -87,6 +87,12 @@ TEST(Urdf, RefusesWhatIsNoNumber) {
   EXPECT_EQ(with("0 0 1", "0 0"), ":4: <axis> xyz=\"0 0\": must be 3 numbers");
   EXPECT_EQ(with("<robot name='r'>", "<robot name='r' version='banana'>"),
             ":2: <robot> version=\"banana\": must be a number");
+  for (const char* version : {"word", "", "2.0", "1.0x"}) {
+    const std::string declaration = "<?xml version='" + std::string(version) + "'?>";
+    EXPECT_EQ(with("<?xml version='1.0'?>", declaration),
+              ":1: " + declaration + ": must begin with <?xml version=\"1.0\"");
+  }
+  EXPECT_EQ(with("<?xml version='1.0'?>", "<?xml  version = '1.1' encoding='UTF-8'?>"), "");
   EXPECT_EQ(with("0 0 1", " +0 0e0  1 "), "");
 }
 

@@ -42,7 +42,8 @@ class Estimate(unittest.TestCase):
     def setUp(self):
         self.folder = self.enterContext(temporary_folder())
         write(self.folder / "motor.csv", *self.record)
-        self.period = ["csv.period_s=0.001", f"encoder.quantum={QUANTUM!r}"]
+        self.period = ["csv.period_s=0.001", f"encoder.quantum={QUANTUM!r}", "plant.inertia=1",
+                       "encoder.rounding=truncate"]
 
     def test_a_recorded_run_gives_the_estimates_that_it_had(self):
         estimate(self.folder, "--csv", "motor.csv", "--observer", "stf", "--out", "est", "--set",
@@ -82,7 +83,7 @@ class Estimate(unittest.TestCase):
         self.assertRegex(done.stderr, 'est: is a run of "estimate", .* nothing moved that could be drawn\n$')
 
     def test_every_estimator_works_and_a_whole_python_record_says_the_same(self):
-        for name in ("qvff", "kfd", "dkf", "fakfd", "idob", "mdob", "state_observer", "vfakfd"):
+        for name in ("qvff", "qbank", "kfd", "dkf", "fakfd", "idob", "mdob", "state_observer", "vfakfd"):
             with self.subTest(name):
                 estimate(self.folder, "--csv", "motor.csv", "--observer", name, "--out", name, "--quiet",
                          "--set", *self.period, "encoder.pulses_per_revolution=4096")
@@ -100,32 +101,87 @@ class Estimate(unittest.TestCase):
         write(self.folder / "before.csv", time_s[1:], u[:-1], y[1:])
         estimate(self.folder, "--csv", "before.csv", "--out", "before", "--quiet", "--set", *self.period,
                  "csv.input_acts=before")
-        f = bw.Stf(*bw.damped_inertia(1.0), delta=QUANTUM, period_s=1e-3)
+        f = bw.Stf(*bw.damped_inertia(1.0), delta=QUANTUM, rounding="truncate", period_s=1e-3)
         np.testing.assert_array_equal(bw.load(self.folder / "before")["d_hat_Nm"],
                                       f.filter(u[1:], y[1:]).d[:, 0])
 
-    def test_gaps_and_jitter_are_said_and_nothing_is_interpolated(self):
+    def irregular(self):
         time_s, u, y = self.record
         kept = (time_s < 0.4) | (time_s > 0.45)
         jitter = np.random.default_rng(2).uniform(-1e-4, 1e-4, time_s.size)
-        write(self.folder / "rig.csv", (time_s + jitter)[kept], u[kept], y[kept])
-        done = estimate(self.folder, "--csv", "rig.csv", "--out", "rig")
-        self.assertRegex(done.stderr, r"warning: \S*rig.csv: 1 gap after 0\.39\d+ s for 0\.05\d* s: nothing "
-                                      r"is interpolated; the estimator starts again behind each\n")
-        self.assertRegex(done.stderr, r"of \d+ intervals are off T_s = 0\.0010\d* s by more than 0\.1 T_s")
+        record = (time_s + jitter)[kept], u[kept], y[kept]
+        write(self.folder / "rig.csv", *record)
+        return record
+
+    def test_gaps_are_said_and_predicted_over_in_python_too(self):
+        time_s, u, y = self.irregular()
+        done = estimate(self.folder, "--csv", "rig.csv", "--out", "rig", "--set", *self.period)
+        self.assertRegex(done.stderr, r"warning: \S*rig.csv: 1 gap after 0\.39\d+ s for 0\.05\d* s: "
+                                      r"predicted over, .*\n")
         run = bw.load(self.folder / "rig")
-        np.testing.assert_array_equal(run.time_s, (time_s + jitter)[kept])
+        np.testing.assert_array_equal(run.time_s, time_s)
+        self.assertEqual(run["stretch"].max(), 1.0)
+        for name in ("normalised_innovation_squared", "unexplained_share", "innovation_correlation_1"):
+            self.assertIn(name, run.metrics)
+        f = bw.Stf(*bw.damped_inertia(1.0), delta=QUANTUM, rounding="truncate", period_s=1e-3)
+        np.testing.assert_array_equal(run["d_hat_Nm"], f.filter(u, y, time_s).d[:, 0])
+        self.assertFalse(np.array_equal(run["d_hat_Nm"], f.filter(u, y).d[:, 0]))
+
+    def test_behind_a_longer_gap_the_estimator_starts_again(self):
+        _, _, y = self.irregular()
+        estimate(self.folder, "--csv", "rig.csv", "--out", "rig", "--set", *self.period,
+                 "csv.longest_gap_s=0.04")
+        run = bw.load(self.folder / "rig")
         behind = np.flatnonzero(np.diff(run["stretch"]))[0] + 1
         self.assertGreater(np.diff(run.time_s)[behind - 1], 0.05)
         self.assertEqual(run["d_hat_Nm"][behind], 0.0)
-        self.assertEqual(run["position_hat_rad"][behind], y[kept][behind])
+        self.assertEqual(run["position_hat_rad"][behind], y[behind])
         self.assertEqual(run["velocity_raw_rad_s"][behind], 0.0)
+
+    def test_times_in_python_are_checked_and_regular_ones_change_nothing(self):
+        time_s, u, y = self.record
+        f = bw.Qvff(*bw.damped_inertia(1.0), delta=QUANTUM, period_s=1e-3)
+        for one, other in zip(f.filter(u, y), f.filter(u, y, time_s)):
+            np.testing.assert_array_equal(one, other)
+        sampled = bw.Stf(*bw.zero_order_hold(*bw.damped_inertia(1.0), period_s=1e-3), delta=QUANTUM)
+        for call, line in (
+            (lambda: f.filter(u, y, time_s[1:]), "t: must have as many samples as y"),
+            (lambda: f.filter(u, y, time_s[::-1]), "t: must rise; sample 1 does not"),
+            (lambda: f.filter(u, y, time_std_s=1e-6), "time_std_s: needs t"),
+            (lambda: f.filter(u, y, time_s, time_std_s=-1.0), "time_std_s: must be 0 or more"),
+            (lambda: sampled.filter(u, y, time_s), "t: needs an estimator of a plant in continuous time"),
+        ):
+            with self.subTest(line), self.assertRaisesRegex(ValueError, line):
+                call()
+
+    def test_a_table_of_another_program(self):
+        time_s, u, y = self.record
+        rows = (f"{1e3 * t!r};{a!r};{b!r}".replace(".", ",") for t, a, b in
+                zip(time_s.tolist(), u.tolist(), y.tolist()))
+        (self.folder / "scope.csv").write_text("t [ms];torque;angle\n" + "\n".join(rows) + "\n")
+        estimate(self.folder, "--csv", "scope.csv", "--out", "scope", "--quiet", "--set", *self.period,
+                 "csv.time_scale=1e-3", "csv.time_column=t [ms]", "csv.input_column=torque",
+                 "csv.position_column=angle")
+        np.testing.assert_array_equal(bw.load(self.folder / "scope")["d_hat_Nm"], self.run_of_stf["d_hat_Nm"])
+
+    def test_a_printed_configuration_can_be_filled_in(self):
+        text = estimate(self.folder, "--observer", "qbank", "--print-config").stdout
+        self.assertEqual([line.split()[1] for line in text.splitlines() if line.endswith("# required")],
+                         ["file", "inertia", "quantum"])
+        for name, value in (("file", '"motor.csv"'), ("inertia", "1.0"), ("quantum", repr(QUANTUM))):
+            text = text.replace(f"# {name} =   # required", f"{name} = {value}")
+        (self.folder / "mine.toml").write_text(text)
+        estimate(self.folder, "--config", "mine.toml", "--out", "mine", "--quiet")
+        self.assertEqual(bw.load(self.folder / "mine").metrics["sample_count"], len(self.record[0]))
+        done = estimate(self.folder, "--print-config", "--set", "plant.inertai=1", status=2)
+        self.assertRegex(done.stderr, "did you mean plant.inertia")
 
     def test_nonsense_is_one_line_and_leaves_nothing(self):
         (self.folder / "bad.csv").write_text("time_s,u,y\n0,0,0\n1e-3,x,0\n")
         for arguments, line in (
             (["--csv", "nowhere.csv"], r'^--set: csv.file: .*nowhere.csv'),
-            ([], r"csv.file: is missing"),
+            ([], r"csv.file: is missing.*--csv FILE.*missing too: plant.inertia, encoder.quantum$"),
+            (["--csv", "motor.csv"], r"plant.inertia: is missing.*--set plant.inertia=VALUE"),
             (["--csv", "bad.csv"], r'^\S*bad.csv:3: u: must be a finite number, is "x"$'),
             (["--csv", "motor.csv", "--observer", "stff"], r'observer.name.*did you mean stf'),
             (["--csv", "motor.csv", "--set", "encoder.quantum=-1"], r"^--set: encoder.quantum: must"),
@@ -136,7 +192,8 @@ class Estimate(unittest.TestCase):
              r"observer.initial_covariance: needs one"),
         ):
             with self.subTest(line):
-                done = estimate(self.folder, *arguments, "--out", "none", status=2)
+                needed = [] if "is missing" in line else ["--set", "plant.inertia=1", "encoder.quantum=0"]
+                done = estimate(self.folder, *needed, *arguments, "--out", "none", status=2)
                 self.assertRegex(done.stderr, line)
                 self.assertEqual(done.stderr.count("\n"), 1)
         self.assertEqual(sorted(p.name for p in self.folder.iterdir()), ["bad.csv", "motor.csv"])

@@ -142,7 +142,7 @@ class Filters(unittest.TestCase):
         plant = bw.damped_inertia(1.0)
         quantum = 2 * np.pi / 2**12
         period_s = run.config["control"]["period_s"]
-        f = bw.Stf(*plant, delta=quantum, period_s=period_s)
+        f = bw.Stf(*plant, delta=quantum, rounding="truncate", period_s=period_s)
         estimates = f.filter(run["applied_Nm"], run["position_measured_rad"], x0=[0.0, 0.0])
         np.testing.assert_array_equal(estimates.x[:, 0], run["position_hat_rad"])
         np.testing.assert_array_equal(estimates.x[:, 1], run["velocity_hat_rad_s"])
@@ -150,7 +150,7 @@ class Filters(unittest.TestCase):
         np.testing.assert_array_equal(estimates.innovation[:, 0], run["innovation"])
         np.testing.assert_array_equal(estimates.forgetting, run["lambda"])
         # The plant may be sampled already, and the period then only scales the prior.
-        sampled = bw.Stf(*bw.zero_order_hold(*plant, period_s), delta=quantum)
+        sampled = bw.Stf(*bw.zero_order_hold(*plant, period_s), delta=quantum, rounding="truncate")
         again = sampled.filter(run["applied_Nm"], run["position_measured_rad"], x0=[0.0, 0.0])
         self.assertLess(np.abs(again.d[-1] - estimates.d[-1])[0], 0.5)
 
@@ -248,6 +248,7 @@ class Nonsense(unittest.TestCase):
             "delta: must be finite": lambda: bw.Stf(A, B, C, delta=np.inf),
             "delta: must be an array of real numbers, is None": lambda: bw.Stf(A, B, C, delta=None),
             "quantum": lambda: bw.Stf(A, B, C, delta=-1.0),
+            "rounding: must be nearest or truncate": lambda: bw.Stf(A, B, C, delta=1, rounding="up"),
             "alpha": lambda: bw.Vfakfd(A, B, C, alpha=0.0),
             "noise_on: must be": lambda: bw.Kfd(A, B, C, Q=1.0, noise_on="output"),
             "Q: must be 3x3": lambda: bw.Kfd(A, B, C, Q=np.eye(2)),

@@ -9,6 +9,7 @@ import sys
 import threading
 import time
 import unittest
+import warnings
 
 import numpy as np
 import xarray
@@ -58,6 +59,27 @@ class Hashes(unittest.TestCase):
         self.assertEqual(run.config["observer"]["poles_rad_s"], [-5, -6, -7])
         wave = bw.run("quadrotor_waves", duration=0.05, set={"controller.compensate": np.bool_(False)})
         self.assertIs(wave.config["controller"]["compensate"], False)
+
+
+class Warnings(unittest.TestCase):
+    def test_of_seeds_that_change_nothing(self):
+        def said(**keys):
+            with warnings.catch_warnings(record=True) as caught:
+                warnings.simplefilter("always")
+                runs = [bw.run("motor_estimation", "idob", duration=0.02, seed=seed, **keys)
+                        for seed in (1, 2, 3)]
+            self.assertEqual([line for run in runs for line in run.warnings],
+                             [str(warning.message) for warning in caught])
+            return [str(warning.message) for warning in caught]
+
+        same = "gave the same run: without noise they change nothing"
+        self.assertEqual(said(set={"noise.std_rad": 0}),
+                         [f"seed: 1 and 2 {same}", f"seed: 1 and 3 {same}"])
+        self.assertEqual(said(set={"noise.std_rad": 0.01}), [])
+
+    def test_of_a_reference_that_is_not_held(self):
+        run = bw.run("cart_position", "idob", set={"controller.kp": 1e-3})
+        self.assertIn("does not hold its reference", run.warnings[0])
 
 
 class Logs(unittest.TestCase):
@@ -184,6 +206,12 @@ class Nonsense(unittest.TestCase):
             "folder: must be a path": lambda: bw.load(3),
             "folder: must be a path, is NoneType": lambda: bw.load(None),
             "no scenario \"nothing\"": lambda: bw.cases("nothing"),
+            "^scenario: must not hold a NUL character, is 'a.x00'": lambda: run("a\0"),
+            "^case: must not hold a NUL": lambda: run("arm_push", case="\0"),
+            "^config: must not hold a NUL": lambda: run("arm_push", config="a\0b"),
+            "^set: must not hold a NUL": lambda: run("arm_push", set={"a\0": 1}),
+            "^out: must not hold a NUL": lambda: run("arm_push", duration=0.01, out="\0a"),
+            "^folder: must not hold a NUL": lambda: bw.load("\0a"),
         }.items():
             with self.subTest(pattern), self.assertRaisesRegex(bw.InputError, pattern) as caught:
                 call()
@@ -222,6 +250,71 @@ class Processes(unittest.TestCase):
             time.sleep(1e-4)
         self.assertEqual([hashes["stf"], hashes["idob"]], alone)
         self.assertGreater(laps, 10)
+
+    def test_of_two_threads_with_one_folder_one_makes_its_run_whole(self):
+        begun, go_on = threading.Event(), threading.Event()
+
+        class Waiting(bw.Estimator):
+            def reset(self, x):
+                begun.set()
+                go_on.wait()
+
+            def update(self, u, y):
+                return [0.0, 0.0, 0.0]
+
+        made = []
+        with temporary_folder() as folder:
+            out = folder / "run"
+            thread = threading.Thread(target=lambda: made.append(
+                bw.run("motor_estimation", duration=0.1, estimator=Waiting(), out=out)))
+            thread.start()
+            self.assertTrue(begun.wait(60))
+            finished = bw.run("motor_estimation", **MOTOR)
+            try:
+                for attempt in (lambda: bw.run("motor_estimation", **MOTOR, out=out), lambda: finished.save(out)):
+                    with self.assertRaisesRegex(bw.InputError, "run: another thread of this process makes a run"):
+                        attempt()
+            finally:
+                go_on.set()
+                thread.join()
+            self.assertEqual(bw.load(out).state_hash, made[0].state_hash)
+            self.assertEqual([path.name for path in folder.iterdir()], ["run"])
+            bw.run("motor_estimation", **MOTOR, out=out)
+
+    def test_a_daemon_thread_in_a_run_or_a_filter_lets_python_exit(self):
+        waiting = """
+class Part(bw.Estimator):
+    def reset(self, x): pass
+    def update(self, u, y):
+        WAIT
+"""
+        filtering = """
+f = bw.Mdob(1.0, cutoff_rad_s=50.0, period_s=1e-3)
+zeros = np.zeros((2_000_000, 1))
+"""
+        for name, preamble, work in (
+            ("runs", "", "bw.run('arm_wall_contact', out='out/run')"),
+            ("filters", filtering, "f.filter(zeros, zeros)"),
+            ("waits", waiting.replace("WAIT", "time.sleep(1000)"), "bw.run('motor_estimation', estimator=Part())"),
+            ("works", waiting.replace("WAIT", "while True: pass"), "bw.run('motor_estimation', estimator=Part())"),
+        ):
+            script = f"""
+import breakwater as bw, numpy as np, threading, time
+{preamble}
+def work():
+    while True:
+        {work}
+for _ in range(2 if {name!r} != "runs" else 1):
+    threading.Thread(target=work, daemon=True).start()
+time.sleep(0.7)
+print("main ends")
+"""
+            with self.subTest(name), temporary_folder() as folder:
+                done = subprocess.run([sys.executable, "-c", script], cwd=folder, capture_output=True, text=True,
+                                      timeout=120)
+                self.assertEqual((done.returncode, done.stdout, done.stderr), (0, "main ends\n", ""))
+                left = [path for path in folder.rglob(".*")]
+                self.assertEqual(left, [])
 
     def test_a_forked_process_runs_as_its_parent(self):
         expected = bw.run("motor_estimation", **MOTOR).state_hash

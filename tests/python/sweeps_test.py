@@ -237,6 +237,7 @@ class Nonsense(unittest.TestCase):
             "^jobs: must be a whole number, is 'all'": sweep(jobs="all"),
             "^baseline: .*give out=": sweep(baseline="idob"),
             "^keep: .*give out=": sweep(keep="all"),
+            "^worlds: .*give out=": sweep(worlds="seeds"),
             "^out: must be a path, is int": sweep(out=3),
             "^out: is empty": sweep(out=""),
             "^method: is empty": sweep(method=""),
@@ -256,6 +257,7 @@ class Nonsense(unittest.TestCase):
             for pattern, arguments in {
                 "compare.baseline: .*idb.*did you mean idob": dict(baseline="idb"),
                 "^keep: must be one of": dict(keep="some"),
+                "^worlds: must be one of samples, seeds": dict(worlds="seed"),
                 "^goal: peak: must be one of min, max": dict(goal={"peak": "least"}),
                 "^goal: there is no key 'a=b'": dict(goal={"a=b": "min"}),
             }.items():

@@ -11,6 +11,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include <breakwater/record/csv.h>
 #include <breakwater/record/hdf5_log.h>
 #include <breakwater/record/process_name.h>
 #include <breakwater/record/recording.h>
@@ -75,9 +76,25 @@ TEST(Track, RefusesTwoSignalsOfOneName) {
   EXPECT_EQ(refusal("control", {{"x_m", "m", "", {&x, 1}}, {"x_M", "m", "", {&x, 1}}}), "");
 }
 
+TEST(Metric, RefusesANameThatASpreadsheetTakesForAFormula) {
+  for (const std::string name : {"", "=cmd|calc", "+1", "-1", "@sum", "a b", "a,b", "peak_\n"}) {
+    try {
+      const Metric metric(name, "N", 1.0);
+      ADD_FAILURE() << name;
+    } catch (const std::invalid_argument& error) {
+      EXPECT_EQ(error.what(), "a metric cannot be named \"" + name +
+                                  "\": a name is letters from A to Z or a to z, digits and _");
+    }
+  }
+  EXPECT_EQ(Metric("peak_force_raw_N", "N", 1.0).name, "peak_force_raw_N");
+  EXPECT_EQ(csv_text("=cmd|calc"), "'=cmd|calc");
+  EXPECT_EQ(csv_text("hpfc-2N"), "hpfc-2N");
+}
+
 TEST(Track, RefusesNamesThatALogCannotHold) {
   const double x = 0;
-  for (const std::string name : {"", ".", "/", "a/b", "time_s", "index_3", "/x_m"}) {
+  for (const std::string name :
+       {"", ".", "/", "a/b", "time_s", "index_3", "/x_m", "d hat", "=cmd|calc"}) {
     EXPECT_EQ(refusal("control", {{name, "m", "a length", {&x, 1}}}),
               "track control: a signal cannot be named \"" + name + "\" in a log (a length)");
     EXPECT_EQ(refusal(name, {{"x_m", "m", "a length", {&x, 1}}}),
@@ -299,6 +316,34 @@ TEST_F(RunFolders, ARunOfAnotherHostIsNotTakenForAbandoned) {
     finish(folder, "mine");
   }
   EXPECT_TRUE(fs::exists(other));
+}
+
+// However the target is spelt.
+TEST_F(RunFolders, OfOneTargetAreMadeByOneThreadAlone) {
+  const fs::path target = base_ / "run";
+  fs::create_directory_symlink(base_, base_ / "link");
+  {
+    RunFolder first(target);
+    for (const fs::path& same : {target, base_ / "link/run", base_ / "link/../run/"}) {
+      try {
+        const RunFolder second(same);
+        FAIL() << same;
+      } catch (const std::invalid_argument& error) {
+        EXPECT_EQ(error.what(), same.string() +
+                                    ": another thread of this process makes a run there: wait for "
+                                    "it, or give another folder");
+      }
+    }
+    RunFolder other(base_ / "other");
+    finish(other, "another");
+    finish(first, "first");
+  }
+  EXPECT_EQ(text_of(target / "log.csv"), "first");
+  { const RunFolder given_up(target); }
+  RunFolder next(target);
+  finish(next, "next");
+  EXPECT_EQ(text_of(target / "log.csv"), "next");
+  EXPECT_EQ(entries(), 3U) << "run, other and link";
 }
 
 TEST_F(RunFolders, SayWhenTheyCannotBeMade) {

@@ -82,6 +82,19 @@ TEST(SettlingTime, IsFromTheStartToTheLastEntryIntoTheBand) {
   EXPECT_FALSE(settling.value());  // what comes later does not count
 }
 
+TEST(ReachTime, IsToTheFirstEntryOfThatSize) {
+  ReachTime reach(1.0, 2.0), of_nothing(1.0, 0.0);
+  for (const auto& [time_s, value] :
+       {std::pair(0.5, 3.0), std::pair(2.0, 1.9), std::pair(3.0, -2.0)}) {
+    EXPECT_FALSE(reach.value()) << time_s;
+    reach.add(time_s, value);
+    of_nothing.add(time_s, value);
+  }
+  reach.add(4.0, 5.0);
+  EXPECT_EQ(reach.value(), 2.0);
+  EXPECT_FALSE(of_nothing.value());
+}
+
 TEST(SettlingTime, OfARunThatEndsBeforeItIsJudgedIsNothing) {
   SettlingTime settling(TimeWindow{0.0, 7.0}.within(3.0), 0.5);
   for (int t = 0; t <= 3; ++t) settling.add(t, 0.0);

@@ -12,9 +12,9 @@ namespace {
 
 class RecordedAxisFile : public ::testing::Test {
  protected:
-  RecordedAxis read(const std::string& text) const {
+  RecordedAxis read(const std::string& text, const RecordFormat& format = {}) const {
     std::ofstream(file_, std::ios::binary) << text;
-    return read_recorded_axis(file_.string());
+    return read_recorded_axis(file_.string(), format);
   }
 
   // The error, without the file's name.
@@ -43,11 +43,33 @@ TEST_F(RecordedAxisFile, ColumnsStandInAnyOrderBetweenOthersAndComments) {
   EXPECT_EQ(axis.positions, (std::vector<double>{1.5, 2.5}));
 }
 
+TEST_F(RecordedAxisFile, SeparatorsAndDecimalCommasAreFound) {
+  for (const char* text : {"time_s;u;y\n0;-2;1,5\n0,001;3e2;+2,5\n",
+                           "\"time_s\"\t\"u\"\ty\n0\t-2\t1.5\n1e-3\t300\t2.5\n",
+                           "time_s   u y\n 0  -2 1,5\n0.001\t300  2,5 \n",
+                           "time_s,u,\"y\",\"a, b\"\n0,-2,1.5,x\n0.001,\"300\",2.5,\"x, y\"\n",
+                           "empty;time_s;u;y;\n;0;-2;1,5;\n;0,001;300;2,5;\n"}) {
+    const RecordedAxis axis = read(text);
+    EXPECT_EQ(axis.times_s, (std::vector<double>{0.0, 1e-3})) << text;
+    EXPECT_EQ(axis.inputs, (std::vector<double>{-2.0, 300.0})) << text;
+    EXPECT_EQ(axis.positions, (std::vector<double>{1.5, 2.5})) << text;
+  }
+}
+
+TEST_F(RecordedAxisFile, ColumnsHaveOtherNamesAndUnits) {
+  const RecordFormat format{"t [ms]", "current", "counts", 1e-3, 0.5, -2.0};
+  const RecordedAxis axis = read("current;counts;t [ms]\n4;1;10\n6;2;11\n", format);
+  EXPECT_EQ(axis.times_s, (std::vector<double>{0.01, 0.011}));
+  EXPECT_EQ(axis.inputs, (std::vector<double>{2.0, 3.0}));
+  EXPECT_EQ(axis.positions, (std::vector<double>{-2.0, -4.0}));
+}
+
 TEST_F(RecordedAxisFile, WhatIsWrongIsSaidWithItsLine) {
   const std::string head = "time_s,u,y\n";
   EXPECT_EQ(error_of(""), " is empty");
   EXPECT_EQ(error_of("time,u,y\n"),
-            "1: there is no column time_s: the first line must name time_s, u and y");
+            "1: there is no column time_s (did you mean time?): the first line has time, u, y; "
+            "csv.time_column says which it is");
   EXPECT_EQ(error_of("time_s,u,y,u\n"), "1: there are two columns u");
   EXPECT_EQ(error_of(head + "0,1,2\n"), " has fewer than two rows");
   EXPECT_EQ(error_of(head + "0,1,2\n1,2\n"), "3: has 2 values, the first line 3");
@@ -56,8 +78,9 @@ TEST_F(RecordedAxisFile, WhatIsWrongIsSaidWithItsLine) {
   EXPECT_EQ(error_of(head + "0,1,2\n1,2,\n"), "3: y: must be a finite number, is \"\"");
   EXPECT_EQ(error_of(head + "0,1,2\n1,0x10,1\n"), "3: u: must be a finite number, is \"0x10\"");
   EXPECT_EQ(error_of(head + "0,1,2\n1,1e999,1\n"), "3: u: must be a finite number, is \"1e999\"");
-  EXPECT_EQ(error_of("time_s;u;y\n0;1;2\n"),
-            "1: there is no column time_s: the first line must name time_s, u and y");
+  EXPECT_EQ(error_of("time_s;u;y\n0;1;2\n1;1.000,5;2\n"),
+            "3: u: must be a finite number, is \"1.000,5\"");
+  EXPECT_EQ(error_of(head + "0,5,1,2\n"), "2: has 4 values, the first line 3");
   EXPECT_THROW(read_recorded_axis("/nowhere/record.csv"), std::invalid_argument);
 }
 

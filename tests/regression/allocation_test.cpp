@@ -5,6 +5,16 @@
 #include <atomic>
 #include <cstdlib>
 
+#include <breakwater/observers/fakfd.h>
+#include <breakwater/observers/filter_bank.h>
+#include <breakwater/observers/idob_estimator.h>
+#include <breakwater/observers/kfd.h>
+#include <breakwater/observers/mdob_estimator.h>
+#include <breakwater/observers/qvff.h>
+#include <breakwater/observers/state_observer.h>
+#include <breakwater/observers/stf.h>
+#include <breakwater/plants/damped_inertia.h>
+#include "linear/random_qp.h"
 #include "regression/run_case.h"
 
 namespace {
@@ -117,6 +127,27 @@ TEST(Allocation, PredictiveControlLoopDoesNotAllocate) {
   EXPECT_EQ(allocations_in_loop("cart_constrained", "lqr-obs-kfd", {"run.duration_s=120"}), 0);
 }
 
+// Of poor condition, with dependent rows and without a solution too: all ways through the solver.
+TEST(Allocation, QuadraticProgramsDoNotAllocate) {
+  testing::Random random;
+  allocations = 0;
+  for (int k = 0; k < 200; ++k) {
+    auto [model, input] =
+        k % 2 == 0 ? testing::hard_feasible_qp(random) : testing::hard_infeasible_qp(random);
+    const auto solver = make_qp_solver(QpSolverKind::active_set, model, 1);
+    QpSolution solution(model.H.rows(), model.Omega.rows());
+    for (const double softness : {0.0, 0.1}) {
+      input.softness(0) = softness;
+      counting = true;
+      allow_eigen_malloc(false);
+      solver->solve(input, solution);
+      counting = false;
+      allow_eigen_malloc(true);
+    }
+  }
+  EXPECT_EQ(allocations, 0);
+}
+
 TEST(Allocation, EstimatorsDoNotAllocate) {
   for (const char* name : {"mdob", "idob", "kfd", "fakfd-095", "vfakfd", "qvff", "stf", "qbank"}) {
     EXPECT_EQ(
@@ -126,7 +157,49 @@ TEST(Allocation, EstimatorsDoNotAllocate) {
         0)
         << name;
   }
-  EXPECT_EQ(allocations_in_loop("cart_position", "order2-gamma", {"run.duration_s=120"}), 0);
+  for (const char* form : {"symmetric", "printed"}) {
+    EXPECT_EQ(allocations_in_loop(
+                  "cart_position", "order2-gamma",
+                  {"run.duration_s=120", "observer.covariance_form=" + std::string(form)}),
+              0)
+        << form;
+  }
+}
+
+// Jitter, gaps with inputs that are missing, and instants that are uncertain.
+TEST(Allocation, EstimatorsDoNotAllocateWhereIntervalsChange) {
+  const double T = 1e-3;
+  const StateSpace motor = damped_inertia(1e-3, 2e-4);
+  const SensorError sensor{Eigen::VectorXd::Constant(1, 1e-3), Eigen::VectorXd::Zero(1)};
+  const ExtendedPlant plant = sample_with_disturbance_model(motor, 1, T);
+  const KalmanDesign design = stf_design(plant, sensor, T);
+  std::vector<std::unique_ptr<DisturbanceEstimator>> estimators;
+  estimators.push_back(std::make_unique<Stf<>>(design, sensor));
+  estimators.push_back(std::make_unique<Kfd<>>(design));
+  estimators.push_back(std::make_unique<Fakfd<>>(design, scalar_gamma(plant, 1.02)));
+  estimators.push_back(
+      std::make_unique<Vfakfd<>>(variable_forgetting_design(plant, 1e-6), qvff_design(sensor)));
+  estimators.push_back(
+      std::make_unique<IdobEstimator>(motor, std::vector<PoleGroup>{{-10, -20, -30}}, T));
+  estimators.push_back(
+      std::make_unique<StateObserver>(motor, std::vector<PoleGroup>{{{-10, 5}, {-10, -5}}}, T));
+  estimators.push_back(std::make_unique<MdobEstimator>(MdobDesign{1e-3, 50.0, 20.0}, T));
+  estimators.push_back(std::make_unique<FilterBank>(FilterBankDesign{motor, T, sensor, 1.0}));
+  Eigen::VectorXd u = Eigen::VectorXd::Constant(1, 0.1);
+  Eigen::VectorXd y = Eigen::VectorXd::Zero(1);
+  for (std::size_t i = 0; i < estimators.size(); ++i) {
+    allocations = 0;
+    for (int k = 0; k < 100; ++k) {
+      counting = k > 0;
+      const double jitter = 1.0 + 0.01 * (k % 7);
+      EXPECT_TRUE(estimators[i]->follow(
+          {k % 10 == 9 ? 20.0 * T : jitter * T, 1e-6, k % 10 == 9 ? 0.1 : 0.0, 1e-3}));
+      y(0) = 1e-3 * k;
+      estimators[i]->update(u, y);
+      counting = false;
+    }
+    EXPECT_EQ(allocations, 0) << i;
+  }
 }
 
 // The loop reports every 10 s, so the first of it is counted too.

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <fstream>
 
-#include <breakwater/printed/printed_results.h>
+#include <breakwater/thesis/printed_results.h>
 #include "regression/run_case.h"
 #include "support.h"
 

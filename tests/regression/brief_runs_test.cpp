@@ -1,8 +1,10 @@
 // Runs that end long before their metrics' windows do, and the same run twice.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 
 #include "catalogue.h"
 #include "regression/run_case.h"
@@ -16,6 +18,69 @@ std::map<std::string, double> values(const std::vector<Metric>& metrics) {
   std::map<std::string, double> values;
   for (const Metric& metric : metrics) values[metric.name] = metric.value;
   return values;
+}
+
+// How far what is measured lies from the truth towards 0, at most, in counts.
+double most_lost_counts(const std::string& scenario, const std::string& case_name,
+                        const std::vector<std::string>& sets, const std::string& measured,
+                        const std::string& truth, double quantum) {
+  const Recording run = run_case(scenario, case_name, sets);
+  EXPECT_FALSE(run.failure) << scenario;
+  const Track& track = run.track("control");
+  const std::vector<double> y = track.values(measured), q = track.values(truth);
+  double most = 0.0;
+  for (std::size_t i = 0; i < y.size(); ++i) {
+    EXPECT_NEAR(y[i] / quantum, std::round(y[i] / quantum), 1e-6);
+    most = std::max(most, (std::abs(q[i]) - std::abs(y[i])) / quantum);
+  }
+  return most;
+}
+
+TEST(EncoderRounding, IsAKeyOfMotorCartsAndArm) {
+  struct Plant {
+    const char* scenario;
+    const char* case_name;
+    const char* key;
+    std::vector<std::string> sets;
+    const char* measured;
+    const char* truth;
+    double quantum;
+  };
+  const double coarse = 2.0 * std::numbers::pi / 400.0;
+  const std::vector<Plant> plants = {{"motor_estimation",
+                                      "idob",
+                                      "encoder.rounding",
+                                      {"run.duration_s=2", "encoder.bits=8"},
+                                      "position_measured_rad",
+                                      "qpos",
+                                      2.0 * std::numbers::pi / 256.0},
+                                     {"cart_position",
+                                      "kfd",
+                                      "encoder.rounding",
+                                      {"run.duration_s=2", "encoder.resolution_m=1e-3"},
+                                      "position_measured_m",
+                                      "qpos",
+                                      1e-3},
+                                     {"arm_push",
+                                      "hpfc-link1",
+                                      "sensor.encoder_rounding",
+                                      {"run.duration_s=1.5", "push.start_s=0.2", "push.rise_s=0.3",
+                                       "sensor.encoder_counts_per_turn=400"},
+                                      "q_measured_rad",
+                                      "q_true_rad",
+                                      coarse}};
+  for (const Plant& plant : plants) {
+    SCOPED_TRACE(plant.scenario);
+    const auto most = [&](const std::string& rounding) {
+      std::vector<std::string> sets = plant.sets;
+      sets.push_back(std::string(plant.key) + "=" + rounding);
+      return most_lost_counts(plant.scenario, plant.case_name, sets, plant.measured, plant.truth,
+                              plant.quantum);
+    };
+    EXPECT_LT(most("nearest"), 0.6);  // of a sample before the truth
+    EXPECT_GT(most("truncate"), 0.8);
+    EXPECT_LT(most("truncate"), 1.1);
+  }
 }
 
 TEST(BriefRuns, EveryCaseOfEveryScenarioRunsForATenthOfASecond) {

@@ -120,7 +120,7 @@ TEST(MetricsFromLogs, LagOfASineIsTheDelayThatFitsBest) {
   const auto misfit = [&](double delay_s) {
     const auto shift = static_cast<std::ptrdiff_t>(std::lround(delay_s / period_s));
     double of_estimate = 0.0, of_truth = 0.0, of_both = 0.0;
-    for (auto i = static_cast<std::ptrdiff_t>(40.0 / period_s);
+    for (auto i = static_cast<std::ptrdiff_t>(20.0 / period_s);
          i < static_cast<std::ptrdiff_t>(truth.size()); ++i) {
       if (i - shift < 0 || i - shift >= static_cast<std::ptrdiff_t>(truth.size())) continue;
       const double here = estimate[static_cast<std::size_t>(i)];
@@ -136,6 +136,22 @@ TEST(MetricsFromLogs, LagOfASineIsTheDelayThatFitsBest) {
 
 TEST(MetricsFromLogs, AStepHasNoLag) {
   EXPECT_FALSE(run_case("cart_estimation", "order1").metric("disturbance_lag_s"));
+}
+
+TEST(MetricsFromLogs, AnEstimateHasRisenWhereItFirstReachesItsLevel) {
+  const auto first = [](const Recording& run, double level) {
+    const Values estimate = of(run, "d_hat_N");
+    std::size_t i = 0;
+    while (std::abs(estimate[i]) < level) ++i;
+    return run.track("control").times()[i];
+  };
+  const Recording friction = run_case("cart_position", "mdob", {"run.duration_s=10"});
+  EXPECT_NEAR(*friction.metric("estimate_rise_time_s"),
+              first(friction, 0.3 * (1.0 - std::exp(-1.0))), 1e-9);
+  EXPECT_FALSE(run_case("cart_position", "mdob", {"plant.coulomb_friction_N=0"})
+                   .metric("estimate_rise_time_s"));
+  const Recording step = run_case("cart_estimation", "gamma-1.20");
+  EXPECT_NEAR(*step.metric("reach_time_99pct_s"), first(step, 0.99 * 5.0) - 25.0, 1e-9);
 }
 
 TEST(MetricsFromLogs, NoiseAboutItsMean) {

@@ -5,8 +5,8 @@
 
 #include <map>
 
-#include <breakwater/scenario/all_cores.h>
-#include <breakwater/scenario/runner.h>
+#include <breakwater/experiment/runner.h>
+#include <breakwater/shell/all_cores.h>
 #include "catalogue.h"
 
 namespace breakwater {
@@ -28,13 +28,17 @@ std::string other_option(const std::string& key, const std::string& now) {
   static const std::map<std::string, std::vector<std::string>> options = {
       {"controller.positioning", {"joint", "workspace"}},
       {"controller.ik_form", {"printed", "sugihara"}},
+      {"controller.cancel_at", {"sample", "decision"}},
       {"controller.disturbance_use", {"none", "predict", "cancel"}},
       {"controller.last_weight", {"factor", "riccati"}},
       {"encoder.origin", {"counted", "calibrated"}},
+      {"encoder.rounding", {"nearest", "truncate"}},
       {"estimator.process_noise", {"printed", "tuned"}},
       {"estimator.process_noise_mode", {"per_step", "delta"}},
+      {"estimator.process_noise_states", {"all", "highest"}},
       {"estimator.wave_force", {"given", "estimated"}},
       {"estimator.wave_frequency", {"given", "estimated"}},
+      {"observer.covariance_form", {"symmetric", "printed"}},
       {"observer.process_noise_on", {"input", "all"}},
       {"solver.name", {"active_set", "hildreth"}},
       {"solver.on_infeasible", {"soften", "stop"}},

@@ -448,6 +448,40 @@ Columns red_columns(const std::uint8_t* pixels, int width, int height) {
   return columns;
 }
 
+// In a small picture, too, all of a long caption stands beside the chart.
+TEST_F(Pictures, ALongCaptionStandsBesideTheChart) {
+  std::vector<std::string> arguments = kShortWall;
+  arguments.insert(arguments.end(), {"controller.name=hpfc", "--out", "run"});
+  ASSERT_EQ(run(arguments).status, 0);
+  const FinishedRun finished(testing::catalogue(), folder_ / "run");
+  PictureStage stage =
+      stage_pictures({&finished}, shot_list(finished.shots_file()), "", {5.0, 6.0, 0.1});
+  EXPECT_EQ(stage.runs.front().caption, "proposed-2N with hpfc") << "the controller is said";
+  constexpr int kWidth = 480, kHeight = 270;
+  stage.style.width = kWidth;
+  stage.style.height = kHeight;
+  stage.style.look = kFastLook;
+  const auto pixels = [&](const std::string& caption) {
+    stage.runs.front().caption = caption;
+    Picture picture(stage.runs, stage.style);
+    const std::uint8_t* const first = picture.draw(5.0);
+    return std::vector<std::uint8_t>(first, first + 4 * kWidth * kHeight);
+  };
+  const auto with_short = pixels("a");
+  const auto with_long = pixels("hpfc-2N with a_controller_of_a_very_long_name");
+  // The chart takes 250 columns at the right and a margin of 12; so much is between it and the box.
+  std::size_t differing = 0;
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      const auto at = static_cast<std::size_t>(4 * (y * kWidth + x));
+      if (std::equal(&with_short[at], &with_short[at] + 4, &with_long[at])) continue;
+      ++differing;
+      EXPECT_LT(x, kWidth - 250 - 2 * 12) << "in line " << y;
+    }
+  }
+  EXPECT_GT(differing, 500U) << "the caption is there";
+}
+
 TEST_F(Pictures, TheTipTouchesTheWallInTheImpactStill) {
   wall("run");
   const FinishedRun run(testing::catalogue(), folder_ / "run");

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include <breakwater/plants/planar_chain.h>
+#include <breakwater/sim/engine_guard.h>
 #include "sim/small_models.h"
 
 namespace breakwater {
@@ -64,6 +65,23 @@ TEST(Model, RefusesWhatTheEngineTakes) {
   EXPECT_EQ(
       complaint(with_body(std::string(kInertial) + "<joint name='j' type='hinge' armature='-1'/>")),
       ":1: <joint> armature=\"-1\": must not be negative");
+  const auto size = [&](const char* attributes) {
+    return complaint(
+        with_body(std::string(kInertial) + kHinge, std::string("<size ") + attributes + "/>"));
+  };
+  EXPECT_EQ(size("nuser_body='1000' nconmax='200'"), "");
+  EXPECT_EQ(size("nuser_body='2000000000'"),
+            ":1: <size> nuser_body=\"2000000000\": must be at most 1000");
+  EXPECT_EQ(size("nkey='20000000'"), ":1: <size> nkey=\"20000000\": must be at most 10000000");
+}
+
+TEST(Model, ThatMemoryDoesNotHoldIsSaidToBeSo) {
+  for (const auto& [thrower, what] :
+       {std::pair{+[] { throw std::bad_alloc(); }, "new"},
+        std::pair{+[] { throw std::length_error(""); }, "a vector"}}) {
+    EXPECT_EQ(call_engine([&] { thrower(); }), "could not allocate memory for a model of this size")
+        << what;
+  }
 }
 
 TEST(Model, RefusesWhatIsNoNumberInAnIncludedFileToo) {

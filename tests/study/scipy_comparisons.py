@@ -8,6 +8,9 @@ pratt n d...                     p by the normal approximation
 bca level n x... m replicate...  the interval of the mean
 range k alpha                    upper quantile of the studentized range
 ranks n k x...                   average ranks of k columns over n rows
+student t nu                     P(T <= t)
+between k n x...                 intraclass correlation of k groups of n values, from F of the analysis of variance
+turn k n x... n x...             p of the extreme t of k groups, either way
 """
 
 import itertools
@@ -67,4 +70,25 @@ def ranks():
     return scipy.stats.rankdata(numbers(n * k).reshape(n, k), axis=1).mean(axis=0)
 
 
-answer(binomial, mcnemar, wilcoxon, signs, pratt, bca, range_, ranks)
+def student():
+    t, nu = numbers(2)
+    return [scipy.stats.t.cdf(t, nu)]
+
+
+def between():
+    k, n = integer(), integer()
+    f = scipy.stats.f_oneway(*numbers(k * n).reshape(k, n)).statistic
+    return [max(0.0, (f - 1) / (f - 1 + n))]
+
+
+def turn():
+    groups = [numbers(integer()) for _ in range(integer())]
+    pooled = np.concatenate([group - group.mean() for group in groups])
+    spread = np.sum(pooled**2) / (len(pooled) - len(groups))
+    t = [g.mean() / np.sqrt(max(g.var(ddof=1), spread) / len(g)) for g in groups]
+    nu = [len(group) - 1 for group in groups]
+    below, above = scipy.stats.t.cdf(t, nu).min(), scipy.stats.t.sf(t, nu).min()
+    return [min(1.0, len(groups) * max(below, above))]
+
+
+answer(binomial, mcnemar, wilcoxon, signs, pratt, bca, range_, ranks, student, between, turn)

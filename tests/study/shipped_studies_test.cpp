@@ -9,11 +9,11 @@
 #include <string>
 #include <vector>
 
+#include <breakwater/config/toml_file.h>
+#include <breakwater/config/toml_text.h>
 #include <breakwater/program/program.h>
-#include <breakwater/scenario/toml_file.h>
-#include <breakwater/scenario/toml_text.h>
+#include <breakwater/search/tuning_plan.h>
 #include <breakwater/study/sweep.h>
-#include <breakwater/tuning/tuning_plan.h>
 #include "support.h"
 
 namespace breakwater::shipped_studies_test {

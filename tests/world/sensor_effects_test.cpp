@@ -17,6 +17,23 @@ TEST(Encoder, RoundsToTheNearestCount) {
   EXPECT_EQ(Encoder{}.measure(0.1234), 0.1234);
 }
 
+TEST(Encoder, TruncatesTowardsZeroOnBothSides) {
+  for (const EncoderOrigin origin : {EncoderOrigin::counted, EncoderOrigin::calibrated}) {
+    const Encoder encoder{0.1, 0.0, origin, EncoderRounding::truncate};
+    for (const double sign : {1.0, -1.0}) {
+      EXPECT_EQ(encoder.measure(sign * 0.0999), 0.0);
+      EXPECT_DOUBLE_EQ(encoder.measure(sign * 0.1001), sign * 0.1);
+      EXPECT_DOUBLE_EQ(encoder.measure(sign * 0.1999), sign * 0.1);
+    }
+  }
+  // The phase moves the edges here too, and counted it still reads 0 where it starts.
+  const Encoder late{0.1, 0.03, EncoderOrigin::counted, EncoderRounding::truncate};
+  EXPECT_EQ(late.measure(0.0699), 0.0);
+  EXPECT_DOUBLE_EQ(late.measure(0.0701), 0.1);
+  EXPECT_EQ(late.measure(-0.1299), 0.0);
+  EXPECT_DOUBLE_EQ(late.measure(-0.1301), -0.1);
+}
+
 TEST(Encoder, CountsFromWhereItStarts) {
   for (const double phase : {0.0, 0.013, -0.04, 0.37}) {
     const Encoder encoder{0.1, phase};

@@ -5,9 +5,10 @@
 #include <utility>
 #include <vector>
 
+#include <breakwater/experiment/run_loop.h>
 #include <breakwater/plants/damped_inertia.h>
+#include <breakwater/record/held_reference.h>
 #include <breakwater/record/window_metrics.h>
-#include <breakwater/scenario/run_loop.h>
 #include <breakwater/sim/friction.h>
 #include <breakwater/sim/joint_force.h>
 
@@ -19,7 +20,7 @@ using namespace breakwater;  // a scenario uses much of it
 
 Fields MyScenario::fields() {
   Fields fields;
-  fields.file("model.mjcf", mjcf_, "the plant");
+  bind_model(fields, mjcf_);
   physics_.bind(fields);
   run_.bind(fields);
   fields.number("plant.mass_ratio", mass_ratio_, positive(),
@@ -133,6 +134,8 @@ Recording MyScenario::run(const RunControl& control) const {
   WindowStatistics error(window), torque(window), estimate(window), whole(TimeWindow{});
   SettlingTime settling(TimeWindow{reference_.from_s, to_s_}.within(run_.duration_s),
                         settled_within_rad_);
+  HeldReference held({reference_.from_s, run_.duration_s}, "the angle", "rad");
+  held.ask(reference_.value);
 
   const auto step = [&](std::int64_t k) {
     push_Nm = push_.value(sim.time_of(k));
@@ -144,6 +147,7 @@ Recording MyScenario::run(const RunControl& control) const {
     const double missing = target_rad - sim.qpos()[0];
     error.add(t, missing);
     settling.add(t, missing);
+    held.add(t, missing);
     whole.add(t, sim.qpos()[0]);
     torque.add(t, sim.actuation()(0));
     if (loop.estimates()) estimate.add(t, loop.estimator->disturbance()(0));
@@ -151,6 +155,7 @@ Recording MyScenario::run(const RunControl& control) const {
   Recording recording = record_run(sim, physics_, physics_.step_at(run_.duration_s) + 1,
                                    std::move(signals), control, step, sample);
   if (recording.failure) return recording;
+  held.warn(recording.warnings);
   std::vector<Metric>& metrics = recording.metrics;
   add(metrics, "rmse_angle_rad", "rad", error.rms());
   add(metrics, "settling_time_s", "s", settling.value());

@@ -4,9 +4,9 @@
 
 #include <string>
 
+#include <breakwater/experiment/catalogue.h>
+#include <breakwater/experiment/scenario.h>
 #include <breakwater/rigs/axis_parts.h>
-#include <breakwater/scenario/catalogue.h>
-#include <breakwater/scenario/scenario.h>
 #include <breakwater/sim/simulation.h>
 
 namespace my_scenario_lab {
@@ -33,7 +33,7 @@ class MyScenario final : public breakwater::Scenario {
   double hold_torque_Nm(const breakwater::Model& model) const;
 
   // Which plant.
-  std::string mjcf_;
+  breakwater::ModelFile mjcf_;
   double mass_ratio_ = 1.0;
   double friction_Nms_rad_ = 0.0;
   double resolution_rad_ = 0.0;

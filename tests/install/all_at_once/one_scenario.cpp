@@ -1,5 +1,5 @@
 // main() of a program of one's own scenario alone.
-#include <breakwater/scenario_program/scenario_program.h>
+#include <breakwater/program/scenario_program.h>
 
 #include "own_scenario/own_scenario/own_scenario.h"
 

@@ -1,0 +1,125 @@
+#!/usr/bin/env python3
+"""Whether every case of arm_wall_contact strikes the wall as before, on any processor.
+
+    scripts/impact_goldens.py check   [--bin build/bin]    within 0.1 % of the goldens
+    scripts/impact_goldens.py rebase  [--bin build/bin]    writes them anew, shows old and new
+    scripts/impact_goldens.py mutants [--bin build/bin]    that `check` sees a change of the physics
+
+tests/regression/impact_goldens.json has the free-motion time and the two peak forces of each case.
+Hashes (state_hashes.py) see more, but are of one class of processors and one glibc; the classes of
+data/reproduced.toml are as wide as what the thesis leaves open.
+"""
+import argparse
+import json
+import os
+import subprocess
+import sys
+import tomllib
+from concurrent.futures import ThreadPoolExecutor
+from itertools import product
+from pathlib import Path
+
+from state_hashes import ROOT, classes, own_class, run
+
+GOLDENS = ROOT / "tests/regression/impact_goldens.json"
+SCENARIO = "arm_wall_contact"
+METRICS = ("free_motion_time_s", "peak_force_raw_N", "peak_force_filtered_N")
+TOLERANCE = 1e-3  # relative; with and without FMA they agree to 2e-14
+IMPACT_ONLY = ("--duration", "33")  # force is controlled from 30 s on
+
+# Each mutant changes a key of the shipped configuration by a factor. Four times the time step is
+# refused: it does not divide the control's period.
+MUTANTS = {"contact.stiffness_N_m": 1.02, "contact.damping_Ns_m": 1.02,
+           "force.filter_time_constant_s": 1.02, "physics.timestep_s": 5.0}
+
+
+def cases(bin_dir):
+    return subprocess.run([bin_dir / SCENARIO, "--list-cases"], capture_output=True, text=True,
+                          check=True).stdout.split()
+
+
+def impact(bin_dir, case, processor, sets=()):
+    """The three metrics; those that it lacks, since it failed or touched nothing, are absent."""
+    arguments = ["--case", case, *IMPACT_ONLY, *(["--set", *sets] if sets else [])]
+    metrics = run(bin_dir / SCENARIO, arguments, processor)[1]
+    return {name: metrics[name] for name in METRICS if name in metrics}
+
+
+def impacts(bin_dir, processors):
+    """{(case, processor): the three metrics} of every case, on all cores."""
+    jobs = list(product(cases(bin_dir), processors))
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        return dict(zip(jobs, pool.map(lambda job: impact(bin_dir, *job), jobs)))
+
+
+def change(golden, found):
+    return found / golden - 1.0
+
+
+def differences(golden, found):
+    """What is not as it was, in words."""
+    texts = []
+    for name in METRICS:
+        if name not in golden or name not in found:
+            if (name in golden) != (name in found):
+                texts.append(f"{name}: {found.get(name, 'none')} instead of "
+                             f"{golden.get(name, 'none')}")
+        elif abs(change(golden[name], found[name])) > TOLERANCE:
+            texts.append(f"{name}: {found[name]:.6g} instead of {golden[name]:.6g} "
+                         f"({change(golden[name], found[name]):+.2%})")
+    return texts
+
+
+def check(options):
+    goldens = json.loads(GOLDENS.read_text())
+    found = impacts(options.bin, classes())
+    wrong = [f"{case} ({processor}): {text}" for (case, processor), metrics in found.items()
+             for text in differences(goldens.get(case, {}), metrics)]
+    wrong += [f"{case}: there is no such case" for case in goldens.keys() - cases(options.bin)]
+    if wrong:
+        sys.exit("\n".join(wrong) + "\nThe arm does not strike as before. If it ought to differ: "
+                 "scripts/impact_goldens.py rebase")
+
+
+def rebase(options):
+    old = json.loads(GOLDENS.read_text()) if GOLDENS.exists() else {}
+    new = {case: metrics for (case, _), metrics in impacts(options.bin, [own_class()]).items()}
+    print("| case | metric | old | new | change |\n|---|---|---|---|---|")
+    for case, name in product({**old, **new}, METRICS):
+        before, after = (goldens.get(case, {}).get(name) for goldens in (old, new))
+        values = ["none" if value is None else f"{value:.6g}" for value in (before, after)]
+        changed = f"{change(before, after):+.3%}" if before and after else ""
+        print(f"| {case} | {name} | {' | '.join(values)} | {changed} |")
+    GOLDENS.write_text(json.dumps(new, indent=2) + "\n")
+
+
+def mutants(options):
+    goldens = json.loads(GOLDENS.read_text())
+    shipped = tomllib.loads(subprocess.run([options.bin / SCENARIO, "--print-config"],
+                                           capture_output=True, text=True, check=True).stdout)
+    unseen = []
+    for key, factor in MUTANTS.items():
+        table, name = key.split(".")
+        value = shipped[table][name] * factor
+        for case, golden in goldens.items():
+            texts = differences(golden, impact(options.bin, case, own_class(), [f"{key}={value!r}"]))
+            if texts:
+                print(f"{key} * {factor:g}: seen by {case}: {'; '.join(texts)}", flush=True)
+                break
+        else:
+            unseen.append(f"{key} * {factor:g}")
+    if unseen:
+        sys.exit(f"no case sees {', '.join(unseen)}")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("command", choices=["check", "rebase", "mutants"])
+    parser.add_argument("--bin", type=Path, default=ROOT / "build/bin")
+    options = parser.parse_args()
+    {"check": check, "rebase": rebase, "mutants": mutants}[options.command](options)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,258 @@
+#include <breakwater/cluster/slurm.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdlib>
+#include <ctime>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <stdexcept>
+
+#include <breakwater/cluster/slurm_queue.h>
+#include <breakwater/record/partial_file.h>
+#include <breakwater/record/text_outputs.h>
+#include <breakwater/shell/all_cores.h>
+#include <breakwater/shell/child_program.h>
+#include <breakwater/shell/process.h>
+#include <breakwater/study/sweep.h>
+
+namespace breakwater {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kTasksWithoutScheduler = 100;
+constexpr int kWarning_s = 60;  // before a time limit
+
+// A number of `scontrol show config`.
+std::size_t limit_of(const std::vector<std::string>& config, const std::string& name) {
+  for (const std::string& line : config) {
+    if (!line.starts_with(name)) continue;
+    const std::size_t at = line.find_first_of("0123456789", name.size());
+    if (at != std::string::npos) return std::stoul(line.substr(at));
+  }
+  throw std::invalid_argument("scontrol show config: has no " + name);
+}
+
+// `points` in `tasks` shares, a line each.
+std::vector<std::string> shares(const std::vector<std::size_t>& points, std::size_t tasks) {
+  std::vector<std::string> lines;
+  for (std::size_t task = 0; task < tasks; ++task) {
+    const auto at = [&](std::size_t n) {
+      return points.begin() + static_cast<std::ptrdiff_t>(points.size() * n / tasks);
+    };
+    lines.push_back(print_points({at(task), at(task + 1)}));
+  }
+  return lines;
+}
+
+std::size_t tasks_by_time(double seconds, double minutes) {
+  return static_cast<std::size_t>(std::max(1.0, std::ceil(seconds / (60.0 * minutes))));
+}
+
+// A folder of its own for each submission.
+fs::path new_submission(const StudyFolder& folder) {
+  for (int n = 1;; ++n) {
+    const fs::path submission = folder.path() / "slurm" / std::to_string(n);
+    fs::create_directories(submission.parent_path());
+    if (fs::create_directory(submission)) return submission;
+  }
+}
+
+// A line of the script's head; quoted, so that a folder may have any name.
+std::string directive(const std::string& name, const std::string& value) {
+  std::string quoted;
+  for (const char c : value) {
+    if (c == '"' || c == '\\') quoted += '\\';
+    quoted += c;
+  }
+  return fmt::format("#SBATCH --{}=\"{}\"\n", name, quoted);
+}
+
+// A name of a file in which % would be a field of sbatch's.
+std::string without_fields(const std::string& path) {
+  std::string text;
+  for (const char c : path) text += c == '%' ? std::string("%%") : std::string(1, c);
+  return text;
+}
+
+// The words of a task's command, but for its points.
+std::string task_command(const SlurmStudy& study, const SlurmRequest& request) {
+  std::string text = fmt::format("{} {} {} --quiet", shell_quoted(own_program()), study.command,
+                                 shell_quoted(study.folder.path().string()));
+  for (const std::string& option : request.of_task) text += " " + option;
+  return text + " --points";
+}
+
+std::string job_script(const SlurmStudy& study, const fs::path& submission, std::size_t tasks,
+                       const SlurmRequest& request) {
+  const SlurmSettings& slurm = study.settings;
+  std::string text = slurm.modules.empty() ? "#!/bin/bash\n" : "#!/bin/bash -l\n";
+  text += directive("job-name", study.command + "-" + study.folder.path().filename().string());
+  text += directive("array", request.parallel > 0 ? fmt::format("1-{}%{}", tasks, request.parallel)
+                                                  : fmt::format("1-{}", tasks));
+  text += directive("output", without_fields(submission.string()) + "/%a.log");
+  text += directive("open-mode", "append");
+  text += directive("chdir", fs::current_path().string());
+  text += directive("signal", fmt::format("B:USR1@{}", kWarning_s));
+  text += "#SBATCH --requeue\n";
+  if (!slurm.account.empty()) text += directive("account", slurm.account);
+  if (!slurm.partition.empty()) text += directive("partition", slurm.partition);
+  if (!slurm.constraint.empty()) text += directive("constraint", slurm.constraint);
+  for (const std::string& line : slurm.options) text += "#SBATCH " + line + "\n";
+  text += "fail() {\n  echo \"$(hostname): $1\" >&2\n  exit 127\n}\n";
+  for (const std::string& module : slurm.modules) {
+    text += fmt::format("module load {0} || fail {1}\n", shell_quoted(module),
+                        shell_quoted("module load " + module + " has failed"));
+  }
+  for (const std::string& line : slurm.environment) text += "export " + shell_quoted(line) + "\n";
+  text += fmt::format(
+      "[ -x {} ] || fail {}\nexec {} @{}:$SLURM_ARRAY_TASK_ID\n", shell_quoted(own_program()),
+      shell_quoted("there is no " + own_program() + ": it must lie where all nodes see it"),
+      task_command(study, request), shell_quoted((submission / "tasks").string()));
+  return text;
+}
+
+// The number of the job that was accepted, among warnings.
+std::string job_of(const std::vector<std::string>& said) {
+  for (const std::string& line : said) {
+    const std::string job = line.substr(0, line.find(';'));
+    if (!job.empty() && job.find_first_not_of("0123456789") == std::string::npos) return job;
+    fmt::print(stderr, "{}\n", line);
+  }
+  throw std::invalid_argument("sbatch: has named no job");
+}
+
+[[noreturn]] void fail_for_points(const std::string& text, const std::string& reason) {
+  throw std::invalid_argument("--points: " + text + ": " + reason);
+}
+
+struct LineOfFile {
+  fs::path file;
+  std::size_t line = 0;  // from 1
+};
+
+LineOfFile line_of_file(const std::string& text) {
+  LineOfFile place;
+  const std::size_t colon = text.rfind(':');
+  const char* const end = text.data() + text.size();
+  if (text.starts_with("@") && colon != std::string::npos) {
+    const auto read = std::from_chars(text.data() + colon + 1, end, place.line);
+    if (read.ec != std::errc() || read.ptr != end) place.line = 0;
+  }
+  if (place.line == 0) fail_for_points(text, "must be @FILE:LINE");
+  place.file = text.substr(1, colon - 1);
+  return place;
+}
+
+}  // namespace
+
+void check_for_scripts(const StudyFolder& folder) {
+  for (const std::string& path :
+       {folder.path().string(), fs::current_path().string(), own_program()}) {
+    if (one_line(path) == path) continue;
+    throw std::invalid_argument(
+        path +
+        ": has a newline or another control character, which no script may have: choose "
+        "another folder");
+  }
+}
+
+std::size_t most_tasks() {
+  const std::vector<std::string> config = ask_slurm({"scontrol", "show", "config"});
+  return std::min(limit_of(config, "MaxArraySize") - 1,  // an index stays below
+                  limit_of(config, "MaxJobCount"));
+}
+
+SubmittedJob submit(const SlurmStudy& study, const std::vector<std::size_t>& points,
+                    const SlurmRequest& request, const std::function<double()>& seconds) {
+  const std::size_t most = most_tasks();
+  std::size_t tasks = request.tasks > 0 ? request.tasks : tasks_by_time(seconds(), request.minutes);
+  tasks = std::min({tasks, most, points.size()});
+
+  const fs::path submission = new_submission(study.folder);
+  write_text_file((submission / "tasks").string(),
+                  fmt::format("{}\n", fmt::join(shares(points, tasks), "\n")));
+  if (!study.candidates.empty()) {
+    write_text_file((submission / "candidates").string(), study.candidates);
+  }
+  const std::string script = (submission / "job.sh").string();
+  write_text_file(script, job_script(study, submission, tasks, request));
+  std::vector<std::string> words = {"sbatch", "--parsable"};
+  for (const std::string& option : request.options) {
+    std::istringstream stream(option);
+    for (std::string word; stream >> word;) words.push_back(word);
+  }
+  words.push_back(script);
+  std::string job;
+  try {
+    job = job_of(ask_slurm(words));
+  } catch (const std::invalid_argument&) {
+    fs::remove_all(submission);
+    throw;
+  }
+  replace_file(submission / "job", job + "\n");
+  return {job, tasks};
+}
+
+void wait_for_queue(const StudyFolder& folder, std::size_t points) {
+  // Between two questions a quarter of the time so far: others ask the cluster too.
+  constexpr std::time_t kLongest_s = 15;
+  std::string trouble;
+  std::time_t waited_s = 0;
+  while (!interrupted()) {
+    try {
+      if (queued(folder, points).text.empty()) return;
+      trouble.clear();
+    } catch (const std::invalid_argument& error) {
+      if (error.what() != trouble && !interrupted()) {
+        fmt::print(stderr, "{}\n", one_line(error.what()));
+      }
+      trouble = error.what();
+    }
+    const timespec pause = {std::clamp<std::time_t>(waited_s / 4, 1, kLongest_s), 0};
+    waited_s += pause.tv_sec;
+    nanosleep(&pause, nullptr);
+  }
+}
+
+void print_tasks(const SlurmStudy& study, const std::vector<std::size_t>& points,
+                 const SlurmRequest& request) {
+  if (points.empty()) return;
+  const std::size_t tasks =
+      std::min(request.tasks > 0 ? request.tasks : kTasksWithoutScheduler, points.size());
+  for (const std::string& line : shares(points, tasks)) {
+    fmt::print("{} {}\n", task_command(study, request), line);
+  }
+}
+
+std::vector<std::size_t> points_of_task(const std::string& text, std::size_t size) {
+  if (!text.starts_with("@")) return parse_points(text, size);
+  const LineOfFile place = line_of_file(text);
+  std::ifstream stream(place.file);
+  std::string line;
+  for (std::size_t i = 0; i < place.line; ++i) {
+    if (!std::getline(stream, line)) fail_for_points(text, "there is no such line");
+  }
+  return parse_points(line, size);
+}
+
+fs::path submission_of_task(const std::string& text) {
+  return line_of_file(text).file.parent_path();
+}
+
+std::size_t task_threads() {
+  const char* const given = std::getenv("SLURM_CPUS_PER_TASK");
+  std::size_t threads = 0;
+  if (given != nullptr) {
+    std::from_chars(given, given + std::string_view(given).size(), threads);
+    if (threads > 0) return threads;
+  }
+  return std::getenv("SLURM_JOB_ID") != nullptr ? 1 : usable_cores();
+}
+
+}  // namespace breakwater

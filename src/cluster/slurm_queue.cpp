@@ -1,0 +1,204 @@
+#include <breakwater/cluster/slurm_queue.h>
+
+#include <fmt/format.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cstdlib>
+#include <fstream>
+#include <map>
+#include <set>
+#include <stdexcept>
+#include <string_view>
+
+#include <breakwater/shell/child_program.h>
+#include <breakwater/shell/process.h>
+#include <breakwater/study/sweep.h>
+
+namespace breakwater {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kMostLogsShown = 5;
+
+// What a job is told about itself: sbatch, called in one, would hand it on to the new job's tasks,
+// such as SLURM_CPUS_PER_TASK where they are given no number of their own. Where the cluster is,
+// and who asks it, is no job's.
+bool is_of_a_job(std::string_view variable) {
+  return (variable.starts_with("SLURM_") || variable.starts_with("SLURMD_")) &&
+         variable != "SLURM_CONF" && variable != "SLURM_CLUSTERS" && variable != "SLURM_JWT";
+}
+
+std::vector<std::string> lines_of_file(const fs::path& file) {
+  std::ifstream stream(file);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
+struct QueuedTask {
+  std::string job;
+  std::size_t index = 0;  // in the array, from 1
+  std::string state;
+  std::string reason;  // why it is pending
+};
+
+// All that this user has.
+std::vector<QueuedTask> queued_tasks() {
+  std::vector<QueuedTask> tasks;
+  for (const std::string& line :
+       ask_slurm({"squeue", "--noheader", "--array", fmt::format("--user={}", geteuid()),
+                  "--format=%F|%K|%T|%r"})) {
+    std::vector<std::string> parts;
+    for (std::size_t at = 0; at <= line.size();) {
+      const std::size_t end = std::min(line.find('|', at), line.size());
+      parts.push_back(line.substr(at, end - at));
+      at = end + 1;
+    }
+    QueuedTask task;
+    if (parts.size() != 4) continue;
+    // Other jobs of the user's may be no arrays: their index is N/A.
+    const char* const end = parts[1].data() + parts[1].size();
+    if (std::from_chars(parts[1].data(), end, task.index).ptr != end) continue;
+    task.job = parts[0];
+    task.state = parts[2];
+    if (task.state == "PENDING" && parts[3] != "None") task.reason = parts[3];
+    tasks.push_back(task);
+  }
+  return tasks;
+}
+
+std::string text_of(const std::string& job, const std::vector<QueuedTask>& tasks) {
+  std::map<std::string, int> states;
+  for (const QueuedTask& task : tasks) {
+    if (task.job != job) continue;
+    ++states[task.reason.empty() ? task.state : task.state + " (" + task.reason + ")"];
+  }
+  std::vector<std::string> parts;
+  for (const auto& [state, count] : states) parts.push_back(fmt::format("{} {}", count, state));
+  return parts.empty() ? "" : fmt::format("job {}: {}", job, fmt::join(parts, ", "));
+}
+
+// The last words of a task.
+std::string last_words(const fs::path& log) {
+  std::string last;
+  for (const std::string& line : lines_of_file(log)) {
+    if (!line.empty()) last = line;
+  }
+  if (!last.empty()) return one_line(last);
+  return "there is nothing: it was cancelled before it began, or its node does not see the folder";
+}
+
+}  // namespace
+
+std::vector<std::string> ask_slurm(const std::vector<std::string>& words) {
+  const bool is_in_a_job = std::getenv("SLURM_JOB_ID") != nullptr;
+  ReadProgram program(words, true, is_in_a_job ? is_of_a_job : nullptr);
+  std::vector<std::string> lines;
+  while (const auto line = program.next()) {
+    if (!line->empty()) lines.push_back(*line);
+  }
+  const int status = program.wait();
+  if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return lines;
+  const std::string said = lines.empty() ? "has failed" : fmt::format("{}", fmt::join(lines, "; "));
+  throw std::invalid_argument(said.starts_with(words.front() + ": ") ? said
+                                                                     : words.front() + ": " + said);
+}
+
+std::vector<Submission> submissions(const StudyFolder& folder) {
+  std::map<int, Submission> found;
+  std::error_code error;
+  for (fs::directory_iterator entry(folder.path() / "slurm", error), end; !error && entry != end;
+       entry.increment(error)) {
+    const std::vector<std::string> job = lines_of_file(entry->path() / "job");
+    if (job.empty()) continue;
+    found[std::atoi(entry->path().filename().c_str())] = {entry->path(), job.front(),
+                                                          lines_of_file(entry->path() / "tasks")};
+  }
+  // What cannot be read may be in the queue: it must not be submitted again.
+  if (error && error != std::errc::no_such_file_or_directory) {
+    throw std::invalid_argument(fmt::format("{}: cannot be read ({})",
+                                            (folder.path() / "slurm").string(), error.message()));
+  }
+  std::vector<Submission> all;
+  for (auto& [number, submission] : found) all.push_back(std::move(submission));
+  return all;
+}
+
+Queued queued(const StudyFolder& folder, std::size_t points) {
+  Queued result;
+  result.points.resize(points);
+  const std::vector<Submission> all = submissions(folder);
+  if (all.empty()) return result;
+  result.is_asked = true;
+  const std::vector<QueuedTask> tasks = queued_tasks();
+  std::vector<std::string> texts;
+  for (const Submission& submission : all) {
+    for (const QueuedTask& task : tasks) {
+      if (task.job != submission.job || task.index > submission.tasks.size()) continue;
+      for (const std::size_t point : parse_points(submission.tasks[task.index - 1], points)) {
+        result.points[point] = true;
+      }
+    }
+    const std::string text = text_of(submission.job, tasks);
+    if (!text.empty()) texts.push_back(text);
+  }
+  result.text = fmt::format("{}", fmt::join(texts, "; "));
+  return result;
+}
+
+std::optional<Queued> queued_if_known(const StudyFolder& folder, std::size_t points,
+                                      const std::string& command) {
+  try {
+    return queued(folder, points);
+  } catch (const std::invalid_argument& error) {
+    fmt::print(stderr, "{}: whether tasks of it are in a queue is not known here ({})\n", command,
+               one_line(error.what()));
+    return std::nullopt;
+  }
+}
+
+void check_not_queued(const Queued& queue, const StudyFolder& folder, const std::string& what) {
+  if (queue.text.empty()) return;
+  throw std::invalid_argument(
+      fmt::format("{}: {} is still in the queue ({}): end it first with scancel", what,
+                  folder.path().string(), queue.text));
+}
+
+void print_slurm_status(const StudyFolder& folder, const ShardIndex& index) {
+  const std::vector<Submission> all = submissions(folder);
+  if (all.empty()) return;
+  std::vector<bool> is_explained;
+  try {
+    const Queued queue = queued(folder, index.points());
+    if (!queue.text.empty()) fmt::print("in the queue: {}\n", queue.text);
+    is_explained = queue.points;
+  } catch (const std::invalid_argument& error) {
+    fmt::print("what is in the queue is not known here: {}\n", error.what());
+    return;
+  }
+  std::vector<fs::path> logs;
+  for (auto submission = all.rbegin(); submission != all.rend(); ++submission) {
+    for (std::size_t task = 0; task < submission->tasks.size(); ++task) {
+      bool is_unfinished = false;
+      for (const std::size_t point : parse_points(submission->tasks[task], index.points())) {
+        if (!index.has(point) && !is_explained[point]) is_unfinished = true;
+        is_explained[point] = true;
+      }
+      if (is_unfinished) logs.push_back(submission->folder / fmt::format("{}.log", task + 1));
+    }
+  }
+  if (logs.empty()) return;
+  fmt::print("{} task{} ended before {} points were done:\n", logs.size(),
+             logs.size() == 1 ? " has" : "s have", logs.size() == 1 ? "its" : "their");
+  for (std::size_t i = 0; i < std::min(logs.size(), kMostLogsShown); ++i) {
+    fmt::print("  {}: {}\n", logs[i].lexically_relative(folder.path()).string(),
+               last_words(logs[i]));
+  }
+  if (logs.size() > kMostLogsShown) fmt::print("  … and {} more\n", logs.size() - kMostLogsShown);
+}
+
+}  // namespace breakwater

@@ -1,0 +1,362 @@
+#include <breakwater/config/config.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <filesystem>
+#include <numeric>
+#include <stdexcept>
+
+#include <breakwater/config/toml_file.h>
+#include <breakwater/shell/paths.h>
+
+namespace breakwater {
+namespace {
+
+constexpr std::size_t kLongestWord = 200;  // of keys and names
+constexpr std::size_t kLongestShown = 40;
+
+using Entries = std::map<std::string, ConfigEntry>;
+
+ConfigValue convert(const toml::node& node, const std::string& origin) {
+  if (const auto* value = node.as_boolean()) return {value->get()};
+  if (const auto* value = node.as_integer()) return {value->get()};
+  if (const auto* value = node.as_floating_point()) return {value->get()};
+  if (const auto* value = node.as_string()) return {value->get()};
+  if (const auto* array = node.as_array()) {
+    ConfigValue::Array values;
+    for (const toml::node& element : *array) values.push_back(convert(element, origin));
+    return {std::move(values)};
+  }
+  throw std::invalid_argument(origin + ": dates and tables in arrays are not used here");
+}
+
+// The value that `key` names an element of what `value`, the value of its whole key, is.
+ConfigValue& element_of(ConfigValue& value, const std::string& key) {
+  ConfigValue* found = &value;
+  std::size_t at = whole_key(key).size();
+  while (at < key.size()) {
+    const std::string of = key.substr(0, at);
+    const std::size_t end = key.find(']', at);
+    std::size_t number = 0;
+    if (end != std::string::npos && key[at] == '[') {
+      std::from_chars(key.data() + at + 1, key.data() + end, number);
+    }
+    if (number == 0 || key.substr(at, end + 1 - at) != fmt::format("[{}]", number)) {
+      throw std::invalid_argument("elements are counted from 1: " + of + "[1] is the first");
+    }
+    auto* array = std::get_if<ConfigValue::Array>(&found->data);
+    if (array == nullptr) throw std::invalid_argument(of + " is no array");
+    if (number > array->size()) {
+      throw std::invalid_argument(
+          fmt::format("{} has {} element{}", of, array->size(), array->size() == 1 ? "" : "s"));
+    }
+    found = &(*array)[number - 1];
+    at = end + 1;
+  }
+  return *found;
+}
+
+// Refuses an array beside an element of it: which of the two counts would depend on their order.
+void check_elements(const std::vector<std::string>& sets) {
+  std::vector<std::string> keys;
+  for (const std::string& assignment : sets) {
+    keys.push_back(assignment.substr(0, assignment.find('=')));
+    for (const std::string& other : keys) {
+      if (!is_element_of(keys.back(), other) && !is_element_of(other, keys.back())) continue;
+      throw std::invalid_argument("--set: " + keys.back() + ": " + other +
+                                  " is given too: give the array, or elements of it");
+    }
+  }
+}
+
+bool is_key_character(char c) {
+  return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '-' || c == '.';
+}
+
+// The beginning of a word that a user gave, for one line of text.
+std::string shown(const std::string& word) {
+  std::string text = word.substr(0, kLongestShown);
+  std::replace_if(
+      text.begin(), text.end(), [](unsigned char c) { return std::iscntrl(c) != 0; }, '?');
+  return word.size() > kLongestShown ? text + "..." : text;
+}
+
+// Cases and readings are folders' names too.
+void check_name(const std::string& name, const std::string& what, const std::string& origin) {
+  const bool fits =
+      !name.empty() && name.size() <= kLongestWord && name != "." && name != ".." &&
+      std::all_of(name.begin(), name.end(), [](char c) { return is_key_character(c) || c == '+'; });
+  if (!fits) {
+    throw std::invalid_argument(origin + ": " + what + "." + shown(name) +
+                                ": a name is made of A-Z, a-z, 0-9, '.', '_', '+' and '-', and is "
+                                "not '.' or '..'");
+  }
+  if (name == "all") throw std::invalid_argument(origin + ": " + what + ".all: means all of them");
+}
+
+// Tables become dotted keys, an array's tables by their number from 1; everything else is a value.
+void flatten(const toml::table& table, const std::string& file, const std::string& prefix,
+             Entries& entries) {
+  for (const auto& [key, node] : table) {
+    const std::string path = prefix + std::string(key.str());
+    const bool is_text = std::none_of(path.begin(), path.end(),
+                                      [](unsigned char c) { return std::iscntrl(c) != 0; });
+    if (path.size() > kLongestWord || !is_text) {
+      throw std::invalid_argument(at_line(file, key.source()) + ": " + shown(path) + ": is no key");
+    }
+    if (const auto* nested = node.as_table()) {
+      flatten(*nested, file, path + ".", entries);
+    } else if (node.is_array_of_tables()) {
+      std::size_t number = 0;
+      for (const toml::node& element : *node.as_array()) {
+        const std::string element_path = path + "." + std::to_string(++number) + ".";
+        flatten(*element.as_table(), file, element_path, entries);
+      }
+    } else {
+      const std::string origin = at_line(file, node.source());
+      // "a.b" in quotes and b in [a] are the same key here.
+      if (!entries.emplace(path, ConfigEntry{convert(node, origin), origin}).second) {
+        throw std::invalid_argument(origin + ": " + path + ": is given twice");
+      }
+    }
+  }
+}
+
+// The names of a file's tables [WHAT.NAME], in its order, and their keys.
+std::vector<std::string> read_named(const toml::table& file_table, const std::string& what,
+                                    const std::string& file,
+                                    std::map<std::string, Entries>& named) {
+  std::vector<std::string> names;
+  const toml::node* node = file_table.get(what);
+  if (node == nullptr) return names;
+  if (!node->is_table()) {
+    throw std::invalid_argument(at_line(file, node->source()) + ": " + what + ": must be a table");
+  }
+  std::vector<std::pair<toml::source_index, std::string>> lines;
+  for (const auto& [key, keys] : *node->as_table()) {
+    const std::string name(key.str());
+    const std::string origin = at_line(file, key.source());
+    check_name(name, what, origin);
+    if (!keys.is_table()) {
+      throw std::invalid_argument(origin + ": " + what + "." + name + ": must be a table");
+    }
+    flatten(*keys.as_table(), file, "", named[name]);
+    lines.emplace_back(keys.source().begin.line, name);
+  }
+  std::sort(lines.begin(), lines.end());  // TOML tables are read sorted by name
+  for (const auto& line : lines) names.push_back(line.second);
+  return names;
+}
+
+std::size_t edit_distance(const std::string& a, const std::string& b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), 0U);
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = std::exchange(row[0], i);
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t replaced = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
+      diagonal = std::exchange(row[j], std::min({row[j] + 1, row[j - 1] + 1, replaced}));
+    }
+  }
+  return row.back();
+}
+
+}  // namespace
+
+std::string did_you_mean(const std::string& word, const std::vector<std::string>& candidates) {
+  if (word.size() > kLongestWord) return "";
+  const std::string* best = nullptr;
+  std::size_t best_distance = std::max<std::size_t>(2, word.size() / 3) + 1;
+  for (const std::string& candidate : candidates) {
+    const std::size_t distance = edit_distance(word, candidate);
+    if (distance < best_distance) {
+      best_distance = distance;
+      best = &candidate;
+    }
+  }
+  return best != nullptr ? " (did you mean " + *best + "?)" : "";
+}
+
+std::string whole_key(const std::string& key) {
+  return key.substr(0, key.find('['));
+}
+
+bool is_element_of(const std::string& key, const std::string& other) {
+  return key.size() > other.size() && key.starts_with(other) && key[other.size()] == '[';
+}
+
+void Config::set(const std::string& assignment) {
+  const std::size_t equals = assignment.find('=');
+  if (equals == std::string::npos || equals == 0 || equals + 1 == assignment.size()) {
+    throw std::invalid_argument("--set: " + assignment + ": must be of the form key.path=value");
+  }
+  const std::string key = assignment.substr(0, equals);
+  const std::string whole = whole_key(key);
+  if (key.size() > kLongestWord || !std::all_of(whole.begin(), whole.end(), is_key_character)) {
+    throw std::invalid_argument("--set: " + shown(key) + ": is no key");
+  }
+  const std::string text = assignment.substr(equals + 1);
+  const std::string origin = "--set: " + key;
+  const auto parsed = parse_toml_value(text, origin);
+  // What is not TOML is a bare word; whether the key is a string shows when it is read.
+  ConfigValue value = parsed ? convert(*parsed->get("value"), origin) : ConfigValue{text};
+  if (whole != key) {
+    const ConfigEntry* array = find(whole);
+    if (array == nullptr) {
+      std::vector<std::string> keys;
+      for (const auto& [name, entry] : entries_) keys.push_back(name);
+      throw std::invalid_argument(origin + ": " + file_ + " has no " + shown(whole) +
+                                  did_you_mean(whole, keys));
+    }
+    ConfigValue changed = array->value;
+    try {
+      element_of(changed, key) = std::move(value);
+    } catch (const std::invalid_argument& error) {
+      throw std::invalid_argument(origin + ": " + error.what());
+    }
+    value = std::move(changed);
+  }
+  entries_[whole] = {std::move(value), kSetOrigin, true};
+}
+
+void Config::apply(const Entries& overrides) {
+  for (const auto& [key, entry] : overrides) entries_[key] = entry;
+}
+
+const ConfigEntry* Config::find(const std::string& key) const {
+  const auto found = entries_.find(key);
+  return found != entries_.end() ? &found->second : nullptr;
+}
+
+std::optional<double> Config::number(const std::string& key) const {
+  const ConfigEntry* entry = find(key);
+  if (entry == nullptr) return std::nullopt;
+  if (const auto* integer = std::get_if<std::int64_t>(&entry->value.data)) {
+    return static_cast<double>(*integer);
+  }
+  if (const auto* real = std::get_if<double>(&entry->value.data)) return *real;
+  return std::nullopt;
+}
+
+std::string Config::find_file_of(const std::string& key, const std::string& name) const {
+  const ConfigEntry* entry = find(key);
+  const bool is_set = entry != nullptr && entry->is_set();
+  const std::filesystem::path folder =
+      is_set ? std::filesystem::path() : std::filesystem::path(file_).parent_path();
+  const auto file = find_file(name, folder);
+  std::error_code error;
+  if (!file || !std::filesystem::is_regular_file(*file, error)) {
+    const std::string place = folder.empty() ? "the working folder" : folder.string();
+    fail(key, "there is no file " + name + " in " + place + " or any of " + searched_places());
+  }
+  return file->string();
+}
+
+void Config::fail(const std::string& key, const std::string& message) const {
+  const ConfigEntry* entry = find(whole_key(key));
+  throw std::invalid_argument((entry != nullptr ? entry->origin : file_) + ": " + key + ": " +
+                              message);
+}
+
+Config read_config(const std::string& file) {
+  Entries entries;
+  flatten(parse_toml_file(file), file, "", entries);
+  return {file, std::move(entries)};
+}
+
+ScenarioFile::ScenarioFile(const std::string& file, const std::string& scenario) : file_(file) {
+  toml::table table = parse_toml_file(file, &text_);
+
+  const auto root_text = [&](const char* key) {
+    const toml::node* node = table.get(key);
+    if (node == nullptr) throw std::invalid_argument(file + ": " + key + ": is missing");
+    if (!node->is_string()) {
+      throw std::invalid_argument(at_line(file, node->source()) + ": " + key +
+                                  ": must be a string");
+    }
+    return std::pair(node->as_string()->get(), at_line(file, node->source()));
+  };
+  const auto [name, name_origin] = root_text("scenario");
+  if (name != scenario) {
+    throw std::invalid_argument(name_origin + ": scenario: is \"" + shown(name) + "\", not \"" +
+                                scenario + "\"");
+  }
+  const auto [default_case, default_origin] = root_text("default_case");
+  default_case_ = default_case;
+
+  cases_ = read_named(table, "case", file, overrides_);
+  if (!overrides_.contains(default_case_)) {
+    throw std::invalid_argument(default_origin + ": default_case: there is no [case." +
+                                default_case_ + "]" + did_you_mean(default_case_, cases_));
+  }
+  for (auto& [case_name, keys] : overrides_) {
+    for (auto& [key, entry] : keys) entry.is_chosen = true;
+  }
+  read_named(table, "readings", file, readings_);
+  for (const char* key : {"scenario", "default_case", "case", "readings"}) table.erase(key);
+  flatten(table, file, "", entries_);
+  if (readings_.empty()) return;
+  for (const Entries* keys : all_entries()) {
+    if (keys->contains("reading")) reading(Config(file_, *keys));
+  }
+}
+
+std::vector<const Entries*> ScenarioFile::all_entries() const {
+  std::vector<const Entries*> all = {&entries_};
+  for (const std::string& name : cases_) all.push_back(&overrides_.at(name));
+  return all;
+}
+
+std::vector<Config> ScenarioFile::tables() const {
+  std::vector<Config> tables;
+  for (const Entries* keys : all_entries()) {
+    tables.emplace_back(file_, *keys);
+    if (!readings_.empty()) tables.back().remove("reading");
+  }
+  for (const auto& [name, keys] : readings_) tables.emplace_back(file_, keys);
+  return tables;
+}
+
+void ScenarioFile::check_case(const std::string& name, const std::string& place) const {
+  if (has_case(name)) return;
+  throw std::invalid_argument(place + ": " + file_ + " has no case \"" + name + "\"" +
+                              did_you_mean(name, cases_));
+}
+
+Config ScenarioFile::config(const std::string& case_name,
+                            const std::vector<std::string>& sets) const {
+  check_case(case_name, "--case");
+  check_elements(sets);
+  Config config(file_, entries_);
+  config.apply(overrides_.at(case_name));
+  if (!readings_.empty()) {
+    // Which one may be set; the sets then go on top of it.
+    Config choosing = config;
+    for (const std::string& assignment : sets) {
+      if (assignment.starts_with("reading=")) choosing.set(assignment);
+    }
+    config.apply(reading(choosing));
+  }
+  for (const std::string& assignment : sets) config.set(assignment);
+  if (!readings_.empty()) config.remove("reading");
+  return config;
+}
+
+const Entries& ScenarioFile::reading(const Config& config) const {
+  const ConfigEntry* entry = config.find("reading");
+  if (entry == nullptr) config.fail("reading", "is missing");
+  std::vector<std::string> names;
+  for (const auto& [name, keys] : readings_) names.push_back(name);
+  const auto* name = std::get_if<std::string>(&entry->value.data);
+  if (name == nullptr) config.fail("reading", "must be a string");
+  const auto found = readings_.find(*name);
+  if (found == readings_.end()) {
+    config.fail("reading", "there is no [readings." + *name + "]" + did_you_mean(*name, names));
+  }
+  return found->second;
+}
+
+}  // namespace breakwater

@@ -1,0 +1,536 @@
+#include <breakwater/config/fields.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <set>
+#include <stdexcept>
+
+#include <breakwater/config/toml_text.h>
+#include <breakwater/shell/paths.h>
+
+namespace breakwater {
+namespace {
+
+constexpr std::size_t kLongestValue = 200;  // of a value that is none
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+using Error = std::optional<Refusal>;
+
+// The same thing under the names that scenarios have for it, units left out.
+const std::vector<std::vector<std::string>>& synonyms() {
+  static const std::vector<std::vector<std::string>> groups = {
+      {"noise.std", "noise.position", "noise.angle", "sensor.angle_noise"},
+      {"encoder.bits", "encoder.resolution", "sensor.resolution", "sensor.encoder_counts_per_turn"},
+      {"plant.friction", "plant.coulomb_friction"},
+      {"plant.inertia_ratio", "plant.mass_ratio"},
+      {"nominal.inertia", "nominal.mass", "observer.nominal_inertia"},
+      {"observer.name", "estimator.filter"},
+      {"observer.process_noise", "estimator.process_noise"},
+      {"observer.observation_noise", "estimator.measurement_covariance"},
+      {"task.reference", "reference.position"},
+      {"task.reference_from", "reference.start"},
+      {"task.start", "task.start_angles", "start.position"},
+      {"disturbance.kind", "push.kind", "condition"},
+      {"disturbance.amplitude", "disturbance.input", "disturbance.step", "push.amplitude"},
+      {"disturbance.start", "disturbance.step_start", "push.start"},
+      {"metrics.from", "metrics.window"}};
+  return groups;
+}
+
+// "noise.std" of "noise.std_rad".
+bool is_called(const std::string& key, const std::string& stem) {
+  return key == stem || (key.starts_with(stem + "_") && key.find('_', stem.size() + 1) == key.npos);
+}
+
+// How the keys are called here that another scenario calls `key`, as " (here it is X)"; else "".
+std::string name_here(const std::string& key, const std::set<std::string>& keys) {
+  std::vector<std::string> found;
+  for (const std::vector<std::string>& group : synonyms()) {
+    const auto is_in_group = [&](const std::string& name) {
+      return std::any_of(group.begin(), group.end(),
+                         [&](const std::string& stem) { return is_called(name, stem); });
+    };
+    if (!is_in_group(key)) continue;
+    std::copy_if(keys.begin(), keys.end(), std::back_inserter(found), is_in_group);
+  }
+  return found.empty() ? "" : fmt::format(" (here it is {})", fmt::join(found, " or "));
+}
+
+// "" for a key of the root.
+std::string table_of(const std::string& key) {
+  const std::size_t dot = key.rfind('.');
+  return dot == std::string::npos ? "" : key.substr(0, dot);
+}
+
+std::string describe(const ConfigValue& value) {
+  struct Visitor {
+    std::string operator()(bool b) const { return b ? "true" : "false"; }
+    std::string operator()(std::int64_t i) const { return std::to_string(i); }
+    std::string operator()(double d) const { return fmt::format("{}", d); }
+    std::string operator()(const std::string& s) const {
+      return s.size() <= kLongestValue ? toml_string(s) : "a long text";
+    }
+    std::string operator()(const ConfigValue::Array&) const { return "an array"; }
+  };
+  return std::visit(Visitor{}, value.data);
+}
+
+Error read_number(const ConfigValue& value, const Range& range, double& target) {
+  if (const auto* integer = std::get_if<std::int64_t>(&value.data)) {
+    target = static_cast<double>(*integer);
+  } else if (const auto* real = std::get_if<double>(&value.data)) {
+    target = *real;
+  } else {
+    return "must be a number, is " + describe(value);
+  }
+  if (!std::isfinite(target)) return "must be finite, is " + describe(value);
+  if (!range.contains(target)) return "must be " + range.text + ", is " + describe(value);
+  return std::nullopt;
+}
+
+// Blames the element of this index.
+Error in_element(std::size_t i, Error error) {
+  if (error) error->element = fmt::format("[{}]", i + 1) + error->element;
+  return error;
+}
+
+Error read_numbers(const ConfigValue& value, const Range& range, std::vector<double>& target) {
+  const auto* array = std::get_if<ConfigValue::Array>(&value.data);
+  if (array == nullptr) return "must be an array of numbers, is " + describe(value);
+  target.assign(array->size(), 0.0);
+  for (std::size_t i = 0; i < array->size(); ++i) {
+    if (Error error = in_element(i, read_number((*array)[i], range, target[i]))) return error;
+  }
+  return std::nullopt;
+}
+
+Error read_text(const ConfigValue& value, std::string& target) {
+  const auto* text = std::get_if<std::string>(&value.data);
+  if (text == nullptr) return "must be a string, is " + describe(value);
+  target = *text;
+  return std::nullopt;
+}
+
+template <typename Integer>
+Error read_count(const ConfigValue& value, const Range& range, Integer& target) {
+  const auto* integer = std::get_if<std::int64_t>(&value.data);
+  if (integer == nullptr) return "must be a whole number, is " + describe(value);
+  if (!range.contains(static_cast<double>(*integer)) || !std::in_range<Integer>(*integer)) {
+    return "must be " + range.text + ", is " + describe(value);
+  }
+  target = static_cast<Integer>(*integer);
+  return std::nullopt;
+}
+
+std::string print_numbers(const std::vector<double>& values) {
+  std::vector<std::string> texts;
+  for (const double value : values) texts.push_back(toml_number(value));
+  return fmt::format("[{}]", fmt::join(texts, ", "));
+}
+
+}  // namespace
+
+Range any() {
+  return {-kInfinity, kInfinity, true, "a number"};
+}
+Range positive() {
+  return {0.0, kInfinity, false, "positive"};
+}
+Range not_negative() {
+  return {0.0, kInfinity, true, "0 or more"};
+}
+Range between(double lower, double upper) {
+  return {lower, upper, true, fmt::format("from {} to {}", lower, upper)};
+}
+
+void Fields::number(const std::string& key, double& target, const Range& range,
+                    const std::string& doc) {
+  add(key,
+      {part_, doc, [&target, range](const ConfigValue& v) { return read_number(v, range, target); },
+       [&target] { return toml_number(target); }});
+}
+
+void Fields::count(const std::string& key, int& target, const Range& range,
+                   const std::string& doc) {
+  add(key,
+      {part_, doc, [&target, range](const ConfigValue& v) { return read_count(v, range, target); },
+       [&target] { return std::to_string(target); }});
+}
+
+void Fields::count(const std::string& key, std::uint64_t& target, const Range& range,
+                   const std::string& doc) {
+  add(key,
+      {part_, doc, [&target, range](const ConfigValue& v) { return read_count(v, range, target); },
+       [&target] { return std::to_string(target); }});
+}
+
+void Fields::flag(const std::string& key, bool& target, const std::string& doc) {
+  add(key, {part_, doc,
+            [&target](const ConfigValue& v) -> Error {
+              const auto* flag = std::get_if<bool>(&v.data);
+              if (flag == nullptr) return "must be true or false, is " + describe(v);
+              target = *flag;
+              return std::nullopt;
+            },
+            [&target] { return std::string(target ? "true" : "false"); }});
+}
+
+void Fields::text(const std::string& key, std::string& target, const std::string& doc) {
+  add(key, {part_, doc, [&target](const ConfigValue& v) { return read_text(v, target); },
+            [&target] { return toml_string(target); }});
+}
+
+void Fields::file(const std::string& key, std::string& target, const std::string& doc) {
+  add(key, {part_, doc, [&target](const ConfigValue& v) { return read_text(v, target); },
+            [&target] { return toml_string(portable_path(target)); }, &target});
+}
+
+void Fields::numbers(const std::string& key, std::vector<double>& target, const Range& range,
+                     const std::string& doc) {
+  add(key, {part_, doc,
+            [&target, range](const ConfigValue& v) { return read_numbers(v, range, target); },
+            [&target] { return print_numbers(target); }});
+}
+
+void Fields::number_groups(const std::string& key, std::vector<std::vector<double>>& target,
+                           const Range& range, const std::string& doc) {
+  add(key, {part_, doc,
+            [&target, range](const ConfigValue& v) -> Error {
+              const auto* array = std::get_if<ConfigValue::Array>(&v.data);
+              if (array == nullptr) return Refusal("must be an array of arrays of numbers");
+              target.assign(array->size(), {});
+              for (std::size_t i = 0; i < array->size(); ++i) {
+                if (Error e = in_element(i, read_numbers((*array)[i], range, target[i]))) return e;
+              }
+              return std::nullopt;
+            },
+            [&target] {
+              std::vector<std::string> groups;
+              for (const auto& group : target) groups.push_back(print_numbers(group));
+              return fmt::format("[{}]", fmt::join(groups, ", "));
+            }});
+}
+
+void Fields::add_choice(const std::string& key, const std::vector<std::string>& names,
+                        std::function<void(std::size_t)> assign, std::function<std::string()> print,
+                        const std::string& doc) {
+  add(key, {part_, doc,
+            [names, assign = std::move(assign)](const ConfigValue& v) -> Error {
+              const auto* string = std::get_if<std::string>(&v.data);
+              const std::string options = fmt::format("{}", fmt::join(names, ", "));
+              if (string == nullptr) return "must be one of " + options + ", is " + describe(v);
+              const auto found = std::find(names.begin(), names.end(), *string);
+              if (found == names.end()) {
+                return "must be one of " + options + ", is " + describe(v) +
+                       did_you_mean(*string, names);
+              }
+              assign(static_cast<std::size_t>(found - names.begin()));
+              return std::nullopt;
+            },
+            [print = std::move(print)] { return toml_string(print()); }});
+}
+
+void Fields::add(const std::string& key, Variable variable) {
+  auto field = std::find_if(fields_.begin(), fields_.end(),
+                            [&](const Field& other) { return other.key == key; });
+  if (field == fields_.end()) field = fields_.insert(field, Field{key, {}});
+  for (const Variable& other : field->variables) {
+    if (other.part == variable.part) throw std::logic_error("the key " + key + " is bound twice");
+  }
+  field->variables.push_back(std::move(variable));
+}
+
+const Fields::Field* Fields::find(const std::string& key) const {
+  const auto found = std::find_if(fields_.begin(), fields_.end(),
+                                  [&](const Field& field) { return field.key == key; });
+  return found != fields_.end() ? &*found : nullptr;
+}
+
+// What a statement on a key is about: the variable of the part that is being bound; outside of
+// parts, all that are bound to it.
+std::vector<Fields::Variable*> Fields::at(const std::string& key) {
+  std::vector<Variable*> variables;
+  for (Field& field : fields_) {
+    if (field.key != key) continue;
+    for (Variable& variable : field.variables) {
+      if (variable.part == part_ || part_.name.empty()) variables.push_back(&variable);
+    }
+  }
+  if (variables.empty()) throw std::logic_error("there is no key " + key);
+  return variables;
+}
+
+void Fields::standard(const std::string& key, const ConfigValue& value) {
+  for (Variable* variable : at(key)) variable->standard = value;
+}
+
+void Fields::only_for(const std::vector<std::string>& keys, const std::string& choice,
+                      const std::vector<std::string>& names) {
+  add_condition(keys, {fmt::format("{} is {}", choice, fmt::join(names, " or ")),
+                       [choice, names](const Fields& fields) {
+                         return std::any_of(names.begin(), names.end(), [&](const auto& name) {
+                           return fields.has_chosen(choice, name);
+                         });
+                       },
+                       choice});
+}
+
+void Fields::only_where(const std::vector<std::string>& keys, const std::string& condition,
+                        std::function<bool()> holds) {
+  const auto test = [holds = std::move(holds)](const Fields&) { return holds(); };
+  add_condition(keys, {condition, test});
+}
+
+void Fields::add_condition(const std::vector<std::string>& keys, const Condition& condition) {
+  for (const std::string& key : keys) {
+    for (Variable* variable : at(key)) variable->conditions.push_back(condition);
+  }
+}
+
+std::string Fields::Field::doc() const {
+  // What several parts say of it in the same words is said once.
+  std::vector<std::pair<std::string, std::string>> docs;  // the words, and the parts' names
+  for (const Variable& variable : variables) {
+    if (variable.part.name.empty()) return variable.doc;
+    const auto same = std::find_if(docs.begin(), docs.end(),
+                                   [&](const auto& other) { return other.first == variable.doc; });
+    if (same != docs.end()) {
+      same->second += ", " + variable.part.name;
+    } else {
+      docs.emplace_back(variable.doc, variable.part.name);
+    }
+  }
+  std::string text;
+  for (const auto& [words, names] : docs) {
+    text += (text.empty() ? "" : "; ") + names + ": " + words;
+  }
+  return text;
+}
+
+bool Fields::has_chosen(const std::string& choice, const std::string& name) const {
+  const Field* field = find(choice);
+  const Variable* variable = field != nullptr ? in_use(*field) : nullptr;
+  return variable != nullptr && variable->print() == toml_string(name);
+}
+
+const Fields::Variable* Fields::in_use(const Field& field) const {
+  const auto find = [&](auto&& counts) {
+    const auto found = std::find_if(field.variables.begin(), field.variables.end(), counts);
+    return found != field.variables.end() ? &*found : nullptr;
+  };
+  const Variable* own = find([](const Variable& v) { return v.part.name.empty(); });
+  return own != nullptr
+             ? own
+             : find([this](const Variable& v) { return has_chosen(v.part.choice, v.part.name); });
+}
+
+Fields::Error Fields::assign(Field& field, const ConfigValue& value, const Variable* counts) {
+  Error first;
+  Error of_counting;
+  const Variable* suited = nullptr;
+  for (const Variable& variable : field.variables) {
+    const Error error = variable.read(value);
+    if (!error && suited == nullptr) suited = &variable;
+    if (error && !first) first = error;
+    if (&variable == counts) of_counting = error;
+  }
+  if (suited != nullptr) {
+    field.suited = static_cast<std::size_t>(suited - field.variables.data());
+  }
+  if (counts != nullptr) return of_counting;
+  return suited != nullptr ? std::nullopt : first;
+}
+
+std::vector<UnusedKey> Fields::unused() const {
+  std::vector<UnusedKey> keys;
+  for (const Field& field : fields_) {
+    if (!field.was_read) continue;
+    const Variable* variable = in_use(field);
+    if (variable == nullptr) {
+      std::vector<std::string> names;
+      for (const Variable& of_part : field.variables) names.push_back(of_part.part.name);
+      const std::string& choice = field.variables.front().part.choice;
+      keys.push_back(
+          {field.key,
+           fmt::format("has an effect only where {} is {}", choice, fmt::join(names, " or ")),
+           choice});
+      continue;
+    }
+    const auto fails = std::find_if(variable->conditions.begin(), variable->conditions.end(),
+                                    [this](const Condition& c) { return !c.holds(*this); });
+    if (fails != variable->conditions.end()) {
+      keys.push_back({field.key, "has an effect only where " + fails->text, fails->choice});
+    }
+  }
+  return keys;
+}
+
+void Fields::fail_if(const Config& config, const Field& field, const Error& error) {
+  if (error) config.fail(field.key + error->element, error->reason);
+}
+
+// Keys of a part that is not there are unknown too, but that is not what is wrong.
+void Fields::check_choices(const Config& table) {
+  std::set<std::string> choices;
+  for (const Field& field : fields_) {
+    for (const Variable& variable : field.variables) choices.insert(variable.part.choice);
+  }
+  for (Field& field : fields_) {
+    const ConfigEntry* entry = table.find(field.key);
+    if (entry == nullptr || !choices.contains(field.key)) continue;
+    fail_if(table, field, assign(field, entry->value, nullptr));
+  }
+}
+
+// A table of a file: whatever runs, a key that it has must be one, and its value suit somebody.
+void Fields::check(const Config& table) {
+  std::set<std::string> keys;
+  for (const Field& field : fields_) keys.insert(field.key);
+  for (const auto& [key, entry] : table.entries()) {
+    if (keys.contains(key)) continue;
+    const std::string here = name_here(key, keys);
+    table.fail(
+        key, "unknown key" + (here.empty() ? did_you_mean(key, {keys.begin(), keys.end()}) : here));
+  }
+  for (Field& field : fields_) {
+    const ConfigEntry* entry = table.find(field.key);
+    if (entry == nullptr) continue;
+    fail_if(table, field, assign(field, entry->value, nullptr));
+  }
+}
+
+// What the config does not have, and need not: first of all, since a choice may be among them.
+void Fields::assign_standards(const Config& config) {
+  for (Field& field : fields_) {
+    field.was_read = config.find(field.key) != nullptr;
+    if (field.was_read) continue;
+    for (const Variable& variable : field.variables) {
+      if (variable.standard) variable.read(*variable.standard);
+    }
+  }
+}
+
+void Fields::find_file(const Config& config, const Field& field) const {
+  const Variable* variable = in_use(field);
+  if (variable == nullptr || variable->file == nullptr) return;
+  *variable->file = config.find_file_of(field.key, *variable->file);
+}
+
+std::string Fields::missing_in_words(const std::vector<const Field*>& missing) const {
+  const Variable* first = in_use(*missing.front());
+  std::string words = "is missing: " + first->doc;
+  if (!first->part.name.empty()) {
+    words += fmt::format("; {} = \"{}\" needs it", first->part.choice, first->part.name);
+  }
+  std::vector<std::string> others;
+  for (const Field* field : missing) {
+    if (field == missing.front()) continue;
+    // Of a choice that is missing itself nothing is chosen.
+    const std::string& choice = in_use(*field)->part.choice;
+    const bool is_chosen = std::none_of(missing.begin(), missing.end(),
+                                        [&](const Field* other) { return other->key == choice; });
+    if (is_chosen) others.push_back(field->key);
+  }
+  if (!others.empty()) words += fmt::format("; missing too: {}", fmt::join(others, ", "));
+  return words;
+}
+
+std::vector<const Fields::Field*> Fields::assign_all(const Config& config) {
+  assign_standards(config);
+  check_choices(config);
+  check(config);  // and now each choice has chosen
+  std::vector<const Field*> missing;
+  for (Field& field : fields_) {
+    const Variable* counts = in_use(field);
+    if (const ConfigEntry* entry = config.find(field.key)) {
+      fail_if(config, field, assign(field, entry->value, counts));
+    } else if (counts != nullptr && !counts->standard) {
+      missing.push_back(&field);
+    }
+  }
+  return missing;
+}
+
+void Fields::read(const Config& config) {
+  const std::vector<const Field*> missing = assign_all(config);
+  if (!missing.empty()) config.fail(missing.front()->key, missing_in_words(missing));
+  for (const Field& field : fields_) find_file(config, field);
+}
+
+void Fields::read_incomplete(const Config& config) {
+  assign_all(config);
+  for (Field& field : fields_) {
+    field.is_missing = !field.was_read;
+    if (field.was_read) find_file(config, field);
+  }
+}
+
+void Fields::check(const ScenarioFile& file) {
+  for (const Config& table : file.tables()) check_choices(table);
+  for (const Config& table : file.tables()) check(table);
+}
+
+std::vector<std::string> Fields::read_finished(const Config& config) {
+  assign_standards(config);
+  std::set<std::string> not_understood;
+  for (Field& field : fields_) {
+    const ConfigEntry* entry = config.find(field.key);
+    if (entry != nullptr && assign(field, entry->value, nullptr)) not_understood.insert(field.key);
+  }
+  std::vector<std::string> missing;
+  for (const Field& field : fields_) {
+    const Variable* counts = in_use(field);
+    if (counts == nullptr || not_understood.contains(counts->part.choice)) continue;
+    if (field.was_read) {
+      find_file(config, field);
+    } else if (!counts->standard) {
+      missing.push_back(field.key);
+    }
+  }
+  return missing;
+}
+
+std::string Fields::print(const std::string& scenario, const std::string& case_name) const {
+  std::string text = fmt::format("scenario = {}\ndefault_case = {}\n", toml_string(scenario),
+                                 toml_string(case_name));
+  // Keys of parts that are not chosen are there if they were given.
+  std::vector<const Field*> printed;
+  for (const Field& field : fields_) {
+    if (in_use(field) != nullptr || field.was_read) printed.push_back(&field);
+  }
+  std::vector<std::string> tables = {""};  // the root's keys come first
+  for (const Field* field : printed) {
+    const std::string table = table_of(field->key);
+    if (std::find(tables.begin(), tables.end(), table) == tables.end()) tables.push_back(table);
+  }
+  for (const std::string& table : tables) {
+    if (!table.empty()) text += fmt::format("\n[{}]\n", table);
+    for (const Field* field : printed) {
+      if (table_of(field->key) != table) continue;
+      const std::string name = table.empty() ? field->key : field->key.substr(table.size() + 1);
+      const Variable* variable = in_use(*field);
+      if (variable == nullptr) variable = &field->variables[field->suited];
+      const bool is_missing = field->is_missing && !variable->standard;
+      text += fmt::format("# {}\n", field->doc());
+      text += is_missing ? fmt::format("# {} =   # required\n", name)
+                         : fmt::format("{} = {}\n", name, variable->print());
+    }
+  }
+  return text + fmt::format("\n[case.{}]\n", toml_key(case_name));
+}
+
+std::vector<std::string> Fields::files() const {
+  std::vector<std::string> files;
+  for (const Field& field : fields_) {
+    const Variable* variable = in_use(field);
+    if (variable != nullptr && variable->file != nullptr) files.push_back(*variable->file);
+  }
+  return files;
+}
+
+}  // namespace breakwater

@@ -1,0 +1,46 @@
+#include <breakwater/config/toml_text.h>
+
+#include <fmt/format.h>
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <cctype>
+
+namespace breakwater {
+
+std::string toml_string(const std::string& text) {
+  std::string result = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') {
+      result += {'\\', c};
+    } else if (c == '\n') {
+      result += "\\n";
+    } else if (std::iscntrl(static_cast<unsigned char>(c)) != 0) {
+      result += fmt::format("\\u{:04X}", static_cast<unsigned>(c));
+    } else {
+      result += c;
+    }
+  }
+  return result + '"';
+}
+
+std::string toml_key(const std::string& key) {
+  const bool is_bare = std::all_of(key.begin(), key.end(), [](unsigned char c) {
+    return std::isalnum(c) != 0 || c == '-' || c == '_';
+  });
+  return is_bare ? key : toml_string(key);
+}
+
+std::string toml_number(double value) {
+  std::string text = fmt::format("{}", value);
+  if (text.find_first_of(".en") == std::string::npos) text += ".0";
+  return text;
+}
+
+std::string plain_text(const std::string& value) {
+  if (value.size() < 2 || value.front() != '"') return value;
+  const toml::table table = toml::parse("value = " + value);
+  return table["value"].value_or(value);
+}
+
+}  // namespace breakwater

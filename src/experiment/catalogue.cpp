@@ -1,0 +1,39 @@
+#include <breakwater/experiment/catalogue.h>
+
+#include <breakwater/shell/paths.h>
+
+namespace breakwater {
+
+std::filesystem::path ScenarioKind::file() const {
+  const std::string file = name + ".toml";
+  std::error_code error;
+  if (!folder.empty() && std::filesystem::is_directory(folder, error)) return folder / file;
+  return data_file("scenarios/" + name + "/" + file);
+}
+
+std::filesystem::path ScenarioKind::shots() const {
+  const char* file = "shots.toml";
+  std::error_code error;
+  if (!folder.empty() && std::filesystem::is_directory(folder, error)) return folder / file;
+  return look_for("scenarios/" + name + "/" + file).value_or(this->file().parent_path() / file);
+}
+
+std::unique_ptr<Scenario> make_scenario(const Catalogue& catalogue, const std::string& name) {
+  return catalogue.get<ScenarioKind>(name).make(catalogue);
+}
+
+namespace detail {
+
+void fail_as_there_already(const std::string& what, const std::string& name) {
+  throw std::invalid_argument("the catalogue has \"" + name + "\" (" + what +
+                              ") already: give yours another name");
+}
+
+void fail_as_not_there(const std::string& what, const std::string& name,
+                       const std::vector<std::string>& names) {
+  throw std::invalid_argument("there is no " + what + " \"" + name + "\"" +
+                              did_you_mean(name, names));
+}
+
+}  // namespace detail
+}  // namespace breakwater

@@ -1,0 +1,107 @@
+// What a program has to choose from.
+#pragma once
+
+#include <algorithm>
+#include <any>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <typeindex>
+#include <unordered_map>
+#include <vector>
+
+#include <breakwater/experiment/scenario.h>
+
+namespace breakwater {
+
+/// An experiment by its name.
+struct ScenarioKind {
+  static constexpr const char* kWhat = "scenario";
+
+  std::string name;
+  std::unique_ptr<Scenario> (*make)(const Catalogue&);
+  /// Where NAME.toml, shots.toml and models of its own are. Empty, or not there any more: each of
+  /// them is scenarios/NAME/FILE where look_for() finds it.
+  std::filesystem::path folder = {};
+
+  /// The scenario file that belongs to it. Throws std::invalid_argument, naming all places where it
+  /// was looked for, if there is none.
+  std::filesystem::path file() const;
+  /// Its shot list, which need not be there.
+  std::filesystem::path shots() const;
+};
+
+/// What a part of the catalogue is, for people: "estimator of an axis", its name, one line of help.
+struct ListedPart {
+  std::string what;
+  std::string name;
+  std::string help;
+};
+
+namespace detail {
+[[noreturn]] void fail_as_there_already(const std::string& what, const std::string& name);
+[[noreturn]] void fail_as_not_there(const std::string& what, const std::string& name,
+                                    const std::vector<std::string>& names);
+}  // namespace detail
+
+/// Scenarios, and the parts that they choose by name: a value that main() makes and passes on. What
+/// there may be is open: a kind is any struct with a `name` and, for messages, a `kWhat`; kinds of
+/// one type stand in the order in which they were added.
+class Catalogue {
+ public:
+  /// Throws std::invalid_argument if there is one of that type and name already.
+  template <typename Kind>
+  void add(Kind kind) {
+    std::any& shelf = shelves_[typeid(Kind)];
+    if (!shelf.has_value()) shelf = std::vector<Kind>{};
+    auto& kinds = *std::any_cast<std::vector<Kind>>(&shelf);
+    for (const Kind& other : kinds) {
+      if (other.name == kind.name) detail::fail_as_there_already(Kind::kWhat, kind.name);
+    }
+    if constexpr (requires { kind.help; }) parts_.push_back({Kind::kWhat, kind.name, kind.help});
+    kinds.push_back(std::move(kind));
+  }
+
+  /// All of one type.
+  template <typename Kind>
+  const std::vector<Kind>& all() const {
+    static const std::vector<Kind> none;
+    const auto found = shelves_.find(typeid(Kind));
+    return found == shelves_.end() ? none : *std::any_cast<std::vector<Kind>>(&found->second);
+  }
+
+  template <typename Kind>
+  std::vector<std::string> names() const {
+    std::vector<std::string> names;
+    for (const Kind& kind : all<Kind>()) names.push_back(kind.name);
+    return names;
+  }
+
+  template <typename Kind>
+  bool has(const std::string& name) const {
+    const auto& kinds = all<Kind>();
+    return std::any_of(kinds.begin(), kinds.end(),
+                       [&](const Kind& kind) { return kind.name == name; });
+  }
+
+  /// Everything that has a line of help, in the order in which it was added.
+  const std::vector<ListedPart>& parts() const { return parts_; }
+
+  /// One by its name. Throws std::invalid_argument if there is none of that name.
+  template <typename Kind>
+  const Kind& get(const std::string& name) const {
+    for (const Kind& kind : all<Kind>()) {
+      if (kind.name == name) return kind;
+    }
+    detail::fail_as_not_there(Kind::kWhat, name, names<Kind>());
+  }
+
+ private:
+  std::unordered_map<std::type_index, std::any> shelves_;
+  std::vector<ListedPart> parts_;
+};
+
+/// A new scenario by name. Throws std::invalid_argument if there is none of that name.
+std::unique_ptr<Scenario> make_scenario(const Catalogue& catalogue, const std::string& name);
+
+}  // namespace breakwater

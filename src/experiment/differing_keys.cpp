@@ -1,0 +1,173 @@
+#include <breakwater/experiment/differing_keys.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <stdexcept>
+
+#include <breakwater/config/config.h>
+
+namespace breakwater {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr std::size_t kMostKeysInLabel = 3;
+const std::string kAbsent = "–";
+
+// As a user would write it.
+std::string text_of(const ConfigValue& value) {
+  struct Print {
+    std::string operator()(bool yes) const { return yes ? "true" : "false"; }
+    std::string operator()(std::int64_t number) const { return fmt::format("{}", number); }
+    std::string operator()(double number) const { return fmt::format("{:g}", number); }
+    std::string operator()(const std::string& text) const { return text; }
+    std::string operator()(const ConfigValue::Array& values) const {
+      std::vector<std::string> all;
+      for (const ConfigValue& one : values) all.push_back(text_of(one));
+      return fmt::format("[{}]", fmt::join(all, ", "));
+    }
+  };
+  return std::visit(Print{}, value.data);
+}
+
+// 1 and 1.0 are the same.
+bool are_same(const ConfigValue& a, const ConfigValue& b) {
+  const auto number = [](const ConfigValue& value) -> std::optional<double> {
+    if (const auto* whole = std::get_if<std::int64_t>(&value.data)) {
+      return static_cast<double>(*whole);
+    }
+    if (const auto* real = std::get_if<double>(&value.data)) return *real;
+    return std::nullopt;
+  };
+  if (number(a) && number(b)) return *number(a) == *number(b);
+  const auto* list = std::get_if<ConfigValue::Array>(&a.data);
+  const auto* other = std::get_if<ConfigValue::Array>(&b.data);
+  if (list != nullptr && other != nullptr) {
+    return std::equal(list->begin(), list->end(), other->begin(), other->end(), are_same);
+  }
+  return text_of(a) == text_of(b) && a.data.index() == b.data.index();
+}
+
+Config config_of(const SavedRun& run) {
+  return ScenarioFile((run.folder() / "config.toml").string(), run.scenario())
+      .config(run.case_name());
+}
+
+// Two values that are not the same are not written the same.
+std::string distinct_text(const ConfigValue& value, const std::vector<ConfigValue>& others) {
+  const std::string text = text_of(value);
+  const bool is_ambiguous = std::any_of(
+      others.begin(), others.end(),
+      [&](const ConfigValue& other) { return text_of(other) == text && !are_same(other, value); });
+  const auto* number = std::get_if<double>(&value.data);
+  return is_ambiguous && number != nullptr ? fmt::format("{}", *number) : text;
+}
+
+// " with mine": without it a run with another part would pass for its case.
+std::string parts_in_words(const std::vector<ChangedKey>& changed) {
+  std::string words;
+  for (const ChangedKey& key : changed) {
+    if (key.key.ends_with(".name")) words += (words.empty() ? " with " : " and ") + key.value;
+  }
+  return words;
+}
+
+}  // namespace
+
+std::vector<ChangedKey> changed_keys(const Catalogue& catalogue, const SavedRun& run) {
+  std::vector<ChangedKey> changed;
+  if (!catalogue.has<ScenarioKind>(run.scenario())) return changed;
+  try {
+    const ScenarioKind& kind = catalogue.get<ScenarioKind>(run.scenario());
+    const ScenarioFile file(kind.file().string(), kind.name);
+    if (!file.has_case(run.case_name())) return changed;
+    const Config shipped = file.config(run.case_name());
+    const Config own = config_of(run);
+    for (const auto& [key, entry] : own.entries()) {
+      const ConfigEntry* other = shipped.find(key);
+      if (other == nullptr || are_same(entry.value, other->value)) continue;
+      changed.push_back({key, distinct_text(entry.value, {other->value}),
+                         distinct_text(other->value, {entry.value})});
+    }
+  } catch (const std::invalid_argument&) {
+    changed.clear();  // of another version, say
+  }
+  return changed;
+}
+
+std::vector<DifferingKey> differing_keys(const std::vector<SavedRun>& runs) {
+  std::vector<Config> configs;
+  std::set<std::string> keys;
+  for (const SavedRun& run : runs) {
+    configs.push_back(config_of(run));
+    for (const auto& [key, entry] : configs.back().entries()) keys.insert(key);
+  }
+  std::vector<DifferingKey> differing;
+  for (const std::string& key : keys) {
+    const ConfigEntry* first = configs.front().find(key);
+    const bool is_common = std::all_of(configs.begin(), configs.end(), [&](const Config& config) {
+      const ConfigEntry* entry = config.find(key);
+      return (entry == nullptr) == (first == nullptr) &&
+             (entry == nullptr || are_same(entry->value, first->value));
+    });
+    if (is_common) continue;
+    std::vector<ConfigValue> all;
+    for (const Config& config : configs) {
+      if (const ConfigEntry* entry = config.find(key)) all.push_back(entry->value);
+    }
+    DifferingKey row{key, {}};
+    for (const Config& config : configs) {
+      const ConfigEntry* entry = config.find(key);
+      row.values.push_back(entry == nullptr ? kAbsent : distinct_text(entry->value, all));
+    }
+    differing.push_back(row);
+  }
+  return differing;
+}
+
+std::vector<std::string> labels_of(const Catalogue& catalogue, const std::vector<SavedRun>& runs) {
+  std::vector<std::string> cases;
+  std::vector<std::string> folders;
+  std::vector<std::string> paths;
+  std::map<std::string, std::vector<std::size_t>> of_case;
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    const SavedRun& run = runs[i];
+    const fs::path folder = fs::absolute(run.folder()).lexically_normal();
+    cases.push_back(run.case_name());
+    folders.push_back((folder.has_filename() ? folder : folder.parent_path()).filename().string());
+    paths.push_back(run.folder().string());
+    of_case[run.scenario() + "/" + run.case_name()].push_back(i);
+  }
+  const auto are_distinct = [](const std::vector<std::string>& names) {
+    return std::set<std::string>(names.begin(), names.end()).size() == names.size();
+  };
+  std::vector<std::string> with_keys = cases;
+  for (const auto& [name, numbers] : of_case) {
+    if (numbers.size() < 2) {
+      with_keys[numbers.front()] += parts_in_words(changed_keys(catalogue, runs[numbers.front()]));
+      continue;
+    }
+    std::vector<SavedRun> same;
+    for (const std::size_t i : numbers) same.push_back(runs[i]);
+    std::vector<DifferingKey> keys;
+    try {
+      keys = differing_keys(same);
+    } catch (const std::invalid_argument&) {
+      continue;  // a configuration that cannot be read: the folder tells
+    }
+    if (keys.size() > kMostKeysInLabel) continue;
+    for (const DifferingKey& key : keys) {
+      for (std::size_t k = 0; k < numbers.size(); ++k) {
+        with_keys[numbers[k]] += fmt::format(", {}={}", key.key, key.values[k]);
+      }
+    }
+  }
+  for (const auto& names : {with_keys, folders}) {
+    if (are_distinct(names)) return names;
+  }
+  return paths;
+}
+
+}  // namespace breakwater

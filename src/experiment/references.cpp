@@ -1,0 +1,23 @@
+#include <breakwater/experiment/references.h>
+
+namespace breakwater {
+
+std::vector<ReferenceValue> reference_values(const Catalogue& catalogue,
+                                             const std::string& scenario,
+                                             const std::string& case_name) {
+  std::vector<ReferenceValue> values;
+  for (const ReferenceKind& source : catalogue.all<ReferenceKind>()) {
+    for (ReferenceValue& value : source.of_case(scenario, case_name)) {
+      values.push_back(std::move(value));
+    }
+  }
+  return values;
+}
+
+std::string reference_legend(const Catalogue& catalogue) {
+  std::string legend;
+  for (const ReferenceKind& source : catalogue.all<ReferenceKind>()) legend += source.legend;
+  return legend;
+}
+
+}  // namespace breakwater

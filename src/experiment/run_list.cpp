@@ -1,0 +1,94 @@
+#include <breakwater/experiment/run_list.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+#include <breakwater/experiment/run_manifest.h>
+#include <breakwater/experiment/saved_run.h>
+#include <breakwater/record/run_folder.h>
+
+namespace breakwater {
+namespace fs = std::filesystem;
+namespace {
+
+void look_into(const fs::path& folder, const std::function<bool(const fs::path&)>& is_other,
+               FoundRuns& found) {
+  if (is_other(folder)) {
+    found.others.push_back(folder);
+    return;
+  }
+  std::error_code error;
+  if (fs::exists(folder / "manifest.json", error)) {
+    found.runs.push_back(folder);
+    return;
+  }
+  // What cannot be read, or vanishes meanwhile, has nothing to list.
+  std::vector<fs::path> folders;
+  for (fs::directory_iterator entries(folder, error), end; !error && entries != end;
+       entries.increment(error)) {
+    std::error_code ignored;
+    const fs::directory_entry& entry = *entries;
+    if (entry.is_directory(ignored) && !entry.is_symlink(ignored)) folders.push_back(entry.path());
+  }
+  std::sort(folders.begin(), folders.end());
+  for (const fs::path& inner : folders) {
+    if (is_unfinished_run(inner)) {
+      found.unfinished.push_back(inner);
+    } else if (!inner.filename().string().starts_with('.')) {
+      look_into(inner, is_other, found);
+    }
+  }
+}
+
+}  // namespace
+
+FoundRuns find_runs(const fs::path& below, const std::function<bool(const fs::path&)>& is_other) {
+  if (!fs::is_directory(below)) {
+    throw std::invalid_argument(below.string() + ": there is no such folder");
+  }
+  FoundRuns found;
+  look_into(below, is_other, found);
+  return found;
+}
+
+ListedRun list_run(const fs::path& folder) {
+  ListedRun run;
+  run.folder = folder;
+  std::error_code ignored;
+  // Not the manifest's time: a picture that is drawn later is noted there.
+  run.written = fs::last_write_time(folder / "log.h5", ignored);
+  if (ignored) run.written = fs::last_write_time(folder / "manifest.json", ignored);
+  try {
+    const RunManifest manifest = read_manifest(folder);
+    run.scenario = manifest.scenario;
+    run.case_name = manifest.case_name;
+    run.seed = manifest.seed;
+    if (manifest.failure) {
+      run.status = ListedRun::Status::failed;
+      run.reason =
+          fmt::format("at {:.6g} s: {}", manifest.failure->time_s, manifest.failure->reason);
+    } else {
+      run.metrics = read_metrics(folder);
+      run.status = ListedRun::Status::complete;
+    }
+  } catch (const std::invalid_argument& error) {
+    run.reason = error.what();
+  }
+  return run;
+}
+
+const char* name_of(ListedRun::Status status) {
+  switch (status) {
+    case ListedRun::Status::complete:
+      return "complete";
+    case ListedRun::Status::failed:
+      return "failed";
+    case ListedRun::Status::damaged:
+      return "damaged";
+  }
+  return "";
+}
+
+}  // namespace breakwater

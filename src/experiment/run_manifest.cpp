@@ -1,0 +1,102 @@
+#include <breakwater/experiment/run_manifest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include <breakwater/record/partial_file.h>
+
+namespace breakwater {
+namespace {
+
+using nlohmann::json;
+
+class Reader {
+ public:
+  explicit Reader(std::string file) : file_(std::move(file)) {
+    std::ifstream stream(file_);
+    json_ = json::parse(stream, nullptr, false);
+    if (!json_.is_object() || !json_.contains("scenario") || !json_.contains("state_hash")) {
+      throw std::invalid_argument(file_ + ": is not a run's manifest; give the folder of a run");
+    }
+  }
+
+  [[noreturn]] void fail(const char* key, const std::string& reason) const {
+    throw std::invalid_argument(file_ + ": " + key + ": " + reason +
+                                ": the manifest is damaged; run it again");
+  }
+
+  const json* find(const char* key) const {
+    const auto found = json_.find(key);
+    return found == json_.end() ? nullptr : &*found;
+  }
+
+  const json& at(const char* key) const {
+    const json* value = find(key);
+    if (value == nullptr) fail(key, "is missing");
+    return *value;
+  }
+
+  std::string text(const char* key) const {
+    const json& value = at(key);
+    if (!value.is_string()) fail(key, "must be a text");
+    return value.get<std::string>();
+  }
+
+  std::string text_or_nothing(const char* key) const {
+    return find(key) == nullptr ? "" : text(key);
+  }
+
+  double number(const char* key) const {
+    const json& value = at(key);
+    if (!value.is_number()) fail(key, "must be a number");
+    return value.get<double>();
+  }
+
+ private:
+  std::string file_;
+  json json_;
+};
+
+}  // namespace
+
+RunManifest read_manifest(const std::filesystem::path& folder) {
+  const Reader reader((folder / "manifest.json").string());
+  RunManifest manifest;
+  manifest.scenario = reader.text("scenario");
+  manifest.case_name = reader.text("case");
+  const json& seed = reader.at("seed");
+  if (!seed.is_number_unsigned()) reader.fail("seed", "must be a whole number");
+  manifest.seed = seed.dump();
+  manifest.state_hash = reader.text("state_hash");
+  const std::string status = reader.text("status");
+  if (status == "failed") {
+    manifest.failure = Failure{reader.number("time_s"), reader.text("reason")};
+  } else if (status != "complete") {
+    reader.fail("status", "must be complete or failed");
+  }
+  manifest.program = reader.text_or_nothing("program");
+  if (const json* models = reader.find("models")) {
+    if (!models->is_object()) reader.fail("models", "must be an object");
+    for (const auto& [file, hash] : models->items()) {
+      if (!hash.is_string()) reader.fail("models", "must be an object of texts");
+      manifest.models[file] = hash.get<std::string>();
+    }
+  }
+  return manifest;
+}
+
+void note_renderer(const std::filesystem::path& folder, const std::string& state_hash,
+                   const std::string& picture, const std::string& renderer) {
+  const std::filesystem::path file = folder / "manifest.json";
+  std::ifstream stream(file);
+  auto manifest = nlohmann::ordered_json::parse(stream, nullptr, false);
+  // Another run may have taken its place since.
+  if (!manifest.is_object() || manifest.value("state_hash", "") != state_hash) return;
+  auto& renderers = manifest["renderers"];
+  if (!renderers.is_object()) renderers = nlohmann::ordered_json::object();
+  renderers[picture] = renderer;
+  replace_file(file, manifest.dump(2) + "\n");
+}
+
+}  // namespace breakwater

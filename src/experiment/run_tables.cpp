@@ -1,0 +1,198 @@
+#include <breakwater/experiment/run_tables.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <utility>
+
+#include <breakwater/experiment/references.h>
+#include <breakwater/shell/table.h>
+#include <breakwater/shell/terminal.h>
+
+namespace breakwater {
+namespace {
+
+constexpr const char* kChanged =
+    "its settings are not those of Breakwater's own case of this name: not compared with printed "
+    "values\n";
+
+// What is printed for a run's case, if the run is that case.
+std::vector<ReferenceValue> printed_for(const Catalogue& catalogue, const std::string& scenario,
+                                        const RunSummary& run) {
+  if (!run.is_as_shipped) return {};
+  return reference_values(catalogue, scenario, run.case_name);
+}
+
+bool is_changed(const Catalogue& catalogue, const std::string& scenario, const RunSummary& run) {
+  return !run.is_as_shipped && !reference_values(catalogue, scenario, run.case_name).empty();
+}
+
+std::string with_legend(const Catalogue& catalogue, const std::string& text) {
+  return text.find(" *") != std::string::npos ? reference_legend(catalogue) + text : text;
+}
+
+std::string format_value(double value) {
+  return fmt::format("{:.5g}", value);
+}
+
+std::optional<ReferenceValue> printed_value(const std::vector<ReferenceValue>& values,
+                                            const std::string& metric) {
+  const auto found = std::find_if(values.begin(), values.end(),
+                                  [&](const ReferenceValue& v) { return v.metric == metric; });
+  if (found == values.end()) return std::nullopt;
+  return *found;
+}
+
+std::optional<Metric> find_metric(const std::vector<Metric>& metrics, const std::string& name) {
+  const auto found =
+      std::find_if(metrics.begin(), metrics.end(), [&](const Metric& m) { return m.name == name; });
+  if (found == metrics.end()) return std::nullopt;
+  return *found;
+}
+
+// "+1.2 %".
+std::string format_deviation(const ReferenceValue& printed, double measured) {
+  const std::string text =
+      printed.is_near_zero ? fmt::format("{:+.1g}", measured - printed.number)
+                           : fmt::format("{:+.1f} %", 100.0 * (measured / printed.number - 1.0));
+  return printed.agrees(measured).is_met ? text : text + " *";
+}
+
+}  // namespace
+
+std::string metrics_table(const std::string& scenario, const RunSummary& run,
+                          const Catalogue& catalogue) {
+  const std::vector<ReferenceValue> printed = printed_for(catalogue, scenario, run);
+  std::vector<std::string> header = {"metric", "value", "unit"};
+  if (!printed.empty()) header.insert(header.end(), {"printed", "deviation"});
+  Table table(header);
+  for (const Metric& metric : run.metrics) {
+    std::vector<std::string> row = {metric.name, format_value(metric.value), metric.unit};
+    if (const auto value = printed_value(printed, metric.name)) {
+      row.push_back(value->text);
+      row.push_back(format_deviation(*value, metric.value));
+    }
+    table.add(row);
+  }
+  std::string text = table.print(std::numeric_limits<std::size_t>::max());
+  if (run.metrics.empty()) text = "no metric applies to so short a run\n";
+  if (is_changed(catalogue, scenario, run)) text = kChanged + text;
+  return with_legend(catalogue, text);
+}
+
+std::string matrix_tables(const Matrix& matrix, const std::vector<RunSummary>& runs,
+                          std::size_t width) {
+  const std::size_t cases = runs.size() / matrix.values.size();
+  std::string text;
+  for (const std::string& name : matrix.metrics) {
+    std::vector<std::string> header = {name + " by " + matrix.key};
+    header.insert(header.end(), matrix.values.begin(), matrix.values.end());
+    Table table(header);
+    for (std::size_t i = 0; i < cases; ++i) {
+      std::vector<std::string> row = {runs[i].case_name};
+      for (std::size_t j = 0; j < matrix.values.size(); ++j) {
+        const RunSummary& run = runs[j * cases + i];
+        const auto metric = find_metric(run.metrics, name);
+        const std::string missing = run.failure ? "failed" : "-";
+        row.push_back(metric ? format_value(metric->value) : missing);
+      }
+      table.add(row);
+    }
+    if (!text.empty()) text += '\n';
+    text += table.print(width);
+  }
+  return text;
+}
+
+std::string with_colours(const std::string& table, bool colourful) {
+  std::string text = table;
+  for (const auto& [word, tone] :
+       {std::pair("failed", Tone::bad), std::pair(" *", Tone::doubtful)}) {
+    const std::string coloured = toned(word, tone, colourful);
+    for (std::size_t at = text.find(word); at != std::string::npos;
+         at = text.find(word, at + coloured.size())) {
+      text.replace(at, std::string(word).size(), coloured);
+    }
+  }
+  return text;
+}
+
+std::string runs_json(const std::string& scenario, const std::vector<RunSummary>& runs,
+                      const Catalogue& catalogue) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const RunSummary& run : runs) {
+    nlohmann::ordered_json entry = {{"case", run.case_name},
+                                    {"folder", run.folder.string()},
+                                    {"status", run.failure ? "failed" : "complete"}};
+    if (run.failure) {
+      entry["time_s"] = run.failure->time_s;
+      entry["reason"] = run.failure->reason;
+    }
+    entry["metrics"] = nlohmann::ordered_json::object();
+    const std::vector<ReferenceValue> printed = printed_for(catalogue, scenario, run);
+    for (const Metric& metric : run.metrics) {
+      entry["metrics"][metric.name] = metric.value;
+      if (const auto value = printed_value(printed, metric.name)) {
+        entry["printed"][metric.name] = {{"value", value->number},
+                                         {"agrees", value->agrees(metric.value).is_met}};
+      }
+    }
+    list.push_back(entry);
+  }
+  const nlohmann::ordered_json all = {{"scenario", scenario}, {"runs", list}};
+  return all.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+}
+
+std::string comparison_table(const std::string& scenario, const std::vector<RunSummary>& runs,
+                             const Catalogue& catalogue, std::size_t width) {
+  std::vector<Metric> rows;  // the union of all runs' metrics, in their order
+  for (const RunSummary& run : runs) {
+    auto position = rows.begin();
+    for (const Metric& metric : run.metrics) {
+      const auto found = std::find_if(rows.begin(), rows.end(),
+                                      [&](const Metric& m) { return m.name == metric.name; });
+      position = found != rows.end() ? found + 1 : rows.insert(position, metric) + 1;
+    }
+  }
+  std::vector<std::vector<ReferenceValue>> printed;
+  std::vector<std::string> header = {"metric", "unit"};
+  for (const RunSummary& run : runs) {
+    printed.push_back(printed_for(catalogue, scenario, run));
+    header.push_back(run.case_name);
+  }
+
+  Table table(header);
+  for (const Metric& metric : rows) {
+    std::vector<std::string> values = {metric.name, metric.unit};
+    std::vector<std::string> printed_row = {"  printed", metric.unit};
+    std::vector<std::string> deviations = {"  deviation", ""};
+    bool any_printed = false;
+    for (std::size_t i = 0; i < runs.size(); ++i) {
+      const auto measured = find_metric(runs[i].metrics, metric.name);
+      const auto value = printed_value(printed[i], metric.name);
+      const std::string missing = runs[i].failure ? "failed" : "-";
+      values.push_back(measured ? format_value(measured->value) : missing);
+      printed_row.push_back(value ? value->text : "-");
+      deviations.push_back(value && measured ? format_deviation(*value, measured->value) : "-");
+      any_printed |= value.has_value();
+    }
+    table.add(values);
+    if (any_printed) {
+      table.add(printed_row);
+      table.add(deviations);
+    }
+  }
+  std::string text = table.print(width);
+  const bool any_changed = std::any_of(runs.begin(), runs.end(), [&](const RunSummary& run) {
+    return is_changed(catalogue, scenario, run);
+  });
+  if (any_changed) text = kChanged + text;
+  return with_legend(catalogue, text);
+}
+
+}  // namespace breakwater

@@ -1,0 +1,188 @@
+#include <breakwater/experiment/saved_run.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <stdexcept>
+
+#include <breakwater/config/config.h>
+#include <breakwater/record/run_folder.h>
+
+namespace breakwater {
+namespace fs = std::filesystem;
+namespace {
+
+// NAME is control/NAME.
+SignalName place_of(const std::string& name) {
+  SignalName place = signal_name(name);
+  if (place.name.find('/') == std::string::npos) place.name = "control/" + place.name;
+  return place;
+}
+
+}  // namespace
+
+SavedRun::SavedRun(const fs::path& folder) : folder_(folder) {
+  restore_run(folder_);
+  if (!fs::is_directory(folder_)) {
+    throw std::invalid_argument(folder_.string() +
+                                ": there is no such folder; give the folder of a run");
+  }
+  if (!fs::exists(folder_ / "manifest.json")) {
+    throw std::invalid_argument(folder_.string() +
+                                ": is not the folder of a finished run: it has no manifest.json; "
+                                "run the scenario again with --out");
+  }
+  manifest_ = read_manifest(folder_);
+  for (const char* file : {"config.toml", "log.h5"}) {
+    if (!fs::is_regular_file(folder_ / file)) {
+      throw std::invalid_argument(folder_.string() + ": the run is incomplete: it has no " + file +
+                                  "; run it again");
+    }
+  }
+  std::stringstream config;
+  config << std::ifstream(folder_ / "config.toml").rdbuf();
+  config_text_ = config.str();
+  if (!failure()) metrics_ = read_metrics(folder_);
+  if (check_log(folder_)) {
+    signals_ = list_hdf5_signals(log_file());
+    return;
+  }
+  notes_.push_back(log_file() +
+                   ": may not be what the run wrote: its manifest.json has no log_hash");
+  LogContents log = read_foreign_log(log_file());
+  signals_ = std::move(log.signals);
+  read_ = std::move(log.datasets);
+  is_read_whole_ = true;
+  for (const auto& [path, data] : read_) check_rows(path, data);
+}
+
+// All that reads a log trusts in these.
+void SavedRun::check_rows(const std::string& path, const LoggedSignal& data) const {
+  const auto refuse = [&](const std::string& what) {
+    throw std::invalid_argument(log_file() + ": " + path + ": " + what + "; run it again");
+  };
+  const std::string base = path.substr(0, path.find('/')) + "/time_s";
+  if (path != base) {
+    const std::size_t rows = dataset(base).rows;
+    if (data.rows != rows) refuse(fmt::format("has {} rows, but {} has {}", data.rows, base, rows));
+    return;
+  }
+  if (data.width != 1) refuse("must have one value a row");
+  for (std::size_t i = 0; i < data.rows; ++i) {
+    const double time_s = data.values[i];
+    // The factor keeps sums and differences of any two times finite too.
+    const bool is_finite = std::isfinite(4.0 * time_s);
+    if (is_finite && (i == 0 || time_s > data.values[i - 1])) continue;
+    refuse(fmt::format("must be finite and rise, is {} in row {}", time_s, i + 1));
+  }
+}
+
+std::vector<Metric> read_metrics(const fs::path& folder) {
+  const fs::path file = folder / "metrics.json";
+  if (!fs::is_regular_file(file)) {
+    throw std::invalid_argument(folder.string() +
+                                ": the run is incomplete: it has no metrics.json; run it again");
+  }
+  std::vector<Metric> list;
+  std::ifstream stream(file);
+  const auto metrics = nlohmann::ordered_json::parse(stream, nullptr, false);
+  if (!metrics.is_object()) {
+    throw std::invalid_argument(file.string() + ": is no object of numbers; run it again");
+  }
+  for (const auto& [name, value] : metrics.items()) {
+    if (value.is_null()) continue;  // how version 0.1 wrote what is no finite number
+    if (!value.is_number()) {
+      throw std::invalid_argument(file.string() + ": " + name +
+                                  ": must be a number: the file is damaged; run it again");
+    }
+    try {
+      list.push_back({name, unit_of(name), value.get<double>()});
+    } catch (const std::invalid_argument& error) {
+      throw std::invalid_argument(file.string() + ": " + error.what());
+    }
+  }
+  return list;
+}
+
+std::optional<double> SavedRun::metric(const std::string& name) const {
+  for (const Metric& metric : metrics_) {
+    if (metric.name == name) return metric.value;
+  }
+  return std::nullopt;
+}
+
+const LoggedSignal& SavedRun::dataset(const std::string& path) const {
+  const auto found = read_.find(path);
+  if (found != read_.end()) return found->second;
+  if (is_read_whole_) throw std::invalid_argument(log_file() + ": has no " + path);
+  LoggedSignal data = read_hdf5_signal(log_file(), path);
+  check_rows(path, data);
+  return read_.emplace(path, std::move(data)).first->second;
+}
+
+const LogEntry* SavedRun::find(const std::string& place) const {
+  const auto found = std::find_if(signals_.begin(), signals_.end(), [&](const LogEntry& entry) {
+    return entry.group + "/" + entry.name == place;
+  });
+  return found != signals_.end() ? &*found : nullptr;
+}
+
+bool SavedRun::has_signal(const std::string& name) const {
+  return find(place_of(name).name) != nullptr;
+}
+
+const LogEntry& SavedRun::entry(const std::string& name) const {
+  if (const LogEntry* found = find(place_of(name).name)) return *found;
+  std::vector<std::string> names;
+  for (const LogEntry& entry : signals_) {
+    names.push_back(entry.group == "control" ? entry.name : entry.group + "/" + entry.name);
+  }
+  throw std::invalid_argument(log_file() + ": has no signal " + name + did_you_mean(name, names));
+}
+
+std::string SavedRun::unit(const std::string& name) const {
+  return entry(name).unit_of(std::max<std::size_t>(1, place_of(name).index));
+}
+
+Series SavedRun::signal(const std::string& name) const {
+  const LogEntry& found = entry(name);
+  const std::size_t index = std::max<std::size_t>(1, place_of(name).index);
+  if (index > found.width || (place_of(name).index == 0 && found.width > 1)) {
+    throw std::invalid_argument(log_file() + ": " + name + " has " + std::to_string(found.width) +
+                                " values; say which: NAME[1]");
+  }
+  const LoggedSignal& values = dataset(found.group + "/" + found.name);
+  Series series{dataset(found.group + "/time_s").values, std::vector<double>(values.rows)};
+  for (std::size_t i = 0; i < values.rows; ++i) series.values[i] = values.row(i)[index - 1];
+  return series;
+}
+
+std::string unit_of(const std::string& metric) {
+  struct Ending {
+    const char* end;
+    const char* unit;
+  };
+  static constexpr std::array<Ending, 12> kEndings = {{{"_rad_s", "rad/s"},
+                                                       {"_m_Ns", "m/(N s)"},
+                                                       {"_m_s", "m/s"},
+                                                       {"_Nm", "N m"},
+                                                       {"_Ns", "N s"},
+                                                       {"_rad", "rad"},
+                                                       {"_us", "µs"},
+                                                       {"_N", "N"},
+                                                       {"_m", "m"},
+                                                       {"_s", "s"},
+                                                       {"_kg", "kg"},
+                                                       {"_Hz", "Hz"}}};
+  for (const Ending& ending : kEndings) {
+    if (metric.ends_with(ending.end)) return ending.unit;
+  }
+  return "";
+}
+
+}  // namespace breakwater

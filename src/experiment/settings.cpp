@@ -1,0 +1,112 @@
+#include <breakwater/experiment/settings.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace breakwater {
+namespace {
+
+constexpr double kMostSteps = 1e11;
+constexpr double kMostStepsPerSample = 1e6;
+constexpr const char* kNoFault = "none";
+
+}  // namespace
+
+void RunSettings::bind(Fields& fields) {
+  fields.number("run.duration_s", duration_s, positive(), "how long it is simulated [s]");
+  fields.count("run.seed", seed, not_negative(), "of all noise");
+  fields.count("record.compression", compression, between(0, 9),
+               "of log.h5, by deflate: 0 fastest, 9 smallest");
+}
+
+void bind_model(Fields& fields, ModelFile& model) {
+  fields.file("model.mjcf", model.path, "the plant");
+  fields.count("model.most_elements", model.most_elements, between(1, 1e9),
+               "that the plant's file may have: a larger one takes long, and is refused");
+  fields.standard("model.most_elements", {static_cast<std::int64_t>(ModelFile::kMostElements)});
+}
+
+void PhysicsSettings::bind(Fields& fields) {
+  fields.number("physics.timestep_s", timestep_s, positive(), "the engine's step [s]");
+  fields.choice("physics.integrator", integrator,
+                {{"euler", Integrator::euler},
+                 {"rk4", Integrator::rk4},
+                 {"implicit", Integrator::implicit},
+                 {"Euler", Integrator::euler},  // as MJCF spells it
+                 {"RK4", Integrator::rk4}},
+                "euler, rk4 or implicit");
+  fields.number("control.period_s", control_period_s, positive(),
+                "T_s, of control and log; a multiple of the timestep [s]");
+}
+
+void PhysicsSettings::check(const Config& config, const RunSettings& run) const {
+  if (run.duration_s / timestep_s > kMostSteps) {
+    config.fail("run.duration_s", "is too long for so short a physics.timestep_s");
+  }
+  if (std::llround(run.duration_s / timestep_s) < 1) {
+    config.fail("run.duration_s", "must be at least one physics.timestep_s");
+  }
+  if (control_period_s / timestep_s > kMostStepsPerSample) {
+    config.fail("control.period_s", "is too long for so short a physics.timestep_s");
+  }
+  check_multiple(config, "control.period_s", control_period_s, timestep_s, "physics.timestep_s");
+}
+
+int PhysicsSettings::steps_per_sample() const {
+  return static_cast<int>(std::lround(control_period_s / timestep_s));
+}
+
+std::int64_t PhysicsSettings::step_at(double time_s) const {
+  return std::llround(time_s / timestep_s);
+}
+
+double PhysicsSettings::sample_time_s(double time_s) const {
+  const double samples = std::round(time_s / control_period_s);
+  const double rate = std::round(1.0 / control_period_s);
+  const bool is_whole = std::abs(rate * control_period_s - 1.0) < 1e-12;
+  return is_whole ? samples / rate : samples * control_period_s;
+}
+
+void FaultSettings::bind(Fields& fields, const std::string& channels) {
+  fields.choice("sensor.nan_policy", nan_policy,
+                {{"stop", NanPolicy::stop}, {"drop", NanPolicy::drop}},
+                "a measurement that is no number: stop the run, or drop it");
+  fields.text("fault.sensor", fault.channel, "none, or the channel to break: " + channels);
+  fields.number("fault.at_s", fault.at_s, not_negative(), "when it breaks [s]");
+  fields.count("fault.samples", fault.samples, between(1, 1e9), "for how many samples");
+  fields.only_where({"fault.at_s", "fault.samples"}, "fault.sensor names a channel",
+                    [this] { return fault.channel != kNoFault; });
+}
+
+void FaultSettings::check(const Config& config, const std::vector<SensorChannel>& channels) const {
+  std::vector<std::string> names = {kNoFault};
+  for (const SensorChannel& channel : channels) names.push_back(channel.name);
+  if (std::find(names.begin(), names.end(), fault.channel) != names.end()) return;
+  config.fail("fault.sensor",
+              "there is no channel \"" + fault.channel + "\"" + did_you_mean(fault.channel, names));
+}
+
+void FaultSettings::apply(SensingSetup& setup) const {
+  setup.nan_policy = nan_policy;
+  setup.fault = fault;
+  if (setup.fault.channel == kNoFault) setup.fault.channel.clear();
+}
+
+void bind_encoder_rounding(Fields& fields, const std::string& key, EncoderRounding& rounding) {
+  fields.choice(key, rounding,
+                {{"nearest", EncoderRounding::nearest}, {"truncate", EncoderRounding::truncate}},
+                "to the nearest count, or towards 0 (truncate)");
+  fields.standard(key, {std::string("nearest")});
+}
+
+bool is_multiple(double time_s, double step_s) {
+  const double steps = time_s / step_s;
+  return !(std::abs(steps - std::round(steps)) > 1e-6 || (time_s > 0.0 && std::round(steps) < 1.0));
+}
+
+void check_multiple(const Config& config, const std::string& key, double time_s, double step_s,
+                    const std::string& step_name) {
+  if (!is_multiple(time_s, step_s)) config.fail(key, "must be a whole multiple of " + step_name);
+}
+
+}  // namespace breakwater

@@ -1,0 +1,67 @@
+// Settings that scenarios share.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <breakwater/config/fields.h>
+#include <breakwater/sim/model.h>
+#include <breakwater/sim/sensing.h>
+
+namespace breakwater {
+
+/// The keys that all scenarios have.
+struct RunSettings {
+  double duration_s = 0.0;
+  std::uint64_t seed = 1;
+  int compression = 0;  ///< deflate level of log.h5
+
+  void bind(Fields& fields);
+};
+
+/// The keys of the plant's model: model.mjcf, model.most_elements.
+void bind_model(Fields& fields, ModelFile& model);
+
+/// The engine's step and the control period.
+struct PhysicsSettings {
+  double timestep_s = 0.0;
+  Integrator integrator = Integrator::euler;
+  double control_period_s = 0.0;
+
+  void bind(Fields& fields);
+  /// Throws std::invalid_argument `ORIGIN: KEY: reason` unless the control period is a whole
+  /// multiple of the timestep, and the run has at least one step and no absurd number of them.
+  void check(const Config& config, const RunSettings& run) const;
+
+  /// Physics steps per control sample.
+  int steps_per_sample() const;
+  /// The number of the physics step that begins at `time_s`.
+  std::int64_t step_at(double time_s) const;
+  /// The sampling instant nearest to `time_s` [s]: what begins then begins with a sample.
+  double sample_time_s(double time_s) const;
+};
+
+/// What happens to measurements that are no numbers, and how to make some.
+struct FaultSettings {
+  NanPolicy nan_policy = NanPolicy::stop;
+  SensorFault fault;
+
+  /// `channels` says which there are: "q1, q2, ..., force".
+  void bind(Fields& fields, const std::string& channels);
+  /// Throws std::invalid_argument, blaming fault.sensor, if there is no such channel.
+  void check(const Config& config, const std::vector<SensorChannel>& channels) const;
+  void apply(SensingSetup& setup) const;
+};
+
+/// How an encoder rounds; files that do not have the key mean to the nearest count.
+void bind_encoder_rounding(Fields& fields, const std::string& key, EncoderRounding& rounding);
+
+/// Whether `time_s` is a whole multiple of `step_s`, rounding apart.
+bool is_multiple(double time_s, double step_s);
+
+/// Throws std::invalid_argument, blaming `key`, unless `time_s` is a whole multiple of `step_s`.
+void check_multiple(const Config& config, const std::string& key, double time_s, double step_s,
+                    const std::string& step_name);
+
+}  // namespace breakwater

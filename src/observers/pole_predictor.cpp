@@ -1,0 +1,88 @@
+#include <breakwater/observers/pole_predictor.h>
+
+#include <breakwater/math/functions.h>
+
+namespace breakwater {
+
+PolePredictor::PolePredictor(const StateSpace& continuous_plant,
+                             const std::vector<PoleGroup>& poles, double period_s)
+    : poles_(poles),
+      period_s_(period_s),
+      interval_s_(period_s),
+      hold_(continuous_plant),
+      C_(continuous_plant.C) {
+  const std::vector<PoleGroup> sampled_poles = sample_poles(poles, period_s);
+  const StateSpace sampled = zero_order_hold(continuous_plant, period_s);
+  regular_.gain = place_observer_poles(sampled.A, sampled.C, sampled_poles);
+  regular_.error_dynamics = sampled.A - regular_.gain * sampled.C;
+  regular_.B = sampled.B;
+  step_ = regular_;
+  const Eigen::Index n = sampled.states();
+  state_.setZero(n);
+  next_.setZero(n);
+  change_ = observability_ = polynomial_ = factor_ = work_ = Eigen::MatrixXd::Identity(n, n);
+  last_ = Eigen::VectorXd::Unit(n, n - 1);
+  solver_ = Eigen::PartialPivLU<Eigen::MatrixXd>(n);
+}
+
+void PolePredictor::over(double interval_s) {
+  const double length_s = interval_s > 0.0 ? interval_s : period_s_;
+  if (length_s == interval_s_) return;
+  interval_s_ = length_s;
+  if (length_s == period_s_) {
+    step_ = regular_;
+  } else {
+    place(length_s);
+  }
+}
+
+// H = φ(A) O⁻¹ e_n, φ the polynomial of the poles. It holds with the rows C (A − I)ⁱ in O as with
+// C Aⁱ, and those do not cancel where the interval is short.
+void PolePredictor::place(double interval_s) {
+  hold_.over(interval_s);
+  step_.B = hold_.B();
+  step_.error_dynamics = hold_.A();
+  if (C_.rows() > 1) {
+    step_.gain = place_observer_poles(step_.error_dynamics, C_, sample_poles(poles_, interval_s));
+    step_.error_dynamics.noalias() -= step_.gain * C_;
+    return;
+  }
+  change_ = step_.error_dynamics;
+  change_.diagonal().array() -= 1.0;
+  observability_.row(0) = C_.row(0);
+  for (Eigen::Index i = 1; i < C_.cols(); ++i) {
+    observability_.row(i).noalias() = observability_.row(i - 1) * change_;
+  }
+  polynomial_.setIdentity();
+  for (const std::complex<double>& pole : poles_.front()) {
+    if (pole.imag() < 0.0) continue;  // with its conjugate
+    const double decay = math::expm1(pole.real() * interval_s);
+    const double angle = pole.imag() * interval_s;
+    factor_ = change_;
+    factor_.diagonal().array() -= decay + (1.0 + decay) * (math::cos(angle) - 1.0);
+    work_.noalias() = polynomial_ * factor_;
+    if (pole.imag() == 0.0) {
+      polynomial_ = work_;
+      continue;
+    }
+    // (A − z)(A − z̄) = (A − Re z)² + (Im z)².
+    const double imaginary = (1.0 + decay) * math::sin(angle);
+    polynomial_ *= imaginary * imaginary;
+    polynomial_.noalias() += work_ * factor_;
+  }
+  solver_.compute(observability_);
+  next_ = solver_.solve(last_);
+  step_.gain.noalias() = polynomial_ * next_;
+  step_.error_dynamics.noalias() -= step_.gain * C_;
+}
+
+void PolePredictor::update(const Eigen::Ref<const Eigen::VectorXd>& u,
+                           const Eigen::Ref<const Eigen::VectorXd>& y) {
+  next_.noalias() = step_.error_dynamics * state_;
+  next_.noalias() += step_.B * u;
+  next_.noalias() += step_.gain * y;
+  // Copied, not swapped: a log holds the address of the state.
+  state_ = next_;
+}
+
+}  // namespace breakwater

@@ -1,0 +1,65 @@
+// A plant's predictor whose error has given poles.
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/LU>
+#include <vector>
+
+#include <breakwater/linear/pole_placement.h>
+#include <breakwater/linear/variable_hold.h>
+
+namespace breakwater {
+
+/// x̂(k+1) = A x̂(k) + B u(k) + H (y(k) − C x̂(k)) of a plant sampled with a zero-order hold, where
+/// A − H C has the poles e^{s h} of the continuous poles s over the interval h.
+class PolePredictor {
+ public:
+  /// `poles` [1/s]: one group per output, n in all. Throws std::invalid_argument if one is not
+  /// stable or they cannot be placed.
+  PolePredictor(const StateSpace& continuous_plant, const std::vector<PoleGroup>& poles,
+                double period_s);
+
+  /// The intervals that follow are so long; 0: T_s. Plant and gain are those of this length, by
+  /// Ackermann's formula for one output, by place_observer_poles(), which allocates, for several.
+  void over(double interval_s);
+
+  Eigen::VectorXd& state() { return state_; }
+  const Eigen::VectorXd& state() const { return state_; }
+
+  /// From one sample to the next: u acted in between, y was measured at the first one.
+  void update(const Eigen::Ref<const Eigen::VectorXd>& u,
+              const Eigen::Ref<const Eigen::VectorXd>& y);
+
+  const Eigen::MatrixXd& H() const { return step_.gain; }
+  /// A − H C: what the estimation error is multiplied with at each sample.
+  const Eigen::MatrixXd& error_dynamics() const { return step_.error_dynamics; }
+
+ private:
+  struct Step {
+    Eigen::MatrixXd gain;
+    Eigen::MatrixXd error_dynamics;
+    Eigen::MatrixXd B;
+  };
+
+  void place(double interval_s);
+
+  std::vector<PoleGroup> poles_;
+  Step regular_;
+  Step step_;
+  double period_s_;
+  double interval_s_;
+  VariableHold hold_;
+  Eigen::MatrixXd C_;
+  Eigen::VectorXd state_;
+  Eigen::VectorXd next_;
+  // Of Ackermann's formula.
+  Eigen::MatrixXd change_;  // A − I
+  Eigen::MatrixXd observability_;
+  Eigen::MatrixXd polynomial_;
+  Eigen::MatrixXd factor_;
+  Eigen::MatrixXd work_;
+  Eigen::VectorXd last_;  // (0, …, 0, 1)
+  Eigen::PartialPivLU<Eigen::MatrixXd> solver_;
+};
+
+}  // namespace breakwater

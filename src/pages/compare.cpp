@@ -1,0 +1,370 @@
+#include <breakwater/pages/compare.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <stdexcept>
+
+#include <breakwater/config/config.h>
+#include <breakwater/experiment/differing_keys.h>
+#include <breakwater/pages/html_page.h>
+#include <breakwater/pages/latex.h>
+#include <breakwater/pages/replay_part.h>
+#include <breakwater/pages/run_report.h>
+#include <breakwater/pages/signal_charts.h>
+#include <breakwater/record/csv.h>
+#include <breakwater/shell/child_program.h>
+#include <breakwater/shell/table.h>
+
+namespace breakwater {
+namespace mustache = kainjow::mustache;
+namespace {
+
+constexpr std::size_t kFewestRuns = 2;
+constexpr std::size_t kManyKeys = 12;  // that many are folded away
+
+void check(const std::vector<SavedRun>& runs) {
+  if (runs.size() < kFewestRuns) {
+    throw std::invalid_argument("compare: give two runs or more");
+  }
+  for (const SavedRun& run : runs) {
+    if (run.scenario() != runs.front().scenario()) {
+      throw std::invalid_argument(
+          fmt::format("{} is a run of {}, {} of {}: compare runs of one scenario",
+                      runs.front().folder().string(), runs.front().scenario(),
+                      run.folder().string(), run.scenario()));
+    }
+    if (run.failure()) {
+      throw std::invalid_argument(fmt::format(
+          "{}: the run failed at {:.6g} s and has no metrics: leave it out, or look at it "
+          "with {} report",
+          run.folder().string(), run.failure()->time_s, own_program_name()));
+    }
+  }
+}
+
+// In the order of the first run that has them.
+std::vector<Metric> choose_metrics(const std::vector<SavedRun>& runs,
+                                   const std::vector<std::string>& chosen) {
+  std::vector<Metric> all;
+  for (const SavedRun& run : runs) {
+    for (const Metric& metric : run.metrics()) {
+      const bool is_known = std::any_of(all.begin(), all.end(),
+                                        [&](const Metric& m) { return m.name == metric.name; });
+      if (!is_known) all.push_back(metric);
+    }
+  }
+  if (chosen.empty()) return all;
+  std::vector<Metric> metrics;
+  for (const std::string& name : chosen) {
+    const auto found =
+        std::find_if(all.begin(), all.end(), [&](const Metric& m) { return m.name == name; });
+    if (found == all.end()) {
+      std::vector<std::string> names;
+      for (const Metric& metric : all) names.push_back(metric.name);
+      throw std::invalid_argument("--metric " + name + ": no run has it" +
+                                  did_you_mean(name, names));
+    }
+    metrics.push_back(*found);
+  }
+  return metrics;
+}
+
+// A signal's name, or those of all its values.
+std::vector<std::string> expanded(const std::string& name, std::size_t width) {
+  if (width == 1 || name.find('[') != std::string::npos) return {name};
+  std::vector<std::string> names;
+  for (std::size_t i = 1; i <= width; ++i) names.push_back(fmt::format("{}[{}]", name, i));
+  return names;
+}
+
+// The run that says what a signal is: the first that has it.
+const SavedRun* first_with(const std::vector<SavedRun>& runs, const std::string& signal) {
+  const auto found = std::find_if(runs.begin(), runs.end(),
+                                  [&](const SavedRun& run) { return run.has_signal(signal); });
+  return found == runs.end() ? nullptr : &*found;
+}
+
+}  // namespace
+
+std::string difference_in_words(double value, double first) {
+  constexpr double kManifold = 3.0, kNoMeasure = 10.0;
+  if (value == first) return "=";
+  const double ratio = value / first;
+  if (!(ratio > 0.0 && ratio < kNoMeasure)) return fmt::format("{:+.3g}", value - first);
+  return ratio >= kManifold ? fmt::format("×{:.1f}", ratio)
+                            : fmt::format("{:+.1f} %", 100.0 * (value - first) / std::abs(first));
+}
+
+Comparison::Comparison(const Catalogue& catalogue, std::vector<SavedRun> runs,
+                       const CompareChoice& choice)
+    : catalogue_(catalogue), choice_(choice), runs_(std::move(runs)) {
+  check(runs_);
+  if (choice.from_s && choice.to_s && !(*choice.from_s < *choice.to_s)) {
+    throw std::invalid_argument(
+        fmt::format("--from {:g}, --to {:g}: must rise", *choice.from_s, *choice.to_s));
+  }
+  labels_ = labels_of(catalogue, runs_);
+  for (const SavedRun& run : runs_) printed_.push_back(printed_of(catalogue, run));
+  metrics_ = choose_metrics(runs_, choice.metrics);
+  ShotList shots;
+  if (catalogue.has<ScenarioKind>(runs_.front().scenario())) {
+    try {
+      shots = shot_list(catalogue.get<ScenarioKind>(runs_.front().scenario()).shots());
+    } catch (const std::invalid_argument&) {
+      shots = {};  // what matters first is then what the log has first
+    }
+  }
+  choose_signals(shots);
+}
+
+// Those that were asked for, or those that all runs have, what matters first.
+void Comparison::choose_signals(const ShotList& shots) {
+  for (const std::string& name : choice_.signals) {
+    const SavedRun* run = first_with(runs_, name);
+    const LogEntry& entry = run != nullptr ? run->entry(name) : runs_.front().entry(name);
+    const auto names = expanded(name, entry.width);
+    signals_.insert(signals_.end(), names.begin(), names.end());
+  }
+  if (!choice_.signals.empty()) return;
+  for (const LoggedQuantity& quantity : quantities(runs_.front().signals(), shots)) {
+    for (const LogEntry& entry : quantity.kinds) {
+      if (entry.group != "control") continue;
+      const bool is_common = std::all_of(runs_.begin(), runs_.end(), [&](const SavedRun& run) {
+        return run.has_signal(entry.name) && run.entry(entry.name).width == entry.width;
+      });
+      if (!is_common) continue;
+      const auto names = expanded(entry.name, entry.width);
+      signals_.insert(signals_.end(), names.begin(), names.end());
+    }
+  }
+}
+
+std::optional<double> Comparison::difference(std::size_t run, const std::string& metric) const {
+  const auto first = runs_.front().metric(metric);
+  const auto value = runs_[run].metric(metric);
+  if (!first || !value) return std::nullopt;
+  return *value - *first;
+}
+
+std::string Comparison::text(std::size_t width) const {
+  std::vector<std::string> header = {"metric", "unit"};
+  header.insert(header.end(), labels_.begin(), labels_.end());
+  Table table(header);
+  for (const Metric& metric : metrics_) {
+    std::vector<std::string> values = {metric.name, metric.unit};
+    std::vector<std::string> differences = {"  difference", "", ""};
+    std::vector<std::string> printed = {"  printed", metric.unit};
+    bool is_printed = false;
+    for (std::size_t i = 0; i < runs_.size(); ++i) {
+      const auto value = runs_[i].metric(metric.name);
+      values.push_back(value ? fmt::format("{:.5g}", *value) : "-");
+      const auto reference = printed_[i].find(metric.name);
+      is_printed = is_printed || reference != printed_[i].end();
+      printed.push_back(reference == printed_[i].end() ? "-" : reference->second.text);
+      if (i == 0) continue;
+      const auto first = runs_.front().metric(metric.name);
+      differences.push_back(value && first ? difference_in_words(*value, *first) : "-");
+    }
+    table.add(values);
+    table.add(differences);
+    if (is_printed) table.add(printed);
+  }
+  return table.print(width);
+}
+
+std::string Comparison::json() const {
+  nlohmann::ordered_json all = {{"scenario", runs_.front().scenario()},
+                                {"runs", nlohmann::ordered_json::array()},
+                                {"metrics", nlohmann::ordered_json::array()}};
+  for (std::size_t i = 0; i < runs_.size(); ++i) {
+    all["runs"].push_back({{"label", labels_[i]}, {"folder", runs_[i].folder().string()}});
+  }
+  const auto number = [](const std::optional<double>& value) {
+    return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json();
+  };
+  for (const Metric& metric : metrics_) {
+    nlohmann::ordered_json row = {{"name", metric.name}, {"unit", metric.unit}};
+    for (std::size_t i = 0; i < runs_.size(); ++i) {
+      row["values"].push_back(number(runs_[i].metric(metric.name)));
+      row["differences"].push_back(number(difference(i, metric.name)));
+      const auto reference = printed_[i].find(metric.name);
+      row["printed"].push_back(number(
+          reference == printed_[i].end() ? std::nullopt : std::optional(reference->second.number)));
+    }
+    all["metrics"].push_back(row);
+  }
+  return all.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+}
+
+std::string Comparison::csv() const {
+  std::vector<std::string> header = {"metric", "unit"};
+  for (const std::string& label : labels_) header.push_back(csv_text(label));
+  for (std::size_t i = 1; i < runs_.size(); ++i) {
+    header.push_back(csv_text(labels_[i] + " minus " + labels_[0]));
+  }
+  std::string text = csv_line(header);
+  const auto number = [](const std::optional<double>& value) {
+    return value ? fmt::format("{}", *value) : "";
+  };
+  for (const Metric& metric : metrics_) {
+    std::vector<std::string> row = {metric.name, metric.unit};
+    for (const SavedRun& run : runs_) row.push_back(number(run.metric(metric.name)));
+    for (std::size_t i = 1; i < runs_.size(); ++i)
+      row.push_back(number(difference(i, metric.name)));
+    text += csv_line(row);
+  }
+  return text;
+}
+
+std::string Comparison::latex() const {
+  std::vector<std::vector<std::string>> rows = {{"Metric"}};
+  for (const std::string& label : labels_) rows[0].push_back(latex_escaped(label));
+  for (const Metric& metric : metrics_) {
+    rows.push_back({latex_name(metric.name, metric.unit)});
+    for (const SavedRun& run : runs_) {
+      const auto value = run.metric(metric.name);
+      rows.back().push_back(value ? latex_number(*value) : "--");
+    }
+  }
+  return latex_table(rows);
+}
+
+PageChart Comparison::chart_of(const std::string& signal) const {
+  const SavedRun& one = *first_with(runs_, signal);
+  PageChart chart;
+  chart.group = "compare";
+  chart.title = signal;
+  for (std::size_t i = 0; i < runs_.size(); ++i) {
+    ChartSeries series;
+    series.label = labels_[i];
+    series.unit = one.unit(signal);
+    series.description = one.entry(signal).description;
+    series.colour = static_cast<int>(i);
+    if (runs_[i].has_signal(signal)) {
+      series.values = runs_[i].signal(signal);
+    } else {
+      series.label += ": –";
+      series.description = "this run's log does not have it";
+    }
+    chart.series.push_back(series);
+  }
+  return chart;
+}
+
+std::string Comparison::html(std::vector<std::string>& notes) const {
+  mustache::data page;
+  std::optional<ReplayPart> replay;
+  if (choice_.with_replay && runs_.size() <= kMostRuns) {
+    std::vector<std::filesystem::path> folders;
+    for (const SavedRun& run : runs_) folders.push_back(run.folder());
+    replay = replay_of(catalogue_, folders, labels_, {"replay", "compare", ""}, notes);
+  }
+  std::optional<double> from_s = choice_.from_s;
+  std::optional<double> to_s = choice_.to_s;
+  if (replay && !from_s && !to_s) {
+    from_s = replay->window.from_s;
+    to_s = replay->window.to_s;
+  }
+  if (from_s || to_s) {
+    Window window{from_s.value_or(0.0), to_s.value_or(0.0), 1.0};
+    if (!to_s) {
+      for (const SavedRun& run : runs_) {
+        window.to_s = std::max(window.to_s, run.signal(signals_.front()).times_s.back());
+      }
+    }
+    from_s = window.from_s;
+    to_s = window.to_s;
+    page.set("window", window_data(window, "compare"));
+  }
+  if (replay) {
+    page.set("replay", replay->box);
+    page.set("has_replays", true);
+  }
+  mustache::data columns(mustache::data::type::list);
+  for (std::size_t i = 0; i < runs_.size(); ++i) {
+    mustache::data column;
+    column.set("name", labels_[i]);
+    column.set("folder", runs_[i].folder().string());
+    columns << column;
+  }
+  mustache::data keys(mustache::data::type::list);
+  const std::vector<DifferingKey> differing = differing_keys(runs_);
+  for (const DifferingKey& key : differing) {
+    mustache::data row;
+    row.set("key", key.key);
+    mustache::data values(mustache::data::type::list);
+    for (const std::string& value : key.values) {
+      mustache::data cell;
+      cell.set("value", value);
+      values << cell;
+    }
+    row.set("values", values);
+    keys << row;
+  }
+  page.set("keys", keys);
+  page.set("key_count", std::to_string(differing.size()));
+  page.set("has_keys", !differing.empty());
+  page.set("has_many_keys", differing.size() > kManyKeys);
+  mustache::data rows(mustache::data::type::list);
+  for (const Metric& metric : metrics_) {
+    mustache::data row;
+    row.set("name", metric.name);
+    row.set("unit", metric.unit);
+    mustache::data cells(mustache::data::type::list);
+    for (std::size_t i = 0; i < runs_.size(); ++i) {
+      mustache::data cell;
+      const auto value = runs_[i].metric(metric.name);
+      cell.set("value", value ? format_number(*value) : "–");
+      const auto first = runs_.front().metric(metric.name);
+      if (i > 0 && value && first) cell.set("difference", difference_in_words(*value, *first));
+      const auto reference = printed_[i].find(metric.name);
+      if (value && reference != printed_[i].end()) {
+        const Agreement agreement = reference->second.agrees(*value);
+        mustache::data printed;
+        printed.set("number", reference->second.text);
+        printed.set("verdict", agreement.text);
+        printed.set("verdict_class", agreement.tone);
+        cell.set("printed", printed);
+      }
+      cells << cell;
+    }
+    row.set("cells", cells);
+    rows << row;
+  }
+  mustache::data charts(mustache::data::type::list);
+  const auto add_chart = [&](PageChart chart) {
+    chart.from_s = from_s;
+    chart.to_s = to_s;
+    charts << chart_data(chart);
+  };
+  if (replay && replay->chart && choice_.signals.empty()) add_chart(*replay->chart);
+  for (std::size_t s = 0; s < signals_.size(); ++s) {
+    PageChart chart = chart_of(signals_[s]);
+    chart.id = fmt::format("signal-{}", s + 1);
+    add_chart(chart);
+  }
+  mustache::data toc(mustache::data::type::list);
+  for (const auto& [href, label] :
+       {std::pair("signals", "Signals"), std::pair("keys", "What differs"),
+        std::pair("metrics", "Metrics")}) {
+    mustache::data entry;
+    entry.set("href", href);
+    entry.set("label", label);
+    toc << entry;
+  }
+  page.set("title",
+           fmt::format("{}: {} compared", runs_.front().scenario(), fmt::join(labels_, ", ")));
+  page.set("scenario", runs_.front().scenario());
+  page.set("first", labels_.front());
+  page.set("toc", toc);
+  page.set("columns", columns);
+  page.set("rows", rows);
+  page.set("charts", charts);
+  return html_page("compare", page);
+}
+
+}  // namespace breakwater

@@ -1,0 +1,184 @@
+#include <breakwater/pages/replay_part.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include <breakwater/pages/html_page.h>
+#include <breakwater/pictures/page_data.h>
+#include <breakwater/pictures/replay_data.h>
+#include <breakwater/pictures/strip.h>
+#include <breakwater/render/render_error.h>
+
+namespace breakwater {
+namespace fs = std::filesystem;
+namespace mustache = kainjow::mustache;
+namespace {
+
+// The shot list with moments that are in the run: where none of its own is, begin, middle and end.
+ShotList with_moments(const FinishedRun& run, ShotList shots, const Window& window) {
+  const bool has_one =
+      std::any_of(shots.moments.begin(), shots.moments.end(),
+                  [&](const ShotMoment& moment) { return time_of(moment, run).has_value(); });
+  if (has_one) return shots;
+  const double last_s = std::min(window.to_s, run.times_s().back());
+  shots.moments = {{"begin", window.from_s, "", 0.0},
+                   {"middle", 0.5 * (window.from_s + last_s), "", 0.0},
+                   {"end", last_s, "", 0.0}};
+  return shots;
+}
+
+// What is shown where there is no WebGL, and on paper.
+std::string strip_address(const FinishedRun& run, const ShotList& shots, const std::string& camera,
+                          std::vector<std::string>& notes) {
+  const fs::path made = run.folder() / "strip.png";
+  if (fs::exists(made)) return data_address(made, "image/png");
+  try {
+    const Window window = choose_window({&run}, shots, {});
+    const Strip strip =
+        draw_strip(run, with_moments(run, shots, window), {camera, 420, 240, kFullLook});
+    return "data:image/png;base64," + base64(strip.png.data(), strip.png.size());
+  } catch (const RenderError& error) {
+    notes.push_back(fmt::format("no strip for browsers without WebGL: {}", error.what()));
+    return "";
+  }
+}
+
+// The unit at the end of a shot list's chart title, "contact force [N]".
+std::string unit_of_title(const std::string& title) {
+  const std::size_t open = title.rfind('[');
+  const bool is_one = open != std::string::npos && title.back() == ']' && title.find('[') == open &&
+                      title.find(',') == std::string::npos;
+  return is_one ? title.substr(open + 1, title.size() - open - 2) : "";
+}
+
+PageChart chart_of(const ShotList& shots, const std::vector<PictureRun>& runs,
+                   const std::vector<std::string>& labels, const ReplayOptions& options) {
+  PageChart chart;
+  chart.id = options.id + "-shots";
+  chart.group = options.group;
+  chart.title = shots.chart_title;
+  const std::string unit = unit_of_title(shots.chart_title);
+  if (!unit.empty()) chart.title = shots.chart_title.substr(0, shots.chart_title.rfind('['));
+  while (chart.title.ends_with(' ')) chart.title.pop_back();
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    for (const ChartLine& line : runs[i].lines) {
+      const bool is_first_alone = line.dashed && i > 0;  // a reference is the same for all
+      if (is_first_alone) continue;
+      ChartSeries series;
+      series.label = runs.size() > 1 && !line.dashed ? labels[i] + ", " + line.label : line.label;
+      series.unit = unit;
+      series.values = line.series;
+      series.is_reference = line.dashed;
+      // Of several runs each is one line in its colour; its other lines can be switched on.
+      if (runs.size() > 1) {
+        series.colour = static_cast<int>(i);
+        series.is_off = !line.dashed && &line != &runs[i].lines.front();
+      }
+      chart.series.push_back(series);
+    }
+  }
+  return chart;
+}
+
+}  // namespace
+
+ReplayPart replay_part(const std::deque<FinishedRun>& runs, const std::vector<std::string>& labels,
+                       const ReplayOptions& options) {
+  ReplayPart part;
+  part.shots = shot_list(runs.front().shots_file());
+  std::vector<LabelledRun> labelled;
+  for (std::size_t i = 0; i < runs.size(); ++i) labelled.push_back({runs[i], labels[i]});
+  const ReplayData data = replay_data(labelled, part.shots, options.camera);
+  part.window = data.window;
+  part.is_whole =
+      data.window.to_s - data.window.from_s > 0.98 * (data.whole.to_s - data.whole.from_s);
+  part.notes = data.notes;
+  if (!part.shots.lines.empty()) {
+    part.chart = chart_of(part.shots, data.staged, labels, options);
+    part.chart->from_s = part.window.from_s;
+    part.chart->to_s = part.window.to_s;
+    if (part.chart->series.empty()) part.chart.reset();
+  }
+  const std::string strip = strip_address(runs.front(), part.shots, options.camera, part.notes);
+  const std::string about =
+      fmt::format("{} in three dimensions: {}", fmt::join(labels, ", "),
+                  part.shots.title.empty() ? runs.front().scenario().summary() : part.shots.title);
+  part.box.set("id", options.id);
+  part.box.set("group", options.group);
+  part.box.set("time", fmt::format("{:g}", part.window.from_s));
+  part.box.set("alt", about);
+  part.box.set("json", data.json);
+  if (!strip.empty()) {
+    mustache::data picture;
+    picture.set("address", strip);
+    picture.set("alt", "Pictures of the run " + labels.front() + " in a row");
+    part.box.set("strip", picture);
+  }
+  return part;
+}
+
+std::optional<ReplayPart> replay_of(const Catalogue& catalogue,
+                                    const std::vector<fs::path>& folders,
+                                    const std::vector<std::string>& labels,
+                                    const ReplayOptions& options, std::vector<std::string>& notes) {
+  try {
+    std::deque<FinishedRun> runs;
+    for (const fs::path& folder : folders) runs.emplace_back(catalogue, folder);
+    ReplayPart part = replay_part(runs, labels, options);
+    notes.insert(notes.end(), part.notes.begin(), part.notes.end());
+    return part;
+  } catch (const NothingMoved&) {
+    // A replay is not missed.
+  } catch (const std::invalid_argument& error) {
+    notes.push_back(fmt::format("no replay: {}", error.what()));
+  } catch (const RenderError& error) {
+    notes.push_back(fmt::format("no replay: {}", error.what()));
+  }
+  return std::nullopt;
+}
+
+mustache::data window_data(const Window& window, const std::string& axis) {
+  mustache::data data;
+  data.set("axis", axis);
+  data.set("from_s", fmt::format("{:g}", window.from_s));
+  data.set("to_s", fmt::format("{:g}", window.to_s));
+  return data;
+}
+
+std::string replay_page(const std::deque<FinishedRun>& runs, const std::vector<std::string>& labels,
+                        const std::string& camera, std::vector<std::string>& notes) {
+  const ReplayPart part = replay_part(runs, labels, {"replay", "replay", camera});
+  notes.insert(notes.end(), part.notes.begin(), part.notes.end());
+  mustache::data page;
+  page.set("title", fmt::format("{}: {}", runs.front().scenario().name(), fmt::join(labels, ", ")));
+  page.set("scenario", runs.front().scenario().name());
+  page.set("summary", runs.front().scenario().summary());
+  page.set("is_bare", true);
+  page.set("has_replays", true);
+  page.set("replay", part.box);
+  if (part.chart) page.set("shots", chart_data(*part.chart));
+  return html_page("replay", page);
+}
+
+std::optional<mustache::data> video_data(const Catalogue& catalogue, const SavedRun& run,
+                                         const std::string& group) {
+  const fs::path file = run.folder() / "video.mp4";
+  if (!fs::exists(file)) return std::nullopt;
+  std::deque<FinishedRun> finished;
+  finished.emplace_back(catalogue, run.folder());
+  const ShotList shots = shot_list(finished.front().shots_file());
+  const Window window = choose_window(pointers_to(finished), shots, {});
+  mustache::data data;
+  data.set("address", data_address(file, "video/mp4"));
+  data.set("group", group);
+  data.set("from_s", fmt::format("{:g}", window.from_s));
+  data.set("speed", fmt::format("{:g}", window.speed));
+  data.set("length_s",
+           fmt::format("{:g}", static_cast<double>(window.frames(shots.fps)) / shots.fps));
+  data.set("alt", fmt::format("Video of the run {}: {}, {:g} times slower than life",
+                              run.folder().filename().string(), shots.title, 1.0 / window.speed));
+  return data;
+}
+
+}  // namespace breakwater

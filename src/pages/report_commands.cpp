@@ -1,0 +1,261 @@
+#include <breakwater/pages/report_commands.h>
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <set>
+#include <stdexcept>
+
+#include <breakwater/experiment/differing_keys.h>
+#include <breakwater/experiment/saved_run.h>
+#include <breakwater/pages/compare.h>
+#include <breakwater/pages/figure_script.h>
+#include <breakwater/pages/html_page.h>
+#include <breakwater/pages/paired_runs.h>
+#include <breakwater/pages/replay_part.h>
+#include <breakwater/pages/run_report.h>
+#include <breakwater/record/partial_file.h>
+#include <breakwater/record/text_outputs.h>
+#include <breakwater/render/render_error.h>
+#include <breakwater/shell/child_program.h>
+#include <breakwater/shell/paths.h>
+#include <breakwater/shell/process.h>
+#include <breakwater/shell/progress.h>
+#include <breakwater/study/comparison_table.h>
+
+namespace breakwater {
+namespace fs = std::filesystem;
+namespace {
+
+struct RunsArguments {
+  std::vector<std::string> runs;
+  CompareChoice choice;
+  std::string out = ".";
+  bool paired = false;
+  std::string baseline;
+  std::vector<std::string> goals;
+  bool csv = false;
+  bool json = false;
+  bool latex = false;
+  bool svg = false;
+  bool pdf = false;
+  bool quiet = false;
+};
+
+std::vector<SavedRun> open_all(const std::vector<std::string>& folders) {
+  std::vector<SavedRun> runs;
+  for (const std::string& folder : folders) runs.emplace_back(folder);
+  return runs;
+}
+
+// A replay opens the runs again, and notes the same of them.
+void say(const std::string& program, std::vector<std::string> notes,
+         const std::vector<SavedRun>& runs) {
+  for (const SavedRun& run : runs) {
+    for (const std::string& note : run.notes()) {
+      if (std::find(notes.begin(), notes.end(), note) == notes.end()) notes.push_back(note);
+    }
+  }
+  for (const std::string& note : notes) fmt::print(stderr, "{}: {}\n", program, note);
+}
+
+fs::path made_folder(const std::string& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) throw std::invalid_argument(folder + ": cannot be made (" + error.message() + ")");
+  return folder;
+}
+
+int compare(const Catalogue& catalogue, const RunsArguments& arguments) {
+  const std::vector<SavedRun> runs = open_all(arguments.runs);
+  const Comparison comparison(catalogue, runs, arguments.choice);
+  const bool has_figures = arguments.svg || arguments.pdf;
+  if (has_figures && arguments.choice.signals.empty()) {
+    throw std::invalid_argument("--svg and --pdf: say which signals with --signal");
+  }
+  if (has_figures && !can_draw_figures()) return kUsage;
+  const fs::path out = made_folder(arguments.out);
+  std::vector<fs::path> written = {out / "compare.html"};
+  std::vector<std::string> notes;
+  replace_file(written[0], comparison.html(notes));
+  say("compare", notes, runs);
+  const auto write = [&](const char* name, const std::string& text) {
+    written.push_back(out / name);
+    write_text_file(written.back().string(), text);
+  };
+  if (arguments.csv) write("compare.csv", comparison.csv());
+  if (arguments.latex) write("compare.tex", comparison.latex());
+  int status = kSuccess;
+  const std::vector<fs::path> folders(arguments.runs.begin(), arguments.runs.end());
+  for (const char* kind : {"svg", "pdf"}) {
+    if (!(kind[0] == 's' ? arguments.svg : arguments.pdf)) continue;
+    const fs::path file = out / (std::string("compare.") + kind);
+    const int made = draw_figure({folders, comparison.labels(), comparison.signals(),
+                                  arguments.choice.from_s, arguments.choice.to_s},
+                                 file);
+    if (made != kSuccess) status = made;
+    if (made == kSuccess) written.push_back(file);
+  }
+  if (arguments.json) {
+    fmt::print("{}", comparison.json());
+  } else if (!arguments.quiet) {
+    fmt::print("{}\n", comparison.text(output_width()));
+    for (const fs::path& file : written) fmt::print("{}\n", file.string());
+  }
+  return status;
+}
+
+std::map<std::string, Goal> read_goals(const std::vector<std::string>& texts) {
+  std::map<std::string, Goal> goals;
+  for (const std::string& text : texts) {
+    const std::size_t equals = text.find('=');
+    const std::string name = equals == std::string::npos ? "" : text.substr(equals + 1);
+    const auto goal = std::find_if(goal_names().begin(), goal_names().end(),
+                                   [&](const auto& entry) { return entry.first == name; });
+    if (goal == goal_names().end()) {
+      throw std::invalid_argument("--goal: " + text + ": must be METRIC=min or METRIC=max");
+    }
+    goals[text.substr(0, equals)] = goal->second;
+  }
+  return goals;
+}
+
+int compare_paired(const RunsArguments& arguments) {
+  const std::vector<SavedRun> runs = open_all(arguments.runs);
+  const CandidateComparison comparison = compare_candidates(
+      paired_runs(runs, arguments.choice.metrics, arguments.baseline, read_goals(arguments.goals)));
+  const fs::path file = made_folder(arguments.out) / "comparison.csv";
+  replace_file(file, comparison_csv(comparison));
+  say("compare", {}, runs);
+  if (!arguments.quiet) {
+    fmt::print("{}\n{}\n", comparison_text(comparison, output_width()), file.string());
+  }
+  return kSuccess;
+}
+
+int report(const Catalogue& catalogue, const RunsArguments& arguments) {
+  const std::vector<SavedRun> runs = open_all(arguments.runs);
+  const fs::path file = made_folder(arguments.out) / "report.html";
+  std::vector<std::string> notes;
+  replace_file(file, run_report(catalogue, runs, {arguments.choice.with_replay}, notes));
+  say("report", notes, runs);
+  if (!arguments.quiet) fmt::print("report: {}\n", file.string());
+  return kSuccess;
+}
+
+struct ReplayArguments {
+  std::vector<std::string> runs;
+  std::string camera;
+  std::string out;
+  bool quiet = false;
+};
+
+int replay(const Catalogue& catalogue, const ReplayArguments& arguments) {
+  const std::deque<FinishedRun> runs = open_runs(catalogue, arguments.runs);
+  const fs::path file =
+      arguments.out.empty() ? runs.front().folder() / "replay.html" : fs::path(arguments.out);
+  std::vector<std::string> notes;
+  try {
+    replace_file(file, replay_page(runs, labels_of(catalogue, open_all(arguments.runs)),
+                                   arguments.camera, notes));
+  } catch (const RenderError& error) {
+    fmt::print(stderr, "{}\n", error.what());
+    return kLaterOutputFailed;
+  }
+  for (const std::string& note : notes) fmt::print(stderr, "replay: {}\n", note);
+  if (!arguments.quiet) fmt::print("replay: {}\n", file.string());
+  return kSuccess;
+}
+
+int replay_main(const Catalogue& catalogue, int argc, const char* const* argv) {
+  CLI::App app(
+      own_program_name() + " replay: finished runs in three dimensions, as a page for any browser.",
+      "replay");
+  ReplayArguments arguments;
+  app.add_option("RUN", arguments.runs,
+                 "folders of finished runs of one scenario, up to 4: in one scene, or side by side")
+      ->required();
+  app.add_option("--camera", arguments.camera,
+                 "the camera to begin with: one of the model's (default: the shot list's)")
+      ->type_name("NAME");
+  app.add_option("--out", arguments.out, "the page (default: RUN/replay.html)")->type_name("FILE");
+  app.add_flag("--quiet", arguments.quiet, "print errors only");
+  app.footer(
+      "The page is one file and needs no network. It plays what the run's log has, with the\n"
+      "arrows and chart of the scenario's shots.toml; nothing is simulated again.\n"
+      "Exit status: 0 success, 1 a defect, 2 usage or input, 4 it could not be made or written.");
+  if (const auto status = parse(app, argc, argv)) return *status;
+  return replay(catalogue, arguments);
+}
+
+int runs_main(const Catalogue& catalogue, bool is_comparison, int argc, const char* const* argv) {
+  CLI::App app(own_program_name() +
+                   (is_comparison ? " compare: metrics and signals of finished runs side by side."
+                                  : " report: one page about finished runs."),
+               argv[0]);
+  RunsArguments arguments;
+  app.add_option("RUN", arguments.runs, "the folders of finished runs")->required();
+  app.add_option("--out", arguments.out, "the folder for what is written")
+      ->type_name("DIR")
+      ->capture_default_str();
+  if (is_comparison) {
+    app.add_option("--metric", arguments.choice.metrics,
+                   "which metrics (default: all); may be given again")
+        ->type_name("NAME")
+        ->allow_extra_args(false);
+    app.add_option("--signal", arguments.choice.signals,
+                   "which signals: NAME, GROUP/NAME or NAME[2] (default: all); may be given again")
+        ->type_name("NAME")
+        ->allow_extra_args(false);
+    app.add_option("--from", arguments.choice.from_s,
+                   "simulated time that charts and figures begin with (default: the shot list's)")
+        ->type_name("S");
+    app.add_option("--to", arguments.choice.to_s, "simulated time that they end with")
+        ->type_name("S");
+    app.add_flag("--paired", arguments.paired,
+                 "instead: sets of runs, several seeds of each case, paired by seed; writes\n"
+                 "comparison.csv with intervals, tests and verdicts");
+    app.add_option("--baseline", arguments.baseline, "with --paired: the case to compare with")
+        ->type_name("CASE")
+        ->needs("--paired");
+    app.add_option("--goal", arguments.goals,
+                   "with --paired: what is better, METRIC=min or METRIC=max; may be given again")
+        ->type_name("METRIC=GOAL")
+        ->allow_extra_args(false)
+        ->needs("--paired");
+    app.add_flag("--json", arguments.json, "print the table as JSON")->excludes("--paired");
+    app.add_flag("--csv", arguments.csv, "write compare.csv: the metrics and their differences");
+    app.add_flag("--latex", arguments.latex, "write compare.tex: a booktabs table of the metrics");
+    app.add_flag("--svg", arguments.svg, "write compare.svg: the signals, for a paper");
+    app.add_flag("--pdf", arguments.pdf, "write compare.pdf: the same");
+  }
+  app.add_flag("!--no-replay", arguments.choice.with_replay, "leave out the replay");
+  app.add_flag("--quiet", arguments.quiet, "print errors only");
+  app.footer(is_comparison
+                 ? "It writes compare.html, a page that needs no network. Figures are drawn by\n"
+                   "scripts/figures.py (python3-h5py, python3-matplotlib), which you may copy."
+                 : "It writes report.html, a page that needs no network.");
+  if (const auto status = parse(app, argc, argv)) return *status;
+  if (arguments.paired) return compare_paired(arguments);
+  return is_comparison ? compare(catalogue, arguments) : report(catalogue, arguments);
+}
+
+int report_main(const Catalogue& catalogue, int argc, const char* const* argv) {
+  return guarded(argv[0], [&] {
+    const std::string name = argv[0];
+    if (name == "replay") return replay_main(catalogue, argc, argv);
+    return runs_main(catalogue, name == "compare", argc, argv);
+  });
+}
+
+}  // namespace
+
+std::vector<CommandKind> report_commands() {
+  return {
+      {"report", "one page about finished runs: report RUN...", report_main},
+      {"compare", "finished runs side by side: compare RUN RUN...", report_main},
+      {"replay", "finished runs in three dimensions, in a browser: replay RUN...", report_main}};
+}
+
+}  // namespace breakwater

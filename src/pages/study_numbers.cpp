@@ -1,0 +1,212 @@
+#include <breakwater/pages/study_numbers.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <limits>
+#include <map>
+#include <set>
+#include <unordered_map>
+
+#include <breakwater/config/toml_text.h>
+
+namespace breakwater {
+namespace {
+
+constexpr std::size_t kMostKinds = 200;           // of failures; further ones are "other reasons"
+constexpr std::size_t kPointsOfAKind = 5;         // that are named
+constexpr std::size_t kMostListedFailures = 150;  // that are drawn one by one
+constexpr std::size_t kListedTexts = 6;           // of a key that is no number
+
+// "at 3.1 s: diverged" and "at 4 s: diverged" are one kind.
+std::string without_numbers(const std::string& reason) {
+  std::string text;
+  for (std::size_t i = 0; i < reason.size();) {
+    if (std::isdigit(static_cast<unsigned char>(reason[i])) == 0) {
+      text += reason[i++];
+      continue;
+    }
+    const char* const begin = reason.data() + i;
+    double value = 0.0;
+    const char* const end = std::from_chars(begin, reason.data() + reason.size(), value).ptr;
+    text += '#';
+    i += static_cast<std::size_t>(end - begin);
+  }
+  return text;
+}
+
+// Failures of one kind while they are gathered.
+struct Gathered {
+  FailureKind kind;
+  std::vector<double> smallest;
+  std::vector<double> largest;
+  std::vector<std::set<std::size_t>> texts;
+};
+
+class Failures {
+ public:
+  Failures(const std::vector<StudyKey>& keys, std::size_t candidates)
+      : keys_(keys), candidates_(candidates) {}
+
+  void add(const PointResult& result, std::size_t candidate, const std::vector<double>& values) {
+    std::pair<PointStatus, std::string> name = {result.status, without_numbers(result.reason)};
+    if (kinds_.size() >= kMostKinds && !kinds_.contains(name)) name.second.clear();
+    Gathered& gathered = kinds_[name];
+    FailureKind& kind = gathered.kind;
+    if (kind.runs == 0) {
+      kind.status = result.status;
+      kind.reason = name.second.empty() && !result.reason.empty() ? "other reasons" : result.reason;
+      kind.of_candidate.resize(candidates_);
+      gathered.smallest = gathered.largest = values;
+      gathered.texts.resize(keys_.size());
+    }
+    ++kind.runs;
+    ++kind.of_candidate[candidate];
+    if (kind.first.size() < kPointsOfAKind) kind.first.push_back(result.number);
+    for (std::size_t k = 0; k < keys_.size(); ++k) {
+      gathered.smallest[k] = std::min(gathered.smallest[k], values[k]);
+      gathered.largest[k] = std::max(gathered.largest[k], values[k]);
+      if (!keys_[k].is_number) gathered.texts[k].insert(static_cast<std::size_t>(values[k]));
+    }
+  }
+
+  // Most runs first.
+  std::vector<FailureKind> kinds() const {
+    std::vector<FailureKind> all;
+    for (const auto& [name, gathered] : kinds_) {
+      all.push_back(gathered.kind);
+      for (std::size_t k = 0; k < keys_.size(); ++k) all.back().where.push_back(where(gathered, k));
+    }
+    std::stable_sort(all.begin(), all.end(),
+                     [](const auto& a, const auto& b) { return a.runs > b.runs; });
+    return all;
+  }
+
+ private:
+  std::string where(const Gathered& gathered, std::size_t k) const {
+    const StudyKey& key = keys_[k];
+    if (key.is_number) {
+      const double low = gathered.smallest[k], high = gathered.largest[k];
+      return low == high ? fmt::format("{} = {:.10g}", key.name, low)
+                         : fmt::format("{} from {:.4g} to {:.4g}", key.name, low, high);
+    }
+    std::vector<std::string> some;
+    for (const std::size_t text : gathered.texts[k]) {
+      if (some.size() < kListedTexts) some.push_back(key.texts[text]);
+    }
+    const std::string more = gathered.texts[k].size() > some.size() ? ", …" : "";
+    return fmt::format("{} = {}{}", key.name, fmt::join(some, ", "), more);
+  }
+
+  const std::vector<StudyKey>& keys_;
+  std::size_t candidates_;
+  std::map<std::pair<PointStatus, std::string>, Gathered> kinds_;
+};
+
+}  // namespace
+
+std::uint64_t scattered(std::uint64_t number) {
+  std::uint64_t z = number + 0x9e3779b97f4a7c15U;
+  z = (z ^ (z >> 30U)) * 0xbf58476d1ce4e5b9U;
+  z = (z ^ (z >> 27U)) * 0x94d049bb133111ebU;
+  return z ^ (z >> 31U);
+}
+
+StudyNumbers study_numbers(const Plan& plan, const ShardIndex& index,
+                           const std::vector<std::string>& first, std::size_t most) {
+  StudyNumbers numbers;
+  numbers.keys = study_keys(plan.study());
+  const std::size_t candidates = plan.candidates().size();
+  const std::size_t block_size =
+      plan.study().method == Method::saltelli ? numbers.keys.size() + 2 : 1;
+  const double share = static_cast<double>(most) / static_cast<double>(plan.size());
+  const auto is_chosen = [&](std::size_t block, std::size_t seed) {
+    if (share >= 1.0) return true;
+    return static_cast<double>(scattered(block * plan.seeds() + seed)) < share * 0x1p64;
+  };
+  numbers.is_sample = share < 1.0;
+
+  Failures failures(numbers.keys, candidates);
+  std::vector<std::string> metrics = first;
+  std::vector<std::vector<double>> columns(first.size());
+  std::unordered_map<std::string, std::size_t> column_of;
+  for (std::size_t i = 0; i < metrics.size(); ++i) column_of.emplace(metrics[i], i);
+  const auto by_hash = [](const FailedRun& a, const FailedRun& b) {
+    return scattered(a.number) < scattered(b.number);
+  };
+  std::vector<double> values;
+  std::size_t sample = plan.samples();  // of `values`: none
+  std::size_t block = plan.samples();   // of the last run: none
+  bool is_kept = false;                 // the sample's values, in the keys
+
+  for (std::size_t number = 0; number < index.points(); ++number) {
+    if (!index.has(number)) continue;
+    const PointResult result = index.read(number);
+    StudyRun run;
+    run.number = number;
+    run.candidate = static_cast<std::uint32_t>(number % candidates);
+    run.seed = static_cast<std::uint32_t>(number / candidates % plan.seeds());
+    run.failed = result.status != PointStatus::complete;
+    const std::size_t of_plan = number / candidates / plan.seeds();
+    if (of_plan != sample) {
+      sample = of_plan;
+      is_kept = false;
+      const StudyPoint point = plan.point(number);
+      values.clear();
+      for (std::size_t k = 0; k < numbers.keys.size(); ++k) {
+        values.push_back(key_number(numbers.keys[k], point.values[k]));
+      }
+    }
+    if (run.failed) {
+      failures.add(result, run.candidate, values);
+      // A heap of those with the smallest hashes.
+      std::vector<FailedRun>& failed = numbers.failed;
+      failed.push_back({number, run.candidate, values});
+      std::push_heap(failed.begin(), failed.end(), by_hash);
+      if (failed.size() > kMostListedFailures) {
+        std::pop_heap(failed.begin(), failed.end(), by_hash);
+        failed.pop_back();
+      }
+    }
+    const std::size_t block_of_plan = sample / block_size;
+    if (!is_chosen(block_of_plan, run.seed)) continue;
+    if (block_of_plan != block) ++numbers.blocks;
+    block = block_of_plan;
+    run.block = static_cast<std::uint32_t>(numbers.blocks - 1);
+    run.in_block = static_cast<std::uint32_t>(sample % block_size);
+    if (!is_kept) {
+      for (std::size_t k = 0; k < values.size(); ++k) {
+        numbers.keys[k].values.push_back(values[k]);
+      }
+      ++numbers.samples;
+      is_kept = true;
+    }
+    run.sample = static_cast<std::uint32_t>(numbers.samples - 1);
+    numbers.runs.push_back(run);
+    for (const auto& [name, value] : result.metrics) {
+      const auto [found, is_new] = column_of.emplace(name, metrics.size());
+      if (is_new) {
+        metrics.push_back(name);
+        columns.emplace_back();
+      }
+      std::vector<double>& column = columns[found->second];
+      column.resize(numbers.runs.size(), std::numeric_limits<double>::quiet_NaN());
+      column.back() = value;
+    }
+  }
+
+  for (std::size_t i = 0; i < metrics.size(); ++i) {
+    if (columns[i].empty()) continue;  // one of `first` that no run has
+    columns[i].resize(numbers.runs.size(), std::numeric_limits<double>::quiet_NaN());
+    numbers.metrics.push_back(metrics[i]);
+    numbers.columns.push_back(std::move(columns[i]));
+  }
+  numbers.failures = failures.kinds();
+  std::sort(numbers.failed.begin(), numbers.failed.end(),
+            [](const FailedRun& a, const FailedRun& b) { return a.number < b.number; });
+  return numbers;
+}
+
+}  // namespace breakwater

@@ -1,0 +1,433 @@
+#include <breakwater/pages/study_sections.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include <breakwater/config/toml_text.h>
+#include <breakwater/pages/chart_scale.h>
+#include <breakwater/pages/html_page.h>
+#include <breakwater/shell/table.h>
+
+namespace breakwater {
+namespace mustache = kainjow::mustache;
+namespace {
+
+constexpr std::size_t kMostDrawn = 12;      // candidates, each with a colour or a dash
+constexpr std::size_t kMostCompared = 100;  // candidates of a table
+// Bytes of the page for each mark of a line, cell of a heat map and line of a run, with the runs
+// that they name; for each row of a table; and how many the metrics may have together.
+constexpr double kMark = 310.0, kMarkOfKey = 20.0, kCell = 110.0, kLine = 45.0, kLineOfAxis = 8.0;
+constexpr double kRow = 900.0, kIndexRow = 520.0, kSection = 3000.0;
+constexpr double kMost = 1.6e6;
+constexpr double kFewestGroups = 5.0, kFewestCells = 64.0, kFewestLines = 60.0;
+constexpr std::size_t kOfAGroup = 8;  // samples that a group of a drawn key has at least
+
+// "median 0.12 (0.1 to 0.2), 20 runs, 1 failed": 10 to 90 % in parentheses.
+std::string in_words(const QuantileBand& band) {
+  std::string text = band.measured > 0
+                         ? fmt::format("median {} ({} to {})", format_number(band.median),
+                                       format_number(band.q10), format_number(band.q90))
+                         : "not measured";
+  text += ", " + number_of(band.runs, "run");
+  if (band.failed > 0) text += fmt::format(", {} failed", band.failed);
+  const std::size_t absent = band.runs - band.failed - band.measured;
+  if (absent > 0 && band.measured > 0) text += fmt::format(", {} without it", absent);
+  return text;
+}
+
+std::string share_in_words(const QuantileBand& band) {
+  return fmt::format("{} of {} failed", band.failed, number_of(band.runs, "run"));
+}
+
+std::string index_text(const SensitivityIndex& index) {
+  const auto two = [](double value) { return fmt::format("{:.2f}", value == 0.0 ? 0.0 : value); };
+  if (!index.interval) return two(index.value);
+  return fmt::format("{} [{}, {}]", two(index.value), two(index.interval->lower),
+                     two(index.interval->upper));
+}
+
+}  // namespace
+
+StudyDetail study_detail(const Plan& plan, std::size_t metrics) {
+  const auto keys = static_cast<double>(plan.study().vary.size());
+  const auto candidates = static_cast<double>(std::min(plan.candidates().size(), kMostDrawn));
+  const auto rows = static_cast<double>(std::min(plan.candidates().size(), kMostCompared));
+  const bool is_saltelli = plan.study().method == Method::saltelli;
+  const double fixed = kSection + kRow * rows + (is_saltelli ? kIndexRow * rows * keys : 0.0);
+  const double marks = (kMark + kMarkOfKey * keys) * keys * candidates;  // of one group
+  const double line = kLine + kLineOfAxis * (keys + 2.0);
+  StudyDetail detail;
+  double fewest = fixed;
+  if (has_heat_maps(plan.study())) {
+    fewest += kFewestCells * kCell * candidates;
+  } else if (keys > 0.0) {
+    fewest += kFewestGroups * marks + (keys > 1.0 ? kFewestLines * line : 0.0);
+  }
+  detail.metrics = static_cast<std::size_t>(
+      std::clamp(kMost / fewest, 1.0, std::max(1.0, static_cast<double>(metrics))));
+  const double each = kMost / static_cast<double>(detail.metrics) - fixed;
+  const auto part = [](double most, double fewest_of_it, double usual) {
+    return static_cast<std::size_t>(std::clamp(most, fewest_of_it, usual));
+  };
+  detail.cells = part(each / (kCell * candidates), kFewestCells, 900.0);
+  if (keys > 0.0) {
+    const double share = keys > 1.0 ? 0.75 : 1.0;
+    detail.groups = part(share * each / marks, kFewestGroups, keys > 1.0 ? 16.0 : 40.0);
+    detail.lines = part(0.25 * each / line, kFewestLines, 240.0);
+  }
+  detail.metrics = std::min(detail.metrics, metrics);
+  return detail;
+}
+
+bool has_heat_maps(const Study& study) {
+  return study.vary.size() == 2 && study.method == Method::grid;
+}
+
+std::size_t RunList::add(std::size_t point) {
+  const auto [place, is_new] = places_.emplace(point, points_.size());
+  if (is_new) points_.push_back(point);
+  return place->second;
+}
+
+std::string RunList::json(const Plan& plan, const ShardIndex& index) const {
+  nlohmann::ordered_json json;
+  json["candidates"] = nlohmann::json::array();
+  for (const Candidate& candidate : plan.candidates())
+    json["candidates"].push_back(candidate.label);
+  json["keys"] = nlohmann::json::array();
+  for (const VariedKey& key : plan.study().vary) json["keys"].push_back(key.key);
+  json["runs"] = nlohmann::json::array();
+  for (const std::size_t number : points_) {
+    const StudyPoint point = plan.point(number);
+    nlohmann::ordered_json run = {index.read(number).key, point.candidate,
+                                  point.seed ? std::to_string(*point.seed) : ""};
+    for (const std::string& value : point.values) {
+      const auto number_of_value = number_in(value);
+      run.push_back(number_of_value ? fmt::format("{:.6g}", *number_of_value) : plain_text(value));
+    }
+    json["runs"].push_back(std::move(run));
+  }
+  return script_json(json);
+}
+
+struct StudySections::Output {
+  std::string name;
+  bool is_failures = false;
+  const std::vector<double>& column;
+  std::vector<std::uint32_t> order;
+};
+
+StudySections::StudySections(const Plan& plan, const ShardIndex& index, const StudyNumbers& numbers,
+                             const std::vector<OutputIndices>& indices,
+                             const std::vector<std::string>& labels, RunList& runs)
+    : plan_(plan),
+      index_(index),
+      numbers_(numbers),
+      indices_(indices),
+      labels_(labels),
+      runs_(runs),
+      detail_(study_detail(plan, numbers.metrics.size())) {
+  for (std::size_t c = 0; c < std::min(labels.size(), kMostDrawn); ++c) drawn_.push_back(c);
+  for (std::size_t c = kMostDrawn; c < labels.size(); ++c) {
+    if (plan.candidates()[c].label == plan.study().baseline) drawn_.back() = c;
+  }
+  colour_of_.assign(labels.size(), drawn_.size());
+  for (std::size_t i = 0; i < drawn_.size(); ++i) colour_of_[drawn_[i]] = i;
+
+  if (has_heat_maps(plan.study())) {
+    std::size_t columns = numbers.keys[0].values.size(), rows = columns;
+    for (std::size_t* side : {&columns, &rows}) {
+      *side = std::min<std::size_t>(
+          *side, std::max<std::size_t>(1, plan.study().vary[side == &rows ? 1 : 0].values.size()));
+    }
+    while (columns * rows > detail_.cells) --(columns > rows ? columns : rows);
+    sides_ = {group_values(numbers.keys[0], columns), group_values(numbers.keys[1], rows)};
+  } else {
+    for (std::size_t k = 0; k < numbers.keys.size(); ++k) {
+      const StudyKey& key = numbers.keys[k];
+      const std::size_t enough = std::max<std::size_t>(4, key.values.size() / kOfAGroup);
+      const bool is_drawn = plan.study().vary[k].distribution.has_value();
+      keys_.push_back(
+          group_values(key, is_drawn ? std::min(enough, detail_.groups) : detail_.groups));
+    }
+    effects_ = key_effects(plan.study());
+    for (const KeyEffect& effect : effects_) keys_[effect.key].name = effect.name;
+  }
+
+  // Failures first, but not them alone.
+  failed_.assign(numbers.failed.begin(),
+                 numbers.failed.begin() + static_cast<std::ptrdiff_t>(
+                                              std::min(numbers.failed.size(), detail_.lines / 2)));
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> chosen;
+  for (std::uint32_t i = 0; i < numbers.runs.size(); ++i) {
+    if (numbers.runs[i].failed) continue;
+    chosen.emplace_back(scattered(numbers.runs[i].number), i);
+    std::push_heap(chosen.begin(), chosen.end());
+    if (chosen.size() <= detail_.lines - failed_.size()) continue;
+    std::pop_heap(chosen.begin(), chosen.end());
+    chosen.pop_back();
+  }
+  for (const auto& [hash, run] : chosen) lines_.push_back(run);
+  std::sort(lines_.begin(), lines_.end());
+}
+
+std::vector<QuantileBand> StudySections::bands_of(const Output& output) const {
+  return bands(numbers_, output.column, output.order, labels_.size(),
+               [](const StudyRun& run) { return run.candidate; });
+}
+
+std::vector<QuantileBand> StudySections::by_candidate(std::size_t metric) const {
+  const std::vector<double>& column = numbers_.columns[metric];
+  return bands_of({numbers_.metrics[metric], false, column, in_order(column)});
+}
+
+std::string StudySections::line_chart(const Output& output, const KeyGroups& key) const {
+  const std::vector<QuantileBand> all =
+      bands(numbers_, output.column, output.order, (drawn_.size() + 1) * key.size(),
+            [&](const StudyRun& run) {
+              return colour_of_[run.candidate] * key.size() + key.of_sample[run.sample];
+            });
+  LineChart chart;
+  chart.x_title = key.name;
+  chart.y_title = output.name;
+  chart.is_log_x = key.is_log;
+  chart.is_share = output.is_failures;
+  chart.x = key.centre;
+  if (!key.is_number || (!key.is_binned && key.size() <= 8)) chart.x_labels = key.labels;
+  for (std::size_t i = 0; i < drawn_.size(); ++i) {
+    std::vector<LineMark>& line = chart.lines.emplace_back();
+    for (std::size_t g = 0; g < key.size(); ++g) {
+      const QuantileBand& band = all[i * key.size() + g];
+      LineMark mark;
+      mark.x = key.centre[g];
+      if (output.is_failures) {
+        mark.y = mark.lower = mark.upper = band.failed_share();
+      } else {
+        mark.y = band.median;
+        mark.lower = band.q10;
+        mark.upper = band.q90;
+        mark.has_failures = band.failed > 0;
+      }
+      mark.text = fmt::format("{}, {} = {}: {}", labels_[drawn_[i]], key.name, key.labels[g],
+                              output.is_failures ? share_in_words(band) : in_words(band));
+      if (band.measured > 0) mark.runs.push_back(runs_.add(band.at_middle));
+      if (band.failed > 0) mark.runs.push_back(runs_.add(band.first_failed));
+      line.push_back(std::move(mark));
+    }
+  }
+  return draw(chart);
+}
+
+void StudySections::add_heat_maps(const Output& output, mustache::data& section) const {
+  const KeyGroups &x = sides_[0], &y = sides_[1];
+  const std::size_t cells = x.size() * y.size();
+  const std::vector<QuantileBand> all = bands(
+      numbers_, output.column, output.order, (drawn_.size() + 1) * cells, [&](const StudyRun& run) {
+        return colour_of_[run.candidate] * cells + y.of_sample[run.sample] * x.size() +
+               x.of_sample[run.sample];
+      });
+  const auto value_of_cell = [&](const QuantileBand& band) {
+    return output.is_failures ? band.failed_share() : band.median;
+  };
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (std::size_t i = 0; i < drawn_.size() * cells; ++i) {
+    const double value = value_of_cell(all[i]);
+    if (!std::isfinite(value)) continue;
+    low = std::min(low, value);
+    high = std::max(high, value);
+  }
+  if (output.is_failures) low = 0.0, high = 1.0;
+  mustache::data maps(mustache::data::type::list);
+  for (std::size_t i = 0; i < drawn_.size(); ++i) {
+    HeatMap map;
+    map.x_title = x.name;
+    map.y_title = y.name;
+    map.x_labels = x.labels;
+    map.y_labels = y.labels;
+    map.low = low;
+    map.high = high;
+    map.about =
+        fmt::format("{} of {} over {} and {}", output.name, labels_[drawn_[i]], x.name, y.name);
+    for (std::size_t cell = 0; cell < cells; ++cell) {
+      const QuantileBand& band = all[i * cells + cell];
+      const std::size_t point = band.measured > 0 ? band.at_middle : band.first_failed;
+      const bool has_run = band.measured > 0 || band.failed > 0;
+      const std::size_t measured = output.is_failures ? band.runs - band.failed : band.measured;
+      map.cells.push_back({value_of_cell(band), band.runs, band.failed, measured,
+                           has_run ? std::optional(runs_.add(point)) : std::nullopt});
+    }
+    mustache::data one;
+    one.set("label", labels_[drawn_[i]]);
+    one.set("svg", draw(map));
+    maps << one;
+  }
+  section.set("heat", maps);
+  section.set("has_heat", true);
+  if (low <= high) section.set("bar", draw_colour_bar(low, high));
+}
+
+void StudySections::add_parallel(const Output& output, mustache::data& section) const {
+  ParallelChart chart;
+  const bool has_candidates = labels_.size() > 1;
+  if (has_candidates) {
+    chart.axes.push_back(
+        {"candidate", false, 0.0, static_cast<double>(labels_.size() - 1), labels_});
+  }
+  for (std::size_t k = 0; k < numbers_.keys.size(); ++k) {
+    const StudyKey& key = numbers_.keys[k];
+    auto [low, high] = std::ranges::minmax(key.values);
+    for (const FailedRun& run : failed_) {
+      low = std::min(low, run.values[k]);
+      high = std::max(high, run.values[k]);
+    }
+    chart.axes.push_back({key.name, keys_[k].is_log, low, high, key.texts});
+  }
+  const auto add = [&](std::size_t number, std::size_t candidate, std::vector<double> values,
+                       bool failed) {
+    if (has_candidates) values.insert(values.begin(), static_cast<double>(candidate));
+    chart.lines.push_back({std::move(values), failed, runs_.add(number)});
+  };
+  ParallelAxis last = {output.name, false, 0.0, 1.0, {}};
+  if (output.is_failures) {
+    last.texts = {"to the end"};
+  } else {
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+    for (const std::uint32_t i : lines_) {
+      if (!std::isfinite(output.column[i])) continue;
+      low = std::min(low, output.column[i]);
+      high = std::max(high, output.column[i]);
+    }
+    if (low <= high) last.low = low, last.high = high;
+    last.is_log = is_for_log(last.low, last.high);
+  }
+  chart.axes.push_back(last);
+  for (const std::uint32_t i : lines_) {
+    const StudyRun& run = numbers_.runs[i];
+    std::vector<double> values;
+    for (const StudyKey& key : numbers_.keys) values.push_back(key.values[run.sample]);
+    values.push_back(output.is_failures ? 0.0 : output.column[i]);
+    add(run.number, run.candidate, std::move(values), false);
+  }
+  for (const FailedRun& run : failed_) {
+    std::vector<double> values = run.values;
+    values.push_back(std::numeric_limits<double>::quiet_NaN());
+    add(run.number, run.candidate, std::move(values), true);
+  }
+  section.set("parallel", draw(chart));
+  if (!output.is_failures) section.set("bar", draw_colour_bar(last.low, last.high));
+  const std::size_t failed = index_.done() - index_.count(PointStatus::complete);
+  section.set("chosen",
+              fmt::format("{} of {} runs that ended well, chosen evenly{}.", lines_.size(),
+                          index_.count(PointStatus::complete),
+                          failed == 0 ? ""
+                                      : fmt::format(", and {} of {} that did not (dashed)",
+                                                    failed_.size(), failed)));
+}
+
+mustache::data StudySections::index_rows(const Output& output) const {
+  mustache::data rows(mustache::data::type::list);
+  for (std::size_t k = 0; k < numbers_.keys.size(); ++k) {
+    for (const OutputIndices& one : indices_) {
+      if (one.output != output.name || one.indices.total.empty()) continue;
+      mustache::data row;
+      row.set("key", numbers_.keys[k].name);
+      row.set("candidate", labels_[one.candidate]);
+      row.set("first", index_text(one.indices.first_order[k]));
+      row.set("total", index_text(one.indices.total[k]));
+      row.set("svg", draw_indices(one.indices.first_order[k], one.indices.total[k],
+                                  colour_of_[one.candidate]));
+      rows << row;
+    }
+  }
+  return rows;
+}
+
+mustache::data StudySections::comparison(const Output& output) const {
+  const std::vector<QuantileBand> all = bands_of(output);
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const QuantileBand& band : all) {
+    if (band.measured == 0) continue;
+    low = std::min(low, band.q10);
+    high = std::max(high, band.q90);
+  }
+  mustache::data rows(mustache::data::type::list);
+  for (std::size_t c = 0; c < std::min(all.size(), kMostCompared); ++c) {
+    const QuantileBand& band = all[c];
+    mustache::data row;
+    row.set("label", labels_[c]);
+    row.set("colour", fmt::format("c{}", colour_of_[c] % 10));
+    row.set("runs", std::to_string(band.runs));
+    row.set("failed", std::to_string(band.failed));
+    row.set("any_failed", band.failed > 0);
+    row.set("share", fmt::format("{:.3g} %", 100.0 * band.failed_share()));
+    row.set("absent", std::to_string(band.runs - band.failed - band.measured));
+    if (band.measured > 0) {
+      row.set("has_values", true);
+      row.set("quartiles", format_number(band.q25) + " to " + format_number(band.q75));
+      row.set("tenths", format_number(band.q10) + " to " + format_number(band.q90));
+      row.set("svg", draw_box(band, colour_of_[c], low, high));
+      const auto run = [&](const char* name, double value, std::size_t point) {
+        mustache::data one;
+        one.set("value", format_number(value));
+        one.set("key", index_.read(point).key);
+        one.set("run", std::to_string(runs_.add(point)));
+        row.set(name, one);
+      };
+      run("smallest", band.smallest, band.at_smallest);
+      run("median", band.median, band.at_middle);
+      run("largest", band.largest, band.at_largest);
+    }
+    rows << row;
+  }
+  return rows;
+}
+
+mustache::data StudySections::section(std::optional<std::size_t> metric) const {
+  static const std::vector<double> kNone;
+  const std::vector<double>& column = metric ? numbers_.columns[*metric] : kNone;
+  const Output output = {metric ? numbers_.metrics[*metric] : kFailedOutput, !metric, column,
+                         in_order(column)};
+  mustache::data section;
+  section.set("id", metric ? fmt::format("metric-{}", *metric + 1) : kFailuresId);
+  section.set("name", metric ? output.name : "Failed runs");
+  section.set("is_failures", output.is_failures);
+  section.set("is_metric", !output.is_failures);
+  section.set("comparison", comparison(output));
+  if (labels_.size() > kMostCompared) {
+    section.set("compared", fmt::format("The first {} of {} candidates; results.csv has all.",
+                                        kMostCompared, labels_.size()));
+  }
+  const bool has_charts = metric || !numbers_.failures.empty();
+  if (numbers_.runs.empty() || !has_charts) return section;
+  if (!sides_.empty()) add_heat_maps(output, section);
+  mustache::data charts(mustache::data::type::list);
+  for (const KeyEffect& effect : effects_) {
+    mustache::data chart;
+    chart.set("svg", line_chart(output, keys_[effect.key]));
+    charts << chart;
+  }
+  if (!keys_.empty()) section.set("has_lines", true);
+  section.set("lines", charts);
+  if (keys_.size() > 1) add_parallel(output, section);
+  if (plan_.study().method == Method::saltelli) {
+    section.set("is_saltelli", true);
+    mustache::data rows = index_rows(output);
+    section.set("has_indices", !rows.is_empty_list());
+    section.set("indices", rows);
+    Eigen::Index dropped = 0, counted = 0;
+    for (const OutputIndices& one : indices_) {
+      if (one.output != output.name) continue;
+      dropped += one.indices.dropped_rows;
+      counted += one.indices.rows;
+    }
+    section.set("rows",
+                fmt::format("{} rows of the design count, {} have a run without it and do not.",
+                            counted, dropped));
+  }
+  return section;
+}
+
+}  // namespace breakwater

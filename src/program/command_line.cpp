@@ -1,0 +1,355 @@
+#include <breakwater/program/command_line.h>
+
+#include <fmt/core.h>
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <filesystem>
+#include <stdexcept>
+
+#include <breakwater/experiment/run_tables.h>
+#include <breakwater/experiment/runner.h>
+#include <breakwater/program/video_later.h>
+#include <breakwater/record/run_folder.h>
+#include <breakwater/shell/process.h>
+#include <breakwater/shell/progress.h>
+#include <breakwater/shell/terminal.h>
+#include <breakwater/sim/opengl_asked.h>
+#include <breakwater/version.h>
+
+namespace breakwater {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr const char* kAll = "all";
+
+struct Arguments {
+  std::string case_name;
+  std::string config;
+  std::vector<std::string> sets;
+  std::string seed;
+  std::string duration;
+  std::string out;
+  CLI::Option* video = nullptr;
+  std::string video_file;
+  bool csv = false;
+  bool quiet = false;
+  bool json = false;
+  bool list_cases = false;
+  bool matrix = false;
+  bool print_config = false;
+};
+
+// What the key asks beyond that is said of the key.
+std::string is_number(const std::string& text) {
+  double value = 0.0;
+  return CLI::detail::lexical_cast(text, value) ? "" : "must be a number, is \"" + text + "\"";
+}
+
+void describe(CLI::App& app, const std::string& video_program, Arguments& arguments) {
+  app.add_option("--case", arguments.case_name,
+                 "which case to run (--list-cases), or all: every case, on all cores")
+      ->type_name("NAME")
+      ->check([](const std::string& name) {
+        return std::string(name.empty() ? "must be a case's name (--list-cases)" : "");
+      });
+  app.add_option("--config", arguments.config,
+                 "another scenario file, such as a run's own config.toml")
+      ->type_name("FILE");
+  app.add_option("--set", arguments.sets,
+                 "override keys of the scenario file (--print-config shows them all)")
+      ->type_name("KEY=VALUE");
+  app.add_option("--seed", arguments.seed, "the same as --set run.seed=N")
+      ->type_name("N")
+      ->check(is_number);
+  app.add_option("--duration", arguments.duration, "the same as --set run.duration_s=S")
+      ->type_name("S")
+      ->check(is_number);
+  app.add_option("--out", arguments.out,
+                 "the run's folder; with --case all, the folder of the runs' folders\n"
+                 "(default: runs/SCENARIO/CASE-seedN)")
+      ->type_name("DIR");
+  arguments.video =
+      app.add_option("--video", arguments.video_file,
+                     "make a video of the run as well: video.mp4 in its folder, or\n"
+                     "this file (" +
+                         fs::path(video_program).filename().string() + " video makes one later)")
+          ->type_name("FILE")
+          ->expected(0, 1);
+  app.add_flag("--csv", arguments.csv, "write log.csv as well");
+  app.add_flag("--quiet", arguments.quiet, "print errors only");
+  app.add_flag("--json", arguments.json, "print JSON in place of the table");
+  app.add_flag("--list-cases", arguments.list_cases, "print the cases, one a line, and exit");
+  app.add_flag("--matrix", arguments.matrix,
+               "run every case under every condition, on all cores, and print one table a metric\n"
+               "(scenarios that have conditions)");
+  app.add_flag("--print-config", arguments.print_config,
+               "print the effective configuration, as a scenario file, and exit");
+  app.set_version_flag("--version", std::string(kVersion) + " (" + kGitCommit + ")");
+  app.footer(
+      "A run leaves a folder with config.toml, metrics.json, manifest.json and log.h5.\n"
+      "Exit status: 0 success, 1 a defect, 2 usage or input, 3 the run failed, 4 only a later\n"
+      "output failed, 130 interrupted.");
+}
+
+// ".1" as TOML has it: "0.1".
+std::string as_toml_number(const std::string& text) {
+  double value = 0.0;
+  if (text.empty() || !CLI::detail::lexical_cast(text, value)) return text;
+  const std::string digits = fmt::format("{}", value);
+  return digits.find_first_of(".en") == std::string::npos ? digits + ".0" : digits;
+}
+
+std::vector<std::string> all_sets(const Arguments& arguments) {
+  std::vector<std::string> sets = arguments.sets;
+  const auto add = [&](const std::string& option, const std::string& key,
+                       const std::string& value) {
+    if (value.empty()) return;
+    for (const std::string& set : arguments.sets) {
+      if (!set.starts_with(key + "=")) continue;
+      throw std::invalid_argument(option + ": --set gives " + key + " too: leave one out");
+    }
+    sets.push_back(key + "=" + value);
+  };
+  add("--seed", "run.seed", arguments.seed);
+  add("--duration", "run.duration_s", as_toml_number(arguments.duration));
+  return sets;
+}
+
+// --seed and --duration are --set by another name: what is wrong with them is said of what was
+// typed. all_sets() takes care that nobody else set these keys.
+template <typename Body>
+auto naming_options(const Arguments& arguments, Body&& body) {
+  try {
+    return std::forward<Body>(body)();
+  } catch (const std::invalid_argument& error) {
+    const std::string what = error.what();
+    for (const auto& [option, value, key] :
+         {std::tuple("--seed", &arguments.seed, "run.seed"),
+          std::tuple("--duration", &arguments.duration, "run.duration_s")}) {
+      const std::string as_set = std::string("--set: ") + key;
+      if (value->empty() || !what.starts_with(as_set + ":")) continue;
+      throw std::invalid_argument(option + what.substr(as_set.size()));
+    }
+    throw;
+  }
+}
+
+// Refuses a folder for the folders of several runs that holds anything else.
+void check_folder_of_runs(const fs::path& folder) {
+  if (!fs::exists(folder)) return;
+  if (!fs::is_directory(folder)) {
+    throw std::invalid_argument(folder.string() + ": is a file, not a folder");
+  }
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    const bool is_partial = entry.path().filename().string().starts_with(".");
+    if (!is_partial && !is_run_folder(entry.path())) {
+      throw std::invalid_argument(folder.string() +
+                                  ": holds something that is not a run; it is left alone");
+    }
+  }
+}
+
+void report_failures(const std::string& scenario, const std::vector<RunSummary>& runs) {
+  for (const RunSummary& run : runs) {
+    if (!run.failure) continue;
+    fmt::print(stderr, "{} {}: {} at t = {:.6g} s: {}; its log is in {}\n", scenario, run.case_name,
+               toned("failed", Tone::bad, is_colourful(stderr)), run.failure->time_s,
+               run.failure->reason, run.folder.string());
+  }
+}
+
+// What the runs themselves have shown.
+void print_late_warnings(const std::string& scenario, const std::vector<RunSummary>& runs) {
+  for (const RunSummary& run : runs) {
+    warn(fmt::format("{} {}", scenario, run.case_name), run.warnings);
+  }
+}
+
+void check_video(const std::vector<PreparedRun>& runs, const Arguments& arguments) {
+  if (arguments.video->count() == 0) return;
+  opengl_asked();  // what it refuses is refused before the run, not after it
+  if (runs.size() > 1 && !arguments.video_file.empty()) {
+    throw std::invalid_argument("--video: one file cannot hold the videos of several runs");
+  }
+}
+
+// Returns 0, or the status to exit with because of a video that failed.
+int make_videos(const std::vector<RunSummary>& runs, const Arguments& arguments,
+                const std::string& video_program) {
+  if (arguments.video->count() == 0) return kSuccess;
+  int status = kSuccess;
+  for (const RunSummary& run : runs) {
+    const int made = make_video(video_program, run.folder, arguments.video_file,
+                                arguments.quiet || arguments.json);
+    if (made == kInterrupted) return kInterrupted;
+    if (made != kSuccess) status = kLaterOutputFailed;
+  }
+  return status;
+}
+
+// A --set that has an effect in one of the runs is in its place.
+void print_vain_sets(const std::string& scenario, const std::vector<PreparedRun>& runs) {
+  for (const VainKey& vain : runs.front().vain) {
+    const bool is_vain_in_all = std::all_of(runs.begin(), runs.end(), [&](const PreparedRun& run) {
+      return std::any_of(run.vain.begin(), run.vain.end(), [&](const VainKey& other) {
+        return other.key == vain.key && other.origin == "--set";
+      });
+    });
+    if (!is_vain_in_all) continue;
+    warn(scenario, {fmt::format("--set: {}: {}", vain.key, vain.reason)});
+  }
+}
+
+void print_warnings(const std::string& scenario, const std::vector<PreparedRun>& runs) {
+  print_vain_sets(scenario, runs);
+  for (const PreparedRun& run : runs) {
+    const std::string which = fmt::format("{} {}", scenario, run.case_name);
+    for (const VainKey& vain : run.vain) {
+      if (vain.origin == "--set") continue;
+      warn(which, {fmt::format("{}: {}: {}", vain.origin, vain.key, vain.reason)});
+    }
+    warn(which, run.scenario->warnings());
+  }
+}
+
+int run_cases(const Catalogue& catalogue, const std::string& scenario, const ScenarioFile& file,
+              const std::string& video_program, const Arguments& arguments, KnownModels& models) {
+  stop_on_signals();
+  const bool all = arguments.case_name == kAll;
+  const std::string case_name =
+      arguments.case_name.empty() ? file.default_case() : arguments.case_name;
+  const std::vector<std::string> cases = all ? file.cases() : std::vector{case_name};
+
+  std::vector<PreparedRun> runs;
+  for (const std::string& name : cases) {
+    runs.push_back(prepare_run(catalogue, scenario, file, name, all_sets(arguments)));
+  }
+  if (arguments.print_config && all) {
+    throw std::invalid_argument("--print-config: prints one case, not all");
+  }
+  if (arguments.print_config) {
+    fmt::print("{}", runs.front().config_text);
+    return kSuccess;
+  }
+
+  check_video(runs, arguments);
+
+  const std::uint64_t seed = runs.front().scenario->run_settings().seed;
+  const fs::path out = arguments.out.empty()
+                           ? fs::path("runs") / scenario / fmt::format("{}-seed{}", case_name, seed)
+                           : fs::path(arguments.out);
+  std::vector<fs::path> folders;
+  if (all) check_folder_of_runs(out);
+  for (const std::string& name : cases) folders.push_back(all ? out / name : out);
+
+  if (!arguments.quiet) print_warnings(scenario, runs);
+  const std::vector<RunSummary> summaries =
+      execute_runs(runs, folders, {arguments.csv, arguments.quiet, &interrupted(), &models});
+
+  report_failures(scenario, summaries);
+  if (!arguments.quiet) print_late_warnings(scenario, summaries);
+  const int video_status = make_videos(summaries, arguments, video_program);
+  const bool failed = std::any_of(summaries.begin(), summaries.end(),
+                                  [](const RunSummary& run) { return run.failure.has_value(); });
+  if (arguments.json) {
+    fmt::print("{}", runs_json(scenario, summaries, catalogue));
+  } else if (!arguments.quiet) {
+    const bool colourful = is_colourful(stdout);
+    if (all) {
+      fmt::print("results: {}\n\n{}", out.string(),
+                 with_colours(comparison_table(scenario, summaries, catalogue, output_width()),
+                              colourful));
+    } else if (!failed) {
+      const RunSummary& run = summaries.front();
+      fmt::print("{} {}: {:.6g} s simulated in {:.1f} s\nresults: {}\n\n{}", scenario,
+                 run.case_name, run.simulated_s, run.wall_s, out.string(),
+                 with_colours(metrics_table(scenario, run, catalogue), colourful));
+    }
+  }
+  return failed ? static_cast<int>(kRunFailed) : video_status;
+}
+
+// All cases for each value of one key, each into OUT/VALUE/CASE.
+int run_matrix(const Catalogue& catalogue, const std::string& scenario, const ScenarioFile& file,
+               const std::string& video_program, const Arguments& arguments, KnownModels& models) {
+  stop_on_signals();
+  if (arguments.print_config) {
+    throw std::invalid_argument("--print-config: prints one case, not all of --matrix");
+  }
+  const Matrix matrix = make_scenario(catalogue, scenario)->matrix();
+  if (matrix.key.empty()) {
+    throw std::invalid_argument(scenario + ": --matrix: this scenario has no conditions");
+  }
+  if (!arguments.case_name.empty()) {
+    throw std::invalid_argument(scenario + ": --matrix: runs all cases, so leave --case out");
+  }
+  for (const std::string& set : arguments.sets) {
+    if (!set.starts_with(matrix.key + "=")) continue;
+    throw std::invalid_argument(scenario + ": --matrix: runs all of " + matrix.key +
+                                ", so leave it out of --set");
+  }
+  std::vector<PreparedRun> runs;
+  std::vector<std::string> places;
+  for (const std::string& value : matrix.values) {
+    std::vector<std::string> sets = all_sets(arguments);
+    sets.push_back(matrix.key + "=" + value);
+    for (const std::string& name : file.cases()) {
+      runs.push_back(prepare_run(catalogue, scenario, file, name, sets));
+      places.push_back(value + "/" + name);
+    }
+  }
+  check_video(runs, arguments);
+  const std::uint64_t seed = runs.front().scenario->run_settings().seed;
+  const fs::path out = arguments.out.empty()
+                           ? fs::path("runs") / scenario / fmt::format("matrix-seed{}", seed)
+                           : fs::path(arguments.out);
+  for (const std::string& value : matrix.values) check_folder_of_runs(out / value);
+  std::vector<fs::path> folders;
+  for (const std::string& place : places) folders.push_back(out / place);
+
+  if (!arguments.quiet) print_warnings(scenario, runs);
+  const std::vector<RunSummary> summaries =
+      execute_runs(runs, folders, {arguments.csv, arguments.quiet, &interrupted(), &models});
+  report_failures(scenario, summaries);
+  if (!arguments.quiet) print_late_warnings(scenario, summaries);
+  const int video_status = make_videos(summaries, arguments, video_program);
+  if (arguments.json) {
+    fmt::print("{}", runs_json(scenario, summaries, catalogue));
+  } else if (!arguments.quiet) {
+    fmt::print(
+        "results: {}\n\n{}", out.string(),
+        with_colours(matrix_tables(matrix, summaries, output_width()), is_colourful(stdout)));
+  }
+  const bool failed = std::any_of(summaries.begin(), summaries.end(),
+                                  [](const RunSummary& run) { return run.failure.has_value(); });
+  return failed ? static_cast<int>(kRunFailed) : video_status;
+}
+
+}  // namespace
+
+int scenario_main(const Catalogue& catalogue, const std::string& scenario,
+                  const std::string& video_program, int argc, const char* const* argv) {
+  return guarded(scenario, [&] {
+    CLI::App app(scenario + ": " + make_scenario(catalogue, scenario)->summary(), scenario);
+    Arguments arguments;
+    describe(app, video_program, arguments);
+    if (const auto status = parse(app, argc, argv)) return *status;
+
+    const std::string path = arguments.config.empty()
+                                 ? catalogue.get<ScenarioKind>(scenario).file().string()
+                                 : arguments.config;
+    const ScenarioFile file(path, scenario);
+    if (arguments.list_cases) {
+      for (const std::string& name : file.cases()) fmt::print("{}\n", name);
+      return static_cast<int>(kSuccess);
+    }
+    KnownModels models;
+    const SharedModels shared([&](const std::string& model) { models.note(model); });
+    const auto run = arguments.matrix ? run_matrix : run_cases;
+    return naming_options(arguments, [&] {
+      return run(catalogue, scenario, file, video_program, arguments, models);
+    });
+  });
+}
+
+}  // namespace breakwater

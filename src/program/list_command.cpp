@@ -1,0 +1,49 @@
+#include <breakwater/program/list_command.h>
+
+#include <fmt/core.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+
+#include <breakwater/shell/child_program.h>
+#include <breakwater/shell/process.h>
+
+namespace breakwater {
+namespace {
+
+void print_scenarios(const Catalogue& catalogue) {
+  for (const ScenarioKind& kind : catalogue.all<ScenarioKind>()) {
+    fmt::print("{:<20}{}\n", kind.name, kind.make(catalogue)->summary());
+  }
+}
+
+void print_parts(const Catalogue& catalogue) {
+  std::vector<std::string> headings;
+  for (const ListedPart& part : catalogue.parts()) {
+    if (std::find(headings.begin(), headings.end(), part.what) == headings.end()) {
+      headings.push_back(part.what);
+    }
+  }
+  for (const std::string& heading : headings) {
+    fmt::print("{}{}\n", heading == headings.front() ? "" : "\n", heading);
+    for (const ListedPart& part : catalogue.parts()) {
+      if (part.what == heading) fmt::print("  {:<18}{}\n", part.name, part.help);
+    }
+  }
+}
+
+}  // namespace
+
+int list_main(const Catalogue& catalogue, int argc, const char* const* argv) {
+  const std::string program = own_program_name() + " list";
+  return guarded(program, [&] {
+    CLI::App app("print the scenarios and what they study", program);
+    bool parts = false;
+    app.add_flag("--parts", parts, "the controllers and estimators instead");
+    if (const auto status = parse(app, argc, argv)) return *status;
+    parts ? print_parts(catalogue) : print_scenarios(catalogue);
+    return static_cast<int>(kSuccess);
+  });
+}
+
+}  // namespace breakwater

@@ -1,0 +1,23 @@
+#include <breakwater/program/own_places.h>
+
+#include <breakwater/shell/paths.h>
+#include <breakwater/shell/process.h>
+#include <breakwater/sim/model.h>
+
+namespace breakwater {
+
+void set_places(const Catalogue& catalogue, const char* installation) {
+  end_soon_while(Model::is_compiling);
+  DataPlaces places{.scenarios = {}, .installation = installation};
+  set_data_places(places);
+  for (const ScenarioKind& kind : catalogue.all<ScenarioKind>()) {
+    if (kind.folder.empty()) continue;
+    // Where its program was built; or, that gone, where it was installed.
+    const auto installed = look_for("scenarios/" + kind.name);
+    places.scenarios.push_back(kind.folder);
+    if (installed) places.scenarios.push_back(*installed);
+  }
+  if (!places.scenarios.empty()) set_data_places(places);
+}
+
+}  // namespace breakwater

@@ -1,0 +1,11 @@
+// `breakwater waves`: a sea, checked and printed.
+#pragma once
+
+#include <breakwater/experiment/catalogue.h>
+
+namespace breakwater {
+
+/// main() of the command; argv[0] is its name. Returns its exit status.
+int waves_main(const Catalogue& catalogue, int argc, const char* const* argv);
+
+}  // namespace breakwater

@@ -1,0 +1,48 @@
+#include <breakwater/search/front.h>
+
+#include <algorithm>
+#include <pagmo/utils/hypervolume.hpp>
+#include <pagmo/utils/multi_objective.hpp>
+
+namespace breakwater {
+
+std::vector<std::size_t> front_of(const Vectors& points) {
+  std::vector<std::size_t> front;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const auto rules_out = [&](std::size_t other) {
+      return points[other] == points[i] || pagmo::pareto_dominance(points[other], points[i]);
+    };
+    if (std::any_of(front.begin(), front.end(), rules_out)) continue;
+    std::erase_if(front, [&](std::size_t other) {
+      return pagmo::pareto_dominance(points[i], points[other]);
+    });
+    front.push_back(i);
+  }
+  return front;
+}
+
+double hypervolume_below(const Vectors& points, const std::vector<double>& reference) {
+  Vectors inside;
+  for (const std::vector<double>& point : points) {
+    bool is_inside = true;
+    for (std::size_t k = 0; k < point.size(); ++k) is_inside &= point[k] < reference[k];
+    if (is_inside) inside.push_back(point);
+  }
+  if (inside.empty()) return 0.0;
+  if (reference.size() == 1)
+    return reference[0] - std::min_element(inside.begin(), inside.end())->front();
+  return pagmo::hypervolume(inside, true).compute(reference);
+}
+
+std::vector<std::size_t> evenly_spaced(std::size_t size, std::size_t count) {
+  std::vector<std::size_t> numbers;
+  if (size <= count) {
+    for (std::size_t i = 0; i < size; ++i) numbers.push_back(i);
+    return numbers;
+  }
+  if (count == 1) return {size / 2};
+  for (std::size_t i = 0; i < count; ++i) numbers.push_back(i * (size - 1) / (count - 1));
+  return numbers;
+}
+
+}  // namespace breakwater

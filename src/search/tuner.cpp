@@ -1,0 +1,299 @@
+#include <breakwater/search/tuner.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <mutex>
+#include <stdexcept>
+
+#include <breakwater/search/front.h>
+
+namespace breakwater {
+namespace {
+
+// Runs that are there, and those that have yet to be made.
+class Runs {
+ public:
+  Runs(const TuningPlan& plan, const StudyFolder& folder, const TunerOptions& options)
+      : plan_(plan), folder_(folder), options_(options), shard_(folder.shards()) {
+    look();
+  }
+
+  // Runs of these numbers, in that order.
+  std::vector<PointResult> of(const std::vector<std::size_t>& numbers) {
+    const std::vector<std::size_t> missing = take(numbers);
+    if (!missing.empty()) run(missing);
+    std::vector<PointResult> results;
+    for (const std::size_t number : numbers) results.push_back(known_.at(number));
+    return results;
+  }
+
+  // Once none is run any more. Throws OutputError.
+  void finish() { shard_.finish(); }
+
+  std::vector<PointResult> all() const {
+    std::vector<PointResult> results;
+    for (const auto& [number, result] : known_) results.push_back(result);
+    std::sort(results.begin(), results.end(),
+              [](const auto& a, const auto& b) { return a.number < b.number; });
+    return results;
+  }
+
+ private:
+  // What the shards have.
+  void look() {
+    const ShardIndex index(folder_.shards(), plan_.size());
+    index.check_models();
+    for (std::size_t number = 0; number < index.points(); ++number) {
+      if (index.has(number) && !earlier_.contains(number)) {
+        earlier_.emplace(number, index.read(number));
+      }
+    }
+  }
+
+  // Keeps those of the runs that are there, and returns the others.
+  std::vector<std::size_t> take(const std::vector<std::size_t>& numbers) {
+    std::vector<std::size_t> missing;
+    for (const std::size_t number : numbers) {
+      if (known_.contains(number)) continue;
+      const auto found = earlier_.find(number);
+      if (found == earlier_.end()) {
+        missing.push_back(number);
+        continue;
+      }
+      check_same(found->second);
+      keep(found->second);
+    }
+    return missing;
+  }
+
+  void keep(const PointResult& result) {
+    known_.emplace(result.number, result);
+    if (options_.on_run) options_.on_run(result.number);
+  }
+
+  void run(const std::vector<std::size_t>& numbers) {
+    if (options_.elsewhere) {
+      options_.elsewhere(numbers);
+      look();
+      if (!take(numbers).empty()) throw std::logic_error("runs were to be made elsewhere");
+      return;
+    }
+    std::mutex mutex;
+    ExecutorOptions executor;
+    executor.threads = options_.jobs;
+    executor.stop = options_.stop;
+    executor.on_result = [&](const PointResult& result) {
+      const std::lock_guard lock(mutex);
+      keep(result);
+    };
+    if (run_points(numbers, plan_, shard_, executor) == numbers.size()) return;
+    finish();
+    throw Interrupted();
+  }
+
+  // A candidate is known by its key: if the search asks for another one at this place, what is
+  // there is of another search.
+  void check_same(const PointResult& result) const {
+    std::string key;
+    try {
+      const PreparedRun run = plan_.prepare(result.number);
+      key = point_key(run.config_text, hashes(run.model_files));
+    } catch (const std::invalid_argument&) {
+      key = plan_.unprepared_key(result.number);
+    }
+    // What crashed while it was prepared had no key yet.
+    if (key == result.key || plan_.unprepared_key(result.number) == result.key) return;
+    throw std::invalid_argument(
+        fmt::format("{}: run {} is of another candidate than the search asks for (another libpagmo "
+                    "or libnlopt?): begin anew with --rerun",
+                    folder_.path().string(), result.number));
+  }
+
+  const ModelHashes& hashes(const std::vector<std::string>& files) const {
+    const auto found = hashes_.find(files);
+    return found != hashes_.end() ? found->second : hashes_[files] = model_hashes(files);
+  }
+
+  const TuningPlan& plan_;
+  const StudyFolder& folder_;
+  const TunerOptions& options_;
+  Shard shard_;
+  std::unordered_map<std::size_t, PointResult> earlier_;  // as they lie in the shards
+  std::unordered_map<std::size_t, PointResult> known_;    // as they were asked for
+  mutable std::map<std::vector<std::string>, ModelHashes> hashes_;
+};
+
+std::vector<std::size_t> numbers_of(const TuningPlan& plan, std::size_t tuned,
+                                    std::size_t evaluation, bool is_validation) {
+  std::vector<std::size_t> numbers;
+  for (std::size_t world = 0; world < plan.worlds(is_validation).size(); ++world) {
+    numbers.push_back(plan.number({tuned, evaluation, is_validation, world}));
+  }
+  return numbers;
+}
+
+// Runs of several evaluations at once, then each by itself.
+std::vector<Evaluation> evaluate_all(const TuningPlan& plan, Runs& runs, std::size_t tuned,
+                                     const std::vector<std::size_t>& evaluations,
+                                     bool is_validation) {
+  std::vector<std::size_t> numbers;
+  for (const std::size_t evaluation : evaluations) {
+    const auto more = numbers_of(plan, tuned, evaluation, is_validation);
+    numbers.insert(numbers.end(), more.begin(), more.end());
+  }
+  const std::vector<PointResult> results = runs.of(numbers);
+  const auto each = static_cast<std::ptrdiff_t>(plan.worlds(is_validation).size());
+  std::vector<Evaluation> all;
+  for (auto first = results.begin(); first != results.end(); first += each) {
+    all.push_back(evaluate(plan.tuning(), {first, first + each}, is_validation));
+  }
+  return all;
+}
+
+std::vector<Evaluation> search_case(TuningPlan& plan, Runs& runs, std::size_t tuned) {
+  const Tuning& tuning = plan.tuning();
+  std::vector<Evaluation> evaluations;
+  search(tuning.settings(tuning.cases[tuned]), [&](const Vectors& points) {
+    std::vector<std::size_t> numbers;
+    for (const std::vector<double>& u : points) {
+      const std::size_t number = evaluations.size() + numbers.size();
+      if (number >= tuning.budget) throw std::logic_error("the search goes beyond its budget");
+      plan.begin(tuned, number, plan.values(tuned, u));
+      numbers.push_back(number);
+    }
+    Vectors answers;
+    for (Evaluation& one : evaluate_all(plan, runs, tuned, numbers, false)) {
+      answers.push_back(fitness(tuning, one, evaluations.size()));
+      evaluations.push_back(std::move(one));
+    }
+    return answers;
+  });
+  return evaluations;
+}
+
+// Feasible evaluations' objectives, and which they are.
+struct Feasible {
+  std::vector<std::size_t> numbers;
+  Vectors objectives;
+};
+
+Feasible feasible(const Tuning& tuning, const std::vector<Evaluation>& evaluations) {
+  Feasible all;
+  for (std::size_t i = 0; i < evaluations.size(); ++i) {
+    if (!evaluations[i].is_feasible()) continue;
+    all.numbers.push_back(i);
+    all.objectives.push_back(minimised(tuning, evaluations[i]));
+  }
+  return all;
+}
+
+std::vector<FrontPoint> front_points(const Tuning& tuning,
+                                     const std::vector<Evaluation>& evaluations) {
+  const Feasible all = feasible(tuning, evaluations);
+  std::vector<std::size_t> front = front_of(all.objectives);
+  std::stable_sort(front.begin(), front.end(), [&](std::size_t a, std::size_t b) {
+    return all.objectives[a] < all.objectives[b];
+  });
+  std::vector<FrontPoint> points;
+  for (const std::size_t i : front) {
+    points.push_back({all.numbers[i], evaluations[all.numbers[i]]});
+  }
+  return points;
+}
+
+// Each objective's reference, or the worst that any case met.
+std::vector<double> reference_of(const Tuning& tuning, const std::vector<TunedFront>& fronts) {
+  std::vector<double> reference;
+  for (std::size_t k = 0; k < tuning.objectives.size(); ++k) {
+    const Objective& objective = tuning.objectives[k];
+    double worst = -std::numeric_limits<double>::infinity();
+    for (const TunedFront& front : fronts) {
+      for (const auto& point : feasible(tuning, front.evaluations).objectives) {
+        worst = std::max(worst, point[k]);
+      }
+    }
+    if (objective.reference) {
+      worst = objective.goal == Goal::min ? *objective.reference : -*objective.reference;
+    }
+    reference.push_back(worst);
+  }
+  return reference;
+}
+
+void measure_hypervolume(const Tuning& tuning, const std::vector<double>& reference,
+                         TunedFront& front) {
+  const Feasible all = feasible(tuning, front.evaluations);
+  Vectors best;
+  std::size_t next = 0;
+  for (std::size_t done = 0; done < front.evaluations.size();) {
+    done = std::min(done + tuning.population, front.evaluations.size());
+    for (; next < all.numbers.size() && all.numbers[next] < done; ++next) {
+      best.push_back(all.objectives[next]);
+    }
+    Vectors kept;
+    for (const std::size_t i : front_of(best)) kept.push_back(best[i]);
+    best = std::move(kept);
+    front.hypervolume.emplace_back(done, hypervolume_below(best, reference));
+  }
+}
+
+// Points of a front that are validated, and their evaluations.
+struct Validated {
+  std::vector<std::size_t> points;
+  std::vector<std::size_t> evaluations;
+};
+
+Validated to_validate(const TuningPlan& plan, const TunedFront& front) {
+  Validated chosen;
+  chosen.points = evenly_spaced(front.points.size(), plan.tuning().validated_points);
+  for (const std::size_t i : chosen.points) {
+    chosen.evaluations.push_back(front.points[i].evaluation);
+  }
+  return chosen;
+}
+
+void validate_all(const TuningPlan& plan, Runs& runs, const TunerOptions& options,
+                  std::vector<TunedFront>& fronts) {
+  std::vector<Validated> chosen;
+  std::vector<std::size_t> numbers;
+  for (std::size_t c = 0; c < fronts.size(); ++c) {
+    chosen.push_back(to_validate(plan, fronts[c]));
+    for (const std::size_t evaluation : chosen[c].evaluations) {
+      const auto more = numbers_of(plan, c, evaluation, true);
+      numbers.insert(numbers.end(), more.begin(), more.end());
+    }
+  }
+  if (options.on_validation) options.on_validation(numbers);
+  for (std::size_t c = 0; c < fronts.size(); ++c) {
+    const auto fresh = evaluate_all(plan, runs, c, chosen[c].evaluations, true);
+    for (std::size_t i = 0; i < fresh.size(); ++i) {
+      fronts[c].points[chosen[c].points[i]].fresh = fresh[i];
+    }
+  }
+}
+
+}  // namespace
+
+TuningResult tune(TuningPlan& plan, const StudyFolder& folder, const TunerOptions& options) {
+  const Tuning& tuning = plan.tuning();
+  Runs runs(plan, folder, options);
+  TuningResult result;
+  for (std::size_t c = 0; c < tuning.cases.size(); ++c) {
+    TunedFront front;
+    front.case_name = tuning.cases[c].name;
+    front.evaluations = search_case(plan, runs, c);
+    front.points = front_points(tuning, front.evaluations);
+    result.fronts.push_back(std::move(front));
+  }
+  result.reference = reference_of(tuning, result.fronts);
+  for (std::size_t c = 0; c < tuning.cases.size(); ++c) {
+    measure_hypervolume(tuning, result.reference, result.fronts[c]);
+  }
+  if (tuning.validation) validate_all(plan, runs, options, result.fronts);
+  runs.finish();
+  result.runs = runs.all();
+  return result;
+}
+
+}  // namespace breakwater

@@ -1,0 +1,263 @@
+#include <breakwater/search/tuning_outputs.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <map>
+#include <set>
+
+#include <breakwater/config/toml_text.h>
+#include <breakwater/record/csv.h>
+#include <breakwater/record/partial_file.h>
+#include <breakwater/search/front.h>
+#include <breakwater/shell/table.h>
+
+namespace breakwater {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kDigits = 4;              // of what a terminal shows
+constexpr std::size_t kMostShown = 12;  // of a front that was not validated
+
+std::string digits(double value) {
+  return fmt::format("{:.17g}", value);
+}
+
+// The keys of all cases, each once.
+std::vector<std::string> searched_keys(const Tuning& tuning) {
+  std::vector<std::string> keys;
+  for (const TunedCase& tuned : tuning.cases) {
+    for (const VariedKey& key : tuned.search) {
+      if (std::find(keys.begin(), keys.end(), key.key) == keys.end()) keys.push_back(key.key);
+    }
+  }
+  return keys;
+}
+
+std::vector<std::string> world_keys(const Tuning& tuning) {
+  std::vector<std::string> keys;
+  const auto add = [&](const Worlds& worlds) {
+    for (const VariedKey& key : worlds.keys) {
+      if (std::find(keys.begin(), keys.end(), key.key) == keys.end()) keys.push_back(key.key);
+    }
+  };
+  add(tuning.worlds);
+  if (tuning.validation) add(*tuning.validation);
+  return keys;
+}
+
+// Cells by their columns; what is not put is empty.
+class Cells {
+ public:
+  void put(const std::string& column, const std::string& text) { cells_[column] = text; }
+  void put(const std::string& column, const GatheredValue& number) {
+    put(column, digits(number.value));
+    if (!number.interval) return;
+    put(column + "_lower", digits(number.interval->lower));
+    put(column + "_upper", digits(number.interval->upper));
+  }
+  std::vector<std::string> in(const std::vector<std::string>& columns) const {
+    std::vector<std::string> row;
+    for (const std::string& column : columns) {
+      const auto found = cells_.find(column);
+      row.push_back(found == cells_.end() ? "" : found->second);
+    }
+    return row;
+  }
+
+ private:
+  std::map<std::string, std::string> cells_;
+};
+
+void put_values(const TuningPlan& plan, std::size_t tuned, std::size_t evaluation, Cells& cells) {
+  const std::vector<VariedKey>& keys = plan.tuning().cases[tuned].search;
+  const std::vector<std::string>& values = plan.values_of(tuned, evaluation);
+  for (std::size_t i = 0; i < keys.size(); ++i) cells.put(keys[i].key, plain_text(values[i]));
+}
+
+std::string results_csv(const TuningPlan& plan, const TuningResult& result) {
+  const Tuning& tuning = plan.tuning();
+  std::vector<std::string> columns = {"point", "case", "evaluation", "use", "seed"};
+  for (const std::string& key : searched_keys(tuning)) columns.push_back(key);
+  for (const std::string& key : world_keys(tuning)) columns.push_back(key);
+  columns.insert(columns.end(), {"status", "state_hash"});
+  std::set<std::string> known;
+  for (const PointResult& run : result.runs) {
+    for (const auto& [name, value] : run.metrics) {
+      if (known.insert(name).second) columns.push_back(name);
+    }
+  }
+  std::string text = csv_line(columns);
+  for (const PointResult& run : result.runs) {
+    const TuningRun one = plan.run(run.number);
+    const Worlds& worlds = plan.worlds(one.is_validation);
+    const std::vector<std::string> world = worlds.values(one.world);
+    Cells cells;
+    cells.put("point", run.key);
+    cells.put("case", tuning.cases[one.tuned].name);
+    cells.put("evaluation", std::to_string(one.evaluation));
+    cells.put("use", one.is_validation ? "validate" : "search");
+    cells.put("seed", world[0]);
+    put_values(plan, one.tuned, one.evaluation, cells);
+    for (std::size_t k = 0; k < worlds.keys.size(); ++k) {
+      cells.put(worlds.keys[k].key, plain_text(world[k + 1]));
+    }
+    cells.put("status", name_of(run.status));
+    cells.put("state_hash", run.state_hash);
+    for (const auto& [name, value] : run.metrics) cells.put(name, digits(value));
+    text += csv_line(cells.in(columns));
+  }
+  return text;
+}
+
+std::string hypervolume_csv(const TuningResult& result) {
+  std::string text = csv_line({"case", "evaluations", "hypervolume"});
+  for (const TunedFront& front : result.fronts) {
+    for (const auto& [evaluations, volume] : front.hypervolume) {
+      text += csv_line({front.case_name, std::to_string(evaluations), digits(volume)});
+    }
+  }
+  return text;
+}
+
+std::string brief(const GatheredValue& number) {
+  if (!number.interval) return fmt::format("{:.{}g}", number.value, kDigits);
+  return fmt::format("{:.{}g} [{:.{}g}, {:.{}g}]", number.value, kDigits, number.interval->lower,
+                     kDigits, number.interval->upper, kDigits);
+}
+
+}  // namespace
+
+FrontTable front_table(const TuningPlan& plan, const TuningResult& result) {
+  const Tuning& tuning = plan.tuning();
+  FrontTable table;
+  table.columns = {"case", "front", "evaluation"};
+  for (const std::string& key : searched_keys(tuning)) table.columns.push_back(key);
+  const auto add = [&](const std::string& name) {
+    table.columns.push_back(name);
+    if (!tuning.validation) return;
+    for (const char* end : {"_fresh", "_fresh_lower", "_fresh_upper"}) {
+      table.columns.push_back(name + end);
+    }
+  };
+  for (const Objective& one : tuning.objectives) add(one.metric);
+  for (const Constraint& one : tuning.constraints) add(one.metric + "_constraint");
+  if (tuning.validation) table.columns.emplace_back("fresh_failures");
+
+  std::size_t label = 0;
+  for (std::size_t c = 0; c < result.fronts.size(); ++c) {
+    for (const FrontPoint& point : result.fronts[c].points) {
+      Cells cells;
+      cells.put("case", result.fronts[c].case_name);
+      cells.put("front", std::to_string(++label));
+      cells.put("evaluation", std::to_string(point.evaluation));
+      put_values(plan, c, point.evaluation, cells);
+      const auto put_all = [&](const Evaluation& evaluation, const std::string& end) {
+        if (evaluation.failures > 0) return;
+        for (std::size_t i = 0; i < tuning.objectives.size(); ++i) {
+          cells.put(tuning.objectives[i].metric + end, evaluation.objectives[i]);
+        }
+        for (std::size_t i = 0; i < tuning.constraints.size(); ++i) {
+          cells.put(tuning.constraints[i].metric + "_constraint" + end, evaluation.constraints[i]);
+        }
+      };
+      put_all(point.tuned, "");
+      if (point.fresh) {
+        put_all(*point.fresh, "_fresh");
+        cells.put("fresh_failures", std::to_string(point.fresh->failures));
+      }
+      table.rows.push_back({c, label, cells.in(table.columns)});
+    }
+  }
+  return table;
+}
+
+void write_outputs(const TuningPlan& plan, const TuningResult& result, const fs::path& folder) {
+  replace_file(folder / "results.csv", results_csv(plan, result));
+  replace_file(folder / "hypervolume.csv", hypervolume_csv(result));
+  const FrontTable table = front_table(plan, result);
+  fs::remove_all(folder / "front");
+  fs::create_directories(folder / "front");
+  std::string text = csv_line(table.columns);
+  for (const FrontRow& row : table.rows) text += csv_line(row.cells);
+  std::size_t label = 0;
+  for (std::size_t c = 0; c < result.fronts.size(); ++c) {
+    for (const FrontPoint& point : result.fronts[c].points) {
+      replace_file(folder / "front" / fmt::format("{}.toml", ++label),
+                   plan.config_text(c, point.evaluation));
+    }
+  }
+  replace_file(folder / "front.csv", text);
+}
+
+std::string in_short(const std::string& value, int digits) {
+  double number = 0.0;
+  const char* end = value.data() + value.size();
+  const auto [stop, error] = std::from_chars(value.data(), end, number);
+  return error == std::errc() && stop == end ? fmt::format("{:.{}g}", number, digits) : value;
+}
+
+namespace {
+
+// Those of a front that a screen has room for: what was validated, or some of it evenly.
+std::vector<std::size_t> shown_points(const TunedFront& front) {
+  std::vector<std::size_t> shown;
+  for (std::size_t i = 0; i < front.points.size(); ++i) {
+    if (front.points[i].fresh) shown.push_back(i);
+  }
+  if (shown.empty()) shown = evenly_spaced(front.points.size(), kMostShown);
+  return shown;
+}
+
+std::string front_text(const TuningPlan& plan, const TuningResult& result, std::size_t c,
+                       std::size_t first_label, std::size_t width) {
+  const Tuning& tuning = plan.tuning();
+  const TunedFront& front = result.fronts[c];
+  std::vector<std::string> keys;
+  for (const VariedKey& key : tuning.cases[c].search) keys.push_back(key.key);
+  std::vector<std::string> header = {"front"};
+  header.insert(header.end(), keys.begin(), keys.end());
+  for (const Objective& one : tuning.objectives) {
+    header.push_back(one.metric);
+    if (tuning.validation) header.emplace_back("on fresh worlds");
+  }
+  Table table(header);
+  const std::vector<std::size_t> shown = shown_points(front);
+  for (const std::size_t i : shown) {
+    const FrontPoint& point = front.points[i];
+    std::vector<std::string> row = {std::to_string(first_label + i)};
+    Cells cells;
+    put_values(plan, c, point.evaluation, cells);
+    for (const std::string& value : cells.in(keys)) row.push_back(in_short(value, kDigits));
+    for (std::size_t k = 0; k < tuning.objectives.size(); ++k) {
+      row.push_back(brief(point.tuned.objectives[k]));
+      if (!tuning.validation) continue;
+      row.push_back(!point.fresh                ? "-"
+                    : point.fresh->failures > 0 ? fmt::format("{} failed", point.fresh->failures)
+                                                : brief(point.fresh->objectives[k]));
+    }
+    table.add(row);
+  }
+  const std::size_t more = front.points.size() - shown.size();
+  return table.print(width) + (more > 0 ? fmt::format("and {} more\n", more) : "");
+}
+
+}  // namespace
+
+std::string fronts_text(const TuningPlan& plan, const TuningResult& result, std::size_t width) {
+  std::string text;
+  std::size_t label = 1;
+  for (std::size_t c = 0; c < result.fronts.size(); ++c) {
+    const TunedFront& front = result.fronts[c];
+    if (front.points.empty()) continue;
+    if (!text.empty()) text += '\n';
+    if (result.fronts.size() > 1) text += front.case_name + "\n";
+    text += front_text(plan, result, c, label, width);
+    label += front.points.size();
+  }
+  return text;
+}
+
+}  // namespace breakwater

@@ -1,0 +1,214 @@
+#include <breakwater/search/tuning_plan.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <stdexcept>
+
+#include <breakwater/config/toml_text.h>
+#include <breakwater/record/file_hash.h>
+#include <breakwater/signals/thread_time.h>
+#include <breakwater/study/sweep.h>
+
+namespace breakwater {
+namespace {
+
+constexpr double kMostRuns = 1e7;
+
+// A study whose probes are all that a case of the tuning may take.
+Study probed_study(const Tuning& tuning, const TunedCase& tuned, const Worlds& worlds) {
+  Study study;
+  study.scenario = tuning.scenario;
+  study.config = tuning.config;
+  study.sets = tuning.sets;
+  study.method = Method::random;
+  study.samples = 1;
+  study.cases = {tuned.name};
+  study.vary = tuned.search;
+  study.vary.insert(study.vary.end(), worlds.keys.begin(), worlds.keys.end());
+  if (!worlds.seeds.empty()) study.seeds = {worlds.seeds.front()};
+  return study;
+}
+
+// What may be probed with every value beside every other: of a list each of its worlds by itself.
+std::vector<Worlds> probed_at_once(const Worlds& worlds) {
+  if (worlds.method == WorldMethod::grid || worlds.keys.empty()) return {worlds};
+  std::vector<Worlds> each(worlds.keys.front().values.size(), worlds);
+  for (std::size_t i = 0; i < each.size(); ++i) {
+    for (VariedKey& key : each[i].keys) key.values = {key.values[i]};
+  }
+  return each;
+}
+
+std::string value_of(const VariedKey& key, double u) {
+  if (key.distribution) return toml_number(key.distribution->quantile(u));
+  const auto nth = static_cast<std::size_t>(u * static_cast<double>(key.values.size()));
+  return key.values[std::min(nth, key.values.size() - 1)];
+}
+
+}  // namespace
+
+TuningPlan::TuningPlan(const Catalogue& catalogue, Tuning tuning)
+    : catalogue_(catalogue), tuning_(std::move(tuning)) {
+  const auto& kind = catalogue.get<ScenarioKind>(tuning_.scenario);
+  const std::string file = tuning_.config.empty() ? kind.file().string() : tuning_.config;
+  file_ = std::make_unique<ScenarioFile>(file, tuning_.scenario);
+  for (TunedCase& tuned : tuning_.cases) {
+    if (tuned.name.empty()) tuned.name = file_->default_case();
+    file_->check_case(tuned.name, tuned.place);
+  }
+  const double evaluations =
+      static_cast<double>(tuning_.cases.size()) * static_cast<double>(tuning_.budget);
+  const double each = static_cast<double>(tuning_.worlds.size()) +
+                      (tuning_.validation ? static_cast<double>(tuning_.validation->size()) : 0.0);
+  if (evaluations * each > kMostRuns) {
+    throw std::invalid_argument(
+        fmt::format("budget: {:.3g} runs are more than {:.0f}: {} cases, {} evaluations, {:.0f} "
+                    "worlds and seeds",
+                    evaluations * each, kMostRuns, tuning_.cases.size(), tuning_.budget, each));
+  }
+  values_.resize(tuning_.cases.size());
+}
+
+std::vector<std::string> TuningPlan::check() const {
+  std::vector<std::string> warnings;
+  const auto check_in = [&](const TunedCase& tuned, const Worlds& worlds) {
+    // A key that is in vain in one world only is not in vain.
+    std::map<std::string, std::size_t> said;
+    const std::vector<Worlds> probed = probed_at_once(worlds);
+    for (const Worlds& some : probed) {
+      for (const std::string& warning :
+           Sweep(catalogue_, probed_study(tuning_, tuned, some)).check()) {
+        ++said[tuned.name + ": " + warning];
+      }
+    }
+    for (const auto& [text, times] : said) {
+      const bool is_new = std::find(warnings.begin(), warnings.end(), text) == warnings.end();
+      if (is_new && times == probed.size()) warnings.push_back(text);
+    }
+  };
+  for (const TunedCase& tuned : tuning_.cases) {
+    check_in(tuned, tuning_.worlds);
+    if (tuning_.validation) check_in(tuned, *tuning_.validation);
+  }
+  return warnings;
+}
+
+Trial TuningPlan::try_each_case(const std::atomic<bool>& stop) const {
+  Trial trial;
+  const auto runs = static_cast<double>(evaluations() * tuning_.worlds.size());
+  const std::size_t fresh =
+      tuning_.validation ? tuning_.validated_points * tuning_.validation->size() : 0;
+  for (std::size_t c = 0; c < tuning_.cases.size(); ++c) {
+    const TunedCase& tuned = tuning_.cases[c];
+    std::vector<std::string> sets =
+        own_sets(c, values(c, std::vector<double>(tuned.search.size(), 0.5)));
+    for (std::string& set : tuning_.worlds.sets(0)) sets.push_back(std::move(set));
+    RunControl control;
+    control.stop = &stop;
+    control.logs = false;
+    const double begin_s = thread_time_s();
+    const Recording recording =
+        prepare_point(catalogue_, tuning_.scenario, *file_, tuned.name, sets)
+            .scenario->run(control);
+    const double cost_s = thread_time_s() - begin_s;
+    trial.search_s += runs * cost_s;
+    trial.validation_s += static_cast<double>(fresh) * cost_s;
+    if (recording.failure) {
+      trial.warnings.push_back(fmt::format("{}: the candidate in the middle fails: at {:.6g} s: {}",
+                                           tuned.name, recording.failure->time_s,
+                                           recording.failure->reason));
+      continue;
+    }
+    std::vector<std::string> names;
+    for (const Metric& metric : recording.metrics) names.push_back(metric.name);
+    const auto check = [&](const std::string& place, const std::string& metric) {
+      if (std::find(names.begin(), names.end(), metric) != names.end()) return;
+      throw std::invalid_argument(fmt::format("{}: a run of {} has no such metric{}", place,
+                                              tuned.name, did_you_mean(metric, names)));
+    };
+    for (const Objective& one : tuning_.objectives) check(one.place, one.metric);
+    for (const Constraint& one : tuning_.constraints) check(one.place, one.metric);
+  }
+  return trial;
+}
+
+std::size_t TuningPlan::size() const {
+  const std::size_t each =
+      tuning_.worlds.size() + (tuning_.validation ? tuning_.validation->size() : 0);
+  return tuning_.cases.size() * tuning_.budget * each;
+}
+
+std::size_t TuningPlan::searches() const {
+  return tuning_.cases.size() * tuning_.budget * tuning_.worlds.size();
+}
+
+std::size_t TuningPlan::evaluations() const {
+  return used_budget(tuning_.settings(tuning_.cases.front()));
+}
+
+std::size_t TuningPlan::number(const TuningRun& run) const {
+  const std::size_t evaluation = run.tuned * tuning_.budget + run.evaluation;
+  const std::size_t first = run.is_validation ? searches() : 0;
+  return first + evaluation * worlds(run.is_validation).size() + run.world;
+}
+
+TuningRun TuningPlan::run(std::size_t number) const {
+  TuningRun run;
+  run.is_validation = number >= searches();
+  if (run.is_validation) number -= searches();
+  const std::size_t each = worlds(run.is_validation).size();
+  run.world = number % each;
+  run.evaluation = number / each % tuning_.budget;
+  run.tuned = number / each / tuning_.budget;
+  return run;
+}
+
+std::vector<std::string> TuningPlan::values(std::size_t tuned, const std::vector<double>& u) const {
+  std::vector<std::string> values;
+  for (std::size_t i = 0; i < u.size(); ++i) {
+    values.push_back(value_of(tuning_.cases[tuned].search[i], u[i]));
+  }
+  return values;
+}
+
+void TuningPlan::begin(std::size_t tuned, std::size_t evaluation, std::vector<std::string> values) {
+  if (values_[tuned].size() <= evaluation) values_[tuned].resize(evaluation + 1);
+  values_[tuned][evaluation] = std::move(values);
+}
+
+std::vector<std::string> TuningPlan::own_sets(std::size_t tuned,
+                                              const std::vector<std::string>& values) const {
+  std::vector<std::string> sets = tuning_.sets;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    sets.push_back(tuning_.cases[tuned].search[i].key + "=" + values[i]);
+  }
+  return sets;
+}
+
+std::string TuningPlan::config_text(std::size_t tuned, std::size_t evaluation) const {
+  return prepare_point(catalogue_, tuning_.scenario, *file_, tuning_.cases[tuned].name,
+                       own_sets(tuned, values_of(tuned, evaluation)))
+      .config_text;
+}
+
+std::vector<std::string> TuningPlan::sets(std::size_t number) const {
+  const TuningRun one = run(number);
+  std::vector<std::string> sets = own_sets(one.tuned, values_of(one.tuned, one.evaluation));
+  for (std::string& set : worlds(one.is_validation).sets(one.world)) sets.push_back(std::move(set));
+  return sets;
+}
+
+PreparedRun TuningPlan::prepare(std::size_t number) const {
+  return prepare_point(catalogue_, tuning_.scenario, *file_, tuning_.cases[run(number).tuned].name,
+                       sets(number));
+}
+
+std::string TuningPlan::unprepared_key(std::size_t number) const {
+  std::vector<std::string> parts = {tuning_.scenario, tuning_.cases[run(number).tuned].name};
+  for (std::string& set : sets(number)) parts.push_back(std::move(set));
+  return fingerprint(parts);
+}
+
+}  // namespace breakwater

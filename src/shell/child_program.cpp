@@ -1,0 +1,134 @@
+#include <breakwater/shell/child_program.h>
+
+#include <fcntl.h>
+#include <fmt/core.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cerrno>
+#include <csignal>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <stdexcept>
+
+#include <breakwater/shell/process.h>
+
+namespace breakwater {
+
+std::string own_program() {
+  return std::filesystem::read_symlink("/proc/self/exe").string();
+}
+
+std::string own_program_name() {
+  return std::filesystem::path(own_program()).filename().string();
+}
+
+std::string neighbour_program(const std::string& name) {
+  return (std::filesystem::path(own_program()).parent_path() / name).string();
+}
+
+int call_program(const std::string& what, std::vector<std::string> words) {
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+
+  std::fflush(nullptr);
+  pid_t child = 0;
+  const int error = posix_spawnp(&child, argv[0], nullptr, nullptr, argv.data(), environ);
+  if (error != 0) {
+    fmt::print(stderr, "{}: {} cannot be called ({})\n", what, words[0], std::strerror(error));
+    return kLaterOutputFailed;
+  }
+  int status = 0;
+  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+    if (interrupted()) kill(child, SIGTERM);
+  }
+  if (WIFEXITED(status)) return WEXITSTATUS(status);
+  fmt::print(stderr, "{}: {} ended by signal {}\n", what, words[0], WTERMSIG(status));
+  return kLaterOutputFailed;
+}
+
+ReadProgram::ReadProgram(std::vector<std::string> words, bool with_stderr,
+                         bool (*leave_out)(std::string_view name)) {
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+  std::vector<char*> variables;
+  for (char** variable = environ; *variable != nullptr; ++variable) {
+    const std::string_view text = *variable;
+    if (leave_out != nullptr && leave_out(text.substr(0, text.find('=')))) continue;
+    variables.push_back(*variable);
+  }
+  variables.push_back(nullptr);
+  int ends[2];
+  int error = pipe2(ends, O_CLOEXEC) == 0 ? 0 : errno;
+  if (error == 0) {
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
+    if (with_stderr) posix_spawn_file_actions_adddup2(&actions, ends[1], STDERR_FILENO);
+    std::fflush(nullptr);
+    error = posix_spawnp(&process_, argv[0], &actions, nullptr, argv.data(), variables.data());
+    posix_spawn_file_actions_destroy(&actions);
+    close(ends[1]);
+    said_.reset(fdopen(ends[0], "r"));
+  }
+  if (error != 0) {
+    status_ = 0;
+    throw std::invalid_argument(
+        fmt::format("{}: cannot be called ({})", words[0], std::strerror(error)));
+  }
+}
+
+ReadProgram::~ReadProgram() {
+  wait();
+}
+
+std::optional<std::string> ReadProgram::next() {
+  char* line = nullptr;
+  std::size_t size = 0;
+  errno = 0;
+  const ssize_t length = getline(&line, &size, said_.get());
+  const std::unique_ptr<char, void (*)(void*)> owner(line, std::free);
+  if (length < 0 && errno == EINTR) {
+    std::clearerr(said_.get());
+    return "";
+  }
+  if (length <= 0) return std::nullopt;
+  const bool has_end = line[length - 1] == '\n';
+  return std::string(line, static_cast<std::size_t>(has_end ? length - 1 : length));
+}
+
+int ReadProgram::wait() {
+  if (status_) return *status_;
+  said_.reset();
+  int status = 0;
+  while (waitpid(process_, &status, 0) < 0 && errno == EINTR) continue;
+  status_ = status;
+  return status;
+}
+
+void ReadProgram::interrupt() const {
+  kill(process_, SIGTERM);
+}
+
+std::string shell_quoted(const std::string& word) {
+  std::string text = "'";
+  for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return text + "'";
+}
+
+std::string shell_word(const std::string& word) {
+  const auto is_plain = [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) != 0 ||
+           std::strchr("/._-+:@%,=", c) != nullptr;
+  };
+  return !word.empty() && std::all_of(word.begin(), word.end(), is_plain) ? word
+                                                                          : shell_quoted(word);
+}
+
+}  // namespace breakwater

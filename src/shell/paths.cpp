@@ -1,0 +1,152 @@
+#include <breakwater/shell/paths.h>
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <mutex>
+#include <sstream>
+#include <stdexcept>
+
+namespace breakwater {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr const char* kVariable = "BREAKWATER_PATH";
+// A link that can be read even where the program's file has been replaced.
+constexpr const char* kOwnProgram = "/proc/self/exe";
+
+bool is_folder(const fs::path& path) {
+  std::error_code error;
+  return fs::is_directory(path, error);
+}
+
+bool is_there(const fs::path& path) {
+  std::error_code error;
+  return fs::exists(path, error);
+}
+
+bool is_source_tree(const fs::path& folder) {
+  return is_folder(folder / "models") && is_folder(folder / "scenarios");
+}
+
+// The search path of this process, made when it is first asked for.
+class OwnSearch {
+ public:
+  void set(const DataPlaces& places) {
+    const std::lock_guard lock(mutex_);
+    places_ = places;
+    path_.reset();
+  }
+
+  SearchPath path() {
+    const std::lock_guard lock(mutex_);
+    if (!path_) {
+      const char* variable = std::getenv(kVariable);
+      const fs::path program =
+          places_.program.empty() ? fs::read_symlink(kOwnProgram) : places_.program;
+      path_ = search_path(variable != nullptr ? variable : "", program, places_);
+      if (!has_warned_) {
+        for (const std::string& warning : path_->warnings) fmt::print(stderr, "{}\n", warning);
+      }
+      has_warned_ = true;
+    }
+    return *path_;
+  }
+
+  fs::path program_file() {
+    const std::lock_guard lock(mutex_);
+    return places_.program.empty() ? kOwnProgram : places_.program;
+  }
+
+ private:
+  std::mutex mutex_;
+  DataPlaces places_;
+  std::optional<SearchPath> path_;
+  bool has_warned_ = false;
+};
+
+OwnSearch& own_search() {
+  static OwnSearch search;
+  return search;
+}
+
+}  // namespace
+
+void set_data_places(const DataPlaces& places) {
+  own_search().set(places);
+}
+
+fs::path program_file() {
+  return own_search().program_file();
+}
+
+SearchPath search_path(const std::string& variable, const fs::path& program,
+                       const DataPlaces& places) {
+  SearchPath path;
+  const auto add = [&](const fs::path& folder, bool is_one) {
+    path.candidates.push_back(folder);
+    if (is_one) path.folders.push_back(folder);
+  };
+  for (const fs::path& folder : places.scenarios) add(folder, is_folder(folder));
+  std::stringstream list(variable);
+  for (std::string name; std::getline(list, name, ':');) {
+    if (name.empty()) continue;
+    const fs::path folder = fs::absolute(name).lexically_normal();
+    const bool is_one = is_folder(folder);
+    add(folder, is_one);
+    if (!is_one) {
+      path.warnings.push_back(
+          fmt::format("warning: {}: {} is no folder", kVariable, folder.string()));
+    }
+  }
+  for (fs::path folder = program.parent_path();; folder = folder.parent_path()) {
+    const fs::path share = folder / "share" / "breakwater";
+    add(share, is_folder(share));
+    add(folder, is_source_tree(folder));
+    if (folder == folder.parent_path()) break;
+  }
+  const fs::path& installation = places.installation;
+  if (!installation.empty()) add(installation, is_folder(installation));
+  return path;
+}
+
+std::optional<fs::path> look_for(const std::string& name) {
+  for (const fs::path& folder : own_search().path().folders) {
+    if (is_there(folder / name)) return folder / name;
+  }
+  return std::nullopt;
+}
+
+fs::path data_file(const std::string& name) {
+  if (const auto found = look_for(name)) return *found;
+  throw std::invalid_argument(fmt::format(
+      "{} is in none of {}: name the folder that holds it in the environment variable {}", name,
+      searched_places(), kVariable));
+}
+
+std::string searched_places() {
+  std::string text;
+  for (const fs::path& folder : own_search().path().candidates) {
+    text += (text.empty() ? "" : ", ") + folder.string();
+  }
+  return text;
+}
+
+std::optional<fs::path> find_file(const std::string& name, const fs::path& folder) {
+  const fs::path path(name);
+  if (path.is_absolute()) return path.lexically_normal();
+  const fs::path beside = fs::absolute(folder / path).lexically_normal();
+  return is_there(beside) ? beside : look_for(name);
+}
+
+std::string portable_path(const fs::path& file) {
+  for (const fs::path& folder : own_search().path().folders) {
+    const fs::path relative = file.lexically_relative(folder);
+    if (relative.empty() || *relative.begin() == "..") continue;
+    if (look_for(relative.string()) == folder / relative) return relative.string();
+  }
+  return file.string();
+}
+
+}  // namespace breakwater

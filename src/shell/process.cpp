@@ -1,0 +1,149 @@
+#include <breakwater/shell/process.h>
+
+#include <unistd.h>
+
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <filesystem>
+#include <new>
+#include <stdexcept>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+#include <breakwater/record/track.h>
+
+namespace breakwater {
+namespace {
+
+std::atomic<bool> signalled = false;
+bool (*is_deaf)() = [] { return false; };
+static_assert(std::atomic<bool>::is_always_lock_free, "used in a signal handler");
+
+// Deaf work gets a second to end by itself. What is written while it runs survives such an end, as
+// it does any.
+constexpr unsigned kDeafWorkEnds_s = 1;
+
+void on_signal(int) {
+  signalled = true;
+  if (is_deaf()) alarm(kDeafWorkEnds_s);
+}
+
+void on_alarm(int) {
+  if (!is_deaf()) return;
+  constexpr std::string_view kText = "interrupted while a model was compiled\n";
+  [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, kText.data(), kText.size());
+  _exit(kInterrupted);
+}
+
+// Throws nothing where standard error cannot be written either.
+int failed(Status status, const std::string& line) {
+  std::fputs((one_line(line) + "\n").c_str(), stderr);
+  return status;
+}
+
+int caught(const std::string& program, const std::function<int()>& body) {
+  try {
+    return body();
+  } catch (const std::invalid_argument& error) {
+    return failed(kUsage, error.what());
+  } catch (const OutputError& error) {
+    return failed(kUsage, error.what());
+  } catch (const std::filesystem::filesystem_error& error) {
+    return failed(kUsage, error.path1().string() + ": " + error.code().message());
+  } catch (const LogTooLong& error) {
+    return failed(kUsage, error.what());
+  } catch (const std::bad_alloc&) {
+    return failed(kUsage, program + ": there is not enough memory");
+  } catch (const std::length_error&) {
+    return failed(kUsage, program + ": there is not enough memory");
+  } catch (const Interrupted& stop) {
+    const std::size_t kept = stop.finished_runs();
+    return failed(kInterrupted, fmt::format("{}: interrupted; {}", program,
+                                            kept == 0 ? "nothing is left behind"
+                                                      : fmt::format("{} finished run{} kept", kept,
+                                                                    kept == 1 ? " is" : "s are")));
+  } catch (const std::exception& error) {
+    if (std::ferror(stdout) != 0 || std::ferror(stderr) != 0) {
+      // guarded() tells why.
+      const auto* const printing = dynamic_cast<const std::system_error*>(&error);
+      errno = printing != nullptr ? printing->code().value() : EIO;
+      return kLaterOutputFailed;
+    }
+    return failed(
+        kDefect,
+        program + ": this is a defect of Breakwater, or of a part of your own: " + error.what());
+  }
+}
+
+}  // namespace
+
+void stop_on_signals(std::initializer_list<int> more) {
+  struct sigaction action = {};
+  action.sa_handler = on_alarm;
+  sigaction(SIGALRM, &action, nullptr);
+  action.sa_handler = on_signal;
+  action.sa_flags = SA_RESETHAND;
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+  for (const int signal : more) sigaction(signal, &action, nullptr);
+}
+
+void end_soon_while(bool (*model_is_compiled)()) {
+  is_deaf = model_is_compiled;
+}
+
+const std::atomic<bool>& interrupted() {
+  return signalled;
+}
+
+std::string one_line(const std::string& text) {
+  std::string line;
+  for (const char c : text) {
+    if (c == '\n') {
+      line += "\\n";
+    } else if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) {
+      line += fmt::format("\\x{:02x}", static_cast<unsigned>(c));
+    } else {
+      line += c;
+    }
+  }
+  return line;
+}
+
+void warn(const std::string& program, const std::vector<std::string>& warnings) {
+  for (const std::string& warning : warnings) {
+    fmt::print(stderr, "{}: warning: {}\n", program, warning);
+  }
+}
+
+int guarded(const std::string& program, const std::function<int()>& body) {
+  // A file that may not grow any more is then an error like that of a full disk.
+  std::signal(SIGXFSZ, SIG_IGN);
+  const int status = caught(program, body);
+  const int printing = errno;
+  const int error = std::fflush(stdout) != 0 ? errno : printing;
+  static bool is_said = false;  // one command may be guarded within another
+  if (std::ferror(stdout) == 0 || std::exchange(is_said, true)) return status;
+  failed(kLaterOutputFailed,
+         fmt::format("standard output: cannot be written ({})", std::strerror(error)));
+  return status == kSuccess ? kLaterOutputFailed : status;
+}
+
+std::optional<int> parse(CLI::App& app, int argc, const char* const* argv) {
+  try {
+    app.parse(argc, argv);
+    return std::nullopt;
+  } catch (const CLI::CallForHelp&) {
+    fmt::print("{}", app.help());
+  } catch (const CLI::CallForVersion& version) {
+    fmt::print("{}\n", version.what());
+  } catch (const CLI::ParseError& error) {
+    fmt::print(stderr, "{}: {} (see --help)\n", app.get_name(), one_line(error.what()));
+    return kUsage;
+  }
+  return kSuccess;
+}
+
+}  // namespace breakwater

@@ -1,0 +1,93 @@
+#include <breakwater/shell/table.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <sstream>
+
+namespace breakwater {
+namespace {
+
+using Rows = std::vector<std::vector<std::string>>;
+
+// How many characters a text is shown in, which is UTF-8.
+std::size_t shown_width(const std::string& text) {
+  return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
+    return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U;
+  }));
+}
+
+std::string blanks(std::size_t width, const std::string& text) {
+  return std::string(width - std::min(width, shown_width(text)), ' ');
+}
+
+Rows turned_over(const Rows& rows) {
+  Rows turned(rows.front().size());
+  for (const auto& row : rows) {
+    for (std::size_t i = 0; i < row.size(); ++i) turned[i].push_back(row[i]);
+  }
+  return turned;
+}
+
+std::string in_blocks(const Rows& rows, std::size_t width) {
+  constexpr std::size_t kGap = 2;
+  const std::size_t columns = rows.front().size();
+  std::vector<std::size_t> widths(columns, 0);
+  for (const auto& row : rows) {
+    for (std::size_t i = 0; i < columns; ++i) widths[i] = std::max(widths[i], shown_width(row[i]));
+  }
+  std::string text;
+  for (std::size_t first = 1; first < columns;) {
+    std::size_t last = first;
+    std::size_t used = widths[0];
+    while (last < columns && (last == first || used + kGap + widths[last] <= width)) {
+      used += kGap + widths[last++];
+    }
+    if (first > 1) text += '\n';
+    for (const auto& row : rows) {
+      std::string line = row[0] + blanks(widths[0], row[0]);
+      for (std::size_t i = first; i < last; ++i) line += blanks(kGap + widths[i], row[i]) + row[i];
+      text += line.substr(0, line.find_last_not_of(' ') + 1) + '\n';
+    }
+    first = last;
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string Table::print(std::size_t width) const {
+  const std::string upright = in_blocks(rows_, width);
+  if (upright.find("\n\n") == std::string::npos || rows_.size() < 2) return upright;
+  const std::string turned = in_blocks(turned_over(rows_), width);
+  const auto lines = [](const std::string& text) {
+    return std::count(text.begin(), text.end(), '\n');
+  };
+  return lines(turned) < lines(upright) ? turned : upright;
+}
+
+std::vector<std::string> wrapped(const std::string& text, std::size_t width) {
+  std::vector<std::string> lines(1);
+  std::stringstream words(text);
+  for (std::string word; words >> word;) {
+    if (!lines.back().empty() && lines.back().size() + 1 + word.size() > width) {
+      lines.emplace_back();
+    }
+    if (!lines.back().empty()) lines.back() += ' ';
+    lines.back() += word;
+  }
+  return lines;
+}
+
+std::string number_of(std::size_t count, const std::string& what) {
+  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
+}
+
+std::string duration_text(double seconds) {
+  if (seconds < 90.0) return fmt::format("{:.1f} s", seconds);
+  if (seconds < 5400.0) return fmt::format("{:.0f} min", seconds / 60.0);
+  if (seconds < 172800.0) return fmt::format("{:.1f} h", seconds / 3600.0);
+  return fmt::format("{:.1f} days", seconds / 86400.0);
+}
+
+}  // namespace breakwater

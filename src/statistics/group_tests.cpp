@@ -1,0 +1,90 @@
+#include <breakwater/statistics/group_tests.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <numeric>
+
+#include <breakwater/statistics/student_t.h>
+
+namespace breakwater {
+namespace {
+
+constexpr double kOfLargest = 1e-12;  // of the largest value: what varies less is rounding
+
+double mean_of(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+// Σ (x − mean)²; exactly 0 of equal values.
+double squares_of(const std::vector<double>& values) {
+  const auto [low, high] = std::minmax_element(values.begin(), values.end());
+  if (values.empty() || *low == *high) return 0.0;
+  const double mean = mean_of(values);
+  double sum = 0.0;
+  for (const double value : values) sum += (value - mean) * (value - mean);
+  return sum;
+}
+
+// What the values of all groups vary within them.
+struct Within {
+  double squares = 0.0;
+  std::size_t degrees = 0;
+};
+
+Within within(const Groups& groups) {
+  Within sum;
+  for (const std::vector<double>& group : groups) {
+    sum.squares += squares_of(group);
+    if (!group.empty()) sum.degrees += group.size() - 1;
+  }
+  return sum;
+}
+
+}  // namespace
+
+std::optional<double> share_between(const Groups& groups) {
+  std::vector<double> all;
+  double squared_sizes = 0.0, count = 0.0;
+  for (const std::vector<double>& group : groups) {
+    if (group.empty()) continue;
+    all.insert(all.end(), group.begin(), group.end());
+    squared_sizes += static_cast<double>(group.size() * group.size());
+    count += 1.0;
+  }
+  const Within inside = within(groups);
+  if (count < 2.0 || inside.degrees == 0) return std::nullopt;
+  const auto n = static_cast<double>(all.size());
+  const double each = (n - squared_sizes / n) / (count - 1.0);
+  const double mean_square = inside.squares / static_cast<double>(inside.degrees);
+  const double of_groups = (squares_of(all) - inside.squares) / (count - 1.0);
+  const double between = std::max(0.0, (of_groups - mean_square) / each);
+  const double dust =
+      kOfLargest * std::abs(*std::max_element(all.begin(), all.end(), [](double a, double b) {
+        return std::abs(a) < std::abs(b);
+      }));
+  if (!(std::sqrt(between + mean_square) > dust)) return std::nullopt;
+  return between / (between + mean_square);
+}
+
+double sign_turn_p(const Groups& groups) {
+  const Within all = within(groups);
+  if (all.degrees == 0) return 1.0;
+  const double pooled = all.squares / static_cast<double>(all.degrees);
+  double below = 1.0, above = 1.0, counted = 0.0;
+  for (const std::vector<double>& group : groups) {
+    if (group.size() < 2) continue;
+    counted += 1.0;
+    const double mean = mean_of(group);
+    if (mean == 0.0) continue;
+    const auto n = static_cast<double>(group.size());
+    const double variance = std::max(squares_of(group) / (n - 1.0), pooled);
+    const double t = mean * std::sqrt(n) / std::sqrt(variance);  // ±∞ where nothing varies
+    below = std::min(below, student_t_cdf(t, group.size() - 1));
+    above = std::min(above, student_t_cdf(-t, group.size() - 1));
+  }
+  return counted < 2.0 ? 1.0 : std::min(1.0, counted * std::max(below, above));
+}
+
+}  // namespace breakwater

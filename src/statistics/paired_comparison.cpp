@@ -1,0 +1,446 @@
+#include <breakwater/statistics/paired_comparison.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+#include <set>
+#include <span>
+#include <utility>
+
+#include <breakwater/statistics/binomial.h>
+#include <breakwater/statistics/bootstrap.h>
+#include <breakwater/statistics/group_tests.h>
+#include <breakwater/statistics/multiple_tests.h>
+#include <breakwater/statistics/quantile.h>
+#include <breakwater/statistics/signed_rank.h>
+
+namespace breakwater {
+namespace {
+
+constexpr std::size_t kMostBootstrapped = 2000;
+constexpr std::size_t kFewestRanked = 3;
+constexpr std::size_t kMostValues = 12;  // of a key, each for itself
+// Groups of a key's neighbouring values, and blocks in each at least.
+constexpr std::size_t kFewestGroups = 2, kMostGroups = 5, kOfAGroup = 4;
+
+// Candidate and reference.
+std::vector<std::pair<std::size_t, std::size_t>> pairs_of(const PairedResults& results) {
+  std::vector<std::pair<std::size_t, std::size_t>> pairs;
+  for (std::size_t x = 0; x < results.candidates.size(); ++x) {
+    if (results.baseline) {
+      if (x != *results.baseline) pairs.emplace_back(x, *results.baseline);
+      continue;
+    }
+    for (std::size_t y = 0; y < x; ++y) pairs.emplace_back(x, y);
+  }
+  return pairs;
+}
+
+// The worlds of blocks, one block's after another's.
+class Blocks {
+ public:
+  // Those of some candidates: samples in which all of them have the same runs again are left out.
+  Blocks(const PairedResults& results, const std::vector<std::size_t>& candidates) {
+    std::set<std::vector<int>> met;
+    const Eigen::Index all = results.failed.rows();
+    for (Eigen::Index first = 0, end = 0; first < all; first = end) {
+      end = end_of_sample(results, first);
+      if (!is_new(results, candidates, first, end, met)) continue;
+      for (Eigen::Index world = first; world < end; ++world) worlds_.push_back(world);
+      ends_.push_back(worlds_.size());
+    }
+  }
+
+  std::size_t size() const { return ends_.size(); }
+  std::span<const Eigen::Index> operator[](std::size_t block) const {
+    const std::size_t first = block == 0 ? 0 : ends_[block - 1];
+    return std::span(worlds_).subspan(first, ends_[block] - first);
+  }
+  const std::vector<Eigen::Index>& worlds() const { return worlds_; }
+
+ private:
+  static Eigen::Index end_of_sample(const PairedResults& results, Eigen::Index first) {
+    Eigen::Index end = first + 1;
+    while (end < results.samples.size() && results.samples(end) == results.samples(first)) ++end;
+    return end;
+  }
+  static bool is_new(const PairedResults& results, const std::vector<std::size_t>& candidates,
+                     Eigen::Index first, Eigen::Index end, std::set<std::vector<int>>& met) {
+    if (results.runs.size() == 0) return true;
+    std::vector<int> runs;
+    for (Eigen::Index world = first; world < end; ++world) {
+      for (const std::size_t c : candidates) {
+        runs.push_back(results.runs(world, static_cast<Eigen::Index>(c)));
+      }
+    }
+    return met.insert(std::move(runs)).second;
+  }
+
+  std::vector<Eigen::Index> worlds_;
+  std::vector<std::size_t> ends_;
+};
+
+// What a function of a world gives in each block, where it is a number.
+template <typename Value>
+Groups values_in(const Blocks& blocks, Value value) {
+  Groups values(blocks.size());
+  for (std::size_t block = 0; block < blocks.size(); ++block) {
+    for (const Eigen::Index world : blocks[block]) {
+      const double one = value(world);
+      if (!std::isnan(one)) values[block].push_back(one);
+    }
+  }
+  return values;
+}
+
+// Of the blocks that have any value.
+std::vector<double> medians_of(const Groups& values) {
+  std::vector<double> medians;
+  for (std::vector<double> one : values) {
+    if (!one.empty()) medians.push_back(sample_median(one));
+  }
+  return medians;
+}
+
+bool are_too_few(std::size_t blocks, double alpha) {
+  return std::ldexp(2.0, -static_cast<int>(std::min<std::size_t>(blocks, 1000))) > alpha;
+}
+
+// A pair of candidates, its blocks, and those of either alone.
+struct Pair {
+  std::size_t x, y;
+  Blocks blocks;
+  const Blocks& of_x;
+  const Blocks& of_y;
+};
+
+EstimatedMedian estimated_median(std::vector<double> values, double level) {
+  std::sort(values.begin(), values.end());
+  const auto interval = quantile_interval(values, 0.5, level);
+  return {sample_median(values), interval};
+}
+
+EstimatedMedian median_difference(const std::vector<double>& differences,
+                                  const BootstrapSettings& bootstrap) {
+  if (differences.size() > kMostBootstrapped) {
+    return estimated_median(differences, bootstrap.level);
+  }
+  std::vector<double> values = differences;
+  return {
+      sample_median(values),
+      bca_interval(differences, sample_median,
+                   bootstrap_replicates(differences, sample_median, bootstrap), bootstrap.level)};
+}
+
+Goal goal_in(const PairedResults& results, const std::string& metric) {
+  const auto found = results.goals.find(metric);
+  return found == results.goals.end() ? Goal::none : found->second;
+}
+
+// x − y of a metric, in each of the pair's blocks.
+Groups differences_of(const PairedResults& results, std::size_t metric, const Pair& pair) {
+  const auto x = results.values[metric].col(static_cast<Eigen::Index>(pair.x));
+  const auto y = results.values[metric].col(static_cast<Eigen::Index>(pair.y));
+  return values_in(pair.blocks, [&](Eigen::Index world) { return x(world) - y(world); });
+}
+
+MetricComparison compare_metric(const PairedResults& results, std::size_t metric, const Pair& pair,
+                                const Groups& differences, const ComparisonSettings& settings) {
+  MetricComparison comparison;
+  comparison.metric = results.metrics[metric];
+  comparison.goal = goal_in(results, comparison.metric);
+  comparison.candidate = pair.x;
+  comparison.reference = pair.y;
+  const std::vector<double> medians = medians_of(differences);
+  comparison.blocks = medians.size();
+  for (const std::vector<double>& block : differences) comparison.pairs += block.size();
+  if (medians.empty()) return comparison;
+  comparison.between = share_between(differences);
+  const auto x = results.values[metric].col(static_cast<Eigen::Index>(pair.x));
+  const auto y = results.values[metric].col(static_cast<Eigen::Index>(pair.y));
+  const auto median_of = [&](const auto& of, const auto& beside, const Blocks& blocks) {
+    const Groups values = values_in(blocks, [&](Eigen::Index world) {
+      return std::isnan(beside(world)) ? beside(world) : of(world);
+    });
+    return estimated_median(medians_of(values), settings.bootstrap.level);
+  };
+  comparison.median = median_of(x, y, pair.of_x);
+  comparison.reference_median = median_of(y, x, pair.of_y);
+  comparison.difference = median_difference(medians, settings.bootstrap);
+  comparison.p = signed_rank_test(medians).p;
+  double smaller = 0.0;
+  for (const double d : medians) smaller += d < 0.0 ? 1.0 : d == 0.0 ? 0.5 : 0.0;
+  comparison.probability_smaller = smaller / static_cast<double>(comparison.blocks);
+  if (comparison.goal != Goal::none) {
+    comparison.probability_better = comparison.goal == Goal::min
+                                        ? comparison.probability_smaller
+                                        : 1.0 - comparison.probability_smaller;
+  }
+  return comparison;
+}
+
+// A key, and which of its groups each of a pair's blocks is in.
+struct KeyOfPair {
+  KeyGroups groups;
+  bool is_of_worlds = false;
+};
+
+// The keys that differ between the pair's blocks, as far as there are enough of these.
+std::vector<KeyOfPair> keys_of(const PairedResults& results, const Blocks& blocks) {
+  struct Reaching {
+    StudyKey key;
+    std::size_t values;
+  };
+  std::vector<Reaching> reaching;
+  for (StudyKey key : results.keys) {
+    std::vector<double> of_blocks;
+    for (std::size_t block = 0; block < blocks.size(); ++block) {
+      of_blocks.push_back(key.values[static_cast<std::size_t>(blocks[block].front())]);
+    }
+    key.values = of_blocks;
+    const std::size_t values = std::set<double>(of_blocks.begin(), of_blocks.end()).size();
+    if (values > 1) reaching.push_back({std::move(key), values});
+  }
+  const bool has_repeats = blocks.worlds().size() > blocks.size();
+  std::vector<KeyOfPair> keys;
+  for (const auto& [key, values] : reaching) {
+    const bool has_blocks = 2 * values <= blocks.size();
+    const bool is_of_worlds = !has_blocks && reaching.size() == 1 && has_repeats;
+    if (values <= kMostValues && (has_blocks || is_of_worlds)) {
+      keys.push_back({group_values(key, kMostValues), is_of_worlds});
+    } else if (key.is_number && blocks.size() >= kFewestGroups * 2) {
+      keys.push_back(
+          {group_values(key, std::clamp(blocks.size() / kOfAGroup, kFewestGroups, kMostGroups))});
+    }
+  }
+  return keys;
+}
+
+KeyInteraction interaction(const MetricComparison& of, const Groups& differences,
+                           const KeyOfPair& key) {
+  KeyInteraction found;
+  found.metric = of.metric;
+  found.candidate = of.candidate;
+  found.reference = of.reference;
+  found.key = key.groups.name;
+  found.is_log = key.groups.is_log;
+  found.is_number = key.groups.is_number;
+  found.is_of_worlds = key.is_of_worlds;
+  Groups values(key.groups.size());
+  for (std::size_t block = 0; block < differences.size(); ++block) {
+    if (differences[block].empty()) continue;
+    std::vector<double> inside = differences[block];
+    if (!key.is_of_worlds) inside = {sample_median(inside)};
+    std::vector<double>& group = values[key.groups.of_sample[block]];
+    group.insert(group.end(), inside.begin(), inside.end());
+  }
+  found.p = sign_turn_p(values);
+  for (std::size_t g = 0; g < values.size(); ++g) {
+    if (values[g].empty()) continue;
+    std::sort(values[g].begin(), values[g].end());
+    found.values.push_back({key.groups.labels[g], key.groups.centre[g], values[g].size(),
+                            quantile(values[g], 0.5), quantile(values[g], 0.1),
+                            quantile(values[g], 0.9)});
+  }
+  return found;
+}
+
+// Says with which keys the sign of which metric turns.
+void judge(CandidateComparison& comparison, double alpha) {
+  for (KeyInteraction& one : comparison.interactions) {
+    const auto [low, high] =
+        std::minmax_element(one.values.begin(), one.values.end(),
+                            [](const auto& a, const auto& b) { return a.median < b.median; });
+    one.turns = one.p_holm <= alpha && low->median < 0.0 && high->median > 0.0;
+    if (!one.turns) continue;
+    for (MetricComparison& of : comparison.metrics) {
+      if (of.metric == one.metric && of.candidate == one.candidate &&
+          of.reference == one.reference) {
+        of.turns_with.push_back(one.key);
+      }
+    }
+  }
+}
+
+bool differs(const MetricComparison& comparison, const PairedResults& results) {
+  const auto metric = std::find(results.metrics.begin(), results.metrics.end(), comparison.metric) -
+                      results.metrics.begin();
+  const Eigen::MatrixXd& values = results.values[static_cast<std::size_t>(metric)];
+  const auto x = values.col(static_cast<Eigen::Index>(comparison.candidate)).array();
+  const auto y = values.col(static_cast<Eigen::Index>(comparison.reference)).array();
+  return ((x - y).abs() > 0.0).any();  // never of NaN
+}
+
+ComparisonVerdict verdict_of(const MetricComparison& comparison, double alpha) {
+  if (are_too_few(comparison.blocks, alpha)) return ComparisonVerdict::too_few_blocks;
+  const auto& interval = comparison.difference.interval;
+  if (comparison.p_holm > alpha || !interval) return ComparisonVerdict::no_difference_shown;
+  const bool is_smaller = interval->upper<0.0, is_larger = interval->lower> 0.0;
+  if (!is_smaller && !is_larger) return ComparisonVerdict::no_difference_shown;
+  if (comparison.goal == Goal::none)
+    return is_smaller ? ComparisonVerdict::smaller : ComparisonVerdict::larger;
+  return is_smaller == (comparison.goal == Goal::min) ? ComparisonVerdict::better
+                                                      : ComparisonVerdict::worse;
+}
+
+FailureComparison compare_failures(const PairedResults& results, const Pair& pair) {
+  FailureComparison comparison;
+  comparison.candidate = pair.x;
+  comparison.reference = pair.y;
+  comparison.pairs = pair.blocks.worlds().size();
+  comparison.blocks = pair.blocks.size();
+  for (std::size_t block = 0; block < pair.blocks.size(); ++block) {
+    std::size_t of_x = 0, of_y = 0;
+    for (const Eigen::Index world : pair.blocks[block]) {
+      of_x += results.failed(world, static_cast<Eigen::Index>(pair.x)) > 0.0;
+      of_y += results.failed(world, static_cast<Eigen::Index>(pair.y)) > 0.0;
+    }
+    comparison.failures += of_x;
+    comparison.reference_failures += of_y;
+    comparison.alone += of_x > of_y;
+    comparison.reference_alone += of_y > of_x;
+  }
+  comparison.p = mcnemar_exact(comparison.alone, comparison.reference_alone);
+  return comparison;
+}
+
+ComparisonVerdict verdict_of(const FailureComparison& comparison, double alpha) {
+  if (are_too_few(comparison.blocks, alpha)) return ComparisonVerdict::too_few_blocks;
+  if (comparison.p_holm > alpha) return ComparisonVerdict::no_difference_shown;
+  return comparison.alone < comparison.reference_alone ? ComparisonVerdict::better
+                                                       : ComparisonVerdict::worse;
+}
+
+// Where `counts` says so, Holm's; else p itself.
+template <typename Comparison, typename Counts>
+void adjust(std::vector<Comparison>& comparisons, const Counts& counts) {
+  std::vector<double> p;
+  for (const Comparison& one : comparisons) {
+    if (counts(one)) p.push_back(one.p);
+  }
+  const std::vector<double> adjusted = holm(p);
+  std::size_t next = 0;
+  for (Comparison& one : comparisons) one.p_holm = counts(one) ? adjusted[next++] : one.p;
+}
+
+std::vector<std::string> never_measured(const PairedResults& results, std::size_t candidate) {
+  std::vector<std::string> metrics;
+  const auto column = static_cast<Eigen::Index>(candidate);
+  if ((results.failed.col(column).array() > 0.0).all()) return metrics;
+  for (std::size_t metric = 0; metric < results.metrics.size(); ++metric) {
+    const auto is_absent = results.values[metric].array().isNaN();
+    const bool is_never = is_absent.col(column).all();
+    if (goal_in(results, results.metrics[metric]) != Goal::none && is_never && !is_absent.all()) {
+      metrics.push_back(results.metrics[metric]);
+    }
+  }
+  return metrics;
+}
+
+// Whether the blocks of any two candidates are those of all.
+bool reach_every_pair(const PairedResults& results, const CandidateComparison& comparison) {
+  for (std::size_t x = 0; x < results.candidates.size(); ++x) {
+    for (std::size_t y = 0; y < x; ++y) {
+      if (std::max(comparison.reached[x], comparison.reached[y]) == comparison.blocks) continue;
+      if (Blocks(results, {x, y}).size() < comparison.blocks) return false;
+    }
+  }
+  return true;
+}
+
+std::optional<RankComparison> rank(const PairedResults& results, std::size_t metric,
+                                   const Blocks& blocks, double alpha) {
+  RankComparison comparison;
+  comparison.metric = results.metrics[metric];
+  comparison.goal = goal_in(results, comparison.metric);
+  const Eigen::MatrixXd& values = results.values[metric];
+  Eigen::MatrixXd whole(static_cast<Eigen::Index>(blocks.size()), values.cols());
+  Eigen::Index rows = 0;
+  for (std::size_t block = 0; block < blocks.size(); ++block) {
+    std::vector<Eigen::Index> worlds(blocks[block].begin(), blocks[block].end());
+    std::erase_if(worlds, [&](Eigen::Index world) { return !values.row(world).allFinite(); });
+    if (worlds.empty()) continue;
+    for (Eigen::Index c = 0; c < values.cols(); ++c) {
+      const Eigen::VectorXd column = values(worlds, c);
+      std::vector<double> of_block(column.begin(), column.end());
+      whole(rows, c) = sample_median(of_block);
+    }
+    ++rows;
+  }
+  comparison.blocks = static_cast<std::size_t>(rows);
+  if (are_too_few(comparison.blocks, alpha)) return std::nullopt;
+  if (comparison.goal == Goal::max) whole = -whole;
+  const Eigen::VectorXd ranks = average_ranks(whole.topRows(rows));
+  comparison.average_ranks.assign(ranks.begin(), ranks.end());
+  comparison.critical_difference =
+      critical_difference(results.candidates.size(), comparison.blocks, alpha);
+  return comparison;
+}
+
+}  // namespace
+
+const std::string& name_of(ComparisonVerdict verdict) {
+  static const std::array<std::string, 6> names = {
+      "better", "worse", "smaller", "larger", "no difference shown", "too few blocks"};
+  return names[static_cast<std::size_t>(verdict)];
+}
+
+bool CandidateComparison::has_repeats() const {
+  return std::any_of(failures.begin(), failures.end(),
+                     [](const FailureComparison& one) { return one.pairs > one.blocks; });
+}
+
+CandidateComparison compare_candidates(const PairedResults& results,
+                                       const ComparisonSettings& settings) {
+  CandidateComparison comparison;
+  comparison.candidates = results.candidates;
+  comparison.worlds = static_cast<std::size_t>(results.failed.rows());
+  std::vector<std::size_t> everybody(results.candidates.size());
+  std::iota(everybody.begin(), everybody.end(), 0);
+  const Blocks blocks(results, everybody);
+  comparison.blocks = blocks.size();
+  std::vector<Blocks> of_one;
+  for (const std::size_t c : everybody) {
+    of_one.emplace_back(results, std::vector{c});
+    comparison.reached.push_back(of_one.back().size());
+    comparison.never.push_back(never_measured(results, c));
+  }
+  std::vector<Pair> pairs;
+  std::vector<std::vector<KeyOfPair>> keys;
+  for (const auto& [x, y] : pairs_of(results)) {
+    pairs.push_back({x, y, Blocks(results, {x, y}), of_one[x], of_one[y]});
+    keys.push_back(keys_of(results, pairs.back().blocks));
+  }
+  for (std::size_t metric = 0; metric < results.metrics.size(); ++metric) {
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+      const Groups differences = differences_of(results, metric, pairs[i]);
+      const MetricComparison one = compare_metric(results, metric, pairs[i], differences, settings);
+      if (one.pairs == 0) continue;
+      comparison.metrics.push_back(one);
+      if (!differs(one, results)) continue;
+      for (const KeyOfPair& key : keys[i]) {
+        comparison.interactions.push_back(interaction(one, differences, key));
+      }
+    }
+  }
+  adjust(comparison.metrics, [&](const auto& one) { return differs(one, results); });
+  for (MetricComparison& one : comparison.metrics) one.verdict = verdict_of(one, settings.alpha);
+  adjust(comparison.interactions, [](const auto&) { return true; });
+  judge(comparison, settings.alpha);
+
+  for (const Pair& pair : pairs) comparison.failures.push_back(compare_failures(results, pair));
+  adjust(comparison.failures, [](const auto& one) { return one.alone + one.reference_alone > 0; });
+  for (FailureComparison& one : comparison.failures) one.verdict = verdict_of(one, settings.alpha);
+
+  if (results.candidates.size() >= kFewestRanked && reach_every_pair(results, comparison)) {
+    for (std::size_t metric = 0; metric < results.metrics.size(); ++metric) {
+      if (auto ranks = rank(results, metric, blocks, settings.alpha)) {
+        comparison.ranks.push_back(std::move(*ranks));
+      }
+    }
+  }
+  return comparison;
+}
+
+}  // namespace breakwater

@@ -1,0 +1,272 @@
+#include <breakwater/thesis/printed_results.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <stdexcept>
+
+#include <breakwater/config/toml_file.h>
+#include <breakwater/shell/paths.h>
+
+namespace breakwater {
+namespace {
+
+bool matches(const char* pattern, const char* path) {
+  if (*pattern == '*')
+    return matches(pattern + 1, path) || (*path != '\0' && matches(pattern, path + 1));
+  if (*pattern == '\0' || *path == '\0') return *pattern == *path;
+  return *pattern == *path && matches(pattern + 1, path + 1);
+}
+
+// The lines of a file, to see a number as it is written.
+class Lines {
+ public:
+  explicit Lines(const std::string& file) : file_(file) {
+    std::ifstream stream(file);
+    for (std::string line; std::getline(stream, line);) lines_.push_back(line);
+  }
+
+  // Throws std::invalid_argument if the number is not where the parser saw it: behind what is not
+  // ASCII.
+  PrintedResult number(const toml::node& node, double value) const {
+    const toml::source_region& place = node.source();
+    const std::string& line = lines_.at(place.begin.line - 1);
+    const std::size_t begin = std::min<std::size_t>(place.begin.column - 1, line.size());
+    const std::string digits = line.substr(begin, line.find_first_of(" \t,]}#\r", begin) - begin);
+    const char* const end = digits.data() + digits.size();
+    double read = 0.0;
+    const auto result = std::from_chars(digits.data(), end, read);
+    if (result.ec != std::errc() || result.ptr != end || read != value) {
+      throw std::invalid_argument(at_line(file_, place) + ": \"" + digits +
+                                  "\" is no plain number");
+    }
+    return {value, digits, half_unit(digits)};
+  }
+
+ private:
+  // 0.05 of "66.0", 0.5e-15 of "1.00e-13".
+  static double half_unit(const std::string& digits) {
+    const std::size_t e = std::min(digits.find_first_of("eE"), digits.size());
+    const std::size_t point = std::min(digits.find('.'), e);
+    const auto decimals = static_cast<int>(e - std::min(point + 1, e));
+    const int exponent = e < digits.size() ? std::stoi(digits.substr(e + 1)) : 0;
+    return std::stod(fmt::format("5e{}", exponent - decimals - 1));
+  }
+
+  std::string file_;
+  std::vector<std::string> lines_;
+};
+
+void collect(const toml::node& node, const std::string& path, const Lines& lines,
+             std::map<std::string, PrintedResult>& results) {
+  if (const toml::table* table = node.as_table()) {
+    for (const auto& [key, child] : *table) {
+      collect(child, path.empty() ? std::string(key.str()) : path + "." + std::string(key.str()),
+              lines, results);
+    }
+  } else if (const toml::array* array = node.as_array()) {
+    for (std::size_t i = 0; i < array->size(); ++i) {
+      collect(*array->get(i), fmt::format("{}[{}]", path, i), lines, results);
+    }
+  } else if (const auto number = node.value<double>(); number && !node.is_boolean()) {
+    results[path] = lines.number(node, *number);
+  } else if (const auto yes = node.value<bool>(); yes && node.is_boolean()) {
+    results[path] = {std::nullopt, *yes ? "true" : "false"};
+  } else {
+    results[path] = {std::nullopt, node.value_or(std::string())};
+  }
+}
+
+Band read_band(const toml::node* node) {
+  const toml::table* table = node == nullptr ? nullptr : node->as_table();
+  if (table == nullptr) throw std::runtime_error("a class lacks a band");
+  Band band;
+  for (const auto& [key, value] : *table) {
+    const auto number = value.value<double>();
+    if (!number) throw std::runtime_error("a band's number is none");
+    if (key == "relative") {
+      band.relative = number;
+    } else if (key == "absolute") {
+      band.absolute = number;
+    } else if (key == "above") {
+      band.above = number;
+    } else if (key == "below") {
+      band.below = number;
+    } else {
+      throw std::runtime_error("a band has no " + std::string(key.str()));
+    }
+  }
+  return band;
+}
+
+Standard read_standard(const toml::table& table) {
+  Standard standard;
+  if (const toml::table* words = table["words"].as_table()) {
+    for (const auto& [word, band] : *words) {
+      standard.words.emplace_back(word.str(), read_band(&band));
+    }
+  } else {
+    standard.reproduced = read_band(table.get("reproduced"));
+    standard.within = read_band(table.get("within"));
+  }
+  return standard;
+}
+
+}  // namespace
+
+bool Band::contains(double measured, double printed) const {
+  const double off = std::abs(measured - printed);
+  return !std::isnan(measured) && !(relative && !(off <= *relative * std::abs(printed))) &&
+         !(absolute && !(off <= *absolute)) && !(above && measured < *above) &&
+         !(below && measured >= *below);
+}
+
+std::string Band::text() const {
+  std::vector<std::string> parts;
+  if (relative) parts.push_back(fmt::format("±{:g} %", 100.0 * *relative));
+  if (absolute) parts.push_back(fmt::format("±{:g}", *absolute));
+  if (above) parts.push_back(fmt::format("from {:g}", *above));
+  if (below) parts.push_back(fmt::format("below {:g}", *below));
+  return fmt::format("{}", fmt::join(parts, ", "));
+}
+
+std::string PrintedResult::text() const {
+  return word == "true" ? "yes" : word == "false" ? "no" : word;
+}
+
+Verdict judge(double measured, const PrintedResult& printed, const Standard& standard) {
+  if (std::isnan(measured)) return Verdict::not_measured;
+  if (printed.number) {
+    const double off = std::abs(measured - *printed.number);
+    if (standard.reproduced.is_around() && off <= printed.half_unit) return Verdict::reproduced;
+    if (standard.reproduced.contains(measured, *printed.number)) return Verdict::reproduced;
+    if (standard.within.contains(measured, *printed.number)) return Verdict::within_class;
+    return Verdict::not_reproduced;
+  }
+  const bool is_deserved =
+      std::any_of(standard.words.begin(), standard.words.end(), [&](const auto& entry) {
+        return entry.first == printed.word && entry.second.contains(measured);
+      });
+  return is_deserved ? Verdict::reproduced : Verdict::not_reproduced;
+}
+
+std::string css_class(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::reproduced:
+      return "good";
+    case Verdict::within_class:
+      return "near";
+    case Verdict::not_reproduced:
+      return "off";
+    case Verdict::not_measured:
+      break;
+  }
+  return "unknown";
+}
+
+std::string text(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::reproduced:
+      return "reproduced";
+    case Verdict::within_class:
+      return "within the class";
+    case Verdict::not_reproduced:
+      return "not reproduced";
+    case Verdict::not_measured:
+      break;
+  }
+  return "not measured";
+}
+
+PrintedResults::PrintedResults(const std::filesystem::path& folder) {
+  const std::string printed = (folder / "printed-results.toml").string();
+  collect(parse_toml_file(printed), "", Lines(printed), results_);
+  const std::string name = (folder / "reproduced.toml").string();
+  const toml::table file = parse_toml_file(name);
+  const auto table_of = [&](const toml::node& node) -> const toml::table& {
+    if (const toml::table* table = node.as_table()) return *table;
+    throw std::invalid_argument(at_line(name, node.source()) + ": must be a table");
+  };
+  const toml::array* classes = file["class"].as_array();
+  if (classes == nullptr) throw std::invalid_argument(name + ": there is no [[class]]");
+  for (const toml::node& node : *classes) {
+    const toml::table& table = table_of(node);
+    const std::string place = at_line(name, node.source()) + ": ";
+    const toml::array* patterns = table["of"].as_array();
+    if (patterns == nullptr) throw std::invalid_argument(place + "a class has no `of`");
+    try {
+      for (const toml::node& pattern : *patterns) {
+        standards_.emplace_back(pattern.value_or(std::string()), read_standard(table));
+      }
+    } catch (const std::runtime_error& error) {
+      throw std::invalid_argument(place + error.what());
+    }
+  }
+  const toml::node* cases = file.get("case");
+  if (cases == nullptr) throw std::invalid_argument(name + ": there is no [case]");
+  for (const auto& [scenario, scenario_cases] : table_of(*cases)) {
+    for (const auto& [case_name, node] : table_of(scenario_cases)) {
+      Case entry;
+      for (const auto& [key, value] : table_of(node)) {
+        const std::string theirs = value.value_or(std::string());
+        if (key == "printed") {
+          entry.printed = theirs;
+        } else {
+          entry.metrics[std::string(key.str())] = theirs;
+        }
+      }
+      cases_[std::string(scenario.str()) + "/" + std::string(case_name.str())] = entry;
+    }
+  }
+}
+
+std::optional<PrintedResult> PrintedResults::find(const std::string& path) const {
+  const auto found = results_.find(path);
+  if (found == results_.end()) return std::nullopt;
+  return found->second;
+}
+
+const Standard& PrintedResults::standard(const std::string& path) const {
+  for (const auto& [pattern, standard] : standards_) {
+    if (matches_pattern(pattern, path)) return standard;
+  }
+  throw std::runtime_error("reproduced.toml has no class for " + path);
+}
+
+std::optional<PrintedResults::Case> PrintedResults::of_case(const std::string& scenario,
+                                                            const std::string& case_name) const {
+  const auto found = cases_.find(scenario + "/" + case_name);
+  if (found == cases_.end()) return std::nullopt;
+  return found->second;
+}
+
+bool matches_pattern(const std::string& pattern, const std::string& path) {
+  return matches(pattern.c_str(), path.c_str());
+}
+
+const PrintedResults& printed_results() {
+  static const PrintedResults results(data_file("data/reproduced.toml").parent_path());
+  return results;
+}
+
+std::vector<PrintedValue> printed_values(const std::string& scenario,
+                                         const std::string& case_name) {
+  const PrintedResults& results = printed_results();
+  std::vector<PrintedValue> values;
+  const auto of_case = results.of_case(scenario, case_name);
+  if (!of_case) return values;
+  for (const auto& [metric, theirs] : of_case->metrics) {
+    const std::string path = of_case->printed + "." + theirs;
+    const auto printed = results.find(path);
+    if (!printed || !printed->number) {
+      throw std::runtime_error("printed-results.toml has no number " + path);
+    }
+    values.push_back({metric, *printed, results.standard(path)});
+  }
+  return values;
+}
+
+}  // namespace breakwater

@@ -1,0 +1,374 @@
+#include <breakwater/thesis/reproduction.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <set>
+
+#include <breakwater/experiment/runner.h>
+#include <breakwater/experiment/saved_run.h>
+#include <breakwater/record/file_hash.h>
+#include <breakwater/shell/progress.h>
+#include <breakwater/study/executor.h>
+
+namespace breakwater {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr const char* kLargest = "max ";
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+// Metrics made of signals, "max SIGNAL", and the line that asks for each.
+using Derived = std::map<std::string, std::size_t>;
+
+struct Job {
+  std::string name;
+  const RunSpec* spec = nullptr;
+  std::size_t repetition = 0;
+  std::string config_text;
+  ModelHashes models;
+  Derived derived;
+  bool is_logged = false;
+  std::string key;
+  double cost = 0.0;  // physics steps
+};
+
+// Calls `body` for each cell of the sections.
+template <typename Sections, typename Body>
+void each_cell(const Sections& sections, Body&& body) {
+  for (const SectionSpec* section : sections) {
+    for (const TableSpec& table : section->tables) {
+      for (const auto& row : table.cells) {
+        for (const auto& cell : row) {
+          if (cell) body(*cell);
+        }
+      }
+    }
+  }
+}
+
+[[noreturn]] void fail(const Experiments& experiments, std::size_t line, const std::string& what) {
+  throw std::invalid_argument(fmt::format("{}:{}: {}", experiments.file, line, what));
+}
+
+// For each run, the metrics that cells want made of its signals.
+std::map<std::string, Derived> derived_metrics(const Experiments& experiments) {
+  std::vector<const SectionSpec*> sections;
+  for (const SectionSpec& section : experiments.sections) sections.push_back(&section);
+  std::map<std::string, Derived> derived;
+  each_cell(sections, [&](const CellSpec& cell) {
+    for (const Quantity& quantity : cell.quantities()) {
+      const std::string name = quantity.name();
+      if (name.starts_with(kLargest)) derived[quantity.run].emplace(name, cell.line);
+    }
+  });
+  return derived;
+}
+
+// What is to be run: a point is a job.
+class Jobs : public PointSource {
+ public:
+  explicit Jobs(const Reproduction& reproduction);
+
+  const std::vector<Job>& all() const { return jobs_; }
+  /// What their keys were made of.
+  KnownModels& models() { return models_; }
+
+  PreparedRun prepare(std::size_t point) const override;
+  std::string key(std::size_t point, const PreparedRun&, const ModelHashes&) const override {
+    return jobs_[point].key;
+  }
+  std::string unprepared_key(std::size_t point) const override { return jobs_[point].key; }
+  fs::path folder(std::size_t point, const std::string&, bool) const override {
+    const Job& job = jobs_[point];
+    return job.is_logged ? run_folder(reproduction_.out, job.name) : fs::path();
+  }
+  bool logs(std::size_t point) const override {
+    return jobs_[point].is_logged || !jobs_[point].derived.empty();
+  }
+  void derive(std::size_t point, const Recording& recording, PointResult& result) const override;
+
+ private:
+  Job make_job(const std::string& name, const RunSpec& spec, std::size_t repetition);
+
+  const Reproduction& reproduction_;
+  std::map<std::string, ScenarioFile> files_;  // each read once
+  KnownModels models_;
+  std::vector<Job> jobs_;  // the longest first
+};
+
+std::vector<std::string> sets_of(const RunSpec& spec, std::size_t repetition) {
+  std::vector<std::string> sets = spec.sets;
+  const std::vector<std::string>& own = spec.repetitions[repetition];
+  sets.insert(sets.end(), own.begin(), own.end());
+  return sets;
+}
+
+Jobs::Jobs(const Reproduction& reproduction) : reproduction_(reproduction) {
+  const Experiments& experiments = reproduction.experiments;
+  const auto derived = derived_metrics(experiments);
+  std::set<std::string> names;
+  std::set<std::string> logged;
+  for (const SectionSpec* section : reproduction.sections) {
+    for (const std::string& name : section->runs()) names.insert(name);
+    for (const std::string& name : section->logged_runs()) logged.insert(name);
+  }
+  for (const std::string& name : names) {
+    const RunSpec& spec = experiments.runs.at(name);
+    for (std::size_t i = 0; i < spec.repetitions.size(); ++i) {
+      try {
+        jobs_.push_back(make_job(name, spec, i));
+      } catch (const std::invalid_argument& error) {
+        fail(experiments, spec.line, fmt::format("run {}: {}", name, error.what()));
+      }
+      Job& job = jobs_.back();
+      if (derived.contains(name)) job.derived = derived.at(name);
+      job.is_logged = i == 0 && logged.contains(name);
+      std::vector<std::string> parts = {spec.scenario, job.config_text, program_hash()};
+      for (const auto& [file, hash] : job.models) parts.insert(parts.end(), {file, hash});
+      for (const auto& [metric, line] : job.derived) parts.push_back(metric);
+      job.key = fingerprint(parts);
+    }
+  }
+  std::stable_sort(jobs_.begin(), jobs_.end(),
+                   [](const Job& a, const Job& b) { return a.cost > b.cost; });
+}
+
+Job Jobs::make_job(const std::string& name, const RunSpec& spec, std::size_t repetition) {
+  const Catalogue& catalogue = reproduction_.catalogue;
+  auto found = files_.find(spec.scenario);
+  const bool is_first = found == files_.end();
+  if (is_first) {
+    const std::string file = catalogue.get<ScenarioKind>(spec.scenario).file().string();
+    found = files_.emplace(spec.scenario, ScenarioFile(file, spec.scenario)).first;
+  }
+  const std::vector<std::string> sets = sets_of(spec, repetition);
+  // The first one checks every table of the file too.
+  const PreparedRun run = (is_first ? prepare_run : prepare_point)(
+      catalogue, spec.scenario, found->second, spec.case_name, sets);
+  const Config config = found->second.config(spec.case_name, sets);
+  Job job;
+  job.name = name;
+  job.spec = &spec;
+  job.repetition = repetition;
+  job.config_text = run.config_text;
+  job.models = models_.of(run.model_files);
+  job.cost = config.number("run.duration_s").value_or(1.0) /
+             config.number("physics.timestep_s").value_or(1e-3);
+  return job;
+}
+
+PreparedRun Jobs::prepare(std::size_t point) const {
+  const Job& job = jobs_[point];
+  return prepare_point(reproduction_.catalogue, job.spec->scenario, files_.at(job.spec->scenario),
+                       job.spec->case_name, sets_of(*job.spec, job.repetition));
+}
+
+// Whether the folder holds this very run, of the models and by the program that gave its numbers.
+bool is_kept(const fs::path& folder, const Job& job) {
+  if (!fs::exists(folder)) return false;
+  try {
+    const SavedRun run(folder);
+    return run.config_text() == job.config_text && run.models() == job.models &&
+           run.program() == program_hash();
+  } catch (const std::invalid_argument&) {
+    return false;
+  }
+}
+
+double largest(const std::vector<double>& values) {
+  const auto is_finite = [](double value) { return std::isfinite(value); };
+  if (values.empty() || !std::all_of(values.begin(), values.end(), is_finite)) return kNaN;
+  return *std::max_element(values.begin(), values.end());
+}
+
+// All values of the signal that `metric`, "max SIGNAL", is made of.
+std::vector<double> values_for(const std::string& metric, std::size_t line, const Job& job,
+                               const Experiments& experiments, const Track& track) {
+  const std::string signal = metric.substr(std::string(kLargest).size());
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < track.signals(); ++i) {
+    names.push_back(track.signal(i).name);
+    if (names.back() == signal) return track.values(i);
+  }
+  fail(experiments, line,
+       fmt::format("metric: run {} has no signal {}{}", job.name, signal,
+                   did_you_mean(signal, names)));
+}
+
+// Else something was wrong with what it was to run.
+bool has_run(const PointResult& result) {
+  return result.status == PointStatus::complete || result.status == PointStatus::failed;
+}
+
+void Jobs::derive(std::size_t point, const Recording& recording, PointResult& result) const {
+  if (recording.failure) return;
+  const Job& job = jobs_[point];
+  for (const auto& [metric, line] : job.derived) {
+    result.metrics.emplace_back(metric,
+                                largest(values_for(metric, line, job, reproduction_.experiments,
+                                                   recording.track("control"))));
+  }
+}
+
+// Runs what is to be run, and keeps the results.
+void run_pending(Jobs& jobs, const std::vector<std::size_t>& points,
+                 const Reproduction& reproduction) {
+  std::vector<double> costs;
+  for (const std::size_t point : points) costs.push_back(jobs.all()[point].cost);
+  Progress progress("reproduce", costs, reproduction.quiet);
+  ExecutorOptions options;
+  options.stop = reproduction.stop;
+  options.models = &jobs.models();
+  options.progress = [&](std::size_t i, double done) { progress.update(i, done); };
+  // Each of them could be prepared.
+  options.on_result = [&](const PointResult& result) {
+    if (has_run(result)) return;
+    const Job& job = jobs.all()[result.number];
+    fail(reproduction.experiments, job.spec->line,
+         fmt::format("run {}: {}", job.name, result.reason));
+  };
+  Shard shard(shards_folder(reproduction.out));
+  const std::size_t finished = run_points(points, jobs, shard, options);
+  shard.finish();
+  if (finished == points.size()) return;
+  throw Interrupted(jobs.all().size() - points.size() + finished);
+}
+
+// What the runs of each scenario have. One that failed has nothing.
+std::map<std::string, std::set<std::string>> known_metrics(const Experiments& experiments,
+                                                           const Measured& measured) {
+  std::map<std::string, std::set<std::string>> known;
+  for (const auto& [name, repetitions] : measured) {
+    std::set<std::string>& names = known[experiments.runs.at(name).scenario];
+    for (const Measurement& measurement : repetitions) {
+      for (const auto& [metric, value] : measurement.values) names.insert(metric);
+    }
+  }
+  return known;
+}
+
+// Refuses what no run of its scenario has, unless the cell says that it need not be there. Where
+// all of them failed, nobody knows.
+void check_metrics(const Reproduction& reproduction,
+                   const std::map<std::string, std::set<std::string>>& known) {
+  const Experiments& experiments = reproduction.experiments;
+  each_cell(reproduction.sections, [&](const CellSpec& cell) {
+    for (const Quantity& quantity : cell.quantities()) {
+      const std::string& scenario = experiments.runs.at(quantity.run).scenario;
+      const std::set<std::string>& names = known.at(scenario);
+      const std::string name = quantity.name();
+      if (names.empty() || names.contains(name)) continue;
+      if (cell.absent_is_never) continue;
+      fail(experiments, cell.line,
+           fmt::format("metric: no run of {} has {}{}", scenario, name,
+                       did_you_mean(name, {names.begin(), names.end()})));
+    }
+  });
+}
+
+}  // namespace
+
+fs::path run_folder(const fs::path& out, const std::string& run) {
+  return out / "runs" / run;
+}
+
+fs::path shards_folder(const fs::path& out) {
+  return out / "shards";
+}
+
+Measurement measurement_of(const PointResult& result) {
+  Measurement measurement;
+  measurement.failed = result.status == PointStatus::failed;
+  measurement.failure = result.reason;
+  for (const auto& [name, value] : result.metrics) {
+    measurement.values[name] = std::isfinite(value) ? value : kNaN;
+  }
+  return measurement;
+}
+
+Measured measure(const Reproduction& reproduction) {
+  Jobs jobs(reproduction);
+  const fs::path shards = shards_folder(reproduction.out);
+  fs::create_directories(shards);
+  auto results = results_by_key(shards);
+  std::vector<std::size_t> points;  // what is left to do
+  for (std::size_t point = 0; point < jobs.all().size(); ++point) {
+    const Job& job = jobs.all()[point];
+    const auto found = results.find(job.key);
+    const bool has_result = found != results.end() && has_run(found->second);
+    const bool has_folder = !job.is_logged || is_kept(run_folder(reproduction.out, job.name), job);
+    if (!has_result || !has_folder) points.push_back(point);
+  }
+  if (!reproduction.quiet) {
+    fmt::print(stderr, "reproduce: {} runs, {} of them there already\n", jobs.all().size(),
+               jobs.all().size() - points.size());
+  }
+  if (!points.empty()) {
+    run_pending(jobs, points, reproduction);
+    results = results_by_key(shards);
+  }
+
+  Measured measured;
+  for (const Job& job : jobs.all()) {
+    std::vector<Measurement>& repetitions = measured[job.name];
+    repetitions.resize(std::max(repetitions.size(), job.repetition + 1));
+    repetitions[job.repetition] = measurement_of(results.at(job.key));
+  }
+  const auto metrics = known_metrics(reproduction.experiments, measured);
+  check_metrics(reproduction, metrics);
+  for (auto& [name, repetitions] : measured) {
+    for (Measurement& measurement : repetitions) {
+      for (const std::string& metric :
+           metrics.at(reproduction.experiments.runs.at(name).scenario)) {
+        if (!measurement.values.contains(metric)) measurement.absent.insert(metric);
+      }
+    }
+  }
+  return measured;
+}
+
+std::vector<double> values_of(const CellSpec& cell, const Measured& measured) {
+  const auto value_of = [&](const Measurement& measurement, const std::string& name) {
+    if (measurement.failed) return cell.if_failed;
+    const auto found = measurement.values.find(name);
+    if (found != measurement.values.end()) return found->second;
+    const bool is_never = cell.absent_is_never && measurement.absent.contains(name);
+    return is_never ? std::numeric_limits<double>::infinity() : kNaN;
+  };
+  const auto all_of = [&](const Quantity& quantity) {
+    const std::string name = quantity.name();
+    std::vector<double> values;
+    for (const Measurement& measurement : measured.at(quantity.run)) {
+      const double value = value_of(measurement, name);
+      values.push_back(quantity.is_magnitude() ? std::abs(value) : value);
+    }
+    return values;
+  };
+  std::vector<double> values = all_of(cell.quantity);
+  std::vector<double> divisors(values.size(), 1.0);
+  if (cell.over) {
+    divisors = all_of(*cell.over);
+    if (cell.over->run != cell.quantity.run) divisors.assign(values.size(), median(divisors));
+  }
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const bool is_part = std::isfinite(divisors[i]) && divisors[i] != 0.0;
+    values[i] /= is_part ? divisors[i] * cell.divisor : kNaN;
+  }
+  return values;
+}
+
+double median(std::vector<double> values) {
+  if (std::any_of(values.begin(), values.end(), [](double v) { return std::isnan(v); })) {
+    return std::numeric_limits<double>::quiet_NaN();
+  }
+  std::sort(values.begin(), values.end());
+  const std::size_t middle = values.size() / 2;
+  if (values.size() % 2 == 1 || values[middle - 1] == values[middle]) return values[middle];
+  return 0.5 * (values[middle - 1] + values[middle]);
+}
+
+}  // namespace breakwater

@@ -1,0 +1,557 @@
+#include <breakwater/thesis/thesis_report.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <numeric>
+#include <set>
+
+#include <breakwater/experiment/saved_run.h>
+#include <breakwater/pages/decimation.h>
+#include <breakwater/pages/html_page.h>
+#include <breakwater/pages/replay_part.h>
+#include <breakwater/pictures/shot_list.h>
+#include <breakwater/pictures/staging.h>
+#include <breakwater/record/file_bytes.h>
+#include <breakwater/shell/child_program.h>
+#include <breakwater/shell/paths.h>
+
+namespace breakwater {
+namespace fs = std::filesystem;
+namespace mustache = kainjow::mustache;
+namespace {
+
+// Reads logs one section at a time, each once.
+class Logs {
+ public:
+  explicit Logs(fs::path out) : out_(std::move(out)) {}
+
+  const SavedRun& of(const std::string& run) {
+    const auto found = runs_.find(run);
+    if (found != runs_.end()) return found->second;
+    return runs_.emplace(run, SavedRun(run_folder(out_, run))).first->second;
+  }
+
+ private:
+  fs::path out_;
+  std::map<std::string, SavedRun> runs_;
+};
+
+ChartSeries series_of(const SavedRun& run, const std::string& signal, const std::string& label,
+                      const PanelSpec& panel) {
+  const LogEntry& entry = run.entry(signal);
+  const double least = std::numeric_limits<double>::lowest();
+  const double most = std::numeric_limits<double>::max();
+  return {label, run.unit(signal), entry.description,
+          cut(run.signal(signal), panel.from_s.value_or(least), panel.to_s.value_or(most))};
+}
+
+std::vector<PageChart> charts_of(const FigureSpec& figure, const std::string& group, Logs& logs) {
+  std::vector<PageChart> charts;
+  for (std::size_t i = 0; i < figure.panels.size(); ++i) {
+    const PanelSpec& panel = figure.panels[i];
+    PageChart chart;
+    chart.id = fmt::format("figure-{}-{}", anchor(figure.number), i + 1);
+    // A close-up has a time axis of its own.
+    chart.group = group;
+    if (panel.from_s || panel.to_s) {
+      chart.axis = fmt::format("{}-from-{:g}-to-{:g}", group, panel.from_s.value_or(0.0),
+                               panel.to_s.value_or(0.0));
+    }
+    chart.title = panel.title;
+    chart.lines = panel.lines;
+    for (const std::string& signal : panel.once) {
+      chart.series.push_back(series_of(logs.of(figure.runs.front().run), signal, signal, panel));
+      chart.series.back().is_reference = true;
+    }
+    for (const FigureRun& run : figure.runs) {
+      for (const std::string& signal : panel.signals) {
+        std::string label = run.label.empty() ? signal : run.label;
+        if (!run.label.empty() && panel.signals.size() > 1) label += ", " + signal;
+        chart.series.push_back(series_of(logs.of(run.run), signal, label, panel));
+        chart.series.back().is_off =
+            std::find(figure.off.begin(), figure.off.end(), run.label) != figure.off.end();
+      }
+    }
+    charts.push_back(chart);
+  }
+  return charts;
+}
+
+bool is_vacuous(const Judged& judged, const CellSpec& cell) {
+  return !cell.vacuous.empty() && judged.verdict == Verdict::reproduced;
+}
+
+void count(const Judged& judged, const CellSpec& cell, bool is_own, Score& score) {
+  if (!cell.hypothesis.empty()) {
+    ++score.hypotheses;
+    score.hypotheses_hold += judged.verdict == Verdict::reproduced ? 1 : 0;
+    return;
+  }
+  if (is_vacuous(judged, cell)) {
+    ++score.vacuous;
+    return;
+  }
+  const bool is_own_statement = is_own && !cell.says.empty();
+  switch (judged.verdict) {
+    case Verdict::reproduced:
+      ++(is_own_statement ? score.holds : score.reproduced);
+      break;
+    case Verdict::within_class:
+      ++score.within_class;
+      break;
+    case Verdict::not_reproduced:
+      ++(is_own_statement ? score.does_not_hold : score.not_reproduced);
+      break;
+    case Verdict::not_measured:
+      ++score.not_measured;
+      break;
+  }
+}
+
+mustache::data tallies_data(const Score& score) {
+  mustache::data list(mustache::data::type::list);
+  for (const Score::Tally& tally : score.tallies()) {
+    mustache::data entry;
+    entry.set("kind", css_class(tally.verdict));
+    entry.set("count", std::to_string(tally.count));
+    entry.set("word", tally.word);
+    list << entry;
+  }
+  return list;
+}
+
+// Why there is no number.
+std::string missing_text(const CellSpec& cell, std::size_t missing, std::size_t values) {
+  std::string what = cell.quantity.metric;
+  if (cell.over && cell.over->metric != what) {
+    what += " or " + cell.over->metric;
+  } else if (cell.over) {
+    what += " of one or the other";
+  }
+  return values == 1 ? "no " + what : fmt::format("no {} in {} of {} runs", what, missing, values);
+}
+
+mustache::data table_data(const TableSpec& table, const SectionSpec& section,
+                          const Measured& measured, bool is_own, Score& score) {
+  const PrintedResults& printed = printed_results();
+  mustache::data data;
+  data.set("table_title", table.title);
+  if (!table.unit.empty()) data.set("unit", table.unit);
+  if (!table.note.empty()) data.set("table_note", table.note);
+  mustache::data columns(mustache::data::type::list);
+  for (const std::string& column : table.columns) {
+    mustache::data head;
+    head.set("name", column);
+    columns << head;
+  }
+  data.set("columns", columns);
+
+  std::vector<std::string> notes;
+  std::vector<std::string> classes;
+  mustache::data rows(mustache::data::type::list);
+  for (std::size_t r = 0; r < table.rows.size(); ++r) {
+    mustache::data row;
+    row.set("name", table.rows[r]);
+    mustache::data cells(mustache::data::type::list);
+    for (const auto& spec : table.cells[r]) {
+      mustache::data cell;
+      if (spec) {
+        const Judged judged = judge_cell(*spec, measured, printed);
+        const bool is_judged = spec->shows.empty();
+        if (is_judged) count(judged, *spec, is_own, score);
+        mustache::data filled;
+        filled.set("measured", judged.measured);
+        const std::size_t missing = judged.values - judged.numbers;
+        if (missing > 0 && judged.verdict == Verdict::not_measured) {
+          filled.set("spread", missing_text(*spec, missing, judged.values));
+        } else if (judged.values > 1 && missing == 0) {
+          filled.set("spread",
+                     judged.smallest < judged.largest
+                         ? fmt::format("{} to {} in {} runs", format_number(judged.smallest),
+                                       format_number(judged.largest), judged.values)
+                         : fmt::format("the same in {} runs", judged.values));
+        }
+        if (!spec->printed.empty()) filled.set("printed", judged.printed);
+        if (!spec->says.empty()) filled.set("says", judged.printed);
+        if (is_judged) {
+          mustache::data verdict;
+          verdict.set("word", verdict_word(judged, *spec, is_own));
+          verdict.set("kind", css_class(is_vacuous(judged, *spec) ? Verdict::not_measured
+                                                                  : judged.verdict));
+          verdict.set("class_text", judged.class_text);
+          filled.set("verdict", verdict);
+          if (!spec->says.empty()) {
+            filled.set("limit", judged.class_text);
+          } else if (std::find(classes.begin(), classes.end(), judged.class_text) ==
+                     classes.end()) {
+            classes.push_back(judged.class_text);
+          }
+        } else {
+          filled.set("shows", judged.printed);
+        }
+        const std::string why = reason_of(judged, *spec, section);
+        if (!why.empty()) {
+          auto place = std::find(notes.begin(), notes.end(), why);
+          if (place == notes.end()) place = notes.insert(notes.end(), why);
+          filled.set("note", std::to_string(place - notes.begin() + 1));
+        }
+        cell.set("filled", filled);
+      }
+      cells << cell;
+    }
+    row.set("cells", cells);
+    rows << row;
+  }
+  data.set("rows", rows);
+  if (!classes.empty()) data.set("classes", fmt::format("{}", fmt::join(classes, " · ")));
+  if (!notes.empty()) {
+    mustache::data list(mustache::data::type::list);
+    for (std::size_t i = 0; i < notes.size(); ++i) {
+      mustache::data note;
+      note.set("number", std::to_string(i + 1));
+      note.set("why", notes[i]);
+      list << note;
+    }
+    data.set("notes", list);
+    data.set("has_notes", true);
+  }
+  return data;
+}
+
+mustache::data figure_data(const FigureSpec& figure, const SectionSpec& section,
+                           const Experiments& experiments, Logs& logs) {
+  mustache::data data;
+  data.set("number", figure.number);
+  data.set("anchor", "figure-" + anchor(figure.number));
+  data.set("figure_title", figure.title);
+  if (!figure.note.empty()) data.set("note", figure.note);
+  mustache::data charts(mustache::data::type::list);
+  for (const PageChart& chart : charts_of(figure, "section-" + anchor(section.id), logs)) {
+    charts << chart_data(chart);
+  }
+  data.set("charts", charts);
+  mustache::data commands(mustache::data::type::list);
+  for (const FigureRun& run : figure.runs) {
+    mustache::data command;
+    command.set("command", command_of(experiments.runs.at(run.run)));
+    const auto& failure = logs.of(run.run).failure();
+    if (failure) {
+      command.set("failure", fmt::format("{} fails at {:.4g} s: {}", run.run, failure->time_s,
+                                         failure->reason));
+    }
+    commands << command;
+  }
+  data.set("commands", commands);
+  return data;
+}
+
+}  // namespace
+
+std::string verdict_word(const Judged& judged, const CellSpec& cell, bool is_own) {
+  if (!cell.shows.empty()) return "shown";
+  if (is_vacuous(judged, cell)) return "vacuous";
+  const std::string before = cell.hypothesis.empty() ? "" : "hypothesis: ";
+  // A statement of somebody's own list is not reproduced: it holds.
+  const bool is_own_statement = is_own && !cell.says.empty();
+  if (!is_own_statement || judged.verdict == Verdict::not_measured) {
+    return before + text(judged.verdict);
+  }
+  return before + (judged.verdict == Verdict::reproduced ? "holds" : "does not hold");
+}
+
+std::string reason_of(const Judged& judged, const CellSpec& cell, const SectionSpec& section) {
+  if (!cell.hypothesis.empty()) return cell.hypothesis;
+  if (is_vacuous(judged, cell)) return cell.vacuous;
+  if (!cell.shows.empty() || judged.verdict == Verdict::reproduced) return "";
+  if (!cell.why.empty()) return cell.why;
+  const std::string path = cell.printed.empty() ? cell.quantity.run : cell.printed;
+  for (const ReasonSpec& reason : section.reasons) {
+    if (matches_pattern(reason.of, path)) return reason.why;
+  }
+  return "";
+}
+
+Score& Score::operator+=(const Score& other) {
+  reproduced += other.reproduced;
+  within_class += other.within_class;
+  not_reproduced += other.not_reproduced;
+  not_measured += other.not_measured;
+  holds += other.holds;
+  does_not_hold += other.does_not_hold;
+  vacuous += other.vacuous;
+  hypotheses += other.hypotheses;
+  hypotheses_hold += other.hypotheses_hold;
+  return *this;
+}
+
+std::vector<Score::Tally> Score::tallies() const {
+  std::vector<Tally> all;
+  const bool has_own = holds + does_not_hold > 0;
+  if (reproduced + within_class + not_reproduced > 0 || !has_own) {
+    all.push_back({reproduced, "reproduced", Verdict::reproduced});
+    all.push_back({within_class, "within the class", Verdict::within_class});
+    all.push_back({not_reproduced, "not reproduced", Verdict::not_reproduced});
+  }
+  if (has_own) {
+    all.push_back({holds, "held", Verdict::reproduced});
+    all.push_back({does_not_hold, "did not hold", Verdict::not_reproduced});
+  }
+  if (not_measured > 0) all.push_back({not_measured, "not measured", Verdict::not_measured});
+  return all;
+}
+
+std::string Score::beside() const {
+  std::vector<std::string> parts;
+  if (vacuous > 0) parts.push_back(fmt::format("{} vacuous", vacuous));
+  if (hypotheses > 0) {
+    parts.push_back(fmt::format("{} of {} hypotheses hold", hypotheses_hold, hypotheses));
+  }
+  return fmt::format("{}", fmt::join(parts, ", "));
+}
+
+std::string Score::text() const {
+  std::vector<std::string> parts;
+  for (const Tally& tally : tallies())
+    parts.push_back(fmt::format("{} {}", tally.count, tally.word));
+  const std::string more = beside();
+  return fmt::format("{}{}{}", fmt::join(parts, ", "), more.empty() ? "" : "; beside them ", more);
+}
+
+Judged judge_cell(const CellSpec& cell, const Measured& measured, const PrintedResults& printed) {
+  const std::vector<double> values = values_of(cell, measured);
+  Judged judged;
+  judged.values = values.size();
+  judged.median = cell.is_share ? std::accumulate(values.begin(), values.end(), 0.0) /
+                                      static_cast<double>(values.size())
+                                : median(values);
+  std::vector<double> numbers;
+  std::copy_if(values.begin(), values.end(), std::back_inserter(numbers),
+               [](double value) { return !std::isnan(value); });
+  judged.numbers = numbers.size();
+  if (!numbers.empty()) {
+    judged.smallest = *std::min_element(numbers.begin(), numbers.end());
+    judged.largest = *std::max_element(numbers.begin(), numbers.end());
+  }
+  // A run that failed was run: what it should have shown is not reproduced, unless the cell says
+  // what its failure is worth.
+  std::size_t failed = 0;
+  std::size_t runs = 0;
+  std::set<std::string> names;
+  for (const Quantity& quantity : cell.quantities()) names.insert(quantity.run);
+  for (const std::string& name : names) {
+    for (const Measurement& one : measured.at(name)) {
+      failed += one.failed ? 1 : 0;
+      ++runs;
+    }
+  }
+  const bool has_failed = failed > 0 && std::isnan(cell.if_failed);
+  if (failed == runs) {
+    judged.measured = runs == 1 ? "the run fails" : "the runs fail";
+  } else if (has_failed) {
+    judged.measured = fmt::format("{} of {} runs fail", failed, runs);
+  } else {
+    judged.measured = format_number(judged.median);
+  }
+  const auto final_verdict = [&](Verdict verdict) {
+    return has_failed ? Verdict::not_reproduced : verdict;
+  };
+  if (!cell.shows.empty()) {
+    judged.printed = cell.shows;
+    return judged;
+  }
+  if (!cell.says.empty()) {
+    judged.printed = cell.says;
+    judged.class_text = "holds if " + cell.holds.text();
+    const bool holds = cell.holds.contains(judged.median);
+    judged.verdict = final_verdict(std::isnan(judged.median) ? Verdict::not_measured
+                                   : holds                   ? Verdict::reproduced
+                                                             : Verdict::not_reproduced);
+    return judged;
+  }
+  const PrintedResult result = printed.find(cell.printed).value();
+  const Standard& standard = printed.standard(cell.printed);
+  judged.printed = result.text();
+  judged.verdict = final_verdict(judge(judged.median, result, standard));
+  if (result.number) {
+    const char* const digits = standard.reproduced.is_around() ? " or what rounds to it" : "";
+    judged.class_text = fmt::format("reproduced: {}{}; class: {}", standard.reproduced.text(),
+                                    digits, standard.within.text());
+  } else {
+    for (const auto& [word, band] : standard.words) {
+      const std::string name = PrintedResult{std::nullopt, word}.text();
+      if (!judged.class_text.empty()) judged.class_text += "; ";
+      judged.class_text += name + ": " + band.text();
+      if (band.contains(judged.median)) judged.measured = name + " (" + judged.measured + ")";
+    }
+  }
+  return judged;
+}
+
+std::string command_of(const RunSpec& run, std::size_t repetition) {
+  std::string command =
+      fmt::format("{} run {} --case {}", own_program_name(), run.scenario, run.case_name);
+  std::vector<std::string> sets = run.sets;
+  const std::vector<std::string>& more = run.repetitions.at(repetition);
+  sets.insert(sets.end(), more.begin(), more.end());
+  if (!sets.empty()) command += " --set";
+  for (const std::string& set : sets) command += " " + shell_word(set);
+  return command + " --out " + run.name;
+}
+
+ThesisReport thesis_report(const Reproduction& reproduction, const Measured& measured,
+                           Effort effort) {
+  const Experiments& experiments = reproduction.experiments;
+  ThesisReport report;
+  std::map<std::string, PageChart> hero_charts;  // by figure and panel
+  std::set<std::string> docs;
+  std::set<std::string> numbers;  // "4.32 (10 ms)" is a part of Fig. 4.32
+  mustache::data toc(mustache::data::type::list);
+  mustache::data sections(mustache::data::type::list);
+  mustache::data page;
+  for (const SectionSpec* spec : reproduction.sections) {
+    const std::string id = "section-" + anchor(spec->id);
+    Logs logs(reproduction.out);
+    Score score;
+    mustache::data section;
+    section.set("anchor", id);
+    section.set("id", spec->id);
+    section.set("section_title", spec->title);
+    section.set("text", spec->text);
+    if (!spec->docs.empty()) {
+      section.set("docs", spec->docs);
+      section.set("docs_anchor", anchor(spec->docs));
+      docs.insert(spec->docs);
+    }
+    mustache::data tables(mustache::data::type::list);
+    for (const TableSpec& table : spec->tables) {
+      tables << table_data(table, *spec, measured, experiments.is_own, score);
+    }
+    section.set("tables", tables);
+    if (!spec->video.empty() && reproduction.with_replay) {
+      const SavedRun& shown = logs.of(spec->video);
+      const auto replay = replay_of(reproduction.catalogue, {shown.folder()}, {spec->video},
+                                    {"replay-" + anchor(spec->id), id, ""}, report.notes);
+      if (replay) {
+        section.set("replay", replay->box);
+        page.set("has_replays", true);
+      }
+    }
+    if (!spec->video.empty()) {
+      if (auto video = video_data(reproduction.catalogue, logs.of(spec->video), id)) {
+        if (spec->id == experiments.video) {
+          video->set("address", mustache::data(mustache::data::type::bool_false));  // shown above
+        }
+        section.set("video", *video);
+      }
+    }
+    const fs::path strip = run_folder(reproduction.out, spec->strip) / "strip.png";
+    if (!spec->strip.empty() && fs::exists(strip)) {
+      mustache::data picture;
+      picture.set("address", data_address(strip, "image/png"));
+      picture.set("number", spec->strip_number);
+      picture.set("anchor", "figure-" + anchor(spec->strip_number));
+      picture.set("alt", "Pictures of the run " + spec->strip + " in a row");
+      section.set("strip", picture);
+      numbers.insert(spec->strip_number);
+      if (spec->id == experiments.video) page.set("lead_strip", picture);
+    }
+    mustache::data figures(mustache::data::type::list);
+    for (const FigureSpec& figure : spec->figures) {
+      figures << figure_data(figure, *spec, experiments, logs);
+      numbers.insert(figure.number.substr(0, figure.number.find(' ')));
+      for (const HeroSpec& hero : experiments.heroes) {
+        if (hero.figure != figure.number) continue;
+        hero_charts[hero.figure] =
+            charts_of(figure, "lead-" + anchor(figure.number), logs).at(hero.panel);
+      }
+    }
+    section.set("figures", figures);
+    mustache::data missing(mustache::data::type::list);
+    for (const MissingSpec& what : spec->missing) {
+      mustache::data entry;
+      entry.set("what", what.what);
+      entry.set("why", what.why);
+      missing << entry;
+    }
+    if (!spec->missing.empty()) {
+      section.set("missing", missing);
+      section.set("has_missing", true);
+    }
+    sections << section;
+
+    mustache::data entry;
+    entry.set("href", id);
+    entry.set("number", spec->id);
+    entry.set("label", spec->title);
+    if (!spec->tables.empty()) {
+      mustache::data small;
+      small.set("words", score.text());
+      small.set("tallies", tallies_data(score));
+      entry.set("score", small);
+    }
+    toc << entry;
+    report.score += score;
+  }
+
+  report.figures = numbers.size();
+  mustache::data heroes(mustache::data::type::list);
+  for (const HeroSpec& hero : experiments.heroes) {
+    const auto found = hero_charts.find(hero.figure);
+    if (found == hero_charts.end()) continue;
+    PageChart chart = found->second;
+    chart.id = "lead-" + chart.id;
+    mustache::data entry = chart_data(chart);
+    entry.set("caption", hero.caption);
+    entry.set("number", hero.figure.substr(0, hero.figure.find(' ')));
+    entry.set("href", "figure-" + anchor(hero.figure));
+    heroes << entry;
+  }
+  mustache::data pages(mustache::data::type::list);
+  for (const std::string& name : docs) {
+    mustache::data entry;
+    entry.set("name", "docs/" + name);
+    entry.set("anchor", anchor(name));
+    entry.set("text", bytes_of(data_file("docs/" + name)));
+    pages << entry;
+  }
+
+  const std::string title = experiments.title.empty() ? "Experiments" : experiments.title;
+  page.set("title", experiments.is_own ? title : "Breakwater: the thesis, reproduced");
+  page.set("is_own", experiments.is_own);
+  page.set("toc", toc);
+  page.set("sections", sections);
+  page.set("heroes", heroes);
+  page.set("pages", pages);
+  std::string extent =
+      effort == Effort::quick
+          ? "This is the quick version: fewer seeds and encoder phases than the full one."
+          : "This is the full version, with all seeds and encoder phases.";
+  if (reproduction.sections.size() < experiments.sections.size()) {
+    extent += " Only the sections in the contents were asked for.";
+  }
+  page.set("extent", extent);
+  int all = 0;
+  for (const Score::Tally& tally : report.score.tallies()) all += tally.count;
+  page.set("tallies", tallies_data(report.score));
+  page.set("all", std::to_string(all));
+  const std::string beside = report.score.beside();
+  if (!beside.empty()) page.set("beside", beside);
+  page.set("figure_count", std::to_string(report.figures));
+  for (const SectionSpec* spec : reproduction.sections) {
+    if (spec->id != experiments.video || spec->video.empty()) continue;
+    Logs logs(reproduction.out);
+    // It moves with the first of the pictures beside it.
+    const std::string group =
+        experiments.heroes.empty() ? "lead" : "lead-" + anchor(experiments.heroes.front().figure);
+    const auto video = video_data(reproduction.catalogue, logs.of(spec->video), group);
+    if (video) page.set("lead_video", *video);
+  }
+  report.html = html_page("thesis", page);
+  return report;
+}
+
+}  // namespace breakwater

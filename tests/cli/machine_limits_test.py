@@ -1,0 +1,82 @@
+"""A machine that gives no more: full devices, files that may not grow, little memory.
+
+Usage: machine_limits_test.py BIN_FOLDER
+"""
+
+import os
+import resource
+import subprocess
+import unittest
+
+from called_program import BIN, Folder
+
+STUDY = ["breakwater", "sweep", "cart_position", "--seeds", "1..40", "--duration", "0.2", "--quiet"]
+
+
+class MachineLimits(Folder):
+    def limited(self, *words, stdout=os.devnull, stderr=None, limit=None):
+        """Exit status and stderr."""
+        with open(stdout, "w") as out, open(stderr or self.folder / "stderr", "w") as err:
+            done = subprocess.run([BIN / words[0], *words[1:]], cwd=self.folder, stdout=out, stderr=err,
+                                  preexec_fn=limit and (lambda: resource.setrlimit(limit[0], limit[1:] * 2)))
+        text = "" if stderr else (self.folder / "stderr").read_text()
+        (self.folder / "stderr").unlink(missing_ok=True)
+        return done.returncode, text
+
+    def test_standard_output_that_cannot_be_written_is_status_4(self):
+        self.call("cart_position", "--quiet", "--duration", "0.2", "--out", "made")
+        for words in (["breakwater", "list"], ["breakwater", "--help"], ["breakwater", "ls", "."],
+                      ["breakwater", "run", "arm_wall_contact", "--print-config"],
+                      ["breakwater", "run", "quadrotor_waves", "--list-cases"], ["breakwater", "--version"],
+                      ["cart_position", "--duration", "0.2", "--out", "run"],
+                      ["breakwater", "compare", "made", "made"], ["breakwater", "report", "made"]):
+            with self.subTest(words=words):
+                self.assertEqual(self.limited(*words, stdout="/dev/full"), (
+                    4, "standard output: cannot be written (No space left on device)\n"))
+        self.assertTrue((self.folder / "run" / "manifest.json").exists())
+
+    def test_standard_error_that_cannot_be_written_leaves_the_status(self):
+        self.assertEqual(self.limited("cart_position", "--case", "nosuch", stderr="/dev/full")[0], 2)
+
+    def test_a_file_that_may_not_grow_is_as_on_a_full_disk(self):
+        self.call("cart_position", "--quiet", "--duration", "0.2", "--out", "run")
+        before = (self.folder / "run" / "log.h5").read_bytes()
+        for out in ("run", "deep/fresh"):
+            with self.subTest(out=out):
+                status, text = self.limited("cart_position", "--duration", "5", "--out", out,
+                                            limit=(resource.RLIMIT_FSIZE, 20_000))
+                self.assertEqual(status, 2)
+                self.assertRegex(text, r"\A.*log\.h5: cannot be written \(File too large\)\n\Z")
+        self.assertEqual([path.name for path in self.folder.iterdir()], ["run"])
+        self.assertEqual((self.folder / "run" / "log.h5").read_bytes(), before)
+        status, text = self.limited("breakwater", "report", "run", "--out", "page",
+                                    limit=(resource.RLIMIT_FSIZE, 20_000))
+        self.assertEqual(status, 2)
+        self.assertRegex(text, r"\A.*report\.html: cannot be written \(File too large\)\n\Z")
+        self.assertEqual(list((self.folder / "page").iterdir()), [])
+
+    def test_with_little_memory_fewer_threads_do_the_work_or_it_is_said(self):
+        self.call(*STUDY, "--jobs", "1", "--out", "one")
+        status, text = self.limited(*STUDY, "--jobs", "16", "--out", "many",
+                                    limit=(resource.RLIMIT_AS, 300_000_000))
+        if status != 0:
+            self.assertEqual(status, 2)
+            self.assertRegex(text, r"\A.*memory.*\n\Z")
+            return
+        self.assertEqual(text, "")
+        self.assertEqual(*((self.folder / name / "results.csv").read_bytes() for name in ("one", "many")))
+
+    def test_too_little_memory_is_said(self):
+        for mega_bytes in range(40, 200, 10):
+            status, text = self.limited("cart_position", "--duration", "0.2", "--out", "run",
+                                        limit=(resource.RLIMIT_AS, mega_bytes * 1_000_000))
+            with self.subTest(mega_bytes=mega_bytes):
+                if status == 127 or "loading shared libraries" in text:
+                    continue  # the system's loader had too little
+                self.assertIn(status, (0, 2), text)
+                self.assertEqual(text.count("\n"), 1 if status == 2 else 0, text)
+                self.assertNotIn("duration", text)
+
+
+if __name__ == "__main__":
+    unittest.main()

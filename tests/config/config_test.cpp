@@ -1,0 +1,438 @@
+#include <breakwater/config/config.h>
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <stdexcept>
+
+#include <breakwater/config/fields.h>
+#include <breakwater/pictures/shot_list.h>
+#include <breakwater/shell/table.h>
+#include <breakwater/thesis/printed_results.h>
+#include "support.h"
+
+namespace breakwater {
+namespace {
+
+enum class Color { red, blue };
+
+struct Settings {
+  double speed = 0.0;
+  int steps = 0;
+  std::uint64_t seed = 0;
+  std::string name;
+  Color color = Color::red;
+  std::vector<double> gains;
+  std::vector<std::vector<double>> poles;
+
+  Fields fields() {
+    Fields fields;
+    fields.number("motion.speed_m_s", speed, positive(), "how fast");
+    fields.count("motion.steps", steps, between(1, 10), "how many");
+    fields.count("run.seed", seed, not_negative(), "of noise");
+    fields.text("run.name", name, "what it is called");
+    fields.choice("motion.color", color, {{"red", Color::red}, {"blue", Color::blue}}, "of it");
+    fields.numbers("motion.gains", gains, any(), "of each joint");
+    fields.number_groups("motion.poles", poles, any(), "of each joint");
+    return fields;
+  }
+};
+
+const char* const kText = R"(scenario = "test"
+default_case = "slow"
+[motion]
+speed_m_s = 2
+steps = 3
+color = "blue"
+gains = [1, 2.5]
+poles = [[-1, -2], [-3]]
+[run]
+seed = 4
+name = "a \"quoted\" name"
+[case.slow]
+[case."very-1.5"]
+motion.speed_m_s = 1.5
+[case.another]
+motion.color = "red"
+)";
+
+class ConfigTest : public ::testing::Test {
+ protected:
+  ScenarioFile file(const std::string& text = kText) {
+    std::ofstream(path_) << text;
+    return {path_.string(), "test"};
+  }
+
+  // Reads a case with assignments on top; returns the complaint without the file's name, or "".
+  std::string read(const std::string& case_name, const std::vector<std::string>& sets,
+                   const std::string& text = kText) {
+    try {
+      Config config = file(text).config(case_name);
+      for (const auto& set : sets) config.set(set);
+      settings_.fields().read(config);
+    } catch (const std::invalid_argument& error) {
+      std::string what = error.what();
+      EXPECT_EQ(what.find('\n'), std::string::npos) << what;
+      const auto at = what.find(path_.string());
+      return at == std::string::npos ? what : what.replace(at, path_.string().size(), "FILE");
+    }
+    return "";
+  }
+
+  // Reads a file for a run; returns as read() does.
+  std::string read_run(const std::string& case_name, const std::string& text) {
+    try {
+      const ScenarioFile scenario = file(text);
+      Fields fields = settings_.fields();
+      fields.check(scenario);
+      fields.read(scenario.config(case_name));
+    } catch (const std::invalid_argument& error) {
+      std::string what = error.what();
+      const auto at = what.find(path_.string());
+      return at == std::string::npos ? what : what.replace(at, path_.string().size(), "FILE");
+    }
+    return "";
+  }
+
+  std::filesystem::path path_ = testing::temporary_path("scenario.toml");
+  testing::Removed removed_{path_};
+  Settings settings_;
+};
+
+TEST_F(ConfigTest, ReadsTheDefaultCase) {
+  ASSERT_EQ(read("slow", {}), "");
+  EXPECT_EQ(settings_.speed, 2.0);
+  EXPECT_EQ(settings_.steps, 3);
+  EXPECT_EQ(settings_.seed, 4U);
+  EXPECT_EQ(settings_.name, "a \"quoted\" name");
+  EXPECT_EQ(settings_.color, Color::blue);
+  EXPECT_EQ(settings_.gains, (std::vector<double>{1, 2.5}));
+  EXPECT_EQ(settings_.poles, (std::vector<std::vector<double>>{{-1, -2}, {-3}}));
+}
+
+TEST_F(ConfigTest, CasesStandInTheFilesOrder) {
+  EXPECT_EQ(file().cases(), (std::vector<std::string>{"slow", "very-1.5", "another"}));
+  EXPECT_EQ(file().default_case(), "slow");
+}
+
+TEST_F(ConfigTest, FileIsBelowCaseIsBelowSet) {
+  ASSERT_EQ(read("very-1.5", {}), "");
+  EXPECT_EQ(settings_.speed, 1.5);
+  ASSERT_EQ(read("very-1.5", {"motion.speed_m_s=7", "motion.speed_m_s=8"}), "");
+  EXPECT_EQ(settings_.speed, 8.0);
+}
+
+TEST_F(ConfigTest, SetTakesTomlAndBareWords) {
+  ASSERT_EQ(read("slow", {"run.name=plain", "motion.color=red", "motion.gains=[3, 4]",
+                          "motion.speed_m_s=1e-2", "run.seed=0x10"}),
+            "");
+  EXPECT_EQ(settings_.name, "plain");
+  EXPECT_EQ(settings_.color, Color::red);
+  EXPECT_EQ(settings_.gains, (std::vector<double>{3, 4}));
+  EXPECT_EQ(settings_.speed, 0.01);
+  EXPECT_EQ(settings_.seed, 16U);
+  ASSERT_EQ(read("slow", {"run.name=\"quoted\"", "motion.color='blue'"}), "");
+  EXPECT_EQ(settings_.name, "quoted");
+}
+
+TEST_F(ConfigTest, SaysWhereAndWhatIsWrong) {
+  EXPECT_EQ(read("slow", {"motion.sped_m_s=1"}),
+            "--set: motion.sped_m_s: unknown key (did you mean motion.speed_m_s?)");
+  EXPECT_EQ(read("slow", {"motion.speed_m_s=-1"}),
+            "--set: motion.speed_m_s: must be positive, is -1");
+  EXPECT_EQ(read("slow", {"motion.speed_m_s=fast"}),
+            "--set: motion.speed_m_s: must be a number, is \"fast\"");
+  EXPECT_EQ(read("slow", {"motion.speed_m_s=nan"}),
+            "--set: motion.speed_m_s: must be finite, is nan");
+  EXPECT_EQ(read("slow", {"motion.steps=2.5"}),
+            "--set: motion.steps: must be a whole number, is 2.5");
+  EXPECT_EQ(read("slow", {"motion.steps=11"}), "--set: motion.steps: must be from 1 to 10, is 11");
+  EXPECT_EQ(read("slow", {"motion.color=blu"}),
+            "--set: motion.color: must be one of red, blue, is \"blu\" (did you mean blue?)");
+  EXPECT_EQ(read("slow", {"motion.gains=3"}),
+            "--set: motion.gains: must be an array of numbers, is 3");
+  EXPECT_EQ(read("slow", {"motion.gains=[1, \"x\"]"}),
+            "--set: motion.gains[2]: must be a number, is \"x\"");
+  EXPECT_EQ(read("slow", {"run.name=true"}), "--set: run.name: must be a string, is true");
+  EXPECT_EQ(read("slow", {"motion.speed_m_s"}),
+            "--set: motion.speed_m_s: must be of the form key.path=value");
+  EXPECT_EQ(read("slow", {"motion.speed_m_s=1\nrun.seed=2"}),
+            "--set: motion.speed_m_s: must be a number, is \"1\\nrun.seed=2\"");
+  EXPECT_EQ(read("slo", {}), "--case: FILE has no case \"slo\" (did you mean slow?)");
+}
+
+TEST_F(ConfigTest, AnElementIsSetAlone) {
+  ASSERT_EQ(
+      read("slow", {"motion.gains[2]=7", "motion.poles[1][2]=-9", "motion.poles[2]=[-4, -5]"}), "");
+  EXPECT_EQ(settings_.gains, (std::vector<double>{1, 7}));
+  EXPECT_EQ(settings_.poles, (std::vector<std::vector<double>>{{-1, -9}, {-4, -5}}));
+  // What is printed, and so what a run is known by, is that of the whole array.
+  const std::string printed = settings_.fields().print("test", "slow");
+  ASSERT_EQ(read("slow", {"motion.gains=[1, 7]", "motion.poles=[[-1, -9], [-4, -5]]"}), "");
+  EXPECT_EQ(settings_.fields().print("test", "slow"), printed);
+  // Over what the case gives, and the reading.
+  ASSERT_EQ(
+      read("slow", {"motion.gains[1]=3"},
+           "reading = \"one\"\n" + std::string(kText) + "[readings.one]\nmotion.gains = [8, 9]\n"),
+      "");
+  EXPECT_EQ(settings_.gains, (std::vector<double>{3, 9}));
+  const Config config = file().config("slow", {"motion.gains[1]=3"});
+  EXPECT_TRUE(config.find("motion.gains")->is_set());
+  EXPECT_TRUE(config.find("motion.gains")->is_chosen);
+}
+
+TEST_F(ConfigTest, SaysWhichElementIsWrong) {
+  EXPECT_EQ(read("slow", {"motion.gains[3]=1"}),
+            "--set: motion.gains[3]: motion.gains has 2 elements");
+  EXPECT_EQ(read("slow", {"motion.poles[2][2]=1"}),
+            "--set: motion.poles[2][2]: motion.poles[2] has 1 element");
+  EXPECT_EQ(read("slow", {"motion.gains[1][1]=1"}),
+            "--set: motion.gains[1][1]: motion.gains[1] is no array");
+  EXPECT_EQ(read("slow", {"motion.steps[1]=1"}),
+            "--set: motion.steps[1]: motion.steps is no array");
+  EXPECT_EQ(read("slow", {"motion.gians[1]=1"}),
+            "--set: motion.gians[1]: FILE has no motion.gians (did you mean motion.gains?)");
+  for (const char* element : {"[0]", "[01]", "[-1]", "[+1]", "[ 1]", "[x]", "[]", "[", "[1", "[1]2",
+                              "[1],[2]", "[99999999999999999999999]"}) {
+    const std::string key = "motion.gains" + std::string(element);
+    const std::string what = read("slow", {key + "=1"});
+    EXPECT_TRUE(what.starts_with("--set: " + key + ": elements are counted from 1: motion.gains"))
+        << what;
+  }
+  EXPECT_EQ(read("slow", {"[1]=1"}), "--set: [1]: FILE has no ");
+  EXPECT_EQ(read("slow", {"motion.gains[2]=fast"}),
+            "--set: motion.gains[2]: must be a number, is \"fast\"");
+  EXPECT_EQ(read("slow", {"motion.poles[1][2]=nan"}),
+            "--set: motion.poles[1][2]: must be finite, is nan");
+  const auto together = [&](const std::vector<std::string>& sets) -> std::string {
+    try {
+      file().config("slow", sets);
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(together({"motion.gains=[1, 2]", "motion.gains[1]=3"}),
+            "--set: motion.gains[1]: motion.gains is given too: give the array, or elements of it");
+  EXPECT_EQ(
+      together({"motion.poles[1][1]=3", "run.seed=1", "motion.poles[1]=[1, 2]"}),
+      "--set: motion.poles[1]: motion.poles[1][1] is given too: give the array, or elements of "
+      "it");
+  EXPECT_EQ(together({"motion.gains[1]=3", "motion.gains[2]=3", "motion.gains[1]=4"}), "");
+}
+
+TEST_F(ConfigTest, AFileThatIsEditedLaterIsKnownAsItWasRead) {
+  const ScenarioFile scenario = file();
+  std::ofstream(path_, std::ios::app) << "# edited\n";
+  EXPECT_EQ(scenario.text(), kText);
+}
+
+TEST_F(ConfigTest, NamesTheFilesLine) {
+  std::string text = kText;
+  EXPECT_EQ(read("slow", {}, text.replace(text.find("= 2\n"), 3, "= -2")),
+            "FILE:4: motion.speed_m_s: must be positive, is -2");
+  text = kText;
+  EXPECT_EQ(read("slow", {}, text.replace(text.find("steps = 3"), 9, "stesp = 3")),
+            "FILE:5: motion.stesp: unknown key (did you mean motion.steps?)");
+  text = kText;
+  EXPECT_EQ(read("slow", {}, text.replace(text.find("steps = 3\n"), 10, "")),
+            "FILE: motion.steps: is missing: how many");
+  text = kText;
+  EXPECT_EQ(read("another", {}, text.replace(text.find("\"red\""), 5, "\"rot\"")),
+            "FILE:16: motion.color: must be one of red, blue, is \"rot\" (did you mean red?)");
+  EXPECT_EQ(read("slow", {}, std::string(kText).substr(0, 60)).substr(0, 7), "FILE:4:");
+  EXPECT_EQ(read("slow", {}, "scenario = \"other\"\n"),
+            "FILE:1: scenario: is \"other\", not \"test\"");
+  EXPECT_EQ(read("slow", {}, "scenario = \"test\"\ndefault_case = \"slow\"\n"),
+            "FILE:2: default_case: there is no [case.slow]");
+  EXPECT_EQ(read("slow", {}, ""), "FILE: scenario: is missing");
+  EXPECT_THROW(ScenarioFile("/no/such/file.toml", "test"), std::invalid_argument);
+  EXPECT_THROW(ScenarioFile("/", "test"), std::invalid_argument);
+}
+
+TEST_F(ConfigTest, EveryTableIsCheckedWhicheverCaseRuns) {
+  const auto complaint = [&](const std::string& from, const std::string& to) {
+    std::string text = kText;
+    text.replace(text.find(from), from.size(), to);
+    return read_run("slow", text);
+  };
+  EXPECT_EQ(read_run("slow", kText), "");
+  EXPECT_EQ(complaint("motion.color = \"red\"", "motion.colour = \"red\""),
+            "FILE:16: motion.colour: unknown key (did you mean motion.color?)");
+  EXPECT_EQ(complaint("motion.color = \"red\"", "motion.color = 3"),
+            "FILE:16: motion.color: must be one of red, blue, is 3");
+  EXPECT_EQ(complaint("motion.speed_m_s = 1.5", "motion.speed_m_s = nan"),
+            "FILE:14: motion.speed_m_s: must be finite, is nan");
+  // What the chosen case overrides counts too.
+  std::string text = kText;
+  EXPECT_EQ(read_run("very-1.5", text.replace(text.find("= 2\n"), 3, "= inf")),
+            "FILE:4: motion.speed_m_s: must be finite, is inf");
+}
+
+TEST_F(ConfigTest, ReadingsAreCheckedToo) {
+  const std::string head = "reading = \"one\"\n" + std::string(kText);
+  const std::string one = "[readings.one]\nmotion.steps = 4\n";
+  EXPECT_EQ(read_run("slow", head + one), "");
+  EXPECT_EQ(settings_.steps, 4);
+  EXPECT_EQ(read_run("slow", head + one + "[readings.two]\nmotion.steps = \"x\"\n"),
+            "FILE:21: motion.steps: must be a whole number, is \"x\"");
+  EXPECT_EQ(read_run("slow", head + "reading = \"tow\"\n" + one + "[readings.two]\n"),
+            "FILE:18: reading: there is no [readings.tow] (did you mean two?)");
+  EXPECT_EQ(read_run("slow", head + one + "reading = \"one\"\n"), "FILE:20: reading: unknown key");
+  EXPECT_EQ(read_run("slow", head + "[readings.\"a/b\"]\n").substr(0, 22),
+            "FILE:18: readings.a/b:");
+}
+
+TEST_F(ConfigTest, ACasesNameIsAFoldersName) {
+  const auto complaint = [&](const std::string& name) {
+    return read_run("slow", kText + ("[case." + name + "]\n"));
+  };
+  EXPECT_EQ(complaint("\"A-z_0.9+x\""), "");
+  for (const char* name :
+       {"../../escaped", "/tmp/x", "a b", "", ".", "..", "a\\u0000b", "ä", "a\\nb"}) {
+    const std::string what = complaint('"' + std::string(name) + '"');
+    EXPECT_TRUE(what.starts_with("FILE:17: case.")) << what;
+    EXPECT_NE(what.find("a name is made of"), std::string::npos) << what;
+  }
+  EXPECT_EQ(complaint("all"), "FILE:17: case.all: means all of them");
+}
+
+TEST_F(ConfigTest, AKeyThatIsGivenTwiceIsRefused) {
+  EXPECT_EQ(read_run("slow", "\"motion.steps\" = 5\n" + std::string(kText)),
+            "FILE:1: motion.steps: is given twice");
+}
+
+std::string repeated(const std::string& text, int times) {
+  std::string all;
+  for (int i = 0; i < times; ++i) all += text;
+  return all;
+}
+
+TEST_F(ConfigTest, TomlThatWouldEndTheProgramIsRefused) {
+  constexpr int kDeep = 100000;
+  const std::string key = repeated("a.", kDeep) + "a";
+  const std::string arrays = repeated("[", kDeep);
+  const std::string tables = repeated("{a=", kDeep);
+  const auto with = [&](const std::string& line) { return read_run("slow", line + "\n" + kText); };
+  EXPECT_EQ(with(key + " = 1"), "FILE:1: has a key of too many parts");
+  EXPECT_EQ(with("[" + key + "]"), "FILE:1: has a key of too many parts");
+  EXPECT_EQ(with("\n\"]\" = { " + key + " = 1 }"), "FILE:2: has a key of too many parts");
+  EXPECT_EQ(with("x = " + arrays), "FILE:1: is nested too deeply");
+  EXPECT_EQ(with("x = " + tables), "FILE:1: is nested too deeply");
+  EXPECT_EQ(with("x = \"\"\"\n\"]\"\"\" # '\ny = " + arrays), "FILE:3: is nested too deeply");
+  EXPECT_EQ(with(std::string(5U << 20U, ' ')), "FILE:1: is longer than 4 MiB");
+  EXPECT_TRUE(with("x = \"\xff\"").starts_with("FILE:1: is not TOML:"));
+  EXPECT_TRUE(with(std::string("x = \"\0\"", 7)).starts_with("FILE:1: "));
+  EXPECT_EQ(with(std::string(1000, 'x') + " = 1"),
+            "FILE:1: " + std::string(40, 'x') + "...: is no key");
+
+  EXPECT_EQ(with("\"a\\u0000b\" = 1"), "FILE:1: a?b: is no key");
+
+  EXPECT_EQ(read("slow", {"motion.gains=" + arrays}), "--set: motion.gains: is nested too deeply");
+  EXPECT_EQ(read("slow", {"motion.gains=" + tables}), "--set: motion.gains: is nested too deeply");
+  EXPECT_EQ(read("slow", {"motion.gains={" + key + "=1}"}),
+            "--set: motion.gains: has a key of too many parts");
+  // A path of many dots nests nothing.
+  EXPECT_EQ(read("slow", {"run.name=" + repeated("../", 40) + "arm.xml"}), "");
+  EXPECT_EQ(read("slow", {key + "=1"}), "--set: " + repeated("a.", 20) + "...: is no key");
+  EXPECT_EQ(read("slow", {"a\nb=1"}), "--set: a?b: is no key");
+
+  // What only looks like it is not.
+  EXPECT_EQ(read("slow", {"run.name=\"" + repeated("[{.", 100) + "\""}), "");
+  EXPECT_EQ(with("# " + repeated("[{.", 1000)), "");
+  EXPECT_EQ(read("slow", {"motion.gains=[" + repeated("1.5, ", 1000) + "]"}), "");
+}
+
+TEST_F(ConfigTest, AShotListIsReadBehindTheSameGuard) {
+  std::ofstream(path_) << repeated("a.", 100000) << "a = 1\n";
+  EXPECT_THROW(read_shot_list(path_.string()), std::invalid_argument);
+}
+
+TEST_F(ConfigTest, SaysWhichKeysHaveNoEffect) {
+  Fields fields = settings_.fields();
+  fields.only_for({"motion.speed_m_s", "motion.steps"}, "motion.color", {"red"});
+  fields.only_where({"motion.steps"}, "run.seed is not 0", [&] { return settings_.seed != 0; });
+  const ScenarioFile scenario = file();
+  const auto unused = [&](const std::vector<std::string>& sets) {
+    const Config config = scenario.config("very-1.5", sets);
+    fields.read(config);
+    std::string text;
+    for (const UnusedKey& key : fields.unused()) {
+      text += (config.find(key.key)->is_chosen ? "* " : "") + key.key + ": " + key.reason + "\n";
+    }
+    return text;
+  };
+  EXPECT_EQ(unused({}),
+            "* motion.speed_m_s: has an effect only where motion.color is red\n"
+            "motion.steps: has an effect only where motion.color is red\n");
+  EXPECT_EQ(unused({"motion.color=red"}), "");
+  EXPECT_EQ(unused({"motion.color=red", "run.seed=0", "motion.steps=1"}),
+            "* motion.steps: has an effect only where run.seed is not 0\n");
+  EXPECT_THROW(fields.only_for({"motion.sped_m_s"}, "motion.color", {"red"}), std::logic_error);
+}
+
+TEST_F(ConfigTest, PrintsAFileThatReadsTheSame) {
+  ASSERT_EQ(read("very-1.5", {"motion.speed_m_s=0.1", "motion.gains=[1e-300, 3]"}), "");
+  const std::string printed = settings_.fields().print("test", "very-1.5");
+  Settings again;
+  const ScenarioFile copy = file(printed);
+  EXPECT_EQ(copy.cases(), (std::vector<std::string>{"very-1.5"}));
+  again.fields().read(copy.config(copy.default_case()));
+  EXPECT_EQ(again.fields().print("test", "very-1.5"), printed);
+  EXPECT_EQ(again.speed, 0.1);
+  EXPECT_EQ(again.gains, settings_.gains);
+  EXPECT_EQ(again.name, settings_.name);
+  EXPECT_EQ(again.poles, settings_.poles);
+}
+
+TEST(DidYouMean, GuessesWhatIsNearAndNothingElse) {
+  const std::vector<std::string> names = {"proposed-2N", "hpfc-2N", "drac-5N"};
+  EXPECT_EQ(did_you_mean("propsed-2N", names), " (did you mean proposed-2N?)");
+  EXPECT_EQ(did_you_mean("hpfc2N", names), " (did you mean hpfc-2N?)");
+  EXPECT_EQ(did_you_mean("something else", names), "");
+}
+
+TEST(PrintedValues, AreThoseOfTheThesis) {
+  const auto values = printed_values("arm_wall_contact", "proposed-2N");
+  ASSERT_EQ(values.size(), 3U);
+  for (const PrintedValue& value : values) {
+    if (value.metric == "peak_force_filtered_N") {
+      EXPECT_EQ(value.number(), 5.0152);
+      EXPECT_EQ(value.verdict(5.0152 * 0.91), Verdict::reproduced);
+      EXPECT_EQ(value.verdict(5.0152 * 1.34), Verdict::within_class);
+      EXPECT_EQ(value.verdict(5.0152 * 1.36), Verdict::not_reproduced);
+      EXPECT_EQ(value.verdict(NAN), Verdict::not_measured);
+    }
+    if (value.metric == "mean_force_error_N") {
+      EXPECT_EQ(value.number(), 0.0032);
+      EXPECT_EQ(value.verdict(0.0041), Verdict::reproduced);
+      EXPECT_EQ(value.verdict(0.0), Verdict::within_class);
+      EXPECT_EQ(value.verdict(-0.0049), Verdict::not_reproduced);
+    }
+  }
+  EXPECT_EQ(printed_values("arm_wall_contact", "tuned-5N").size(), 2U);
+  EXPECT_TRUE(printed_values("arm_push", "proposed-link1").empty());
+}
+
+TEST(Table, AlignsAndFolds) {
+  Table table({"name", "a", "bb"});
+  table.add({"first", "10", "2"});
+  table.add({"x", "", "333"});
+  EXPECT_EQ(table.print(80), "name    a   bb\nfirst  10    2\nx          333\n");
+  EXPECT_EQ(table.print(10), "name    a\nfirst  10\nx\n\nname    bb\nfirst    2\nx      333\n");
+}
+
+// A duration of "100" is one of 100 s.
+TEST(Config, WholeNumbersAreNumbersToo) {
+  Config config("test.toml", {});
+  config.set("a.whole=100");
+  config.set("a.real=0.5");
+  config.set("a.text=fast");
+  config.set("a.flag=true");
+  EXPECT_EQ(config.number("a.whole"), 100.0);
+  EXPECT_EQ(config.number("a.real"), 0.5);
+  for (const char* key : {"a.text", "a.flag", "a.missing"}) EXPECT_FALSE(config.number(key)) << key;
+}
+
+}  // namespace
+}  // namespace breakwater

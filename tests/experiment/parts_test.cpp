@@ -1,0 +1,374 @@
+// Parts with keys of their own: when a key must be there, who reads it, what is printed; and parts
+// from outside in Breakwater's own experiments.
+#include <breakwater/experiment/parts.h>
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include <breakwater/experiment/runner.h>
+#include <breakwater/program/program.h>
+#include <breakwater/rigs/arm_parts.h>
+#include <breakwater/rigs/axis_parts.h>
+#include <breakwater/rigs/quadrotor_parts.h>
+#include "support.h"
+
+namespace breakwater {
+namespace {
+
+// What the toy parts make: their name and what they were set to.
+struct Product {
+  std::string text;
+};
+
+struct ToyKind : PartKind<Product, int> {
+  using PartKind::PartKind;
+  static constexpr const char* kWhat = "toy";
+};
+
+struct Number {
+  double value = 0.0;
+};
+
+void bind_small(Fields& fields, Number& number) {
+  fields.number("toy.size", number.value, between(0, 1), "its size");
+}
+void bind_large(Fields& fields, Number& number) {
+  fields.number("toy.size", number.value, between(10, 20), "its size");
+  fields.standard("toy.size", {15.0});
+}
+void bind_named(Fields& fields, std::string& name) {
+  fields.text("toy.label", name, "what stands on it");
+}
+template <char initial>
+std::unique_ptr<Product> make_number(const Number& number, int factor) {
+  if (number.value == 0.5) throw WrongKey("toy.size", "must not be a half");
+  return std::make_unique<Product>(Product{initial + std::to_string(factor * number.value)});
+}
+std::unique_ptr<Product> make_named(const std::string& name, int) {
+  if (name.empty()) throw std::invalid_argument("nothing stands on it");
+  return std::make_unique<Product>(Product{name});
+}
+
+class PartsTest : public ::testing::Test {
+ protected:
+  PartsTest() {
+    catalogue_.add(ToyKind("small", "a small one", bind_small, make_number<'s'>));
+    catalogue_.add(ToyKind("large", "a large one", bind_large, make_number<'l'>));
+    catalogue_.add(ToyKind("named", "one with a name", bind_named, make_named));
+  }
+
+  // What a case makes, or the complaint without the file's name. `print` gets the config file.
+  std::string make(const std::string& keys, const std::string& case_name = "one",
+                   const std::string& standard = "") {
+    std::ofstream(path_) << "scenario = \"test\"\ndefault_case = \"one\"\n" << keys;
+    PartChoice<ToyKind> choice(catalogue_, "toy.name", standard);
+    Fields fields;
+    choice.bind(fields);
+    try {
+      const ScenarioFile file(path_.string(), "test");
+      const Config config = file.config(case_name);
+      fields.check(file);
+      fields.read(config);
+      choice.check(config, 2);
+    } catch (const std::invalid_argument& error) {
+      std::string what = error.what();
+      const auto at = what.find(path_.string());
+      return at == std::string::npos ? what : what.replace(at, path_.string().size(), "FILE");
+    }
+    printed_ = fields.print("test", case_name);
+    unused_ = fields.unused();
+    return choice.make(2)->text;
+  }
+
+  Catalogue catalogue_;
+  std::filesystem::path path_ = testing::temporary_path("parts.toml");
+  testing::Removed removed_{path_};
+  std::string printed_;
+  std::vector<UnusedKey> unused_;
+};
+
+TEST_F(PartsTest, AKeyMustBeThereOnlyWhereItsPartIsChosen) {
+  EXPECT_EQ(make("toy.name = \"named\"\ntoy.label = \"x\"\n[case.one]\n"), "x");
+  EXPECT_EQ(make("toy.name = \"small\"\n[case.one]\n"),
+            "FILE: toy.size: is missing: its size; toy.name = \"small\" needs it");
+  EXPECT_EQ(make("toy.name = \"named\"\n[case.one]\n"),
+            "FILE: toy.label: is missing: what stands on it; toy.name = \"named\" needs it");
+}
+
+TEST_F(PartsTest, AStandardStandsInForAKeyThatIsNotThere) {
+  EXPECT_EQ(make("toy.name = \"large\"\n[case.one]\n"), "l30.000000");
+  EXPECT_EQ(make("[case.one]\n", "one", "large"), "l30.000000");
+  EXPECT_EQ(make("[case.one]\n"), "FILE: toy.name: is missing: toy: small, large, named");
+}
+
+TEST_F(PartsTest, TwoPartsMayShareAKeyEachWithItsOwnRange) {
+  const std::string cases =
+      "[case.one]\ntoy.name = \"small\"\ntoy.size = 0.25\n"
+      "[case.two]\ntoy.name = \"large\"\ntoy.size = 12\n";
+  EXPECT_EQ(make(cases, "one"), "s0.500000");
+  EXPECT_EQ(make(cases, "two"), "l24.000000");
+  EXPECT_EQ(make("toy.name = \"small\"\ntoy.size = 12\n[case.one]\n"),
+            "FILE:4: toy.size: must be from 0 to 1, is 12");
+}
+
+TEST_F(PartsTest, AValueThatSuitsNoPartIsRefusedInACaseThatDoesNotRun) {
+  EXPECT_EQ(make("toy.name = \"small\"\ntoy.size = 0.25\n[case.one]\n[case.two]\ntoy.size = 5\n"),
+            "FILE:7: toy.size: must be from 0 to 1, is 5");
+}
+
+TEST_F(PartsTest, ACaseThatDoesNotRunLeavesNothingBehind) {
+  EXPECT_EQ(make("[case.one]\n[case.two]\ntoy.name = \"small\"\ntoy.size = 11\n", "one", "large"),
+            "l30.000000");
+}
+
+TEST_F(PartsTest, AKeyOfAPartThatIsNotChosenIsSaidToBeUnused) {
+  ASSERT_EQ(make("toy.label = \"x\"\ntoy.size = 0.25\n[case.one]\ntoy.name = \"named\"\n"), "x");
+  ASSERT_EQ(unused_.size(), 1U);
+  EXPECT_EQ(unused_[0].key, "toy.size");
+  EXPECT_EQ(unused_[0].reason, "has an effect only where toy.name is small or large");
+  EXPECT_EQ(unused_[0].choice, "toy.name");
+}
+
+TEST_F(PartsTest, AMisspeltPartIsNamed) {
+  EXPECT_EQ(make("toy.name = \"smal\"\n[case.one]\n"),
+            "FILE:3: toy.name: must be one of small, large, named, is \"smal\" (did you mean "
+            "small?)");
+}
+
+// Its keys are unknown too, whichever table has them.
+TEST_F(PartsTest, APartOfAnotherProgramIsNamedBeforeItsKeys) {
+  const std::string complaint = "toy.name: must be one of small, large, named, is \"theirs\"";
+  EXPECT_EQ(make("toy.colour = \"red\"\ntoy.name = \"theirs\"\n[case.one]\n"),
+            "FILE:4: " + complaint);
+  EXPECT_EQ(make("toy.colour = \"red\"\n[case.one]\ntoy.name = \"theirs\"\n"),
+            "FILE:5: " + complaint);
+}
+
+TEST_F(PartsTest, APartBlamesItsKeyOrTheChoice) {
+  EXPECT_EQ(make("toy.name = \"small\"\ntoy.size = 0.5\n[case.one]\n"),
+            "FILE:4: toy.size: must not be a half");
+  EXPECT_EQ(make("toy.name = \"named\"\ntoy.label = \"\"\n[case.one]\n"),
+            "FILE:3: toy.name: nothing stands on it");
+}
+
+TEST_F(PartsTest, ThePrintedFileHasWhatWasGivenAndWhatIsNeededAndReadsBack) {
+  ASSERT_EQ(make("toy.name = \"large\"\ntoy.label = \"x\"\n[case.one]\n"), "l30.000000");
+  EXPECT_EQ(printed_, R"(scenario = "test"
+default_case = "one"
+
+[toy]
+# toy: small, large, named
+name = "large"
+# small, large: its size
+size = 15.0
+# named: what stands on it
+label = "x"
+
+[case.one]
+)");
+  const std::string once = printed_.substr(printed_.find("\n[toy]"));
+  ASSERT_EQ(make(once), "l30.000000");
+  EXPECT_EQ(printed_.substr(printed_.find("\n[toy]")), once);
+}
+
+// An older file, from before `small` and `large` were there.
+TEST_F(PartsTest, AFileStaysUsableWhenPartsAreAddedThatItDoesNotChoose) {
+  const std::string old = "toy.name = \"named\"\ntoy.label = \"x\"\n[case.one]\n";
+  ASSERT_EQ(make(old), "x");
+  EXPECT_EQ(printed_.find("size"), std::string::npos) << printed_;
+}
+
+TEST_F(PartsTest, AFinishedRunOfAnUnknownPartIsReadAsFarAsItGoes) {
+  std::ofstream(path_) << "scenario = \"test\"\ndefault_case = \"one\"\nspeed = 3\n"
+                          "toy.name = \"theirs\"\ntoy.colour = \"red\"\n[case.one]\n";
+  PartChoice<ToyKind> choice(catalogue_, "toy.name");
+  Fields fields;
+  double speed = 0.0;
+  double mass = 0.0;
+  fields.number("speed", speed, positive(), "how fast");
+  fields.number("mass", mass, positive(), "how heavy");
+  choice.bind(fields);
+  const Config config = ScenarioFile(path_.string(), "test").config("one");
+  EXPECT_THROW(fields.read(config), std::invalid_argument);
+  EXPECT_EQ(fields.read_finished(config), std::vector<std::string>{"mass"});
+  EXPECT_EQ(speed, 3.0);
+}
+
+TEST_F(PartsTest, TheCatalogueListsThem) {
+  ASSERT_EQ(catalogue_.parts().size(), 3U);
+  EXPECT_EQ(catalogue_.parts()[1].what, "toy");
+  EXPECT_EQ(catalogue_.parts()[1].name, "large");
+  EXPECT_EQ(catalogue_.parts()[1].help, "a large one");
+  EXPECT_TRUE(catalogue_.has<ToyKind>("small"));
+  EXPECT_FALSE(catalogue_.has<ToyKind>("Small"));
+  EXPECT_THROW(catalogue_.add(ToyKind("large", "another", bind_large, make_number<'l'>)),
+               std::invalid_argument);
+}
+
+// --- From outside, in Breakwater's own experiments. ---
+
+// The true disturbance times a factor, whatever is measured: a stub with a key of its own.
+class Constant final : public DisturbanceEstimator {
+ public:
+  explicit Constant(double value) { disturbance_(0) = value; }
+  void reset(const Vector& x) override { state_ = x; }
+  void update(const Vector&, const Vector& y) override { state_(0) = y(0); }
+  View state() const override { return {state_.data(), 2}; }
+  View disturbance() const override { return {disturbance_.data(), 1}; }
+  std::span<const Signal> signals() const override { return {}; }
+
+ private:
+  Eigen::Vector2d state_ = Eigen::Vector2d::Zero();
+  Eigen::VectorXd disturbance_ = Eigen::VectorXd::Zero(1);
+};
+
+void bind_constant(Fields& fields, Number& number) {
+  fields.number("observer.constant_value", number.value, any(), "what it says");
+}
+std::unique_ptr<DisturbanceEstimator> make_constant(const Number& number, const NominalAxis&) {
+  return std::make_unique<Constant>(number.value);
+}
+
+// Proportional feedback of the measurement alone.
+class Spring final : public Controller {
+ public:
+  explicit Spring(double k) : k_(k) {}
+  void reset(const Sample&) override {}
+  void update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u) override {
+    pull_N_ = -k_ * y.y(0);
+    u.setConstant(pull_N_);
+  }
+  std::span<const Signal> signals() const override { return signals_; }
+
+ private:
+  double k_;
+  double pull_N_ = 0.0;
+  std::vector<Signal> signals_ = {{"pull_N", "N", "-k times the measurement", view(pull_N_)}};
+};
+
+void bind_spring(Fields& fields, Number& number) {
+  fields.number("controller.spring_constant", number.value, any(), "its stiffness");
+}
+std::unique_ptr<Controller> make_axis_spring(const Number& number, const AxisTask&,
+                                             std::shared_ptr<DisturbanceEstimator>) {
+  return std::make_unique<Spring>(number.value);
+}
+std::unique_ptr<Controller> make_arm_spring(const Number& number, const ArmSetup&) {
+  return std::make_unique<Spring>(number.value);
+}
+std::unique_ptr<Controller> make_quadrotor_spring(const Number& number, const QuadrotorTask&,
+                                                  std::shared_ptr<QuadrotorEstimator>) {
+  return std::make_unique<Spring>(number.value);
+}
+
+Recording run_with_theirs(const std::string& scenario, const std::vector<std::string>& sets) {
+  Catalogue catalogue = standard_catalogue();
+  catalogue.add(AxisEstimatorKind("constant", "always the same", bind_constant, make_constant));
+  catalogue.add(AxisControllerKind("spring", "pulls back", bind_spring, make_axis_spring));
+  catalogue.add(ArmControllerKind("spring", "pulls back", bind_spring, make_arm_spring));
+  catalogue.add(
+      QuadrotorControllerKind("spring", "pulls back", bind_spring, make_quadrotor_spring));
+  const ScenarioKind& kind = catalogue.get<ScenarioKind>(scenario);
+  const ScenarioFile file(kind.file().string(), scenario);
+  return prepare_run(catalogue, scenario, file, file.default_case(), sets).scenario->run({});
+}
+
+// Under a step of 10 N m, an estimate of 6 is 4 off, and the PD control gives way by 4/K_p.
+TEST(OwnParts, AnEstimatorFromOutsideGoesIntoTheMotor) {
+  const Recording run =
+      run_with_theirs("motor_estimation",
+                      {"observer.name=constant", "observer.constant_value=6", "run.duration_s=10",
+                       "encoder.bits=0", "controller.kd=0", "plant.viscous_friction_Nms_rad=20"});
+  ASSERT_FALSE(run.failure) << run.failure->reason;
+  EXPECT_NEAR(run.metric("rmse_disturbance_Nm").value(), 4.0, 1e-9);
+  EXPECT_NEAR(std::abs(run.track("control").values("position_true_rad").back()), 0.4, 0.02);
+}
+
+// A mass on a spring of its controller's: ω = √(k/m), and no estimate to judge.
+TEST(OwnParts, AControllerFromOutsideGoesIntoEachExperimentOfAnAxis) {
+  for (const char* scenario : {"motor_estimation", "cart_estimation", "cart_position",
+                               "cart_offset_free", "cart_constrained"}) {
+    const Recording run = run_with_theirs(
+        scenario, {"controller.name=spring", "controller.spring_constant=4", "run.duration_s=5"});
+    ASSERT_FALSE(run.failure) << scenario << ": " << run.failure->reason;
+    for (const Metric& metric : run.metrics) {
+      const bool is_of_estimate = metric.name.find("disturbance") != std::string::npos ||
+                                  metric.name.find("estimate") != std::string::npos;
+      EXPECT_FALSE(is_of_estimate) << scenario << " " << metric.name;
+    }
+    EXPECT_EQ(run.track("control").values("pull_N").size(), run.track("control").rows());
+  }
+}
+
+TEST(OwnParts, AControllerFromOutsideGoesIntoTheArmAndTheQuadrotor) {
+  for (const char* scenario : {"arm_wall_contact", "arm_push", "quadrotor_waves"}) {
+    const Recording run = run_with_theirs(
+        scenario, {"controller.name=spring", "controller.spring_constant=0.1", "run.duration_s=1"});
+    ASSERT_FALSE(run.failure) << scenario << ": " << run.failure->reason;
+    EXPECT_GT(run.track("control").rows(), 99U) << scenario;
+  }
+}
+
+// The default case has a factor for its estimator, the FAKFD; who takes another one did not set it.
+TEST(OwnParts, WhatACaseGivesToAChoiceOfItsOwnIsNotWarnedOf) {
+  const Catalogue catalogue = standard_catalogue();
+  const ScenarioFile file(catalogue.get<ScenarioKind>("cart_estimation").file().string(),
+                          "cart_estimation");
+  const auto vain = [&](const std::vector<std::string>& sets) {
+    std::string keys;
+    for (const VainKey& key :
+         prepare_run(catalogue, "cart_estimation", file, "gamma-diag", sets).vain) {
+      keys += key.origin + " " + key.key + "\n";
+    }
+    return keys;
+  };
+  EXPECT_EQ(vain({}), "");
+  EXPECT_EQ(vain({"observer.name=stf"}), "");
+  EXPECT_EQ(vain({"observer.name=stf", "observer.gamma_d=1.1"}), "--set observer.gamma_d\n");
+}
+
+// The poles are wrong, not the choice of an observer that has poles.
+TEST(OwnParts, AWrongKeyIsBlamedAndNotTheChoice) {
+  const auto complaint = [](const std::vector<std::string>& sets) {
+    try {
+      run_with_theirs("motor_estimation", sets);
+    } catch (const std::invalid_argument& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  for (const char* name : {"idob", "state_observer"}) {
+    const std::string what =
+        complaint({std::string("observer.name=") + name, "observer.poles_rad_s=[-40]"});
+    EXPECT_TRUE(what.starts_with("--set: observer.poles_rad_s: pole placement")) << what;
+  }
+  EXPECT_TRUE(complaint({"observer.name=vfakfd", "encoder.bits=0", "observer.alpha=0",
+                         "observer.lambda_min=0.1", "observer.lambda_max=1",
+                         "observer.process_noise=0", "observer.initial_covariance=[1,1,1]"})
+                  .starts_with("--set: observer.alpha: "));
+  EXPECT_TRUE(
+      complaint({"observer.name=qvff", "observer.lambda_min=0.9", "observer.lambda_max=0.5"})
+          .starts_with("--set: observer.lambda_min: "));
+}
+
+TEST(OwnParts, ARegulatorIsRefusedWhereItCannotWork) {
+  const auto complaint = [](const std::string& scenario, const std::string& controller) {
+    try {
+      run_with_theirs(scenario, {"controller.name=" + controller, "controller.period_s=0.01",
+                                 "controller.q_position=1", "controller.q_velocity=1",
+                                 "controller.r=1", "control.period_s=0.01"});
+    } catch (const std::invalid_argument& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_EQ(complaint("cart_position", "lqr_observer"),
+            "--set: controller.name: a regulator brings the axis to 0, and knows no reference");
+  EXPECT_EQ(complaint("motor_estimation", "lqr"),
+            "--set: controller.name: this scenario does not give the true state: take "
+            "lqr_observer");
+}
+
+}  // namespace
+}  // namespace breakwater

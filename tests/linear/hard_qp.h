@@ -1,0 +1,81 @@
+// Quadratic programs of poor condition, with dependent rows: for a test and for a study.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cstdio>
+
+#include "linear/random_qp.h"
+
+namespace breakwater::testing {
+
+/// All of `count` feasible programs: none is called infeasible, at most 0.3 % have no solution, and
+/// every solution is one.
+inline void expect_hard_feasible_qps_are_solved(int count) {
+  Random random(301);
+  int without = 0;
+  double largest = 0.0;
+  for (int k = 0; k < count; ++k) {
+    const auto [model, input] = hard_feasible_qp(random);
+    QpSolution solution(model.H.rows(), model.Omega.rows());
+    make_qp_solver(QpSolverKind::active_set, model, 1)->solve(input, solution);
+    ASSERT_NE(solution.status, QpStatus::infeasible) << k;
+    ASSERT_NE(solution.status, QpStatus::not_finite) << k;
+    if (solution.status != QpStatus::solved) {
+      ++without;
+      continue;
+    }
+    const double error = optimality_error(model, input, solution);
+    ASSERT_LE(error, 1e-8) << k;
+    largest = std::max(largest, error);
+  }
+  std::printf("%d feasible programs: %d without a solution, largest residual %.1e\n", count,
+              without, largest);
+  EXPECT_LE(without, 0.003 * count);
+}
+
+/// ‖Ωᵀ y‖₁/gap by the definition, in wider numbers: 0 is a certificate, ∞ is none.
+inline double certificate_error(const QpModel& model, const QpInput& input,
+                                const Eigen::VectorXd& y) {
+  long double gap = 0.0L;
+  for (Eigen::Index i = 0; i < y.size(); ++i) {
+    if (y(i) == 0.0) continue;
+    gap -= static_cast<long double>(y(i)) * (y(i) > 0.0 ? input.upper(i) : input.lower(i));
+  }
+  const Eigen::Matrix<long double, Eigen::Dynamic, 1> tilt =
+      model.Omega.cast<long double>().transpose() * y.cast<long double>();
+  return gap > 0.0L ? static_cast<double>(tilt.lpNorm<1>() / gap) : kNoBound;
+}
+
+/// All of `count` programs without a solution are called infeasible, with a certificate. With the
+/// last row softened they are solved.
+inline void expect_hard_infeasible_qps_are_proven(int count) {
+  Random random(302);
+  int without = 0;
+  double largest = 0.0;
+  for (int k = 0; k < count; ++k) {
+    auto [model, input] = hard_infeasible_qp(random);
+    QpSolution solution(model.H.rows(), model.Omega.rows());
+    const auto solver = make_qp_solver(QpSolverKind::active_set, model, 1);
+    solver->solve(input, solution);
+    ASSERT_EQ(solution.status, QpStatus::infeasible) << k;
+    const double error = certificate_error(model, input, solution.mu);
+    ASSERT_LE(error, 1e-5) << k;
+    largest = std::max(largest, error);
+    input.softness(model.Omega.rows() - 1) = 0.1;
+    solver->solve(input, solution);
+    ASSERT_NE(solution.status, QpStatus::infeasible) << k;
+    if (solution.status != QpStatus::solved) {
+      ++without;
+    } else {
+      ASSERT_LE(optimality_error(model, input, solution), 1e-8) << k;
+    }
+  }
+  std::printf(
+      "%d infeasible programs: largest error of a certificate %.1e; softened, %d without a "
+      "solution\n",
+      count, largest, without);
+  EXPECT_LE(without, 0.003 * count);
+}
+
+}  // namespace breakwater::testing

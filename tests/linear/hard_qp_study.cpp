@@ -1,0 +1,16 @@
+// 1e5 quadratic programs of poor condition, with dependent rows.
+#include "linear/hard_qp.h"
+
+namespace breakwater::testing {
+namespace {
+
+TEST(HardQpStudy, FeasibleOnesAreSolvedAndNeverCalledInfeasible) {
+  expect_hard_feasible_qps_are_solved(100000);
+}
+
+TEST(HardQpStudy, InfeasibleOnesAreProvenAndNeverSolved) {
+  expect_hard_infeasible_qps_are_proven(100000);
+}
+
+}  // namespace
+}  // namespace breakwater::testing

@@ -1,0 +1,16 @@
+// A few thousand quadratic programs of poor condition, with dependent rows.
+#include "linear/hard_qp.h"
+
+namespace breakwater::testing {
+namespace {
+
+TEST(HardQp, FeasibleOnesAreSolvedAndNeverCalledInfeasible) {
+  expect_hard_feasible_qps_are_solved(4000);
+}
+
+TEST(HardQp, InfeasibleOnesAreProvenAndNeverSolved) {
+  expect_hard_infeasible_qps_are_proven(4000);
+}
+
+}  // namespace
+}  // namespace breakwater::testing

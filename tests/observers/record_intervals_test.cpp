@@ -1,0 +1,164 @@
+// Samples that do not follow each other once a period: what was held, and how estimators take it.
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+
+#include <breakwater/observers/kfd.h>
+#include <breakwater/observers/pole_predictor.h>
+#include <breakwater/observers/record_intervals.h>
+#include <breakwater/plants/damped_inertia.h>
+#include "support.h"
+
+namespace breakwater::record_intervals_test {
+namespace {
+
+TEST(VariableHold, IsTheZeroOrderHoldOfEachInterval) {
+  testing::Random random(2);
+  for (int trial = 0; trial < 50; ++trial) {
+    const Eigen::Index n = 1 + trial % 5;
+    const Eigen::Index m = 1 + trial % 2;
+    const StateSpace plant{5.0 * random.matrix(n, n), random.matrix(n, m),
+                           Eigen::MatrixXd::Identity(1, n)};
+    VariableHold hold(plant);
+    for (const double interval_s : {1e-6, 1e-3, 0.1, 1.0}) {
+      hold.over(interval_s);
+      const StateSpace sampled = zero_order_hold(plant, interval_s);
+      EXPECT_LE((hold.A() - sampled.A).norm(), 1e-12 * sampled.A.norm());
+      EXPECT_LE((hold.B() - sampled.B).norm(), 1e-12 * sampled.B.norm());
+    }
+  }
+}
+
+TEST(PolePredictor, HasItsPolesOverEachInterval) {
+  const StateSpace axis = extend_by_input_disturbance(damped_inertia(1e-3, 2e-4));
+  StateSpace two = axis;  // two axes, each with its output
+  two.A = Eigen::MatrixXd::Zero(6, 6);
+  two.A.topLeftCorner(3, 3) = two.A.bottomRightCorner(3, 3) = axis.A;
+  two.B = Eigen::MatrixXd::Zero(6, 2);
+  two.B.topLeftCorner(3, 1) = two.B.bottomRightCorner(3, 1) = axis.B;
+  two.C = Eigen::MatrixXd::Zero(2, 6);
+  two.C.topLeftCorner(1, 3) = two.C.bottomRightCorner(1, 3) = axis.C;
+  const PoleGroup real = {-10.0, -20.0, -30.0};
+  const PoleGroup complex = {{-15.0, 20.0}, {-15.0, -20.0}, -40.0};
+  const auto expect_poles = [](const StateSpace& plant, const std::vector<PoleGroup>& poles) {
+    PolePredictor predictor(plant, poles, 1e-3);
+    const Eigen::MatrixXd regular = predictor.error_dynamics();
+    for (const double h : {2e-4, 9e-4, 1.3e-3, 0.02, 0.3}) {
+      predictor.over(h);
+      PoleGroup wanted;
+      for (const PoleGroup& group : sample_poles(poles, h)) {
+        wanted.insert(wanted.end(), group.begin(), group.end());
+      }
+      EXPECT_LE(testing::distance(eigenvalues(predictor.error_dynamics()), wanted), 1e-6) << h;
+    }
+    predictor.over(0.0);
+    EXPECT_EQ(predictor.error_dynamics(), regular) << "to the bit";
+  };
+  expect_poles(axis, {real});
+  expect_poles(axis, {complex});
+  expect_poles(two, {real, complex});
+}
+
+TEST(RecordIntervals, APeriodButForTheRoundingOfItsTimesIsOne) {
+  std::vector<double> times;
+  for (int k = 0; k < 5000; ++k) times.push_back(1e4 + 1e-3 * k);
+  const std::vector<double> inputs(times.size(), 0.0);
+  RecordRows rows{.times_s = times, .inputs = inputs, .period_s = 1e-3};
+  EXPECT_TRUE(RecordIntervals(rows).is_regular());
+  rows.instant_std_s = 1e-6;
+  EXPECT_FALSE(RecordIntervals(rows).is_regular());
+  rows.instant_std_s = 0.0;
+  times[17] += 1e-8;
+  EXPECT_FALSE(RecordIntervals(rows).is_regular());
+}
+
+TEST(RecordIntervals, WhatWasHeldOverAGapLiesOnTheLineBetweenItsEnds) {
+  std::vector<double> times;
+  std::vector<double> inputs;
+  for (int k = 0; k < 100; ++k) {
+    if (k >= 50 && k < 54) continue;
+    times.push_back(0.1 * k);
+    inputs.push_back(3.0 * k);
+  }
+  RecordRows rows{.times_s = times, .inputs = inputs, .period_s = 0.1};
+  RecordIntervals after(rows);
+  EXPECT_FALSE(after.is_regular());
+  after.move_to(50);  // from k = 49 to k = 54: inputs of 49, …, 53 acted
+  EXPECT_NEAR(after.held_input()(0), 3.0 * 51.0, 1e-9);
+  EXPECT_NEAR(after.interval().length_s, 0.5, 1e-12);
+  after.move_to(51);
+  EXPECT_EQ(after.held_input()(0), inputs[50]);
+  EXPECT_EQ(after.interval().length_s, 0.0);
+  EXPECT_EQ(after.interval().input_std, 0.0);
+  rows.inputs_act_before = true;
+  RecordIntervals before(rows);
+  before.move_to(50);  // inputs of 50, …, 54 acted
+  EXPECT_NEAR(before.held_input()(0), 3.0 * 52.0, 1e-9);
+}
+
+TEST(RecordIntervals, HowWellAMissingInputIsKnownIsWhatTheRecordSays) {
+  testing::Random random(4);
+  std::vector<double> times;
+  std::vector<double> inputs;
+  for (int k = 0; k < 20000; ++k) {
+    if (k == 700) k += 7;
+    times.push_back(1.0 * k);
+    inputs.push_back(random.uniform(-1.0, 1.0));
+  }
+  RecordIntervals intervals({.times_s = times, .inputs = inputs, .period_s = 1.0});
+  intervals.move_to(700);
+  // Of white inputs of variance 1/3: of 8 the first is known, and 7/16 of the next is subtracted.
+  const double n = 8.0;
+  const double share = 7.0 / 16.0;
+  const double first = 1.0 / n - 1.0 + share;
+  const double variance = (first * first + (n - 1.0) / (n * n) + share * share) / 3.0;
+  EXPECT_NEAR(intervals.interval().input_std, std::sqrt(variance), 0.02 * std::sqrt(variance));
+}
+
+// Where n − 1 samples are missing, the state and P are what n predictions give.
+TEST(KalmanEstimators, PredictOverAGapAsOverSoManySamples) {
+  const double T = 1e-2;
+  const ExtendedPlant plant = sample_with_disturbance_model(damped_inertia(0.5, 0.1), 1, T);
+  const Eigen::Index N = plant.states();
+  const KalmanDesign design{plant, uniform_noise(plant, 1e-3), Eigen::MatrixXd::Identity(1, 1),
+                            Eigen::MatrixXd::Identity(N, N)};
+  Kfd<> filter(design);
+  const Eigen::VectorXd u = Eigen::VectorXd::Constant(1, 0.7);
+  Eigen::VectorXd y = Eigen::VectorXd::Constant(1, 0.2);
+  filter.reset(Eigen::Vector2d(0.1, 0.3));
+  for (int k = 0; k < 5; ++k) filter.update(u, y);
+  Eigen::VectorXd x = filter.extended_state();
+  Eigen::MatrixXd P = filter.P();
+  constexpr int kMissed = 7;
+  constexpr double kInputStd = 0.4;
+  for (int k = 0; k < kMissed; ++k) {
+    x = (plant.sampled.A * x + plant.sampled.B * u).eval();
+    P = (plant.sampled.A * P * plant.sampled.A.transpose() + design.Q +
+         kMissed * kInputStd * kInputStd * plant.sampled.B * plant.sampled.B.transpose())
+            .eval();
+  }
+  ASSERT_TRUE(filter.follow({.length_s = kMissed * T, .input_std = kInputStd}));
+  filter.update(u, y);
+  const Eigen::MatrixXd& C = plant.sampled.C;
+  EXPECT_NEAR(filter.innovation()(0), y(0) - (C * x)(0), 1e-12);
+  const Eigen::VectorXd K = P * C.transpose() / ((C * P * C.transpose())(0, 0) + 1.0);
+  EXPECT_LE((filter.K() - K).norm(), 1e-9 * K.norm());
+
+  // The speed times what the instant is off by is an error of the output.
+  x = filter.extended_state();
+  P = filter.P();
+  x = (plant.sampled.A * x + plant.sampled.B * u).eval();
+  P = (plant.sampled.A * P * plant.sampled.A.transpose() + design.Q).eval();
+  filter.follow({.instant_std_s = 2.0});
+  filter.update(u, y);
+  const double R = 1.0 + 4.0 * x(1) * x(1);
+  EXPECT_NEAR(filter.K()(0, 0), P(0, 0) / (P(0, 0) + R), 1e-9);
+
+  KalmanDesign without = design;
+  without.plant.continuous.reset();
+  Kfd<> sampled(without);
+  EXPECT_FALSE(sampled.follow({})) << "its plant in continuous time is not known";
+}
+
+}  // namespace
+}  // namespace breakwater::record_intervals_test

@@ -1,0 +1,391 @@
+// report.html of a study: the numbers behind its charts, its size, and hostile names.
+#include <gtest/gtest.h>
+
+#include <fmt/format.h>
+#include <cmath>
+#include <filesystem>
+#include <regex>
+#include <set>
+#include <string>
+#include <vector>
+
+#include <breakwater/config/toml_text.h>
+#include <breakwater/pages/chart_scale.h>
+#include <breakwater/pages/quantile_bands.h>
+#include <breakwater/pages/study_charts.h>
+#include <breakwater/pages/study_indices.h>
+#include <breakwater/pages/study_numbers.h>
+#include <breakwater/pages/study_report.h>
+#include <breakwater/study/study_comparison.h>
+#include "catalogue.h"
+#include "support.h"
+
+namespace breakwater::study_report_test {
+namespace {
+
+namespace fs = std::filesystem;
+
+VariedKey list_of(const std::string& key, const std::vector<double>& values) {
+  VariedKey varied;
+  varied.key = key;
+  varied.written = "[…]";
+  for (const double value : values) varied.values.push_back(toml_number(value));
+  return varied;
+}
+
+VariedKey uniform(const std::string& key, double a, double b) {
+  VariedKey varied;
+  varied.key = key;
+  varied.distribution = Distribution(DistributionKind::uniform, a, b);
+  varied.written = "{ uniform = […] }";
+  return varied;
+}
+
+std::vector<double> range(double first, double last, int count) {
+  std::vector<double> values;
+  for (int i = 0; i < count; ++i) values.push_back(first + (last - first) * i / (count - 1));
+  return values;
+}
+
+Study make_study(std::vector<VariedKey> vary, std::vector<std::string> cases, std::size_t seeds) {
+  Study study;
+  study.scenario = "motor_estimation";
+  study.vary = std::move(vary);
+  study.cases = std::move(cases);
+  for (std::size_t i = 0; i < seeds; ++i) study.seeds.push_back(i + 1);
+  return study;
+}
+
+// A study's folder with results that `run` makes, one for each point.
+class Folder {
+ public:
+  Folder(const std::string& name, Study study)
+      : removed_(testing::temporary_path(name)),
+        folder_(testing::temporary_path(name)),
+        plan_(std::move(study)) {
+    fs::create_directories(folder_.shards());
+  }
+
+  template <typename Run>
+  void fill(Run run) {
+    Shard shard(folder_.shards());
+    for (std::size_t number = 0; number < plan_.size(); ++number) {
+      PointResult result;
+      result.number = number;
+      result.key = fmt::format("{:016x}", scattered(number));
+      result.cost_s = 0.5;
+      run(plan_.point(number), result);
+      shard.add(result);
+    }
+  }
+  const Plan& plan() const { return plan_; }
+  ShardIndex index() const { return {folder_.shards(), plan_.size()}; }
+  std::string page() const {
+    write_study_report(testing::catalogue(), plan_, index(), folder_,
+                       compare_study(plan_, index()));
+    return testing::text_of(folder_.path() / "report.html");
+  }
+  fs::path path() const { return folder_.path(); }
+
+ private:
+  testing::Removed removed_;
+  StudyFolder folder_;
+  Plan plan_;
+};
+
+double number_of(const std::string& text) {
+  return std::stod(text);
+}
+
+void fail(PointResult& result, const std::string& reason) {
+  result.status = PointStatus::failed;
+  result.reason = reason;
+}
+
+// Eleven seeds: 10, 25, 50 and 90 % are the 2nd value, between the 3rd and the 4th, the 6th, the
+// 10th.
+TEST(QuantileBands, AreTheOrderStatistics) {
+  Folder folder("bands", make_study({list_of("a.b", {1, 2, 4}), list_of("c.d", {7, 9})},
+                                    {"idob", "stf"}, 11));
+  testing::Random random;
+  std::map<std::tuple<std::size_t, double, double>, std::vector<double>> expected;
+  folder.fill([&](const StudyPoint& point, PointResult& result) {
+    const double a = number_of(point.values[0]), c = number_of(point.values[1]);
+    std::vector<double>& values = expected[{point.candidate, a, c}];
+    if (a == 4 && *point.seed < 3) return fail(result, "too stiff");
+    if (a == 2 && *point.seed == 11) {
+      result.metrics = {{"other_1", 1.0}};
+      return;
+    }
+    values.push_back(random.uniform(-1.0, 1.0));
+    result.metrics = {{"y_m", values.back()}};
+  });
+  const ShardIndex index = folder.index();
+  const StudyNumbers numbers = study_numbers(folder.plan(), index, {"absent_m", "other_1"});
+  ASSERT_EQ(numbers.metrics, (std::vector<std::string>{"other_1", "y_m"}));
+  ASSERT_FALSE(numbers.is_sample);
+  const KeyGroups a = group_values(numbers.keys[0], 10), c = group_values(numbers.keys[1], 10);
+  EXPECT_EQ(a.labels, (std::vector<std::string>{"1", "2", "4"}));
+  const std::vector<double>& column = numbers.columns[1];
+  const std::vector<QuantileBand> all =
+      bands(numbers, column, in_order(column), 12, [&](const StudyRun& run) {
+        return (run.candidate * 3 + a.of_sample[run.sample]) * 2 + c.of_sample[run.sample];
+      });
+  for (std::size_t g = 0; g < 12; ++g) {
+    const QuantileBand& band = all[g];
+    const double of_a = a.centre[g / 2 % 3];
+    std::vector<double> values = expected[{g / 6, of_a, c.centre[g % 2]}];
+    std::sort(values.begin(), values.end());
+    EXPECT_EQ(band.runs, 11U);
+    EXPECT_EQ(band.failed, of_a == 4 ? 2U : 0U);
+    ASSERT_EQ(band.measured, of_a == 1 ? 11U : of_a == 2 ? 10U : 9U);
+    EXPECT_DOUBLE_EQ(band.median, testing::median(values));
+    EXPECT_EQ(band.smallest, values.front());
+    EXPECT_EQ(band.largest, values.back());
+    const auto value_at = [&](std::size_t point) { return index.read(point).metrics.at(0).second; };
+    EXPECT_EQ(value_at(band.at_smallest), values.front());
+    EXPECT_EQ(value_at(band.at_middle), values[(values.size() - 1) / 2]);
+    EXPECT_EQ(value_at(band.at_largest), values.back());
+    if (of_a != 1) continue;
+    EXPECT_DOUBLE_EQ(band.q10, values[1]);
+    EXPECT_DOUBLE_EQ(band.q25, 0.5 * (values[2] + values[3]));
+    EXPECT_DOUBLE_EQ(band.q90, values[9]);
+  }
+}
+
+// What the page says of pairs is what comparison.csv says.
+TEST(StudyReport, SaysWhatIsBetter) {
+  Study study = make_study({}, {"idob", "stf", "kfd"}, 12);
+  study.goals = {{"y_m", Goal::min}};
+  study.metrics = {"y_m"};
+  Folder folder("paired", study);
+  testing::Random random;
+  folder.fill([&](const StudyPoint& point, PointResult& result) {
+    if (point.candidate == 2 && *point.seed == 3) return fail(result, "lost");
+    result.metrics = {{"y_m", static_cast<double>(*point.seed) +
+                                  (point.candidate == 1 ? 5.0 : random.uniform(0.0, 1.0))}};
+  });
+  const std::string page = folder.page();
+  const auto comparison = compare_study(folder.plan(), folder.index());
+  ASSERT_TRUE(comparison);
+  EXPECT_NE(page.find("Paired, in the same worlds"), std::string::npos);
+  for (const MetricComparison& one : comparison->metrics) {
+    const std::string begin =
+        fmt::format("<tr><th scope=\"row\">{}</th><td>{}</td><td><b",
+                    comparison->candidates[one.candidate], comparison->candidates[one.reference]);
+    const std::size_t at = page.find(begin);
+    ASSERT_NE(at, std::string::npos) << begin;
+    const std::string row = page.substr(at, page.find("</tr>", at) - at);
+    EXPECT_NE(row.find(fmt::format(">{}</b></td><td>{}", name_of(one.verdict), one.blocks)),
+              std::string::npos)
+        << row;
+  }
+  EXPECT_EQ(comparison->metrics[0].verdict, ComparisonVerdict::worse);  // stf beside idob
+  EXPECT_NE(page.find("<td>11 of 12</td>"), std::string::npos);         // where kfd failed
+  EXPECT_NE(page.find("McNemar"), std::string::npos);
+  EXPECT_NE(page.find("(Nemenyi, 5 %)"), std::string::npos);
+}
+
+TEST(QuantileBands, ManyValuesAreGroupedWithTheirNeighbours) {
+  StudyKey key;
+  key.name = "k";
+  testing::Random random;
+  for (int i = 0; i < 1000; ++i) key.values.push_back(std::pow(10.0, random.uniform(0.0, 3.0)));
+  const KeyGroups groups = group_values(key, 8);
+  ASSERT_EQ(groups.size(), 8U);
+  EXPECT_TRUE(groups.is_binned);
+  EXPECT_TRUE(groups.is_log);
+  std::vector<std::vector<double>> members(8);
+  for (std::size_t i = 0; i < 1000; ++i) members[groups.of_sample[i]].push_back(key.values[i]);
+  double below = 0.0;
+  for (std::size_t g = 0; g < 8; ++g) {
+    EXPECT_EQ(members[g].size(), 125U);
+    EXPECT_GT(*std::min_element(members[g].begin(), members[g].end()), below);
+    below = *std::max_element(members[g].begin(), members[g].end());
+    EXPECT_DOUBLE_EQ(groups.centre[g], testing::median(members[g]));
+  }
+  key.values = range(0.0, 10.0, 11);
+  EXPECT_FALSE(group_values(key, 11).is_log);
+  EXPECT_EQ(group_values(key, 11).centre, key.values);
+}
+
+TEST(StudyNumbers, ASampleKeepsWhatIsComparedTogetherAndCountsEveryFailure) {
+  Folder folder("sample", make_study({list_of("a", range(0.0, 1.0, 400))}, {"idob", "stf"}, 10));
+  std::size_t failed = 0;
+  folder.fill([&](const StudyPoint& point, PointResult& result) {
+    if (point.candidate == 1 && number_of(point.values[0]) > 0.75) {
+      ++failed;
+      return fail(result, fmt::format("at {} s: diverged", 0.1 * static_cast<double>(failed)));
+    }
+    result.metrics = {{"y", 1.0}};
+  });
+  const StudyNumbers numbers = study_numbers(folder.plan(), folder.index(), {}, 2000);
+  EXPECT_TRUE(numbers.is_sample);
+  EXPECT_NEAR(static_cast<double>(numbers.runs.size()), 2000.0, 200.0);
+  std::set<std::size_t> points;
+  for (const StudyRun& run : numbers.runs) points.insert(run.number);
+  for (const std::size_t point : points) EXPECT_TRUE(points.contains(point ^ 1U));
+  ASSERT_EQ(numbers.failures.size(), 1U);
+  const FailureKind& kind = numbers.failures.front();
+  EXPECT_EQ(kind.runs, failed);
+  EXPECT_EQ(kind.reason, "at 0.1 s: diverged");
+  EXPECT_EQ(kind.of_candidate, (std::vector<std::size_t>{0, failed}));
+  EXPECT_EQ(kind.where, std::vector<std::string>{"a from 0.7519 to 1"});
+  EXPECT_EQ(numbers.failed.size(), 150U);
+}
+
+// y = Σ a_i x_i of uniform x_i: S_i = T_i = a_i²/Σ a². Failed where x_1 < 0.25: x_1 alone decides.
+TEST(StudyIndices, AreThoseOfALinearOutputAndOfItsFailures) {
+  Study study =
+      make_study({uniform("x.a", 0, 1), uniform("x.b", 0, 1), uniform("x.c", 0, 1)}, {"idob"}, 2);
+  study.method = Method::saltelli;
+  study.samples = 4096;
+  Folder folder("indices", study);
+  folder.fill([&](const StudyPoint& point, PointResult& result) {
+    const double a = number_of(point.values[0]);
+    const double noise = *point.seed == 1 ? 0.5 : -0.5;  // which the mean over seeds has not
+    result.metrics = {
+        {"y", 3.0 * a + 2.0 * number_of(point.values[1]) + number_of(point.values[2]) + noise}};
+    if (a < 0.25) fail(result, "low");
+  });
+  StudyNumbers numbers = study_numbers(folder.plan(), folder.index(), {});
+  ASSERT_EQ(numbers.blocks, 4096U);
+  std::vector<OutputIndices> all = study_indices(numbers, 1);
+  ASSERT_EQ(all.size(), 2U);
+  EXPECT_EQ(all[1].output, kFailedOutput);
+  const double failed[] = {1.0, 0.0, 0.0}, linear[] = {9.0 / 14.0, 4.0 / 14.0, 1.0 / 14.0};
+  for (int k = 0; k < 3; ++k) {
+    EXPECT_NEAR(all[0].indices.total[k].value, linear[k], 0.02);
+    EXPECT_NEAR(all[0].indices.first_order[k].value, linear[k], 0.02);
+    EXPECT_NEAR(all[1].indices.total[k].value, failed[k], 1e-3);
+    EXPECT_NEAR(all[1].indices.first_order[k].value, failed[k], 1e-3);
+  }
+  const fs::path file = folder.path() / "indices.csv";
+  write_indices(all, numbers, {"idob"}, file);
+  const std::string text = testing::text_of(file);
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1 + 2 * 3);
+  EXPECT_NE(text.find("\nidob,failed,x.b,0,"), std::string::npos) << text;
+}
+
+TEST(ChartScale, TicksAreRoundAndInside) {
+  const auto labels = [](double low, double high, bool is_log) {
+    std::vector<std::string> all;
+    for (const ChartScale::Tick& tick : ChartScale(low, high, is_log, 0, 1).ticks(5)) {
+      EXPECT_GE(tick.value, low);
+      EXPECT_LE(tick.value, high);
+      all.push_back(tick.label);
+    }
+    return all;
+  };
+  using Labels = std::vector<std::string>;
+  EXPECT_EQ(labels(-0.31, 0.52, false), (Labels{"-0.2", "0", "0.2", "0.4"}));
+  EXPECT_EQ(labels(0.7, 90.0, true), (Labels{"1", "10"}));
+  EXPECT_EQ(labels(9.0, 75.0, true), (Labels{"10", "20", "50"}));
+  EXPECT_EQ(labels(1e-9, 1e9, true), (Labels{"1e-08", "0.0001", "1", "10000", "1e+08"}));
+  const ChartScale scale(1.0, 100.0, true, 10.0, 30.0);
+  EXPECT_DOUBLE_EQ(scale(10.0), 20.0);
+  EXPECT_DOUBLE_EQ(scale.share(1000.0), 1.0);
+  EXPECT_NEAR(ChartScale(2.0, 2.0, false, 0.0, 1.0)(2.0), 0.5, 1e-12);
+}
+
+// log(0.1,1000,n) has values of ten digits; what is told apart by no fewer keeps them.
+TEST(StudyGroups, LabelsAreShortWhereAllAreToldApart) {
+  StudyKey key;
+  key.values = {0.3437543855, 281.1706626, 20000.0, 123456.0, 0.015};
+  EXPECT_EQ(group_values(key, 10).labels,
+            (std::vector<std::string>{"0.015", "0.3438", "281.2", "20000", "123456"}));
+  key.values = {1.00000001, 1.00000002, 2.0};
+  EXPECT_EQ(group_values(key, 10).labels,
+            (std::vector<std::string>{"1.00000001", "1.00000002", "2"}));
+}
+
+// Whatever the shape of a study with 36 metrics and 1e5 points.
+class LargeStudy : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(LargeStudy, HasAPageOfLessThan2MB) {
+  const std::string shape = GetParam();
+  std::vector<VariedKey> keys;
+  Study study;
+  if (shape == "grid") {
+    study = make_study({list_of("a.first", range(1, 2, 40)), list_of("a.second", range(0, 1, 40))},
+                       {"idob", "stf", "mdob"}, 20);
+  } else {
+    std::vector<VariedKey> drawn;
+    for (const char* key : {"a", "b", "c", "d", "e", "f"}) {
+      drawn.push_back(uniform("plant." + std::string(key), 0.5, 2.0));
+    }
+    study = make_study(drawn, {"idob", "stf", "mdob"}, 1);
+    study.method = shape == "saltelli" ? Method::saltelli : Method::latin_hypercube;
+    study.samples = shape == "saltelli" ? 4096 : 33333;
+  }
+  Folder folder("large_" + shape, study);
+  ASSERT_GT(folder.plan().size(), 95'000U);
+  std::uint64_t state = 1;
+  folder.fill([&](const StudyPoint& point, PointResult& result) {
+    const double a = number_of(point.values[0]), b = number_of(point.values[1]);
+    state = scattered(state);
+    if (state % 50 == 0) return fail(result, fmt::format("at {} s: diverged", state % 100));
+    for (int m = 0; m < 36; ++m) {
+      result.metrics.emplace_back(fmt::format("metric_of_some_length_{}_rad_s", m),
+                                  a * m + b * b + 1e-3 * static_cast<double>(state % 1000));
+    }
+  });
+  const std::string page = folder.page();
+  RecordProperty("bytes", static_cast<int>(page.size()));
+  EXPECT_LT(page.size(), 2'000'000U);
+  EXPECT_GT(page.size(), 300'000U);
+  EXPECT_NE(page.find("id=\"metric-24\""), std::string::npos) << "most have charts";
+}
+
+INSTANTIATE_TEST_SUITE_P(Shapes, LargeStudy, ::testing::Values("grid", "lhs", "saltelli"),
+                         [](const auto& shape) { return std::string(shape.param); });
+
+TEST(HeatMaps, HaveTheirRowsWholeLabels) {
+  HeatMap map;
+  map.x_labels = {"a word of twenty-six letters", "b"};
+  map.y_labels = {"joint-space-position"};
+  map.cells = {{1.0, 4, 0, 4, 0}, {2.0, 4, 1, 3, 1}};
+  const std::string whole = draw(map);
+  EXPECT_NE(whole.find(">joint-space-position<"), std::string::npos);
+  EXPECT_EQ(whole.find("class=\"absent\""), std::string::npos);
+  map.cells[1] = {2.0, 4, 0, 2, 1};  // two runs without the metric
+  EXPECT_NE(draw(map).find("class=\"absent\""), std::string::npos);
+}
+
+TEST(StudyReport, HostileNamesStayText) {
+  const std::string bad = "\"'></script><script>alert(1)</script><img src=x>{{title}}";
+  Study study = make_study({list_of("a<b>", {1, 2})}, {"idob"}, 2);
+  VariedKey text;
+  text.key = "k\"'&<i>";
+  text.values = {toml_string(bad), toml_string("fine")};
+  text.written = "[" + text.values[0] + "]";
+  study.vary.push_back(text);
+  study.compare.push_back(text);
+  for (const Method method : {Method::grid, Method::list}) {
+    study.method = method;
+    Folder folder("hostile'\"<b>", study);
+    folder.fill([&](const StudyPoint& point, PointResult& result) {
+      if (point.sample == 1) return fail(result, bad);
+      result.metrics = {{bad, number_of(point.values[0])}, {"plain", 1.0}};
+    });
+    const std::string page = folder.page();
+    for (const char* tag : {"<img", "<b>idob", "<i>\"", "<script>alert", "a<b>"}) {
+      EXPECT_EQ(page.find(tag), std::string::npos) << tag;
+    }
+    // The page's own: the list of runs and two scripts.
+    const std::regex script("</script>");
+    EXPECT_EQ(std::distance(std::sregex_iterator(page.begin(), page.end(), script), {}), 3);
+    EXPECT_NE(page.find("&lt;img src"), std::string::npos);
+    EXPECT_EQ(folder.page(), page) << "the same results give the same bytes";
+  }
+}
+
+TEST(StudyReport, OfNothingIsAPageToo) {
+  Folder folder("nothing", make_study({list_of("a", {1, 2})}, {"idob"}, 1));
+  EXPECT_NE(folder.page().find("not yet run"), std::string::npos);
+  folder.fill([](const StudyPoint&, PointResult& result) { fail(result, ""); });
+  EXPECT_NE(folder.page().find("Failed runs"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace breakwater::study_report_test

@@ -1,0 +1,207 @@
+// `estimate` on records whose clock jitters and whose rows are lost. They are made by a motor of
+// our own here: J q̈ = u − d − c q̇ in closed form between one instant and the next.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <numbers>
+
+#include <breakwater/experiment/runner.h>
+#include <breakwater/recorded/innovation_watch.h>
+#include <breakwater/recorded/recorded_estimation.h>
+#include "support.h"
+
+namespace breakwater::irregular_record_test {
+namespace {
+
+constexpr double kPeriod = 5e-4;
+constexpr double kDuration = 4.0;
+constexpr double kStep = 1.0;  // when the load comes
+constexpr double kLoad = 0.05;
+constexpr double kInertia = 1e-3;
+constexpr double kFriction = 2e-4;
+constexpr double kQuantum = 2.0 * std::numbers::pi / 65536.0;
+
+struct Row {
+  double time_s, u, q, d;
+};
+
+// A servo follows 2 sin 2t; it samples, and its drive holds, at these instants.
+std::vector<Row> moved_motor(const std::vector<double>& instants) {
+  constexpr double a = kFriction / kInertia;
+  double q = 0.0;
+  double v = 0.0;
+  const auto move = [&](double h, double force) {
+    const double end = force / kFriction;
+    const double decay = std::exp(-a * h);
+    q += end * h + (v - end) * (1.0 - decay) / a;
+    v = end + (v - end) * decay;
+  };
+  std::vector<Row> rows;
+  for (std::size_t k = 0; k < instants.size(); ++k) {
+    const double t = instants[k];
+    const double u = 0.4 * (2.0 * std::sin(2.0 * t) - q) + 0.02 * (4.0 * std::cos(2.0 * t) - v);
+    rows.push_back({t, u, kQuantum * std::round(q / kQuantum), t >= kStep ? kLoad : 0.0});
+    if (k + 1 == instants.size()) break;
+    const double next = instants[k + 1];
+    if (t < kStep && next > kStep) {
+      move(kStep - t, u);
+      move(next - kStep, u - kLoad);
+    } else {
+      move(next - t, u - rows.back().d);
+    }
+  }
+  return rows;
+}
+
+// `jitter` in periods, by which each instant is off at most.
+std::vector<double> instants(double jitter, testing::Random& random) {
+  std::vector<double> times(static_cast<std::size_t>(std::lround(kDuration / kPeriod)) + 1);
+  for (std::size_t k = 1; k < times.size(); ++k) {
+    times[k] = (static_cast<double>(k) + random.uniform(-jitter, jitter)) * kPeriod;
+  }
+  return times;
+}
+
+// Bursts of 1 to 60 rows until so many are lost, half a second apart at the least.
+std::vector<Row> with_lost_rows(std::vector<Row> rows, double share, testing::Random& random) {
+  auto left = std::lround(share * static_cast<double>(rows.size()));
+  const long bursts = left / 60 + 1;
+  const double apart = static_cast<double>(rows.size()) / static_cast<double>(bursts);
+  for (long i = bursts - 1; i >= 0 && left > 0; --i) {
+    const long length = i == 0 ? left : std::min(left, std::lround(random.uniform(1.0, 60.0)));
+    left -= length;
+    const auto first = rows.begin() + std::lround((static_cast<double>(i) + 0.5) * apart);
+    rows.erase(first, first + length);
+  }
+  return rows;
+}
+
+class IrregularRecord : public ::testing::Test {
+ protected:
+  Recording estimate(const std::vector<Row>& rows, const std::string& observer,
+                     std::vector<std::string> sets = {}) const {
+    std::ofstream stream(file_);
+    stream.precision(17);
+    stream << "time_s,u,y\n";
+    for (const Row& row : rows) stream << row.time_s << ',' << row.u << ',' << row.q << '\n';
+    stream.close();
+    Catalogue catalogue;
+    for (const AxisEstimatorKind& kind : axis_estimators()) catalogue.add(kind);
+    const ScenarioFile file(testing::source_file("data/estimate/estimate.toml"), "estimate");
+    sets.insert(sets.begin(),
+                {"csv.file=\"" + file_.string() + "\"", "plant.inertia=" + std::to_string(kInertia),
+                 "plant.viscous_friction=" + std::to_string(kFriction),
+                 "encoder.quantum=" + std::to_string(kQuantum)});
+    const PreparedRun run = prepare_scenario(std::make_unique<RecordedEstimation>(catalogue), file,
+                                             observer, sets, Tables::unchecked);
+    return run.scenario->run({});
+  }
+
+  std::filesystem::path file_ = testing::temporary_path("irregular.csv");
+  testing::Removed removed_{file_};
+};
+
+// Root mean square of d̂ − d, from half a second after the load's step on, and from 0.2 s after each
+// gap on.
+double error(const Recording& recording, const std::vector<Row>& rows) {
+  const std::vector<double> d = recording.track("control").values("d_hat_Nm");
+  double squares = 0.0;
+  double count = 0.0;
+  double gap_s = 0.0;
+  for (std::size_t k = 1; k < rows.size(); ++k) {
+    if (rows[k].time_s - rows[k - 1].time_s > 1.5 * kPeriod) gap_s = rows[k].time_s;
+    if (rows[k].time_s < kStep + 0.5 || rows[k].time_s < gap_s + 0.2) continue;
+    squares += (d[k] - rows[k].d) * (d[k] - rows[k].d);
+    count += 1.0;
+  }
+  return std::sqrt(squares / count);
+}
+
+double largest(const Recording& recording, double from_s) {
+  const Track& track = recording.track("control");
+  const std::vector<double> times = track.times();
+  const std::vector<double> d = track.values("d_hat_Nm");
+  double most = 0.0;
+  for (std::size_t k = 0; k < d.size(); ++k) {
+    if (times[k] >= from_s) most = std::max(most, std::abs(d[k]));
+  }
+  return most;
+}
+
+TEST_F(IrregularRecord, JitterAndLostRowsCostLittleBesideTheCleanRecord) {
+  for (const char* observer : {"stf", "qvff", "qbank", "idob", "mdob"}) {
+    testing::Random none;
+    const std::vector<Row> clean = moved_motor(instants(0.0, none));
+    const double of_clean = error(estimate(clean, observer), clean);
+    for (int i = 0; i < 20; ++i) {
+      testing::Random random(static_cast<unsigned>(100 + i));
+      const double jitter = 0.1 * i / 19.0;
+      const double lost = 0.05 * (7 * i % 20) / 19.0;
+      const std::vector<Row> rows =
+          with_lost_rows(moved_motor(instants(jitter, random)), lost, random);
+      const double found = error(estimate(rows, observer), rows);
+      EXPECT_LE(found, std::max(1.5 * of_clean, 0.01 * kLoad))
+          << observer << ", jitter " << jitter << ", lost " << lost << ", clean " << of_clean;
+    }
+  }
+}
+
+TEST_F(IrregularRecord, TheDefaultFilterDoesNotTakeAClockThatJittersForALoad) {
+  testing::Random random(3);
+  const std::vector<Row> rows = moved_motor(instants(0.04, random));
+  const Recording recording = estimate(rows, "stf");
+  EXPECT_LE(largest(recording, 0.1), 1.5 * kLoad);
+  EXPECT_LE(error(recording, rows), 0.01 * kLoad);
+  EXPECT_EQ(doubt_of(recording), std::nullopt);
+}
+
+TEST_F(IrregularRecord, OneLostRowDoesNotStartTheFilterAgain) {
+  testing::Random none;
+  std::vector<Row> rows = moved_motor(instants(0.0, none));
+  rows.erase(rows.begin() + 5000);
+  const Recording recording = estimate(rows, "stf");
+  EXPECT_EQ(recording.metric("gap_count"), 1.0);
+  EXPECT_LE(largest(recording, 1.2), 1.1 * kLoad);
+  EXPECT_EQ(recording.track("control").values("stretch").back(), 1.0);
+}
+
+// The rows say that they were taken once a period, and were not.
+TEST_F(IrregularRecord, UncertainInstantsAreAnErrorOfTheSensorThatGrowsWithTheSpeed) {
+  testing::Random random(5);
+  std::vector<Row> rows = moved_motor(instants(0.2, random));
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    rows[k].time_s = static_cast<double>(k) * kPeriod;
+  }
+  const Recording believed = estimate(rows, "stf");
+  const auto doubt = doubt_of(believed);
+  ASSERT_TRUE(doubt.has_value());
+  EXPECT_TRUE(doubt->starts_with("the model does not explain the data: ")) << *doubt;
+  EXPECT_NE(doubt->find("csv.time_std_s"), std::string::npos) << *doubt;
+
+  const double std_s = 0.2 * kPeriod / std::sqrt(3.0);
+  const Recording known = estimate(rows, "stf", {"csv.time_std_s=" + std::to_string(std_s)});
+  EXPECT_EQ(doubt_of(known), std::nullopt);
+  EXPECT_LT(largest(known, 0.1), 0.3 * largest(believed, 0.1));
+  EXPECT_LE(error(known, rows), 0.02 * kLoad);
+}
+
+TEST_F(IrregularRecord, AModelThatDoesNotExplainTheDataIsSaid) {
+  testing::Random none;
+  const std::vector<Row> rows = moved_motor(instants(0.0, none));
+  for (const char* observer : {"stf", "qvff", "qbank", "idob"}) {
+    EXPECT_EQ(doubt_of(estimate(rows, observer)), std::nullopt) << observer;
+  }
+  for (const char* wrong : {"csv.input_scale=-1", "csv.position_scale=57.3"}) {
+    EXPECT_TRUE(doubt_of(estimate(rows, "idob", {wrong})).has_value()) << wrong;
+  }
+}
+
+TEST_F(IrregularRecord, TheFilterBankNeedsNoTuning) {
+  testing::Random random(7);
+  const std::vector<Row> rows = moved_motor(instants(0.05, random));
+  EXPECT_LE(error(estimate(rows, "qbank"), rows), 0.01 * kLoad);
+}
+
+}  // namespace
+}  // namespace breakwater::irregular_record_test

@@ -1,0 +1,176 @@
+// Searches on problems whose fronts and minima are known, and pagmo's own front and volume.
+#include <breakwater/search/search.h>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <pagmo/problem.hpp>
+#include <pagmo/problems/dtlz.hpp>
+#include <pagmo/problems/zdt.hpp>
+#include <pagmo/utils/hypervolume.hpp>
+#include <pagmo/utils/multi_objective.hpp>
+#include <stdexcept>
+
+#include <breakwater/search/front.h>
+#include "support.h"
+
+namespace breakwater::search_test {
+namespace {
+
+struct Asked {
+  Vectors u, answers;
+  std::size_t largest_batch = 0;
+};
+
+Asked run(const SearchSettings& settings,
+          const std::function<std::vector<double>(const std::vector<double>&)>& f) {
+  Asked asked;
+  search(settings, [&](const Vectors& points) {
+    Vectors answers;
+    for (const auto& u : points) {
+      for (const double one : u) EXPECT_TRUE(one > 0.0 && one < 1.0);
+      answers.push_back(f(u));
+      asked.u.push_back(u);
+      asked.answers.push_back(answers.back());
+    }
+    asked.largest_batch = std::max(asked.largest_batch, points.size());
+    return answers;
+  });
+  return asked;
+}
+
+Vectors front_points(const Asked& asked) {
+  Vectors front;
+  for (const std::size_t i : front_of(asked.answers)) front.push_back(asked.answers[i]);
+  return front;
+}
+
+// Front: f₂ = 1 − √f₁. Volume below (1, 1): 2/3.
+TEST(Search, FindsTheFrontOfZDT1) {
+  const pagmo::problem zdt1{pagmo::zdt(1, 10)};
+  for (const auto& [algorithm, least] :
+       {std::pair(SearchAlgorithm::nsga2, 0.65), std::pair(SearchAlgorithm::nspso, 0.60)}) {
+    const Asked asked = run({.algorithm = algorithm, .dimension = 10, .budget = 8000, .seed = 4},
+                            [&](const auto& u) { return zdt1.fitness(u); });
+    EXPECT_EQ(asked.answers.size(), 8000U);
+    EXPECT_EQ(asked.largest_batch, 40U);
+    const double volume = hypervolume_below(front_points(asked), {1.0, 1.0});
+    EXPECT_GT(volume, least);
+    EXPECT_LT(volume, 2.0 / 3.0);
+  }
+}
+
+// Front: the unit sphere's part of positive coordinates. Volume below (1, 1, 1): 1 − π/6.
+TEST(Search, FindsTheFrontOfDTLZ2) {
+  const pagmo::problem dtlz2{pagmo::dtlz(2, 7, 3)};
+  const Asked asked = run({.dimension = 7, .objectives = 3, .budget = 6000, .population = 60},
+                          [&](const auto& u) { return dtlz2.fitness(u); });
+  const Vectors front = front_points(asked);
+  const double volume = hypervolume_below(front, {1.0, 1.0, 1.0});
+  EXPECT_GT(volume, 0.42);
+  EXPECT_LT(volume, 1.0 - std::numbers::pi / 6.0);
+  for (const auto& point : front) {
+    EXPECT_GE(std::hypot(point[0], point[1], point[2]), 1.0 - 1e-12);
+  }
+}
+
+TEST(Search, FrontsAndVolumesArePagmos) {
+  testing::Random random;
+  for (const std::size_t objectives : {2, 3, 4}) {
+    Vectors points;
+    for (int i = 0; i < 300; ++i) {
+      std::vector<double> point;
+      for (std::size_t k = 0; k < objectives; ++k) {
+        point.push_back(std::round(20.0 * random.uniform(0.0, 1.0)) / 20.0);  // ties
+      }
+      points.push_back(point);
+    }
+    const auto sorted = std::get<0>(pagmo::fast_non_dominated_sorting(points));
+    std::set<std::vector<double>> theirs, ours;
+    for (const auto i : sorted.front()) theirs.insert(points[i]);
+    for (const auto i : front_of(points)) EXPECT_TRUE(ours.insert(points[i]).second);
+    EXPECT_EQ(ours, theirs);
+    const std::vector<double> reference(objectives, 1.5);
+    EXPECT_NEAR(hypervolume_below({ours.begin(), ours.end()}, reference),
+                pagmo::hypervolume(points, true).compute(reference), 1e-12);
+  }
+  EXPECT_EQ(hypervolume_below({{0.5, 0.5}, {0.0, 2.0}}, {1.0, 1.0}), 0.25);
+  EXPECT_EQ(hypervolume_below({}, {1.0, 1.0}), 0.0);
+  EXPECT_EQ(hypervolume_below({{0.25}, {0.5}}, {1.0}), 0.75);
+  EXPECT_EQ(evenly_spaced(5, 3), (std::vector<std::size_t>{0, 2, 4}));
+  EXPECT_EQ(evenly_spaced(2, 3), (std::vector<std::size_t>{0, 1}));
+}
+
+TEST(Search, FindsAMinimum) {
+  const auto f = [](const std::vector<double>& u) {
+    const double x = 4.0 * u[0] - 2.0, y = 4.0 * u[1] - 2.0;
+    return std::vector<double>{std::pow(1.0 - x, 2) + 10.0 * std::pow(y - x * x, 2)};
+  };
+  for (const auto& [algorithm, population] :
+       {std::pair(SearchAlgorithm::cmaes, 10), std::pair(SearchAlgorithm::bobyqa, 1)}) {
+    const Asked asked = run({.algorithm = algorithm,
+                             .dimension = 2,
+                             .objectives = 1,
+                             .budget = 600,
+                             .population = static_cast<std::size_t>(population)},
+                            f);
+    EXPECT_LE(asked.answers.size(), 600U);
+    EXPECT_LT(std::min_element(asked.answers.begin(), asked.answers.end())->front(), 1e-6);
+  }
+}
+
+// To resume by replay, the same answers must lead to the same questions.
+TEST(Search, AsksTheSameAgainAndKeepsToItsBudget) {
+  const auto f = [](const std::vector<double>& u) {
+    if (u[0] > 0.7) return std::vector<double>{1e13 * (1.0 + u[1]), 1e13 * (1.0 + u[1])};
+    return std::vector<double>{u[0], 1.0 - u[0] + u[1]};
+  };
+  for (const auto& [name, algorithm] : search_algorithms()) {
+    SearchSettings settings{
+        .algorithm = algorithm, .dimension = 3, .budget = 107, .population = 16};
+    auto g = std::function<std::vector<double>(const std::vector<double>&)>(f);
+    if (!has_several_objectives(algorithm)) {
+      settings.objectives = 1;
+      g = [&](const auto& u) { return std::vector<double>{f(u)[1]}; };
+    }
+    const Asked asked = run(settings, g);
+    EXPECT_EQ(asked.u, run(settings, g).u) << name;
+    EXPECT_LE(asked.u.size(), used_budget(settings)) << name;
+    if (algorithm != SearchAlgorithm::bobyqa) {
+      EXPECT_EQ(asked.u.size(), used_budget(settings)) << name;
+    }
+    settings.seed = 2;
+    EXPECT_EQ(asked.u == run(settings, g).u, algorithm == SearchAlgorithm::bobyqa) << name;
+  }
+}
+
+TEST(Search, WhatIsThrownComesThrough) {
+  struct Stop {};
+  for (const auto& [name, algorithm] : search_algorithms()) {
+    const std::size_t objectives = has_several_objectives(algorithm) ? 2 : 1;
+    int calls = 0;
+    const auto evaluate = [&](const Vectors& points) -> Vectors {
+      if (++calls == 2) throw Stop();
+      return Vectors(points.size(), std::vector<double>(objectives, 1.0));
+    };
+    EXPECT_THROW(
+        search({.algorithm = algorithm, .dimension = 2, .objectives = objectives}, evaluate), Stop)
+        << name;
+  }
+}
+
+TEST(Search, SaysWhatDoesNotFit) {
+  using enum SearchAlgorithm;
+  EXPECT_NE(objection({.algorithm = nsga2, .objectives = 1}), "");
+  EXPECT_NE(objection({.algorithm = cmaes, .objectives = 2}), "");
+  EXPECT_NE(objection({.algorithm = bobyqa, .dimension = 1, .objectives = 1}), "");
+  EXPECT_NE(objection({.algorithm = nsga2, .population = 42}), "");
+  EXPECT_NE(objection({.algorithm = nspso, .budget = 79, .population = 40}), "");
+  EXPECT_NE(objection({.dimension = 0}), "");
+  EXPECT_EQ(objection({.algorithm = nspso, .budget = 80, .population = 40}), "");
+  EXPECT_THROW(search({.objectives = 1}, nullptr), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace breakwater::search_test

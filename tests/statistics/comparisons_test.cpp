@@ -1,0 +1,645 @@
+// Tests, intervals and verdicts: SciPy's numbers, the definitions, and a thing against itself.
+#include <breakwater/statistics/paired_comparison.h>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <sstream>
+
+#include <breakwater/statistics/binomial.h>
+#include <breakwater/statistics/bootstrap.h>
+#include <breakwater/statistics/distribution.h>
+#include <breakwater/statistics/group_tests.h>
+#include <breakwater/statistics/multiple_tests.h>
+#include <breakwater/statistics/quantile.h>
+#include <breakwater/statistics/signed_rank.h>
+#include <breakwater/statistics/student_t.h>
+#include <breakwater/study/comparison_table.h>
+#include <breakwater/study/key_effects.h>
+#include "python.h"
+
+namespace breakwater::comparisons_test {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+// Problems for SciPy, and what we say.
+class Questions {
+ public:
+  void ask(const std::string& question, double answer, double tolerance = 1e-11) {
+    ask(question, std::vector<double>{answer}, tolerance);
+  }
+  void ask(const std::string& question, const std::vector<double>& answers,
+           double tolerance = 1e-11) {
+    input_ << question << '\n';
+    for (const double answer : answers) {
+      ours_.push_back(answer);
+      names_.push_back(question.substr(0, 60));
+      tolerances_.push_back(tolerance);
+    }
+  }
+  void expect_answers() {
+    const std::vector<double> scipy =
+        testing::run_python("study/scipy_comparisons.py", input_.str());
+    ASSERT_EQ(scipy.size(), ours_.size());
+    for (std::size_t i = 0; i < scipy.size(); ++i) {
+      EXPECT_NEAR(ours_[i], scipy[i], tolerances_[i]) << names_[i];
+    }
+  }
+
+ private:
+  std::ostringstream input_;
+  std::vector<double> ours_, tolerances_;
+  std::vector<std::string> names_;
+};
+
+std::string words(const std::vector<double>& values) {
+  std::ostringstream text;
+  text.precision(17);
+  text << ' ' << values.size();
+  for (const double value : values) text << ' ' << value;
+  return text.str();
+}
+
+// A standard normal deviate.
+double deviate(testing::Random& random) {
+  return normal_quantile(random.uniform(1e-12, 1.0 - 1e-12));
+}
+
+std::vector<double> differences(std::size_t n, double shift, testing::Random& random) {
+  std::vector<double> all;
+  for (std::size_t i = 0; i < n; ++i) all.push_back(shift + deviate(random));
+  return all;
+}
+
+TEST(Comparisons, TestsAndIntervalsAreSciPys) {
+  testing::Random random;
+  Questions questions;
+  for (const std::size_t n : {1, 2, 7, 50, 2000}) {
+    for (const double p : {0.5, 0.9}) {
+      questions.ask("binomial " + std::to_string(n) + " " + std::to_string(p), binomial_cdf(n, p));
+    }
+  }
+  for (const auto& [b, c] :
+       {std::pair(0, 1), std::pair(2, 8), std::pair(5, 5), std::pair(40, 90)}) {
+    questions.ask("mcnemar " + std::to_string(b) + " " + std::to_string(c), mcnemar_exact(b, c));
+  }
+  for (const std::size_t n : {1, 2, 5, 12, 40, 200}) {
+    for (const double shift : {0.0, 0.3, -1.0}) {
+      const std::vector<double> d = differences(n, shift, random);
+      questions.ask("wilcoxon" + words(d), signed_rank_test(d).p);
+    }
+  }
+  for (const std::vector<double>& d : {std::vector<double>{1, 1, 0, -2, 3},
+                                       {0, 0, 0, 2, 2, 2, -2, 5, -1, 1, 4},
+                                       {-1, -1, -1, -1, -1, -1},
+                                       {0, 7}}) {
+    questions.ask("signs" + words(d), signed_rank_test(d).p);
+  }
+  for (const std::size_t n : {201, 1000}) {
+    std::vector<double> d = differences(n, 0.05, random);
+    for (double& one : d) one = std::round(8.0 * one);  // ties and zeros
+    for (int i = 0; i < 60; ++i) d.push_back(i % 3 == 0 ? 2.0 : -1.0);
+    ASSERT_FALSE(signed_rank_test(d).is_exact);
+    questions.ask("pratt" + words(d), signed_rank_test(d).p, 1e-9);
+  }
+  for (const std::size_t n : {25, 30}) {  // smaller ones draw themselves: SciPy counts no ties
+    std::vector<double> x = differences(n, 0.0, random);
+    for (double& one : x) one = std::exp(one);  // skew
+    const std::vector<double> replicates =
+        bootstrap_replicates(x, sample_mean, {.replicates = 999, .level = 0.9, .seed = 5});
+    const auto interval = bca_interval(x, sample_mean, replicates, 0.9);
+    ASSERT_TRUE(interval);
+    questions.ask("bca 0.9" + words(x) + words(replicates), {interval->lower, interval->upper});
+  }
+  for (const std::size_t k : {2, 3, 10, 40}) {
+    questions.ask("range " + std::to_string(k) + " 0.05", normal_range_quantile(k, 0.05), 1e-6);
+  }
+  for (const std::size_t degrees : {1, 2, 3, 4, 7, 30, 101}) {
+    for (const double t : {-40.0, -2.5, -0.1, 0.0, 1.0, 3.0}) {
+      std::ostringstream question;
+      question << "student " << t << ' ' << degrees;
+      questions.ask(question.str(), student_t_cdf(t, degrees), 1e-13);
+    }
+  }
+  for (const double of_groups : {0.0, 0.2, 3.0}) {
+    Groups groups;
+    std::string values;
+    for (int g = 0; g < 4; ++g) {
+      groups.push_back(differences(5, of_groups * deviate(random), random));
+      values += words(groups.back());
+    }
+    questions.ask("turn 4" + values, sign_turn_p(groups));
+    std::string same = "between 4 5";
+    for (const std::vector<double>& group : groups) same += words(group).substr(2);
+    questions.ask(same, share_between(groups).value());
+  }
+  const Eigen::MatrixXd rows = (random.matrix(9, 4) * 3.0).array().round();
+  std::string flat = "ranks 9 4";
+  for (Eigen::Index i = 0; i < 9; ++i) {
+    for (Eigen::Index j = 0; j < 4; ++j) flat += " " + std::to_string(rows(i, j));
+  }
+  const Eigen::VectorXd ranks = average_ranks(rows);
+  questions.ask(flat, {ranks.begin(), ranks.end()});
+  questions.expect_answers();
+}
+
+// Table 5 of Demšar (2006): q_0.05 for the Nemenyi test.
+TEST(Comparisons, CriticalDifferencesAreThePrintedOnes) {
+  const std::vector<double> printed = {1.960, 2.343, 2.569, 2.728, 2.850,
+                                       2.949, 3.031, 3.102, 3.164};
+  for (std::size_t k = 2; k <= 10; ++k) {
+    const double n = 14.0, size = static_cast<double>(k);
+    EXPECT_NEAR(critical_difference(k, 14, 0.05) / std::sqrt(size * (size + 1.0) / (6.0 * n)),
+                printed[k - 2], 0.0011)
+        << k;
+  }
+}
+
+TEST(Comparisons, HolmStepsDown) {
+  const std::vector<double> p = {0.01, 0.04, 0.03, 0.005};
+  const std::vector<double> expected = {0.03, 0.06, 0.06, 0.02};
+  for (std::size_t i = 0; i < p.size(); ++i) EXPECT_NEAR(holm(p)[i], expected[i], 1e-15);
+  EXPECT_EQ(holm({0.9, 0.8}), (std::vector<double>{1.0, 1.0}));
+  EXPECT_TRUE(holm({}).empty());
+}
+
+// Of samples of a distribution whose quantiles are known.
+TEST(Comparisons, IntervalsCoverWhatTheyPromise) {
+  testing::Random random(3);
+  for (const double p : {0.5, 0.9}) {
+    int covered = 0;
+    for (int i = 0; i < 2000; ++i) {
+      std::vector<double> x;
+      for (int j = 0; j < 40; ++j) x.push_back(random.uniform(0.0, 1.0));
+      std::sort(x.begin(), x.end());
+      const auto interval = quantile_interval(x, p, 0.95);
+      ASSERT_TRUE(interval);
+      covered += interval->lower <= p && p <= interval->upper;
+    }
+    EXPECT_GE(covered, 1880) << p;  // 95 % less three standard deviations
+    EXPECT_LE(covered, 1990) << p;  // and not all
+  }
+  EXPECT_FALSE(quantile_interval({1, 2, 3, 4, 5}, 0.5, 0.95));
+  EXPECT_TRUE(quantile_interval({1, 2, 3, 4, 5, 6}, 0.5, 0.95));
+  int covered = 0;
+  for (int i = 0; i < 400; ++i) {
+    std::vector<double> x;
+    for (int j = 0; j < 40; ++j) x.push_back(std::exp(deviate(random)));
+    const auto interval = bca_interval(
+        x, sample_median, bootstrap_replicates(x, sample_median, {.replicates = 500}), 0.95);
+    covered += interval && interval->lower <= 1.0 && 1.0 <= interval->upper;
+  }
+  EXPECT_GE(covered, 366);
+}
+
+TEST(Comparisons, BitsAreTheSameEverywhere) {
+  testing::Random random;
+  std::vector<double> x;
+  for (int i = 0; i < 50; ++i) x.push_back(random.uniform(0.0, 1.0));
+  const auto interval =
+      bca_interval(x, sample_median, bootstrap_replicates(x, sample_median, {}), 0.95);
+  std::uint64_t hash = 14695981039346656037ULL;
+  for (const double value : {interval->lower, interval->upper, signed_rank_test(x).p,
+                             critical_difference(5, 17, 0.05), binomial_cdf(100, 0.3)[40]}) {
+    hash = (hash ^ std::bit_cast<std::uint64_t>(value)) * 1099511628211ULL;
+  }
+  EXPECT_EQ(hash, 0x28ddc68830cbbdeeULL) << std::hex << hash;
+}
+
+// One metric "y" of two candidates over n worlds, whose worlds matter more than the candidates.
+PairedResults two(std::size_t n, double shift, Goal goal, testing::Random& random) {
+  PairedResults results;
+  results.candidates = {"new", "old"};
+  results.baseline = 1;
+  results.metrics = {"y"};
+  results.goals = {{"y", goal}};
+  const auto rows = static_cast<Eigen::Index>(n);
+  results.failed = Eigen::MatrixXd::Zero(rows, 2);
+  Eigen::MatrixXd y(rows, 2);
+  for (Eigen::Index i = 0; i < rows; ++i) {
+    const double world = 5.0 * deviate(random);
+    for (Eigen::Index k = 0; k < 2; ++k) {
+      y(i, k) = world + std::exp(0.5 * deviate(random)) + (k == 0 ? shift : 0.0);
+    }
+  }
+  results.values = {y};
+  return results;
+}
+
+TEST(Comparisons, AThingIsSeldomBetterThanItself) {
+  testing::Random random(11);
+  int better = 0, worse = 0;
+  for (int i = 0; i < 1000; ++i) {
+    const auto comparison =
+        compare_candidates(two(20, 0.0, Goal::min, random), {.bootstrap = {.replicates = 500}});
+    better += comparison.metrics.front().verdict == ComparisonVerdict::better;
+    worse += comparison.metrics.front().verdict == ComparisonVerdict::worse;
+  }
+  EXPECT_LE(better + worse, 60);
+  EXPECT_GE(better + worse, 10);  // it can
+  ::testing::Test::RecordProperty("better", better);
+}
+
+TEST(Comparisons, TheVerdictFollowsTheGoal) {
+  testing::Random random(2);
+  const auto verdict = [&](double shift, Goal goal) {
+    const auto comparison = compare_candidates(two(40, shift, goal, random));
+    const MetricComparison& one = comparison.metrics.front();
+    EXPECT_EQ(one.pairs, 40U);
+    EXPECT_TRUE(one.difference.interval);
+    EXPECT_EQ(one.probability_better.has_value(), goal != Goal::none);
+    return one.verdict;
+  };
+  EXPECT_EQ(verdict(-1.0, Goal::min), ComparisonVerdict::better);
+  EXPECT_EQ(verdict(1.0, Goal::min), ComparisonVerdict::worse);
+  EXPECT_EQ(verdict(1.0, Goal::max), ComparisonVerdict::better);
+  EXPECT_EQ(verdict(-1.0, Goal::max), ComparisonVerdict::worse);
+  EXPECT_EQ(verdict(-1.0, Goal::none), ComparisonVerdict::smaller);
+  EXPECT_EQ(verdict(1.0, Goal::none), ComparisonVerdict::larger);
+  EXPECT_EQ(verdict(0.0, Goal::min), ComparisonVerdict::no_difference_shown);
+}
+
+TEST(Comparisons, PairsWithoutBothAreLeftOutAndFailuresCountedApart) {
+  PairedResults results;
+  results.candidates = {"a", "b", "c"};
+  results.metrics = {"y", "never"};
+  results.values = {Eigen::MatrixXd(3, 3), Eigen::MatrixXd::Constant(3, 3, kNaN)};
+  results.values[0] << 1, 2, 3,  //
+      1, kNaN, 5,                //
+      4, 4, kNaN;
+  results.failed = Eigen::MatrixXd::Zero(3, 3);
+  results.failed(1, 1) = results.failed(2, 2) = 1.0;
+  const CandidateComparison comparison = compare_candidates(results);
+  ASSERT_EQ(comparison.metrics.size(), 3U);  // b-a, c-a, c-b; of "never" none
+  EXPECT_EQ(comparison.metrics[0].pairs, 2U);
+  EXPECT_EQ(comparison.metrics[0].difference.value, 0.5);
+  EXPECT_EQ(comparison.metrics[0].probability_smaller, 0.25);
+  EXPECT_FALSE(comparison.metrics[0].difference.interval &&
+               comparison.metrics[0].difference.interval->lower > 0.0);
+  EXPECT_EQ(comparison.metrics[2].pairs, 1U);
+  ASSERT_EQ(comparison.failures.size(), 3U);
+  EXPECT_EQ(comparison.failures[2].candidate, 2U);
+  EXPECT_EQ(comparison.failures[2].alone, 1U);
+  EXPECT_EQ(comparison.failures[2].reference_alone, 1U);
+  EXPECT_EQ(comparison.failures[2].p, 1.0);
+  EXPECT_TRUE(comparison.ranks.empty());  // one world has all three
+}
+
+TEST(Comparisons, RowsOfFewerWorldsAreMarked) {
+  PairedResults results;
+  results.candidates = {"a", "b", "c"};
+  results.baseline = 0;
+  results.metrics = {"gappy", "whole"};
+  results.values = {Eigen::MatrixXd(3, 3), Eigen::MatrixXd::Ones(3, 3)};
+  results.values[0] << 1, kNaN, 3,  //
+      1, 2, kNaN,                   //
+      4, 5, 6;
+  results.failed = Eigen::MatrixXd::Zero(3, 3);
+  std::istringstream text(comparison_text(compare_candidates(results), 200));
+  std::size_t marked = 0;
+  bool is_said = false;
+  for (std::string line; std::getline(text, line);) {
+    const bool has_mark = line.find(" 2 * ") != std::string::npos;
+    EXPECT_EQ(has_mark, line.starts_with("gappy")) << line;
+    marked += has_mark ? 1 : 0;
+    is_said = is_said || line ==
+                             "* of fewer blocks than 3: in the others a run failed or lacks the "
+                             "metric, or both runs are those of another block";
+  }
+  EXPECT_EQ(marked, 2U);  // as many worlds in b as in c, but others
+  EXPECT_TRUE(is_said);
+  results.values[0] = results.values[1];
+  EXPECT_EQ(comparison_text(compare_candidates(results), 200).find('*'), std::string::npos);
+}
+
+// A key that only "a" knows: nine values in each of two worlds are eighteen runs of it, but two of
+// the others, and two pairs of those.
+TEST(Comparisons, TheSamePairCountsOnce) {
+  PairedResults results;
+  results.candidates = {"a", "b", "c"};
+  results.metrics = {"y"};
+  results.goals = {{"y", Goal::min}};
+  results.failed = Eigen::MatrixXd::Zero(18, 3);
+  results.failed.col(2).head(9).setOnes();
+  results.values = {Eigen::MatrixXd(18, 3)};
+  results.runs = Eigen::MatrixXi(18, 3);
+  for (int i = 0; i < 18; ++i) {
+    const int world = i / 9;
+    results.values[0].row(i) << 0.1 * i, 5.0 + world, 7.0 + world;
+    results.runs.row(i) << i, world, world;
+  }
+  const CandidateComparison comparison = compare_candidates(results);
+  EXPECT_EQ(comparison.reached, (std::vector<std::size_t>{18, 2, 2}));
+  ASSERT_EQ(comparison.metrics.size(), 3U);
+  const MetricComparison& b_beside_a = comparison.metrics[0];
+  EXPECT_EQ(b_beside_a.pairs, 18U);
+  EXPECT_EQ(b_beside_a.verdict, ComparisonVerdict::worse);
+  EXPECT_EQ(b_beside_a.median.value, 5.5);
+  EXPECT_FALSE(b_beside_a.median.interval);  // of two runs there is none
+  EXPECT_TRUE(b_beside_a.reference_median.interval);
+  const MetricComparison& c_beside_b = comparison.metrics[2];
+  EXPECT_EQ(c_beside_b.pairs, 2U);
+  EXPECT_EQ(c_beside_b.verdict, ComparisonVerdict::too_few_blocks);
+  EXPECT_EQ(comparison.failures[2].pairs, 2U);
+  EXPECT_EQ(comparison.failures[2].failures, 1U);
+  EXPECT_TRUE(comparison.ranks.empty());
+  EXPECT_NE(
+      comparison_text(comparison, 200).find("Of 18 blocks but 2 of b, 2 of c differ in their runs"),
+      std::string::npos);
+}
+
+// Blocks of a sample, each repeated by seeds: the difference's deviation between blocks is 1, and
+// one hundredth of its variance lies within them.
+PairedResults blocks_and_seeds(int blocks, int seeds, double shift, testing::Random& random) {
+  PairedResults results = two(static_cast<std::size_t>(blocks * seeds), 0.0, Goal::min, random);
+  results.samples = Eigen::VectorXi(blocks * seeds);
+  for (int block = 0; block < blocks; ++block) {
+    const double world = 5.0 * deviate(random), difference = shift + deviate(random);
+    for (int seed = 0; seed < seeds; ++seed) {
+      const int row = block * seeds + seed;
+      results.samples(row) = block;
+      results.values[0](row, 1) = world + deviate(random);
+      results.values[0](row, 0) =
+          results.values[0](row, 1) + difference + deviate(random) / std::sqrt(99.0);
+    }
+  }
+  return results;
+}
+
+MetricComparison compared(const PairedResults& results) {
+  return compare_candidates(results, {.bootstrap = {.replicates = 300}}).metrics.front();
+}
+
+// How often of 1000 studies of 5 seeds the verdict is better or worse.
+int shown(int blocks, double shift, bool are_seeds_worlds) {
+  testing::Random random(static_cast<unsigned>(blocks));
+  int count = 0;
+  for (int i = 0; i < 1000; ++i) {
+    PairedResults results = blocks_and_seeds(blocks, 5, shift, random);
+    if (are_seeds_worlds) results.samples = {};
+    const ComparisonVerdict verdict = compared(results).verdict;
+    count += verdict == ComparisonVerdict::better || verdict == ComparisonVerdict::worse;
+  }
+  return count;
+}
+
+// The numbers of docs/comparing-candidates.md.
+TEST(Blocks, AThingIsSeldomBetterThanItselfWhateverItsSeeds) {
+  for (const int blocks : {5, 8, 12}) {
+    const int wrong = shown(blocks, 0.0, false);
+    RecordProperty("of_itself_" + std::to_string(blocks), wrong);
+    EXPECT_LE(wrong, 50) << blocks;
+    const int of_seeds = shown(blocks, 0.0, true);
+    RecordProperty("of_itself_seeds_as_worlds_" + std::to_string(blocks), of_seeds);
+    EXPECT_GE(of_seeds, 250) << blocks << ": seeds that count as worlds mislead";
+  }
+  EXPECT_EQ(shown(5, 3.0, false), 0);  // five blocks say nothing
+}
+
+TEST(Blocks, TheVerdictHasPower) {
+  for (const auto& [blocks, deviations, least] :
+       {std::tuple(8, 1.0, 500), {12, 1.0, 800}, {8, 2.0, 950}, {12, 2.0, 950}}) {
+    const int right = shown(blocks, deviations, false);
+    RecordProperty(fmt::format("of_{}_blocks_{}_deviations", blocks, deviations), right);
+    EXPECT_GE(right, least) << blocks << " blocks, " << deviations << " deviations";
+  }
+}
+
+// Five walls, five seeds of a small noise: 25 pairs, p = 2·2⁻²⁵, and yet five worlds.
+TEST(Blocks, SeedsRepeatABlock) {
+  testing::Random random(3);
+  PairedResults results = blocks_and_seeds(5, 5, 8.0, random);
+  const MetricComparison one = compared(results);
+  EXPECT_EQ(one.verdict, ComparisonVerdict::too_few_blocks);
+  EXPECT_EQ(one.pairs, 25U);
+  EXPECT_EQ(one.blocks, 5U);
+  EXPECT_EQ(one.p, 0.0625);
+  EXPECT_GT(one.between.value(), 0.9);
+  EXPECT_FALSE(share_between({{0.1, 0.1 + 1e-17, 0.1 - 3e-17}, {0.1, 0.1 + 2e-17}}));
+  const std::string text = comparison_text(compare_candidates(results), 300);
+  EXPECT_NE(text.find("Too few blocks: of 5 the least two-sided p is 0.0625"), std::string::npos)
+      << text;
+  const std::string csv = comparison_csv(compare_candidates(results));
+  EXPECT_NE(csv.find(",critical_difference,blocks,variance_between_blocks,"
+                     "variance_within_blocks,sign_turns_with\n"),
+            std::string::npos)
+      << csv;
+  EXPECT_NE(csv.find(",too few blocks,"), std::string::npos);
+  results.samples = {};  // worlds = "seeds"
+  EXPECT_EQ(compared(results).p, std::ldexp(1.0, -24));
+  EXPECT_EQ(compared(results).verdict, ComparisonVerdict::worse);
+  EXPECT_FALSE(compared(results).between);
+}
+
+// The median over a block's seeds, then over blocks: a long block counts as much as a short one.
+TEST(Blocks, MediansAreOverSeedsThenOverBlocks) {
+  PairedResults results;
+  results.candidates = {"new", "old"};
+  results.baseline = 1;
+  results.metrics = {"y"};
+  results.values = {Eigen::MatrixXd::Zero(7, 2)};
+  results.values[0].col(0) << 1, 2, 100, 5, 7, 30, kNaN;
+  results.samples = Eigen::VectorXi(7);
+  results.samples << 0, 0, 0, 1, 1, 2, 2;
+  results.failed = Eigen::MatrixXd::Zero(7, 2);
+  results.failed.col(0) << 1, 1, 0, 1, 0, 0, 0;
+  results.failed.col(1) << 1, 0, 0, 0, 1, 0, 0;
+  const CandidateComparison comparison = compare_candidates(results);
+  const MetricComparison& one = comparison.metrics.front();
+  EXPECT_EQ(one.difference.value, 6.0);  // of 2, 6, 30
+  EXPECT_EQ(one.median.value, 6.0);
+  EXPECT_EQ(one.blocks, 3U);
+  EXPECT_EQ(one.pairs, 6U);
+  EXPECT_EQ(one.probability_smaller, 0.0);
+  const FailureComparison& failures = comparison.failures.front();
+  EXPECT_EQ(failures.failures, 3U);
+  EXPECT_EQ(failures.reference_failures, 2U);
+  EXPECT_EQ(failures.alone, 1U);  // the first block; in the second each failed once
+  EXPECT_EQ(failures.reference_alone, 0U);
+  EXPECT_EQ(failures.verdict, ComparisonVerdict::too_few_blocks);
+}
+
+// Eight values of a key that does nothing, in each of two samples: the same two blocks again.
+TEST(Blocks, ValuesOfAKeyWithoutEffectAreNoBlocks) {
+  testing::Random random(5);
+  const PairedResults of_two = blocks_and_seeds(2, 3, 1.0, random);
+  PairedResults results = of_two;
+  results.values[0] = of_two.values[0].replicate(8, 1);
+  results.failed = of_two.failed.replicate(8, 1);
+  results.samples = Eigen::VectorXi(48);
+  results.runs = Eigen::MatrixXi(48, 2);
+  results.keys = {{"idle", true, {}, {}}, {"busy", true, {}, {}}};
+  for (int row = 0; row < 48; ++row) {
+    results.samples(row) = row / 3;
+    results.runs.row(row) << row % 6, 10 + row % 6;
+    results.keys[0].values.push_back(row / 6);
+    results.keys[1].values.push_back(row % 6 / 3);
+  }
+  const CandidateComparison comparison = compare_candidates(results);
+  EXPECT_EQ(comparison.metrics.front().blocks, 2U);
+  EXPECT_EQ(comparison.metrics.front().pairs, 6U);
+  EXPECT_EQ(comparison.metrics.front().difference.value, compared(of_two).difference.value);
+  ASSERT_EQ(comparison.interactions.size(), 1U);  // with the key that does something
+  EXPECT_EQ(comparison.interactions.front().key, "busy");
+}
+
+TEST(Blocks, RanksAreOfBlocks) {
+  PairedResults results;
+  results.candidates = {"a", "b", "c"};
+  results.metrics = {"y"};
+  results.values = {Eigen::MatrixXd(14, 3)};
+  results.failed = Eigen::MatrixXd::Zero(14, 3);
+  results.samples = Eigen::VectorXi(14);
+  for (int row = 0; row < 14; ++row) {
+    results.samples(row) = row / 2;
+    results.values[0].row(row) << 1.0, row < 2 ? 0.0 : 2.0, 3.0;
+  }
+  const CandidateComparison comparison = compare_candidates(results);
+  ASSERT_EQ(comparison.ranks.size(), 1U);
+  EXPECT_EQ(comparison.ranks[0].blocks, 7U);
+  EXPECT_DOUBLE_EQ(comparison.ranks[0].average_ranks[0], 8.0 / 7.0);
+  EXPECT_EQ(comparison.ranks[0].critical_difference, critical_difference(3, 7, 0.05));
+}
+
+// A key of one value a block, and differences that it makes.
+PairedResults over_key(const std::vector<double>& of_values, int seeds, double noise,
+                       testing::Random& random) {
+  const auto blocks = static_cast<int>(of_values.size());
+  PairedResults results = blocks_and_seeds(blocks, seeds, 0.0, random);
+  results.keys = {{"contact.stiffness_N_m", true, {}, {}}};
+  for (int row = 0; row < blocks * seeds; ++row) {
+    const int block = row / seeds;
+    results.keys[0].values.push_back(500.0 * (block + 1));
+    results.values[0](row, 0) = results.values[0](row, 1) +
+                                of_values[static_cast<std::size_t>(block)] +
+                                noise * deviate(random);
+  }
+  return results;
+}
+
+TEST(Crossing, ASignThatTurnsWithAKeyIsSaid) {
+  testing::Random random(7);
+  const PairedResults results = over_key({-0.62, -0.93, -0.22, 2.2, 5.1}, 5, 0.05, random);
+  const CandidateComparison comparison = compare_candidates(results);
+  EXPECT_EQ(comparison.metrics[0].turns_with, (std::vector<std::string>{"contact.stiffness_N_m"}));
+  ASSERT_EQ(comparison.interactions.size(), 1U);
+  const KeyInteraction& one = comparison.interactions[0];
+  EXPECT_TRUE(one.turns);
+  EXPECT_TRUE(one.is_of_worlds);
+  EXPECT_LT(one.p, 0.01);
+  ASSERT_EQ(one.values.size(), 5U);
+  EXPECT_EQ(one.values[4].label, "2500");
+  EXPECT_NEAR(one.values[4].median, 5.1, 0.1);
+  EXPECT_EQ(one.values[4].repeats, 5U);
+  const std::string text = comparison_text(comparison, 300);
+  EXPECT_NE(text.find("too few blocks †"), std::string::npos) << text;
+  EXPECT_NE(text.find("\n† y, new beside old: the sign turns with contact.stiffness_N_m (p = "),
+            std::string::npos)
+      << text;
+  EXPECT_NE(by_key_csv(comparison).find("\ny,new,old,contact.stiffness_N_m,500,5,seeds,-0."),
+            std::string::npos)
+      << by_key_csv(comparison);
+  // Without seeds nothing says how far each difference is one of chance.
+  EXPECT_FALSE(compare_candidates(over_key({-0.62, -0.93, -0.22, 2.2, 5.1}, 1, 0.0, random))
+                   .interactions[0]
+                   .turns);
+}
+
+// Blocks of a drawn key and of much else: neighbours are together, and what repeats are blocks.
+TEST(Crossing, ADrawnKeyIsTestedOverBlocks) {
+  testing::Random random(8);
+  std::vector<double> of_values;
+  for (int i = 0; i < 40; ++i) of_values.push_back(0.1 * (i - 20) + deviate(random));
+  const CandidateComparison comparison = compare_candidates(over_key(of_values, 2, 0.05, random));
+  EXPECT_EQ(comparison.metrics[0].verdict, ComparisonVerdict::no_difference_shown);
+  EXPECT_TRUE(comparison.interactions.at(0).turns);
+  EXPECT_FALSE(comparison.interactions[0].is_of_worlds);
+  EXPECT_EQ(comparison.interactions[0].values.size(), 5U);
+  EXPECT_EQ(comparison.interactions[0].values[0].label, "500 to 4000");
+}
+
+// What is the same over the key, and what is nothing: in 1000 studies 50 may be said to turn.
+TEST(Crossing, IsSeldomSaidOfWhatDoesNotTurn) {
+  testing::Random random(9);
+  int said[3] = {0, 0, 0};
+  for (int i = 0; i < 1000; ++i) {
+    const auto turns = [](const PairedResults& results) {
+      return compare_candidates(results, {.bootstrap = {.replicates = 1}}).interactions.at(0).turns;
+    };
+    said[0] += turns(over_key(std::vector<double>(5, 0.0), 5, 1.0, random));
+    said[1] += turns(over_key({0.0, 0.0, 0.5, 3.0, 9.0}, 5, 1.0, random));
+    std::vector<double> blocks;
+    for (int block = 0; block < 24; ++block) blocks.push_back(deviate(random));
+    said[2] += turns(over_key(blocks, 5, 0.1, random));
+  }
+  for (const int count : said) EXPECT_LE(count, 50);
+  RecordProperty("nothing", said[0]);
+  RecordProperty("one_sign", said[1]);
+  RecordProperty("blocks", said[2]);
+}
+
+VariedKey list_of(const std::string& key, const std::vector<std::string>& values) {
+  VariedKey varied;
+  varied.key = key;
+  varied.values = values;
+  return varied;
+}
+
+TEST(Keys, ThoseThatAreVariedTogetherAreOneEffect) {
+  Study study;
+  study.vary = {list_of("a", {"1", "2", "3", "4"}), list_of("b", {"9", "7", "8", "6"}),
+                list_of("c", {"0", "0", "1", "1"}), list_of("d", {"5", "5", "5", "5"})};
+  const auto names = [&] {
+    std::vector<std::string> all;
+    for (const KeyEffect& effect : key_effects(study)) all.push_back(effect.name);
+    return all;
+  };
+  EXPECT_EQ(names(), (std::vector<std::string>{"a", "b", "c", "d"}));  // a grid
+  study.method = Method::list;
+  EXPECT_EQ(names(), (std::vector<std::string>{"a (with b, c)", "d"}));
+  study.vary = {list_of("a", {"1", "1", "2", "2"}), list_of("b", {"1", "2", "1", "2"})};
+  EXPECT_EQ(names(), (std::vector<std::string>{"a", "b"}));  // every combination, as a list
+  study.vary = {list_of("a", {"1", "2", "3", "4"}), list_of("b", {"1", "2", "1", "2"})};
+  EXPECT_EQ(names(), (std::vector<std::string>{"a", "b"}));  // each b has several a
+}
+
+// A candidate that never has what is wanted is not just absent from the table.
+TEST(Comparisons, WhatIsNeverMeasuredIsSaid) {
+  PairedResults results;
+  results.candidates = {"a", "b"};
+  results.metrics = {"settling_s", "repairs"};
+  results.goals = {{"settling_s", Goal::min}};
+  results.failed = Eigen::MatrixXd::Zero(8, 2);
+  results.values = {Eigen::MatrixXd::Constant(8, 2, kNaN), Eigen::MatrixXd::Constant(8, 2, kNaN)};
+  const CandidateComparison nobody = compare_candidates(results);
+  EXPECT_EQ(nobody.never, (std::vector<std::vector<std::string>>{{}, {}}));
+  results.values[0].col(0).setLinSpaced(1.0, 2.0);
+  results.values[1].col(0).setZero();  // it has no goal: what b does not have is nothing to miss
+  const CandidateComparison comparison = compare_candidates(results);
+  EXPECT_TRUE(comparison.metrics.empty());
+  EXPECT_EQ(comparison.never, (std::vector<std::vector<std::string>>{{}, {"settling_s"}}));
+  EXPECT_NE(comparison_text(comparison, 200).find("Not one run of b has settling_s\n"),
+            std::string::npos);
+}
+
+TEST(Comparisons, FewerFailuresAreBetter) {
+  PairedResults results;
+  results.candidates = {"a", "b"};
+  results.baseline = 0;
+  results.failed = Eigen::MatrixXd::Zero(12, 2);
+  results.failed.col(0).head(9).setOnes();
+  const FailureComparison one = compare_candidates(results).failures.front();
+  EXPECT_EQ(one.verdict, ComparisonVerdict::better);
+  EXPECT_EQ(one.p, std::ldexp(1.0, -8));
+}
+
+TEST(Comparisons, QuantilesOfASample) {
+  EXPECT_EQ(quantile({1, 2, 3, 5}, 0.5), 2.5);
+}
+
+}  // namespace
+}  // namespace breakwater::comparisons_test
