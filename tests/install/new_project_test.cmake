@@ -5,11 +5,15 @@ cmake_minimum_required(VERSION 3.25)
 include(${CMAKE_CURRENT_LIST_DIR}/common.cmake)
 set(name own_${KIND})
 set(folder ${WORK_DIR}/${name})
-file(REMOVE_RECURSE ${folder} ${WORK_DIR}/${name}-moved ${WORK_DIR}/elsewhere)
-run_in(${WORK_DIR} ${prefix}/bin/breakwater new ${KIND} ${name})
-run_in(${folder} ${CMAKE_COMMAND} --preset release ${fast})
-run_in(${folder} ${CMAKE_COMMAND} --build --preset release)
-run_in(${folder} ${CMAKE_CTEST_COMMAND} --preset release)
+# The three kinds run at the same time.
+set(elsewhere ${WORK_DIR}/elsewhere-${KIND})
+file(REMOVE_RECURSE ${folder} ${WORK_DIR}/${name}-moved ${elsewhere})
+unset(ENV{CMAKE_PREFIX_PATH})  # what is printed is enough
+execute_process(COMMAND ${prefix}/bin/breakwater new ${KIND} ${name} WORKING_DIRECTORY ${WORK_DIR}
+  OUTPUT_VARIABLE said COMMAND_ERROR_IS_FATAL ANY)
+string(REGEX MATCH "\ncd [^\n]*" pasted "${said}")
+string(REPLACE " cmake --preset release" " cmake --preset release ${fast}" pasted "${pasted}")
+run_in(${WORK_DIR} sh -c "${pasted}")
 
 set(lab ${folder}/build/${name}_lab)
 if(KIND STREQUAL "controller")
@@ -74,8 +78,8 @@ if(NOT status EQUAL 2 OR NOT error MATCHES "^${name}_lab: there is no command \"
 endif()
 
 # Installed, it needs its own tree no more.
-run(${CMAKE_COMMAND} --install ${folder}/build --prefix ${WORK_DIR}/elsewhere)
+run(${CMAKE_COMMAND} --install ${folder}/build --prefix ${elsewhere})
 file(RENAME ${folder} ${WORK_DIR}/${name}-moved)
-run_in(${WORK_DIR} ${WORK_DIR}/elsewhere/bin/${name}_lab run ${scenario} ${chosen}
-  --out ${WORK_DIR}/elsewhere/run --quiet)
+run_in(${WORK_DIR} ${elsewhere}/bin/${name}_lab run ${scenario} ${chosen}
+  --out ${elsewhere}/run --quiet)
 file(RENAME ${WORK_DIR}/${name}-moved ${folder})
