@@ -2,7 +2,7 @@
 set(BREAKWATER_FUNCTIONS_DIR ${CMAKE_CURRENT_LIST_DIR})
 
 # breakwater_program(NAME [ONE_SCENARIO] SOURCES FILE...): a program whose main() makes a catalogue and
-# hands it to breakwater::program() (docs/your-own-controller.md). It links Breakwater::program and
+# hands it to breakwater::program() (docs/tutorials/own-controller.md). It links Breakwater::program and
 # ::scenarios. With ONE_SCENARIO main() hands it to breakwater::scenario_program(), and the program
 # runs one scenario alone: it links ::scenario_program, and waits for no page, picture or study.
 function(breakwater_program name)

@@ -1,6 +1,6 @@
 # The code of math/functions.h: musl's elementary functions, taken out of its static library and
 # renamed. musl has no second path for processors with fused multiply-add, so they give the same
-# bits everywhere (docs/decisions/0011-one-path-for-elementary-functions.md). They become part of
+# bits everywhere (docs/explanation/decisions/0011-one-path-for-elementary-functions.md). They become part of
 # breakwater_math: who uses an installed Breakwater needs no musl.
 set(functions sin cos sincos tan asin atan2 exp expm1 log pow tanh erfc)
 set(members sin cos sincos tan asin atan2 exp expm1 log pow tanh erf __sin __cos __tan __rem_pio2

@@ -14,7 +14,7 @@ option(BREAKWATER_WARNINGS_AS_ERRORS "As the presets that are tested have it" OF
 add_library(breakwater_options INTERFACE)
 target_compile_features(breakwater_options INTERFACE cxx_std_20)
 # No fused multiply-add: our arithmetic gives the same bits on any x86-64 machine, as the functions
-# of math/ do (docs/reproducibility.md: what MuJoCo's own leave).
+# of math/ do (docs/explanation/reproducibility.md: what MuJoCo's own leave).
 target_compile_options(breakwater_options INTERFACE -ffp-contract=off)
 target_compile_options(breakwater_options INTERFACE
   $<BUILD_INTERFACE:-Wall;-Wextra;-Wpedantic;-Wshadow;-Wconversion;-Wno-sign-conversion>

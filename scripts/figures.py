@@ -8,7 +8,7 @@ One panel for each signal, one line for each run, one time axis for all. NAME is
 group `control`, GROUP/NAME one of another, NAME[2] the second value of one that has several.
 FIGURE is .pdf, .svg or .png. Fonts are embedded.
 
-A run's log is plain HDF5 (docs/running.md), so copy this file and change it: STYLE is how it looks,
+A run's log is plain HDF5 (docs/how-to/running.md), so copy this file and change it: STYLE is how it looks,
 read() how a signal is read, draw() the figure. `breakwater compare --svg --pdf` calls it.
 
 Needs Debian's python3-h5py and python3-matplotlib.

@@ -35,7 +35,7 @@ def main():
     time_s = run.time_s + random.uniform(-2e-5, 2e-5, run.time_s.size)
     current_A = run["applied_Nm"] / TORQUE_CONSTANT
     counts = np.rint(run["position_measured_rad"] * COUNTS / (2 * np.pi)).astype(int)
-    lines = ["# a motor under a sine, with a load from 1 s on: docs/estimating-your-own-data.md",
+    lines = ["# a motor under a sine, with a load from 1 s on: docs/tutorials/own-data.md",
              "time_s,u,y,load_Nm"]
     for k in range(time_s.size):
         if not 1100 <= k < 1140:

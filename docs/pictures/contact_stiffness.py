@@ -3,7 +3,7 @@
 
     docs/pictures/contact_stiffness.py RESULTS.CSV [PICTURE]
 
-docs/studies/contact-stiffness.md says what it shows.
+docs/explanation/studies/contact-stiffness.md says what it shows.
 """
 
 import csv

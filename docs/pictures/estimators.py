@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Draws the pictures of docs/choosing-an-observer.md and docs/methods/disturbance-kalman-filters.md
+"""Draws the pictures of docs/explanation/choosing-an-observer.md and docs/explanation/methods/disturbance-kalman-filters.md
 from runs of motor_estimation and cart_estimation, which it makes (about a minute).
 
 Usage: ./dev build && /usr/bin/python3 docs/pictures/estimators.py

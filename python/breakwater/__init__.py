@@ -16,7 +16,7 @@ Design:       dare, lqr, place_poles, place_observer_poles, zero_order_hold, dam
 On your data: Stf, Qvff, Vfakfd, Fakfd, Kfd, Idob, Mdob, StateObserver, QuadrotorFilter
 Errors:       InputError, RunFailed
 
-docs/python.md has the tutorial.
+docs/tutorials/python.md has the tutorial.
 """
 
 from ._core import PlanarChain, __version__

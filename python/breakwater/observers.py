@@ -7,7 +7,7 @@ Each estimates the state x (n) of a plant and the disturbance d (m) that opposes
 from what acted and what was measured. `f.update(u, y)` is one sample and returns (x, d); `f.filter(u, y)`
 is a record. A, B and C are the plant in continuous time, sampled every period_s [s] under a held input.
 The Kalman filters also take a plant that is sampled already: without period_s, and time then counts in
-samples. docs/methods/disturbance-kalman-filters.md has the equations.
+samples. docs/explanation/methods/disturbance-kalman-filters.md has the equations.
 """
 
 from __future__ import annotations

@@ -128,7 +128,7 @@ def headers():
             page = compound.findtext("filename")
             pages[path[path.index("breakwater/"):]] = page if page.endswith(".html") else page + ".html"
     lines = ["# C++ headers", "",
-             "What an installation has, room by room ([architecture](architecture.md)); "
+             "What an installation has, room by room ([architecture](explanation/architecture.md)); "
              '<a href="api/annotated.html">all classes</a>, <a href="api/globals_func.html">functions</a>.']
     room = None
     for path in sorted(pages):
@@ -167,7 +167,10 @@ def gallery():
 # mkdocs' events.
 
 def on_config(config):
-    """The navigation is docs/README.md's: its sections, in its order, each with the pages it names."""
+    """The navigation is docs/README.md's: its sections, in its order, each with the pages it names.
+
+    Pages of a folder in a section's folder (explanation/methods) are a group of their own.
+    """
     text = (DOCS / "README.md").read_text(encoding="utf-8")
     nav, section, named = [], None, set()
     for number, line in markdown_pages.prose(text):
@@ -177,24 +180,35 @@ def on_config(config):
         for _, _, _, target in markdown_pages.links(line):
             path = target.partition("#")[0]
             file = DOCS / path
-            if section is None or path in named or "://" in path:
+            if section is None or path in named or "://" in path or path.startswith(".."):
                 continue
             named.add(path)
             if file.is_dir():
-                section += [str(place_of(file)), *(str(place_of(page)) for page in sorted(file.iterdir())
-                                                   if page.suffix in {".md", ".ipynb"})]
+                pages = [page for page in sorted(file.iterdir()) if page.suffix in {".md", ".ipynb"}]
+                group(section, file.name).extend(str(place_of(page)) for page in [file, *pages])
             elif file.suffix == ".md":
-                section.append(path)
+                parent = file.parent.relative_to(DOCS).parts
+                (group(section, parent[1]) if len(parent) > 1 else section).append(path)
     here = next(iter(nav[0].values()))
     here.append("README.md")
     config["nav"] = [*nav, {"Gallery": "gallery.md"}, {"C++ headers": "headers.md"},
-                     {"Changes": "source/CHANGELOG.md"}]
+                     {"Contributing": "source/CONTRIBUTING.md"}, {"Changes": "source/CHANGELOG.md"}]
     return config
+
+
+def group(section, name):
+    """The group of a section's navigation, which is made when it is not there."""
+    title = name.capitalize()
+    found = next((entry[title] for entry in section if isinstance(entry, dict) and title in entry), None)
+    if found is None:
+        found = []
+        section.append({title: found})
+    return found
 
 
 def on_files(files, config):
     shutil.rmtree(MADE, ignore_errors=True)
-    wanted = {ROOT / "CHANGELOG.md"}
+    wanted = {ROOT / "CHANGELOG.md", ROOT / "CONTRIBUTING.md"}
     for page in markdown_pages.pages():
         for _, _, _, target in markdown_pages.links(page.read_text(encoding="utf-8")):
             path = target.partition("#")[0]
@@ -232,8 +246,11 @@ def on_files(files, config):
 
 
 def on_post_build(config):
-    """What comes from other packages: KaTeX, and Doxygen's pages."""
+    """Adds what comes from other packages (KaTeX, Doxygen's pages), and forwards old addresses."""
     site = pathlib.Path(config["site_dir"])
+    moved = tomllib.loads((pathlib.Path(__file__).parent / "moved.toml").read_text("utf-8"))
+    for old, new in moved.items():
+        forward(site, pathlib.Path(old).with_suffix(".html"), pathlib.Path(new).with_suffix(".html"))
     katex = site / "assets/katex"
     (katex / "fonts").mkdir(parents=True)
     for name in ("katex.js", "katex.min.css"):
@@ -246,10 +263,21 @@ def on_post_build(config):
     index = json.loads(index_file.read_text(encoding="utf-8"))
     index["docs"] = [entry for entry in index["docs"]
                      if not entry["location"].startswith("source/") or
-                     entry["location"].startswith("source/CHANGELOG.html")]
+                     entry["location"].startswith(("source/CHANGELOG.html", "source/CONTRIBUTING.html"))]
     text = json.dumps(index, ensure_ascii=False, separators=(",", ":"))
     index_file.write_text(text, encoding="utf-8")
     index_file.with_suffix(".js").write_text(f"breakwaterSearchIndex({text});\n", encoding="utf-8")
+
+
+def forward(site, old, new):
+    """Writes a small page at an old address. It leads to the new one, and keeps the anchor."""
+    target = os.path.relpath(new, old.parent)
+    (site / old).parent.mkdir(parents=True, exist_ok=True)
+    (site / old).write_text(
+        f'<!doctype html>\n<html lang="en"><meta charset="utf-8"><title>This page has moved</title>\n'
+        f'<meta http-equiv="refresh" content="0; url={target}"><link rel="canonical" href="{target}">\n'
+        f'<script>location.replace("{target}" + location.hash)</script>\n'
+        f'<p>This page has moved: <a href="{target}">{target}</a></p></html>\n', encoding="utf-8")
 
 
 def on_page_markdown(markdown, page, config, files):

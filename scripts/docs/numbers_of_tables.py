@@ -12,7 +12,7 @@ A table is told, in a comment above it, what makes its numbers. It is TOML:
     | case | B = 1 | 3 | …
 
 or why there are none: <!-- numbers not checked: measured on a clock -->, of all tables of a page that
-have no comment of their own <!-- numbers of this page not checked: … -->. docs/README.md has the keys.
+have no comment of their own <!-- numbers of this page not checked: … -->. CONTRIBUTING.md has the keys.
 
 A number in a cell holds if the run's value, rounded to as many digits as are written, is that number.
 """

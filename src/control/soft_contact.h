@@ -48,7 +48,7 @@ double servo_speed(double way_m, double acceleration_m_s2, double lambda);
 ///    time-optimal servo, v_d = √(2 a |ε|) − a/(2λ) far away and λ|ε| near, λ = k_p/k_d.
 /// a_x is clipped to [lo, hi], so that y and φ keep the torques that they need, then each joint.
 ///
-/// docs/methods/soft-contact.md has the derivation.
+/// docs/explanation/methods/soft-contact.md has the derivation.
 class SoftContact final : public ArmController {
  public:
   enum class Phase { positioning, hold, approach, contact };

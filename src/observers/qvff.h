@@ -15,7 +15,7 @@ namespace breakwater {
 /// better than a count where it is; 4.5 σ is passed by 7 samples in a million. An encoder that
 /// truncates is off by up to Δ, but always towards 0: the errors of two measurements on one side of
 /// 0 differ by less than Δ as well.
-/// docs/methods/disturbance-kalman-filters.md has the derivation and where it loses.
+/// docs/explanation/methods/disturbance-kalman-filters.md has the derivation and where it loses.
 ///
 /// Throws std::invalid_argument as check(SensorError) does.
 VfakfdDesign qvff_design(const SensorError& error);

@@ -91,8 +91,8 @@ void describe_tune(CLI::App& app, TuneArguments& arguments) {
   app.footer(
       "It leaves results.csv (one row a run), front.csv, front/N.toml (for --config),\n"
       "hypervolume.csv and report.html in the tuning's folder. The same command goes on where it\n"
-      "was, whatever ended it. docs/tuning.md has the file; one that is there to be tried is\n"
-      "studies/impact.toml.\n"
+      "was, whatever ended it. docs/how-to/tuning.md has the file; one that is there to be tried\n"
+      "is studies/impact.toml.\n"
       "Exit status: 0 done, 1 a defect, 2 usage or input, 3 no candidate met the constraints,\n"
       "130 interrupted.");
 }

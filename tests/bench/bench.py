@@ -6,7 +6,7 @@ whole 100 s runs, run in turn, so that a drifting machine shifts both. The bare 
 needs of the model, and for comparison of the whole. Then what starting up costs. Videos are compared by the
 processors' time of all their processes: it hardly depends on who else uses the machine. Then what a
 run under waves takes with each size of estimator, the solvers of quadratic programs, and the Python module.
-At the end all of it but Python's again, as the table of docs/performance.md.
+At the end all of it but Python's again, as the table of docs/explanation/performance.md.
 """
 
 import os

@@ -31,7 +31,7 @@ id = "4.3.2"
 group = "motor"
 title = "Behind an encoder"
 text = "A few."
-docs = "methods/disturbance-kalman-filters.md"
+docs = "explanation/methods/disturbance-kalman-filters.md"
 
 [[section.run]]
 name = "one-{k}"

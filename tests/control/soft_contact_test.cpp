@@ -69,7 +69,7 @@ TEST(ServoSpeed, IsContinuousWithItsSlopeAndCanBeBraked) {
 
 // The contact's servo as a double integrator within bounds, a wall of K that is taken for K-hat.
 // V = v²/2 + (K-hat/K) ∫ sat(k_d w) never rises while the motion has one direction, and it comes to
-// rest at the reference (docs/methods/soft-contact.md, "Stability").
+// rest at the reference (docs/explanation/methods/soft-contact.md, "Stability").
 TEST(ServoSpeed, LyapunovFunctionFallsWithinBounds) {
   constexpr double kStep = 1e-5, kRise = 1e-4, kAtRest = 1e-7;
   constexpr double kKp = 35.0 * 35.0, kKd = 70.0;

@@ -123,7 +123,7 @@ class Numbers(Page):
         return said(numbers_of_tables.main, "--bin", BINARIES, "--runs", WORK, self.write(text))
 
     def test_a_number_that_was_changed_by_hand_is_found(self):
-        whole = (ROOT / "docs/methods/model-predictive-control.md").read_text(encoding="utf-8")
+        whole = (ROOT / "docs/explanation/methods/model-predictive-control.md").read_text(encoding="utf-8")
         copy = re.search(r"<!-- numbers\nrun   = \"breakwater sweep cart_offset_free.*?\n\n", whole, re.S)[0]
         status, text = self.check(copy)
         self.assertEqual((status, text.strip()), (0, "12 numbers in 1 tables compared: nothing drifts"))

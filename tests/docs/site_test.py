@@ -11,6 +11,7 @@ import re
 import shutil
 import subprocess
 import sys
+import tomllib
 import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -117,7 +118,7 @@ look().catch((error) => ({ error: String(error.stack) })).then((seen) =>
 </script>
 """
 
-LOOKED_AT = ["/index.html", "/methods/force-control.html", "/your-own-controller.html", "/sweeps.html"]
+LOOKED_AT = ["/index.html", "/explanation/methods/force-control.html", "/tutorials/own-controller.html", "/how-to/sweeps.html"]
 
 
 class Site(unittest.TestCase):
@@ -133,7 +134,8 @@ class Site(unittest.TestCase):
                  file.relative_to(SITE).parts[0] not in {"api", "gallery"}]
         cls.html = {"/" + str(file.relative_to(SITE)): file.read_text(encoding="utf-8")
                     for file in files if file.suffix == ".html" and file.name != "404.html"}
-        pages = sorted(path for path in cls.html if not path.startswith("/source/"))
+        cls.forwards = {path: html for path, html in cls.html.items() if 'http-equiv="refresh"' in html}
+        pages = sorted(path for path in cls.html if not path.startswith("/source/") and path not in cls.forwards)
         driver = DRIVER.replace("PAGES", json.dumps(pages), 1).replace("LOOKED_AT", json.dumps(LOOKED_AT))
         served = {"/" + str(file.relative_to(SITE)): (
             file.read_bytes(), mimetypes.guess_type(file.name)[0] or "application/octet-stream") for file in files}
@@ -159,10 +161,10 @@ class Site(unittest.TestCase):
         self.assertEqual(self.each("errors"), {})
         self.assertEqual(self.each("unset"), {})
         self.assertEqual(self.each("dollars"), {})
-        self.assertGreater(self.seen["pages"]["/methods/model-predictive-control.html"]["formulas"], 80)
+        self.assertGreater(self.seen["pages"]["/explanation/methods/model-predictive-control.html"]["formulas"], 80)
 
     def test_search_finds_the_page(self):
-        self.assertIn("/studies/contact-stiffness.html", self.seen["found"], self.seen["search_says"])
+        self.assertIn("/explanation/studies/contact-stiffness.html", self.seen["found"], self.seen["search_says"])
 
     def test_pictures_have_words_and_are_there(self):
         self.assertEqual(self.each("unnamed"), {})
@@ -193,10 +195,17 @@ class Site(unittest.TestCase):
                 if anchor and place in ids and anchor != "__tabbed":
                     self.assertIn(anchor, ids[place], f"{path}: {target}")
 
-    def test_ones_own_comes_first(self):
+    def test_old_addresses_lead_to_the_pages(self):
+        moved = tomllib.loads((ROOT / "scripts/docs/moved.toml").read_text(encoding="utf-8"))
+        self.assertEqual(set(self.forwards), {f"/{old.removesuffix('.md')}.html" for old in moved})
+        for path, html in self.forwards.items():
+            target, = re.findall(r'content="0; url=([^"]+)"', html)
+            self.assertTrue(((SITE / path[1:]).parent / target).is_file(), path)
+
+    def test_tutorials_come_first(self):
         nav = self.html["/index.html"].split('<nav class="md-nav md-nav--primary')[1]
         links = re.findall(r'<a href="([^"#]+\.html)" class="md-nav__link"', nav)
-        self.assertEqual(links[:4], [f"your-own-{what}.html" for what in ("controller", "observer", "scenario", "plant")])
+        self.assertEqual(links[:3], [f"tutorials/{page}.html" for page in ("first-run", "own-controller", "own-observer")])
 
 
 if __name__ == "__main__":

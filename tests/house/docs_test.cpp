@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 TEST(Docs, CodeIsWordForWordThatOfTheTemplates) {
   int blocks = 0;
   const std::regex pattern("<!-- ((?:templates|tests)/\\S+) -->\n```[a-z]*\n([^`]*)```");
-  for (const auto& entry : fs::directory_iterator(testing::source_file("docs"))) {
+  for (const auto& entry : fs::recursive_directory_iterator(testing::source_file("docs"))) {
     if (entry.path().extension() != ".md") continue;
     const std::string page = testing::text_of(entry.path());
     for (std::sregex_iterator block(page.begin(), page.end(), pattern), end; block != end;

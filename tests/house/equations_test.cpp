@@ -1,4 +1,4 @@
-// docs/from-equation-to-code.md and the equations' numbers in comments say the same.
+// docs/reference/from-equation-to-code.md and the equations' numbers in comments say the same.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -92,11 +92,11 @@ struct Entry {
   std::vector<std::string> code;  // from the project's folder on
 };
 
-const std::string kPage = "docs/from-equation-to-code.md";
+const std::string kPage = "docs/reference/from-equation-to-code.md";
 
 std::vector<Entry> entries_of_the_page() {
   std::vector<Entry> entries;
-  const std::regex code("\\]\\(\\.\\./((?:src|scenarios)/[^)#]+)\\)");
+  const std::regex code("\\]\\((?:\\.\\./)+((?:src|scenarios)/[^)#]+)\\)");
   std::istringstream page(text_of(testing::source_file(kPage)));
   int number = 0;
   for (std::string line; std::getline(page, line);) {
@@ -189,7 +189,7 @@ TEST(Equations, ThePagesLinksLeadSomewhere) {
   const std::regex link("\\]\\(([^)#]+)(#[^)]*)?\\)");
   const std::string page = text_of(testing::source_file(kPage));
   for (std::sregex_iterator i(page.begin(), page.end(), link), none; i != none; ++i) {
-    EXPECT_TRUE(fs::exists(testing::source_file("docs/" + (*i)[1].str()))) << (*i)[1];
+    EXPECT_TRUE(fs::exists(testing::source_file("docs/reference/" + (*i)[1].str()))) << (*i)[1];
   }
 }
 

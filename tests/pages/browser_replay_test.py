@@ -328,7 +328,7 @@ def main():
     assert seen["phone"]["overflow"] <= 0 and 300 < seen["phone"]["canvas"] <= 390, seen["phone"]
     assert seen["both"]["panels"] == 1 and seen["both"]["beside"] == 2, seen["both"]
     assert "model.mjcf" in seen["both"]["runs"][0], seen["both"]
-    # A machine that does other things too has no rate to hold; docs/pictures-and-videos.md has
+    # A machine that does other things too has no rate to hold; docs/how-to/pictures-and-videos.md has
     # what a frame costs.
     # The fast look has less to draw; how much faster that is, a machine with other work does not show.
     assert not seen["sea"]["shadowsInFast"] and seen["sea"]["fast"] > 0.7 * seen["sea"]["full"] > 0, seen["sea"]

@@ -76,8 +76,8 @@ TEST(WallContact, OrderingsOfTheThesis) {
     const Recording drac = run_case(kScenario, "drac" + force, kImpactOnly);
     for (const char* peak : {"peak_force_raw_N", "peak_force_filtered_N"}) {
       EXPECT_LT(*proposed.metric(peak), *drac.metric(peak)) << force;
-      // The thesis says the reverse; docs/experiments/arm-wall-contact.md says why it does not
-      // hold.
+      // The thesis says the reverse; docs/explanation/experiments/arm-wall-contact.md says why it
+      // does not hold.
       EXPECT_LT(*hpfc.metric(peak), *proposed.metric(peak)) << force;
     }
     EXPECT_LT(*proposed.metric("free_motion_time_s"), *hpfc.metric("free_motion_time_s"));

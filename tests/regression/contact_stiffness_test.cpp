@@ -1,5 +1,5 @@
 // How the impact depends on the contact's stiffness, and where the contact starts to bounce: a
-// coarse version of docs/studies/contact-stiffness.md.
+// coarse version of docs/explanation/studies/contact-stiffness.md.
 #include <gtest/gtest.h>
 
 #include <cmath>

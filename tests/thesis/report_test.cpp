@@ -359,7 +359,7 @@ TEST(Experiments, TheListOfClaimsNamesEverySectionAndNoOther) {
   std::set<std::string> sections;
   for (const SectionSpec& section : own_experiments().sections) sections.insert(section.id);
   std::set<std::string> named;
-  std::ifstream claims(testing::source_file("docs/thesis-claims.md"));
+  std::ifstream claims(testing::source_file("docs/reference/thesis-claims.md"));
   const std::regex entry(R"(^\| .* \| (none|as |the |Tables? |[0-9.]+: ).*\|$)");
   const std::regex place(R"([|;] ([234](\.[0-9])+): )");
   int rows = 0;
