@@ -283,8 +283,21 @@ def forward(site, old, new):
 def on_page_markdown(markdown, page, config, files):
     file = pathlib.Path(page.file.abs_src_path)
     if file.is_relative_to(DOCS):
-        markdown = at_home(numbers_of_tables.with_commands(markdown), file, place_of(file))
+        markdown = with_csv_tables(numbers_of_tables.with_commands(markdown, file), file)
+        markdown = at_home(markdown, file, place_of(file))
     return for_python_markdown(markdown)
+
+
+def with_csv_tables(text, page):
+    """A page with its CSV files as tables that theme/assets/breakwater.js sorts; the links stay."""
+    lines = text.split("\n")
+    for number, line in markdown_pages.prose(text):
+        if rows := markdown_pages.csv_table(page, line):
+            head, *body = [[cell.replace("|", "\\|") for cell in row] for row in rows]
+            table = [f"| {' | '.join(row)} |" for row in [head, ["---"] * len(head), *body]]
+            lines[number - 1] = "\n".join([
+                line.partition("<!--")[0], "", '<div class="sortable" markdown="1">', "", *table, "", "</div>"])
+    return "\n".join(lines)
 
 
 def for_python_markdown(text):

@@ -3,6 +3,7 @@
 Fenced code is nobody's link, heading or table.
 """
 
+import csv
 import pathlib
 import re
 import unicodedata
@@ -11,6 +12,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
 
 LINK = re.compile(r"(!?)\[((?:[^\[\]]|\[[^\]]*\])*)\]\(([^()\s]+(?:\([^()]*\)[^()\s]*)?)\)")
+CSV_TABLE = re.compile(r"\[[^\]]*\]\(([^()\s]+\.csv)\)<!-- table -->$")
 
 
 def pages():
@@ -49,6 +51,15 @@ def plain_text(markdown):
     """A label without its marks."""
     text = re.sub(r"!?\[([^\]]*)\]\([^)]*\)", r"\1", markdown)
     return re.sub(r"[*`]", "", text).strip()
+
+
+def csv_table(page, line):
+    """The rows of the CSV file that a line of a page shows as a table, its head first; or None."""
+    link = CSV_TABLE.match(line)
+    if link is None:
+        return None
+    with open(page.parent / link[1], newline="", encoding="utf-8") as file:
+        return list(csv.reader(file))
 
 
 def headings(text):

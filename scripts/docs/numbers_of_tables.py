@@ -36,7 +36,7 @@ import tomllib
 import numpy
 
 import markdown_pages
-from markdown_pages import DOCS, ROOT
+from markdown_pages import ROOT
 
 COMMENT = re.compile(r"<!-- numbers\b(.*?)-->", re.S)
 NUMBER = re.compile(r"(?<![\w.])(?P<below>< ?)?(?P<sign>(?<![\d)])[−-])?"
@@ -58,6 +58,7 @@ class Table:
     line: int           # of its head
     head: list
     rows: list          # (line number, cells)
+    is_csv: bool        # a CSV file that the page shows
     commented: int      # where its comment begins; 0: it has none
     spec: dict | None   # what the comment says
     reason: str | None  # why it is not checked
@@ -84,12 +85,16 @@ def tables(page, text=None):
     everywhere = re.search(r"<!-- numbers of this page not checked: (.*?) -->", text, re.S)
     found = []
     for number in lines:
-        if not (lines[number].startswith("|") and re.match(r"\|[-: |]+\|$", lines.get(number + 1, ""))):
+        shown = markdown_pages.csv_table(page, lines[number])
+        if shown:
+            head, rows = shown[0], [(number, cells) for cells in shown[1:]]
+        elif lines[number].startswith("|") and re.match(r"\|[-: |]+\|$", lines.get(number + 1, "")):
+            head, rows, at = cells_of(lines[number]), [], number + 2
+            while lines.get(at, "").startswith("|"):
+                rows.append((at, cells_of(lines[at])))
+                at += 1
+        else:
             continue
-        rows, at = [], number + 2
-        while lines.get(at, "").startswith("|"):
-            rows.append((at, cells_of(lines[at])))
-            at += 1
         above = "\n".join(text.split("\n")[:number - 1])
         comment = None
         for comment in COMMENT.finditer(above):
@@ -109,7 +114,7 @@ def tables(page, text=None):
                 except (tomllib.TOMLDecodeError, IndexError) as error:
                     raise Mistake(f"{os.path.relpath(page, ROOT)}:{number}: the comment above: {error}")
         commented = above.count("\n", 0, comment.start()) + 1 if comment else 0
-        found.append(Table(page, number, cells_of(lines[number]), rows, commented, spec, reason))
+        found.append(Table(page, number, head, rows, shown is not None, commented, spec, reason))
     return found
 
 
@@ -119,10 +124,10 @@ def has_numbers(table):
     return any(number.match(cell) for _, cells in table.rows for cell in cells[1:])
 
 
-def with_commands(text):
+def with_commands(text, page):
     """A page for readers: the comments are gone, and below a table stands what made its numbers."""
     lines = text.split("\n")
-    for table in reversed(tables(DOCS / "page.md", text)):
+    for table in reversed(tables(page, text)):
         if table.commented:
             lines[table.commented - 1:table.line - 1] = [""] * (table.line - table.commented)
         if table.spec:
@@ -389,7 +394,8 @@ def drifted(table, all_rows):
                 compared += 1
                 if not number.holds(value):
                     anew = number.instead(value)
-                    yield Drift(line, place, number.text, anew, f"{anew} ({value:.6g})", column, number.start)
+                    where = (None, None) if table.is_csv else (column, number.start)
+                    yield Drift(line, place, number.text, anew, f"{anew} ({value:.6g})", *where)
     table.compared = compared
     if compared == 0:
         raise Mistake("not one number is compared")

@@ -142,6 +142,19 @@ class Numbers(Page):
         self.assertEqual(self.check(text.format("–"))[0], 1)
         self.assertEqual(self.check(text.format("1.61, 2"))[0], 1)
 
+    def test_a_table_that_is_a_csv_file_is_checked_as_any_other(self):
+        file = self.page.parent / "times.csv"
+        link = "[times](times.csv)<!-- table -->\n"
+        comment = ('<!-- numbers\nrun = "breakwater sweep cart_offset_free --case all"\nrows = "case"\n'
+                   'cells = "settling_time_s"\n-->\n')
+        file.write_text("case,s\nproposed,1.61\n", encoding="utf-8")
+        self.assertEqual(said(numbers_of_tables.main, "--list", self.write(link))[0], 1)
+        self.assertEqual(self.check(comment + link)[0], 0)
+        file.write_text("case,s\nproposed,1.62\n", encoding="utf-8")
+        status, text = self.check(comment + link)
+        self.assertEqual(status, 1)
+        self.assertIn("proposed | s: 1.62, the runs say 1.61", text)
+
     def test_mistakes_are_one_line(self):
         table = "| case | s |\n|---|---|\n| proposed | 1.61 |\n"
         good = 'run = "breakwater sweep cart_offset_free --case all"\nrows = "case"\ncells = "settling_time_s"\n'

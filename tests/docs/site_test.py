@@ -97,6 +97,13 @@ async function look() {
       }
     }
   }
+  const study = await open(SORTABLE);
+  const column = () => [...study.querySelectorAll(".sortable tbody tr")].map((row) => +row.cells[0].textContent);
+  seen.sorted = [];
+  for (let press = 0; press < 2; ++press) {
+    study.querySelector(".sortable th button").click();
+    seen.sorted.push(column());
+  }
   const page = await open("/index.html");
   const input = page.querySelector(".md-search__input");
   const says = page.querySelector(".md-search-result__meta");
@@ -119,6 +126,7 @@ look().catch((error) => ({ error: String(error.stack) })).then((seen) =>
 """
 
 LOOKED_AT = ["/index.html", "/explanation/methods/force-control.html", "/tutorials/own-controller.html", "/how-to/sweeps.html"]
+SORTABLE = "/explanation/studies/least-free-motion-time.html"
 
 
 class Site(unittest.TestCase):
@@ -136,7 +144,7 @@ class Site(unittest.TestCase):
                     for file in files if file.suffix == ".html" and file.name != "404.html"}
         cls.forwards = {path: html for path, html in cls.html.items() if 'http-equiv="refresh"' in html}
         pages = sorted(path for path in cls.html if not path.startswith("/source/") and path not in cls.forwards)
-        driver = DRIVER.replace("PAGES", json.dumps(pages), 1).replace("LOOKED_AT", json.dumps(LOOKED_AT))
+        driver = DRIVER.replace("PAGES", json.dumps(pages), 1).replace("LOOKED_AT", json.dumps(LOOKED_AT)).replace("SORTABLE", json.dumps(SORTABLE))
         served = {"/" + str(file.relative_to(SITE)): (
             file.read_bytes(), mimetypes.guess_type(file.name)[0] or "application/octet-stream") for file in files}
         served["/"] = (driver.encode(), "text/html; charset=utf-8")
@@ -162,6 +170,12 @@ class Site(unittest.TestCase):
         self.assertEqual(self.each("unset"), {})
         self.assertEqual(self.each("dollars"), {})
         self.assertGreater(self.seen["pages"]["/explanation/methods/model-predictive-control.html"]["formulas"], 80)
+
+    def test_a_csv_file_is_a_table_that_can_be_sorted(self):
+        rising, falling = self.seen["sorted"]
+        self.assertGreater(len(rising), 10)
+        self.assertEqual(rising, sorted(rising))
+        self.assertEqual(falling, sorted(rising, reverse=True))
 
     def test_search_finds_the_page(self):
         self.assertIn("/explanation/studies/contact-stiffness.html", self.seen["found"], self.seen["search_says"])
