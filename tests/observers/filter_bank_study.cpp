@@ -3,7 +3,7 @@
 // (seeds, where there is noise) that nobody tuned on. IDOB, DKF and FAKFD are tuned for each row by
 // their one parameter, on the row's own phases, which the bank is not. All of it for an encoder
 // that rounds and for one that truncates. Prints the tables of
-// docs/explanation/methods/filter-bank.md.
+// docs/explanation/methods/multiple-model-estimator.md.
 #include <breakwater/observers/filter_bank.h>
 
 #include <gtest/gtest.h>
