@@ -1,8 +1,8 @@
 """Between docs/ and mkdocs: the navigation, what pages link to outside of docs/, notebooks, the
 gallery, the headers. The pages themselves are not changed: what a forge shows is what is built.
 
-Of a file of the tree (`T`) the site has: of docs/X: X; of other Markdown: source/T; of a notebook: a
-page with its cells; of other text: source/T.md, a page that shows it; of a picture: source/T.
+The site has docs/X at X, and other Markdown and pictures of the tree, T, at source/T. A notebook
+becomes a page with its cells. Any other text of the tree becomes a page that shows it, source/T.md.
 """
 
 import base64
@@ -128,7 +128,7 @@ def headers():
             page = compound.findtext("filename")
             pages[path[path.index("breakwater/"):]] = page if page.endswith(".html") else page + ".html"
     lines = ["# C++ headers", "",
-             "What an installation has, room by room ([architecture](explanation/architecture.md)); "
+             "The headers of an installation, room by room ([architecture](explanation/architecture.md)); "
              '<a href="api/annotated.html">all classes</a>, <a href="api/globals_func.html">functions</a>.']
     room = None
     for path in sorted(pages):

@@ -1,4 +1,4 @@
-"""What the documentation's Markdown is made of, as a forge reads it: headings, links, tables.
+"""The parts of the documentation's Markdown, as a forge reads it: headings, links, tables.
 
 Fenced code is nobody's link, heading or table.
 """

@@ -12,10 +12,11 @@ import tempfile
 import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "scripts/docs"))
+sys.path[:0] = [str(ROOT / "scripts"), str(ROOT / "scripts/docs")]
 import links  # noqa: E402
 import markdown_pages  # noqa: E402
 import numbers_of_tables  # noqa: E402
+import plain_words  # noqa: E402
 
 BINARIES, WORK = None, None
 
@@ -71,6 +72,45 @@ class Links(Page):
                                 ("`a_b` and [c](d.md)", "a_b-and-c")]:
             self.assertEqual(markdown_pages.anchor(heading), anchor)
         self.assertEqual(markdown_pages.anchors("# A\n# A\n"), {"a", "a-1"})
+
+
+class PlainWords(unittest.TestCase):
+    LONG = "word " * 25
+
+    def test_what_is_found(self):
+        for name, text, found in [
+                ("a.md", f"{self.LONG}.", []),
+                ("a.md", f"one\n{self.LONG}.", ["1: 26 words"]),
+                ("a.md", f"Short. {self.LONG}\nmore.", ["1: 26 words"]),
+                ("a.md", f"{self.LONG}\n\nmore.", []),
+                ("a.md", f"- {self.LONG}\n- more", []),
+                ("a.md", f"{self.LONG}`a long command` $x + y$", ["1: 27 words"]),
+                ("a.md", f"{self.LONG}[a label](of/a/link.md)", ["1: 27 words"]),
+                ("a.md", f"| {self.LONG}{self.LONG} |\n# {self.LONG}{self.LONG}\n```\n{self.LONG}{self.LONG}\n```\n", []),
+                ("a.md", f"$$ {self.LONG}{self.LONG} $$\n<!-- {self.LONG}{self.LONG} -->", []),
+                ("a.md", "As in Fig. 4.1 and Eq. 2.3, e.g. Of here is no beginning.", []),
+                ("a.md", "It runs.\nWhat it does is known. Of it no more.", ["2: begins with “What”", "2: begins with “Of”"]),
+                ("a.md", "It runs, of course, as those do. Offset. Whatever.", []),
+                ("a.md", "| Of one |", []),
+                ("a.md", "A\nbank of\nfilters", ["2: “bank of filters”: multiple-model estimator"]),
+                ("a.md", "| in vain |", ["1: “in vain”: ineffective key"]),
+                ("a.md", "`vain` and ```vain```", []),
+                ("a.h", "int a;  ///< what it counts", ["1: begins with “What”"]),
+                ("a.h", "// one\n// two. Else\n// three", ["2: begins with “Else”"]),
+                ("a.h", f"/// {self.LONG}\n///      A formula of = many {self.LONG}\n/// more", []),
+                ("a.h", f"/// {self.LONG}\n///  - more\n", []),
+                ("a.cpp", "const char* a = \"Of http://x and 'y'\" \"and more.\";", ["1: begins with “Of”"]),
+                ("a.cpp", f'f("{self.LONG}"\n  "more.");', ["1: 26 words"]),
+                ("a.cpp", f'f("{self.LONG}\\n\\nmore words and more.");', []),
+                ("a.cpp", 'f("vain");  // a name', []),
+                ("tests/a.cpp", 'f("Of all of these things");', []),
+                ("a.py", '"""Of this module."""\nx = """Of no module."""\n', ["1: begins with “Of”"]),
+                ("a.py", "print('Of all of these things')  # else", ["1: begins with “Of”", "1: begins with “Else”"]),
+                ("a.toml", "a = '#Of'  # of all\n# these", ["1: begins with “Of”"]),
+                ("a.sh", "echo $# 'What'\n# Who", ["2: begins with “Who”"])]:
+            with self.subTest(name=name, text=text):
+                said = [f"{line}: {what}" for line, what in plain_words.findings(name, text, plain_words.not_said())]
+                self.assertEqual([what.partition(" words")[0] + " words" if " words: " in what else what for what in said], found)
 
 
 class Numbers(Page):

@@ -1,0 +1,199 @@
+#!/usr/bin/python3
+"""plain_words.py [--count] [FILE...]: the rules of CONTRIBUTING.md for plain words, as far as a program can check them.
+
+It reads pages, comments, and the messages and help texts in string literals. It finds long sentences,
+words that the glossary's column "not" has in code type, and beginnings such as Of or What.
+"""
+
+import argparse
+import bisect
+import collections
+import io
+import itertools
+import pathlib
+import re
+import subprocess
+import sys
+import tokenize
+
+ROOT = pathlib.Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT / "scripts/docs"))
+import markdown_pages  # noqa: E402
+
+LONGEST = 25
+GLOSSARY = markdown_pages.DOCS / "reference/glossary.md"
+FILES = ["*.md", "src/*", "tests/*", "scenarios/*", "python/*", "scripts/*", "templates/*",
+         "studies/*", "data/*"]
+SUFFIXES = {".md", ".h", ".cpp", ".py", ".toml", ".sh"}
+LEFT_OUT = {"CHANGELOG.md"}  # history, and as long as it is
+BEGINNING = re.compile(r"(Of|What|Who|Whose|Those|Else)\b")
+ABBREVIATION = re.compile(r"\b(Eqs?|Figs?|Sec|cf|vs|al|e\.g|i\.e|approx|resp|no)\.(?=\s)")
+CPP = re.compile(r'R"(\w*)\(.*?\)\1"|"(?P<text>(?:\\.|[^"\\\n])*)"|\'(?:\\.|[^\'\\\n])\'|//[/!]?<?(?P<line>[^\n]*)'
+                 r'|/\*+!?<?(?P<block>.*?)\*/', re.S)
+HASH = re.compile(r'"""(?:.*?)"""|"(?:\\.|[^"\\\n])*"|\'[^\'\n]*\'|(?:^|(?<=\s))#(?P<line>[^\n]*)', re.S | re.M)
+
+
+class Block:
+    """Text that is read in one go: pieces, each with its line. `kind`: prose, comment, table or string."""
+
+    def __init__(self, kind, pieces):
+        self.kind, self.lines = kind, [line for line, _ in pieces]
+        separator = "" if kind == "string" else "\n"
+        self.starts = [0, *itertools.accumulate(len(text) + len(separator) for _, text in pieces)][:-1]
+        self.text = separator.join(text for _, text in pieces)
+
+    def line_of(self, position):
+        return self.lines[bisect.bisect_right(self.starts, position) - 1]
+
+
+def paragraphs(kind, lines):
+    """Blocks of lines of text: an empty one ends a block, an item of a list begins one."""
+    pieces = []
+    for line, text in lines:
+        is_formula = kind == "comment" and re.match(r" {5,}\S", text) is not None
+        is_item = re.match(r"\s*([-*+]|\d+\.)\s", text) is not None
+        if pieces and (not text.strip() or is_item or is_formula or line != pieces[-1][0] + 1):
+            yield Block(kind, pieces)
+            pieces = []
+        if text.strip() and not is_formula:
+            marks = re.match(r"\s*(?:[-*+]|\d+\.)\s|", text)[0]
+            pieces.append((line, " " * len(marks) + text[len(marks):]))
+    if pieces:
+        yield Block(kind, pieces)
+
+
+def of_page(text):
+    text = re.sub(r"<!--.*?-->|\$\$.*?\$\$", lambda hidden: "\n" * hidden[0].count("\n"), text, flags=re.S)
+    lines = []
+    for line, words in markdown_pages.prose(text):
+        if words.startswith("|"):
+            yield from (Block("table", [(line, cell)]) for cell in words.split("|"))
+        lines.append((line, "" if words.startswith(("|", "#", "<")) else words))
+    yield from paragraphs("prose", lines)
+
+
+def of_comments(found):
+    """Blocks of comments: (line, column, text). Comments of one column on lines without a gap belong together."""
+    for _, run in itertools.groupby(found, key=lambda comment: comment[1]):
+        yield from paragraphs("comment", [(line, text) for line, _, text in run])
+
+
+def of_string(pieces):
+    """Blocks of a message or a help text: two line breaks or an indented line begin one."""
+    block = Block("string", pieces)
+    for part in re.finditer(r"(?:(?!\\n\\n|\\n\s{2}|\n\n|\n\s{6}).)+", block.text, re.S):
+        words = re.sub(r"\\n|\n", " ", part[0])
+        if len(re.findall(r"\b[a-z]+\b", words)) >= 3:
+            yield Block("string", [(block.line_of(part.start()), words)])
+
+
+def of_cpp(text, with_strings):
+    comments, strings, end = [], [], 0
+    for match in CPP.finditer(text):
+        line, column = text.count("\n", 0, match.start()) + 1, match.start() - text.rfind("\n", 0, match.start())
+        if match["line"] is not None:
+            comments.append((line, column, match["line"]))
+        elif match["block"] is not None:
+            comments += [(line + i, column, words.strip(" *")) for i, words in enumerate(match["block"].split("\n"))]
+        elif match["text"] is not None and with_strings:
+            if strings and not text[end:match.start()].strip():
+                strings[-1].append((line, match["text"]))
+            else:
+                strings.append([(line, match["text"])])
+            end = match.end()
+    yield from of_comments(comments)
+    for pieces in strings:
+        yield from of_string(pieces)
+
+
+def of_python(text, with_strings):
+    comments, before = [], tokenize.NEWLINE
+    for token in tokenize.generate_tokens(io.StringIO(text).readline):
+        if token.type == tokenize.COMMENT:
+            comments.append((*token.start, token.string.lstrip("#!")))
+        elif token.type == tokenize.STRING and before not in {tokenize.OP, tokenize.NAME, tokenize.STRING}:
+            lines = enumerate(token.string.strip('rf"').split("\n"), token.start[0])
+            yield from paragraphs("comment", [(line, words.strip()) for line, words in lines])
+        elif token.type == tokenize.STRING and with_strings and '"""' not in token.string:
+            yield from of_string([(token.start[0], token.string.strip("rf").strip("\"'"))])
+        before = token.type if token.type not in {tokenize.COMMENT, tokenize.NL} else before
+    yield from of_comments(comments)
+
+
+def of_hash(text):
+    return of_comments([(text.count("\n", 0, match.start()) + 1, match.start() - text.rfind("\n", 0, match.start()), match["line"])
+                        for match in HASH.finditer(text) if match["line"] is not None])
+
+
+def blocks_of(name, text):
+    suffix, with_strings = pathlib.Path(name).suffix, "tests" not in pathlib.Path(name).parts
+    if suffix == ".md":
+        return of_page(text)
+    if suffix == ".py":
+        return of_python(text, with_strings)
+    return of_cpp(text, with_strings) if suffix in {".h", ".cpp"} else of_hash(text)
+
+
+def plain(text):
+    """The text with a word in the place of code and maths, and of a link its label. No line break is lost."""
+    kept = lambda match: "x" * (len(match[0]) - match[0].count("\n")) + "\n" * match[0].count("\n")  # noqa: E731
+    text = re.sub(r"(`+)(?!`).*?(?<!`)\1(?!`)|\$[^$\s](?:[^$]*[^$\s])?\$", kept, text, flags=re.S)
+    text = re.sub(r"\]\([^()\s]*\)|[\[\]*]", lambda match: " " * len(match[0]), text)
+    return ABBREVIATION.sub(lambda match: match[1] + " ", text)
+
+
+def not_said():
+    """{word: the glossary's term for it}"""
+    words = {}
+    for line, text in markdown_pages.prose(GLOSSARY.read_text(encoding="utf-8")):
+        cells = [cell.strip() for cell in text.split("|")[1:-1]]
+        if len(cells) == 5:
+            words |= dict.fromkeys(re.findall("`([^`]+)`", cells[3]), cells[0])
+    return words
+
+
+def findings(name, text, words):
+    """Yields (line, what is wrong)."""
+    said = re.compile(r"\b(" + "|".join(sorted(map(re.escape, words), key=len, reverse=True)).replace(r"\ ", r"\s+") + r")\b", re.I)
+    for block in blocks_of(name, text):
+        read = plain(block.text)
+        for match in said.finditer(read):
+            word = " ".join(match[0].split())
+            yield block.line_of(match.start()), f"“{word}”: {words[word.lower()]}"
+        if block.kind == "table":
+            continue
+        first = True
+        for sentence in re.finditer(r"\S.*?(?:[.!?][)”\"’]?(?=\s|$)|$(?!\n)|:(?=\s*\Z))", read, re.S):
+            start = sentence[0].lstrip("(“\" ")
+            beginning = BEGINNING.match(start[:1].upper() + start[1:] if first and block.kind == "comment" else start)
+            if beginning:
+                yield block.line_of(sentence.start()), f"begins with “{beginning[0]}”"
+            count = len([word for word in sentence[0].split() if re.search(r"\w", word)])
+            if count > LONGEST:
+                yield block.line_of(sentence.start()), f"{count} words: {' '.join(sentence[0].split()[:6])} …"
+            first = False
+
+
+def main(arguments):
+    parser = argparse.ArgumentParser(prog="scripts/plain_words.py", description=__doc__.split("\n")[0])
+    parser.add_argument("--count", action="store_true", help="print the number of findings of each file")
+    parser.add_argument("files", nargs="*", metavar="FILE", help="check these files alone")
+    options = parser.parse_args(arguments)
+    names = options.files or [
+        name for name in subprocess.check_output(["git", "ls-files", *FILES], cwd=ROOT, text=True).splitlines()
+        if pathlib.Path(name).suffix in SUFFIXES and name not in LEFT_OUT]
+    words, counts = not_said(), collections.Counter()
+    for name in names:
+        path = pathlib.Path(name) if options.files else ROOT / name
+        for line, what in sorted(findings(name, path.read_text(encoding="utf-8"), words)):
+            counts[name] += 1
+            if not options.count:
+                print(f"{name}:{line}: {what}")
+    if options.count:
+        print("\n".join(f"{count:5} {name}" for name, count in counts.most_common()))
+        print(f"{counts.total():5} in {len(names)} files")
+    return 1 if counts else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
