@@ -21,15 +21,13 @@ sys.path.insert(0, str(ROOT / "scripts/docs"))
 import markdown_pages  # noqa: E402
 
 LONGEST = 25
-GLOSSARY = markdown_pages.DOCS / "reference/glossary.md"
-FILES = ["*.md", "src/*", "tests/*", "scenarios/*", "python/*", "scripts/*", "templates/*",
-         "studies/*", "data/*"]
+FILES = [":/" + name for name in (
+    "*.md", "src", "tests", "scenarios", "python", "scripts", "templates", "studies", "data")]
 SUFFIXES = {".md", ".h", ".cpp", ".py", ".toml", ".sh"}
-LEFT_OUT = {"CHANGELOG.md"}  # history, and as long as it is
 BEGINNING = re.compile(r"(Of|What|Who|Whose|Those|Else)\b")
 ABBREVIATION = re.compile(r"\b(Eqs?|Figs?|Sec|cf|vs|al|e\.g|i\.e|approx|resp|no)\.(?=\s)")
 CPP = re.compile(r'R"(\w*)\(.*?\)\1"|"(?P<text>(?:\\.|[^"\\\n])*)"|\'(?:\\.|[^\'\\\n])\'|//[/!]?<?(?P<line>[^\n]*)'
-                 r'|/\*+!?<?(?P<block>.*?)\*/', re.S)
+                 r'|/\*.*?\*/', re.S)
 HASH = re.compile(r'"""(?:.*?)"""|"(?:\\.|[^"\\\n])*"|\'[^\'\n]*\'|(?:^|(?<=\s))#(?P<line>[^\n]*)', re.S | re.M)
 
 
@@ -72,29 +70,32 @@ def of_page(text):
     yield from paragraphs("prose", lines)
 
 
+def place(text, position):
+    """The line of a position, counted from 1, and the text before it on this line."""
+    return text.count("\n", 0, position) + 1, text[text.rfind("\n", 0, position) + 1:position]
+
+
 def of_comments(found):
-    """Blocks of comments: (line, column, text). Comments of one column on lines without a gap belong together."""
-    for _, run in itertools.groupby(found, key=lambda comment: comment[1]):
-        yield from paragraphs("comment", [(line, text) for line, _, text in run])
+    """Blocks of comments: (line, the line before it, text). A comment below another in one column continues it."""
+    for _, run in itertools.groupby(found, key=lambda comment: len(comment[1])):
+        yield from paragraphs("comment", [piece for line, before, text in run for piece in
+                                          [(line, "")] * bool(before.strip()) + [(line, text)]])
 
 
 def of_string(pieces):
     """Blocks of a message or a help text: two line breaks or an indented line begin one."""
     block = Block("string", pieces)
     for part in re.finditer(r"(?:(?!\\n\\n|\\n\s{2}|\n\n|\n\s{6}).)+", block.text, re.S):
-        words = re.sub(r"\\n|\n", " ", part[0])
-        if len(re.findall(r"\b[a-z]+\b", words)) >= 3:
+        if len(re.findall(r"\b[a-z]+\b", words := re.sub(r"\\n|\n", " ", part[0]))) >= 3:
             yield Block("string", [(block.line_of(part.start()), words)])
 
 
 def of_cpp(text, with_strings):
     comments, strings, end = [], [], 0
     for match in CPP.finditer(text):
-        line, column = text.count("\n", 0, match.start()) + 1, match.start() - text.rfind("\n", 0, match.start())
+        line, before = place(text, match.start())
         if match["line"] is not None:
-            comments.append((line, column, match["line"]))
-        elif match["block"] is not None:
-            comments += [(line + i, column, words.strip(" *")) for i, words in enumerate(match["block"].split("\n"))]
+            comments.append((line, before, match["line"]))
         elif match["text"] is not None and with_strings:
             if strings and not text[end:match.start()].strip():
                 strings[-1].append((line, match["text"]))
@@ -110,7 +111,7 @@ def of_python(text, with_strings):
     comments, before = [], tokenize.NEWLINE
     for token in tokenize.generate_tokens(io.StringIO(text).readline):
         if token.type == tokenize.COMMENT:
-            comments.append((*token.start, token.string.lstrip("#!")))
+            comments.append((token.start[0], token.line[:token.start[1]], token.string.lstrip("#!")))
         elif token.type == tokenize.STRING and before not in {tokenize.OP, tokenize.NAME, tokenize.STRING}:
             lines = enumerate(token.string.strip('rf"').split("\n"), token.start[0])
             yield from paragraphs("comment", [(line, words.strip()) for line, words in lines])
@@ -121,7 +122,7 @@ def of_python(text, with_strings):
 
 
 def of_hash(text):
-    return of_comments([(text.count("\n", 0, match.start()) + 1, match.start() - text.rfind("\n", 0, match.start()), match["line"])
+    return of_comments([(*place(text, match.start()), match["line"])
                         for match in HASH.finditer(text) if match["line"] is not None])
 
 
@@ -145,7 +146,7 @@ def plain(text):
 def not_said():
     """{word: the glossary's term for it}"""
     words = {}
-    for line, text in markdown_pages.prose(GLOSSARY.read_text(encoding="utf-8")):
+    for line, text in markdown_pages.prose((markdown_pages.DOCS / "reference/glossary.md").read_text("utf-8")):
         cells = [cell.strip() for cell in text.split("|")[1:-1]]
         if len(cells) == 5:
             words |= dict.fromkeys(re.findall("`([^`]+)`", cells[3]), cells[0])
@@ -162,36 +163,35 @@ def findings(name, text, words):
             yield block.line_of(match.start()), f"“{word}”: {words[word.lower()]}"
         if block.kind == "table":
             continue
-        first = True
         for sentence in re.finditer(r"\S.*?(?:[.!?][)”\"’]?(?=\s|$)|$(?!\n)|:(?=\s*\Z))", read, re.S):
             start = sentence[0].lstrip("(“\" ")
-            beginning = BEGINNING.match(start[:1].upper() + start[1:] if first and block.kind == "comment" else start)
-            if beginning:
+            is_first = not read[:sentence.start()].strip()
+            if beginning := BEGINNING.match(start.capitalize() if is_first and block.kind == "comment" else start):
                 yield block.line_of(sentence.start()), f"begins with “{beginning[0]}”"
             count = len([word for word in sentence[0].split() if re.search(r"\w", word)])
             if count > LONGEST:
                 yield block.line_of(sentence.start()), f"{count} words: {' '.join(sentence[0].split()[:6])} …"
-            first = False
 
 
 def main(arguments):
     parser = argparse.ArgumentParser(prog="scripts/plain_words.py", description=__doc__.split("\n")[0])
     parser.add_argument("--count", action="store_true", help="print the number of findings of each file")
-    parser.add_argument("files", nargs="*", metavar="FILE", help="check these files alone")
+    parser.add_argument("files", nargs="*", metavar="FILE", help="check these files or folders alone")
     options = parser.parse_args(arguments)
-    names = options.files or [
-        name for name in subprocess.check_output(["git", "ls-files", *FILES], cwd=ROOT, text=True).splitlines()
-        if pathlib.Path(name).suffix in SUFFIXES and name not in LEFT_OUT]
+    listed = subprocess.run(["git", "ls-files", "--cached", "--others", "--exclude-standard", "--full-name",
+                             "--error-unmatch", *(options.files or FILES)], text=True, capture_output=True)
+    if listed.returncode != 0:
+        parser.error(listed.stderr.splitlines()[0].removeprefix("error: "))
+    names = [name for name in listed.stdout.splitlines() if (ROOT / name).is_file() and
+             pathlib.Path(name).suffix in SUFFIXES and name != "CHANGELOG.md"]  # history, as it was written
     words, counts = not_said(), collections.Counter()
     for name in names:
-        path = pathlib.Path(name) if options.files else ROOT / name
-        for line, what in sorted(findings(name, path.read_text(encoding="utf-8"), words)):
+        for line, what in sorted(findings(name, (ROOT / name).read_text(encoding="utf-8"), words)):
             counts[name] += 1
             if not options.count:
                 print(f"{name}:{line}: {what}")
     if options.count:
-        print("\n".join(f"{count:5} {name}" for name, count in counts.most_common()))
-        print(f"{counts.total():5} in {len(names)} files")
+        print(*(f"{count:5} {name}" for name, count in counts.most_common()), f"{counts.total():5} in all", sep="\n")
     return 1 if counts else 0
 
 

@@ -96,6 +96,7 @@ class PlainWords(unittest.TestCase):
                 ("a.md", "| in vain |", ["1: “in vain”: ineffective key"]),
                 ("a.md", "`vain` and ```vain```", []),
                 ("a.h", "int a;  ///< what it counts", ["1: begins with “What”"]),
+                ("a.h", f"int a;  ///< {self.LONG}\nint b;  ///< of two,\n        ///< what?", ["2: begins with “Of”"]),
                 ("a.h", "// one\n// two. Else\n// three", ["2: begins with “Else”"]),
                 ("a.h", f"/// {self.LONG}\n///      A formula of = many {self.LONG}\n/// more", []),
                 ("a.h", f"/// {self.LONG}\n///  - more\n", []),
