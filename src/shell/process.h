@@ -12,8 +12,8 @@
 #include <string>
 #include <vector>
 
+#include <breakwater/record/interrupted.h>
 #include <breakwater/record/output_error.h>
-#include <breakwater/shell/interrupted.h>
 
 namespace breakwater {
 
