@@ -26,7 +26,6 @@
 #include <breakwater/shell/process.h>
 #include <breakwater/shell/progress.h>
 #include <breakwater/shell/table.h>
-#include <breakwater/study/announced.h>
 #include <breakwater/study/comparison_table.h>
 #include <breakwater/study/isolated.h>
 #include <breakwater/study/study_comparison.h>
@@ -71,7 +70,6 @@ struct SweepArguments {
   bool print_tasks = false;
   SlurmRequest request;
   std::string points;
-  Announced announced;
 };
 
 void describe(CLI::App& app, SweepArguments& arguments) {
@@ -170,7 +168,6 @@ void describe(CLI::App& app, SweepArguments& arguments) {
                  "run these points alone (0-99,120, or @FILE:LINE), as a task of a scheduler does")
       ->type_name("LIST")
       ->group(with);
-  add_announced_options(app, arguments.announced);
 
   for (const char* option : {"--replay", "--points", "--status", "--collect"}) {
     app.get_option("--rerun")->excludes(app.get_option(option));
@@ -540,17 +537,14 @@ int run_here(const Sweep& sweep, const StudyFolder& folder, const std::vector<st
   std::atomic<bool> stop = false;
   ExecutorOptions options;
   options.threads = is_task && arguments.jobs == 0 ? task_threads() : arguments.jobs;
-  options.finishes_runs = is_task;
+  options.is_task = is_task;
   options.stop = &interrupted();
   const bool stops = sweep.plan().study().on_failure == OnFailure::stop;
   options.on_result = [&](const PointResult& result) {
     if (stops && result.status != PointStatus::complete) stop = true;
   };
-  KnownModels models;
-  if (arguments.announced.is_on) announce(arguments.announced, models, options);
   if (stops) options.is_over = [&] { return stop.load(); };
-  Progress progress(kSweep, std::vector<double>(points.size(), 1.0),
-                    arguments.quiet || arguments.announced.is_on);
+  Progress progress(kSweep, std::vector<double>(points.size(), 1.0), arguments.quiet);
   options.progress = [&](std::size_t i, double done) { progress.update(i, done); };
   const std::size_t ran = arguments.isolate
                               ? run_isolated(points, sweep, {kSweep}, folder, shard, options)
@@ -706,14 +700,6 @@ int replay_point(const Sweep& sweep, const StudyFolder& folder, const ShardIndex
   return kRunFailed;
 }
 
-// A process of --isolate: what is left to do it is told by one that has looked.
-int run_announced(Sweep& sweep, const StudyFolder& folder, const SweepArguments& arguments) {
-  folder.check_made_by_this(sweep.file());
-  sweep.keep_in(folder);
-  return run_here(sweep, folder, points_of_task(arguments.points, sweep.plan().size()), arguments,
-                  true);
-}
-
 // The points of --points that are not done.
 int run_task(const Sweep& sweep, const StudyFolder& folder, const ShardIndex& before,
              const SweepArguments& arguments) {
@@ -761,7 +747,6 @@ int sweep(const Catalogue& catalogue, const SweepArguments& arguments) {
   }
   std::optional<ShardIndex> before;  // what was there
   if (is_there) {
-    if (arguments.announced.is_on) return run_announced(sweep, folder, arguments);
     folder.check_is(plan.study());
     before.emplace(folder.shards(), plan.size());
     if (arguments.status) {

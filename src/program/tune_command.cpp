@@ -2,12 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <sys/wait.h>
-
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <csignal>
-#include <cstring>
 #include <map>
 #include <optional>
 #include <set>
@@ -30,7 +27,6 @@
 #include <breakwater/shell/process.h>
 #include <breakwater/shell/progress.h>
 #include <breakwater/shell/table.h>
-#include <breakwater/study/isolated.h>
 #include <breakwater/study/study_reader.h>
 
 namespace breakwater {
@@ -53,7 +49,6 @@ struct TuneArguments {
   SlurmRequest request;
   std::string points;
   std::vector<std::string> candidates;
-  Announced announced;
 };
 
 constexpr double kMinutesOfTask = 5.0;  // few: a generation waits for its last task
@@ -87,7 +82,6 @@ void describe_tune(CLI::App& app, TuneArguments& arguments) {
   // A task of a cluster: "@DIR/slurm/N/tasks:LINE"; a process of --isolate: "0-9", and candidates.
   app.add_option("--points", arguments.points)->group("")->excludes("--slurm", "--rerun");
   app.add_option("--candidate", arguments.candidates)->expected(1)->take_all()->group("");
-  add_announced_options(app, arguments.announced);
   app.footer(
       "It leaves results.csv (one row a run), front.csv, front/N.toml (for --config),\n"
       "hypervolume.csv and report.html in the tuning's folder. The same command goes on where it\n"
@@ -193,27 +187,20 @@ void warn_of_single_candidates(const Tuning& tuning) {
 // What is wrong with a tuning that its runs tell. One may end the process: with --isolate another
 // one makes them.
 void check_apart(const std::string& target) {
-  ReadProgram child({own_program(), kTune, target, "--dry-run", "--quiet"}, true);
-  std::vector<std::string> said;
-  while (const auto line = child.next()) {
-    if (interrupted()) child.interrupt();
-    if (!line->empty()) said.push_back(*line);
-  }
-  const int status = child.wait();
+  EndedProgram ended =
+      run_beside({own_program(), kTune, target, "--dry-run", "--quiet"}, [](ReadProgram& child) {
+        if (interrupted()) child.interrupt();
+      });
   if (interrupted()) throw Interrupted();
   std::string error;
-  if (WIFSIGNALED(status) && is_crash(WTERMSIG(status))) {
-    warn(kTune,
-         {fmt::format("a candidate in the middle crashes: {}", strsignal(WTERMSIG(status)))});
-  } else if (WIFEXITED(status) && WEXITSTATUS(status) == kUsage && !said.empty()) {
-    error = said.back();
-    said.pop_back();
-  } else if (status != 0) {
-    error = fmt::format("--isolate: the process that tries each case ended with {} {}",
-                        WIFSIGNALED(status) ? "signal" : "status",
-                        WIFSIGNALED(status) ? WTERMSIG(status) : WEXITSTATUS(status));
+  if (ended.has_crashed()) {
+    warn(kTune, {fmt::format("a candidate in the middle crashes: {}", ended.end())});
+  } else if (ended.exit_status() == kUsage) {
+    error = ended.take_reason();
+  } else if (ended.status != 0) {
+    error = "--isolate: the process that tries each case ended with " + ended.end();
   }
-  for (const std::string& line : said) fmt::print(stderr, "{}\n", line);
+  ended.repeat_said();
   if (!error.empty()) throw std::invalid_argument(error);
 }
 
@@ -221,10 +208,6 @@ void check_apart(const std::string& target) {
 void make_ready(const TuningPlan& plan, const StudyFolder& folder, const std::string& target,
                 const TuneArguments& arguments) {
   const bool is_there = folder.is_there();
-  if (arguments.announced.is_on) {
-    folder.check_made_by_this(plan.file());
-    return;
-  }
   if (is_there && !arguments.rerun) {
     folder.check_made_by_this(plan.file(), ShardIndex(folder.shards(), plan.size()));
     return;
@@ -378,9 +361,8 @@ int run_tune(const Catalogue& catalogue, const TuneArguments& arguments) {
   make_ready(plan, folder, opened.target, arguments);
   if (is_task) {
     const TuningTask task = {arguments.points, arguments.candidates, arguments.jobs,
-                             arguments.isolate, arguments.announced};
+                             arguments.isolate};
     if (run_task(plan, folder, task)) return kSuccess;
-    if (arguments.announced.is_on) return kInterrupted;
     fmt::print(stderr, "{}: interrupted before all runs of this task were made\n", kTune);
     return kInterrupted;
   }

@@ -114,19 +114,16 @@ bool run_task(TuningPlan& plan, const StudyFolder& folder, const TuningTask& tas
     begin_candidates(plan, task.candidates, "--candidate");
   }
   std::vector<std::size_t> runs = points_of_task(task.points, plan.size());
-  // One of --isolate is told what is missing by a process that has looked.
-  if (!task.announced.is_on) runs = missing(ShardIndex(folder.shards(), plan.size()), runs);
+  runs = missing(ShardIndex(folder.shards(), plan.size()), runs);
   for (const std::size_t number : runs) {
     const TuningRun run = plan.run(number);
     if (plan.has(run.tuned, run.evaluation)) continue;
     throw std::invalid_argument(
         fmt::format("--points: {}: the candidate of run {} is not beside it", task.points, number));
   }
-  KnownModels models;
   ExecutorOptions options;
   options.threads = task.jobs > 0 ? task.jobs : task_threads();
-  options.finishes_runs = true;
-  if (task.announced.is_on) announce(task.announced, models, options);
+  options.is_task = true;
   return make_runs(plan, folder, runs, task.isolate, options);
 }
 

@@ -9,7 +9,6 @@
 
 #include <breakwater/cluster/slurm.h>
 #include <breakwater/search/tuning_plan.h>
-#include <breakwater/study/announced.h>
 #include <breakwater/study/study_folder.h>
 
 namespace breakwater {
@@ -35,7 +34,6 @@ struct TuningTask {
       candidates;        ///< candidate_lines(); empty: those of DIR/slurm/N/candidates
   std::size_t jobs = 0;  ///< 0: as many as the task was given
   bool isolate = false;
-  Announced announced;
 };
 
 /// Submits runs as one array job and waits until all of them are in the folder's shards; what is

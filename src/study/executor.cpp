@@ -68,8 +68,7 @@ struct Common {
   const PointSource& source;
   KnownModels& models;
   Shard* shard = nullptr;
-  std::function<void(std::size_t, const std::string&)> on_key = {};
-  std::function<void(const std::vector<std::string>&)> on_models = {};
+  bool is_task = false;
   std::size_t threads = 1;
   Turns turns = {};
   std::mutex mutex = {};
@@ -131,10 +130,9 @@ bool fill(PointResult& result, RunControl control, Common& common) {
   try {
     run = source.prepare(number);
     models = known.of(run.model_files);
-    if (common.on_models) common.on_models(run.model_files);
     result.key = source.key(number, run, models);
-    if (common.on_key) common.on_key(number, result.key);
     if (common.shard != nullptr) common.shard->add(models);
+    if (common.is_task) common.shard->begin(number, result.key);
     control.logs = source.logs(number);
     recording = run.scenario->run(control);
   } catch (const OutOfMemory&) {
@@ -206,11 +204,7 @@ std::size_t run_points(const std::vector<std::size_t>& points, const PointSource
   KnownModels own;
   KnownModels& known = options.models != nullptr ? *options.models : own;
   const SharedModels shared([&](const std::string& file) { known.note(file); });
-  Common common{source,
-                known,
-                &shard,
-                options.on_key,
-                options.on_models,
+  Common common{source, known, &shard, options.is_task,
                 options.threads > 0 ? options.threads : usable_cores()};
   std::atomic<std::size_t> finished = 0;
   const auto is_stopped = [&] {
@@ -225,8 +219,7 @@ std::size_t run_points(const std::vector<std::size_t>& points, const PointSource
           if (options.progress) {
             control.progress = [&, i](double fraction) { options.progress(i, fraction); };
           }
-          if (!options.finishes_runs) control.stop = options.stop;
-          if (options.on_begin) options.on_begin(points[i]);
+          if (!options.is_task) control.stop = options.stop;
           const PointResult result = execute(points[i], control, common);
           shard.add(result);
           ++finished;

@@ -41,13 +41,11 @@ class PointSource {
 struct ExecutorOptions {
   std::size_t threads = 0;                  ///< 0: as many as there are cores
   const std::atomic<bool>* stop = nullptr;  ///< when it becomes true: no further point …
-  bool finishes_runs = false;               ///< … and those under way are run to their end
-  std::function<bool()> is_over = {};       ///< if true, no further point either
+  /// Of a scheduler, or of run_isolated(): those under way are run to their end, and the shard says
+  /// which point is begun.
+  bool is_task = false;
+  std::function<bool()> is_over = {};  ///< if true, no further point either
   std::function<void(std::size_t done_index, double fraction)> progress = {};  ///< of `points`
-  std::function<void(std::size_t point)> on_begin = {};
-  std::function<void(std::size_t point, const std::string& key)> on_key = {};  ///< before it runs
-  /// The MJCF files of each, before their hashes go into the shard.
-  std::function<void(const std::vector<std::string>& files)> on_models = {};
   std::function<void(const PointResult&)> on_result = {};  ///< what it throws ends the study
   KnownModels* models = nullptr;  ///< those that the points' keys were made of; null: own ones
 };
