@@ -54,10 +54,9 @@ struct ExecutorOptions {
 /// model file is compiled once. A point that fails is a result. One of which a model file was
 /// changed since it was first read gives none, and ends the study: std::invalid_argument, as
 /// KnownModels says it. What the machine lacks (memory, open files) is no result and ends the study
-/// too: OutOfMemory or OutputError; a point that is refused while files are short is run once more,
-/// alone, before it counts as refused. Of points with the same key one writes its folder. Returns
-/// how many were run: fewer than there are if it was stopped. Throws std::invalid_argument or
-/// OutputError for what else ends a study.
+/// too: OutOfMemory or OutputError; the process may open as many files as the system allows. Of
+/// points with the same key one writes its folder. Returns how many were run: fewer than there are
+/// if it was stopped. Throws std::invalid_argument or OutputError for what else ends a study.
 std::size_t run_points(const std::vector<std::size_t>& points, const PointSource& source,
                        Shard& shard, const ExecutorOptions& options);
 
