@@ -34,6 +34,10 @@ class PointSource {
                                        bool failed) const = 0;
   /// Whether the log is needed before the run, for its folder or for what is made of its signals.
   virtual bool logs(std::size_t point) const = 0;
+  /// What a process that is to make some points must be told of them, beside their numbers.
+  virtual std::vector<std::string> task_words(const std::vector<std::size_t>& /*points*/) const {
+    return {};
+  }
   /// Adds numbers made of the signals to the result of a run, which may have failed.
   virtual void derive(std::size_t /*point*/, const Recording&, PointResult&) const {}
 };

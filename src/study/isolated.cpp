@@ -20,14 +20,8 @@ constexpr std::size_t kMostOfAChild = 1000;
 class Children {
  public:
   Children(const std::vector<std::size_t>& points, const PointSource& source,
-           const IsolatedCommand& command, const StudyFolder& folder, Shard& shard,
-           const ExecutorOptions& options)
-      : points_(points),
-        source_(source),
-        command_(command),
-        folder_(folder),
-        shard_(shard),
-        options_(options) {}
+           const StudyFolder& folder, Shard& shard, const ExecutorOptions& options)
+      : points_(points), source_(source), folder_(folder), shard_(shard), options_(options) {}
 
   std::size_t finished() const { return finished_; }
 
@@ -46,12 +40,15 @@ class Children {
   std::size_t run_child(std::size_t begin, std::size_t end) {
     const std::vector<std::size_t> rest(points_.begin() + static_cast<std::ptrdiff_t>(begin),
                                         points_.begin() + static_cast<std::ptrdiff_t>(end));
-    std::vector<std::string> words = {own_program(), command_.name,      folder_.path().string(),
-                                      "--points",    print_points(rest), "--jobs",
-                                      "1",           "--quiet"};
-    if (command_.more) {
-      for (std::string& word : command_.more(rest)) words.push_back(std::move(word));
-    }
+    std::vector<std::string> words = {own_program(),
+                                      folder_.kind().command,
+                                      folder_.path().string(),
+                                      "--points",
+                                      print_points(rest),
+                                      "--jobs",
+                                      "1",
+                                      "--quiet"};
+    for (std::string& word : source_.task_words(rest)) words.push_back(std::move(word));
     std::size_t next = begin;
     ProcessResults written;
     EndedProgram ended = run_beside(words, [&](ReadProgram& child) {
@@ -93,7 +90,7 @@ class Children {
       finish(next, lost);
     } else {
       fmt::print(stderr, "{}: point {} is left undone: its process was ended by {}\n",
-                 command_.name, lost.key.empty() ? std::to_string(lost.number) : lost.key,
+                 folder_.kind().command, lost.key.empty() ? std::to_string(lost.number) : lost.key,
                  ended.end());
     }
     return next + 1;
@@ -114,7 +111,6 @@ class Children {
 
   const std::vector<std::size_t>& points_;
   const PointSource& source_;
-  const IsolatedCommand& command_;
   const StudyFolder& folder_;
   Shard& shard_;
   const ExecutorOptions& options_;
@@ -125,11 +121,10 @@ class Children {
 }  // namespace
 
 std::size_t run_isolated(const std::vector<std::size_t>& points, const PointSource& source,
-                         const IsolatedCommand& command, const StudyFolder& folder, Shard& shard,
-                         const ExecutorOptions& options) {
+                         const StudyFolder& folder, Shard& shard, const ExecutorOptions& options) {
   const std::size_t jobs = options.threads > 0 ? options.threads : usable_cores();
   const std::size_t share = std::clamp<std::size_t>(points.size() / (8 * jobs), 1, kMostOfAChild);
-  Children children(points, source, command, folder, shard, options);
+  Children children(points, source, folder, shard, options);
   on_all_cores((points.size() + share - 1) / share,
                [&](std::size_t nth) {
                  children.run(nth * share, std::min((nth + 1) * share, points.size()));

@@ -894,12 +894,12 @@ TEST_F(Sweep, WhatIsToGoIsWeighedByCandidate) {
 TEST_F(Sweep, SubmissionsThatCannotBeReadAreNotNone) {
   fs::create_directory(folder_ / "s");
   write("s/slurm", "no folder");
-  EXPECT_THROW(queued(StudyFolder(folder_ / "s"), 1), std::invalid_argument);
+  EXPECT_THROW(queued(StudyFolder(folder_ / "s", kSweep), 1), std::invalid_argument);
 }
 
 TEST_F(Sweep, TwoStudiesAreNotBegunInOneFolder) {
   const ScenarioFile file(testing::source_file("tests/study/ishigami/ishigami.toml"), "ishigami");
-  const StudyFolder study(folder_ / "s");
+  const StudyFolder study(folder_ / "s", kSweep);
   study.make("a = 1\n", file);
   EXPECT_NE(read("s/study.toml").find(file_hash(file.file())), std::string::npos);
   EXPECT_NO_THROW(study.make("a = 1\n", file));  // by another process at the same time
