@@ -18,7 +18,7 @@ class MachineLimits(Folder):
         """Exit status and stderr."""
         with open(stdout, "w") as out, open(stderr or self.folder / "stderr", "w") as err:
             done = subprocess.run([BIN / words[0], *words[1:]], cwd=self.folder, stdout=out, stderr=err,
-                                  preexec_fn=limit and (lambda: resource.setrlimit(limit[0], limit[1:] * 2)))
+                                  preexec_fn=limit and (lambda: resource.setrlimit(limit[0], (limit[1:] * 2)[:2])))
         text = "" if stderr else (self.folder / "stderr").read_text()
         (self.folder / "stderr").unlink(missing_ok=True)
         return done.returncode, text
@@ -65,6 +65,15 @@ class MachineLimits(Folder):
             return
         self.assertEqual(text, "")
         self.assertEqual(*((self.folder / name / "results.csv").read_bytes() for name in ("one", "many")))
+
+    def test_files_are_opened_up_to_the_hard_limit_and_their_lack_is_named(self):
+        study = [*STUDY, "--keep", "all", "--jobs", "16", "--out"]
+        status, text = self.limited(*study, "few", limit=(resource.RLIMIT_NOFILE, 8))
+        self.assertEqual(status, 2)
+        self.assertRegex(text, r"\A.*\(Too many open files\)\n\Z")
+        status, text = self.limited(*study, "many", limit=(resource.RLIMIT_NOFILE, 8, 1000))
+        self.assertEqual(status, 0, text)
+        self.assertNotIn("refused", (self.folder / "many" / "results.csv").read_text())
 
     def test_too_little_memory_is_said(self):
         for mega_bytes in range(40, 200, 10):
