@@ -82,8 +82,9 @@ std::string without_fields(const std::string& path) {
 
 // The words of a task's command, but for its points.
 std::string task_command(const SlurmStudy& study, const SlurmRequest& request) {
-  std::string text = fmt::format("{} {} {} --quiet", shell_quoted(own_program()), study.command,
-                                 shell_quoted(study.folder.path().string()));
+  std::string text =
+      fmt::format("{} {} {} --quiet", shell_quoted(own_program()), study.folder.kind().command,
+                  shell_quoted(study.folder.path().string()));
   for (const std::string& option : request.of_task) text += " " + option;
   return text + " --points";
 }
@@ -92,7 +93,8 @@ std::string job_script(const SlurmStudy& study, const fs::path& submission, std:
                        const SlurmRequest& request) {
   const SlurmSettings& slurm = study.settings;
   std::string text = slurm.modules.empty() ? "#!/bin/bash\n" : "#!/bin/bash -l\n";
-  text += directive("job-name", study.command + "-" + study.folder.path().filename().string());
+  text += directive("job-name", std::string(study.folder.kind().command) + "-" +
+                                    study.folder.path().filename().string());
   text += directive("array", request.parallel > 0 ? fmt::format("1-{}%{}", tasks, request.parallel)
                                                   : fmt::format("1-{}", tasks));
   text += directive("output", without_fields(submission.string()) + "/%a.log");

@@ -150,13 +150,12 @@ Queued queued(const StudyFolder& folder, std::size_t points) {
   return result;
 }
 
-std::optional<Queued> queued_if_known(const StudyFolder& folder, std::size_t points,
-                                      const std::string& command) {
+std::optional<Queued> queued_if_known(const StudyFolder& folder, std::size_t points) {
   try {
     return queued(folder, points);
   } catch (const std::invalid_argument& error) {
-    fmt::print(stderr, "{}: whether tasks of it are in a queue is not known here ({})\n", command,
-               one_line(error.what()));
+    fmt::print(stderr, "{}: whether tasks of it are in a queue is not known here ({})\n",
+               folder.kind().command, one_line(error.what()));
     return std::nullopt;
   }
 }

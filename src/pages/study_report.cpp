@@ -254,8 +254,8 @@ void write_study_report(const Catalogue& catalogue, const Plan& plan, const Shar
     entry.set("label", label);
     toc << entry;
   };
-  const std::string go_on =
-      fmt::format("{} {} {}", own_program_name(), kSweep, shell_word(folder.path().string()));
+  const std::string go_on = fmt::format("{} {} {}", own_program_name(), kSweep.command,
+                                        shell_word(folder.path().string()));
   page.set("title", "Study of " + study.scenario);
   page.set("about", scenario->summary());
   page.set("score", score(index));

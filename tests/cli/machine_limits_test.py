@@ -18,7 +18,7 @@ class MachineLimits(Folder):
         """Exit status and stderr."""
         def set_limits():
             for kind, most in limits.items():
-                resource.setrlimit(kind, (most, most))
+                resource.setrlimit(kind, most if isinstance(most, tuple) else (most, most))
         with open(stdout, "w") as out, open(stderr or self.folder / "stderr", "w") as err:
             done = subprocess.run([BIN / words[0], *words[1:]], cwd=self.folder, stdout=out, stderr=err,
                                   preexec_fn=set_limits)
@@ -86,6 +86,15 @@ class MachineLimits(Folder):
             with self.subTest(mega_bytes=mega_bytes):
                 if status == 0:
                     self.assertEqual(*((self.folder / name / "results.csv").read_bytes() for name in ("one", out)))
+
+    def test_files_are_opened_up_to_the_hard_limit_and_their_lack_is_named(self):
+        study = [*STUDY, "--keep", "all", "--jobs", "16", "--out"]
+        status, text = self.limited(*study, "few", limits={resource.RLIMIT_NOFILE: 8})
+        self.assertEqual(status, 2)
+        self.assertRegex(text, r"\A.*\(Too many open files\)\n\Z")
+        status, text = self.limited(*study, "many", limits={resource.RLIMIT_NOFILE: (8, 1000)})
+        self.assertEqual(status, 0, text)
+        self.assertNotIn("refused", (self.folder / "many" / "results.csv").read_text())
 
     def test_too_little_memory_is_said(self):
         for mega_bytes in range(40, 200, 10):

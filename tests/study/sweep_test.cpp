@@ -894,12 +894,12 @@ TEST_F(Sweep, WhatIsToGoIsWeighedByCandidate) {
 TEST_F(Sweep, SubmissionsThatCannotBeReadAreNotNone) {
   fs::create_directory(folder_ / "s");
   write("s/slurm", "no folder");
-  EXPECT_THROW(queued(StudyFolder(folder_ / "s"), 1), std::invalid_argument);
+  EXPECT_THROW(queued(StudyFolder(folder_ / "s", kSweep), 1), std::invalid_argument);
 }
 
 TEST_F(Sweep, TwoStudiesAreNotBegunInOneFolder) {
   const ScenarioFile file(testing::source_file("tests/study/ishigami/ishigami.toml"), "ishigami");
-  const StudyFolder study(folder_ / "s");
+  const StudyFolder study(folder_ / "s", kSweep);
   study.make("a = 1\n", file);
   EXPECT_NE(read("s/study.toml").find(file_hash(file.file())), std::string::npos);
   EXPECT_NO_THROW(study.make("a = 1\n", file));  // by another process at the same time
@@ -942,7 +942,7 @@ TEST_F(Sweep, AModelThatChangesBetweenProcessesEndsTheStudy) {
   std::string said;
   while (const auto line = study.next()) said += *line + "\n";
   EXPECT_EQ(WEXITSTATUS(study.wait()), 2);
-  EXPECT_NE(said.find("own.xml: was changed while it ran"), std::string::npos) << said;
+  EXPECT_NE(said.find("own.xml has changed since"), std::string::npos) << said;
   EXPECT_FALSE(fs::exists(folder_ / "s/results.csv"));
   // Nothing of the other version is among the results.
   fs::copy_file(testing::source_file("models/motor.xml"), folder_ / "own.xml",
