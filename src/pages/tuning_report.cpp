@@ -6,13 +6,13 @@
 #include <array>
 #include <cmath>
 
+#include <breakwater/config/names.h>
 #include <breakwater/pages/chart_scale.h>
 #include <breakwater/pages/html_page.h>
 #include <breakwater/record/partial_file.h>
 #include <breakwater/search/tuning_outputs.h>
 #include <breakwater/shell/table.h>
 #include <breakwater/statistics/goal.h>
-#include <breakwater/study/study_reader.h>
 
 namespace breakwater {
 namespace mustache = kainjow::mustache;

@@ -138,7 +138,7 @@ TEST(House, OffscreenRenderingIsKnownInRenderAlone) {
 TEST(House, FileFormatsStayInTheirRooms) {
   expect_only_in(std::regex("urdf|tinyxml|console_bridge"), {"plants"});
   expect_only_in(std::regex("^hdf5"), {"record"});
-  expect_only_in(std::regex("toml\\+\\+"), {"config", "study", "search", "thesis"});
+  expect_only_in(std::regex("toml\\+\\+"), {"config", "study", "search", "pictures", "thesis"});
   expect_only_in(std::regex("CLI/"), {"shell", "recorded", "study", "cluster", "pictures", "pages",
                                       "thesis", "analysis", "program"});
   expect_only_in(std::regex("nlohmann"),
