@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include <breakwater/experiment/differing_keys.h>
+#include <breakwater/sim/named_elements.h>
 
 namespace breakwater {
 namespace {
@@ -29,7 +30,7 @@ ArrowTrack stage_arrow(const FinishedRun& run, const ShotArrow& shot, const Mode
                        const Colour& colour) {
   ArrowTrack track;
   track.arrow.site =
-      of_shot_list(shot.site_place, [&] { return model.id(mjOBJ_SITE, run.fill_in(shot.site)); });
+      of_shot_list(shot.site_place, [&] { return site_id(model, run.fill_in(shot.site)); });
   track.arrow.offset_m = Eigen::Map<const Eigen::Vector3d>(shot.offset_m.data());
   track.arrow.in_site_frame = shot.frame == ShotArrow::Frame::site;
   track.arrow.contact_mark_m = shot.contact_mark_m;
