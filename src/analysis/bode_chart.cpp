@@ -110,14 +110,13 @@ std::string draw_bode(const std::string& title, const std::string& unit,
     plot.add(fmt::format("<g class=\"{}\">", name));
     for (std::size_t k = 0; k < loop.marks.gain.size(); ++k) {
       if (drawn[i].mark_dB[k] < gains.low) continue;
-      const std::string at = px(x(loop.marks.omega_rad_s[k]));
-      plot.add(
-          fmt::format("<g class=\"m\"><title>{}</title><circle cx=\"{}\" cy=\"{}\" r=\"3\"/>"
-                      "<circle cx=\"{}\" cy=\"{}\" r=\"3\"/></g>",
-                      xml_text(fmt::format("{}, measured at {:.4g} rad/s: {:.2f} dB, {:.1f} deg",
-                                           loop.label, loop.marks.omega_rad_s[k],
-                                           drawn[i].mark_dB[k], drawn[i].mark_phase[k])),
-                      at, px(gain(drawn[i].mark_dB[k])), at, px(phase(drawn[i].mark_phase[k]))));
+      const double at = x(loop.marks.omega_rad_s[k]);
+      plot.add(fmt::format(
+          "<g class=\"m\"><title>{}</title>{}{}</g>",
+          xml_text(fmt::format("{}, measured at {:.4g} rad/s: {:.2f} dB, {:.1f} deg", loop.label,
+                               loop.marks.omega_rad_s[k], drawn[i].mark_dB[k],
+                               drawn[i].mark_phase[k])),
+          svg_dot(at, gain(drawn[i].mark_dB[k])), svg_dot(at, phase(drawn[i].mark_phase[k]))));
     }
     plot.add("</g>");
   }

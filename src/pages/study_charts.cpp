@@ -79,8 +79,7 @@ std::string draw(const LineChart& chart) {
         if (chart.x.size() == 1) {  // a band without width
           plot.path("line", line_path({{x(mark.x), y(mark.lower)}, {x(mark.x), y(mark.upper)}}));
         }
-        plot.add(
-            fmt::format("<circle cx=\"{}\" cy=\"{}\" r=\"3\"/>", px(x(mark.x)), px(y(mark.y))));
+        plot.add(svg_dot(x(mark.x), y(mark.y)));
       }
       if (mark.has_failures) {
         const double row = bottom + kFailureRow * (static_cast<double>(c) + 0.5) + 2.0;
@@ -108,12 +107,7 @@ std::string draw(const HeatMap& map) {
   const ChartScale colour(map.low, map.high, is_for_log(map.low, map.high), 0.0, 1.0);
 
   std::vector<std::string> levels(kHeatLevels);
-  std::string dead, some, absent, values, counts, runs;
-  struct Number {
-    double x, y;
-    std::string text, name;
-  };
-  std::vector<Number> numbers;
+  std::string dead, some, absent, texts, values, counts, runs;
   const bool has_numbers = columns <= 8 && rows <= 14 && width > 30.0 && height > 13.0;
   for (std::size_t row = 0; row < rows; ++row) {
     for (std::size_t column = 0; column < columns; ++column) {
@@ -130,8 +124,9 @@ std::string draw(const HeatMap& map) {
               fmt::format("M{} {}h{}", px(x + 0.35 * width), px(y + height - 2.5), px(0.3 * width));
         }
         if (has_numbers) {
-          numbers.push_back({x + 0.5 * width, y + 0.5 * height + 3.5, format_number(cell.value),
-                             level < kHeatLevels * 6 / 10 ? "on dark" : "on"});
+          texts +=
+              svg_text(x + 0.5 * width, y + 0.5 * height + 3.5, "middle", format_number(cell.value),
+                       level < kHeatLevels * 6 / 10 ? "on dark" : "on");
         }
       } else if (cell.runs > 0 && cell.failed < cell.runs) {
         absent +=
@@ -165,7 +160,7 @@ std::string draw(const HeatMap& map) {
   }
   plot.path("frame", fmt::format("M{} {}H{}V{}H{}z", px(labels), px(kTop), px(kWidth - kRight),
                                  px(bottom), px(labels)));
-  for (const Number& one : numbers) plot.text(one.x, one.y, "middle", one.text, one.name);
+  plot.add(texts);
   plot.path("absent", absent);
   plot.path("dead", dead);
   plot.path("some", some);

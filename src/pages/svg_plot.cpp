@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <string_view>
 
 namespace breakwater {
 namespace {
@@ -36,26 +37,14 @@ std::vector<std::vector<PlotPoint>> stretches(const std::vector<PlotPoint>& poin
 }  // namespace
 
 std::string xml_text(const std::string& text) {
+  constexpr std::array<const char*, 5> kSafe = {"&amp;", "&lt;", "&gt;", "&quot;", "&#39;"};
   std::string safe;
   for (const char c : text) {
-    switch (c) {
-      case '&':
-        safe += "&amp;";
-        break;
-      case '<':
-        safe += "&lt;";
-        break;
-      case '>':
-        safe += "&gt;";
-        break;
-      case '"':
-        safe += "&quot;";
-        break;
-      case '\'':
-        safe += "&#39;";
-        break;
-      default:
-        safe += c;
+    const std::size_t special = std::string_view("&<>\"'").find(c);
+    if (special < kSafe.size()) {
+      safe += kSafe[special];
+    } else {
+      safe += c;
     }
   }
   return safe;
@@ -111,6 +100,16 @@ std::string band_path(const std::vector<PlotPoint>& upper, const std::vector<Plo
   return path;
 }
 
+std::string svg_text(double x, double y, const char* anchor, const std::string& text,
+                     const std::string& name) {
+  return fmt::format("<text x=\"{}\" y=\"{}\" text-anchor=\"{}\"{}>{}</text>", px(x), px(y), anchor,
+                     name.empty() ? "" : " class=\"" + name + "\"", xml_text(text));
+}
+
+std::string svg_dot(double x, double y) {
+  return fmt::format("<circle cx=\"{}\" cy=\"{}\" r=\"3\"/>", px(x), px(y));
+}
+
 PlotRange::PlotRange() : low(std::numeric_limits<double>::infinity()), high(-low) {}
 
 void PlotRange::add(double value) {
@@ -130,12 +129,6 @@ SvgPlot::SvgPlot(const std::string& kind, double width, double height, const std
 
 void SvgPlot::path(const std::string& name, const std::string& path, const std::string& more) {
   if (!path.empty()) svg_ += fmt::format("<path class=\"{}\" d=\"{}\"{}/>", name, path, more);
-}
-
-void SvgPlot::text(double x, double y, const char* anchor, const std::string& text,
-                   const std::string& name) {
-  svg_ += fmt::format("<text x=\"{}\" y=\"{}\" text-anchor=\"{}\"{}>{}</text>", px(x), px(y),
-                      anchor, name.empty() ? "" : " class=\"" + name + "\"", xml_text(text));
 }
 
 void SvgPlot::frame(const PlotArea& area) {

@@ -27,6 +27,11 @@ std::string shortened(const std::string& text, std::size_t most);
 /// The colour of series i; dashed where the colours come again.
 std::string series_class(std::size_t i);
 
+/// Elements: words, in a class of the page's style unless it is empty; a dot.
+std::string svg_text(double x, double y, const char* anchor, const std::string& text,
+                     const std::string& name = "");
+std::string svg_dot(double x, double y);
+
 /// Paths: an oblique cross, and a spot in the shape that series i has.
 std::string cross_path(double x, double y, double half);
 std::string spot_path(double x, double y, std::size_t series);
@@ -63,7 +68,9 @@ class SvgPlot {
   /// Nothing for an empty path.
   void path(const std::string& name, const std::string& path, const std::string& more = "");
   void text(double x, double y, const char* anchor, const std::string& text,
-            const std::string& name = "");
+            const std::string& name = "") {
+    svg_ += svg_text(x, y, anchor, text, name);
+  }
 
   /// The left and the lower axis.
   void frame(const PlotArea& area);
