@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <cstdlib>
 #include <ctime>
 #include <filesystem>
 #include <fstream>
@@ -18,6 +17,7 @@
 #include <breakwater/shell/all_cores.h>
 #include <breakwater/shell/child_program.h>
 #include <breakwater/shell/process.h>
+#include <breakwater/signals/environment.h>
 #include <breakwater/study/sweep.h>
 
 namespace breakwater {
@@ -248,13 +248,11 @@ fs::path submission_of_task(const std::string& text) {
 }
 
 std::size_t task_threads() {
-  const char* const given = std::getenv("SLURM_CPUS_PER_TASK");
+  const std::string given = environment("SLURM_CPUS_PER_TASK").value_or("");
   std::size_t threads = 0;
-  if (given != nullptr) {
-    std::from_chars(given, given + std::string_view(given).size(), threads);
-    if (threads > 0) return threads;
-  }
-  return std::getenv("SLURM_JOB_ID") != nullptr ? 1 : usable_cores();
+  std::from_chars(given.data(), given.data() + given.size(), threads);
+  if (threads > 0) return threads;
+  return environment("SLURM_JOB_ID") ? 1 : usable_cores();
 }
 
 }  // namespace breakwater

@@ -10,6 +10,7 @@
 #include <breakwater/pages/html_page.h>
 #include <breakwater/pages/paired_rows.h>
 #include <breakwater/pages/study_sections.h>
+#include <breakwater/pages/svg_plot.h>
 #include <breakwater/record/partial_file.h>
 #include <breakwater/shell/child_program.h>
 #include <breakwater/shell/process.h>
@@ -276,7 +277,7 @@ void write_study_report(const Catalogue& catalogue, const Plan& plan, const Shar
     const std::string& label = labels[sections.drawn()[i]];
     mustache::data one;
     one.set("label", label == study.baseline ? label + " (baseline)" : label);
-    one.set("colour", fmt::format("c{}{}", i % 10, i < 10 ? "" : " dashed"));
+    one.set("colour", series_class(i));
     legend << one;
   }
   page.set("legend", legend);

@@ -8,9 +8,9 @@
 #include <optional>
 #include <vector>
 
+#include <breakwater/config/names.h>
 #include <breakwater/record/csv.h>
 #include <breakwater/shell/table.h>
-#include <breakwater/study/study_reader.h>
 
 namespace breakwater {
 namespace {

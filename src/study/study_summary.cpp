@@ -40,7 +40,8 @@ StudySummary summarise_study(const fs::path& folder) {
   const bool is_tuning = !fs::exists(folder / kSweep.file);
   if (is_tuning) summary.kind = "tuning";
   const std::string file = (folder / (is_tuning ? kTune : kSweep).file).string();
-  summary.scenario = StudyReader(file).text_or_nothing(study_tables(file), "scenario");
+  const toml::table tables = study_tables(file);
+  summary.scenario = study_root(tables, file)["scenario"].text_or_nothing();
   const auto results = results_by_key(folder / "shards");
   summary.runs = results.size();
   summary.failed =
