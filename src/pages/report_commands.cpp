@@ -252,10 +252,9 @@ int report_main(const Catalogue& catalogue, int argc, const char* const* argv) {
 }  // namespace
 
 std::vector<CommandKind> report_commands() {
-  return {
-      {"report", "one page about finished runs: report RUN...", report_main},
-      {"compare", "finished runs side by side: compare RUN RUN...", report_main},
-      {"replay", "finished runs in three dimensions, in a browser: replay RUN...", report_main}};
+  return {{"report", "write one page about finished runs: report RUN...", report_main},
+          {"compare", "compare finished runs side by side: compare RUN RUN...", report_main},
+          {"replay", "replay finished runs in 3-D in a browser: replay RUN...", report_main}};
 }
 
 }  // namespace breakwater

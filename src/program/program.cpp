@@ -44,14 +44,15 @@ std::vector<CommandKind> all_commands(const Catalogue& catalogue) {
       {"list", "print the scenarios and what they study", list_main},
       {"run", "run a scenario: run NAME [OPTION...]; run NAME --help says which", run_main},
       {"waves", "check a sea's spectrum and its water", waves_main},
-      {kSweep.command, "very many runs as one table: sweep SCENARIO|STUDY.toml|DIR", sweep_main},
-      {kTune.command, "the best values of some keys, as a front: tune TUNE.toml|DIR", tune_main},
-      {kAnalyze, "loops of one axis in the frequency domain: analyze SCENARIO", analyze_main},
+      {kSweep.command, "run a scenario over many values and seeds: sweep SCENARIO|STUDY.toml|DIR",
+       sweep_main},
+      {kTune.command, "search for the best values of some keys: tune TUNE.toml|DIR", tune_main},
+      {kAnalyze, "measure a control loop over frequency: analyze SCENARIO", analyze_main},
       {"new", "make a project of your own: new controller|observer|scenario NAME",
        new_project_main},
-      {kListRuns, "the runs and studies below a folder, newest first: ls [DIR]", list_runs_main},
+      {kListRuns, "list the runs and studies in a folder, newest first: ls [DIR]", list_runs_main},
       {kRemoveRuns, "remove runs that failed: rm --failed [DIR]", remove_runs_main},
-      {"doctor", "what works on this machine, and what to install for the rest", doctor_main}};
+      {"doctor", "check what works on this machine, and what to install", doctor_main}};
   for (const auto& more : {catalogue.all<CommandKind>(), picture_commands(),
                            std::vector{reproduce_command()}, report_commands()}) {
     all.insert(all.end(), more.begin(), more.end());

@@ -312,7 +312,9 @@ class SweepCommand : public StudyCommand {
 
 int sweep_main(const Catalogue& catalogue, int argc, const char* const* argv) {
   return guarded(kSweep.command, [&] {
-    CLI::App app(own_program_name() + " sweep: very many runs, as one table.", kSweep.command);
+    CLI::App app(
+        own_program_name() + " sweep: run a scenario over many values and seeds, as one table.",
+        kSweep.command);
     app.footer(
         "It leaves study.toml, results.csv (one row a run), comparison.csv (of several cases) and\n"
         "report.html in the study's folder.\n"

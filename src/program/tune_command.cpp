@@ -366,7 +366,7 @@ class TuneCommand : public StudyCommand {
 
 int tune_main(const Catalogue& catalogue, int argc, const char* const* argv) {
   return guarded(kTune.command, [&] {
-    CLI::App app(own_program_name() + " tune: the best values of some keys, as a front.",
+    CLI::App app(own_program_name() + " tune: search for the best values of some keys.",
                  kTune.command);
     TuneOptions options;
     add_tune_options(app, options);

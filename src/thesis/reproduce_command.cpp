@@ -147,7 +147,7 @@ int reproduce_main(const Catalogue& catalogue, int argc, const char* const* argv
 }  // namespace
 
 CommandKind reproduce_command() {
-  return {"reproduce", "run every experiment of the thesis, beside what is printed",
+  return {"reproduce", "run every experiment of the thesis, beside the printed results",
           [](const Catalogue& catalogue, int argc, const char* const* argv) {
             return guarded(argv[0], [&] { return reproduce_main(catalogue, argc, argv); });
           }};
