@@ -34,7 +34,8 @@ void translate(std::exception_ptr thrown) {
   try {
     if (thrown) std::rethrow_exception(thrown);
   } catch (const Interrupted&) {
-    PyErr_SetString(PyExc_SystemExit, "Python ends");
+    // Python's own handler of the signal says which exception it is, such as KeyboardInterrupt.
+    if (PyErr_CheckSignals() == 0) PyErr_SetString(PyExc_SystemExit, "Python ends");
   } catch (const OutputError& error) {
     PyErr_SetString(PyExc_OSError, error.what());
   } catch (const std::filesystem::filesystem_error& error) {

@@ -11,6 +11,7 @@ data/reproduced.toml are as wide as what the thesis leaves open.
 """
 import argparse
 import json
+import math
 import os
 import subprocess
 import sys
@@ -57,17 +58,23 @@ def change(golden, found):
 
 
 def differences(golden, found):
-    """What is not as it was, in words."""
+    """Says in words how the metrics differ."""
     texts = []
     for name in METRICS:
         if name not in golden or name not in found:
             if (name in golden) != (name in found):
                 texts.append(f"{name}: {found.get(name, 'none')} instead of "
                              f"{golden.get(name, 'none')}")
-        elif abs(change(golden[name], found[name])) > TOLERANCE:
+        elif not abs(change(golden[name], found[name])) <= TOLERANCE:  # NaN is a change too
             texts.append(f"{name}: {found[name]:.6g} instead of {golden[name]:.6g} "
                          f"({change(golden[name], found[name]):+.2%})")
     return texts
+
+
+def has_finite_change(golden, found):
+    """Whether a metric is another number: one that is lost or NaN may be the run's failure alone."""
+    both = golden.keys() & found.keys()
+    return any(TOLERANCE < abs(change(golden[name], found[name])) < math.inf for name in both)
 
 
 def check(options):
@@ -102,9 +109,10 @@ def mutants(options):
         table, name = key.split(".")
         value = shipped[table][name] * factor
         for case, golden in goldens.items():
-            texts = differences(golden, impact(options.bin, case, own_class(), [f"{key}={value!r}"]))
-            if texts:
-                print(f"{key} * {factor:g}: seen by {case}: {'; '.join(texts)}", flush=True)
+            found = impact(options.bin, case, own_class(), [f"{key}={value!r}"])
+            if has_finite_change(golden, found):
+                print(f"{key} * {factor:g}: seen by {case}: {'; '.join(differences(golden, found))}",
+                      flush=True)
                 break
         else:
             unseen.append(f"{key} * {factor:g}")

@@ -2,10 +2,7 @@
 // replays that move with them.
 "use strict";
 (() => {
-  const COLOURS = ["#1b6ca8", "#d1495b", "#2a8c5c", "#b8741a", "#6d4fa3", "#4f6272", "#0f8b8d",
-                   "#a03b78", "#7a8c1d", "#3b4cc0"];
-  const COLOURS_ON_DARK = ["#62b0ea", "#f07f8d", "#5fc493", "#e0a64a", "#a98be0", "#93a7b8", "#42c5c7",
-                           "#dc74b2", "#b4c84f", "#8494ff"];
+  const COLOURS = 10;        // of page.css
   const FIRST_CHARTS = 8;  // drawn before anything is seen
   const groups = new Map();  // name: the charts that share a moment, and what plays it
   const axes = new Map();    // name: the charts that share a window of time
@@ -61,8 +58,10 @@
   // References are grey; the others take their turns.
   function coloursOf(series) {
     let next = 0;
-    const colours = isDark() ? COLOURS_ON_DARK : COLOURS;
-    return series.map((s) => s.reference ? (isDark() ? "#a3b0bc" : "#4a5561") : colours[(s.colour >= 0 ? s.colour : next++) % colours.length]);
+    const style = getComputedStyle(document.documentElement);
+    const colour = (i) => style.getPropertyValue(`--c${i % COLOURS}`).trim();
+    return series.map((s) => s.reference ? (isDark() ? "#a3b0bc" : "#4a5561")
+                                         : colour(s.colour >= 0 ? s.colour : next++));
   }
 
   const lineColours = () => isDark() ? {gridLineColor: "#2c353e", axisLineColor: "#55626f"}

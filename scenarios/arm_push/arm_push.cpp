@@ -6,6 +6,7 @@
 #include <breakwater/experiment/run_loop.h>
 #include <breakwater/record/held_reference.h>
 #include <breakwater/sim/hand_on_link.h>
+#include <breakwater/sim/named_elements.h>
 #include "arm_push/push_metrics.h"
 
 namespace breakwater {
@@ -62,9 +63,7 @@ Recording ArmPush::run(const RunControl& control) const {
   Simulation& sim = rig.simulation();
   const HandOnLink hand(hand_, sim.model(), rig.chain(), arm_.start_angles_rad, link_);
   sim.add(hand);
-  if (sim.model().has(mjOBJ_GEOM, "wall")) {
-    sim.set_collidable(sim.model().id(mjOBJ_GEOM, "wall"), false);
-  }
+  if (has_geom(sim.model(), "wall")) sim.set_collidable(geom_id(sim.model(), "wall"), false);
 
   double turned_rad = 0.0;
   double moment_Nm = 0.0;

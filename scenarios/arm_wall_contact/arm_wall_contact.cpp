@@ -6,6 +6,7 @@
 #include <breakwater/experiment/run_loop.h>
 #include <breakwater/record/held_reference.h>
 #include <breakwater/sim/apparent_mass.h>
+#include <breakwater/sim/named_elements.h>
 #include "arm_wall_contact/wall_contact_metrics.h"
 
 namespace breakwater {
@@ -13,19 +14,6 @@ namespace {
 
 constexpr const char* kWall = "wall";
 constexpr const char* kTip = "tip";
-
-// Puts the wall's face where it belongs and gives it its stiffness.
-void place_wall(Model& model, double face_x_m, const ContactLaw& law) {
-  const int wall = model.id(mjOBJ_GEOM, kWall);
-  const int tip = model.id(mjOBJ_GEOM, kTip);
-  if (model->geom_type[wall] != mjGEOM_PLANE || model->geom_bodyid[wall] != 0) {
-    throw std::invalid_argument(model.file() + ": geom \"wall\" must be a plane of the world body");
-  }
-  const double moved_m = face_x_m - model->geom_pos[3 * wall];
-  for (const int part : model.geoms_named("wall")) model.get()->geom_pos[3 * part] += moved_m;
-  model.get()->geom_pos[3 * wall] = face_x_m;
-  author_contact(model, tip, wall, law);
-}
 
 }  // namespace
 
@@ -64,7 +52,8 @@ ArmRole ArmWallContact::role() const {
   role.force_filter_time_constant_s = filter_time_constant_s_;
   role.geoms = {kTip, kWall};
   role.prepare_model = [this](Model& model) {
-    place_wall(model, start_pose(arm_)[0] + wall_distance_m_, contact_);
+    place_wall(model, kWall, start_pose(arm_)[0] + wall_distance_m_);
+    author_contact(model, geom_id(model, kTip), geom_id(model, kWall), contact_);
   };
   return role;
 }
@@ -96,7 +85,7 @@ void ArmWallContact::animate_scene(Model& model, double time_s) const {
 Recording ArmWallContact::run(const RunControl& control) const {
   ArmRig rig(arm_, role());
   Simulation& sim = rig.simulation();
-  const int wall = sim.model().id(mjOBJ_GEOM, kWall);
+  const int wall = geom_id(sim.model(), kWall);
   sim.set_collidable(wall, false);
 
   const PhysicsSettings& physics = arm_.physics;

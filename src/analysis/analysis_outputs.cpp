@@ -10,6 +10,7 @@
 
 #include <breakwater/analysis/bode_chart.h>
 #include <breakwater/pages/html_page.h>
+#include <breakwater/pages/svg_plot.h>
 #include <breakwater/record/csv.h>
 #include <breakwater/record/partial_file.h>
 #include <breakwater/shell/table.h>
@@ -221,7 +222,7 @@ void write_analysis(const std::vector<LoopAnalysis>& loops, const std::string& s
   contents("margins", "Margins");
   for (std::size_t i = 0; i < loops.size(); ++i) {
     mustache::data one = named("label", loops[i].label);
-    one.set("colour", fmt::format("c{}{}", i % 10, i < 10 ? "" : " dashed"));
+    one.set("colour", series_class(i));
     legend << one;
     if (!loops[i].designed.reason.empty()) {
       notes << named("text", fmt::format("{}: no design curve, since it is no linear loop: {}.",

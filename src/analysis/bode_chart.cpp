@@ -4,21 +4,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
+#include <tuple>
 
-#include <breakwater/pages/chart_scale.h>
-#include <breakwater/pages/study_charts.h>
+#include <breakwater/pages/svg_plot.h>
 
 namespace breakwater {
 namespace {
 
-// In units of the drawing.
-constexpr double kWidth = 420.0, kLeft = 48.0, kRight = 12.0;
-constexpr double kGainTop = 12.0, kGainBottom = 190.0, kPhaseTop = 206.0, kPhaseBottom = 310.0;
-constexpr double kHeight = 348.0;
+constexpr double kWidth = 420.0, kHeight = 348.0;
+constexpr PlotArea kGain{48.0, kWidth - 12.0, 12.0, 190.0};
+constexpr PlotArea kPhase{kGain.left, kGain.right, 206.0, 310.0};
 constexpr double kDeep_dB = 120.0, kLow_dB = -60.0;  // what is lower than both is no news
-constexpr int kTicks = 5;
 
 double dB(std::complex<double> gain) {
   return 20.0 * std::log10(std::abs(gain));
@@ -48,61 +45,19 @@ void bring_near(std::vector<double>& marks, const BodeCurve& at, const std::vect
   }
 }
 
-struct Extent {
-  double low = std::numeric_limits<double>::infinity();
-  double high = -std::numeric_limits<double>::infinity();
-  void add(double value) {
-    if (!std::isfinite(value)) return;
-    low = std::min(low, value);
-    high = std::max(high, value);
-  }
-  bool is_empty() const { return !(low <= high); }
-};
-
-struct Panel {
-  double top, bottom;
-  std::string title;
-};
-
-std::string text(double x, double y, const char* anchor, const std::string& words,
-                 const char* style = "") {
-  return fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\"{}>{}</text>", x, y, anchor,
-                     style, xml_text(words));
+ChartScale upwards(const PlotRange& range, const PlotArea& area) {
+  return {range.low, range.high, false, area.bottom - 5.0, area.top + 5.0};
 }
 
-std::string frame(const Panel& panel, const ChartScale& x, const ChartScale& y, bool has_x_labels) {
-  std::string svg;
-  for (const ChartScale::Tick& tick : y.ticks(kTicks)) {
-    svg += fmt::format("<path class=\"grid\" d=\"M{:.1f} {:.1f}H{:.1f}\"/>", kLeft, y(tick.value),
-                       kWidth - kRight);
-    svg += text(kLeft - 5.0, y(tick.value) + 3.5, "end", tick.label);
-  }
-  for (const ChartScale::Tick& tick : x.ticks(kTicks)) {
-    svg += fmt::format("<path class=\"grid\" d=\"M{:.1f} {:.1f}V{:.1f}\"/>", x(tick.value),
-                       panel.top, panel.bottom);
-    if (has_x_labels) svg += text(x(tick.value), panel.bottom + 15.0, "middle", tick.label);
-  }
-  svg += fmt::format("<path class=\"axis\" d=\"M{:.1f} {:.1f}V{:.1f}H{:.1f}\"/>", kLeft, panel.top,
-                     panel.bottom, kWidth - kRight);
-  const double middle = 0.5 * (panel.top + panel.bottom);
-  return svg + fmt::format(
-                   "<text class=\"title\" text-anchor=\"middle\" "
-                   "transform=\"translate(12 {:.1f}) rotate(-90)\">{}</text>",
-                   middle, xml_text(panel.title));
-}
-
-std::string line_path(const std::vector<double>& at, const std::vector<double>& values,
-                      const ChartScale& x, const ChartScale& y, const Extent& within) {
-  std::string path;
-  bool is_down = false;
+// A line that breaks where it leaves the range.
+std::string curve(const std::vector<double>& at, const std::vector<double>& values,
+                  const ChartScale& x, const ChartScale& y, const PlotRange& within) {
+  std::vector<PlotPoint> points;
   for (std::size_t i = 0; i < at.size(); ++i) {
     const bool is_seen = values[i] >= within.low && values[i] <= within.high;
-    if (is_seen) {
-      path += fmt::format("{}{:.1f} {:.1f}", is_down ? 'L' : 'M', x(at[i]), y(values[i]));
-    }
-    is_down = is_seen;
+    points.emplace_back(x(at[i]), is_seen ? y(values[i]) : std::nan(""));
   }
-  return path;
+  return line_path(points);
 }
 
 }  // namespace
@@ -113,7 +68,7 @@ std::string draw_bode(const std::string& title, const std::string& unit,
     std::vector<double> line_dB, line_phase, mark_dB, mark_phase;
   };
   std::vector<Drawn> drawn;
-  Extent omega, gains, turns;
+  PlotRange omega, gains, turns;
   for (const BodeLoop& loop : loops) {
     Drawn one{{}, phases(loop.line), {}, phases(loop.marks)};
     bring_near(one.mark_phase, loop.marks, one.line_phase, loop.line);
@@ -129,42 +84,43 @@ std::string draw_bode(const std::string& title, const std::string& unit,
   }
   if (omega.is_empty() || gains.is_empty()) return "";
   gains.low = std::max(gains.low, std::min(gains.high - kDeep_dB, kLow_dB));
-  const ChartScale x(omega.low, omega.high, true, kLeft + 6.0, kWidth - kRight - 6.0);
-  const ChartScale gain(gains.low, gains.high, false, kGainBottom - 5.0, kGainTop + 5.0);
-  const ChartScale phase(turns.low, turns.high, false, kPhaseBottom - 5.0, kPhaseTop + 5.0);
+  const ChartScale x(omega.low, omega.high, true, kGain.left + 6.0, kGain.right - 6.0);
+  const ChartScale gain = upwards(gains, kGain);
+  const ChartScale phase = upwards(turns, kPhase);
 
-  std::string svg = fmt::format(
-      "<svg class=\"bode\" viewBox=\"0 0 {} {}\" role=\"img\" aria-label=\"{}\">", kWidth, kHeight,
-      xml_text(title + ": gain and phase over frequency; the table and analysis.csv have the "
-                       "numbers"));
-  svg += frame({kGainTop, kGainBottom, unit.empty() ? "gain [dB]" : "gain [dB of " + unit + "]"}, x,
-               gain, false);
-  svg += frame({kPhaseTop, kPhaseBottom, "phase [deg]"}, x, phase, true);
-  svg += text(0.5 * (kLeft + kWidth - kRight), kHeight - 6.0, "middle", "frequency [rad/s]",
-              " class=\"title\"");
+  SvgPlot plot("bode", kWidth, kHeight,
+               title +
+                   ": gain and phase over frequency; the table and analysis.csv have the "
+                   "numbers");
+  for (const auto& [area, y, name] :
+       {std::tuple(kGain, gain, unit.empty() ? "gain [dB]" : "gain [dB of " + unit + "]"),
+        std::tuple(kPhase, phase, std::string("phase [deg]"))}) {
+    plot.y_grid(area, y);
+    plot.x_grid(area, x);
+    plot.frame(area);
+    plot.y_title(area, name);
+  }
+  plot.x_ticks(kPhase, x);
+  plot.x_title(kPhase, "frequency [rad/s]");
   for (std::size_t i = 0; i < loops.size(); ++i) {
     const BodeLoop& loop = loops[i];
-    const std::string name = fmt::format("c{}{}", i % 10, i < 10 ? "" : " dashed");
-    for (const std::string& path :
-         {line_path(loop.line.omega_rad_s, drawn[i].line_dB, x, gain, gains),
-          line_path(loop.line.omega_rad_s, drawn[i].line_phase, x, phase, turns)}) {
-      if (!path.empty()) svg += fmt::format("<path class=\"line {}\" d=\"{}\"/>", name, path);
-    }
-    svg += fmt::format("<g class=\"{}\">", name);
+    const std::string name = series_class(i);
+    plot.path("line " + name, curve(loop.line.omega_rad_s, drawn[i].line_dB, x, gain, gains));
+    plot.path("line " + name, curve(loop.line.omega_rad_s, drawn[i].line_phase, x, phase, turns));
+    plot.add(fmt::format("<g class=\"{}\">", name));
     for (std::size_t k = 0; k < loop.marks.gain.size(); ++k) {
       if (drawn[i].mark_dB[k] < gains.low) continue;
       const double at = x(loop.marks.omega_rad_s[k]);
-      svg += fmt::format(
-          "<g class=\"m\"><title>{}</title><circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"3\"/>"
-          "<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"3\"/></g>",
+      plot.add(fmt::format(
+          "<g class=\"m\"><title>{}</title>{}{}</g>",
           xml_text(fmt::format("{}, measured at {:.4g} rad/s: {:.2f} dB, {:.1f} deg", loop.label,
                                loop.marks.omega_rad_s[k], drawn[i].mark_dB[k],
                                drawn[i].mark_phase[k])),
-          at, gain(drawn[i].mark_dB[k]), at, phase(drawn[i].mark_phase[k]));
+          svg_dot(at, gain(drawn[i].mark_dB[k])), svg_dot(at, phase(drawn[i].mark_phase[k]))));
     }
-    svg += "</g>";
+    plot.add("</g>");
   }
-  return svg + "</svg>";
+  return plot.svg();
 }
 
 }  // namespace breakwater

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <cstdlib>
 #include <ctime>
 #include <filesystem>
 #include <fstream>
@@ -18,6 +17,7 @@
 #include <breakwater/shell/all_cores.h>
 #include <breakwater/shell/child_program.h>
 #include <breakwater/shell/process.h>
+#include <breakwater/signals/environment.h>
 #include <breakwater/study/sweep.h>
 
 namespace breakwater {
@@ -82,8 +82,9 @@ std::string without_fields(const std::string& path) {
 
 // The words of a task's command, but for its points.
 std::string task_command(const SlurmStudy& study, const SlurmRequest& request) {
-  std::string text = fmt::format("{} {} {} --quiet", shell_quoted(own_program()), study.command,
-                                 shell_quoted(study.folder.path().string()));
+  std::string text =
+      fmt::format("{} {} {} --quiet", shell_quoted(own_program()), study.folder.kind().command,
+                  shell_quoted(study.folder.path().string()));
   for (const std::string& option : request.of_task) text += " " + option;
   return text + " --points";
 }
@@ -92,7 +93,8 @@ std::string job_script(const SlurmStudy& study, const fs::path& submission, std:
                        const SlurmRequest& request) {
   const SlurmSettings& slurm = study.settings;
   std::string text = slurm.modules.empty() ? "#!/bin/bash\n" : "#!/bin/bash -l\n";
-  text += directive("job-name", study.command + "-" + study.folder.path().filename().string());
+  text += directive("job-name", std::string(study.folder.kind().command) + "-" +
+                                    study.folder.path().filename().string());
   text += directive("array", request.parallel > 0 ? fmt::format("1-{}%{}", tasks, request.parallel)
                                                   : fmt::format("1-{}", tasks));
   text += directive("output", without_fields(submission.string()) + "/%a.log");
@@ -246,13 +248,11 @@ fs::path submission_of_task(const std::string& text) {
 }
 
 std::size_t task_threads() {
-  const char* const given = std::getenv("SLURM_CPUS_PER_TASK");
+  const std::string given = environment("SLURM_CPUS_PER_TASK").value_or("");
   std::size_t threads = 0;
-  if (given != nullptr) {
-    std::from_chars(given, given + std::string_view(given).size(), threads);
-    if (threads > 0) return threads;
-  }
-  return std::getenv("SLURM_JOB_ID") != nullptr ? 1 : usable_cores();
+  std::from_chars(given.data(), given.data() + given.size(), threads);
+  if (threads > 0) return threads;
+  return environment("SLURM_JOB_ID") ? 1 : usable_cores();
 }
 
 }  // namespace breakwater

@@ -23,7 +23,6 @@ struct SlurmRequest {
 
 /// Whose points they are: each task calls `breakwater COMMAND DIR --quiet OPTIONS --points POINTS`.
 struct SlurmStudy {
-  std::string command;  ///< kSweep, kTune
   StudyFolder folder;
   SlurmSettings settings = {};
   std::string candidates = {};  ///< of a tuning: DIR/slurm/N/candidates, what its runs' keys are

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cstdlib>
 #include <fstream>
 #include <map>
 #include <set>
@@ -15,6 +14,7 @@
 
 #include <breakwater/shell/child_program.h>
 #include <breakwater/shell/process.h>
+#include <breakwater/signals/environment.h>
 #include <breakwater/study/sweep.h>
 
 namespace breakwater {
@@ -95,7 +95,7 @@ std::string last_words(const fs::path& log) {
 }  // namespace
 
 std::vector<std::string> ask_slurm(const std::vector<std::string>& words) {
-  const bool is_in_a_job = std::getenv("SLURM_JOB_ID") != nullptr;
+  const bool is_in_a_job = environment("SLURM_JOB_ID").has_value();
   ReadProgram program(words, true, is_in_a_job ? is_of_a_job : nullptr);
   std::vector<std::string> lines;
   while (const auto line = program.next()) {
@@ -150,13 +150,12 @@ Queued queued(const StudyFolder& folder, std::size_t points) {
   return result;
 }
 
-std::optional<Queued> queued_if_known(const StudyFolder& folder, std::size_t points,
-                                      const std::string& command) {
+std::optional<Queued> queued_if_known(const StudyFolder& folder, std::size_t points) {
   try {
     return queued(folder, points);
   } catch (const std::invalid_argument& error) {
-    fmt::print(stderr, "{}: whether tasks of it are in a queue is not known here ({})\n", command,
-               one_line(error.what()));
+    fmt::print(stderr, "{}: whether tasks of it are in a queue is not known here ({})\n",
+               folder.kind().command, one_line(error.what()));
     return std::nullopt;
   }
 }

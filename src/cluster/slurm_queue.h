@@ -35,8 +35,7 @@ struct Queued {
 Queued queued(const StudyFolder& folder, std::size_t points);
 
 /// The same where the cluster need not answer: nothing, once that is said on stderr.
-std::optional<Queued> queued_if_known(const StudyFolder& folder, std::size_t points,
-                                      const std::string& command);
+std::optional<Queued> queued_if_known(const StudyFolder& folder, std::size_t points);
 
 /// Throws std::invalid_argument, one line that begins with `what`, if something is in the queue.
 void check_not_queued(const Queued& queue, const StudyFolder& folder, const std::string& what);

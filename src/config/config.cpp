@@ -97,7 +97,7 @@ void check_name(const std::string& name, const std::string& what, const std::str
   if (name == "all") throw std::invalid_argument(origin + ": " + what + ".all: means all of them");
 }
 
-// Tables become dotted keys, an array's tables by their number from 1; everything else is a value.
+// Tables become dotted keys; everything else is a value.
 void flatten(const toml::table& table, const std::string& file, const std::string& prefix,
              Entries& entries) {
   for (const auto& [key, node] : table) {
@@ -109,12 +109,6 @@ void flatten(const toml::table& table, const std::string& file, const std::strin
     }
     if (const auto* nested = node.as_table()) {
       flatten(*nested, file, path + ".", entries);
-    } else if (node.is_array_of_tables()) {
-      std::size_t number = 0;
-      for (const toml::node& element : *node.as_array()) {
-        const std::string element_path = path + "." + std::to_string(++number) + ".";
-        flatten(*element.as_table(), file, element_path, entries);
-      }
     } else {
       const std::string origin = at_line(file, node.source());
       // "a.b" in quotes and b in [a] are the same key here.
@@ -259,12 +253,6 @@ void Config::fail(const std::string& key, const std::string& message) const {
   const ConfigEntry* entry = find(whole_key(key));
   throw std::invalid_argument((entry != nullptr ? entry->origin : file_) + ": " + key + ": " +
                               message);
-}
-
-Config read_config(const std::string& file) {
-  Entries entries;
-  flatten(parse_toml_file(file), file, "", entries);
-  return {file, std::move(entries)};
 }
 
 ScenarioFile::ScenarioFile(const std::string& file, const std::string& scenario) : file_(file) {

@@ -80,10 +80,6 @@ std::string whole_key(const std::string& key);
 /// Whether a key names an element of what another one does, or an element of such an element.
 bool is_element_of(const std::string& key, const std::string& other);
 
-/// All keys of a TOML file, those of the tables `[[name]]` as name.1.key, name.2.key, …. Throws
-/// std::invalid_argument `FILE[:LINE]: reason` if it cannot be read or parsed.
-Config read_config(const std::string& file);
-
 /// A scenario file: its own keys; the cases, which are tables of overrides `[case.NAME]`; and,
 /// where it has them, readings: sets of keys `[readings.NAME]`, of which the root key `reading`
 /// picks one.

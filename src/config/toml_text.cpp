@@ -24,6 +24,12 @@ std::string toml_string(const std::string& text) {
   return result + '"';
 }
 
+std::string toml_strings(const std::vector<std::string>& texts) {
+  std::vector<std::string> all;
+  for (const std::string& text : texts) all.push_back(toml_string(text));
+  return fmt::format("[{}]", fmt::join(all, ", "));
+}
+
 std::string toml_key(const std::string& key) {
   const bool is_bare = std::all_of(key.begin(), key.end(), [](unsigned char c) {
     return std::isalnum(c) != 0 || c == '-' || c == '_';

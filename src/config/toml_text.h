@@ -2,11 +2,15 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 namespace breakwater {
 
 /// A basic string, with its quotes.
 std::string toml_string(const std::string& text);
+
+/// An array of strings.
+std::string toml_strings(const std::vector<std::string>& texts);
 
 /// A key: bare where TOML lets it be.
 std::string toml_key(const std::string& key);

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include <breakwater/experiment/settings.h>
+#include <breakwater/record/interrupted.h>
 #include <breakwater/record/recording.h>
-#include <breakwater/shell/interrupted.h>
 #include <breakwater/sim/model.h>
 #include <breakwater/sim/surface_waves.h>
 

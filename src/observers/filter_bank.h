@@ -24,7 +24,7 @@ struct FilterBankDesign {
 ///               θ) u − d′ − c q̇)/J and d̂ = d′/(1 + θ̂); 1 + θ̂ is kept within [½, 2];
 ///     walk:     d(k+1) = d(k) + N(0, w⁶ρ²T_sJ²T_s),  a filter of bandwidth w;
 ///     ramp:     d(k+1) = d(k) + T_s ḋ(k), ḋ(k+1) = ḋ(k) + N(0, w⁸ρ²T_s²J²);
-/// w = ½·3ⁱ [1/s] up to (D/(J ρ √T_s))^0.4/1.5, and not beyond 3/T_s.
+/// w = ½·3ⁱ [1/s] up to (D/(J ρ √T_s))^0.4/1.5, and at most 30/T_s.
 ///
 /// Each model is updated by what the code y says: that q lies within its code_range(), y ± Δ/2 of
 /// an encoder that rounds. How it is told so, and how likely the model found it, filter_bank.cpp

@@ -2,11 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <cstdlib>
-
 #include <breakwater/shell/child_program.h>
 #include <breakwater/shell/paths.h>
 #include <breakwater/shell/process.h>
+#include <breakwater/signals/environment.h>
 
 namespace breakwater {
 namespace {
@@ -18,8 +17,7 @@ std::vector<std::string> script() {
 }  // namespace
 
 std::string figure_python() {
-  const char* const python = std::getenv("BREAKWATER_PYTHON");
-  return python == nullptr ? "/usr/bin/python3" : python;
+  return environment("BREAKWATER_PYTHON").value_or("/usr/bin/python3");
 }
 
 bool can_draw_figures() {

@@ -14,11 +14,6 @@ namespace breakwater {
 namespace mustache = kainjow::mustache;
 namespace {
 
-std::string p_value(double p) {
-  if (p < 1e-15) return "< 1e-15";
-  return p < 1e-4 ? fmt::format("{:.0e}", p) : fmt::format("{:.2g}", p);
-}
-
 void set(mustache::data& row, const std::string& name, const EstimatedMedian& median) {
   row.set(name, format_number(median.value));
   if (!median.interval) return;
@@ -45,7 +40,7 @@ mustache::data begun_row(const CandidateComparison& comparison, const Comparison
   row.set("blocks", std::to_string(one.blocks));
   row.set("is_fewer", one.blocks < comparison.blocks);
   row.set("count", std::to_string(one.pairs));
-  row.set("p", p_value(one.p_holm));
+  row.set("p", p_text(one.p_holm));
   set(row, one.verdict);
   return row;
 }
@@ -109,7 +104,7 @@ mustache::data turn_of(const CandidateComparison& comparison, const KeyInteracti
   turn.set("key", one.key);
   turn.set("candidate", comparison.candidates[one.candidate]);
   turn.set("reference", comparison.candidates[one.reference]);
-  turn.set("p", p_value(one.p_holm));
+  turn.set("p", p_text(one.p_holm));
   turn.set("repeats_are", one.is_of_worlds ? "seeds of the value’s one block" : "blocks");
   LineChart chart;
   chart.x_title = one.key;

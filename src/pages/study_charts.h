@@ -12,14 +12,11 @@
 
 namespace breakwater {
 
-// Colours and sizes of text are the page's (data/report/study.css): c0, c1, … are the candidates',
-// h0 … h23 those of values from small to large. data-r holds the numbers of runs in the page's list
+// Colours: c0, c1, … are the candidates' (svg_plot.h), h0 … h23 those of values from small to large
+// (data/report/study.css). data-r holds the numbers of runs in the page's list
 // of runs that a mark is about, with commas between.
 
 inline constexpr std::size_t kHeatLevels = 24;
-
-/// Text as XML text or an attribute's value.
-std::string xml_text(const std::string& text);
 
 /// What a mark of a line stands for.
 struct LineMark {

@@ -10,6 +10,7 @@
 #include <breakwater/pages/html_page.h>
 #include <breakwater/pages/paired_rows.h>
 #include <breakwater/pages/study_sections.h>
+#include <breakwater/pages/svg_plot.h>
 #include <breakwater/record/partial_file.h>
 #include <breakwater/shell/child_program.h>
 #include <breakwater/shell/process.h>
@@ -254,8 +255,8 @@ void write_study_report(const Catalogue& catalogue, const Plan& plan, const Shar
     entry.set("label", label);
     toc << entry;
   };
-  const std::string go_on =
-      fmt::format("{} {} {}", own_program_name(), kSweep, shell_word(folder.path().string()));
+  const std::string go_on = fmt::format("{} {} {}", own_program_name(), kSweep.command,
+                                        shell_word(folder.path().string()));
   page.set("title", "Study of " + study.scenario);
   page.set("about", scenario->summary());
   page.set("score", score(index));
@@ -276,7 +277,7 @@ void write_study_report(const Catalogue& catalogue, const Plan& plan, const Shar
     const std::string& label = labels[sections.drawn()[i]];
     mustache::data one;
     one.set("label", label == study.baseline ? label + " (baseline)" : label);
-    one.set("colour", fmt::format("c{}{}", i % 10, i < 10 ? "" : " dashed"));
+    one.set("colour", series_class(i));
     legend << one;
   }
   page.set("legend", legend);

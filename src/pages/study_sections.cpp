@@ -9,6 +9,7 @@
 #include <breakwater/config/toml_text.h>
 #include <breakwater/pages/chart_scale.h>
 #include <breakwater/pages/html_page.h>
+#include <breakwater/pages/svg_plot.h>
 #include <breakwater/shell/table.h>
 
 namespace breakwater {
@@ -358,7 +359,7 @@ mustache::data StudySections::comparison(const Output& output) const {
     const QuantileBand& band = all[c];
     mustache::data row;
     row.set("label", labels_[c]);
-    row.set("colour", fmt::format("c{}", colour_of_[c] % 10));
+    row.set("colour", series_class(colour_of_[c]));
     row.set("runs", std::to_string(band.runs));
     row.set("failed", std::to_string(band.failed));
     row.set("any_failed", band.failed > 0);

@@ -3,49 +3,24 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
-#include <breakwater/pages/chart_scale.h>
+#include <breakwater/config/names.h>
 #include <breakwater/pages/html_page.h>
+#include <breakwater/pages/svg_plot.h>
 #include <breakwater/record/partial_file.h>
 #include <breakwater/search/tuning_outputs.h>
 #include <breakwater/shell/table.h>
 #include <breakwater/statistics/goal.h>
-#include <breakwater/study/study_reader.h>
 
 namespace breakwater {
 namespace mustache = kainjow::mustache;
 namespace {
 
-// In units of the drawing.
-constexpr double kChartWidth = 640.0, kChartHeight = 400.0;
-constexpr double kLeftEdge = 64.0, kRightEdge = 16.0, kTopEdge = 14.0, kBottomEdge = 46.0;
+constexpr double kFrontWidth = 480.0, kFrontHeight = 310.0;
+constexpr PlotArea kFrontArea{60.0, kFrontWidth - 12.0, 12.0, kFrontHeight - 40.0};
 constexpr int kTicks = 6;
 constexpr int kDigits = 5;  // that people read
-// Told apart by people who see no red or green too (P. Tol's bright colours).
-constexpr std::array<const char*, 6> kColours = {"#4477aa", "#ee6677", "#228833",
-                                                 "#aa8800", "#66aacc", "#aa3377"};
-
-// Where there are more cases than colours, their marks differ in shape, and lines in dashes.
-constexpr std::array<const char*, 3> kShapes = {"m-3.5 0a3.5 3.5 0 1 0 7 0a3.5 3.5 0 1 0 -7 0z",
-                                                "m0 -4.6l4.6 4.6l-4.6 4.6l-4.6 -4.6z",
-                                                "m-3.2 -3.2h6.4v6.4h-6.4z"};
-constexpr std::array<const char*, 3> kDashes = {"none", "7 3", "2 3"};
-
-std::string colour(std::size_t i) {
-  return kColours[i % kColours.size()];
-}
-std::string shape(std::size_t i) {
-  return kShapes[i / kColours.size() % kShapes.size()];
-}
-std::string dashes(std::size_t i) {
-  return kDashes[i / kColours.size() % kDashes.size()];
-}
-
-std::string place(double x) {
-  return fmt::format("{:.2f}", x);
-}
 
 struct Mark {
   double x, y;
@@ -54,54 +29,33 @@ struct Mark {
   std::string text;
 };
 
-// A drawing's range, of all that is shown.
-struct Range {
-  double low = std::numeric_limits<double>::infinity();
-  double high = -std::numeric_limits<double>::infinity();
-
-  void add(double value) {
-    if (std::isnan(value)) return;
-    low = std::min(low, value);
-    high = std::max(high, value);
-  }
-  ChartScale scale(double a, double b) const {
-    if (is_for_log(low, high)) {
-      const double margin = std::pow(high / low, 0.04);
-      return {low / margin, high * margin, true, a, b};
-    }
-    const double margin = 0.04 * (high - low);
-    return {low - margin, high + margin, false, a, b};
-  }
-};
-
-mustache::data frame(const ChartScale& x, const ChartScale& y, const std::string& x_title,
-                     const std::string& y_title) {
-  mustache::data chart;
-  chart.set("x_title", x_title);
-  chart.set("y_title", y_title);
-  mustache::data across(mustache::data::type::list), up(mustache::data::type::list);
-  for (const ChartScale::Tick& tick : x.ticks(kTicks)) {
-    mustache::data one;
-    one.set("at", place(x(tick.value)));
-    one.set("label", tick.label);
-    across << one;
-  }
-  for (const ChartScale::Tick& tick : y.ticks(kTicks)) {
-    mustache::data one;
-    one.set("at", place(y(tick.value)));
-    one.set("label", tick.label);
-    up << one;
-  }
-  chart.set("x_ticks", across);
-  chart.set("y_ticks", up);
-  return chart;
+// With a margin about what is shown.
+ChartScale scale_of(const PlotRange& range, double a, double b) {
+  constexpr double kShare = 0.04;
+  const bool is_log = is_for_log(range.low, range.high);
+  const double margin = kShare * (range.high - range.low);
+  const double factor = is_log ? std::pow(range.high / range.low, kShare) : 1.0;
+  return is_log ? ChartScale(range.low / factor, range.high * factor, true, a, b)
+                : ChartScale(range.low - margin, range.high + margin, false, a, b);
 }
 
-ChartScale across(const Range& range) {
-  return range.scale(kLeftEdge, kChartWidth - kRightEdge);
+ChartScale across(const PlotRange& range) {
+  return scale_of(range, kFrontArea.left, kFrontArea.right);
 }
-ChartScale upwards(const Range& range) {
-  return range.scale(kChartHeight - kBottomEdge, kTopEdge);
+ChartScale upwards(const PlotRange& range) {
+  return scale_of(range, kFrontArea.bottom, kFrontArea.top);
+}
+
+SvgPlot axes(const ChartScale& x, const ChartScale& y, const std::string& x_title,
+             const std::string& y_title, const std::string& about) {
+  SvgPlot plot("front", kFrontWidth, kFrontHeight, about);
+  plot.y_grid(kFrontArea, y, kTicks);
+  plot.x_grid(kFrontArea, x, kTicks);
+  plot.frame(kFrontArea);
+  plot.x_ticks(kFrontArea, x, kTicks);
+  plot.x_title(kFrontArea, x_title);
+  plot.y_title(kFrontArea, y_title);
+  return plot;
 }
 
 double value_of(const std::optional<Evaluation>& evaluation, std::size_t objective) {
@@ -109,23 +63,10 @@ double value_of(const std::optional<Evaluation>& evaluation, std::size_t objecti
   return evaluation->objectives[objective].value;
 }
 
-// Through points of the drawing, in their order.
-mustache::data line_of(const std::vector<std::pair<double, double>>& points, std::size_t tuned) {
-  std::string path;
-  for (const auto& [x, y] : points) {
-    path += fmt::format("{}{} {}", path.empty() ? "M" : "L", place(x), place(y));
-  }
-  mustache::data line;
-  line.set("path", path);
-  line.set("colour", colour(tuned));
-  line.set("dashes", dashes(tuned));
-  return line;
-}
-
-mustache::data front_chart(const TuningPlan& plan, const TuningResult& result) {
+std::string front_chart(const TuningPlan& plan, const TuningResult& result) {
   const Tuning& tuning = plan.tuning();
   std::vector<Mark> marks;
-  Range x_range, y_range;
+  PlotRange x_range, y_range;
   std::size_t label = 0;
   for (std::size_t c = 0; c < result.fronts.size(); ++c) {
     for (const FrontPoint& point : result.fronts[c].points) {
@@ -144,41 +85,32 @@ mustache::data front_chart(const TuningPlan& plan, const TuningResult& result) {
   const auto title = [&](const Objective& one) {
     return fmt::format("{} ({})", one.metric, name_of(over_names(), one.over));
   };
-  mustache::data chart = frame(x, y, title(tuning.objectives[0]), title(tuning.objectives[1]));
-  mustache::data list(mustache::data::type::list);
-  for (const Mark& mark : marks) {
-    mustache::data one;
-    one.set("x", place(x(mark.x)));
-    one.set("y", place(y(mark.y)));
-    one.set("colour", colour(mark.tuned));
-    one.set("shape", shape(mark.tuned));
-    one.set("text", mark.text);
-    if (!std::isnan(mark.x_fresh)) {
-      mustache::data fresh;
-      fresh.set("x", place(x(mark.x_fresh)));
-      fresh.set("y", place(y(mark.y_fresh)));
-      one.set("fresh", fresh);
-    }
-    list << one;
-  }
-  chart.set("marks", list);
-  mustache::data lines(mustache::data::type::list);
+  SvgPlot plot = axes(x, y, title(tuning.objectives[0]), title(tuning.objectives[1]),
+                      "The fronts of all cases; the table below has the numbers");
   // Of three objectives the front is no line.
   const std::size_t drawn = tuning.objectives.size() == 2 ? result.fronts.size() : 0;
   for (std::size_t c = 0; c < drawn; ++c) {
-    std::vector<std::pair<double, double>> points;
+    std::vector<PlotPoint> points;
     for (const Mark& mark : marks) {
       if (mark.tuned == c) points.emplace_back(x(mark.x), y(mark.y));
     }
     std::sort(points.begin(), points.end());
-    lines << line_of(points, c);
+    plot.path("line faint " + series_class(c), line_path(points));
   }
-  chart.set("lines", lines);
-  return chart;
+  for (const Mark& mark : marks) {
+    plot.add(fmt::format("<g class=\"{}\"><title>{}</title>", series_class(mark.tuned),
+                         xml_text(mark.text)));
+    if (!std::isnan(mark.x_fresh)) {
+      plot.path("x", cross_path(x(mark.x_fresh), y(mark.y_fresh), 3.0));
+    }
+    plot.path("spot", spot_path(x(mark.x), y(mark.y), mark.tuned));
+    plot.add("</g>");
+  }
+  return plot.svg();
 }
 
-mustache::data volume_chart(const TuningResult& result) {
-  Range x_range, y_range;
+std::string volume_chart(const TuningResult& result) {
+  PlotRange x_range, y_range;
   for (const TunedFront& front : result.fronts) {
     for (const auto& [evaluations, volume] : front.hypervolume) {
       x_range.add(static_cast<double>(evaluations));
@@ -186,25 +118,30 @@ mustache::data volume_chart(const TuningResult& result) {
     }
   }
   const ChartScale x = across(x_range), y = upwards(y_range);
-  mustache::data chart = frame(x, y, "evaluations", "hypervolume");
-  mustache::data lines(mustache::data::type::list);
+  SvgPlot plot =
+      axes(x, y, "evaluations", "hypervolume", "Hypervolume of the front over the evaluations");
   for (std::size_t c = 0; c < result.fronts.size(); ++c) {
-    std::vector<std::pair<double, double>> points;
+    std::vector<PlotPoint> points;
     for (const auto& [evaluations, volume] : result.fronts[c].hypervolume) {
       points.emplace_back(x(static_cast<double>(evaluations)), y(volume));
     }
-    lines << line_of(points, c);
+    plot.path("line " + series_class(c), line_path(points));
   }
-  chart.set("lines", lines);
-  return chart;
+  return plot.svg();
+}
+
+mustache::data drawing(const std::string& svg) {
+  mustache::data data;
+  data.set("svg", svg);
+  return data;
 }
 
 mustache::data legend(const TuningResult& result) {
   mustache::data list(mustache::data::type::list);
   for (std::size_t c = 0; c < result.fronts.size(); ++c) {
     mustache::data one;
-    one.set("colour", colour(c));
-    one.set("shape", shape(c));
+    one.set("series", series_class(c));
+    one.set("spot", spot_path(0.0, 0.0, c));
     one.set("case", result.fronts[c].case_name);
     one.set("size", std::to_string(result.fronts[c].points.size()));
     one.set("evaluations", std::to_string(result.fronts[c].evaluations.size()));
@@ -248,7 +185,6 @@ mustache::data front_rows(const FrontTable& table) {
     }
     mustache::data line;
     line.set("cells", cells);
-    line.set("colour", colour(row.tuned));
     rows << line;
   }
   return rows;
@@ -287,9 +223,9 @@ void write_tuning_report(const TuningPlan& plan, const TuningResult& result,
     data.set("reference", reference);
   }
   if (tuning.objectives.size() > 1 && !table.rows.empty()) {
-    data.set("front", front_chart(plan, result));
+    data.set("front", drawing(front_chart(plan, result)));
   }
-  if (!table.rows.empty()) data.set("volumes", volume_chart(result));
+  if (!table.rows.empty()) data.set("volumes", drawing(volume_chart(result)));
   mustache::data columns(mustache::data::type::list);
   for (const std::string& name : table.columns) {
     mustache::data one;
@@ -298,7 +234,7 @@ void write_tuning_report(const TuningPlan& plan, const TuningResult& result,
   }
   data.set("columns", columns);
   data.set("rows", front_rows(table));
-  replace_file(folder / "report.html", html_page("tuning", data));
+  replace_file(folder / "report.html", html_page("tuning", data, PageCharts::drawn));
 }
 
 }  // namespace breakwater

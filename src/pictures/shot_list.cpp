@@ -4,110 +4,89 @@
 #include <limits>
 
 #include <breakwater/config/fields.h>
+#include <breakwater/config/toml_entry.h>
+#include <breakwater/config/toml_file.h>
 
 namespace breakwater {
 namespace {
 
-// How many tables [[NAME]] a file has.
-std::size_t count_tables(const Config& config, const std::string& name) {
-  std::size_t count = 0;
-  const auto has = [&](std::size_t number) {
-    const std::string prefix = name + "." + std::to_string(number) + ".";
-    const auto next = config.entries().lower_bound(prefix);
-    return next != config.entries().end() && next->first.starts_with(prefix);
-  };
-  while (has(count + 1)) ++count;
-  return count;
+const Names<Corner> kCorners = {{"top-left", Corner::top_left},
+                                {"top-right", Corner::top_right},
+                                {"bottom-left", Corner::bottom_left},
+                                {"bottom-right", Corner::bottom_right}};
+const Names<ShotArrow::Frame> kFrames = {{"world", ShotArrow::Frame::world},
+                                         {"site", ShotArrow::Frame::site}};
+const Names<ShotLine::Style> kStyles = {{"solid", ShotLine::Style::solid},
+                                        {"dashed", ShotLine::Style::dashed}};
+
+std::vector<double> vector_of_three(const TomlEntry& entry) {
+  std::vector<double> values;
+  for (const TomlEntry& element : entry.elements()) values.push_back(element.number());
+  if (values.size() != 3) entry.fail("must have 3 numbers");
+  return values;
 }
 
-std::string key_of(const std::string& table, std::size_t i, const char* key) {
-  return table + "." + std::to_string(i + 1) + "." + key;
+int even(const TomlEntry& pixels, std::int64_t most) {
+  const std::int64_t count = pixels.whole(64, most);
+  if (count % 2 != 0) pixels.fail("must be even");
+  return static_cast<int>(count);
 }
 
-void bind_moments(Fields& fields, std::vector<ShotMoment>& moments) {
-  for (std::size_t i = 0; i < moments.size(); ++i) {
-    const auto key = [i](const char* name) { return key_of("moment", i, name); };
-    fields.text(key("caption"), moments[i].caption, "below the picture");
-    fields.number(key("at_s"), moments[i].at_s, not_negative(), "when [s]");
-    fields.text(key("first_positive"), moments[i].first_positive,
-                "a signal: when it is positive for the first time from at_s on; or empty");
-    fields.number(key("plus_s"), moments[i].plus_s, any(), "so much later [s]");
-  }
+void read_video(const TomlEntry& video, ShotList& shots) {
+  video.allow({"from_s", "to_s", "speed", "fps", "width", "height"});
+  shots.from_s = video["from_s"].number(not_negative());
+  shots.to_s = video["to_s"].number(positive());
+  if (shots.to_s <= shots.from_s) video["to_s"].fail("must be after video.from_s");
+  shots.speed = video["speed"].number(positive());
+  shots.fps = static_cast<int>(video["fps"].whole(1, 240));
+  shots.width = even(video["width"], 7680);
+  shots.height = even(video["height"], 4320);
 }
 
-void bind_arrows(Fields& fields, std::vector<ShotArrow>& arrows) {
-  for (std::size_t i = 0; i < arrows.size(); ++i) {
-    const auto key = [i](const char* name) { return key_of("arrow", i, name); };
-    fields.text(key("signal"), arrows[i].signal, "its length");
-    fields.text(key("unit"), arrows[i].unit, "of the number beside it; empty: no number");
-    fields.text(key("site"), arrows[i].site, "where it starts");
-    fields.numbers(key("along"), arrows[i].along, any(), "where a positive value points");
-    fields.choice(key("frame"), arrows[i].frame,
-                  {{"world", ShotArrow::Frame::world}, {"site", ShotArrow::Frame::site}},
-                  "whose axes along has");
-    fields.numbers(key("offset_m"), arrows[i].offset_m, any(), "of its start from the site [m]");
-    fields.number(key("metres_per_unit"), arrows[i].metres_per_unit, positive(), "its scale");
-    fields.number(key("contact_mark_m"), arrows[i].contact_mark_m, not_negative(),
-                  "radius of the ball at the site; 0: none [m]");
-  }
+ShotMoment read_moment(const TomlEntry& moment) {
+  moment.allow({"caption", "at_s", "first_positive", "plus_s"});
+  return {moment["caption"].text_or_nothing(), moment["at_s"].number(not_negative()),
+          moment["first_positive"].text_or_nothing(), moment["plus_s"].number()};
 }
 
-void bind_lines(Fields& fields, std::vector<ShotLine>& lines) {
-  for (std::size_t i = 0; i < lines.size(); ++i) {
-    const auto key = [i](const char* name) { return key_of("line", i, name); };
-    fields.text(key("label"), lines[i].label, "in the legend");
-    fields.text(key("value"), lines[i].value, "a signal, or a key of the configuration");
-    fields.choice(key("style"), lines[i].style,
-                  {{"solid", ShotLine::Style::solid}, {"dashed", ShotLine::Style::dashed}},
-                  "solid or dashed");
-  }
+ShotArrow read_arrow(const TomlEntry& arrow) {
+  arrow.allow({"signal", "unit", "site", "along", "frame", "offset_m", "metres_per_unit",
+               "contact_mark_m"});
+  return {.signal = arrow["signal"].text(),
+          .unit = arrow["unit"].text_or_nothing(),
+          .site = arrow["site"].text(),
+          .site_place = arrow["site"].place(),
+          .along = vector_of_three(arrow["along"]),
+          .frame = arrow["frame"].choice(kFrames),
+          .offset_m = vector_of_three(arrow["offset_m"]),
+          .metres_per_unit = arrow["metres_per_unit"].number(positive()),
+          .contact_mark_m = arrow["contact_mark_m"].number(not_negative())};
+}
+
+ShotLine read_line(const TomlEntry& line) {
+  line.allow({"label", "value", "style"});
+  return {line["label"].text_or_nothing(), line["value"].text(), line["style"].choice(kStyles)};
 }
 
 }  // namespace
 
 ShotList read_shot_list(const std::string& file) {
-  const Config config = read_config(file);
+  const toml::table tables = parse_toml_file(file);
+  const TomlEntry root(tables, file);
+  root.allow({"title", "camera", "video", "moment", "arrow", "chart", "line"});
   ShotList shots;
-  shots.moments.resize(count_tables(config, "moment"));
-  shots.arrows.resize(count_tables(config, "arrow"));
-  shots.lines.resize(count_tables(config, "line"));
-  Fields fields;
-  fields.text("title", shots.title, "in a lower corner");
-  fields.text("camera", shots.camera, "one of the model's; empty: one that shows all of it");
-  fields.number("video.from_s", shots.from_s, not_negative(), "[s]");
-  fields.number("video.to_s", shots.to_s, positive(), "[s]");
-  fields.number("video.speed", shots.speed, positive(), "0.1: ten times slower than life");
-  fields.count("video.fps", shots.fps, between(1, 240), "frames a second");
-  fields.count("video.width", shots.width, between(64, 7680), "[px]");
-  fields.count("video.height", shots.height, between(64, 4320), "[px]");
-  fields.text("chart.title", shots.chart_title, "quantity and unit");
-  fields.choice("chart.corner", shots.chart_corner,
-                {{"top-left", Corner::top_left},
-                 {"top-right", Corner::top_right},
-                 {"bottom-left", Corner::bottom_left},
-                 {"bottom-right", Corner::bottom_right}},
-                "where the chart is");
-  bind_moments(fields, shots.moments);
-  bind_arrows(fields, shots.arrows);
-  bind_lines(fields, shots.lines);
-  fields.read(config);
-  if (const ConfigEntry* camera = config.find("camera")) shots.camera_origin = camera->origin;
-  for (std::size_t i = 0; i < shots.arrows.size(); ++i) {
-    shots.arrows[i].site_origin = config.find(key_of("arrow", i, "site"))->origin;
+  shots.title = root["title"].text_or_nothing();
+  shots.camera = root["camera"].text_or_nothing();
+  shots.camera_place = root["camera"].place();
+  read_video(root["video"], shots);
+  for (const TomlEntry& moment : root["moment"].elements()) {
+    shots.moments.push_back(read_moment(moment));
   }
-
-  if (shots.to_s <= shots.from_s) config.fail("video.to_s", "must be after video.from_s");
-  for (const char* key : {"video.width", "video.height"}) {
-    const int pixels = std::string(key) == "video.width" ? shots.width : shots.height;
-    if (pixels % 2 != 0) config.fail(key, "must be even");
-  }
-  for (std::size_t i = 0; i < shots.arrows.size(); ++i) {
-    for (const char* key : {"along", "offset_m"}) {
-      const auto& values =
-          std::string(key) == "along" ? shots.arrows[i].along : shots.arrows[i].offset_m;
-      if (values.size() != 3) config.fail(key_of("arrow", i, key), "must have 3 numbers");
-    }
-  }
+  for (const TomlEntry& arrow : root["arrow"].elements()) shots.arrows.push_back(read_arrow(arrow));
+  root["chart"].allow({"title", "corner"});
+  shots.chart_title = root["chart"]["title"].text_or_nothing();
+  root["chart"]["corner"].choice(kCorners, shots.chart_corner);
+  for (const TomlEntry& line : root["line"].elements()) shots.lines.push_back(read_line(line));
   return shots;
 }
 

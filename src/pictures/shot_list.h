@@ -22,7 +22,7 @@ struct ShotArrow {
   std::string signal;
   std::string unit;              ///< of the number beside it; empty: no number
   std::string site;              ///< {KEY} in it is that key of the run's configuration
-  std::string site_origin;       ///< where it stands, "FILE:LINE"
+  std::string site_place;        ///< "FILE:LINE: arrow.site"
   std::vector<double> along;     ///< where a positive value points; for a vector: a factor each
   Frame frame = Frame::world;    ///< whose axes `along` has
   std::vector<double> offset_m;  ///< of its start from the site, in the world
@@ -42,9 +42,9 @@ struct ShotLine {
 enum class Corner { top_left, top_right, bottom_left, bottom_right };
 
 struct ShotList {
-  std::string title;          ///< in the lower corner that the chart leaves
-  std::string camera;         ///< empty: all of the model
-  std::string camera_origin;  ///< where it stands, "FILE:LINE"
+  std::string title;         ///< in the lower corner that the chart leaves
+  std::string camera;        ///< empty: all of the model
+  std::string camera_place;  ///< "FILE:LINE: camera"
   double from_s = 0.0;
   double to_s = 0.0;  ///< beyond the run's end: its end
   double speed = 1.0;

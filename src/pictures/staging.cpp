@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include <breakwater/experiment/differing_keys.h>
+#include <breakwater/sim/named_elements.h>
 
 namespace breakwater {
 namespace {
@@ -17,19 +18,19 @@ constexpr double kLongestVideo_frames = 1e6;
 
 // What the shot list names; if the model has none such, the list is to blame.
 template <typename Find>
-int of_shot_list(const std::string& origin, const char* key, Find&& find) {
+int of_shot_list(const std::string& place, Find&& find) {
   try {
     return std::forward<Find>(find)();
   } catch (const std::invalid_argument& error) {
-    throw std::invalid_argument(origin + ": " + key + ": " + error.what());
+    throw std::invalid_argument(place + ": " + error.what());
   }
 }
 
 ArrowTrack stage_arrow(const FinishedRun& run, const ShotArrow& shot, const Model& model,
                        const Colour& colour) {
   ArrowTrack track;
-  track.arrow.site = of_shot_list(shot.site_origin, "site",
-                                  [&] { return model.id(mjOBJ_SITE, run.fill_in(shot.site)); });
+  track.arrow.site =
+      of_shot_list(shot.site_place, [&] { return site_id(model, run.fill_in(shot.site)); });
   track.arrow.offset_m = Eigen::Map<const Eigen::Vector3d>(shot.offset_m.data());
   track.arrow.in_site_frame = shot.frame == ShotArrow::Frame::site;
   track.arrow.contact_mark_m = shot.contact_mark_m;
@@ -63,10 +64,10 @@ PictureRun stage(const FinishedRun& run, const ShotList& shots, const std::strin
     scenario->animate_scene(model, time_s);
   };
   staged.surfaces = scenario->waving_surfaces(staged.model);
-  staged.camera = camera.empty()
-                      ? of_shot_list(shots.camera_origin, "camera",
-                                     [&] { return camera_id(staged.model, shots.camera); })
-                      : camera_id(staged.model, camera);
+  staged.camera =
+      camera.empty()
+          ? of_shot_list(shots.camera_place, [&] { return camera_id(staged.model, shots.camera); })
+          : camera_id(staged.model, camera);
   staged.times_s = run.times_s();
   staged.qpos = run.qpos();
   for (const ShotArrow& shot : shots.arrows) {

@@ -4,10 +4,12 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
+#include <functional>
 #include <stdexcept>
 
 #include <breakwater/experiment/run_tables.h>
 #include <breakwater/experiment/runner.h>
+#include <breakwater/program/run_changes.h>
 #include <breakwater/program/video_later.h>
 #include <breakwater/record/run_folder.h>
 #include <breakwater/shell/process.h>
@@ -24,10 +26,8 @@ constexpr const char* kAll = "all";
 
 struct Arguments {
   std::string case_name;
-  std::string config;
-  std::vector<std::string> sets;
+  RunChanges run;
   std::string seed;
-  std::string duration;
   std::string out;
   CLI::Option* video = nullptr;
   std::string video_file;
@@ -39,12 +39,6 @@ struct Arguments {
   bool print_config = false;
 };
 
-// What the key asks beyond that is said of the key.
-std::string is_number(const std::string& text) {
-  double value = 0.0;
-  return CLI::detail::lexical_cast(text, value) ? "" : "must be a number, is \"" + text + "\"";
-}
-
 void describe(CLI::App& app, const std::string& video_program, Arguments& arguments) {
   app.add_option("--case", arguments.case_name,
                  "which case to run (--list-cases), or all: every case, on all cores")
@@ -52,17 +46,10 @@ void describe(CLI::App& app, const std::string& video_program, Arguments& argume
       ->check([](const std::string& name) {
         return std::string(name.empty() ? "must be a case's name (--list-cases)" : "");
       });
-  app.add_option("--config", arguments.config,
-                 "another scenario file, such as a run's own config.toml")
-      ->type_name("FILE");
-  app.add_option("--set", arguments.sets,
-                 "override keys of the scenario file (--print-config shows them all)")
-      ->type_name("KEY=VALUE");
+  add_run_changes(app, arguments.run, "another scenario file, such as a run's own config.toml",
+                  "override keys of the scenario file (--print-config shows them all)");
   app.add_option("--seed", arguments.seed, "the same as --set run.seed=N")
       ->type_name("N")
-      ->check(is_number);
-  app.add_option("--duration", arguments.duration, "the same as --set run.duration_s=S")
-      ->type_name("S")
       ->check(is_number);
   app.add_option("--out", arguments.out,
                  "the run's folder; with --case all, the folder of the runs' folders\n"
@@ -91,27 +78,9 @@ void describe(CLI::App& app, const std::string& video_program, Arguments& argume
       "output failed, 130 interrupted.");
 }
 
-// ".1" as TOML has it: "0.1".
-std::string as_toml_number(const std::string& text) {
-  double value = 0.0;
-  if (text.empty() || !CLI::detail::lexical_cast(text, value)) return text;
-  const std::string digits = fmt::format("{}", value);
-  return digits.find_first_of(".en") == std::string::npos ? digits + ".0" : digits;
-}
-
 std::vector<std::string> all_sets(const Arguments& arguments) {
-  std::vector<std::string> sets = arguments.sets;
-  const auto add = [&](const std::string& option, const std::string& key,
-                       const std::string& value) {
-    if (value.empty()) return;
-    for (const std::string& set : arguments.sets) {
-      if (!set.starts_with(key + "=")) continue;
-      throw std::invalid_argument(option + ": --set gives " + key + " too: leave one out");
-    }
-    sets.push_back(key + "=" + value);
-  };
-  add("--seed", "run.seed", arguments.seed);
-  add("--duration", "run.duration_s", as_toml_number(arguments.duration));
+  std::vector<std::string> sets = all_sets(arguments.run);
+  add_set(sets, "--seed", "run.seed", arguments.seed);
   return sets;
 }
 
@@ -125,7 +94,7 @@ auto naming_options(const Arguments& arguments, Body&& body) {
     const std::string what = error.what();
     for (const auto& [option, value, key] :
          {std::tuple("--seed", &arguments.seed, "run.seed"),
-          std::tuple("--duration", &arguments.duration, "run.duration_s")}) {
+          std::tuple("--duration", &arguments.run.duration, "run.duration_s")}) {
       const std::string as_set = std::string("--set: ") + key;
       if (value->empty() || !what.starts_with(as_set + ":")) continue;
       throw std::invalid_argument(option + what.substr(as_set.size()));
@@ -212,117 +181,126 @@ void print_warnings(const std::string& scenario, const std::vector<PreparedRun>&
   }
 }
 
-int run_cases(const Catalogue& catalogue, const std::string& scenario, const ScenarioFile& file,
-              const std::string& video_program, const Arguments& arguments, KnownModels& models) {
-  stop_on_signals();
-  const bool all = arguments.case_name == kAll;
-  const std::string case_name =
-      arguments.case_name.empty() ? file.default_case() : arguments.case_name;
-  const std::vector<std::string> cases = all ? file.cases() : std::vector{case_name};
+std::string coloured(const std::string& table) {
+  return with_colours(table, is_colourful(stdout));
+}
 
-  std::vector<PreparedRun> runs;
-  for (const std::string& name : cases) {
-    runs.push_back(prepare_run(catalogue, scenario, file, name, all_sets(arguments)));
+// One call of the program.
+struct Call {
+  const Catalogue& catalogue;
+  const std::string& scenario;
+  const ScenarioFile& file;
+  const std::string& video_program;
+  const Arguments& arguments;
+  KnownModels& models;
+
+  PreparedRun prepare(const std::string& case_name, const std::vector<std::string>& sets) const {
+    return prepare_run(catalogue, scenario, file, case_name, sets);
   }
+};
+
+// What is run at once: each run into its place below a folder, of which `shared` have several.
+struct Batch {
+  std::string name;  // of the folder, before its seed
+  std::vector<PreparedRun> runs = {};
+  std::vector<std::string> places = {};
+  std::vector<std::string> shared = {};
+};
+
+// `table` says what is printed of the runs in `out`; nothing if that is empty.
+int run_batch(const Call& call, const Batch& batch,
+              const std::function<std::string(const std::vector<RunSummary>&,
+                                              const std::string& out)>& table) {
+  const Arguments& arguments = call.arguments;
+  check_video(batch.runs, arguments);
+  const std::uint64_t seed = batch.runs.front().scenario->run_settings().seed;
+  const fs::path out = arguments.out.empty() ? fs::path("runs") / call.scenario /
+                                                   fmt::format("{}-seed{}", batch.name, seed)
+                                             : fs::path(arguments.out);
+  const auto below = [&](const std::string& place) { return place.empty() ? out : out / place; };
+  for (const std::string& place : batch.shared) check_folder_of_runs(below(place));
+  std::vector<fs::path> folders;
+  for (const std::string& place : batch.places) folders.push_back(below(place));
+
+  if (!arguments.quiet) print_warnings(call.scenario, batch.runs);
+  const std::vector<RunSummary> summaries = execute_runs(
+      batch.runs, folders, {arguments.csv, arguments.quiet, &interrupted(), &call.models});
+  report_failures(call.scenario, summaries);
+  if (!arguments.quiet) print_late_warnings(call.scenario, summaries);
+  const int video_status = make_videos(summaries, arguments, call.video_program);
+  if (arguments.json) {
+    fmt::print("{}", runs_json(call.scenario, summaries, call.catalogue));
+  } else if (!arguments.quiet) {
+    fmt::print("{}", table(summaries, out.string()));
+  }
+  const bool failed = std::any_of(summaries.begin(), summaries.end(),
+                                  [](const RunSummary& run) { return run.failure.has_value(); });
+  return failed ? static_cast<int>(kRunFailed) : video_status;
+}
+
+int run_cases(const Call& call) {
+  const Arguments& arguments = call.arguments;
+  const bool all = arguments.case_name == kAll;
+  Batch batch = {arguments.case_name.empty() ? call.file.default_case() : arguments.case_name};
+  for (const std::string& name : all ? call.file.cases() : std::vector{batch.name}) {
+    batch.runs.push_back(call.prepare(name, all_sets(arguments)));
+    batch.places.push_back(all ? name : "");
+  }
+  if (all) batch.shared = {""};
   if (arguments.print_config && all) {
     throw std::invalid_argument("--print-config: prints one case, not all");
   }
   if (arguments.print_config) {
-    fmt::print("{}", runs.front().config_text);
+    fmt::print("{}", batch.runs.front().config_text);
     return kSuccess;
   }
-
-  check_video(runs, arguments);
-
-  const std::uint64_t seed = runs.front().scenario->run_settings().seed;
-  const fs::path out = arguments.out.empty()
-                           ? fs::path("runs") / scenario / fmt::format("{}-seed{}", case_name, seed)
-                           : fs::path(arguments.out);
-  std::vector<fs::path> folders;
-  if (all) check_folder_of_runs(out);
-  for (const std::string& name : cases) folders.push_back(all ? out / name : out);
-
-  if (!arguments.quiet) print_warnings(scenario, runs);
-  const std::vector<RunSummary> summaries =
-      execute_runs(runs, folders, {arguments.csv, arguments.quiet, &interrupted(), &models});
-
-  report_failures(scenario, summaries);
-  if (!arguments.quiet) print_late_warnings(scenario, summaries);
-  const int video_status = make_videos(summaries, arguments, video_program);
-  const bool failed = std::any_of(summaries.begin(), summaries.end(),
-                                  [](const RunSummary& run) { return run.failure.has_value(); });
-  if (arguments.json) {
-    fmt::print("{}", runs_json(scenario, summaries, catalogue));
-  } else if (!arguments.quiet) {
-    const bool colourful = is_colourful(stdout);
-    if (all) {
-      fmt::print("results: {}\n\n{}", out.string(),
-                 with_colours(comparison_table(scenario, summaries, catalogue, output_width()),
-                              colourful));
-    } else if (!failed) {
-      const RunSummary& run = summaries.front();
-      fmt::print("{} {}: {:.6g} s simulated in {:.1f} s\nresults: {}\n\n{}", scenario,
-                 run.case_name, run.simulated_s, run.wall_s, out.string(),
-                 with_colours(metrics_table(scenario, run, catalogue), colourful));
-    }
-  }
-  return failed ? static_cast<int>(kRunFailed) : video_status;
+  return run_batch(
+      call, batch, [&](const std::vector<RunSummary>& runs, const std::string& out) -> std::string {
+        if (all) {
+          return fmt::format(
+              "results: {}\n\n{}", out,
+              coloured(comparison_table(call.scenario, runs, call.catalogue, output_width())));
+        }
+        const RunSummary& run = runs.front();
+        if (run.failure) return "";
+        return fmt::format("{} {}: {:.6g} s simulated in {:.1f} s\nresults: {}\n\n{}",
+                           call.scenario, run.case_name, run.simulated_s, run.wall_s, out,
+                           coloured(metrics_table(call.scenario, run, call.catalogue)));
+      });
 }
 
 // All cases for each value of one key, each into OUT/VALUE/CASE.
-int run_matrix(const Catalogue& catalogue, const std::string& scenario, const ScenarioFile& file,
-               const std::string& video_program, const Arguments& arguments, KnownModels& models) {
-  stop_on_signals();
+int run_matrix(const Call& call) {
+  const Arguments& arguments = call.arguments;
   if (arguments.print_config) {
     throw std::invalid_argument("--print-config: prints one case, not all of --matrix");
   }
-  const Matrix matrix = make_scenario(catalogue, scenario)->matrix();
+  const Matrix matrix = make_scenario(call.catalogue, call.scenario)->matrix();
   if (matrix.key.empty()) {
-    throw std::invalid_argument(scenario + ": --matrix: this scenario has no conditions");
+    throw std::invalid_argument(call.scenario + ": --matrix: this scenario has no conditions");
   }
   if (!arguments.case_name.empty()) {
-    throw std::invalid_argument(scenario + ": --matrix: runs all cases, so leave --case out");
+    throw std::invalid_argument(call.scenario + ": --matrix: runs all cases, so leave --case out");
   }
-  for (const std::string& set : arguments.sets) {
+  for (const std::string& set : arguments.run.sets) {
     if (!set.starts_with(matrix.key + "=")) continue;
-    throw std::invalid_argument(scenario + ": --matrix: runs all of " + matrix.key +
+    throw std::invalid_argument(call.scenario + ": --matrix: runs all of " + matrix.key +
                                 ", so leave it out of --set");
   }
-  std::vector<PreparedRun> runs;
-  std::vector<std::string> places;
+  Batch batch = {"matrix"};
   for (const std::string& value : matrix.values) {
     std::vector<std::string> sets = all_sets(arguments);
     sets.push_back(matrix.key + "=" + value);
-    for (const std::string& name : file.cases()) {
-      runs.push_back(prepare_run(catalogue, scenario, file, name, sets));
-      places.push_back(value + "/" + name);
+    for (const std::string& name : call.file.cases()) {
+      batch.runs.push_back(call.prepare(name, sets));
+      batch.places.push_back(value + "/" + name);
     }
+    batch.shared.push_back(value);
   }
-  check_video(runs, arguments);
-  const std::uint64_t seed = runs.front().scenario->run_settings().seed;
-  const fs::path out = arguments.out.empty()
-                           ? fs::path("runs") / scenario / fmt::format("matrix-seed{}", seed)
-                           : fs::path(arguments.out);
-  for (const std::string& value : matrix.values) check_folder_of_runs(out / value);
-  std::vector<fs::path> folders;
-  for (const std::string& place : places) folders.push_back(out / place);
-
-  if (!arguments.quiet) print_warnings(scenario, runs);
-  const std::vector<RunSummary> summaries =
-      execute_runs(runs, folders, {arguments.csv, arguments.quiet, &interrupted(), &models});
-  report_failures(scenario, summaries);
-  if (!arguments.quiet) print_late_warnings(scenario, summaries);
-  const int video_status = make_videos(summaries, arguments, video_program);
-  if (arguments.json) {
-    fmt::print("{}", runs_json(scenario, summaries, catalogue));
-  } else if (!arguments.quiet) {
-    fmt::print(
-        "results: {}\n\n{}", out.string(),
-        with_colours(matrix_tables(matrix, summaries, output_width()), is_colourful(stdout)));
-  }
-  const bool failed = std::any_of(summaries.begin(), summaries.end(),
-                                  [](const RunSummary& run) { return run.failure.has_value(); });
-  return failed ? static_cast<int>(kRunFailed) : video_status;
+  return run_batch(call, batch, [&](const std::vector<RunSummary>& runs, const std::string& out) {
+    return fmt::format("results: {}\n\n{}", out,
+                       coloured(matrix_tables(matrix, runs, output_width())));
+  });
 }
 
 }  // namespace
@@ -335,9 +313,9 @@ int scenario_main(const Catalogue& catalogue, const std::string& scenario,
     describe(app, video_program, arguments);
     if (const auto status = parse(app, argc, argv)) return *status;
 
-    const std::string path = arguments.config.empty()
+    const std::string path = arguments.run.config.empty()
                                  ? catalogue.get<ScenarioKind>(scenario).file().string()
-                                 : arguments.config;
+                                 : arguments.run.config;
     const ScenarioFile file(path, scenario);
     if (arguments.list_cases) {
       for (const std::string& name : file.cases()) fmt::print("{}\n", name);
@@ -345,10 +323,10 @@ int scenario_main(const Catalogue& catalogue, const std::string& scenario,
     }
     KnownModels models;
     const SharedModels shared([&](const std::string& model) { models.note(model); });
-    const auto run = arguments.matrix ? run_matrix : run_cases;
-    return naming_options(arguments, [&] {
-      return run(catalogue, scenario, file, video_program, arguments, models);
-    });
+    stop_on_signals();
+    const Call call = {catalogue, scenario, file, video_program, arguments, models};
+    return naming_options(arguments,
+                          [&] { return arguments.matrix ? run_matrix(call) : run_cases(call); });
   });
 }
 

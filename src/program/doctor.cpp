@@ -1,4 +1,4 @@
-#include <breakwater/program/doctor.h>
+#include <breakwater/program/commands.h>
 
 #include <fmt/format.h>
 
@@ -83,7 +83,7 @@ void print_checks_json(const std::vector<HealthCheck>& checks) {
 }  // namespace
 
 int doctor_main(const Catalogue& catalogue, int argc, const char* const* argv) {
-  const std::string program = own_program_name() + " " + kDoctor;
+  const std::string program = own_program_name() + " doctor";
   return guarded(program, [&] {
     CLI::App app("What works on this machine, and what to install for what does not.", program);
     bool json = false;

@@ -5,7 +5,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <stdexcept>
 #include <utility>
@@ -18,6 +17,7 @@
 #include <breakwater/render/video_file.h>
 #include <breakwater/shell/child_program.h>
 #include <breakwater/shell/paths.h>
+#include <breakwater/signals/environment.h>
 #include <breakwater/sim/engine_guard.h>
 
 namespace breakwater {
@@ -73,9 +73,8 @@ HealthCheck check_library(const std::string& what, const std::string& mujoco_gl,
 
 // As the environment asks, which is what counts.
 HealthCheck check_pictures() {
-  const char* const asked = std::getenv("MUJOCO_GL");
-  const std::string when =
-      asked != nullptr && *asked != '\0' ? fmt::format("MUJOCO_GL={}", asked) : "MUJOCO_GL unset";
+  const auto asked = environment("MUJOCO_GL");
+  const std::string when = asked ? "MUJOCO_GL=" + *asked : "MUJOCO_GL unset";
   try {
     const RendererProbe probe = probe_renderer();
     switch (probe.outcome) {

@@ -1,4 +1,4 @@
-#include <breakwater/program/list_command.h>
+#include <breakwater/program/commands.h>
 
 #include <fmt/core.h>
 

@@ -11,7 +11,7 @@
 
 #include <breakwater/experiment/main_metrics.h>
 #include <breakwater/experiment/run_list.h>
-#include <breakwater/program/run_commands.h>
+#include <breakwater/program/commands.h>
 #include <breakwater/shell/child_program.h>
 #include <breakwater/shell/process.h>
 #include <breakwater/shell/progress.h>

@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include <breakwater/program/commands.h>
 #include <breakwater/record/file_bytes.h>
 #include <breakwater/record/process_name.h>
 #include <breakwater/record/text_outputs.h>
@@ -175,7 +176,7 @@ void make_project(const fs::path& from, const std::string& placeholder, const st
 }
 
 int new_project_main(const Catalogue& catalogue, int argc, const char* const* argv) {
-  const std::string program = own_program_name() + " " + kNewProject;
+  const std::string program = own_program_name() + " new";
   return guarded(program, [&] {
     CLI::App app("Makes a project of your own, which builds against an installed Breakwater.",
                  program);

@@ -8,8 +8,6 @@
 
 namespace breakwater {
 
-inline constexpr const char* kNewProject = "new";
-
 /// Throws std::invalid_argument unless `name` is [a-z][a-z0-9_]*, of 64 characters at most, and no
 /// scenario and no part of the catalogue has it.
 void check_project_name(const Catalogue& catalogue, const std::string& name);
@@ -20,8 +18,5 @@ void check_project_name(const Catalogue& catalogue, const std::string& name);
 /// if `out` is there already, its parent is not, or two files would have one name; OutputError.
 void make_project(const std::filesystem::path& from, const std::string& placeholder,
                   const std::string& name, const std::filesystem::path& out);
-
-/// main() of the command; argv[0] is its name. The kinds of projects are the folders of templates/.
-int new_project_main(const Catalogue& catalogue, int argc, const char* const* argv);
 
 }  // namespace breakwater

@@ -13,15 +13,8 @@
 #include <breakwater/pages/report_commands.h>
 #include <breakwater/pictures/picture_commands.h>
 #include <breakwater/program/command_line.h>
-#include <breakwater/program/doctor.h>
-#include <breakwater/program/list_command.h>
-#include <breakwater/program/new_project.h>
+#include <breakwater/program/commands.h>
 #include <breakwater/program/own_places.h>
-#include <breakwater/program/run_commands.h>
-#include <breakwater/program/sweep_command.h>
-#include <breakwater/program/tune_command.h>
-#include <breakwater/program/waves_command.h>
-#include <breakwater/search/tuning_plan.h>
 #include <breakwater/shell/child_program.h>
 #include <breakwater/shell/process.h>
 #include <breakwater/study/study_folder.h>
@@ -51,14 +44,14 @@ std::vector<CommandKind> all_commands(const Catalogue& catalogue) {
       {"list", "print the scenarios and what they study", list_main},
       {"run", "run a scenario: run NAME [OPTION...]; run NAME --help says which", run_main},
       {"waves", "check a sea's spectrum and its water", waves_main},
-      {kSweep, "very many runs as one table: sweep SCENARIO|STUDY.toml|DIR", sweep_main},
-      {kTune, "the best values of some keys, as a front: tune TUNE.toml|DIR", tune_main},
+      {kSweep.command, "very many runs as one table: sweep SCENARIO|STUDY.toml|DIR", sweep_main},
+      {kTune.command, "the best values of some keys, as a front: tune TUNE.toml|DIR", tune_main},
       {kAnalyze, "loops of one axis in the frequency domain: analyze SCENARIO", analyze_main},
-      {kNewProject, "make a project of your own: new controller|observer|scenario NAME",
+      {"new", "make a project of your own: new controller|observer|scenario NAME",
        new_project_main},
       {kListRuns, "the runs and studies below a folder, newest first: ls [DIR]", list_runs_main},
       {kRemoveRuns, "remove runs that failed: rm --failed [DIR]", remove_runs_main},
-      {kDoctor, "what works on this machine, and what to install for the rest", doctor_main}};
+      {"doctor", "what works on this machine, and what to install for the rest", doctor_main}};
   for (const auto& more : {catalogue.all<CommandKind>(), picture_commands(),
                            std::vector{reproduce_command()}, report_commands()}) {
     all.insert(all.end(), more.begin(), more.end());

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include <breakwater/experiment/run_list.h>
-#include <breakwater/program/run_commands.h>
+#include <breakwater/program/commands.h>
 #include <breakwater/record/run_folder.h>
 #include <breakwater/shell/child_program.h>
 #include <breakwater/shell/process.h>

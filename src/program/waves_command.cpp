@@ -1,4 +1,4 @@
-#include <breakwater/program/waves_command.h>
+#include <breakwater/program/commands.h>
 
 #include <fmt/format.h>
 

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 #include <sys/mman.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
@@ -14,15 +15,17 @@
 #include <csignal>
 #include <cstdio>
 #include <cstring>
+#include <fstream>
 #include <memory>
 #include <mutex>
+#include <new>
 #include <numeric>
-#include <set>
+#include <optional>
 #include <stdexcept>
-#include <tuple>
 #include <utility>
 
 #include <breakwater/record/hdf5_library.h>
+#include <breakwater/record/interrupted.h>
 #include <breakwater/record/text_outputs.h>
 
 namespace breakwater {
@@ -38,6 +41,9 @@ constexpr hsize_t kMostDeflated = 1032;
 // How much of the processor's time reading a foreign log may take; far less, if nothing is wrong.
 constexpr rlim_t kForeignSeconds = 10;
 constexpr rlim_t kBytesASecond = 5'000'000;
+// How large its values may be, and what reading them may take: HDF5 may hold a chunk beside them.
+constexpr std::size_t kForeignBytes = 1'000'000'000;
+constexpr rlim_t kForeignMemory = 2 * kForeignBytes + 200'000'000;
 
 using Size = std::array<hsize_t, 2>;  // rows, width
 
@@ -262,8 +268,12 @@ std::string file_image(const std::string& file, const std::vector<Track>& tracks
   }
 }
 
-// The caller holds hdf5_in_use.
-std::vector<LogEntry> list_signals(const std::string& file) {
+bool is_time_base(const LogEntry& entry) {
+  return entry.name == "time_s";
+}
+
+// All datasets but indices. The caller holds hdf5_in_use.
+std::vector<LogEntry> list_datasets(const std::string& file) {
   hdf5().H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
   try {
     const Handle handle(hdf5().H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), hdf5().H5Fclose);
@@ -271,7 +281,7 @@ std::vector<LogEntry> list_signals(const std::string& file) {
     for (const std::string& track : object_names(handle)) {
       const Handle group(hdf5().H5Gopen2(handle, track.c_str(), H5P_DEFAULT), hdf5().H5Gclose);
       for (const std::string& name : object_names(group)) {
-        if (name == "time_s" || is_index_name(name)) continue;
+        if (is_index_name(name)) continue;
         const Handle data(hdf5().H5Dopen2(group, name.c_str(), H5P_DEFAULT), hdf5().H5Dclose);
         const Size size = checked_size(data);
         entries.push_back({track, name, read_text(data, "unit"), read_text(data, "description"),
@@ -306,7 +316,7 @@ LoggedSignal read_signal(const std::string& file, const std::string& dataset) {
   }
 }
 
-// What a child process tells its parent: values and texts, one after the other.
+// A child process tells its parent values and texts, one after the other.
 template <typename Values>
 void put(std::FILE* sheet, const Values& values) {
   const std::size_t count = values.size();
@@ -330,7 +340,17 @@ Values taken(std::FILE* sheet) {
 
 using Counts = std::vector<std::size_t>;
 
-[[noreturn]] void tell_all(const std::string& file, std::FILE* sheet) {
+// How the child ends. One that a limit or a crash ends has told less than it promised.
+enum { kTold, kTooMuch };
+
+// Limits for this process, and that it ends with its parent.
+void confine(const std::string& file, pid_t parent) {
+  // A signal is the parent's business.
+  std::signal(SIGINT, SIG_IGN);
+  std::signal(SIGTERM, SIG_IGN);
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (getppid() != parent) _exit(kTold);  // it has ended already
+
   struct stat about = {};
   stat(file.c_str(), &about);
   const rlim_t seconds = kForeignSeconds + static_cast<rlim_t>(about.st_size) / kBytesASecond;
@@ -338,54 +358,69 @@ using Counts = std::vector<std::size_t>;
   setrlimit(RLIMIT_CPU, &limit);
   const rlimit no_core = {0, 0};
   setrlimit(RLIMIT_CORE, &no_core);
+  rlim_t pages = 0;
+  if (std::ifstream("/proc/self/statm") >> pages) {
+    const rlim_t own = pages * static_cast<rlim_t>(sysconf(_SC_PAGESIZE));
+    const rlimit bytes = {own + kForeignMemory, own + kForeignMemory};
+    setrlimit(RLIMIT_AS, &bytes);
+  }
+}
+
+[[noreturn]] void tell_all(const std::string& file, std::FILE* sheet) {
   try {
-    const std::vector<LogEntry> entries = list_signals(file);
-    std::set<std::string> paths;
-    for (const LogEntry& entry : entries) {
-      paths.insert(entry.group + "/" + entry.name);
-      paths.insert(entry.group + "/time_s");
-    }
-    put(sheet, Counts{entries.size(), paths.size()});
-    for (const LogEntry& entry : entries) {
+    const std::vector<LogEntry> datasets = list_datasets(file);
+    std::size_t values = 0;
+    for (const LogEntry& entry : datasets) values += entry.rows * entry.width;
+    if (values > kForeignBytes / sizeof(double)) _exit(kTooMuch);
+    put(sheet, Counts{datasets.size()});
+    for (const LogEntry& entry : datasets) {
       for (const auto* text : {&entry.group, &entry.name, &entry.unit, &entry.description}) {
         put(sheet, *text);
       }
       put(sheet, Counts{entry.rows, entry.width});
-    }
-    for (const std::string& path : paths) {
-      const LoggedSignal signal = read_signal(file, path);
-      put(sheet, path);
-      put(sheet, Counts{signal.rows, signal.width});
-      put(sheet, signal.values);
+      put(sheet, read_signal(file, entry.group + "/" + entry.name).values);
     }
     std::fflush(sheet);
+  } catch (const std::bad_alloc&) {
+    _exit(kTooMuch);
   } catch (...) {
-    // What it has not told, it could not.
+    // The parent sees that something is missing.
   }
-  _exit(0);
+  _exit(kTold);
 }
 
 LogContents contents_of(std::FILE* sheet) {
-  const auto pair = [&] {
-    const auto counts = taken<Counts>(sheet);
-    check(counts.size() == 2);
-    return std::pair(counts[0], counts[1]);
+  const auto counts = [&](std::size_t size) {
+    Counts read = taken<Counts>(sheet);
+    check(read.size() == size);
+    return read;
   };
   const auto text = [&] { return taken<std::string>(sheet); };
   LogContents log;
-  const auto [signals, datasets] = pair();
-  for (std::size_t i = 0; i < signals; ++i) {
-    LogEntry entry{text(), text(), text(), text()};
-    std::tie(entry.rows, entry.width) = pair();
-    log.signals.push_back(entry);
-  }
+  const std::size_t datasets = counts(1)[0];
   for (std::size_t i = 0; i < datasets; ++i) {
-    LoggedSignal& signal = log.datasets[text()];
-    std::tie(signal.rows, signal.width) = pair();
-    signal.values = taken<std::vector<double>>(sheet);
+    LogEntry entry{text(), text(), text(), text()};
+    const Counts size = counts(2);
+    entry.rows = size[0];
+    entry.width = size[1];
+    LoggedSignal& signal = log.datasets[entry.group + "/" + entry.name];
+    signal = {entry.rows, entry.width, taken<std::vector<double>>(sheet)};
     check(signal.width > 0 && signal.values.size() / signal.width == signal.rows);
+    if (!is_time_base(entry)) log.signals.push_back(std::move(entry));
   }
   return log;
+}
+
+// The child's exit status; nothing if a signal ended it. A signal to us ends it at once.
+std::optional<int> outcome_of(pid_t child) {
+  int status = 0;
+  if (waitpid(child, &status, 0) < 0) {
+    if (errno != EINTR) return std::nullopt;  // nobody here may wait for children
+    kill(child, SIGKILL);
+    while (waitpid(child, &status, 0) < 0 && errno == EINTR) continue;
+    throw Interrupted();
+  }
+  return WIFEXITED(status) ? std::optional(WEXITSTATUS(status)) : std::nullopt;
 }
 
 }  // namespace
@@ -429,7 +464,9 @@ std::string LogEntry::unit_of(std::size_t index) const {
 
 std::vector<LogEntry> list_hdf5_signals(const std::string& file) {
   const std::lock_guard lock(hdf5_in_use);
-  return list_signals(file);
+  std::vector<LogEntry> entries = list_datasets(file);
+  std::erase_if(entries, is_time_base);
+  return entries;
 }
 
 LoggedSignal read_hdf5_signal(const std::string& file, const std::string& dataset) {
@@ -444,14 +481,19 @@ LogContents read_foreign_log(const std::string& file) {
   {
     const std::lock_guard lock(hdf5_in_use);
     hdf5();  // loaded once, here
+    const pid_t parent = getpid();
     const pid_t child = fork();
     if (child < 0) throw OutputError(file + ": cannot be read (" + std::strerror(errno) + ")");
     if (child == 0) {
-      std::signal(SIGINT, SIG_DFL);  // the parent's handlers would keep it
-      std::signal(SIGTERM, SIG_DFL);
+      confine(file, parent);
       tell_all(file, told.get());
     }
-    while (waitpid(child, nullptr, 0) < 0 && errno == EINTR) continue;
+    if (outcome_of(child) == kTooMuch) {
+      throw std::invalid_argument(
+          fmt::format("{}: is not read: it has more than {} MB of values, and its manifest.json no "
+                      "log_hash",
+                      file, kForeignBytes / 1'000'000));
+    }
   }
   std::rewind(told.get());
   try {

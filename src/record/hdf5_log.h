@@ -73,8 +73,9 @@ struct LogContents {
 };
 
 /// Reads all of a log that anybody may have written, in a child process: on some files HDF5 crashes
-/// or never ends. Throws std::invalid_argument if it is no log, or the child did not read it.
-/// Thread-safe.
+/// or never ends. Throws std::invalid_argument if it is no log, has more than 1 GB of values, or
+/// the child did not read it; Interrupted if a signal comes that this process handles. The child
+/// ends then, and with this process. Thread-safe.
 LogContents read_foreign_log(const std::string& file);
 
 }  // namespace breakwater

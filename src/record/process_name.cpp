@@ -13,8 +13,8 @@ std::string host_name() {
   return name.data();
 }
 
-std::string process_name() {
-  return host_name() + "-" + std::to_string(getpid());
+std::string process_name(pid_t process) {
+  return host_name() + "-" + std::to_string(process);
 }
 
 }  // namespace breakwater

@@ -84,8 +84,8 @@ void restore_earlier(const fs::path& target, const LeftBeside* beside) {
   if (!latest.empty()) fs::rename(latest, target, error);
 }
 
-// Of this process: which partial folders its threads write, and who may make, swap or remove
-// folders just now. A process alone is told apart by the folders' names.
+// The partial folders that this process' threads write, and the right to make, swap or remove
+// folders just now. The folders' names tell processes apart, not threads.
 std::mutex in_this_process;
 std::set<fs::path> written_here;
 

@@ -12,7 +12,7 @@ namespace {
 
 constexpr const char* kIndex = "index_";
 
-// What else of the log is called so would be lost.
+// A log would lose a signal that is named as another part of it.
 bool can_be_logged(const std::string& name) {
   return is_column_name(name) && name != "time_s" && !is_index_name(name);
 }

@@ -56,7 +56,7 @@ Asked asked_of(const Arguments& arguments) {
   return {std::move(file), std::move(case_name), std::move(sets)};
 }
 
-// Of a record that need not be there yet, and whatever else is still to be filled in.
+// The record need not be there yet; the user fills in this and all else that is required.
 std::string editable_config(const Catalogue& catalogue, const Asked& asked,
                             const std::string& name) {
   RecordedEstimation estimation(catalogue);

@@ -46,8 +46,8 @@ class InnovationWatch {
   bool has_last_ = false;
 };
 
-/// Of a finished estimation: "the model does not explain the data: ..."; nothing if it does, or
-/// nothing is known.
+/// "the model does not explain the data: ...", if a finished estimation shows it; nothing if the
+/// model does, or nothing is known.
 std::optional<std::string> doubt_of(const Recording& recording);
 
 }  // namespace breakwater

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include <breakwater/recorded/column_table.h>
+#include <breakwater/statistics/quantile.h>
 
 namespace breakwater {
 
@@ -36,13 +37,12 @@ RecordedTiming timing_of(const std::vector<double>& times_s, double period_s, do
   timing.period_s = period_s;
   if (period_s == 0.0) {
     // The mean of what are no gaps by the median: jitter adds up to nothing in it.
-    std::vector<double> sorted = intervals;
-    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-    std::nth_element(sorted.begin(), middle, sorted.end());
+    std::vector<double> in_any_order = intervals;
+    const double median = sample_median(in_any_order);
     double sum = 0.0;
     double count = 0.0;
     for (const double interval : intervals) {
-      if (interval > gap_periods * *middle) continue;
+      if (interval > gap_periods * median) continue;
       sum += interval;
       count += 1.0;
     }

@@ -3,20 +3,21 @@
 
 #include <memory>
 #include <string>
+#include <utility>
 
 #include <breakwater/control/controller.h>
 #include <breakwater/experiment/parts.h>
 
 namespace breakwater {
 
-/// An estimator and the controller that was given it.
+/// A controller, and the estimator that it keeps up to date; null if it let go the one that it was
+/// given.
 template <typename Estimator>
 struct ControlLoop {
-  std::shared_ptr<Estimator> estimator;
   std::unique_ptr<Controller> controller;
+  std::shared_ptr<Estimator> estimator;
 
-  /// Whether the controller kept the estimator, and so keeps it up to date.
-  bool estimates() const { return estimator.use_count() > 1; }
+  bool estimates() const { return estimator != nullptr; }
 };
 
 /// Which estimator and which controller a loop has. The estimator is told `what_is_known(task)`,
@@ -42,10 +43,10 @@ class LoopParts {
   }
 
   ControlLoop<Estimator> make(const Task& task) const {
-    ControlLoop<Estimator> loop;
-    loop.estimator = make_estimator(task);
-    loop.controller = controller_.make(task, loop.estimator);
-    return loop;
+    std::shared_ptr<Estimator> given = make_estimator(task);
+    const std::weak_ptr<Estimator> kept = given;
+    std::unique_ptr<Controller> controller = controller_.make(task, std::move(given));
+    return {std::move(controller), kept.lock()};
   }
 
   /// Another of the same, alone.

@@ -3,14 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <filesystem>
-#include <fstream>
 #include <optional>
-#include <utility>
 
 #include <breakwater/cluster/slurm_queue.h>
 #include <breakwater/search/candidates.h>
-#include <breakwater/search/make_runs.h>
 #include <breakwater/shell/process.h>
 #include <breakwater/shell/table.h>
 #include <breakwater/study/shards.h>
@@ -18,17 +14,7 @@
 namespace breakwater {
 namespace {
 
-namespace fs = std::filesystem;
-
 constexpr int kMostInVain = 3;  // jobs
-
-std::vector<std::string> lines_of(const fs::path& file) {
-  std::ifstream stream(file);
-  if (!stream) throw std::invalid_argument(file.string() + ": cannot be read");
-  std::vector<std::string> lines;
-  for (std::string line; std::getline(stream, line);) lines.push_back(line);
-  return lines;
-}
 
 // Of `runs`, those that no shard has.
 std::vector<std::size_t> missing(const ShardIndex& index, std::vector<std::size_t> runs) {
@@ -51,13 +37,6 @@ std::optional<double> mean_s(const TuningPlan& plan, const ShardIndex& index,
   }
   if (count == 0) return std::nullopt;
   return cost_s / static_cast<double>(count);
-}
-
-void make_here(const TuningPlan& plan, const ClusterTuning& cluster, std::size_t run) {
-  ExecutorOptions options;
-  options.threads = 1;
-  make_runs(plan, cluster.folder, {run}, cluster.isolate, options);
-  if (interrupted()) throw Interrupted();
 }
 
 // "ours, evaluations 17 to 32: 64 runs"
@@ -87,7 +66,7 @@ void run_on_slurm(const TuningPlan& plan, const ClusterTuning& cluster,
     left = missing(index, runs);
     if (left.empty()) return;
     if (cluster.request.tasks == 0 && !each_s) {
-      make_here(plan, cluster, left.front());  // which tells how long the others take
+      cluster.make_here({left.front()});  // which tells how long the others take
       continue;
     }
     if (left.size() < before) in_vain = 0;
@@ -95,7 +74,7 @@ void run_on_slurm(const TuningPlan& plan, const ClusterTuning& cluster,
       throw RunsMissing(fmt::format("{} jobs in a row have brought nothing of {}", kMostInVain,
                                     text_of(plan, left)));
     }
-    const SlurmStudy study = {kTune, folder, plan.tuning().slurm,
+    const SlurmStudy study = {folder, plan.tuning().slurm,
                               fmt::format("{}\n", fmt::join(candidate_lines(plan, left), "\n"))};
     const SubmittedJob job = submit(study, left, cluster.request, [&] {
       return each_s.value_or(0.0) * static_cast<double>(left.size());
@@ -104,30 +83,6 @@ void run_on_slurm(const TuningPlan& plan, const ClusterTuning& cluster,
     fmt::print("{} in {}: job {}\n", text_of(plan, left), number_of(job.tasks, "task"), job.number);
     std::fflush(stdout);  // it may be a file that somebody watches
   }
-}
-
-bool run_task(TuningPlan& plan, const StudyFolder& folder, const TuningTask& task) {
-  if (task.candidates.empty()) {
-    const fs::path file = submission_of_task(task.points) / "candidates";
-    begin_candidates(plan, lines_of(file), file.string());
-  } else {
-    begin_candidates(plan, task.candidates, "--candidate");
-  }
-  std::vector<std::size_t> runs = points_of_task(task.points, plan.size());
-  // One of --isolate is told what is missing by a process that has looked.
-  if (!task.announced.is_on) runs = missing(ShardIndex(folder.shards(), plan.size()), runs);
-  for (const std::size_t number : runs) {
-    const TuningRun run = plan.run(number);
-    if (plan.has(run.tuned, run.evaluation)) continue;
-    throw std::invalid_argument(
-        fmt::format("--points: {}: the candidate of run {} is not beside it", task.points, number));
-  }
-  KnownModels models;
-  ExecutorOptions options;
-  options.threads = task.jobs > 0 ? task.jobs : task_threads();
-  options.finishes_runs = true;
-  if (task.announced.is_on) announce(task.announced, models, options);
-  return make_runs(plan, folder, runs, task.isolate, options);
 }
 
 }  // namespace breakwater

@@ -3,13 +3,12 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <stdexcept>
-#include <string>
 #include <vector>
 
 #include <breakwater/cluster/slurm.h>
 #include <breakwater/search/tuning_plan.h>
-#include <breakwater/study/announced.h>
 #include <breakwater/study/study_folder.h>
 
 namespace breakwater {
@@ -24,18 +23,9 @@ class RunsMissing : public std::runtime_error {
 struct ClusterTuning {
   StudyFolder folder;
   SlurmRequest request;
-  bool isolate = false;
   bool quiet = false;
-};
-
-/// Runs that a scheduler or another process hands out.
-struct TuningTask {
-  std::string points;  ///< "0-99,120", or "@DIR/slurm/N/tasks:LINE"
-  std::vector<std::string>
-      candidates;        ///< candidate_lines(); empty: those of DIR/slurm/N/candidates
-  std::size_t jobs = 0;  ///< 0: as many as the task was given
-  bool isolate = false;
-  Announced announced;
+  /// Makes a run here, to tell how long the others take.
+  std::function<void(const std::vector<std::size_t>& runs)> make_here;
 };
 
 /// Submits runs as one array job and waits until all of them are in the folder's shards; what is
@@ -44,9 +34,5 @@ struct TuningTask {
 /// in the queue there, and std::invalid_argument if Slurm refuses.
 void run_on_slurm(const TuningPlan& plan, const ClusterTuning& cluster,
                   const std::vector<std::size_t>& runs);
-
-/// Makes those runs of a task that are not there yet. Returns whether it got to the end, or was
-/// stopped after the runs under way. Throws std::invalid_argument, OutputError.
-bool run_task(TuningPlan& plan, const StudyFolder& folder, const TuningTask& task);
 
 }  // namespace breakwater

@@ -128,13 +128,12 @@ void minimise(const SearchSettings& settings, const EvaluateAll& evaluate) {
 
 }  // namespace
 
-const std::vector<std::pair<std::string, SearchAlgorithm>>& search_algorithms() {
-  static const std::vector<std::pair<std::string, SearchAlgorithm>> names = {
-      {"nsga2", SearchAlgorithm::nsga2},
-      {"nspso", SearchAlgorithm::nspso},
-      {"maco", SearchAlgorithm::maco},
-      {"cmaes", SearchAlgorithm::cmaes},
-      {"bobyqa", SearchAlgorithm::bobyqa}};
+const Names<SearchAlgorithm>& search_algorithms() {
+  static const Names<SearchAlgorithm> names = {{"nsga2", SearchAlgorithm::nsga2},
+                                               {"nspso", SearchAlgorithm::nspso},
+                                               {"maco", SearchAlgorithm::maco},
+                                               {"cmaes", SearchAlgorithm::cmaes},
+                                               {"bobyqa", SearchAlgorithm::bobyqa}};
   return names;
 }
 
@@ -154,10 +153,7 @@ std::size_t used_budget(const SearchSettings& settings) {
 
 std::string objection(const SearchSettings& settings) {
   constexpr std::size_t kFewestOfNsga2 = 8, kFewest = 5, kMost = 10000;
-  const auto& names = search_algorithms();
-  const std::string name = std::find_if(names.begin(), names.end(), [&](const auto& entry) {
-                             return entry.second == settings.algorithm;
-                           })->first;
+  const std::string name = name_of(search_algorithms(), settings.algorithm);
   if (settings.dimension < 1) return "there is nothing to search";
   if (has_several_objectives(settings.algorithm) && settings.objectives < 2) {
     return fmt::format("{} needs two objectives or more; cmaes and bobyqa have one", name);

@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include <breakwater/config/names.h>
+
 namespace breakwater {
 
 /// nsga2, nspso and maco have several objectives and ask for a generation at once; cmaes and bobyqa
@@ -20,7 +22,7 @@ namespace breakwater {
 /// Softw. 5 (2020) 2338.
 enum class SearchAlgorithm { nsga2, nspso, maco, cmaes, bobyqa };
 
-const std::vector<std::pair<std::string, SearchAlgorithm>>& search_algorithms();
+const Names<SearchAlgorithm>& search_algorithms();
 bool has_several_objectives(SearchAlgorithm algorithm);
 /// A generation's size where none is asked for; 1 of bobyqa, which has none.
 std::size_t usual_population(SearchAlgorithm algorithm);

@@ -18,80 +18,50 @@ constexpr std::int64_t kMostEvaluations = 1'000'000;
 constexpr std::int64_t kUsuallyValidated = 20;
 constexpr double kNine = 0.9;  // of ten runs
 
-Goal read_goal(const StudyReader& reader, const toml::table& from, const std::string& key) {
-  const toml::node* node = from.get("goal");
-  if (node == nullptr) reader.fail(from, key + ".goal", "is missing: min or max");
-  return reader.choice(*node, key + ".goal", goal_names());
+// A table where one might write a value.
+const TomlEntry& metric_table(const TomlEntry& entry, const char* example) {
+  if (!entry.node()->is_table()) entry.fail(fmt::format("must be a table: {}", example));
+  return entry;
 }
 
-const toml::table& metric_table(const StudyReader& reader, const toml::node& node,
-                                const std::string& key, const char* example) {
-  if (!node.is_table()) reader.fail(node, key, fmt::format("must be a table: {}", example));
-  return *node.as_table();
-}
-
-// The entries of a table in the file's order.
-std::vector<std::pair<std::string, const toml::node*>> in_order(const toml::table& table) {
-  std::vector<std::pair<std::string, const toml::node*>> entries;
-  for (const auto& [key, node] : table) entries.emplace_back(key.str(), &node);
-  std::stable_sort(entries.begin(), entries.end(), [](const auto& a, const auto& b) {
-    const auto place = [](const toml::node* node) {
-      return std::pair(node->source().begin.line, node->source().begin.column);
-    };
-    return place(a.second) < place(b.second);
-  });
-  return entries;
-}
-
-std::vector<Objective> read_objectives(const StudyReader& reader, const toml::table& tables) {
-  const toml::table* table = reader.table(tables, "objective");
-  if (table == nullptr || table->empty()) {
-    throw std::invalid_argument(reader.file() + ": objective: names no metric");
-  }
+std::vector<Objective> read_objectives(const TomlEntry& table) {
   std::vector<Objective> objectives;
-  for (const auto& [metric, node] : in_order(*table)) {
-    const std::string key = "objective." + metric;
-    const toml::table& from =
-        metric_table(reader, *node, key, "{ goal = \"min\", over = \"median\" }");
-    reader.allow(from, key + ".", {"goal", "over", "reference"});
+  for (const auto& [metric, entry] : table.entries()) {
+    metric_table(entry, "{ goal = \"min\", over = \"median\" }")
+        .allow({"goal", "over", "reference"});
+    if (!entry["goal"]) entry["goal"].fail("is missing: min or max");
     Objective objective;
     objective.metric = metric;
-    objective.place = reader.place(*node, key);
-    objective.goal = read_goal(reader, from, key);
-    reader.choice(from, "over", over_names(), objective.over);
-    if (const toml::node* reference = from.get("reference")) {
-      objective.reference = reader.number(*reference, key + ".reference");
-    }
+    objective.place = entry.place();
+    objective.goal = entry["goal"].choice(goal_names());
+    entry["over"].choice(over_names(), objective.over);
+    objective.reference = entry["reference"].number_or_nothing();
     objectives.push_back(std::move(objective));
+  }
+  if (objectives.empty()) {
+    throw std::invalid_argument(table.file() + ": objective: names no metric");
   }
   return objectives;
 }
 
-std::vector<Constraint> read_constraints(const StudyReader& reader, const toml::table& tables) {
+std::vector<Constraint> read_constraints(const TomlEntry& table) {
   std::vector<Constraint> constraints;
-  const toml::table* table = reader.table(tables, "constraint");
-  if (table == nullptr) return constraints;
-  for (const auto& [metric, node] : in_order(*table)) {
-    const std::string key = "constraint." + metric;
-    const toml::table& from = metric_table(reader, *node, key, "{ max = 1, over = \"worst\" }");
-    reader.allow(from, key + ".", {"min", "max", "over"});
+  for (const auto& [metric, entry] : table.entries()) {
+    metric_table(entry, "{ max = 1, over = \"worst\" }").allow({"min", "max", "over"});
     Constraint constraint;
     constraint.metric = metric;
-    constraint.place = reader.place(*node, key);
-    const toml::node* min = from.get("min");
-    const toml::node* max = from.get("max");
-    if ((min == nullptr) == (max == nullptr)) reader.fail(*node, key, "must have min or max");
-    if (min != nullptr) constraint.min = reader.number(*min, key + ".min");
-    if (max != nullptr) constraint.max = reader.number(*max, key + ".max");
-    reader.choice(from, "over", over_names(), constraint.over);
+    constraint.place = entry.place();
+    if (!entry["min"] == !entry["max"]) entry.fail("must have min or max");
+    constraint.min = entry["min"].number_or_nothing().value_or(constraint.min);
+    constraint.max = entry["max"].number_or_nothing().value_or(constraint.max);
+    entry["over"].choice(over_names(), constraint.over);
     constraints.push_back(std::move(constraint));
   }
   return constraints;
 }
 
-std::vector<VariedKey> read_searched(const StudyReader& reader, const toml::table& table,
-                                     const std::string& name) {
-  std::vector<VariedKey> keys = reader.varied(table, name);
+std::vector<VariedKey> read_searched(const TomlEntry& table) {
+  std::vector<VariedKey> keys = read_varied(table);
   for (const VariedKey& key : keys) {
     if (key.distribution && !key.distribution->is_bounded()) {
       throw std::invalid_argument(key.place +
@@ -102,15 +72,14 @@ std::vector<VariedKey> read_searched(const StudyReader& reader, const toml::tabl
   return keys;
 }
 
-const std::vector<std::pair<std::string, WorldMethod>>& world_methods() {
-  static const std::vector<std::pair<std::string, WorldMethod>> names = {
-      {"grid", WorldMethod::grid}, {"list", WorldMethod::list}};
+const Names<WorldMethod>& world_methods() {
+  static const Names<WorldMethod> names = {{"grid", WorldMethod::grid},
+                                           {"list", WorldMethod::list}};
   return names;
 }
 
-std::vector<VariedKey> read_world(const StudyReader& reader, const toml::table& table,
-                                  const std::string& name, WorldMethod method) {
-  std::vector<VariedKey> keys = reader.varied(table, name);
+std::vector<VariedKey> read_world(const TomlEntry& table, WorldMethod method) {
+  std::vector<VariedKey> keys = read_varied(table);
   for (const VariedKey& key : keys) {
     if (key.distribution) {
       throw std::invalid_argument(key.place + ": a world has values: an array, lin() or log()");
@@ -125,39 +94,26 @@ std::vector<VariedKey> read_world(const StudyReader& reader, const toml::table& 
   return keys;
 }
 
-void read_cases(const StudyReader& reader, const toml::table& tables, Tuning& tuning) {
-  std::vector<VariedKey> common;
-  if (const toml::table* search = reader.table(tables, "search")) {
-    common = read_searched(reader, *search, "search");
-  }
-  const toml::table* each = reader.table(tables, "for_each");
-  const toml::node* one = tables.get("case");
-  if (each != nullptr && one != nullptr) {
-    reader.fail(*one, "case", "stands beside for_each: leave one of them out");
-  }
-  if (each != nullptr) {
-    tuning.is_for_each = true;
-    if (each->empty()) reader.fail(*each, "for_each", "names no case");
-    for (const auto& [name, node] : in_order(*each)) {
-      const std::string key = "for_each." + name;
-      const toml::table& own = metric_table(reader, *node, key, "of keys that are searched");
-      TunedCase tuned{name, reader.place(*node, key), common};
-      for (VariedKey& searched : read_searched(reader, own, key)) {
-        tuned.search.push_back(std::move(searched));
-      }
-      tuning.cases.push_back(std::move(tuned));
-    }
-  } else {
-    TunedCase tuned{.search = common};
-    if (one != nullptr) {
-      tuned.name = reader.text(*one, "case");
-      tuned.place = reader.place(*one, "case");
-    }
+void read_cases(const TomlEntry& root, Tuning& tuning) {
+  const std::vector<VariedKey> common = read_searched(root["search"]);
+  const TomlEntry each = root["for_each"];
+  const TomlEntry one = root["case"];
+  if (each && one) one.fail("stands beside for_each: leave one of them out");
+  tuning.is_for_each = static_cast<bool>(each);
+  for (const auto& [name, own] : each.entries()) {
+    metric_table(own, "of keys that are searched");
+    TunedCase tuned{name, own.place(), common};
+    for (VariedKey& searched : read_searched(own)) tuned.search.push_back(std::move(searched));
     tuning.cases.push_back(std::move(tuned));
+  }
+  if (!each) {
+    tuning.cases.push_back({one.text_or_nothing(), one ? one.place() : "", common});
+  } else if (tuning.cases.empty()) {
+    each.fail("names no case");
   }
   for (const TunedCase& tuned : tuning.cases) {
     if (tuned.search.empty()) {
-      throw std::invalid_argument(reader.file() + ": search: names no key" +
+      throw std::invalid_argument(root.file() + ": search: names no key" +
                                   (tuned.name.empty() ? "" : " for " + tuned.name));
     }
     for (std::size_t i = 0; i < tuned.search.size(); ++i) {
@@ -170,45 +126,36 @@ void read_cases(const StudyReader& reader, const toml::table& tables, Tuning& tu
   }
 }
 
-void read_validation(const StudyReader& reader, const toml::table& tables, Tuning& tuning) {
-  const toml::table* table = reader.table(tables, "validate");
-  if (table == nullptr) return;
-  reader.allow(*table, "validate.", {"seeds", "world", "points"});
+void read_validation(const TomlEntry& table, Tuning& tuning) {
+  if (!table) return;
+  table.allow({"seeds", "world", "points"});
   Worlds worlds = tuning.worlds;
-  if (const toml::node* seeds = table->get("seeds")) {
-    worlds.seeds = reader.seeds(*seeds, "validate.seeds");
-  }
-  if (const toml::node* world = table->get("world")) {
-    if (!world->is_table()) reader.fail(*world, "validate.world", "must be a table");
-    worlds.keys = read_world(reader, *world->as_table(), "validate.world", worlds.method);
-  }
-  if (!table->contains("seeds") && !table->contains("world")) {
-    reader.fail(*table, "validate", "needs seeds or a world that the tuning does not have");
+  if (const TomlEntry seeds = table["seeds"]) worlds.seeds = read_seeds(seeds);
+  if (const TomlEntry world = table["world"]) worlds.keys = read_world(world, worlds.method);
+  if (!table["seeds"] && !table["world"]) {
+    table.fail("needs seeds or a world that the tuning does not have");
   }
   for (std::size_t i = 0; i < worlds.size(); ++i) {
     for (std::size_t k = 0; k < tuning.worlds.size(); ++k) {
       if (worlds.sets(i) == tuning.worlds.sets(k)) {
-        reader.fail(*table, "validate", "has a world that the tuning has too");
+        table.fail("has a world that the tuning has too");
       }
     }
   }
   tuning.validation = std::move(worlds);
-  const toml::node* points = table->get("points");
-  tuning.validated_points = static_cast<std::size_t>(
-      points == nullptr ? kUsuallyValidated
-                        : reader.whole(*points, "validate.points", 1, kMostEvaluations));
+  const TomlEntry points = table["points"];
+  tuning.validated_points =
+      static_cast<std::size_t>(points ? points.whole(1, kMostEvaluations) : kUsuallyValidated);
 }
 
-void check_fits(const StudyReader& reader, const toml::table& tables, const Tuning& tuning) {
+void check_fits(const TomlEntry& root, const Tuning& tuning) {
   for (const TunedCase& tuned : tuning.cases) {
     const std::string reason = objection(tuning.settings(tuned));
     if (reason.empty()) continue;
     const char* key = reason.find("budget") != std::string::npos       ? "budget"
                       : reason.find("population") != std::string::npos ? "population"
                                                                        : "algorithm";
-    const toml::node* node = tables.get(key);
-    if (node == nullptr) node = tables.get("budget");
-    reader.fail(*node, key, reason);
+    root[key].fail(reason);
   }
   const auto is_searched = [](const TunedCase& tuned, const VariedKey& key) {
     return std::any_of(tuned.search.begin(), tuned.search.end(),
@@ -247,8 +194,8 @@ std::string print_keys(const std::vector<VariedKey>& keys) {
 
 }  // namespace
 
-const std::vector<std::pair<std::string, Over>>& over_names() {
-  static const std::vector<std::pair<std::string, Over>> names = {
+const Names<Over>& over_names() {
+  static const Names<Over> names = {
       {"median", Over::median}, {"mean", Over::mean}, {"q90", Over::q90}, {"worst", Over::worst}};
   return names;
 }
@@ -305,44 +252,34 @@ SearchSettings Tuning::settings(const TunedCase& tuned) const {
 }
 
 Tuning read_tuning(const toml::table& tables, const std::string& file) {
-  const StudyReader reader(file);
-  if (const toml::node* vary = tables.get("vary")) {
-    reader.fail(*vary, "vary", "is of a sweep: breakwater sweep");
-  }
-  reader.allow(tables, "",
-               {"scenario", "config", "case", "for_each", "set", "algorithm", "budget",
-                "population", "sampling_seed", "seeds", "search", "worlds", "world", "objective",
-                "constraint", "validate", "slurm", "made_by"});
+  const TomlEntry root = study_root(tables, file);
+  if (const TomlEntry vary = root["vary"]) vary.fail("is of a sweep: breakwater sweep");
+  root.allow({"scenario", "config", "case", "for_each", "set", "algorithm", "budget", "population",
+              "sampling_seed", "seeds", "search", "worlds", "world", "objective", "constraint",
+              "validate", "slurm", "made_by"});
   Tuning tuning;
-  const toml::node* scenario = tables.get("scenario");
-  if (scenario == nullptr) throw std::invalid_argument(file + ": scenario: is missing");
-  tuning.scenario = reader.text(*scenario, "scenario");
-  tuning.config = reader.text_or_nothing(tables, "config");
-  if (const toml::table* set = reader.table(tables, "set")) tuning.sets = reader.sets(*set, "set");
-  reader.choice(tables, "algorithm", search_algorithms(), tuning.algorithm);
-  const toml::node* budget = tables.get("budget");
-  if (budget == nullptr) throw std::invalid_argument(file + ": budget: is missing");
-  tuning.budget = static_cast<std::size_t>(reader.whole(*budget, "budget", 1, kMostEvaluations));
+  tuning.scenario = root["scenario"].text();
+  tuning.config = root["config"].text_or_nothing();
+  tuning.sets = read_sets(root["set"]);
+  root["algorithm"].choice(search_algorithms(), tuning.algorithm);
+  tuning.budget = static_cast<std::size_t>(root["budget"].whole(1, kMostEvaluations));
   tuning.population = usual_population(tuning.algorithm);
-  if (const toml::node* node = tables.get("population")) {
-    tuning.population =
-        static_cast<std::size_t>(reader.whole(*node, "population", 1, kMostEvaluations));
+  if (const TomlEntry population = root["population"]) {
+    tuning.population = static_cast<std::size_t>(population.whole(1, kMostEvaluations));
   }
-  if (const toml::node* node = tables.get("sampling_seed")) {
-    tuning.sampling_seed = static_cast<std::uint32_t>(
-        reader.whole(*node, "sampling_seed", 0, std::numeric_limits<std::uint32_t>::max()));
+  if (const TomlEntry seed = root["sampling_seed"]) {
+    tuning.sampling_seed =
+        static_cast<std::uint32_t>(seed.whole(0, std::numeric_limits<std::uint32_t>::max()));
   }
-  if (const toml::node* node = tables.get("seeds")) tuning.worlds.seeds = reader.seeds(*node);
-  reader.choice(tables, "worlds", world_methods(), tuning.worlds.method);
-  if (const toml::table* world = reader.table(tables, "world")) {
-    tuning.worlds.keys = read_world(reader, *world, "world", tuning.worlds.method);
-  }
-  tuning.objectives = read_objectives(reader, tables);
-  tuning.constraints = read_constraints(reader, tables);
-  read_cases(reader, tables, tuning);
-  read_validation(reader, tables, tuning);
-  tuning.slurm = read_slurm(reader, tables);
-  check_fits(reader, tables, tuning);
+  tuning.worlds.seeds = read_seeds(root["seeds"]);
+  root["worlds"].choice(world_methods(), tuning.worlds.method);
+  tuning.worlds.keys = read_world(root["world"], tuning.worlds.method);
+  tuning.objectives = read_objectives(root["objective"]);
+  tuning.constraints = read_constraints(root["constraint"]);
+  read_cases(root, tuning);
+  read_validation(root["validate"], tuning);
+  tuning.slurm = read_slurm(root);
+  check_fits(root, tuning);
   return tuning;
 }
 

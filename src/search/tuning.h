@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include <breakwater/config/names.h>
 #include <breakwater/search/search.h>
 #include <breakwater/statistics/goal.h>
 #include <breakwater/study/study.h>
@@ -19,7 +20,7 @@ namespace breakwater {
 /// What many runs' values of a metric become one by. `q90` is what nine runs in ten keep: the 90 %
 /// quantile, or the 10 % one where large values are good; `worst` is the largest, or the smallest.
 enum class Over { median, mean, q90, worst };
-const std::vector<std::pair<std::string, Over>>& over_names();
+const Names<Over>& over_names();
 
 /// Of values x ≥ 1. `large_is_bad` says which end q90 and worst are at.
 double gathered(std::vector<double> values, Over over, bool large_is_bad);

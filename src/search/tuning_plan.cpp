@@ -8,6 +8,7 @@
 
 #include <breakwater/config/toml_text.h>
 #include <breakwater/record/file_hash.h>
+#include <breakwater/search/candidates.h>
 #include <breakwater/signals/thread_time.h>
 #include <breakwater/study/sweep.h>
 
@@ -203,6 +204,14 @@ std::vector<std::string> TuningPlan::sets(std::size_t number) const {
 PreparedRun TuningPlan::prepare(std::size_t number) const {
   return prepare_point(catalogue_, tuning_.scenario, *file_, tuning_.cases[run(number).tuned].name,
                        sets(number));
+}
+
+std::vector<std::string> TuningPlan::task_words(const std::vector<std::size_t>& runs) const {
+  std::vector<std::string> words;
+  for (std::string& line : candidate_lines(*this, runs)) {
+    words.insert(words.end(), {"--candidate", std::move(line)});
+  }
+  return words;
 }
 
 std::string TuningPlan::unprepared_key(std::size_t number) const {

@@ -15,9 +15,6 @@
 
 namespace breakwater {
 
-/// The command that makes tunings, and goes on with them.
-inline constexpr const char* kTune = "tune";
-
 /// One run: of a case's evaluation, in a world; of its search or of its validation.
 struct TuningRun {
   std::size_t tuned = 0;  ///< number of the case
@@ -82,6 +79,7 @@ class TuningPlan : public PointSource {
   std::string unprepared_key(std::size_t number) const override;
   std::filesystem::path folder(std::size_t, const std::string&, bool) const override { return {}; }
   bool logs(std::size_t) const override { return false; }
+  std::vector<std::string> task_words(const std::vector<std::size_t>& runs) const override;
 
  private:
   std::vector<std::string> sets(std::size_t number) const;

@@ -2,11 +2,13 @@
 
 #include <fcntl.h>
 #include <fmt/core.h>
+#include <poll.h>
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cerrno>
 #include <csignal>
@@ -14,6 +16,7 @@
 #include <cstring>
 #include <filesystem>
 #include <stdexcept>
+#include <utility>
 
 #include <breakwater/shell/process.h>
 
@@ -103,6 +106,11 @@ std::optional<std::string> ReadProgram::next() {
   return std::string(line, static_cast<std::size_t>(has_end ? length - 1 : length));
 }
 
+bool ReadProgram::has_news(double seconds) const {
+  pollfd said = {fileno(said_.get()), POLLIN, 0};
+  return poll(&said, 1, static_cast<int>(1000.0 * seconds)) > 0;
+}
+
 int ReadProgram::wait() {
   if (status_) return *status_;
   said_.reset();
@@ -112,8 +120,51 @@ int ReadProgram::wait() {
   return status;
 }
 
-void ReadProgram::interrupt() const {
-  kill(process_, SIGTERM);
+void ReadProgram::interrupt() {
+  if (!std::exchange(is_told_, true)) kill(process_, SIGTERM);
+}
+
+std::optional<int> EndedProgram::exit_status() const {
+  return WIFEXITED(status) ? std::optional(WEXITSTATUS(status)) : std::nullopt;
+}
+
+std::string EndedProgram::end() const {
+  if (const auto exited = exit_status()) return fmt::format("status {}", *exited);
+  return fmt::format("signal {} ({})", WTERMSIG(status), strsignal(WTERMSIG(status)));
+}
+
+bool EndedProgram::has_crashed() const {
+  constexpr std::array kCrashes = {SIGSEGV, SIGABRT, SIGFPE, SIGILL, SIGBUS, SIGTRAP, SIGSYS};
+  return WIFSIGNALED(status) &&
+         std::find(kCrashes.begin(), kCrashes.end(), WTERMSIG(status)) != kCrashes.end();
+}
+
+std::string EndedProgram::take_reason() {
+  if (said.empty()) return end();
+  std::string reason = std::move(said.back());
+  said.pop_back();
+  return reason;
+}
+
+void EndedProgram::repeat_said() const {
+  for (const std::string& line : said) fmt::print(stderr, "{}\n", line);
+}
+
+EndedProgram run_beside(std::vector<std::string> words,
+                        const std::function<void(ReadProgram&)>& look) {
+  constexpr double kLooks_s = 0.1;
+  ReadProgram program(std::move(words), true);
+  EndedProgram ended;
+  for (bool goes_on = true; goes_on;) {
+    if (program.has_news(kLooks_s)) {
+      const auto line = program.next();
+      goes_on = line.has_value();
+      if (line && !line->empty()) ended.said.push_back(*line);
+    }
+    look(program);
+  }
+  ended.status = program.wait();
+  return ended;
 }
 
 std::string shell_quoted(const std::string& word) {

@@ -4,6 +4,7 @@
 #include <sys/types.h>
 
 #include <cstdio>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -42,14 +43,40 @@ class ReadProgram {
 
   /// The next line without its end; empty if a signal came meanwhile; nothing when it has ended.
   std::optional<std::string> next();
+  /// Whether next() has something to give, within so many seconds.
+  bool has_news(double seconds) const;
   /// Waits for its end. Returns its status as waitpid() gives it.
   int wait();
-  void interrupt() const;
+  /// Once: a second signal would end it within a run.
+  void interrupt();
+  pid_t process() const { return process_; }
 
  private:
   pid_t process_ = 0;
+  bool is_told_ = false;
   std::optional<int> status_;
   std::unique_ptr<FILE, int (*)(FILE*)> said_{nullptr, std::fclose};
 };
+
+/// How a program ended: its status as waitpid() gives it, and its lines.
+struct EndedProgram {
+  int status = 0;
+  std::vector<std::string> said;  ///< on stdout and stderr
+
+  std::optional<int> exit_status() const;  ///< nothing if a signal ended it
+  /// "signal 9 (Killed)", "status 1"
+  std::string end() const;
+  /// Whether it brought its end upon itself by a signal. Any other signal comes from outside: of
+  /// the system that has no memory left, of a scheduler, of somebody.
+  bool has_crashed() const;
+  /// The last line, which tells why it did not succeed, and is then none of `said`.
+  std::string take_reason();
+  /// On stderr, as if it had not been read.
+  void repeat_said() const;
+};
+
+/// Runs a program to its end; `look` is called several times a second.
+EndedProgram run_beside(std::vector<std::string> words,
+                        const std::function<void(ReadProgram&)>& look);
 
 }  // namespace breakwater

@@ -3,10 +3,11 @@
 #include <fmt/format.h>
 
 #include <cstdio>
-#include <cstdlib>
 #include <mutex>
 #include <sstream>
 #include <stdexcept>
+
+#include <breakwater/signals/environment.h>
 
 namespace breakwater {
 namespace fs = std::filesystem;
@@ -42,10 +43,9 @@ class OwnSearch {
   SearchPath path() {
     const std::lock_guard lock(mutex_);
     if (!path_) {
-      const char* variable = std::getenv(kVariable);
       const fs::path program =
           places_.program.empty() ? fs::read_symlink(kOwnProgram) : places_.program;
-      path_ = search_path(variable != nullptr ? variable : "", program, places_);
+      path_ = search_path(environment(kVariable).value_or(""), program, places_);
       if (!has_warned_) {
         for (const std::string& warning : path_->warnings) fmt::print(stderr, "{}\n", warning);
       }

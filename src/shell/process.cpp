@@ -21,17 +21,25 @@ std::atomic<bool> signalled = false;
 bool (*is_deaf)() = [] { return false; };
 static_assert(std::atomic<bool>::is_always_lock_free, "used in a signal handler");
 
-// Deaf work gets a second to end by itself. What is written while it runs survives such an end, as
-// it does any.
-constexpr unsigned kDeafWorkEnds_s = 1;
+// From a signal on we look each second whether work is deaf. Work that is deaf twice in a row has
+// had its second to end by itself; it may have begun long after the signal. Files that are
+// written meanwhile survive such an end, as they do any.
+constexpr unsigned kBetweenLooks_s = 1;
+std::atomic<bool> was_deaf = false;
 
 void on_signal(int) {
   signalled = true;
-  if (is_deaf()) alarm(kDeafWorkEnds_s);
+  was_deaf = is_deaf();
+  alarm(kBetweenLooks_s);
 }
 
 void on_alarm(int) {
-  if (!is_deaf()) return;
+  const bool is_still_deaf = was_deaf && is_deaf();
+  if (!is_still_deaf) {
+    was_deaf = is_deaf();
+    alarm(kBetweenLooks_s);
+    return;
+  }
   constexpr std::string_view kText = "interrupted while a model was compiled\n";
   [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, kText.data(), kText.size());
   _exit(kInterrupted);
@@ -82,6 +90,7 @@ int caught(const std::string& program, const std::function<int()>& body) {
 void stop_on_signals(std::initializer_list<int> more) {
   struct sigaction action = {};
   action.sa_handler = on_alarm;
+  action.sa_flags = SA_RESTART;  // no look breaks off what goes on
   sigaction(SIGALRM, &action, nullptr);
   action.sa_handler = on_signal;
   action.sa_flags = SA_RESETHAND;

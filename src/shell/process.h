@@ -1,4 +1,4 @@
-// What all our programs do alike: exit statuses, interruption, errors in one line.
+// All our programs share this: exit statuses, interruption, errors in one line.
 #pragma once
 
 #include <fmt/format.h>
@@ -12,8 +12,8 @@
 #include <string>
 #include <vector>
 
+#include <breakwater/record/interrupted.h>
 #include <breakwater/record/output_error.h>
-#include <breakwater/shell/interrupted.h>
 
 namespace breakwater {
 
@@ -29,8 +29,9 @@ enum Status {
 /// From now on SIGINT, SIGTERM and `more` set interrupted(); a second one ends the process at once.
 void stop_on_signals(std::initializer_list<int> more = {});
 const std::atomic<bool>& interrupted();
-/// The engine's compiler looks for no signal: while this says that it is at work, a signal ends the
-/// process within a second. Said once, at the beginning of main().
+/// The engine's compiler looks for no signal. Once a signal has come, the process ends within two
+/// seconds of this saying that the compiler is at work, whichever was first. main() calls this
+/// once, at its beginning.
 void end_soon_while(bool (*model_is_compiled)());
 
 /// Returns the status to exit with, or nothing if the arguments were taken.

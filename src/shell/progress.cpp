@@ -11,6 +11,8 @@
 #include <optional>
 #include <utility>
 
+#include <breakwater/signals/environment.h>
+
 namespace breakwater {
 namespace {
 
@@ -94,8 +96,8 @@ void Progress::clear() const {
 
 std::size_t output_width() {
   if (const auto columns = terminal_width(STDOUT_FILENO)) return *columns;
-  const char* const asked = std::getenv("COLUMNS");
-  const unsigned long columns = asked != nullptr ? std::strtoul(asked, nullptr, 10) : 0;
+  const auto asked = environment("COLUMNS");
+  const unsigned long columns = asked ? std::strtoul(asked->c_str(), nullptr, 10) : 0;
   return columns > 0 ? columns : kUsualWidth;
 }
 

@@ -2,16 +2,10 @@
 
 #include <unistd.h>
 
-#include <cstdlib>
-#include <string_view>
+#include <breakwater/signals/environment.h>
 
 namespace breakwater {
 namespace {
-
-std::string_view environment(const char* name) {
-  const char* const value = std::getenv(name);
-  return value != nullptr ? value : "";
-}
 
 const char* code(Tone tone) {
   switch (tone) {
@@ -30,8 +24,7 @@ const char* code(Tone tone) {
 }  // namespace
 
 bool is_colourful(std::FILE* stream) {
-  return isatty(fileno(stream)) != 0 && environment("NO_COLOR").empty() &&
-         environment("TERM") != "dumb";
+  return isatty(fileno(stream)) != 0 && !environment("NO_COLOR") && environment("TERM") != "dumb";
 }
 
 std::string toned(const std::string& text, Tone tone, bool colourful) {

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include <breakwater/sim/named_elements.h>
+
 namespace breakwater {
 namespace {
 
@@ -51,6 +53,18 @@ void author_contact(Model& model, int geom1, int geom2, const ContactLaw& law) {
     solref[1] = -law.damping_Ns_m * invweight * (1.0 - kSoftImpedance);
     solimp[0] = solimp[1] = kSoftImpedance;
   }
+}
+
+void place_wall(Model& model, const std::string& wall, double x_m) {
+  const int plane = geom_id(model, wall);
+  mjModel& m = *model.get();
+  if (m.geom_type[plane] != mjGEOM_PLANE || m.geom_bodyid[plane] != 0) {
+    throw std::invalid_argument(model.file() + ": geom \"" + wall +
+                                "\" must be a plane of the world body");
+  }
+  const double moved_m = x_m - m.geom_pos[3 * plane];
+  for (const int part : model.geoms_named(wall)) m.geom_pos[3 * part] += moved_m;
+  m.geom_pos[3 * plane] = x_m;
 }
 
 }  // namespace breakwater

@@ -1,6 +1,8 @@
 // Contact authored in SI units.
 #pragma once
 
+#include <string>
+
 #include <breakwater/sim/model.h>
 
 namespace breakwater {
@@ -24,5 +26,9 @@ struct ContactLaw {
 /// dimensions (condim other than 1), a margin or a gap, their priorities differ, a <pair> names one
 /// of them, or neither body can move.
 void author_contact(Model& model, int geom1, int geom2, const ContactLaw& law);
+
+/// Moves a plane of the world body, the geom `wall`, to x, together with all geoms whose names
+/// begin with its. Throws std::invalid_argument if there is no such plane.
+void place_wall(Model& model, const std::string& wall, double x_m);
 
 }  // namespace breakwater

@@ -141,8 +141,9 @@ Model Model::compile(const ModelFile& mjcf) {
         call_engine([&] { loaded = mj_loadXML(mjcf_file.c_str(), nullptr, error, sizeof(error)); });
   }
   if (loaded == nullptr) {
+    if (fatal.empty()) fatal = error;
     check_memory(mjcf_file, fatal);
-    throw std::invalid_argument(located(mjcf_file, fatal.empty() ? error : fatal));
+    throw std::invalid_argument(located(mjcf_file, fatal));
   }
 
   Model model(loaded, mjcf_file);

@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <cctype>
 #include <charconv>
-#include <cstdlib>
 #include <stdexcept>
 #include <string>
+
+#include <breakwater/signals/environment.h>
 
 namespace breakwater {
 namespace {
@@ -13,13 +14,8 @@ namespace {
 constexpr const char* kLibraryKey = "MUJOCO_GL";
 constexpr const char* kDeviceKey = "MUJOCO_EGL_DEVICE_ID";
 
-std::string environment(const char* key) {
-  const char* const value = std::getenv(key);
-  return value != nullptr ? value : "";
-}
-
 OpenGlAsked::Library library_asked() {
-  const std::string text = environment(kLibraryKey);
+  const std::string text = environment(kLibraryKey).value_or("");
   std::string name = text;
   std::transform(name.begin(), name.end(), name.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
@@ -31,13 +27,13 @@ OpenGlAsked::Library library_asked() {
 }
 
 std::optional<int> device_asked() {
-  const std::string text = environment(kDeviceKey);
-  if (text.empty()) return std::nullopt;
+  const auto text = environment(kDeviceKey);
+  if (!text) return std::nullopt;
   int number = 0;
-  const char* const end = text.data() + text.size();
-  const auto read = std::from_chars(text.data(), end, number);
+  const char* const end = text->data() + text->size();
+  const auto read = std::from_chars(text->data(), end, number);
   if (read.ec != std::errc() || read.ptr != end || number < 0) {
-    throw std::invalid_argument(std::string(kDeviceKey) + ": \"" + text +
+    throw std::invalid_argument(std::string(kDeviceKey) + ": \"" + *text +
                                 "\": must be a whole number: which of EGL's devices, from 0");
   }
   return number;

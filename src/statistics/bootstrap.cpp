@@ -2,23 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 #include <random>
 
 #include <breakwater/statistics/distribution.h>
 #include <breakwater/statistics/normal.h>
-#include <breakwater/statistics/quantile.h>
 
 namespace breakwater {
-
-double sample_median(std::vector<double>& values) {
-  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  if (values.size() % 2 == 1) return *middle;
-  return std::midpoint(*std::max_element(values.begin(), middle), *middle);
-}
 
 double sample_mean(std::vector<double>& values) {
   // Whatever order they come in, the same bits.

@@ -6,14 +6,14 @@
 #include <vector>
 
 #include <breakwater/statistics/confidence_interval.h>
+#include <breakwater/statistics/quantile.h>
 
 namespace breakwater {
 
 /// A number made of a sample, whose order does not matter. It may reorder its argument.
 using Statistic = std::function<double(std::vector<double>&)>;
 
-/// The middle value, or the mean of the two; NaN of nothing.
-double sample_median(std::vector<double>& values);
+/// Beside sample_median().
 double sample_mean(std::vector<double>& values);
 
 /// The statistic of samples as large as `values`, drawn from it with replacement. The draws are a

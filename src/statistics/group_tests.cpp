@@ -27,7 +27,7 @@ double squares_of(const std::vector<double>& values) {
   return sum;
 }
 
-// What the values of all groups vary within them.
+// The variation of all groups' values within their groups.
 struct Within {
   double squares = 0.0;
   std::size_t degrees = 0;

@@ -20,8 +20,8 @@ using Groups = std::vector<std::vector<double>>;
 std::optional<double> share_between(const Groups& groups);
 
 /// Whether a difference is negative in one group and positive in another (a qualitative, or
-/// crossover, interaction). The hypothesis: all means μ_g ≥ 0, or all μ_g ≤ 0. Of G groups with n_g
-/// ≥ 2 values each, their mean m_g,
+/// crossover, interaction). The hypothesis: all means μ_g ≥ 0, or all μ_g ≤ 0. G groups have
+/// n_g ≥ 2 values each, with mean m_g:
 ///     t_g = m_g √n_g/s_g,  s_g² the larger of the group's variance and of that pooled over all
 ///     p₋ = G min_g P(T ≤ t_g),  p₊ = G min_g P(T ≥ t_g),  T Student's with n_g − 1 degrees
 ///     p = min(1, max(p₋, p₊))

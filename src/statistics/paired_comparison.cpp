@@ -40,7 +40,8 @@ std::vector<std::pair<std::size_t, std::size_t>> pairs_of(const PairedResults& r
 // The worlds of blocks, one block's after another's.
 class Blocks {
  public:
-  // Those of some candidates: samples in which all of them have the same runs again are left out.
+  // Takes the worlds of some candidates. Leaves out samples in which all of them have the same runs
+  // again.
   Blocks(const PairedResults& results, const std::vector<std::size_t>& candidates) {
     std::set<std::vector<int>> met;
     const Eigen::Index all = results.failed.rows();
@@ -81,7 +82,7 @@ class Blocks {
   std::vector<std::size_t> ends_;
 };
 
-// What a function of a world gives in each block, where it is a number.
+// A function of a world gives these values in each block, where they are numbers.
 template <typename Value>
 Groups values_in(const Blocks& blocks, Value value) {
   Groups values(blocks.size());
@@ -94,7 +95,7 @@ Groups values_in(const Blocks& blocks, Value value) {
   return values;
 }
 
-// Of the blocks that have any value.
+// Leaves out blocks that have no value.
 std::vector<double> medians_of(const Groups& values) {
   std::vector<double> medians;
   for (std::vector<double> one : values) {

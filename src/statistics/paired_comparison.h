@@ -14,7 +14,7 @@
 
 namespace breakwater {
 
-/// What the same worlds (rows) made of each candidate (columns).
+/// The same worlds (rows) made this of each candidate (columns).
 struct PairedResults {
   std::vector<std::string> candidates;
   std::optional<std::size_t> baseline;  ///< that the others are compared with; else all pairs are
@@ -69,7 +69,7 @@ struct MetricComparison {
 
 /// A metric's difference x − y by the values of a varied key that reaches the pair. A value is one
 /// group where it has two blocks or more, or where no other key is varied; else neighbours are
-/// together. What repeats in a group are its blocks, where it is one of them its worlds.
+/// together. The blocks of a group repeat it; the worlds do, where a group is one block.
 struct KeyInteraction {
   struct Value {
     std::string label;
@@ -118,8 +118,8 @@ struct CandidateComparison {
   std::size_t worlds = 0;            ///< that they met
   std::size_t blocks = 0;            ///< of these, in which any candidate's runs differ
   std::vector<std::size_t> reached;  ///< blocks of each candidate alone
-  /// Of each candidate that ends at least once, the metrics with a goal that another candidate has
-  /// and none of its runs.
+  /// The metrics with a goal that another candidate has and none of this candidate's runs, if it
+  /// ends at least once.
   std::vector<std::vector<std::string>> never;
   std::vector<MetricComparison> metrics;     ///< metrics in their order, in them the candidates
   std::vector<KeyInteraction> interactions;  ///< in the order of metrics, in them of keys
@@ -140,8 +140,8 @@ struct ComparisonSettings {
 ///
 /// The verdict: x is `better` (`worse`) than y if p_holm ≤ alpha and the interval of the median
 /// difference lies on the better (worse) side of zero, zero not in it; `smaller` and `larger` take
-/// their place where the metric has no goal; else `no difference shown`, which is not "equal". Of n
-/// blocks with 2·2⁻ⁿ > alpha (five or fewer) no test can show anything: `too few blocks`.
+/// their place where the metric has no goal; else `no difference shown`, which is not "equal". No
+/// test can show anything from n blocks with 2·2⁻ⁿ > alpha (five or fewer): `too few blocks`.
 /// Failures: of more blocks with fewer is better if p_holm ≤ alpha.
 ///
 /// A metric that no pair has in common has no row; one in which no pair differs is no test, and

@@ -8,9 +8,9 @@
 #include <optional>
 #include <vector>
 
+#include <breakwater/config/names.h>
 #include <breakwater/record/csv.h>
 #include <breakwater/shell/table.h>
-#include <breakwater/study/study_reader.h>
 
 namespace breakwater {
 namespace {
@@ -66,11 +66,6 @@ std::string brief(double value) {
   return fmt::format("{:.4g}", value);
 }
 
-// "= 0.012"; of one that is all rounding "< 1e-15".
-std::string least_text(double p) {
-  return p < 1e-15 ? "< 1e-15" : fmt::format("= {:.2g}", p);
-}
-
 std::string percent(double share) {
   return fmt::format("{:.0f} %", 100.0 * share);
 }
@@ -82,6 +77,10 @@ std::string brief(const EstimatedMedian& median) {
 }
 
 }  // namespace
+
+std::string p_text(double p, const std::string& equals) {
+  return p < 1e-15 ? "< 1e-15" : fmt::format("{}{:.2g}", equals, p);
+}
 
 std::string comparison_csv(const CandidateComparison& comparison) {
   const std::vector<std::string> columns = {"metric",
@@ -177,7 +176,7 @@ std::string turns_text(const CandidateComparison& comparison, const KeyInteracti
   }
   return fmt::format("{}, {} beside {}: the sign turns with {} (p {}): {}", one.metric,
                      comparison.candidates[one.candidate], comparison.candidates[one.reference],
-                     one.key, least_text(one.p_holm), fmt::join(values, ", "));
+                     one.key, p_text(one.p_holm, "= "), fmt::join(values, ", "));
 }
 
 std::string repeated_text(const CandidateComparison& comparison) {
@@ -242,7 +241,7 @@ std::string comparison_text(const CandidateComparison& comparison, std::size_t w
   for (const MetricComparison& one : comparison.metrics) {
     const bool has_goal = one.probability_better.has_value();
     add(begun(one.metric, one, one.between ? fmt::format("{:.3g} %", 100.0 * *one.between) : "-"),
-        {brief(one.median.value), brief(one.difference), fmt::format("{:.2g}", one.p_holm),
+        {brief(one.median.value), brief(one.difference), p_text(one.p_holm),
          has_goal ? percent(*one.probability_better) : "-",
          name_of(one.verdict) + (one.turns_with.empty() ? "" : " †")});
   }
@@ -251,7 +250,7 @@ std::string comparison_text(const CandidateComparison& comparison, std::size_t w
         {std::to_string(one.failures),
          fmt::format("{:+d}",
                      static_cast<long>(one.failures) - static_cast<long>(one.reference_failures)),
-         fmt::format("{:.2g}", one.p_holm), "-", name_of(one.verdict)});
+         p_text(one.p_holm), "-", name_of(one.verdict)});
   }
   std::string text = table.print(width);
   const auto add_line = [&](const std::string& line) {

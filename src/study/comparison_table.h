@@ -17,6 +17,9 @@ std::string comparison_csv(const CandidateComparison& comparison);
 /// neighbouring values) of it.
 std::string by_key_csv(const CandidateComparison& comparison);
 
+/// A p value: "0.012", behind `equals`; one that is all rounding is "< 1e-15".
+std::string p_text(double p, const std::string& equals = "");
+
 /// "peak_N, a beside b: the sign turns with k (p = 0.001): -1 at 2, 3 at 4".
 std::string turns_text(const CandidateComparison& comparison, const KeyInteraction& one);
 

@@ -7,14 +7,11 @@
 
 #include <cerrno>
 #include <chrono>
-#include <cstdint>
 #include <cstring>
-#include <fstream>
 #include <map>
 #include <mutex>
 #include <new>
 #include <set>
-#include <shared_mutex>
 #include <stdexcept>
 
 #include <breakwater/shell/all_cores.h>
@@ -25,53 +22,12 @@
 namespace breakwater {
 namespace {
 
-// Many run at once, or one alone, which those that come later wait for.
-class Turns {
- public:
-  void begin(bool is_alone) {
-    const std::lock_guard lock(next_);
-    if (is_alone) {
-      running_.lock();
-    } else {
-      running_.lock_shared();
-    }
-  }
-  void end(bool is_alone) {
-    if (is_alone) {
-      running_.unlock();
-    } else {
-      running_.unlock_shared();
-    }
-  }
-
- private:
-  std::mutex next_;
-  std::shared_mutex running_;
-};
-
-class Turn {
- public:
-  Turn(Turns& turns, bool is_alone) : turns_(turns), is_alone_(is_alone) {
-    turns_.begin(is_alone_);
-  }
-  ~Turn() { turns_.end(is_alone_); }
-  Turn(const Turn&) = delete;
-  Turn& operator=(const Turn&) = delete;
-
- private:
-  Turns& turns_;
-  bool is_alone_;
-};
-
 // What the points of a call share.
 struct Common {
   const PointSource& source;
   KnownModels& models;
   Shard* shard = nullptr;
-  std::function<void(std::size_t, const std::string&)> on_key = {};
-  std::function<void(const std::vector<std::string>&)> on_models = {};
-  std::size_t threads = 1;
-  Turns turns = {};
+  bool is_task = false;
   std::mutex mutex = {};
   std::set<std::filesystem::path> folders = {};           // that were begun
   std::map<std::filesystem::path, LeftBeside> left = {};  // in the folders that these are in
@@ -88,7 +44,7 @@ struct Common {
   }
 };
 
-// What may be the machine's fault is no result. That no file can be opened any more shows.
+// What may be the machine's fault is no result: "Too many open files" shows here too.
 void check_machine(const std::string& key, const std::string& reason) {
   const int descriptor = open("/dev/null", O_RDONLY | O_CLOEXEC);
   if (descriptor < 0) {
@@ -98,28 +54,16 @@ void check_machine(const std::string& key, const std::string& reason) {
   close(descriptor);
 }
 
-// Whether so many files are open, here or on this computer, that just now there may have been none
-// left: another thread may have closed one since.
-bool are_files_short(std::size_t threads) {
-  constexpr std::size_t kOfAThread = 4;
-  constexpr std::size_t kSpare = 64;
-  const std::size_t spare = kSpare + kOfAThread * threads;
+// Each thread and each child needs some.
+void allow_many_files() {
   rlimit limit = {};
-  if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return false;
-  std::error_code error;
-  std::size_t count = 0;
-  for (std::filesystem::directory_iterator entry("/proc/self/fd", error), end;
-       !error && entry != end; entry.increment(error)) {
-    ++count;
-  }
-  if (error || count + spare >= limit.rlim_cur) return true;
-  std::ifstream of_all("/proc/sys/fs/file-nr");
-  std::uint64_t open_files = 0, unused = 0, most = 0;
-  return (of_all >> open_files >> unused >> most) && open_files >= most - most / 10;
+  if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+  limit.rlim_cur = limit.rlim_max;
+  setrlimit(RLIMIT_NOFILE, &limit);
 }
 
-// Fills `result` in, whose number is set. Returns whether it is of a run, not of a refusal.
-bool fill(PointResult& result, RunControl control, Common& common) {
+// Fills `result` in, whose number is set.
+void fill(PointResult& result, RunControl control, Common& common) {
   const std::size_t number = result.number;
   const PointSource& source = common.source;
   KnownModels& known = common.models;
@@ -131,10 +75,9 @@ bool fill(PointResult& result, RunControl control, Common& common) {
   try {
     run = source.prepare(number);
     models = known.of(run.model_files);
-    if (common.on_models) common.on_models(run.model_files);
     result.key = source.key(number, run, models);
-    if (common.on_key) common.on_key(number, result.key);
     if (common.shard != nullptr) common.shard->add(models);
+    if (common.is_task) common.shard->begin(number, result.key);
     control.logs = source.logs(number);
     recording = run.scenario->run(control);
   } catch (const OutOfMemory&) {
@@ -145,7 +88,7 @@ bool fill(PointResult& result, RunControl control, Common& common) {
     result.reason = error.what();
     check_machine(result.key, result.reason);
     known.check_unchanged();  // it may be due to a file that somebody is writing
-    return false;
+    return;
   }
   known.check_unchanged(run.model_files);
   result.state_hash = fmt::format("{:016x}", recording.state_hash);
@@ -171,20 +114,13 @@ bool fill(PointResult& result, RunControl control, Common& common) {
     write_run(run, models, recording, wall_s, target, false);
   }
   result.cost_s = thread_time_s() - begin_s;
-  return true;
 }
 
 PointResult execute(std::size_t number, const RunControl& control, Common& common) {
   PointResult result;
-  // Returns whether that is how the point ends.
-  const auto try_it = [&](bool is_alone) {
-    const Turn turn(common.turns, is_alone);
-    result = {};
-    result.number = number;
-    return fill(result, control, common) || !are_files_short(common.threads);
-  };
+  result.number = number;
   try {
-    if (!try_it(false)) try_it(true);
+    fill(result, control, common);
   } catch (const std::bad_alloc&) {
     const std::string key = result.key.empty() ? common.source.unprepared_key(number) : result.key;
     throw OutOfMemory(fmt::format("point {}: there is no memory for it", key));
@@ -203,15 +139,12 @@ PointResult run_point(std::size_t point, const PointSource& source, const RunCon
 
 std::size_t run_points(const std::vector<std::size_t>& points, const PointSource& source,
                        Shard& shard, const ExecutorOptions& options) {
+  static std::once_flag is_allowed;
+  std::call_once(is_allowed, allow_many_files);
   KnownModels own;
   KnownModels& known = options.models != nullptr ? *options.models : own;
   const SharedModels shared([&](const std::string& file) { known.note(file); });
-  Common common{source,
-                known,
-                &shard,
-                options.on_key,
-                options.on_models,
-                options.threads > 0 ? options.threads : usable_cores()};
+  Common common{source, known, &shard, options.is_task};
   std::atomic<std::size_t> finished = 0;
   const auto is_stopped = [&] {
     return (options.stop != nullptr && *options.stop) || (options.is_over && options.is_over());
@@ -225,8 +158,7 @@ std::size_t run_points(const std::vector<std::size_t>& points, const PointSource
           if (options.progress) {
             control.progress = [&, i](double fraction) { options.progress(i, fraction); };
           }
-          if (!options.finishes_runs) control.stop = options.stop;
-          if (options.on_begin) options.on_begin(points[i]);
+          if (!options.is_task) control.stop = options.stop;
           const PointResult result = execute(points[i], control, common);
           shard.add(result);
           ++finished;

@@ -34,6 +34,10 @@ class PointSource {
                                        bool failed) const = 0;
   /// Whether the log is needed before the run, for its folder or for what is made of its signals.
   virtual bool logs(std::size_t point) const = 0;
+  /// What a process that is to make some points must be told of them, beside their numbers.
+  virtual std::vector<std::string> task_words(const std::vector<std::size_t>& /*points*/) const {
+    return {};
+  }
   /// Adds numbers made of the signals to the result of a run, which may have failed.
   virtual void derive(std::size_t /*point*/, const Recording&, PointResult&) const {}
 };
@@ -41,13 +45,11 @@ class PointSource {
 struct ExecutorOptions {
   std::size_t threads = 0;                  ///< 0: as many as there are cores
   const std::atomic<bool>* stop = nullptr;  ///< when it becomes true: no further point …
-  bool finishes_runs = false;               ///< … and those under way are run to their end
-  std::function<bool()> is_over = {};       ///< if true, no further point either
+  /// Of a scheduler, or of run_isolated(): those under way are run to their end, and the shard says
+  /// which point is begun.
+  bool is_task = false;
+  std::function<bool()> is_over = {};  ///< if true, no further point either
   std::function<void(std::size_t done_index, double fraction)> progress = {};  ///< of `points`
-  std::function<void(std::size_t point)> on_begin = {};
-  std::function<void(std::size_t point, const std::string& key)> on_key = {};  ///< before it runs
-  /// The MJCF files of each, before their hashes go into the shard.
-  std::function<void(const std::vector<std::string>& files)> on_models = {};
   std::function<void(const PointResult&)> on_result = {};  ///< what it throws ends the study
   KnownModels* models = nullptr;  ///< those that the points' keys were made of; null: own ones
 };
@@ -56,10 +58,9 @@ struct ExecutorOptions {
 /// model file is compiled once. A point that fails is a result. One of which a model file was
 /// changed since it was first read gives none, and ends the study: std::invalid_argument, as
 /// KnownModels says it. What the machine lacks (memory, open files) is no result and ends the study
-/// too: OutOfMemory or OutputError; a point that is refused while files are short is run once more,
-/// alone, before it counts as refused. Of points with the same key one writes its folder. Returns
-/// how many were run: fewer than there are if it was stopped. Throws std::invalid_argument or
-/// OutputError for what else ends a study.
+/// too: OutOfMemory or OutputError; the process may open as many files as the system allows. Of
+/// points with the same key one writes its folder. Returns how many were run: fewer than there are
+/// if it was stopped. Throws std::invalid_argument or OutputError for what else ends a study.
 std::size_t run_points(const std::vector<std::size_t>& points, const PointSource& source,
                        Shard& shard, const ExecutorOptions& options);
 

@@ -1,157 +1,136 @@
 #include <breakwater/study/isolated.h>
 
 #include <fmt/format.h>
-#include <sys/wait.h>
 
 #include <algorithm>
-#include <array>
-#include <csignal>
-#include <cstring>
-#include <map>
-#include <mutex>
 #include <stdexcept>
-#include <string>
 
 #include <breakwater/shell/all_cores.h>
 #include <breakwater/shell/child_program.h>
-#include <breakwater/study/announced.h>
+#include <breakwater/shell/process.h>
 #include <breakwater/study/sweep.h>
 
 namespace breakwater {
 namespace {
 
-constexpr std::size_t kMostOfAChild =
-    200;  // points: what a new process costs is little beside them
+// Points: what a new process costs, and the look at what others have done, is little beside them.
+constexpr std::size_t kMostOfAChild = 1000;
 
-// What is told to a child on its command line, which the system limits.
-constexpr std::size_t kMostModels = 1000;
+// What all threads of a run_isolated() share: each has one child at a time.
+class Children {
+ public:
+  Children(const std::vector<std::size_t>& points, const PointSource& source,
+           const StudyFolder& folder, Shard& shard, const ExecutorOptions& options)
+      : points_(points), source_(source), folder_(folder), shard_(shard), options_(options) {}
+
+  std::size_t finished() const { return finished_; }
+
+  // points[begin] to points[end - 1], by as many children as it takes.
+  void run(std::size_t begin, std::size_t end) {
+    try {
+      while (begin < end && !is_stopped_) begin = run_child(begin, end);
+    } catch (...) {
+      is_stopped_ = true;  // the other children too
+      throw;
+    }
+  }
+
+ private:
+  // Returns where another child is to go on.
+  std::size_t run_child(std::size_t begin, std::size_t end) {
+    const std::vector<std::size_t> rest(points_.begin() + static_cast<std::ptrdiff_t>(begin),
+                                        points_.begin() + static_cast<std::ptrdiff_t>(end));
+    std::vector<std::string> words = {own_program(),
+                                      folder_.kind().command,
+                                      folder_.path().string(),
+                                      "--points",
+                                      print_points(rest),
+                                      "--jobs",
+                                      "1",
+                                      "--quiet"};
+    for (std::string& word : source_.task_words(rest)) words.push_back(std::move(word));
+    std::size_t next = begin;
+    ProcessResults written;
+    EndedProgram ended = run_beside(words, [&](ReadProgram& child) {
+      const std::size_t seen = written.results.size();
+      written = results_of_process(folder_.shards(), child.process());
+      for (std::size_t i = seen; i < written.results.size(); ++i) {
+        const auto found = std::lower_bound(rest.begin(), rest.end(), written.results[i].number);
+        // An earlier process may have had the child's number.
+        if (found == rest.end() || *found != written.results[i].number) continue;
+        next = begin + static_cast<std::size_t>(found - rest.begin());
+        finish(next++, written.results[i]);
+      }
+      if (has_to_stop()) child.interrupt();
+    });
+    // One that was still loading knows of no interruption: it ends by the signal.
+    const bool is_told = has_to_stop();
+    const std::optional<int> status = ended.exit_status();
+    const bool is_over = status == kInterrupted || status == kRunFailed;
+    if (is_over || status == kUsage) {
+      const std::string reason = ended.take_reason();
+      ended.repeat_said();
+      if (!is_over && !is_told) throw std::invalid_argument(reason);
+      is_stopped_ = true;
+      return end;
+    }
+    ended.repeat_said();
+    if (is_told || next == end || status == kSuccess) return end;
+    if (status) {
+      throw std::invalid_argument("--isolate: a process of the study ended with " + ended.end());
+    }
+    PointResult lost;
+    lost.number = points_[next];
+    if (written.begun == lost.number) lost.key = written.begun_key;
+    if (ended.has_crashed()) {
+      if (lost.key.empty()) lost.key = source_.unprepared_key(lost.number);
+      lost.status = PointStatus::crashed;
+      lost.reason = ended.end();
+      shard_.add(lost);
+      finish(next, lost);
+    } else {
+      fmt::print(stderr, "{}: point {} is left undone: its process was ended by {}\n",
+                 folder_.kind().command, lost.key.empty() ? std::to_string(lost.number) : lost.key,
+                 ended.end());
+    }
+    return next + 1;
+  }
+
+  void finish(std::size_t nth, const PointResult& result) {
+    ++finished_;
+    if (options_.progress) options_.progress(nth, 1.0);
+    if (options_.on_result) options_.on_result(result);
+  }
+
+  bool has_to_stop() {
+    if ((options_.stop != nullptr && *options_.stop) || (options_.is_over && options_.is_over())) {
+      is_stopped_ = true;
+    }
+    return is_stopped_;
+  }
+
+  const std::vector<std::size_t>& points_;
+  const PointSource& source_;
+  const StudyFolder& folder_;
+  Shard& shard_;
+  const ExecutorOptions& options_;
+  std::atomic<std::size_t> finished_ = 0;
+  std::atomic<bool> is_stopped_ = false;
+};
 
 }  // namespace
 
-bool is_crash(int signal) {
-  constexpr std::array kCrashes = {SIGSEGV, SIGABRT, SIGFPE, SIGILL, SIGBUS, SIGTRAP, SIGSYS};
-  return std::find(kCrashes.begin(), kCrashes.end(), signal) != kCrashes.end();
-}
-
 std::size_t run_isolated(const std::vector<std::size_t>& points, const PointSource& source,
-                         const IsolatedCommand& command, const StudyFolder& folder, Shard& shard,
-                         const ExecutorOptions& options) {
+                         const StudyFolder& folder, Shard& shard, const ExecutorOptions& options) {
   const std::size_t jobs = options.threads > 0 ? options.threads : usable_cores();
   const std::size_t share = std::clamp<std::size_t>(points.size() / (8 * jobs), 1, kMostOfAChild);
-  const std::size_t shares = (points.size() + share - 1) / share;
-  std::atomic<std::size_t> finished = 0;
-  std::atomic<bool> is_stopped = false;
-  std::mutex models_mutex;
-  std::map<std::string, std::string> models;  // that a child has named, and what they were then
-
-  const auto index_of = [&](std::size_t point) {
-    return static_cast<std::size_t>(std::lower_bound(points.begin(), points.end(), point) -
-                                    points.begin());
-  };
-  const auto run_share = [&](std::size_t nth) {
-    std::size_t next = nth * share;
-    const std::size_t end = std::min(next + share, points.size());
-    while (next < end && !is_stopped) {
-      const std::vector<std::size_t> rest(points.begin() + static_cast<std::ptrdiff_t>(next),
-                                          points.begin() + static_cast<std::ptrdiff_t>(end));
-      std::vector<std::string> words = {own_program(), command.name,       folder.path().string(),
-                                        "--points",    print_points(rest), "--jobs",
-                                        "1",           "--quiet"};
-      std::vector<std::string> known;
-      {
-        const std::lock_guard lock(models_mutex);
-        for (const auto& [file, hash] : models) known.push_back(hash + " " + file);
-      }
-      const auto add = [&](const std::vector<std::string>& more) {
-        words.insert(words.end(), more.begin(), more.end());
-      };
-      add(announced_words(known));
-      if (command.more) add(command.more(rest));
-      ReadProgram child(words);
-      bool is_under_way = false;  // points[next]
-      std::string key;            // of it, once it is known
-      bool was_told = false;
-      while (const auto line = child.next()) {
-        if (line->starts_with("begin ")) {
-          next = index_of(std::stoul(line->substr(6)));
-          is_under_way = true;
-          key.clear();
-        }
-        if (line->starts_with("model ")) {
-          const std::size_t space = line->find(' ', 6);
-          const std::string file = line->substr(space + 1), hash = line->substr(6, space - 6);
-          const std::lock_guard lock(models_mutex);
-          const bool is_full = models.size() >= kMostModels;
-          const auto found = is_full ? models.find(file) : models.emplace(file, hash).first;
-          if (found != models.end() && found->second != hash) {
-            child.interrupt();
-            throw std::invalid_argument(file + ": was changed while it ran: start again");
-          }
-        }
-        if (line->starts_with("key ")) key = line->substr(line->rfind(' ') + 1);
-        if (line->starts_with("end ")) {
-          is_under_way = false;
-          if (options.progress) options.progress(next, 1.0);
-          PointResult ended;
-          ended.number = points[next];
-          const bool is_complete = line->ends_with(" " + name_of(PointStatus::complete));
-          ended.status = is_complete ? PointStatus::complete : PointStatus::failed;
-          if (options.on_result) options.on_result(ended);
-          ++next;
-          ++finished;
-        }
-        const bool stop = is_stopped || (options.stop != nullptr && *options.stop) ||
-                          (options.is_over && options.is_over());
-        if (stop && !was_told) {
-          is_stopped = was_told = true;
-          child.interrupt();
-        }
-      }
-      const int status = child.wait();
-      // One that was still loading knows of no interruption: it ends by the signal.
-      if (options.stop != nullptr && *options.stop) is_stopped = true;
-      if (is_stopped) break;
-      const std::string reason =
-          WIFSIGNALED(status)
-              ? fmt::format("signal {} ({})", WTERMSIG(status), strsignal(WTERMSIG(status)))
-              : fmt::format("status {}", WEXITSTATUS(status));
-      if (WIFSIGNALED(status) && !is_crash(WTERMSIG(status))) {
-        // Nothing is known of the point that it was at: it is left undone.
-        if (next == end) break;
-        fmt::print(stderr, "{}: point {} is left undone: its process was ended by {}\n",
-                   command.name, is_under_way && !key.empty() ? key : std::to_string(points[next]),
-                   reason);
-        ++next;
-      } else if (WIFSIGNALED(status) && is_under_way) {
-        PointResult crash;
-        crash.number = points[next];
-        crash.key = key.empty() ? source.unprepared_key(crash.number) : key;
-        crash.status = PointStatus::crashed;
-        crash.reason = reason;
-        shard.add(crash);
-        if (options.on_result) options.on_result(crash);
-        ++next;
-        ++finished;
-      } else if (!WIFEXITED(status) || (WEXITSTATUS(status) != 0 && WEXITSTATUS(status) != 130)) {
-        throw std::invalid_argument(  // it has said why
-            fmt::format("--isolate: a process of the study ended with {}", reason));
-      } else if (WIFEXITED(status) && WEXITSTATUS(status) == 0) {
-        break;
-      } else {
-        is_stopped = true;
-      }
-    }
-  };
-  const auto run_share_or_stop = [&](std::size_t nth) {
-    try {
-      run_share(nth);
-    } catch (...) {
-      is_stopped = true;  // the other children too
-      throw;
-    }
-  };
-  on_all_cores(shares, run_share_or_stop, jobs);
-  return finished;
+  Children children(points, source, folder, shard, options);
+  on_all_cores((points.size() + share - 1) / share,
+               [&](std::size_t nth) {
+                 children.run(nth * share, std::min((nth + 1) * share, points.size()));
+               },
+               jobs);
+  return children.finished();
 }
 
 }  // namespace breakwater

@@ -2,8 +2,6 @@
 #pragma once
 
 #include <cstddef>
-#include <functional>
-#include <string>
 #include <vector>
 
 #include <breakwater/study/executor.h>
@@ -11,23 +9,13 @@
 
 namespace breakwater {
 
-/// The command of this program that runs points and is announced: `COMMAND DIR --points …`.
-struct IsolatedCommand {
-  std::string name;  ///< kSweep, kTune
-  /// Further words, for some points.
-  std::function<std::vector<std::string>(const std::vector<std::size_t>& points)> more = {};
-};
-
-/// As run_points(), but in child processes, each of which runs some of `points`, which ascend, and
-/// keeps their results itself. One that crashes costs the point that it was at, which goes into
-/// `shard`; one that is killed from outside (where memory is short, say) leaves its point undone,
-/// and says so. Another child goes on behind it.
+/// As run_points(), but in child processes. Each is a task (`COMMAND DIR --points …`, and
+/// PointSource::task_words()) of some of `points`, which ascend, and
+/// keeps their results in a shard of its own, from which it is known how far it is. One that
+/// crashes costs the point that it was at, which goes into `shard`; one that is killed from outside
+/// (where memory is short, say) leaves its point undone, and says so. Another child goes on behind
+/// it. What ends a child ends the study.
 std::size_t run_isolated(const std::vector<std::size_t>& points, const PointSource& source,
-                         const IsolatedCommand& command, const StudyFolder& folder, Shard& shard,
-                         const ExecutorOptions& options);
-
-/// Whether a signal is what a program brings upon itself. Any other comes from outside: of the
-/// system that has no memory left, of a scheduler, of somebody.
-bool is_crash(int signal);
+                         const StudyFolder& folder, Shard& shard, const ExecutorOptions& options);
 
 }  // namespace breakwater

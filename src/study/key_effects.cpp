@@ -80,7 +80,7 @@ std::vector<KeyEffect> key_effects(const Study& study) {
            (is_function_of(study.vary[a], study.vary[b]) ||
             stands_apart(study.vary[b], study.vary[a]));
   };
-  // Of two that fix each other the first leads.
+  // The first leads of two that fix each other.
   const auto leads = [&](std::size_t a, std::size_t b) {
     return fixes(a, b) && (a < b || !fixes(b, a));
   };

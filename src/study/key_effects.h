@@ -17,7 +17,7 @@ std::vector<StudyKey> study_keys(const Study& study);
 /// The number that stands for a key's value as TOML.
 double key_number(const StudyKey& key, const std::string& value);
 
-/// What a study can tell apart: a key, with those that say nothing beside it.
+/// A study can tell this apart from the rest: a key, with those that say nothing beside it.
 struct KeyEffect {
   std::size_t key = 0;            ///< in Study::vary
   std::vector<std::size_t> with;  ///< keys whose values this one's fix

@@ -30,6 +30,7 @@ constexpr std::size_t kHashLength = 16;
 constexpr std::string_view kSuffix = ".shard";
 constexpr std::string_view kPoint = "point";  // kinds of lines
 constexpr std::string_view kModel = "model";
+constexpr std::string_view kBegin = "begin";
 
 const std::array<std::string, 4>& statuses() {
   static const std::array<std::string, 4> names = {"complete", "failed", "refused", "crashed"};
@@ -148,6 +149,11 @@ void each_line(const fs::path& file, Body&& body) {
   }
 }
 
+// A process may have several, if another one had its number before: the n-th.
+fs::path shard_of(const fs::path& folder, pid_t process, int n) {
+  return folder / fmt::format("{}-{}{}", process_name(process), n, kSuffix);
+}
+
 std::vector<fs::path> shards_of(const fs::path& folder) {
   std::vector<fs::path> files;
   std::error_code error;
@@ -209,9 +215,14 @@ void Shard::add(const ModelHashes& models) {
   }
 }
 
+void Shard::begin(std::size_t point, const std::string& key) {
+  const std::lock_guard lock(mutex_);
+  append(fmt::format("{}\t{}\t{}", kBegin, point, key));
+}
+
 void Shard::append(const std::string& text) {
   for (int n = 0; descriptor_ < 0; ++n) {
-    file_ = folder_ / fmt::format("{}-{}{}", process_name(), n, kSuffix);
+    file_ = shard_of(folder_, getpid(), n);
     descriptor_ = open(file_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_APPEND | O_CLOEXEC, 0666);
     if (descriptor_ < 0 && errno != EEXIST) fail_to_write(file_);
   }
@@ -311,6 +322,21 @@ std::size_t ShardIndex::find(const std::string& key) const {
     }
     found = point;
     whole = other;
+  }
+  return found;
+}
+
+ProcessResults results_of_process(const fs::path& folder, pid_t process) {
+  ProcessResults found;
+  const auto read = [&](std::size_t, std::size_t, std::string_view rest) {
+    if (auto result = read_result(rest)) return found.results.push_back(std::move(*result));
+    Parts parts(rest);
+    if (parts.next() == kBegin && read_number(parts.next(), found.begun)) {
+      found.begun_key = parts.next();
+    }
+  };
+  for (int n = 0; fs::exists(shard_of(folder, process, n)); ++n) {
+    each_line(shard_of(folder, process, n), read);
   }
   return found;
 }

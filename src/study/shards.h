@@ -1,6 +1,8 @@
 // The results of a study's runs, as each process appended them.
 #pragma once
 
+#include <sys/types.h>
+
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -31,9 +33,9 @@ struct PointResult {
   std::vector<std::pair<std::string, double>> metrics;  ///< in the scenario's order
 };
 
-/// A file of lines to which one process alone appends, whole lines at a time: CHECKSUM, "point" or
-/// "model", and what belongs to it, with tabs between. Whatever its end, a line counts only if its
-/// checksum (XXH3 of the rest) is right.
+/// A file of lines to which one process alone appends, whole lines at a time: CHECKSUM, "point",
+/// "model" or "begin", and what belongs to it, with tabs between. Whatever its end, a line counts
+/// only if its checksum (XXH3 of the rest) is right.
 class Shard {
  public:
   /// Makes a file of its own in the folder when there is something to write.
@@ -48,6 +50,8 @@ class Shard {
   void add(const PointResult& result);
   /// What points are made of besides their keys; each file is written once.
   void add(const ModelHashes& models);
+  /// Says which point is run now: should it end the process, its key is known all the same.
+  void begin(std::size_t point, const std::string& key);
   /// Once all is added. Throws OutputError if what was added may not be on the disk: a file system
   /// over a network may say so only now.
   void finish();
@@ -117,6 +121,17 @@ class ShardIndex {
   ModelHashes models_;
   std::string ambiguous_model_;  // one of which there are different hashes
 };
+
+/// What one process of this computer has written by now.
+struct ProcessResults {
+  std::vector<PointResult> results;  ///< in their order
+  std::size_t begun = 0;             ///< the point that was begun last
+  std::string begun_key = {};        ///< of it; empty if none was
+};
+
+/// A process that wrote nothing has no results. Throws std::invalid_argument if a shard cannot be
+/// read.
+ProcessResults results_of_process(const std::filesystem::path& folder, pid_t process);
 
 /// Other processes of this computer that have a shard of the folder open: they are at the same
 /// study.

@@ -2,37 +2,31 @@
 
 #include <fmt/format.h>
 
+#include <breakwater/config/toml_entry.h>
 #include <breakwater/config/toml_text.h>
 #include <breakwater/shell/process.h>
-#include <breakwater/study/study_reader.h>
 
 namespace breakwater {
 
-SlurmSettings read_slurm(const StudyReader& reader, const toml::table& tables) {
-  SlurmSettings slurm;
-  const toml::table* const found = reader.table(tables, "slurm");
-  if (found == nullptr) return slurm;
-  const toml::table& table = *found;
-  reader.allow(table, "slurm.",
-               {"account", "partition", "constraint", "modules", "environment", "options"});
+SlurmSettings read_slurm(const TomlEntry& root) {
+  const TomlEntry table = root["slurm"];
+  table.allow({"account", "partition", "constraint", "modules", "environment", "options"});
   // A newline would begin a line of the script.
-  const auto checked = [&](const char* key, const std::string& text) {
-    if (one_line(text) != text) {
-      reader.fail(*table.get(key), std::string("slurm.") + key,
-                  "must have no newline and no other control character, is " + text);
-    }
-    return text;
+  const auto check = [&](const char* key, const std::string& text) {
+    if (one_line(text) == text) return;
+    table[key].fail("must have no newline and no other control character, is " + text);
   };
   const auto text = [&](const char* key) {
-    return checked(key, reader.text_or_nothing(table, key, "slurm."));
+    std::string found = table[key].text_or_nothing();
+    check(key, found);
+    return found;
   };
   const auto list = [&](const char* key) {
-    const toml::node* node = table.get(key);
-    if (node == nullptr) return std::vector<std::string>();
-    std::vector<std::string> texts = reader.texts(*node, std::string("slurm.") + key);
-    for (const std::string& one : texts) checked(key, one);
+    std::vector<std::string> texts = table[key].texts();
+    for (const std::string& one : texts) check(key, one);
     return texts;
   };
+  SlurmSettings slurm;
   slurm.account = text("account");
   slurm.partition = text("partition");
   slurm.constraint = text("constraint");
@@ -41,7 +35,7 @@ SlurmSettings read_slurm(const StudyReader& reader, const toml::table& tables) {
   slurm.options = list("options");
   for (const std::string& line : slurm.environment) {
     if (line.find('=') == std::string::npos || line.front() == '=') {
-      reader.fail(*table.get("environment"), "slurm.environment", line + ": must be NAME=VALUE");
+      table["environment"].fail(line + ": must be NAME=VALUE");
     }
   }
   return slurm;
@@ -53,7 +47,7 @@ std::string SlurmSettings::print() const {
     if (!value.empty()) text += fmt::format("{} = {}\n", key, toml_string(value));
   };
   const auto lines = [&](const char* key, const std::vector<std::string>& values) {
-    if (!values.empty()) text += fmt::format("{} = {}\n", key, toml_text(values));
+    if (!values.empty()) text += fmt::format("{} = {}\n", key, toml_strings(values));
   };
   line("account", account);
   line("partition", partition);

@@ -1,14 +1,12 @@
 // The table [slurm] of a study's or a tuning's file.
 #pragma once
 
-#include <toml++/toml.h>
-
 #include <string>
 #include <vector>
 
 namespace breakwater {
 
-class StudyReader;
+class TomlEntry;
 
 /// What jobs of a Slurm cluster are asked for.
 struct SlurmSettings {
@@ -23,8 +21,8 @@ struct SlurmSettings {
   std::string print() const;
 };
 
-/// Of all tables of a file; if it has no [slurm], nothing is asked for. Throws
+/// Of a file's root; if it has no [slurm], nothing is asked for. Throws
 /// std::invalid_argument `FILE:LINE: key: reason`.
-SlurmSettings read_slurm(const StudyReader& reader, const toml::table& tables);
+SlurmSettings read_slurm(const TomlEntry& root);
 
 }  // namespace breakwater

@@ -46,42 +46,19 @@ const Names<WorldUnit>& world_units() {
   return names;
 }
 
-// In the file's order.
-std::vector<std::pair<std::string, Goal>> read_goals(const StudyReader& reader,
-                                                     const toml::table& table) {
-  std::vector<std::pair<toml::source_position, std::pair<std::string, Goal>>> found;
-  for (const auto& [key, node] : table) {
-    const std::string metric(key.str());
-    found.emplace_back(
-        key.source().begin,
-        std::pair(metric, reader.choice(node, "compare.goal." + metric, goal_names())));
+void read_compare(const TomlEntry& root, Study& study) {
+  const TomlEntry compare = root["compare"];
+  if (const TomlEntry cases = compare["case"]) {
+    if (root["case"]) cases.fail("stands beside case: leave one of them out");
+    study.cases = cases.texts();
   }
-  std::stable_sort(found.begin(), found.end(),
-                   [](const auto& a, const auto& b) { return a.first < b.first; });
-  std::vector<std::pair<std::string, Goal>> goals;
-  for (auto& [position, goal] : found) goals.push_back(std::move(goal));
-  return goals;
-}
-
-void read_compare(const StudyReader& reader, const toml::table& tables, Study& study) {
-  const toml::table* compare = reader.table(tables, "compare");
-  if (compare == nullptr) return;
-  if (const toml::node* node = compare->get("case")) {
-    if (tables.contains("case")) {
-      reader.fail(*node, "compare.case", "stands beside case: leave one of them out");
-    }
-    study.cases = reader.texts(*node, "compare.case");
+  study.baseline = compare["baseline"].text_or_nothing();
+  study.metrics = compare["metrics"].texts();
+  for (const auto& [metric, goal] : compare["goal"].entries()) {
+    study.goals.emplace_back(metric, goal.choice(goal_names()));
   }
-  study.baseline = reader.text_or_nothing(*compare, "baseline", "compare.");
-  if (const toml::node* node = compare->get("metrics")) {
-    study.metrics = reader.texts(*node, "compare.metrics");
-  }
-  if (const toml::table* goals = reader.table(*compare, "goal")) {
-    study.goals = read_goals(reader, *goals);
-  }
-  reader.choice(*compare, "worlds", world_units(), study.worlds, "compare.");
-  study.compare =
-      reader.varied(*compare, "compare", {"case", "baseline", "metrics", "goal", "worlds"});
+  compare["worlds"].choice(world_units(), study.worlds);
+  study.compare = read_varied(compare, {"case", "baseline", "metrics", "goal", "worlds"});
   for (const VariedKey& key : study.compare) {
     if (!key.distribution) continue;
     throw std::invalid_argument(key.place + ": candidates are values");
@@ -89,17 +66,14 @@ void read_compare(const StudyReader& reader, const toml::table& tables, Study& s
 }
 
 // What fits together, whatever the scenario.
-void check(const StudyReader& reader, const toml::table& tables, const Study& study) {
+void check(const TomlEntry& root, const Study& study) {
   const bool draws = study.method != Method::grid && study.method != Method::list;
   if (draws && study.vary.empty()) {
-    reader.fail(*tables.get("method"), "method", "there is nothing to draw: vary a key");
+    root["method"].fail("there is nothing to draw: vary a key");
   }
-  if (draws && study.samples == 0) {
-    reader.fail(*tables.get("method"), "samples", "is missing");
-  }
+  if (draws && study.samples == 0) root["samples"].fail("is missing");
   if (!draws && study.samples != 0) {
-    reader.fail(*tables.get("samples"), "samples",
-                "is of the methods that draw: random, lhs, sobol, saltelli");
+    root["samples"].fail("is of the methods that draw: random, lhs, sobol, saltelli");
   }
   for (const VariedKey& key : study.vary) {
     const auto fail = [&](const std::string& reason) {
@@ -143,39 +117,32 @@ bool VariedKey::is_in(const std::vector<std::string>& sets) const {
 }
 
 Study read_study(const toml::table& tables, const std::string& file) {
-  const StudyReader reader(file);
-  if (const toml::node* objective = tables.get("objective")) {
-    reader.fail(*objective, "objective", "is of a tuning: breakwater tune");
+  const TomlEntry root = study_root(tables, file);
+  if (const TomlEntry objective = root["objective"]) {
+    objective.fail("is of a tuning: breakwater tune");
   }
-  reader.allow(tables, "",
-               {"scenario", "config", "case", "set", "method", "samples", "sampling_seed", "seeds",
-                "keep", "on_failure", "vary", "compare", "slurm", "made_by"});
+  root.allow({"scenario", "config", "case", "set", "method", "samples", "sampling_seed", "seeds",
+              "keep", "on_failure", "vary", "compare", "slurm", "made_by"});
   Study study;
-  const toml::node* scenario = tables.get("scenario");
-  if (scenario == nullptr) throw std::invalid_argument(file + ": scenario: is missing");
-  study.scenario = reader.text(*scenario, "scenario");
-  study.config = reader.text_or_nothing(tables, "config");
-  if (const toml::node* node = tables.get("case")) study.cases = reader.texts(*node, "case");
-  if (const toml::table* set = reader.table(tables, "set")) {
-    study.sets = reader.sets(*set, "set");
+  study.scenario = root["scenario"].text();
+  study.config = root["config"].text_or_nothing();
+  study.cases = root["case"].texts();
+  study.sets = read_sets(root["set"]);
+  root["method"].choice(methods(), study.method);
+  if (const TomlEntry samples = root["samples"]) {
+    study.samples = static_cast<std::size_t>(samples.whole(1, kMostSamples));
   }
-  reader.choice(tables, "method", methods(), study.method);
-  if (const toml::node* node = tables.get("samples")) {
-    study.samples = static_cast<std::size_t>(reader.whole(*node, "samples", 1, kMostSamples));
+  if (const TomlEntry seed = root["sampling_seed"]) {
+    study.sampling_seed =
+        static_cast<std::uint64_t>(seed.whole(0, std::numeric_limits<std::int64_t>::max()));
   }
-  if (const toml::node* node = tables.get("sampling_seed")) {
-    study.sampling_seed = static_cast<std::uint64_t>(
-        reader.whole(*node, "sampling_seed", 0, std::numeric_limits<std::int64_t>::max()));
-  }
-  if (const toml::node* node = tables.get("seeds")) study.seeds = reader.seeds(*node);
-  reader.choice(tables, "keep", keeps(), study.keep);
-  reader.choice(tables, "on_failure", failure_rules(), study.on_failure);
-  if (const toml::table* vary = reader.table(tables, "vary")) {
-    study.vary = reader.varied(*vary, "vary", {});
-  }
-  read_compare(reader, tables, study);
-  study.slurm = read_slurm(reader, tables);
-  check(reader, tables, study);
+  study.seeds = read_seeds(root["seeds"]);
+  root["keep"].choice(keeps(), study.keep);
+  root["on_failure"].choice(failure_rules(), study.on_failure);
+  study.vary = read_varied(root["vary"]);
+  read_compare(root, study);
+  study.slurm = read_slurm(root);
+  check(root, study);
   return study;
 }
 
@@ -212,9 +179,9 @@ std::string Study::print() const {
   for (const VariedKey& key : vary) {
     text += fmt::format("{} = {}\n", toml_string(key.key), key.written);
   }
-  text += fmt::format("\n[compare]\ncase = {}\n", toml_text(cases));
+  text += fmt::format("\n[compare]\ncase = {}\n", toml_strings(cases));
   if (!baseline.empty()) text += fmt::format("baseline = {}\n", toml_string(baseline));
-  if (!metrics.empty()) text += fmt::format("metrics = {}\n", toml_text(metrics));
+  if (!metrics.empty()) text += fmt::format("metrics = {}\n", toml_strings(metrics));
   for (const auto& [metric, goal] : goals) {
     text +=
         fmt::format("goal.{} = {}\n", toml_key(metric), toml_string(name_of(goal_names(), goal)));

@@ -38,7 +38,7 @@ enum class Method {
   saltelli          ///< the design that sensitivity indices are computed from
 };
 
-/// What a comparison counts as worlds of their own: samples, which seeds repeat, or every seed of
+/// A comparison counts these as worlds of their own: samples, which seeds repeat, or every seed of
 /// every sample.
 enum class WorldUnit { samples, seeds };
 
@@ -65,7 +65,7 @@ struct Study {
   std::vector<VariedKey> compare;    ///< what candidates differ in besides their case
   std::string baseline;              ///< a candidate, or empty
   std::vector<std::string> metrics;  ///< that are compared; empty: all
-  /// Of metrics that are compared, in the order in which they were named.
+  /// The goals of metrics that are compared, in the order in which they were named.
   std::vector<std::pair<std::string, Goal>> goals;
   WorldUnit worlds = WorldUnit::samples;
   SlurmSettings slurm;

@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <limits>
+#include <map>
 #include <set>
 #include <stdexcept>
 #include <unordered_map>
+#include <utility>
 
 #include <breakwater/config/config.h>
 #include <breakwater/record/file_hash.h>
@@ -31,13 +33,55 @@ std::vector<std::string> metrics_of(const ShardIndex& index) {
   return metrics;
 }
 
-// All that a run left: two of the same are one. Of one that left no hash (it was refused, it
-// crashed) the same reason in the same sample is.
-std::string outcome(const PointResult& result, std::size_t sample) {
+// All that a run left: two of the same are one, if they left a hash.
+std::string outcome(const PointResult& result) {
   std::string text = name_of(result.status) + " " + result.state_hash;
-  if (result.state_hash.empty()) text += fmt::format("{} {}", sample, result.reason);
+  if (result.state_hash.empty()) text += " " + result.reason;
   for (const auto& [name, value] : result.metrics) text += fmt::format(" {}={:.17g}", name, value);
   return text;
+}
+
+// Where a world lies: the values of the varied keys, and the number of its seed.
+using Place = std::vector<double>;
+
+// The coordinates that tell a candidate's worlds apart: all but those in which alone some worlds
+// differ, and its outcome then never does.
+std::vector<std::size_t> effective_coordinates(const std::vector<Place>& places,
+                                               const Eigen::VectorXi& outcomes) {
+  std::vector<std::size_t> effective;
+  for (std::size_t k = 0; k < places.front().size(); ++k) {
+    std::map<Place, int> first;  // outcome by the other coordinates
+    bool has_pair = false, differs = false;
+    for (std::size_t world = 0; world < places.size(); ++world) {
+      const int outcome = outcomes(static_cast<Eigen::Index>(world));
+      Place others = places[world];
+      others[k] = 0.0;
+      const auto [met, is_new] = first.emplace(others, outcome);
+      has_pair = has_pair || !is_new;
+      differs = differs || met->second != outcome;
+    }
+    if (!has_pair || differs) effective.push_back(k);
+  }
+  return effective;
+}
+
+// A run that left no hash (it was refused, it crashed) may be another's repeat or not, though both
+// ended alike. It is one where both worlds agree in what has an effect on the candidate; else it
+// gets a number of its own, from `next` on.
+void tell_apart(const std::vector<Place>& places, const std::vector<Eigen::Index>& without_hash,
+                int& next, Eigen::Ref<Eigen::VectorXi> runs) {
+  if (without_hash.empty()) return;
+  const Eigen::VectorXi outcomes = runs;
+  const std::vector<std::size_t> effective = effective_coordinates(places, outcomes);
+  std::map<std::pair<int, Place>, int> numbers;
+  for (const Eigen::Index world : without_hash) {
+    Place place;
+    for (const std::size_t k : effective)
+      place.push_back(places[static_cast<std::size_t>(world)][k]);
+    const auto [found, is_new] = numbers.emplace(std::pair(outcomes(world), place), next);
+    if (is_new) ++next;
+    runs(world) = found->second;
+  }
 }
 
 }  // namespace
@@ -87,6 +131,8 @@ PairedResults paired_results(const Plan& plan, const ShardIndex& index) {
   };
   Eigen::Index kept = 0;
   std::unordered_map<std::string, int> numbers;  // of outcomes
+  std::vector<Place> places;
+  std::vector<std::vector<Eigen::Index>> without_hash(k);
   for (std::size_t world = 0; world < all; ++world) {
     const std::size_t sample = world / plan.seeds();
     if (!are_seeds_worlds && !is_done(sample)) continue;
@@ -97,14 +143,18 @@ PairedResults paired_results(const Plan& plan, const ShardIndex& index) {
     if (runs.size() < k) continue;
     results.samples(kept) = static_cast<int>(are_seeds_worlds ? world : sample);
     const StudyPoint point = plan.point(world * k);
+    Place& place = places.emplace_back();
     for (std::size_t i = 0; i < effects.size(); ++i) {
-      results.keys[i].values.push_back(key_number(results.keys[i], point.values[effects[i].key]));
+      place.push_back(key_number(results.keys[i], point.values[effects[i].key]));
+      results.keys[i].values.push_back(place.back());
     }
+    place.push_back(static_cast<double>(world % plan.seeds()));
     for (std::size_t c = 0; c < k; ++c) {
       const auto column = static_cast<Eigen::Index>(c);
-      const std::string left = fingerprint({outcome(runs[c], sample)});
+      const std::string left = fingerprint({outcome(runs[c])});
       results.runs(kept, column) =
           numbers.emplace(left, static_cast<int>(numbers.size())).first->second;
+      if (runs[c].state_hash.empty()) without_hash[c].push_back(kept);
       if (runs[c].status != PointStatus::complete) results.failed(kept, column) = 1.0;
       for (const auto& [name, value] : runs[c].metrics) {
         const auto found = columns.find(name);
@@ -117,6 +167,10 @@ PairedResults paired_results(const Plan& plan, const ShardIndex& index) {
   results.runs.conservativeResize(kept, Eigen::NoChange);
   results.samples.conservativeResize(kept);
   for (Eigen::MatrixXd& values : results.values) values.conservativeResize(kept, Eigen::NoChange);
+  int next = static_cast<int>(numbers.size());
+  for (std::size_t c = 0; c < k; ++c) {
+    tell_apart(places, without_hash[c], next, results.runs.col(static_cast<Eigen::Index>(c)));
+  }
   return results;
 }
 

@@ -13,9 +13,11 @@ namespace breakwater {
 
 /// The candidates of a study, paired by sample and seed: each row is one world that all of them
 /// have met. Metrics are those of compare.metrics, or all that any run has. The same runs have the
-/// same number. Seeds repeat a sample; where no key is varied, and with `worlds = "seeds"`, each is
-/// one. Keys that are varied together are one (key_effects()). Throws std::invalid_argument if that
-/// is more than memory should hold.
+/// same number. A run that left no state hash is taken for another's repeat where both ended alike
+/// and their worlds differ only in keys and seeds that change no outcome of the candidate. Seeds
+/// repeat a sample; where no key is varied, and with `worlds = "seeds"`, each is one. Keys that are
+/// varied together are one (key_effects()). Throws std::invalid_argument if that is more than
+/// memory should hold.
 PairedResults paired_results(const Plan& plan, const ShardIndex& index);
 
 /// compare_candidates() of them; nothing if the study compares nothing: it has one candidate, or

@@ -87,7 +87,7 @@ void StudyFolder::make_folders() const {
 
 void StudyFolder::make(const std::string& text, const ScenarioFile& file) const {
   // Another process may begin it at this moment: what it makes last is asked for last.
-  if (fs::exists(folder_) && !is_begun(folder_, file_) && !is_there()) {
+  if (fs::exists(folder_) && !is_begun(folder_, kind_.file) && !is_there()) {
     throw std::invalid_argument(folder_.string() +
                                 ": holds something that is not a study; it is left alone");
   }

@@ -10,43 +10,43 @@
 
 namespace breakwater {
 
-/// The command that makes studies, and goes on with them.
-inline constexpr const char* kSweep = "sweep";
+/// The command that makes studies of a kind and goes on with them, and the file that says what one
+/// is.
+struct StudyKind {
+  const char* command;
+  const char* file;
+};
+inline constexpr StudyKind kSweep = {"sweep", "study.toml"};
+inline constexpr StudyKind kTune = {"tune", "tune.toml"};
 
-/// DIR with study.toml (of a tuning: tune.toml), shards/, runs/ and what is collected
-/// from them. It may lie on a file system
-/// that many computers share: no file is written by two processes, none is locked.
+/// DIR with study.toml (of a tuning: tune.toml), shards/, runs/ and what is collected from them. It
+/// may lie on a file system that many computers share: no file is written by two processes, none is
+/// locked.
 class StudyFolder {
  public:
-  explicit StudyFolder(std::filesystem::path folder, std::string file = "study.toml")
-      : folder_(std::move(folder)), file_(std::move(file)) {}
+  StudyFolder(std::filesystem::path folder, const StudyKind& kind)
+      : folder_(std::move(folder)), kind_(kind) {}
 
   const std::filesystem::path& path() const { return folder_; }
-  std::filesystem::path study_file() const { return folder_ / file_; }
+  const StudyKind& kind() const { return kind_; }
+  std::filesystem::path study_file() const { return folder_ / kind_.file; }
   std::filesystem::path shards() const { return folder_ / "shards"; }
   std::filesystem::path run(const std::string& key) const { return folder_ / "runs" / key; }
 
   bool is_there() const;
-  /// Makes the folder with its study.toml. Throws std::invalid_argument if DIR holds something
-  /// else, or another process has begun another study in it by now; OutputError if it cannot be
-  /// written.
-  void make(const Study& study, const ScenarioFile& file) const { make(study.print(), file); }
-  /// The same of a text that is the file.
+  /// Makes the folder with its file, which says `text`. Throws std::invalid_argument if DIR holds
+  /// something else, or another process has begun another study in it by now; OutputError if it
+  /// cannot be written.
   void make(const std::string& text, const ScenarioFile& file) const;
   /// Removes the results, so that the study begins anew; nothing of a user's own. Throws
   /// std::invalid_argument if no study left its study.toml.
-  void make_anew(const Study& study, const ScenarioFile& file) const {
-    make_anew(study.print(), file);
-  }
   void make_anew(const std::string& text, const ScenarioFile& file) const;
   /// The study that it holds. Throws std::invalid_argument.
   Study study() const;
   /// Where it was begun, from which relative names of files count.
   std::filesystem::path working_folder() const;
-  /// Throws std::invalid_argument, one line, unless it holds this very study. Where it runs changes
-  /// no result: another account or time limit is the same study.
-  void check_is(const Study& study) const { check_is(study.print(), this->study().print()); }
-  /// The same of texts: what is to be, and what it holds.
+  /// Throws std::invalid_argument, one line, unless what it holds is what is to be. Where it runs
+  /// changes no result: another account or time limit is the same study.
   void check_is(const std::string& now, const std::string& then) const;
   /// Throws std::invalid_argument, one line, unless it was begun by this program, with the scenario
   /// file that is there now.
@@ -62,7 +62,7 @@ class StudyFolder {
   void check_is_ours() const;
 
   std::filesystem::path folder_;
-  std::string file_;
+  StudyKind kind_;
 };
 
 }  // namespace breakwater

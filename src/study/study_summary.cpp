@@ -5,14 +5,12 @@
 
 #include <breakwater/statistics/quantile.h>
 #include <breakwater/study/shards.h>
+#include <breakwater/study/study_folder.h>
 #include <breakwater/study/study_reader.h>
 
 namespace breakwater {
 namespace fs = std::filesystem;
 namespace {
-
-constexpr const char* kStudyFile = "study.toml";
-constexpr const char* kTuningFile = "tune.toml";
 
 // In the order in which a run's metrics are; of a study's cases each may have some of its own.
 std::vector<std::pair<std::string, std::vector<double>>> values_of(
@@ -33,16 +31,17 @@ std::vector<std::pair<std::string, std::vector<double>>> values_of(
 
 bool is_study_folder(const fs::path& folder) {
   return fs::is_directory(folder / "shards") &&
-         (fs::exists(folder / kStudyFile) || fs::exists(folder / kTuningFile));
+         (fs::exists(folder / kSweep.file) || fs::exists(folder / kTune.file));
 }
 
 StudySummary summarise_study(const fs::path& folder) {
   StudySummary summary;
   summary.folder = folder;
-  const bool is_tuning = !fs::exists(folder / kStudyFile);
+  const bool is_tuning = !fs::exists(folder / kSweep.file);
   if (is_tuning) summary.kind = "tuning";
-  const std::string file = (folder / (is_tuning ? kTuningFile : kStudyFile)).string();
-  summary.scenario = StudyReader(file).text_or_nothing(study_tables(file), "scenario");
+  const std::string file = (folder / (is_tuning ? kTune : kSweep).file).string();
+  const toml::table tables = study_tables(file);
+  summary.scenario = study_root(tables, file)["scenario"].text_or_nothing();
   const auto results = results_by_key(folder / "shards");
   summary.runs = results.size();
   summary.failed =

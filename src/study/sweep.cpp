@@ -99,24 +99,6 @@ double mean_length(const Sweep& sweep, std::size_t candidate, const std::atomic<
   return sum / static_cast<double>(looks);
 }
 
-// A source that keeps the folder of every point.
-class Kept : public PointSource {
- public:
-  Kept(const Sweep& sweep, const StudyFolder& folder) : sweep_(sweep), folder_(folder) {}
-  PreparedRun prepare(std::size_t point) const override { return sweep_.prepare(point); }
-  std::string unprepared_key(std::size_t point) const override {
-    return sweep_.unprepared_key(point);
-  }
-  std::filesystem::path folder(std::size_t, const std::string& key, bool) const override {
-    return folder_.run(key);
-  }
-  bool logs(std::size_t) const override { return true; }
-
- private:
-  const Sweep& sweep_;
-  const StudyFolder& folder_;
-};
-
 }  // namespace
 
 Sweep::Sweep(const Catalogue& catalogue, Study study) : catalogue_(catalogue) {
@@ -144,13 +126,12 @@ std::string Sweep::unprepared_key(std::size_t number) const {
 }
 
 std::filesystem::path Sweep::folder(std::size_t, const std::string& key, bool failed) const {
-  const Keep keep = plan_->study().keep;
-  const bool keeps = keep == Keep::all || (keep == Keep::failed && failed);
-  return keeps && folder_ ? folder_->run(key) : std::filesystem::path();
+  const bool keeps = keep_ == Keep::all || (keep_ == Keep::failed && failed);
+  return keeps ? folder_->run(key) : std::filesystem::path();
 }
 
 bool Sweep::logs(std::size_t) const {
-  return plan_->study().keep == Keep::all && folder_;
+  return keep_ == Keep::all;
 }
 
 std::vector<std::string> Sweep::check() const {
@@ -251,13 +232,6 @@ Estimate estimate(const Sweep& sweep, const std::atomic<bool>& stop) {
     estimate.seconds += estimate.runs.back().cost_s * of_each * length;
   }
   return estimate;
-}
-
-PointResult replay(const Sweep& sweep, const StudyFolder& folder, std::size_t point,
-                   const std::atomic<bool>& stop) {
-  RunControl control;
-  control.stop = &stop;
-  return run_point(point, Kept(sweep, folder), control);
 }
 
 }  // namespace breakwater

@@ -30,8 +30,11 @@ class Sweep : public PointSource {
   /// Prepares the plan's probes. Throws std::invalid_argument with the first mistake: nothing of a
   /// study runs if a value of it is wrong. Returns what is right but in vain, a line each.
   std::vector<std::string> check() const;
-  /// Where runs are kept, by their keys; without it, nowhere.
-  void keep_in(const StudyFolder& folder) { folder_ = folder; }
+  /// From now on these runs are kept, by their keys; before, none.
+  void keep_in(const StudyFolder& folder, Keep keep) {
+    folder_ = folder;
+    keep_ = keep;
+  }
 
   PreparedRun prepare(std::size_t point) const override;
   std::string unprepared_key(std::size_t point) const override;
@@ -46,6 +49,7 @@ class Sweep : public PointSource {
   std::unique_ptr<ScenarioFile> file_;
   std::unique_ptr<Plan> plan_;
   std::optional<StudyFolder> folder_;
+  Keep keep_ = Keep::metrics;
 };
 
 /// Points as ranges "0-99,120", each once and in order. Throws std::invalid_argument for what is no
@@ -65,10 +69,5 @@ struct Estimate {
 /// step count in proportion, of very many points as far as a sample of them tells. Throws
 /// Interrupted.
 Estimate estimate(const Sweep& sweep, const std::atomic<bool>& stop);
-
-/// Runs one point of a finished or unfinished study once more, with its log, into runs/KEY; a point
-/// that is refused again leaves none.
-PointResult replay(const Sweep& sweep, const StudyFolder& folder, std::size_t point,
-                   const std::atomic<bool>& stop);
 
 }  // namespace breakwater

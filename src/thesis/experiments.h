@@ -50,7 +50,7 @@ struct CellSpec {
   std::string why;    ///< why it is not reproduced, if it is not
   /// Why it holds by construction, if it does: it is then no success, and counted apart.
   std::string vacuous;
-  /// What is assumed against print, or against the section's reading: judged, and counted apart.
+  /// The assumption against print, or against the section's reading: judged, and counted apart.
   std::string hypothesis;
   Band holds;
   std::size_t line = 0;

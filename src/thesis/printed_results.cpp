@@ -8,6 +8,7 @@
 #include <fstream>
 #include <stdexcept>
 
+#include <breakwater/config/toml_entry.h>
 #include <breakwater/config/toml_file.h>
 #include <breakwater/shell/paths.h>
 
@@ -80,38 +81,21 @@ void collect(const toml::node& node, const std::string& path, const Lines& lines
   }
 }
 
-Band read_band(const toml::node* node) {
-  const toml::table* table = node == nullptr ? nullptr : node->as_table();
-  if (table == nullptr) throw std::runtime_error("a class lacks a band");
-  Band band;
-  for (const auto& [key, value] : *table) {
-    const auto number = value.value<double>();
-    if (!number) throw std::runtime_error("a band's number is none");
-    if (key == "relative") {
-      band.relative = number;
-    } else if (key == "absolute") {
-      band.absolute = number;
-    } else if (key == "above") {
-      band.above = number;
-    } else if (key == "below") {
-      band.below = number;
-    } else {
-      throw std::runtime_error("a band has no " + std::string(key.str()));
-    }
-  }
-  return band;
+Band read_band(const TomlEntry& table) {
+  if (!table) table.fail("is missing");
+  table.allow({"relative", "absolute", "above", "below"});
+  return {table["relative"].number_or_nothing(), table["absolute"].number_or_nothing(),
+          table["above"].number_or_nothing(), table["below"].number_or_nothing()};
 }
 
-Standard read_standard(const toml::table& table) {
+Standard read_standard(const TomlEntry& table) {
   Standard standard;
-  if (const toml::table* words = table["words"].as_table()) {
-    for (const auto& [word, band] : *words) {
-      standard.words.emplace_back(word.str(), read_band(&band));
-    }
-  } else {
-    standard.reproduced = read_band(table.get("reproduced"));
-    standard.within = read_band(table.get("within"));
+  for (const auto& [word, band] : table["words"].entries()) {
+    standard.words.emplace_back(word, read_band(band));
   }
+  if (table["words"]) return standard;
+  standard.reproduced = read_band(table["reproduced"]);
+  standard.within = read_band(table["within"]);
   return standard;
 }
 
@@ -185,40 +169,23 @@ PrintedResults::PrintedResults(const std::filesystem::path& folder) {
   const std::string printed = (folder / "printed-results.toml").string();
   collect(parse_toml_file(printed), "", Lines(printed), results_);
   const std::string name = (folder / "reproduced.toml").string();
-  const toml::table file = parse_toml_file(name);
-  const auto table_of = [&](const toml::node& node) -> const toml::table& {
-    if (const toml::table* table = node.as_table()) return *table;
-    throw std::invalid_argument(at_line(name, node.source()) + ": must be a table");
-  };
-  const toml::array* classes = file["class"].as_array();
-  if (classes == nullptr) throw std::invalid_argument(name + ": there is no [[class]]");
-  for (const toml::node& node : *classes) {
-    const toml::table& table = table_of(node);
-    const std::string place = at_line(name, node.source()) + ": ";
-    const toml::array* patterns = table["of"].as_array();
-    if (patterns == nullptr) throw std::invalid_argument(place + "a class has no `of`");
-    try {
-      for (const toml::node& pattern : *patterns) {
-        standards_.emplace_back(pattern.value_or(std::string()), read_standard(table));
-      }
-    } catch (const std::runtime_error& error) {
-      throw std::invalid_argument(place + error.what());
+  const toml::table tables = parse_toml_file(name);
+  const TomlEntry root(tables, name);
+  for (const char* key : {"class", "case"}) {
+    if (!root[key]) root[key].fail("is missing");
+  }
+  for (const TomlEntry& one : root["class"].elements()) {
+    if (!one["of"]) one["of"].fail("is missing");
+    for (const TomlEntry& pattern : one["of"].elements()) {
+      standards_.emplace_back(pattern.text(), read_standard(one));
     }
   }
-  const toml::node* cases = file.get("case");
-  if (cases == nullptr) throw std::invalid_argument(name + ": there is no [case]");
-  for (const auto& [scenario, scenario_cases] : table_of(*cases)) {
-    for (const auto& [case_name, node] : table_of(scenario_cases)) {
-      Case entry;
-      for (const auto& [key, value] : table_of(node)) {
-        const std::string theirs = value.value_or(std::string());
-        if (key == "printed") {
-          entry.printed = theirs;
-        } else {
-          entry.metrics[std::string(key.str())] = theirs;
-        }
+  for (const auto& [scenario, cases] : root["case"].entries()) {
+    for (const auto& [case_name, metrics] : cases.entries()) {
+      Case& entry = cases_[scenario + "/" + case_name];
+      for (const auto& [ours, theirs] : metrics.entries()) {
+        (ours == "printed" ? entry.printed : entry.metrics[ours]) = theirs.text();
       }
-      cases_[std::string(scenario.str()) + "/" + std::string(case_name.str())] = entry;
     }
   }
 }

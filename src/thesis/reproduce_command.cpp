@@ -30,7 +30,7 @@ struct ReproduceArguments {
   bool quiet = false;
 };
 
-// Those of a group, or those whose number begins with `only`: "2.4" has 2.4.3.2.
+// The sections of a group, or all whose number begins with `only`: "2.4" has 2.4.3.2.
 std::vector<const SectionSpec*> choose_sections(const Experiments& experiments,
                                                 const std::string& only) {
   std::vector<const SectionSpec*> chosen;

@@ -12,6 +12,7 @@
 #include <breakwater/experiment/saved_run.h>
 #include <breakwater/record/file_hash.h>
 #include <breakwater/shell/progress.h>
+#include <breakwater/statistics/quantile.h>
 #include <breakwater/study/executor.h>
 
 namespace breakwater {
@@ -362,13 +363,9 @@ std::vector<double> values_of(const CellSpec& cell, const Measured& measured) {
 }
 
 double median(std::vector<double> values) {
-  if (std::any_of(values.begin(), values.end(), [](double v) { return std::isnan(v); })) {
-    return std::numeric_limits<double>::quiet_NaN();
-  }
-  std::sort(values.begin(), values.end());
-  const std::size_t middle = values.size() / 2;
-  if (values.size() % 2 == 1 || values[middle - 1] == values[middle]) return values[middle];
-  return 0.5 * (values[middle - 1] + values[middle]);
+  const bool is_measured =
+      std::none_of(values.begin(), values.end(), [](double v) { return std::isnan(v); });
+  return is_measured ? sample_median(values) : kNaN;
 }
 
 }  // namespace breakwater

@@ -57,7 +57,7 @@ Measured measure(const Reproduction& reproduction);
 /// not have, but others of its scenario have, is infinite if the cell says that this means never.
 std::vector<double> values_of(const CellSpec& cell, const Measured& measured);
 
-/// Median: of an even number of values the mean of the two in the middle.
+/// sample_median(); NaN if any value is.
 double median(std::vector<double> values);
 
 }  // namespace breakwater

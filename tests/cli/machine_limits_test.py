@@ -14,11 +14,14 @@ STUDY = ["breakwater", "sweep", "cart_position", "--seeds", "1..40", "--duration
 
 
 class MachineLimits(Folder):
-    def limited(self, *words, stdout=os.devnull, stderr=None, limit=None):
+    def limited(self, *words, stdout=os.devnull, stderr=None, limits={}):
         """Exit status and stderr."""
+        def set_limits():
+            for kind, most in limits.items():
+                resource.setrlimit(kind, most if isinstance(most, tuple) else (most, most))
         with open(stdout, "w") as out, open(stderr or self.folder / "stderr", "w") as err:
             done = subprocess.run([BIN / words[0], *words[1:]], cwd=self.folder, stdout=out, stderr=err,
-                                  preexec_fn=limit and (lambda: resource.setrlimit(limit[0], limit[1:] * 2)))
+                                  preexec_fn=set_limits)
         text = "" if stderr else (self.folder / "stderr").read_text()
         (self.folder / "stderr").unlink(missing_ok=True)
         return done.returncode, text
@@ -44,32 +47,59 @@ class MachineLimits(Folder):
         for out in ("run", "deep/fresh"):
             with self.subTest(out=out):
                 status, text = self.limited("cart_position", "--duration", "5", "--out", out,
-                                            limit=(resource.RLIMIT_FSIZE, 20_000))
+                                            limits={resource.RLIMIT_FSIZE: 20_000})
                 self.assertEqual(status, 2)
                 self.assertRegex(text, r"\A.*log\.h5: cannot be written \(File too large\)\n\Z")
         self.assertEqual([path.name for path in self.folder.iterdir()], ["run"])
         self.assertEqual((self.folder / "run" / "log.h5").read_bytes(), before)
         status, text = self.limited("breakwater", "report", "run", "--out", "page",
-                                    limit=(resource.RLIMIT_FSIZE, 20_000))
+                                    limits={resource.RLIMIT_FSIZE: 20_000})
         self.assertEqual(status, 2)
         self.assertRegex(text, r"\A.*report\.html: cannot be written \(File too large\)\n\Z")
         self.assertEqual(list((self.folder / "page").iterdir()), [])
 
-    def test_with_little_memory_fewer_threads_do_the_work_or_it_is_said(self):
+    def test_fewer_threads_do_the_work_where_there_is_no_room_for_their_stacks(self):
+        """Two stacks of 600 MB fit beside the program, a third does not."""
         self.call(*STUDY, "--jobs", "1", "--out", "one")
         status, text = self.limited(*STUDY, "--jobs", "16", "--out", "many",
-                                    limit=(resource.RLIMIT_AS, 300_000_000))
-        if status != 0:
-            self.assertEqual(status, 2)
-            self.assertRegex(text, r"\A.*memory.*\n\Z")
-            return
-        self.assertEqual(text, "")
+                                    limits={resource.RLIMIT_STACK: 600_000_000,
+                                            resource.RLIMIT_AS: 2_000_000_000})
+        self.assertEqual(status, 0, text)
+        self.assertNotIn("memory", text)
         self.assertEqual(*((self.folder / name / "results.csv").read_bytes() for name in ("one", "many")))
+
+    def test_threads_that_have_no_room_for_their_runs_say_so(self):
+        """Stacks of the usual size take all the room here, so that some run finds none. Little more
+        memory, and it depends on which thread asks first: both ends are right then."""
+        status, text = self.limited(*STUDY, "--jobs", "16", "--out", "many",
+                                    limits={resource.RLIMIT_STACK: 8_000_000,
+                                            resource.RLIMIT_AS: 300_000_000})
+        self.assertEqual(status, 2, text)
+        self.assertRegex(text, r"\A.*memory.*\n\Z")
+
+    def test_a_study_without_memory_is_no_study_of_refused_runs(self):
+        self.call(*STUDY, "--jobs", "1", "--out", "one")
+        for mega_bytes in range(244, 300, 2):
+            out = f"of_{mega_bytes}_MB"
+            status, text = self.limited(*STUDY, "--jobs", "1", "--out", out,
+                                        limits={resource.RLIMIT_AS: mega_bytes * 1_000_000})
+            with self.subTest(mega_bytes=mega_bytes):
+                if status == 0:
+                    self.assertEqual(*((self.folder / name / "results.csv").read_bytes() for name in ("one", out)))
+
+    def test_files_are_opened_up_to_the_hard_limit_and_their_lack_is_named(self):
+        study = [*STUDY, "--keep", "all", "--jobs", "16", "--out"]
+        status, text = self.limited(*study, "few", limits={resource.RLIMIT_NOFILE: 8})
+        self.assertEqual(status, 2)
+        self.assertRegex(text, r"\A.*\(Too many open files\)\n\Z")
+        status, text = self.limited(*study, "many", limits={resource.RLIMIT_NOFILE: (8, 1000)})
+        self.assertEqual(status, 0, text)
+        self.assertNotIn("refused", (self.folder / "many" / "results.csv").read_text())
 
     def test_too_little_memory_is_said(self):
         for mega_bytes in range(40, 200, 10):
             status, text = self.limited("cart_position", "--duration", "0.2", "--out", "run",
-                                        limit=(resource.RLIMIT_AS, mega_bytes * 1_000_000))
+                                        limits={resource.RLIMIT_AS: mega_bytes * 1_000_000})
             with self.subTest(mega_bytes=mega_bytes):
                 if status == 127 or "loading shared libraries" in text:
                     continue  # the system's loader had too little

@@ -74,7 +74,7 @@ inline void make_infeasible(Random& random, QpModel& model, QpInput& input, doub
   input.upper(last) = most + by + 1.0;
 }
 
-/// What is wrong with a solution, from the definition alone and not by kkt_residual().
+/// The error of a solution, from the definition alone and not by kkt_residual().
 inline double optimality_error(const QpModel& model, const QpInput& input, const QpSolution& s) {
   const double scale = std::max({1.0, input.g.cwiseAbs().maxCoeff(), s.mu.cwiseAbs().maxCoeff()});
   const Eigen::VectorXd values = model.Omega * s.z - input.softness.cwiseProduct(s.mu);
@@ -105,7 +105,7 @@ inline HardQp hard_feasible_qp(Random& random) {
   };
   const Eigen::Index n = whole(2, 24);
   const Eigen::Index m = whole(1, 60);
-  // Of few digits, so that sums of rows are exact.
+  // Few digits make sums of rows exact.
   const auto rounded = [](const Eigen::MatrixXd& rows) -> Eigen::MatrixXd {
     constexpr double kGrid = 1ULL << 36;
     return (kGrid * rows).array().round() / kGrid;

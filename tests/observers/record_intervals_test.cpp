@@ -107,7 +107,8 @@ TEST(RecordIntervals, HowWellAMissingInputIsKnownIsWhatTheRecordSays) {
   }
   RecordIntervals intervals({.times_s = times, .inputs = inputs, .period_s = 1.0});
   intervals.move_to(700);
-  // Of white inputs of variance 1/3: of 8 the first is known, and 7/16 of the next is subtracted.
+  // The inputs are white, of variance 1/3: of 8 the first is known, and 7/16 of the next is
+  // subtracted.
   const double n = 8.0;
   const double share = 7.0 / 16.0;
   const double first = 1.0 / n - 1.0 + share;

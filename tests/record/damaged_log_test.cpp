@@ -1,11 +1,15 @@
 // Logs that are not what a run wrote: no reader crashes, hangs or fills the memory.
 #include <gtest/gtest.h>
+#include <sys/prctl.h>
+#include <sys/stat.h>
 
+#include <csignal>
 #include <cstdlib>
 #include <map>
 #include <stdexcept>
 
 #include <breakwater/record/file_hash.h>
+#include <breakwater/record/interrupted.h>
 #include <breakwater/record/run_folder.h>
 #include "record/damaged_log.h"
 #include "support.h"
@@ -23,9 +27,8 @@ class DamagedLog : public ::testing::Test {
  protected:
   DamagedLog() { fs::create_directories(folder_); }
 
-  // Writes the log with h5py: `f` is the file, `c` its group control, `folder` where it lies. Says
-  // what becomes of reading all of it.
-  std::string outcome_of(const std::string& script) {
+  // Writes the log with h5py: `f` is the file, `c` its group control, `folder` where it lies.
+  void write(const std::string& script) {
     fs::remove(log_);
     const std::string command =
         "/usr/bin/python3 -c \"import h5py, numpy as np, sys; folder = sys.argv[1]; "
@@ -33,6 +36,10 @@ class DamagedLog : public ::testing::Test {
         "c['time_s'] = [0.0, 1.0]; " +
         script + "; f.close()\" " + folder_.string();
     EXPECT_EQ(std::system(command.c_str()), 0);
+  }
+  // Says what becomes of reading all of it.
+  std::string outcome_of(const std::string& script) {
+    write(script);
     return outcome([&] { read_all(log_); });
   }
 
@@ -84,6 +91,69 @@ TEST_F(DamagedLog, IsReadByAChildWhateverBytesItHolds) {
     }
     EXPECT_GT(refused, 25) << "hardly any damage was done";
   }
+}
+
+// A dataset of 8 MB that deflates to 8 kB, under two names and under many.
+TEST_F(DamagedLog, ThatHoldsMoreThanItsReaderMayTakeIsRefused) {
+  const auto write_links = [&](int count) {
+    write(
+        "c.create_dataset('x', data=np.zeros((10**6, 1)), chunks=(10**5, 1), compression=9); "
+        "[c.__setitem__('x%d' % k, c['x']) for k in range(" +
+        std::to_string(count) + ")]");
+  };
+  write_links(1);
+  EXPECT_EQ(read_foreign_log(log_.string()).datasets.at("control/x0").rows, 1'000'000U);
+  write_links(125);
+  try {
+    read_foreign_log(log_.string());
+    ADD_FAILURE() << "it is read";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_EQ(error.what(), log_.string() +
+                                ": is not read: it has more than 1000 MB of values, and its "
+                                "manifest.json no log_hash");
+  }
+}
+
+// A pipe that nobody writes to never ends.
+class EndlessLog : public ::testing::Test {
+ protected:
+  EndlessLog() { EXPECT_EQ(mkfifo(log_.c_str(), 0600), 0); }
+
+  fs::path log_ = testing::temporary_path("endless_log");
+  testing::Removed removed_{log_};
+};
+
+TEST_F(EndlessLog, ASignalEndsItsReaderAtOnce) {
+  struct sigaction action = {}, before = {};
+  action.sa_handler = [](int) {};
+  sigaction(SIGALRM, &action, &before);
+  alarm(1);
+  EXPECT_THROW(read_foreign_log(log_.string()), Interrupted);
+  EXPECT_EQ(waitpid(-1, nullptr, WNOHANG), -1) << "a child is left";
+  sigaction(SIGALRM, &before, nullptr);
+}
+
+TEST_F(EndlessLog, ItsReaderEndsWithItsParent) {
+  prctl(PR_SET_CHILD_SUBREAPER, 1);  // the reader is ours once its parent has ended
+  const pid_t parent = fork();
+  if (parent == 0) {
+    read_foreign_log(log_.string());
+    _exit(0);
+  }
+  const std::string process = "/proc/" + std::to_string(parent);
+  const std::string children = process + "/task/" + std::to_string(parent) + "/children";
+  while (testing::text_of(children).empty()) usleep(1000);
+  kill(parent, SIGTERM);
+  int ended = 0;
+  for (int ms = 0; ms < 5000 && ended < 2; ++ms) {
+    if (waitpid(-1, nullptr, WNOHANG) > 0) {
+      ++ended;
+    } else {
+      usleep(1000);
+    }
+  }
+  EXPECT_EQ(ended, 2);
+  prctl(PR_SET_CHILD_SUBREAPER, 0);
 }
 
 TEST_F(DamagedLog, IsFoundOutByTheManifest) {

@@ -127,7 +127,8 @@ TEST(Allocation, PredictiveControlLoopDoesNotAllocate) {
   EXPECT_EQ(allocations_in_loop("cart_constrained", "lqr-obs-kfd", {"run.duration_s=120"}), 0);
 }
 
-// Of poor condition, with dependent rows and without a solution too: all ways through the solver.
+// Programs of poor condition, with dependent rows and without a solution take all ways through the
+// solver.
 TEST(Allocation, QuadraticProgramsDoNotAllocate) {
   testing::Random random;
   allocations = 0;

@@ -40,7 +40,7 @@ bool loses_its_reference(const std::string& scenario, const std::string& name) {
   return scenario == "quadrotor_waves" && name == "ekf-second";
 }
 
-// Of all shipped cases but those at the wall, which are long.
+// The cases at the wall, which are long, are left out.
 TEST(ReferenceOfARun, IsHeldInTheShippedCasesButForThoseThatLoseIt) {
   for (const std::string& scenario : testing::scenario_names()) {
     if (scenario == "arm_wall_contact") continue;

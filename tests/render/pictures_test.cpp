@@ -301,7 +301,7 @@ TEST_F(Pictures, ASiteThatTheModelLacksIsSaidWithTheShotListsLine) {
   setenv("BREAKWATER_PATH", (folder_ / "mine").c_str(), 1);
   const ProgramResult result = breakwater({"still", "run", "--at", "0.1"});
   unsetenv("BREAKWATER_PATH");
-  expect_failure(result, 2, "arm_push/shots.toml:" + std::to_string(line) + ": site: ", kRunFiles,
+  expect_failure(result, 2, "arm_push/shots.toml:" + std::to_string(line) + ": arrow.site: ", kRunFiles,
                  "run");
 }
 
@@ -574,8 +574,8 @@ TEST_F(Pictures, ShotListsAreCheckedLikeScenarioFiles) {
       testing::text_of(testing::source_file("scenarios/arm_wall_contact/shots.toml"));
   const std::vector<std::array<std::string, 3>> cases = {
       {"speed = 0.1", "speed = 0.0", "video.speed: must be positive"},
-      {"unit = \"N\"", "unti = \"N\"", "arrow.1.unti: unknown key (did you mean arrow.1.unit?)"},
-      {"along = [-1.0, 0.0, 0.0]", "along = [-1.0]", "arrow.1.along: must have 3 numbers"},
+      {"unit = \"N\"", "unti = \"N\"", "arrow.unti: unknown key (did you mean unit?)"},
+      {"along = [-1.0, 0.0, 0.0]", "along = [-1.0]", "arrow.along: must have 3 numbers"},
       {"width = 1280", "width = 1281", "video.width: must be even"},
       {"to_s = 31.5", "to_s = 1.5", "video.to_s: must be after"}};
   for (const auto& [from, to, message] : cases) {

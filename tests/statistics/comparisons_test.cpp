@@ -562,7 +562,7 @@ TEST(Crossing, ADrawnKeyIsTestedOverBlocks) {
   EXPECT_EQ(comparison.interactions[0].values[0].label, "500 to 4000");
 }
 
-// What is the same over the key, and what is nothing: in 1000 studies 50 may be said to turn.
+// The difference is the same over the key, or is nothing: in 1000 studies 50 may be said to turn.
 TEST(Crossing, IsSeldomSaidOfWhatDoesNotTurn) {
   testing::Random random(9);
   int said[3] = {0, 0, 0};

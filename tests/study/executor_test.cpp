@@ -237,25 +237,6 @@ TEST_F(Executor, NoMemoryNamesThePoint) {
   EXPECT_EQ(kept(), 1U);
 }
 
-// By the time that it is looked into, another thread may have closed its files.
-TEST_F(Executor, ARefusalWhileFilesAreShortIsLookedIntoAgain) {
-  rlimit before = {};
-  getrlimit(RLIMIT_NOFILE, &before);
-  const rlimit few = {64, before.rlim_max};
-  setrlimit(RLIMIT_NOFILE, &few);
-  int times = 0;
-  source_.before[1] = [&] {
-    if (++times == 1) throw std::invalid_argument("data.csv: cannot be read");
-  };
-  source_.before[2] = [] { throw std::invalid_argument("no such thing"); };
-  EXPECT_EQ(run(source_), 4U);
-  setrlimit(RLIMIT_NOFILE, &before);
-  const ShardIndex index(source_.shards(), 4);
-  EXPECT_EQ(times, 2);
-  EXPECT_EQ(index.status(1), PointStatus::complete);
-  EXPECT_EQ(index.status(2), PointStatus::refused);
-}
-
 TEST_F(Executor, PointsOfOneKeyWriteOneFolder) {
   class Same : public Source {
    public:

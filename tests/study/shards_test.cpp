@@ -111,6 +111,23 @@ TEST_F(Shards, GiveBackAllOfAResult) {
   EXPECT_TRUE(results.at("failed").reason.ends_with(" more"));
 }
 
+TEST_F(Shards, OfOneProcessTellWhichPointIsBegun) {
+  EXPECT_TRUE(results_of_process(folder_, getpid()).results.empty());
+  Shard made(folder_);
+  made.begin(4, "fifth");
+  made.add(result_of(4, "fifth"));
+  write(with_checksum("point\t9\tother\tcomplete\t\t0\t"), "host-1-0.shard");
+  ProcessResults found = results_of_process(folder_, getpid());
+  ASSERT_EQ(found.results.size(), 1U);
+  EXPECT_EQ(found.results[0].key, "fifth");
+  made.begin(7, "eighth");
+  found = results_of_process(folder_, getpid());
+  EXPECT_EQ(found.results.size(), 1U);
+  EXPECT_EQ(found.begun, 7U);
+  EXPECT_EQ(found.begun_key, "eighth");
+  EXPECT_EQ(ShardIndex(folder_, 8).done(), 1U) << "what is begun is not done";
+}
+
 TEST_F(Shards, GiveBackEveryBitOfANumber) {
   const double infinity = std::numeric_limits<double>::infinity();
   const std::vector<double> values = {

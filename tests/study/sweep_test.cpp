@@ -346,7 +346,7 @@ goal.y_1 = "min"
   const std::string page = read("few/report.html");
   EXPECT_NE(page.find(">too few blocks</b>"), std::string::npos);
   EXPECT_NE(page.find("Between: the share"), std::string::npos);
-  // Each seed a world, where that is asked for. Of a key without effect both values are one.
+  // Each seed a world, where that is asked for. Both values of a key without effect are one.
   ASSERT_EQ(sweep({"study.toml", "--worlds", "seeds", "--out", "seeds"}).status, 0);
   cells = results("seeds", "comparison.csv");
   EXPECT_EQ(cells[1].at(18) + cells[1].at(25), "worse25");
@@ -436,7 +436,7 @@ TEST_F(Sweep, ThePageOpensWithTheFirstMetricThatIsNamed) {
   EXPECT_EQ(first({"--goal", "y_1=min", "--goal", second + "=max"}), "y_1");  // not by the alphabet
 }
 
-// What differs stands in one place.
+// All that differs stands in one place.
 TEST_F(Sweep, AKilledStudyLeavesTheSamePage) {
   const std::vector<std::string> study = {"ishigami", "--vary",      "x.first=lin(-3,3,40)",
                                           "--case",   "plain,noisy", "--seeds",
@@ -793,7 +793,7 @@ TEST_F(Sweep, WhatIsInVainIsWarnedOf) {
          "positive_x_second_1 is missing: in 1 of 2 complete runs of plain");
   expect(warnings({"ishigami", "--metrics", "y_2", "--case", "plain, noisy", "--dry-run"}),
          "compare.metrics: y_2: none of these runs has it (did you mean y_1?)");
-  // Who says --duration knows that it is shorter.
+  // A user who says --duration knows that it is shorter.
   EXPECT_EQ(warnings({"ishigami", "--duration", "0.5", "--dry-run"}).find("warning"),
             std::string::npos);
   // A key that the chosen estimator does not use, and one that another candidate does.
@@ -894,12 +894,12 @@ TEST_F(Sweep, WhatIsToGoIsWeighedByCandidate) {
 TEST_F(Sweep, SubmissionsThatCannotBeReadAreNotNone) {
   fs::create_directory(folder_ / "s");
   write("s/slurm", "no folder");
-  EXPECT_THROW(queued(StudyFolder(folder_ / "s"), 1), std::invalid_argument);
+  EXPECT_THROW(queued(StudyFolder(folder_ / "s", kSweep), 1), std::invalid_argument);
 }
 
 TEST_F(Sweep, TwoStudiesAreNotBegunInOneFolder) {
   const ScenarioFile file(testing::source_file("tests/study/ishigami/ishigami.toml"), "ishigami");
-  const StudyFolder study(folder_ / "s");
+  const StudyFolder study(folder_ / "s", kSweep);
   study.make("a = 1\n", file);
   EXPECT_NE(read("s/study.toml").find(file_hash(file.file())), std::string::npos);
   EXPECT_NO_THROW(study.make("a = 1\n", file));  // by another process at the same time
@@ -942,7 +942,7 @@ TEST_F(Sweep, AModelThatChangesBetweenProcessesEndsTheStudy) {
   std::string said;
   while (const auto line = study.next()) said += *line + "\n";
   EXPECT_EQ(WEXITSTATUS(study.wait()), 2);
-  EXPECT_NE(said.find("own.xml: was changed while it ran"), std::string::npos) << said;
+  EXPECT_NE(said.find("own.xml has changed since"), std::string::npos) << said;
   EXPECT_FALSE(fs::exists(folder_ / "s/results.csv"));
   // Nothing of the other version is among the results.
   fs::copy_file(testing::source_file("models/motor.xml"), folder_ / "own.xml",

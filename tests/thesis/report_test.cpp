@@ -416,17 +416,17 @@ TEST(Experiments, MistakesAreSaidWithTheirLine) {
   };
   const std::string section = "[[section]]\nid = \"1\"\ngroup = \"arm\"\ntitle = \"t\"\n";
   EXPECT_EQ(message(section), "");
-  EXPECT_NE(message(section + "colour = 1\n").find(":5: there is no key colour"),
+  EXPECT_NE(message(section + "colour = 1\n").find(":5: section.colour: unknown key"),
             std::string::npos);
   EXPECT_NE(message(section + "[[section.run]]\nname = \"{k}\"\n").find("there is no {k}"),
             std::string::npos);
   EXPECT_NE(message("[[section]\n").find(":1: "), std::string::npos);
   EXPECT_NE(message(section + "video = \"none\"\n").find("there is no run none"),
             std::string::npos);
-  EXPECT_NE(
-      message(section + "docs = \"nowhere.md\"\n").find(":5: there is no page docs/nowhere.md"),
-      std::string::npos);
-  EXPECT_NE(message("titel = \"t\"\n").find(":1: there is no key titel (did you mean title?)"),
+  EXPECT_NE(message(section + "docs = \"nowhere.md\"\n")
+                .find(":5: section.docs: there is no page docs/nowhere.md"),
+            std::string::npos);
+  EXPECT_NE(message("titel = \"t\"\n").find(":1: titel: unknown key (did you mean title?)"),
             std::string::npos);
   EXPECT_NE(message(section + "[[hero]]\nfigure = \"9\"\ncaption = \"c\"\n")
                 .find(":5: there is no panel 0 of a figure 9"),
@@ -435,7 +435,8 @@ TEST(Experiments, MistakesAreSaidWithTheirLine) {
                           "[[section.run]]\nname = \"x\"\nscenario = \"arm_push\"\n"
                           "case = \"c\"\n";
   const std::string spread = "spread = { key = \"k\", count = [1, 1], width = \"wide\" }\n";
-  EXPECT_NE(message(run + spread).find(":9: width: \"wide\" is no number"), std::string::npos);
+  EXPECT_NE(message(run + spread).find(":9: section.run.spread.width: \"wide\" is no number"),
+            std::string::npos);
   // A cell is made of the table's `cell` (line 11), its column (12) and its row (14); its own table
   // stands in the row.
   const auto of_cell = [&](const std::string& row) {
@@ -448,21 +449,30 @@ TEST(Experiments, MistakesAreSaidWithTheirLine) {
   EXPECT_EQ(of_cell("says = \"s\""), "");
   EXPECT_EQ(of_cell("says = \"s\", absent = \"never\""), "");
   for (const auto& [row, part] : std::vector<std::pair<std::string, std::string>>{
-           {"run = \"x\"", ":14: a cell has either `printed`, `says` or `shows`"},
-           {"says = \"s\", shows = \"t\"", ":14: a cell has either `printed`, `says` or `shows`"},
-           {"says = \"s\", vacuous = \"v\", hypothesis = \"h\"", ":14: `vacuous` is neither"},
-           {"shows = \"s\", vacuous = \"v\"", ":14: `vacuous` is neither what `shows`"},
+           {"run = \"x\"",
+            ":14: section.table.rows: a cell has either `printed`, `says` or `shows`"},
+           {"says = \"s\", shows = \"t\"",
+            ":14: section.table.rows: a cell has either `printed`, `says` or `shows`"},
+           {"says = \"s\", vacuous = \"v\", hypothesis = \"h\"",
+            ":14: section.table.rows: `vacuous` is neither"},
+           {"shows = \"s\", vacuous = \"v\"",
+            ":14: section.table.rows: `vacuous` is neither what `shows`"},
            {"says = \"s\", run = \"y\"", ":14: there is no run y (did you mean x?)"},
            {"says = \"s\", over = \"y\"", ":14: there is no run y"},
-           {"says = \"s\", metric = \"{q}\"", ":14: \"{q}\": there is no {q}"},
-           {"says = \"s\", divisor = 0", ":14: divisor must not be zero"},
-           {"says = \"s\", divisor = \"a\"", ":14: divisor must be a number"},
-           {"says = \"s\", statistic = \"shares\"", ":14: statistic: \"shares\" must be"},
-           {"says = \"s\", absent = \"nevr\"", ":14: absent: \"nevr\" must be never"},
-           {"says = \"s\", k = { below = \"a\" }", ":14: below must be a number"},
-           {"says = \"s\", belwo = 2.0", ":14: there is no key belwo (did you mean below?)"},
+           {"says = \"s\", metric = \"{q}\"",
+            ":14: section.table.rows.metric: \"{q}\": there is no {q}"},
+           {"says = \"s\", divisor = 0", ":14: section.table.rows.divisor: must not be zero"},
+           {"says = \"s\", divisor = \"a\"", ":14: section.table.rows.divisor: must be a number"},
+           {"says = \"s\", statistic = \"shares\"",
+            ":14: section.table.rows.statistic: \"shares\" must be"},
+           {"says = \"s\", absent = \"nevr\"",
+            ":14: section.table.rows.absent: \"nevr\" must be never"},
+           {"says = \"s\", k = { below = \"a\" }",
+            ":14: section.table.rows.k.below: must be a number"},
+           {"says = \"s\", belwo = 2.0",
+            ":14: section.table.rows.belwo: unknown key (did you mean below?)"},
            {"says = \"s\", k = { absnet = \"never\" }",
-            ":14: there is no key absnet (did you mean absent?)"},
+            ":14: section.table.rows.k.absnet: unknown key (did you mean absent?)"},
            {"printed = \"nowhere\"", ":14: nothing is printed at nowhere"}}) {
     EXPECT_NE(of_cell(row).find(part), std::string::npos) << of_cell(row);
   }

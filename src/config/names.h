@@ -1,0 +1,28 @@
+// An enumeration's members by the names that files and options have for them.
+#pragma once
+
+#include <algorithm>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace breakwater {
+
+template <typename Enum>
+using Names = std::vector<std::pair<std::string, Enum>>;
+
+template <typename Enum>
+std::vector<std::string> names_of(const Names<Enum>& names) {
+  std::vector<std::string> all;
+  for (const auto& [name, value] : names) all.push_back(name);
+  return all;
+}
+
+/// Of a value that has one.
+template <typename Enum>
+std::string name_of(const Names<Enum>& names, Enum value) {
+  return std::find_if(names.begin(), names.end(), [&](const auto& n) { return n.second == value; })
+      ->first;
+}
+
+}  // namespace breakwater

@@ -1,0 +1,30 @@
+// What `run` and `sweep` change of every run.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+
+namespace breakwater {
+
+struct RunChanges {
+  std::string config;
+  std::vector<std::string> sets;
+  std::string duration;
+};
+
+/// --config, --set and --duration, in a group of the help.
+void add_run_changes(CLI::App& app, RunChanges& options, const std::string& config_help,
+                     const std::string& set_help, const std::string& group = "Options");
+
+/// "--OPTION must be a number": a check. What the key asks beyond that is said of the key.
+std::string is_number(const std::string& text);
+
+/// --set's, and OPTION=VALUE as that of a key, if it was given. Throws std::invalid_argument if
+/// both give it.
+void add_set(std::vector<std::string>& sets, const std::string& option, const std::string& key,
+             const std::string& value);
+/// The sets with --duration among them.
+std::vector<std::string> all_sets(const RunChanges& options);
+
+}  // namespace breakwater

@@ -1,0 +1,145 @@
+#include <breakwater/program/study_command.h>
+
+#include <fmt/format.h>
+
+#include <csignal>
+#include <filesystem>
+#include <optional>
+#include <stdexcept>
+
+#include <breakwater/cluster/slurm_options.h>
+#include <breakwater/cluster/slurm_queue.h>
+#include <breakwater/shell/all_cores.h>
+#include <breakwater/shell/process.h>
+#include <breakwater/shell/table.h>
+#include <breakwater/study/isolated.h>
+
+namespace breakwater {
+namespace fs = std::filesystem;
+
+void add_study_options(CLI::App& app, StudyOptions& options, const StudyOptionsHelp& help) {
+  app.add_option("TARGET", options.target, help.target)->required();
+  app.add_option("--out", options.out, help.out)->type_name("DIR")->group(help.how);
+  app.add_option("--jobs", options.jobs, "how many runs at a time (default: all cores)")
+      ->type_name("N")
+      ->check(CLI::Range(1, 4096))
+      ->group(help.how);
+  app.add_flag("--isolate", options.isolate,
+               "in processes of their own: a run that crashes is one failed run")
+      ->group(help.how);
+  app.add_flag("--dry-run", options.dry_run, help.dry_run)->group(help.how);
+  app.add_flag("--rerun", options.rerun, "remove what is there and begin anew")->group(help.how);
+  app.add_flag("--status", options.status, "say what is done, and exit")
+      ->group(help.begun)
+      ->excludes("--rerun");
+  app.add_flag("--quiet", options.quiet, "print errors and warnings only")->group(help.how);
+  app.add_flag("--slurm", options.slurm, help.slurm)->group(kOnCluster);
+  add_slurm_options(app, options.request);
+}
+
+StudyFolder begun_folder(const std::string& target, const StudyKind& kind,
+                         const std::string& what_it_is) {
+  StudyFolder folder(fs::absolute(target).lexically_normal(), kind);
+  if (!folder.is_there()) {
+    throw std::invalid_argument(
+        fmt::format("{}: has no {}: it is {}", target, kind.file, what_it_is));
+  }
+  fs::current_path(folder.working_folder());
+  return folder;
+}
+
+StudyFolder new_folder(const StudyOptions& options, const std::string& name,
+                       const StudyKind& kind) {
+  const fs::path out = options.out.empty() ? fs::path("studies") / name : fs::path(options.out);
+  return {fs::absolute(out).lexically_normal(), kind};
+}
+
+std::string time_needed(double processor_time_s, std::size_t jobs) {
+  if (jobs == 0) jobs = usable_cores();
+  return fmt::format("about {} on {} ({} of processor time)\n",
+                     duration_text(processor_time_s / static_cast<double>(jobs)),
+                     number_of(jobs, "core"), duration_text(processor_time_s));
+}
+
+StudyCommand::StudyCommand(StudyFolder folder, StudyOptions options)
+    : folder_(std::move(folder)), options_(std::move(options)) {
+  if (options_.isolate) options_.request.of_task = {"--isolate"};
+  if (options_.is_task()) {
+    stop_on_signals({SIGUSR1});  // a scheduler's warning that time is up
+  } else {
+    stop_on_signals();
+  }
+}
+
+int StudyCommand::run() {
+  if (options_.slurm || options_.print_tasks) check_for_scripts(folder_);
+  if (options_.dry_run) {
+    print_dry_run();
+    return kSuccess;
+  }
+  const bool is_there = folder_.is_there();
+  const bool only_looks = options_.status || options_.collect || !options_.replay.empty();
+  if (!is_there && (only_looks || options_.is_task())) {
+    throw std::invalid_argument(fmt::format("{}: has no {}: nothing was begun",
+                                            folder_.path().string(), folder_.kind().file));
+  }
+  std::optional<ShardIndex> before;  // what was there
+  if (is_there) {
+    folder_.check_is(text(), text_there());
+    before.emplace(folder_.shards(), size());
+    if (options_.status) {
+      print_status(*before);
+      print_slurm_status(folder_, *before);
+      return kSuccess;
+    }
+    if (options_.collect) {
+      collect(*before);
+      return kSuccess;
+    }
+    if (!options_.rerun) folder_.check_made_by_this(file(), *before);
+    if (!options_.replay.empty()) return replay(*before);
+  }
+  if (!is_there || options_.rerun) {
+    begin(is_there);
+    before.emplace(folder_.shards(), size());
+  }
+  return options_.is_task() ? run_task(*before) : go_on(*before);
+}
+
+void StudyCommand::begin(bool is_there) const {
+  if (is_there) check_not_queued(queued(folder_, size()), folder_, "--rerun");
+  if (options_.slurm) most_tasks();  // that there is no cluster is said before all else
+  check();                           // while what is there is still there
+  if (is_there) {
+    folder_.make_anew(text(), file());
+  } else {
+    folder_.make(text(), file());
+  }
+}
+
+std::size_t StudyCommand::run_here(const std::vector<std::size_t>& points,
+                                   ExecutorOptions options) const {
+  options.threads = options_.is_task() && options_.jobs == 0 ? task_threads() : options_.jobs;
+  options.is_task = options_.is_task();
+  options.stop = &interrupted();
+  Shard shard(folder_.shards());
+  const std::size_t ran = options_.isolate ? run_isolated(points, source(), folder_, shard, options)
+                                           : run_points(points, source(), shard, options);
+  shard.finish();
+  return ran;
+}
+
+// The points of --points that are not done.
+int StudyCommand::run_task(const ShardIndex& before) {
+  std::vector<std::size_t> points = task_points();
+  std::erase_if(points, [&](std::size_t point) { return before.has(point); });
+  if (has_to_stop()) return kRunFailed;
+  const std::size_t left = points.size() - make(points);
+  if (has_to_stop()) return kRunFailed;
+  if (left == 0) return kSuccess;
+  if (!interrupted()) fail_for_undone(left);
+  fmt::print(stderr, "{}: interrupted before all points of this task were run\n", name());
+  return kInterrupted;
+}
+
+}  // namespace breakwater

@@ -1,0 +1,262 @@
+#include <breakwater/program/sweep_options.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <filesystem>
+#include <set>
+#include <stdexcept>
+#include <utility>
+
+#include <breakwater/config/toml_file.h>
+#include <breakwater/config/toml_text.h>
+#include <breakwater/study/study.h>
+
+namespace breakwater {
+namespace {
+
+constexpr const char* kWhat = "What is run (in a study file: the keys of these names)";
+constexpr const char* kHow = "How";
+constexpr const char* kBegun = "With a study that was begun";
+
+enum class As { names, text, number, other };
+
+// An option that says what is run, and where a study file says it; `other` ones have words of their
+// own.
+struct WhatOption {
+  const char* option;
+  const char* type;
+  const char* help;
+  As as = As::other;
+  const char* table = "";  // empty: of the file's first level
+  const char* key = "";
+};
+
+constexpr WhatOption kCase = {
+    "--case",  "NAME[,NAME...]", "the case; several, or all, are compared",
+    As::names, "compare",        "case"};
+constexpr WhatOption kOthers[] = {
+    {"--vary", "KEY=VALUES",
+     "a key and what it takes: 1,2,5 or lin(A,B,N), log(A,B,N); of the methods that\n"
+     "draw also uniform(A,B), log_uniform(A,B), normal(MEAN,DEVIATION); may be given\n"
+     "again for another key"},
+    {"--seeds", "SEEDS", "the same for each sample and case: 1..20 or 1,4,7"},
+    {"--method", "NAME",
+     "how values are put together: grid (the default), list, random, lhs, sobol,\n"
+     "saltelli (for sensitivity indices)",
+     As::text, "", "method"},
+    {"--samples", "N", "how many are drawn", As::number, "", "samples"},
+    {"--sampling-seed", "N", "of what is drawn (default: 1)", As::number, "", "sampling_seed"},
+    {"--baseline", "NAME", "the case that others are compared with", As::text, "compare",
+     "baseline"},
+    {"--metrics", "NAME[,NAME...]", "what is compared (default: all metrics)", As::names, "compare",
+     "metrics"},
+    {"--goal", "METRIC=GOAL",
+     "what is better in a metric: METRIC=min or METRIC=max; may be given again"},
+    {"--worlds", "WHAT",
+     "what a comparison counts: samples (the default; seeds repeat them, or are the\n"
+     "worlds where no key is varied), or seeds: each of every sample",
+     As::text, "compare", "worlds"},
+    {"--keep", "WHAT", "whose folders, with logs: metrics (none, the default), failed, all",
+     As::text, "", "keep"},
+    {"--on-failure", "WHAT",
+     "a failed run is a result (count, the default), or ends the study (stop)", As::text, "",
+     "on_failure"}};
+
+void add_what(CLI::App& app, SweepOptions& options, const WhatOption& what) {
+  CLI::Option* const added = app.add_option(what.option, options.what[what.option], what.help)
+                                 ->type_name(what.type)
+                                 ->group(kWhat);
+  if (what.as == As::names) {
+    added->delimiter(',');
+  } else {
+    added->expected(1);
+    if (std::string_view(what.type).find('=') != std::string_view::npos) added->take_all();
+  }
+}
+
+// Takes a key out of a table, whether its file writes "a.b" = 1 or a.b = 1.
+void take_out(toml::table& table, const std::string& key) {
+  table.erase(key);
+  const std::size_t dot = key.find('.');
+  if (dot == std::string::npos) return;
+  const std::string first = key.substr(0, dot);
+  toml::node* inner = table.get(first);
+  if (inner == nullptr || !inner->is_table()) return;
+  take_out(*inner->as_table(), key.substr(dot + 1));
+  if (inner->as_table()->empty()) table.erase(first);
+}
+
+std::pair<std::string, std::string> key_and_value(const std::string& option,
+                                                  const std::string& text) {
+  const std::size_t equals = text.find('=');
+  if (equals == std::string::npos || equals == 0 || equals + 1 == text.size()) {
+    throw std::invalid_argument(option + ": " + text + ": must be of the form KEY=VALUE");
+  }
+  return {text.substr(0, equals), text.substr(equals + 1)};
+}
+
+// The tables of a study file, onto which options are laid.
+class LaidTables {
+ public:
+  LaidTables(toml::table& tables, const SweepOptions& options)
+      : tables_(tables), options_(options) {}
+
+  void lay_what(const WhatOption& what) {
+    const std::vector<std::string>& given = options_.what.at(what.option);
+    if (given.empty() || given.back().empty()) return;
+    toml::table& into = table(what.table);
+    if (what.as == As::text) into.insert_or_assign(what.key, given.back());
+    if (what.as == As::number) {
+      const auto value = parse_toml_value(given.back(), what.option);
+      if (!value) {
+        throw std::invalid_argument(
+            fmt::format("{}: {}: must be a number", what.option, given.back()));
+      }
+      put(into, what.key, *value->get("value"));
+    }
+    if (what.as == As::names) {
+      toml::array names;
+      for (const std::string& name : given) {
+        for (const std::string& part : option_parts(name)) names.push_back(part);
+      }
+      into.insert_or_assign(what.key, std::move(names));
+    }
+  }
+
+  void lay_run() {
+    const RunChanges& run = options_.run;
+    if (!run.config.empty()) {
+      tables_.insert_or_assign("config",
+                               std::filesystem::absolute(run.config).lexically_normal().string());
+    }
+    for (const std::string& set : all_sets(run)) {
+      const auto [key, text] = key_and_value("--set", set);
+      const auto parsed = parse_toml_value(text, "--set: " + key);
+      take_out(table("set"), key);
+      if (parsed) {
+        put(table("set"), key, *parsed->get("value"));
+      } else {
+        table("set").insert_or_assign(key, text);  // a bare word
+      }
+    }
+  }
+
+  void lay_varied() {
+    for (const auto& [key, text] : pairs("--vary")) {
+      const toml::table value = option_value("--vary: " + key, text);
+      take_out(table("vary"), key);
+      put(table("vary"), key, *value.get("value"));
+    }
+  }
+
+  void lay_seeds() {
+    const std::vector<std::string>& given = options_.what.at("--seeds");
+    if (given.empty() || given.back().empty()) return;
+    toml::array seeds;
+    for (const std::uint64_t seed : parse_seeds(given.back())) {
+      seeds.push_back(static_cast<std::int64_t>(seed));
+    }
+    tables_.insert_or_assign("seeds", std::move(seeds));
+  }
+
+  void lay_goals() {
+    std::string goals;  // in one table, whose places keep their order
+    for (const auto& [metric, goal] : pairs("--goal")) {
+      goals +=
+          fmt::format("{}{} = {}", goals.empty() ? "" : ", ", toml_key(metric), toml_string(goal));
+    }
+    if (goals.empty()) return;
+    const auto parsed = parse_toml_value(fmt::format("{{ {} }}", goals), "--goal").value();
+    toml::table& compare = table("compare");
+    if (!compare["goal"].is_table()) compare.insert_or_assign("goal", toml::table{});
+    for (const auto& [metric, goal] : *parsed["value"].as_table()) {
+      compare["goal"].as_table()->insert_or_assign(metric, goal);
+    }
+  }
+
+ private:
+  toml::table& table(const std::string& name) {
+    if (name.empty()) return tables_;
+    if (!tables_.contains(name)) tables_.insert(name, toml::table{});
+    if (tables_.get(name)->is_table()) return *tables_.get(name)->as_table();
+    throw std::invalid_argument(options_.study.target + ": " + name + ": must be a table");
+  }
+
+  // KEY=VALUE of an option that may be given again, for another key.
+  std::vector<std::pair<std::string, std::string>> pairs(const std::string& option) const {
+    std::vector<std::pair<std::string, std::string>> all;
+    std::set<std::string> keys;
+    for (const std::string& text : options_.what.at(option)) {
+      all.push_back(key_and_value(option, text));
+      if (keys.insert(all.back().first).second) continue;
+      throw std::invalid_argument(option + ": " + all.back().first + ": is given twice");
+    }
+    return all;
+  }
+
+  static void put(toml::table& into, const std::string& key, const toml::node& value) {
+    into.insert_or_assign(key, value);
+  }
+
+  toml::table& tables_;
+  const SweepOptions& options_;
+};
+
+}  // namespace
+
+bool SweepOptions::says_what() const {
+  return !study.out.empty() || !run.config.empty() || !run.sets.empty() || !run.duration.empty() ||
+         std::any_of(what.begin(), what.end(), [](const auto& one) {
+           return !one.second.empty() && !one.second.back().empty();
+         });
+}
+
+void add_sweep_options(CLI::App& app, SweepOptions& options) {
+  add_what(app, options, kCase);
+  add_run_changes(app, options.run, "another scenario file", "a key of every run", kWhat);
+  for (const WhatOption& what : kOthers) add_what(app, options, what);
+  add_study_options(
+      app, options.study,
+      {.target = "a scenario, a study file, or the folder of a study, to go on with it",
+       .out = "the study's folder (default: studies/NAME)",
+       .dry_run = "count the runs, say how long they will take, from one of each case, and exit",
+       .slurm = "submit what is left to do as one array job",
+       .how = kHow,
+       .begun = kBegun});
+  app.add_flag("--sqlite", options.sqlite, "write results.sqlite as well")->group(kHow);
+  app.add_flag("--collect", options.study.collect, "write results.csv of what is done, and exit")
+      ->group(kBegun);
+  app.add_option("--replay", options.study.replay,
+                 "run this point (its first digits will do) once more, with its log, into\n"
+                 "DIR/runs/POINT; exit status 3 if it is not the run that it was")
+      ->type_name("POINT")
+      ->group(kBegun);
+  app.add_option("--points", options.study.points,
+                 "run these points alone (0-99,120, or @FILE:LINE), as a task of a scheduler does")
+      ->type_name("LIST")
+      ->group(kBegun);
+  for (const char* option : {"--replay", "--points", "--collect"}) {
+    app.get_option("--rerun")->excludes(app.get_option(option));
+  }
+  app.add_flag("--wait", options.study.wait, "until all tasks have ended; then collect")
+      ->group(kOnCluster);
+  app.add_flag("--print-tasks", options.study.print_tasks,
+               "print what is left to do as commands, one a line, for any other scheduler")
+      ->group(kOnCluster);
+}
+
+void lay_on(const SweepOptions& options, toml::table& tables) {
+  const std::vector<std::string>& cases = options.what.at(kCase.option);
+  if (!cases.empty()) tables.erase("case");
+  LaidTables laid(tables, options);
+  laid.lay_what(kCase);
+  laid.lay_run();
+  laid.lay_varied();
+  laid.lay_seeds();
+  for (const WhatOption& what : kOthers) laid.lay_what(what);
+  laid.lay_goals();
+}
+
+}  // namespace breakwater

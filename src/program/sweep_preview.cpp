@@ -1,0 +1,135 @@
+#include <breakwater/program/sweep_preview.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <numeric>
+#include <stdexcept>
+#include <vector>
+
+#include <breakwater/program/study_command.h>
+#include <breakwater/shell/process.h>
+#include <breakwater/shell/progress.h>
+#include <breakwater/shell/table.h>
+#include <breakwater/study/study_comparison.h>
+
+namespace breakwater {
+namespace {
+
+std::vector<std::string> metric_names(const PointResult& run) {
+  std::vector<std::string> names;
+  for (const auto& [name, value] : run.metrics) names.push_back(name);
+  return names;
+}
+
+// What one run of each candidate tells of the study besides its time.
+std::vector<std::string> warnings_of(const Sweep& sweep, const std::vector<PointResult>& runs) {
+  const Plan& plan = sweep.plan();
+  std::vector<std::string> warnings;
+  std::vector<std::string> all;
+  for (std::size_t c = 0; c < runs.size(); ++c) {
+    if (runs[c].status != PointStatus::complete) {
+      warnings.push_back(fmt::format("{}: the first run {}: {}", plan.candidates()[c].label,
+                                     name_of(runs[c].status), runs[c].reason));
+    }
+    for (const std::string& name : metric_names(runs[c])) {
+      if (std::find(all.begin(), all.end(), name) == all.end()) all.push_back(name);
+    }
+  }
+  for (std::size_t c = 0; c < runs.size(); ++c) {
+    if (runs[c].status != PointStatus::complete) continue;
+    std::vector<std::string> lacking = all;
+    for (const std::string& name : metric_names(runs[c])) std::erase(lacking, name);
+    if (lacking.empty()) continue;
+    warnings.push_back(fmt::format("{}: the first run lacks {}", plan.candidates()[c].label,
+                                   fmt::join(lacking, ", ")));
+  }
+  for (const auto& [place, meant] : unknown_metrics(plan.study(), all)) {
+    warnings.push_back(fmt::format("{}: none of these runs has it{}", place, meant));
+  }
+  if (plan.seeds() > 1 && runs.front().status == PointStatus::complete) {
+    RunControl control;
+    control.stop = &interrupted();
+    const PointResult other = run_point(plan.candidates().size(), sweep, control);
+    if (other.state_hash == runs.front().state_hash) {
+      warnings.push_back(
+          fmt::format("seeds: {} and {} give the same run of {}: without noise they change nothing",
+                      plan.study().seeds[0], plan.study().seeds[1], plan.candidates()[0].label));
+    }
+  }
+  return warnings;
+}
+
+}  // namespace
+
+void print_preview(const Sweep& sweep, std::size_t jobs) {
+  const Plan& plan = sweep.plan();
+  fmt::print("{}: {}, {}, {}\n", number_of(plan.size(), "run"), number_of(plan.samples(), "sample"),
+             number_of(plan.seeds(), "seed"), number_of(plan.candidates().size(), "candidate"));
+  std::fflush(stdout);
+  const Estimate time = estimate(sweep, interrupted());
+  Table table({"candidate", "one run", "metrics"});
+  for (std::size_t c = 0; c < time.runs.size(); ++c) {
+    table.add({plan.candidates()[c].label, fmt::format("{:.3g} s", time.runs[c].cost_s),
+               std::to_string(time.runs[c].metrics.size())});
+  }
+  fmt::print("\n{}\n{}", table.print(output_width()), time_needed(time.seconds, jobs));
+  std::fflush(stdout);
+  warn(kSweep.command, warnings_of(sweep, time.runs));
+}
+
+void check_asked_metrics(const Sweep& sweep) {
+  const Study& study = sweep.plan().study();
+  std::vector<std::string> known;
+  RunControl control;
+  control.stop = &interrupted();
+  const std::size_t candidates = sweep.plan().candidates().size();
+  for (const std::size_t first : {std::size_t{0}, sweep.plan().size() - candidates}) {
+    for (std::size_t c = 0; c < candidates; ++c) {
+      if (unknown_metrics(study, known).empty()) return;
+      const PointResult run = run_point(first + c, sweep, control);
+      if (run.status != PointStatus::complete) return;
+      for (const auto& [name, value] : run.metrics) known.push_back(name);
+    }
+  }
+  for (const auto& [place, meant] : unknown_metrics(study, known)) {
+    if (meant.empty()) continue;
+    throw std::invalid_argument(
+        fmt::format("{}: the first and the last run have no such metric{}", place, meant));
+  }
+}
+
+std::string counted(const ShardIndex& index) {
+  std::string text = fmt::format("{} of {} points are done", index.done(), index.points());
+  std::vector<std::string> kinds;
+  for (const auto status : {PointStatus::failed, PointStatus::refused, PointStatus::crashed}) {
+    if (index.count(status) > 0) {
+      kinds.push_back(fmt::format("{} {}", index.count(status), name_of(status)));
+    }
+  }
+  if (!kinds.empty()) text += fmt::format("; of these {}", fmt::join(kinds, ", "));
+  return text;
+}
+
+double time_to_go_s(const Plan& plan, const ShardIndex& index) {
+  const std::size_t candidates = plan.candidates().size();
+  std::vector<double> cost_s(candidates);
+  std::vector<std::size_t> done(candidates);
+  for (std::size_t point = 0; point < index.points(); ++point) {
+    if (!index.has(point)) continue;
+    cost_s[point % candidates] += index.cost_s(point);
+    ++done[point % candidates];
+  }
+  const double each_s =
+      std::accumulate(cost_s.begin(), cost_s.end(), 0.0) / static_cast<double>(index.done());
+  double all_s = 0.0;
+  for (std::size_t c = 0; c < candidates; ++c) {
+    const std::size_t left = plan.size() / candidates - done[c];
+    all_s += static_cast<double>(left) *
+             (done[c] > 0 ? cost_s[c] / static_cast<double>(done[c]) : each_s);
+  }
+  return all_s;
+}
+
+}  // namespace breakwater

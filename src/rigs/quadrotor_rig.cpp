@@ -1,0 +1,201 @@
+#include <breakwater/rigs/quadrotor_rig.h>
+
+#include <cmath>
+#include <stdexcept>
+
+#include <breakwater/control/quadrotor_process.h>
+#include <breakwater/sim/named_elements.h>
+
+namespace breakwater {
+namespace {
+
+constexpr const char* kChannels[] = {"x", "y", "z", "roll", "pitch", "yaw"};
+
+Eigen::Vector3d vector3(const std::vector<double>& values) {
+  return {values[0], values[1], values[2]};
+}
+
+// V as a standard deviation.
+double deviation(const QuadrotorSettings& settings, double V) {
+  using Interpretation = QuadrotorSettings::NoiseInterpretation;
+  return settings.interpretation == Interpretation::variance ? std::sqrt(V) : V;
+}
+
+WaveLoadSetup wave_setup(const QuadrotorSettings& settings) {
+  WaveLoadSetup setup = settings.waves;
+  setup.sea.seed = settings.run.seed;
+  setup.sea.gravity_m_s2 = settings.parameters.gravity_m_s2;
+  setup.current_m_s = vector3(settings.current_m_s);
+  return setup;
+}
+
+SensingSetup sensing_setup(const QuadrotorSettings& settings) {
+  SensingSetup setup;
+  for (int i = 0; i < 3; ++i) {
+    setup.channels.push_back({.name = kChannels[i],
+                              .sensor = "position",
+                              .component = i,
+                              .noise_std = deviation(settings, settings.V_m)});
+  }
+  constexpr Reading kAngles[] = {Reading::roll, Reading::pitch, Reading::yaw};
+  for (int i = 0; i < 3; ++i) {
+    setup.channels.push_back({.name = kChannels[3 + i],
+                              .sensor = "attitude",
+                              .reading = kAngles[i],
+                              .noise_std = deviation(settings, settings.V_p)});
+  }
+  settings.faults.apply(setup);
+  setup.seed = settings.run.seed;
+  return setup;
+}
+
+Model load_model(const QuadrotorSettings& settings) {
+  Model model = Model::load_physics(settings.mjcf);
+  model.set_physics(settings.physics.timestep_s, settings.physics.integrator);
+  return model;
+}
+
+}  // namespace
+
+void QuadrotorSettings::bind(Fields& fields) {
+  bind_model(fields, mjcf);
+  fields.choice(
+      "plant.model", physics_kind,
+      {{"physical", QuadrotorPhysics::physical}, {"thesis", QuadrotorPhysics::thesis}},
+      "physical, or thesis: with G and C as printed; the estimator's and controller's too");
+  physics.bind(fields);
+  run.bind(fields);
+  fields.numbers("task.start_m", start_m, any(), "where it starts, at rest: x, y, z [m]");
+  fields.numbers("task.reference_m", reference_m, any(), "where it is to be: x, y, z [m]");
+
+  fields.choice("wave.mode", waves.mode,
+                {{"physical", WaveMode::physical}, {"thesis", WaveMode::thesis}},
+                "physical: Morison's force; thesis: one force through E, torques by atan2");
+  fields.number("wave.significant_height_m", waves.sea.significant_height_m, not_negative(),
+                "H_s; 0: still water [m]");
+  fields.number("wave.peak_period_s", waves.sea.peak_period_s, positive(), "T_p [s]");
+  fields.number("wave.gamma", waves.sea.gamma, between(1, 20), "peak enhancement");
+  fields.number("wave.heading_rad", waves.sea.heading_rad, any(),
+                "where the waves go, from x towards y [rad]");
+  fields.number("wave.water_depth_m", waves.sea.water_depth_m, not_negative(),
+                "of the bottom; 0: deep water [m]");
+  fields.count("wave.components", waves.sea.components, between(1, 1000),
+               "of the sea's realisation");
+  fields.numbers("wave.current_m_s", current_m_s, any(), "steady current: x, y, z [m/s]");
+  fields.number("wave.inertia_coefficient", waves.inertia_coefficient, not_negative(), "C_m");
+  fields.number("wave.buoyancy_arm_m", waves.buoyancy_arm_m, any(),
+                "physical: z_B, where the pressure acts above the mass [m]");
+  fields.number("wave.torque_low_pass_s", waves.low_pass_s, positive(),
+                "of the slope (physical) or the angle (thesis) [s]");
+  fields.number("wave.torque_per_angle_Nm_rad", waves.torque_per_angle_Nm_rad, any(),
+                "thesis: torque for each radian of atan2 [N m/rad]");
+  fields.number("wave.change_at_s", waves.change_at_s, not_negative(),
+                "when T_p changes, over 10 s; 0: never [s]");
+  fields.number("wave.change_to_period_s", waves.change_to_period_s, positive(),
+                "T_p after the change [s]");
+
+  fields.number("noise.position", V_m, positive(), "V_m [m or m^2]");
+  fields.number("noise.angle", V_p, positive(), "V_p [rad or rad^2]");
+  fields.choice("noise.interpretation", interpretation,
+                {{"variance", NoiseInterpretation::variance},
+                 {"standard_deviation", NoiseInterpretation::standard_deviation}},
+                "what V_m and V_p are: variance or standard_deviation");
+  faults.bind(fields, "x, y, z, roll, pitch, yaw");
+
+  parts.bind(fields);
+  fields.only_for({"wave.current_m_s", "wave.buoyancy_arm_m"}, "wave.mode", {"physical"});
+  fields.only_for({"wave.torque_per_angle_Nm_rad"}, "wave.mode", {"thesis"});
+  fields.only_where({"wave.change_to_period_s"}, "wave.change_at_s is not 0",
+                    [this] { return waves.change_at_s > 0.0; });
+}
+
+QuadrotorTask QuadrotorSettings::task() const {
+  return {.plant = plant(),
+          .period_s = physics.control_period_s,
+          .reference_m = vector3(reference_m),
+          .position_std_m = deviation(*this, V_m),
+          .angle_std_rad = deviation(*this, V_p),
+          .position_noise = V_m,
+          .angle_noise = V_p,
+          .sea = wave_setup(*this).sea};
+}
+
+UnderwaterForce QuadrotorSettings::water(const Model& model) const {
+  return {model, parameters, physics_kind, wave_setup(*this), vector3(start_m)};
+}
+
+void check_quadrotor(const QuadrotorSettings& settings, const Config& config) {
+  settings.physics.check(config, settings.run);
+  const auto is_point = [&](const char* key, const std::vector<double>& point) {
+    if (point.size() != 3) config.fail(key, "must have 3 numbers: x, y and z");
+  };
+  const auto is_under_water = [&](const char* key, double z) {
+    if (z > 0.0) config.fail(key, "z must not be above the surface, z = 0");
+    const double depth_m = settings.waves.sea.water_depth_m;
+    if (depth_m > 0.0 && z <= -depth_m) config.fail(key, "z must be above the water's bottom");
+  };
+  is_point("task.start_m", settings.start_m);
+  is_point("task.reference_m", settings.reference_m);
+  is_point("wave.current_m_s", settings.current_m_s);
+  is_under_water("task.start_m", settings.start_m[2]);
+  is_under_water("task.reference_m", settings.reference_m[2]);
+  const Model model = Model::load_physics(settings.mjcf);
+  if (model->nu != 4) throw std::invalid_argument(settings.mjcf.path + ": needs 4 thrusters");
+  for (int i = 1; i <= 4; ++i) site_id(model, "t" + std::to_string(i));
+  settings.water(model);
+  settings.parts.check(config, settings.task());
+  const SensingSetup sensing = sensing_setup(settings);
+  settings.faults.check(config, sensing.channels);
+  const Sensing check_only(model, sensing);
+}
+
+QuadrotorRig::QuadrotorRig(const QuadrotorSettings& settings)
+    : start_(vector3(settings.start_m)),
+      reference_(vector3(settings.reference_m)),
+      loop_(settings.parts.make(settings.task())),
+      simulation_(load_model(settings), *loop_.controller, sensing_setup(settings),
+                  settings.physics.steps_per_sample()),
+      waves_(settings.water(simulation_.model())) {
+  simulation_.add(waves_);
+  simulation_.set_position(std::vector<double>{start_.x(), start_.y(), start_.z(), 1, 0, 0, 0});
+}
+
+void QuadrotorRig::step() {
+  if (simulation_.steps() > 0) {
+    const mjData& data = simulation_.data();
+    waves_.advance(simulation_.time_of(simulation_.steps()), FreeMotion(data.qpos, data.qvel));
+  }
+  simulation_.step();
+}
+
+void QuadrotorRig::observe() {
+  const double time_s = simulation_.time_s();
+  const FreeMotion free(simulation_.qpos().data(), simulation_.qvel().data());
+  truth_.motion << free.position, free.euler, free.velocity,
+      attitude_rates(AttitudeTrig(free.euler), free.body_rates);
+  truth_.error = reference_ - free.position;
+  const Vector6d load = waves_.wave_load(time_s, free);
+  truth_.wave_force = load.head<3>();
+  truth_.wave_torque = load.tail<3>();
+  truth_.elevation_m = waves_.elevation(time_s, free.position.x(), free.position.y());
+  truth_.saturated = simulation_.saturated() ? 1.0 : 0.0;
+}
+
+std::vector<Signal> QuadrotorRig::signals() const {
+  const Simulation& sim = simulation_;
+  std::vector<Signal> signals = {
+      {"qpos", "m, m, m, 1, 1, 1, 1", "the engine's generalised positions", sim.qpos()},
+      {"motion_true", kMotionUnits, "zeta and its rate, true", view(truth_.motion)},
+      {"pose_measured", kPoseUnits, "x, y, z, roll, pitch, yaw as sampled", view(sim.sample().y)},
+      {"thrust_command_N", "N", "thrusts asked for", view(sim.command())},
+      {"thrust_applied_N", "N", "thrusts after saturation", view(sim.actuation())},
+      {"saturated", "1", "1 where any thrust is at its limit", view(truth_.saturated)},
+      {"error_m", "m", "reference less position, true", view(truth_.error)},
+      {"wave_force_N", "N", "of the waves, in the world, true", view(truth_.wave_force)},
+      {"wave_torque_Nm", "N m", "of the waves, in the world, true", view(truth_.wave_torque)},
+      {"surface_elevation_m", "m", "of the surface above the vehicle", view(truth_.elevation_m)}};
+  for (const Signal& signal : loop_.controller->signals()) signals.push_back(signal);
+  return signals;
+}
+
+}  // namespace breakwater

@@ -1,0 +1,96 @@
+// The quadrotor under waves, wired: what scenarios with it share.
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <vector>
+
+#include <breakwater/experiment/scenario.h>
+#include <breakwater/rigs/quadrotor_parts.h>
+#include <breakwater/sim/simulation.h>
+#include <breakwater/sim/underwater_force.h>
+
+namespace breakwater {
+
+/// Keys that all scenarios with the quadrotor have.
+struct QuadrotorSettings {
+  enum class NoiseInterpretation { variance, standard_deviation };
+
+  explicit QuadrotorSettings(const Catalogue& catalogue) : parts(catalogue) {}
+
+  ModelFile mjcf;
+  QuadrotorParameters parameters;  ///< Table 3.4
+  QuadrotorPhysics physics_kind = QuadrotorPhysics::physical;
+  PhysicsSettings physics;
+  RunSettings run;
+  std::vector<double> start_m;
+  std::vector<double> reference_m;
+  WaveLoadSetup waves;
+  std::vector<double> current_m_s;
+  double V_m = 0.0;
+  double V_p = 0.0;
+  NoiseInterpretation interpretation = NoiseInterpretation::standard_deviation;
+  FaultSettings faults;
+  QuadrotorParts parts;
+
+  void bind(Fields& fields);
+
+  QuadrotorModel plant() const { return {parameters, physics_kind}; }
+  /// What estimator and controller are told.
+  QuadrotorTask task() const;
+  /// Of a model with the free body "quadrotor".
+  UnderwaterForce water(const Model& model) const;
+};
+
+/// Checks what fields cannot: sizes, depths, periods, what the model has, the design of estimator
+/// and controller. Throws std::invalid_argument `ORIGIN: KEY: reason`.
+void check_quadrotor(const QuadrotorSettings& settings, const Config& config);
+
+/// The truth about a sample.
+struct QuadrotorTruth {
+  Eigen::Matrix<double, 12, 1> motion = Eigen::Matrix<double, 12, 1>::Zero();  ///< ζ and its rate
+  Eigen::Vector3d wave_force = Eigen::Vector3d::Zero();                        ///< in the world [N]
+  Eigen::Vector3d wave_torque = Eigen::Vector3d::Zero();                       ///< [N m]
+  Eigen::Vector3d error = Eigen::Vector3d::Zero();  ///< reference less position [m]
+  double elevation_m = 0.0;                         ///< of the surface above the vehicle
+  double saturated = 0.0;                           ///< 1 where any thrust is at its limit
+};
+
+/// The quadrotor's plant, waves, estimator, controller and simulation, and the truth about it for
+/// log and metrics.
+///
+/// The model must have a free body "quadrotor" with the sites t1 … t4, four thrusters and the
+/// sensors position and attitude.
+class QuadrotorRig {
+ public:
+  /// Throws std::invalid_argument if the model lacks something.
+  explicit QuadrotorRig(const QuadrotorSettings& settings);
+  QuadrotorRig(const QuadrotorRig&) = delete;
+  QuadrotorRig& operator=(const QuadrotorRig&) = delete;
+
+  /// One physics step, with the waves' states of its beginning.
+  void step();
+
+  const Simulation& simulation() const { return simulation_; }
+  const QuadrotorLoop& loop() const { return loop_; }
+
+  /// From where it starts to where it is to be.
+  double distance_to_go_m() const { return (reference_ - start_).norm(); }
+
+  /// Brings the truth up to date with the simulation's last step.
+  void observe();
+  const QuadrotorTruth& truth() const { return truth_; }
+
+  /// All that the log holds at the control rate: true, measured, estimated, commanded.
+  std::vector<Signal> signals() const;
+
+ private:
+  Eigen::Vector3d start_;
+  Eigen::Vector3d reference_;
+  QuadrotorLoop loop_;
+  Simulation simulation_;
+  UnderwaterForce waves_;
+  QuadrotorTruth truth_;
+};
+
+}  // namespace breakwater
