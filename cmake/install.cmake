@@ -34,17 +34,14 @@ install(FILES ${PROJECT_BINARY_DIR}/generated/include/breakwater/version.h
 install(DIRECTORY templates DESTINATION ${CMAKE_INSTALL_DATADIR}/breakwater COMPONENT runtime)
 install(DIRECTORY models data renders docs DESTINATION ${CMAKE_INSTALL_DATADIR}/breakwater
   COMPONENT runtime FILES_MATCHING PATTERN "*.xml" PATTERN "*.urdf" PATTERN "*.toml" PATTERN "*.md"
-                 PATTERN "*.mustache" PATTERN "*.css" PATTERN "*.js")
+                 PATTERN "*.mustache" PATTERN "*.css" PATTERN "*.js"
+                 PATTERN "*.csv")  # the tables of docs/, and the record of a tutorial
 file(GLOB studies CONFIGURE_DEPENDS studies/*.toml)  # not what they left beside them
 install(FILES ${studies} DESTINATION ${CMAKE_INSTALL_DATADIR}/breakwater/studies COMPONENT runtime)
 # libbreakwater_math.a, and so every program, holds a part of musl (MIT).
 install(FILES /usr/share/doc/musl-dev/copyright
   DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/doc/breakwater RENAME musl-copyright COMPONENT runtime)
 install(PROGRAMS scripts/figures.py DESTINATION ${CMAKE_INSTALL_DATADIR}/breakwater/scripts
-  COMPONENT runtime)
-
-# Of the tutorial on data of one's own.
-install(FILES data/estimate/motor.csv DESTINATION ${CMAKE_INSTALL_DATADIR}/breakwater/data/estimate
   COMPONENT runtime)
 
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/Breakwater)
