@@ -7,8 +7,10 @@
 #include <filesystem>
 #include <set>
 #include <stdexcept>
+#include <string_view>
 #include <utility>
 
+#include <breakwater/cluster/slurm_options.h>
 #include <breakwater/config/toml_file.h>
 #include <breakwater/config/toml_text.h>
 #include <breakwater/study/study.h>

@@ -1,13 +1,12 @@
 // The command line of `sweep`: what is run, as the tables of a study file.
 #pragma once
 
-#include <toml++/toml.h>
-
 #include <CLI/CLI.hpp>
 #include <map>
 #include <string>
 #include <vector>
 
+#include <breakwater/config/toml_file.h>
 #include <breakwater/program/run_changes.h>
 #include <breakwater/program/study_command.h>
 

@@ -19,7 +19,6 @@
 #include <breakwater/config/toml_file.h>
 #include <breakwater/pages/tuning_report.h>
 #include <breakwater/program/study_command.h>
-#include <breakwater/search/candidates.h>
 #include <breakwater/search/cluster_runs.h>
 #include <breakwater/search/tuning_outputs.h>
 #include <breakwater/shell/child_program.h>
@@ -277,9 +276,9 @@ class TuneCommand : public StudyCommand {
   std::vector<std::size_t> task_points() override {
     if (candidates_.empty()) {
       const fs::path file = submission_of_task(options_.points) / "candidates";
-      begin_candidates(plan_, lines_of(file), file.string());
+      plan_.begin(lines_of(file), file.string());
     } else {
-      begin_candidates(plan_, candidates_, "--candidate");
+      plan_.begin(candidates_, "--candidate");
     }
     std::vector<std::size_t> runs = StudyCommand::task_points();
     for (const std::size_t number : runs) {

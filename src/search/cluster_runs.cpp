@@ -6,7 +6,6 @@
 #include <optional>
 
 #include <breakwater/cluster/slurm_queue.h>
-#include <breakwater/search/candidates.h>
 #include <breakwater/shell/process.h>
 #include <breakwater/shell/table.h>
 #include <breakwater/study/shards.h>
@@ -75,7 +74,7 @@ void run_on_slurm(const TuningPlan& plan, const ClusterTuning& cluster,
                                     text_of(plan, left)));
     }
     const SlurmStudy study = {folder, plan.tuning().slurm,
-                              fmt::format("{}\n", fmt::join(candidate_lines(plan, left), "\n"))};
+                              fmt::format("{}\n", fmt::join(plan.candidate_lines(left), "\n"))};
     const SubmittedJob job = submit(study, left, cluster.request, [&] {
       return each_s.value_or(0.0) * static_cast<double>(left.size());
     });

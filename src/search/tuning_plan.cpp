@@ -4,11 +4,12 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
+#include <sstream>
 #include <stdexcept>
 
 #include <breakwater/config/toml_text.h>
 #include <breakwater/record/file_hash.h>
-#include <breakwater/search/candidates.h>
 #include <breakwater/signals/thread_time.h>
 #include <breakwater/study/sweep.h>
 
@@ -206,9 +207,40 @@ PreparedRun TuningPlan::prepare(std::size_t number) const {
                        sets(number));
 }
 
+std::vector<std::string> TuningPlan::candidate_lines(const std::vector<std::size_t>& runs) const {
+  std::set<std::pair<std::size_t, std::size_t>> candidates;
+  for (const std::size_t number : runs) {
+    const TuningRun one = run(number);
+    candidates.emplace(one.tuned, one.evaluation);
+  }
+  std::vector<std::string> lines;
+  for (const auto& [tuned, evaluation] : candidates) {
+    lines.push_back(fmt::format("{}\t{}\t{}", tuned, evaluation,
+                                fmt::join(values_of(tuned, evaluation), "\t")));
+  }
+  return lines;
+}
+
+void TuningPlan::begin(const std::vector<std::string>& lines, const std::string& origin) {
+  for (const std::string& line : lines) {
+    std::istringstream parts(line);
+    std::size_t tuned = 0;
+    std::size_t evaluation = 0;
+    parts >> tuned >> evaluation;
+    parts.ignore();
+    std::vector<std::string> values;
+    for (std::string value; std::getline(parts, value, '\t');) values.push_back(value);
+    if (tuned >= tuning_.cases.size() || evaluation >= tuning_.budget ||
+        values.size() != tuning_.cases[tuned].search.size()) {
+      throw std::invalid_argument(fmt::format("{}: has no candidate in: {}", origin, line));
+    }
+    begin(tuned, evaluation, std::move(values));
+  }
+}
+
 std::vector<std::string> TuningPlan::task_words(const std::vector<std::size_t>& runs) const {
   std::vector<std::string> words;
-  for (std::string& line : candidate_lines(*this, runs)) {
+  for (std::string& line : candidate_lines(runs)) {
     words.insert(words.end(), {"--candidate", std::move(line)});
   }
   return words;

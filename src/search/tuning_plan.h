@@ -65,6 +65,12 @@ class TuningPlan : public PointSource {
   std::vector<std::string> values(std::size_t tuned, const std::vector<double>& u) const;
   /// Says what the keys of an evaluation are. Not while runs are under way.
   void begin(std::size_t tuned, std::size_t evaluation, std::vector<std::string> values);
+  /// Candidates as lines of text, for processes that run them and do not search: the number of the
+  /// case, of the evaluation, and its keys' values as TOML, which has no bare tab or end of a line
+  /// in them.
+  std::vector<std::string> candidate_lines(const std::vector<std::size_t>& runs) const;
+  /// Says what such lines say. Throws std::invalid_argument `ORIGIN: reason`.
+  void begin(const std::vector<std::string>& lines, const std::string& origin);
   const std::vector<std::string>& values_of(std::size_t tuned, std::size_t evaluation) const {
     return values_[tuned][evaluation];
   }

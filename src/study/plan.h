@@ -45,8 +45,6 @@ class Plan {
   std::size_t size() const { return samples_ * seeds_ * candidates_.size(); }
 
   StudyPoint point(std::size_t number) const;
-  /// The number of the first point that has this candidate.
-  std::size_t first_of(std::size_t candidate) const { return candidate; }
 
   /// Points that between them have each value that keys take by themselves, and the ends of each
   /// distribution, with everything else as in the first sample; of a list its samples: what is

@@ -22,8 +22,6 @@ class Sampler {
 
   /// The number of points.
   std::uint64_t size() const { return size_; }
-  /// d.
-  Eigen::Index dimension() const { return dimension_; }
   /// Point i < size().
   Eigen::VectorXd point(std::uint64_t i) const;
 
@@ -72,7 +70,6 @@ class SobolSequence {
 
   static constexpr Eigen::Index kMostDimensions = 3667;
 
-  Eigen::Index dimension() const { return dimension_; }
   /// Coordinate j of point i < 2⁴⁰, times 2⁶⁴.
   std::uint64_t coordinate(std::uint64_t i, Eigen::Index j) const;
 

@@ -227,7 +227,7 @@ Estimate estimate(const Sweep& sweep, const std::atomic<bool>& stop) {
   RunControl control;
   control.stop = &stop;
   for (std::size_t c = 0; c < candidates; ++c) {
-    estimate.runs.push_back(run_point(plan.first_of(c), sweep, control));
+    estimate.runs.push_back(run_point(c, sweep, control));
     const double length = lengths_vary ? mean_length(sweep, c, stop) : 1.0;
     estimate.seconds += estimate.runs.back().cost_s * of_each * length;
   }

@@ -61,7 +61,7 @@ class Folder {
  public:
   Folder(const std::string& name, Study study)
       : removed_(testing::temporary_path(name)),
-        folder_(testing::temporary_path(name)),
+        folder_(testing::temporary_path(name), kSweep),
         plan_(std::move(study)) {
     fs::create_directories(folder_.shards());
   }
