@@ -15,9 +15,9 @@
 
 #include <breakwater/control/quadrotor_estimator.h>
 #include <breakwater/observers/fakfd.h>
-#include <breakwater/observers/idob_estimator.h>
+#include <breakwater/observers/idob.h>
 #include <breakwater/observers/kfd.h>
-#include <breakwater/observers/mdob_estimator.h>
+#include <breakwater/observers/mdob.h>
 #include <breakwater/observers/qvff.h>
 #include <breakwater/observers/record_intervals.h>
 #include <breakwater/observers/state_observer.h>
@@ -118,7 +118,7 @@ Estimator make_mdob(const Arguments& arguments) {
                                        ? arguments.number("derivative_cutoff_rad_s")
                                        : std::numeric_limits<double>::infinity();
   design.observer_cutoff_rad_s = arguments.number("cutoff_rad_s");
-  return std::make_unique<MdobEstimator>(design, arguments.number("period_s"));
+  return std::make_unique<Mdob>(design, arguments.number("period_s"));
 }
 
 Estimator make_fakfd(const Arguments& arguments) {
@@ -158,8 +158,8 @@ Estimator make(const std::string& kind, const Arguments& arguments) {
                                            arguments.number("period_s"));
   }
   if (kind == "idob") {
-    return std::make_unique<IdobEstimator>(arguments.plant(), arguments.poles(),
-                                           arguments.number("period_s"));
+    return std::make_unique<Idob>(arguments.plant(), arguments.poles(),
+                                  arguments.number("period_s"));
   }
   if (kind == "mdob") return make_mdob(arguments);
   if (kind == "kfd") return std::make_unique<Kfd<>>(arguments.kalman());

@@ -38,6 +38,10 @@ void AccelerationControl::reset(const Eigen::Ref<const Eigen::VectorXd>& q_rad) 
   observer_.reset(start_);
 }
 
+void AccelerationControl::update(const Eigen::Ref<const Eigen::VectorXd>& measured_q_rad) {
+  observer_.update(fed_torque_, measured_q_rad);
+}
+
 double AccelerationControl::lower_acceleration(Eigen::Index joint) const {
   return (-torque_limit_(joint) - d_hat()(joint)) / nominal_inertia_(joint);
 }
@@ -47,7 +51,6 @@ double AccelerationControl::upper_acceleration(Eigen::Index joint) const {
 }
 
 void AccelerationControl::command(const Eigen::Ref<const Eigen::VectorXd>& a_rad_s2,
-                                  const Eigen::Ref<const Eigen::VectorXd>& measured_q_rad,
                                   Eigen::Ref<Eigen::VectorXd> torque_Nm) {
   torque_Nm = nominal_inertia_.cwiseProduct(a_rad_s2) + d_hat();
   if (feed_ == ObserverFeed::clipped) {
@@ -55,7 +58,6 @@ void AccelerationControl::command(const Eigen::Ref<const Eigen::VectorXd>& a_rad
   } else {
     fed_torque_ = torque_Nm;
   }
-  observer_.update(fed_torque_, measured_q_rad);
 }
 
 }  // namespace breakwater

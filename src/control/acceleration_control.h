@@ -28,7 +28,7 @@ struct AccelerationControlDesign {
 ///     τ = J_n a + τ̂_d   (Eq. 2.82; 2.88 and 2.92 must read so too).
 /// Eq. 2.15 is this disturbance of one joint, with the other sign.
 ///
-/// Used once a sample: read the estimates, decide a, then command(a, q).
+/// Used once a sample: update(q), read the estimates, decide a, then command(a).
 class AccelerationControl {
  public:
   /// Throws std::invalid_argument if the sizes differ, an inertia or a limit is not positive, or
@@ -38,21 +38,24 @@ class AccelerationControl {
   /// Starts the observer at rest at `q` with no disturbance.
   void reset(const Eigen::Ref<const Eigen::VectorXd>& q_rad);
 
-  auto q_hat() const { return observer_.extended_state().head(joints()); }
-  auto dq_hat() const { return observer_.extended_state().segment(joints(), joints()); }
-  auto d_hat() const { return observer_.extended_state().tail(joints()); }
+  /// One sample: lets the observer see the last command and what is measured now.
+  void update(const Eigen::Ref<const Eigen::VectorXd>& measured_q_rad);
+
+  /// This sample's, at addresses that do not change.
+  using View = DisturbanceEstimator::View;
+  View q_hat() const { return {observer_.state().data(), joints()}; }
+  View dq_hat() const { return {observer_.state().data() + joints(), joints()}; }
+  View d_hat() const { return observer_.disturbance(); }
 
   /// The accelerations that keep each joint within its torque limit (Eqs. 2.83, 2.84) [rad/s²].
   double lower_acceleration(Eigen::Index joint) const;
   double upper_acceleration(Eigen::Index joint) const;
 
-  /// Writes the torque for acceleration `a` and lets the observer see this sample.
+  /// Writes the torque for acceleration `a`.
   void command(const Eigen::Ref<const Eigen::VectorXd>& a_rad_s2,
-               const Eigen::Ref<const Eigen::VectorXd>& measured_q_rad,
                Eigen::Ref<Eigen::VectorXd> torque_Nm);
 
   Eigen::Index joints() const { return nominal_inertia_.size(); }
-  const Idob& observer() const { return observer_; }
 
  private:
   Eigen::VectorXd nominal_inertia_;

@@ -20,6 +20,8 @@ PolePredictor::PolePredictor(const StateSpace& continuous_plant,
   const Eigen::Index n = sampled.states();
   state_.setZero(n);
   next_.setZero(n);
+  last_output_.setZero(C_.rows());
+  innovation_ = last_output_;
   change_ = observability_ = polynomial_ = factor_ = work_ = Eigen::MatrixXd::Identity(n, n);
   last_ = Eigen::VectorXd::Unit(n, n - 1);
   solver_ = Eigen::PartialPivLU<Eigen::MatrixXd>(n);
@@ -76,13 +78,26 @@ void PolePredictor::place(double interval_s) {
   step_.error_dynamics.noalias() -= step_.gain * C_;
 }
 
+void PolePredictor::reset(const Eigen::Ref<const Eigen::VectorXd>& x) {
+  state_.setZero();
+  state_.head(x.size()) = x;
+  has_begun_ = false;
+  over(0.0);
+}
+
 void PolePredictor::update(const Eigen::Ref<const Eigen::VectorXd>& u,
                            const Eigen::Ref<const Eigen::VectorXd>& y) {
-  next_.noalias() = step_.error_dynamics * state_;
-  next_.noalias() += step_.B * u;
-  next_.noalias() += step_.gain * y;
-  // Copied, not swapped: a log holds the address of the state.
-  state_ = next_;
+  if (has_begun_) {
+    next_.noalias() = step_.error_dynamics * state_;
+    next_.noalias() += step_.B * u;
+    next_.noalias() += step_.gain * last_output_;
+    // Copied, not swapped: a log holds the address of the state.
+    state_ = next_;
+  }
+  has_begun_ = true;
+  last_output_ = y;
+  innovation_ = y;
+  innovation_.noalias() -= C_ * state_;
 }
 
 }  // namespace breakwater

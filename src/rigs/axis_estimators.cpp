@@ -1,9 +1,9 @@
 // Breakwater's estimators of an axis: the keys of each, and how it is made of them.
 #include <breakwater/observers/asymmetric_fakfd.h>
 #include <breakwater/observers/filter_bank.h>
-#include <breakwater/observers/idob_estimator.h>
+#include <breakwater/observers/idob.h>
 #include <breakwater/observers/kfd.h>
-#include <breakwater/observers/mdob_estimator.h>
+#include <breakwater/observers/mdob.h>
 #include <breakwater/observers/qvff.h>
 #include <breakwater/observers/state_observer.h>
 #include <breakwater/observers/stf.h>
@@ -33,7 +33,7 @@ Estimator make_state_observer(const Poles& settings, const NominalAxis& axis) {
 
 Estimator make_idob(const Poles& settings, const NominalAxis& axis) {
   return blame("observer.poles_rad_s", [&] {
-    return std::make_unique<IdobEstimator>(axis.plant, settings.groups(), axis.period_s);
+    return std::make_unique<Idob>(axis.plant, settings.groups(), axis.period_s);
   });
 }
 
@@ -56,7 +56,7 @@ Estimator make_mdob(const MdobCutoffs& settings, const NominalAxis& axis) {
                                        ? settings.derivative_rad_s
                                        : std::numeric_limits<double>::infinity();
   design.observer_cutoff_rad_s = settings.observer_rad_s;
-  return std::make_unique<MdobEstimator>(design, axis.period_s);
+  return std::make_unique<Mdob>(design, axis.period_s);
 }
 
 struct DisturbanceModel {

@@ -7,9 +7,9 @@
 
 #include <breakwater/observers/fakfd.h>
 #include <breakwater/observers/filter_bank.h>
-#include <breakwater/observers/idob_estimator.h>
+#include <breakwater/observers/idob.h>
 #include <breakwater/observers/kfd.h>
-#include <breakwater/observers/mdob_estimator.h>
+#include <breakwater/observers/mdob.h>
 #include <breakwater/observers/qvff.h>
 #include <breakwater/observers/state_observer.h>
 #include <breakwater/observers/stf.h>
@@ -179,11 +179,10 @@ TEST(Allocation, EstimatorsDoNotAllocateWhereIntervalsChange) {
   estimators.push_back(std::make_unique<Fakfd<>>(design, scalar_gamma(plant, 1.02)));
   estimators.push_back(
       std::make_unique<Vfakfd<>>(variable_forgetting_design(plant, 1e-6), qvff_design(sensor)));
-  estimators.push_back(
-      std::make_unique<IdobEstimator>(motor, std::vector<PoleGroup>{{-10, -20, -30}}, T));
+  estimators.push_back(std::make_unique<Idob>(motor, std::vector<PoleGroup>{{-10, -20, -30}}, T));
   estimators.push_back(
       std::make_unique<StateObserver>(motor, std::vector<PoleGroup>{{{-10, 5}, {-10, -5}}}, T));
-  estimators.push_back(std::make_unique<MdobEstimator>(MdobDesign{1e-3, 50.0, 20.0}, T));
+  estimators.push_back(std::make_unique<Mdob>(MdobDesign{1e-3, 50.0, 20.0}, T));
   estimators.push_back(std::make_unique<FilterBank>(FilterBankDesign{motor, T, sensor, 1.0}));
   Eigen::VectorXd u = Eigen::VectorXd::Constant(1, 0.1);
   Eigen::VectorXd y = Eigen::VectorXd::Zero(1);
