@@ -22,9 +22,9 @@ ArmController::ArmController(const PlanarChain& chain, const AccelerationControl
   if (!(task_.convert_gain_N_m > 0.0)) {
     throw std::invalid_argument("arm controller: the convert gain K_f must be positive");
   }
-  publish({"q_hat_rad", "rad", "joint angles, IDOB estimate (Eq. 2.54)", view(q_hat_)});
-  publish({"dq_hat_rad_s", "rad/s", "joint velocities, IDOB estimate", view(dq_hat_)});
-  publish({"d_hat_Nm", "N m", "disturbance torques, IDOB estimate, opposing motion (Eq. 2.53)",
+  publish({"q_hat_rad", "rad", "joint angles, estimated (Eq. 2.54)", view(q_hat_)});
+  publish({"dq_hat_rad_s", "rad/s", "joint velocities, estimated", view(dq_hat_)});
+  publish({"d_hat_Nm", "N m", "disturbance torques, estimated, opposing motion (Eq. 2.53)",
            view(d_hat_)});
   publish({"x_hat_m", "m", "tip x, from the estimated angles", view(X_hat_[0])});
   publish({"y_hat_m", "m", "tip y, from the estimated angles", view(X_hat_[1])});
@@ -33,6 +33,7 @@ ArmController::ArmController(const PlanarChain& chain, const AccelerationControl
   publish({"y_ref_m", "m", "tip y reference", view(X_ref_[1])});
   publish({"phi_ref_rad", "rad", "tip angle reference", view(X_ref_[2])});
   publish({"ddq_ref_rad_s2", "rad/s^2", "joint acceleration references", view(acceleration_ref_)});
+  for (const Signal& signal : signals_of(joints().observer(), "rad")) publish(signal);
 }
 
 void ArmController::reset(const Sample&) {

@@ -29,7 +29,7 @@ inline double implicit_force_reference_m(const ArmTask& task, double x_m, double
 
 /// Expects samples y = [q (n) [rad]; F_x [N]; F_x before the sensor's low-pass [N]], the last of
 /// which may be missing, and writes torques u (n) [N m]. Derived classes decide the joints'
-/// acceleration; IDOB-based acceleration control makes it so.
+/// acceleration; acceleration control with a disturbance observer makes it so.
 ///
 /// The observer starts at q_0^ref, not at the measurement (2.4.3.1): from the stretched pose that
 /// the arm starts in, the Jacobian is singular and the workspace controllers would never leave it.

@@ -16,24 +16,36 @@ namespace {
 using Estimator = std::unique_ptr<DisturbanceEstimator>;
 
 struct Poles {
-  std::vector<double> poles_rad_s;
+  std::vector<std::vector<double>> poles_rad_s;
 
-  std::vector<PoleGroup> groups() const { return {{poles_rad_s.begin(), poles_rad_s.end()}}; }
+  std::vector<PoleGroup> of(const NominalAxis& axis) const {
+    const std::size_t groups = poles_rad_s.size();
+    if (groups != 1 && groups != static_cast<std::size_t>(axis.joints)) {
+      throw std::invalid_argument(axis.joints == 1
+                                      ? "must be the poles of one axis"
+                                      : "must be poles, or a row of poles for each of the " +
+                                            std::to_string(axis.joints) + " joints");
+    }
+    const std::vector<double>& own =
+        poles_rad_s[groups == 1 ? 0 : static_cast<std::size_t>(axis.joint)];
+    return {{own.begin(), own.end()}};
+  }
 };
 
 void bind_poles(Fields& fields, Poles& settings) {
-  fields.numbers("observer.poles_rad_s", settings.poles_rad_s, any(), "continuous poles [1/s]");
+  fields.number_groups("observer.poles_rad_s", settings.poles_rad_s, any(),
+                       "continuous poles [1/s]; of several joints of all, or a row a joint");
 }
 
 Estimator make_state_observer(const Poles& settings, const NominalAxis& axis) {
   return blame("observer.poles_rad_s", [&] {
-    return std::make_unique<StateObserver>(axis.plant, settings.groups(), axis.period_s);
+    return std::make_unique<StateObserver>(axis.plant, settings.of(axis), axis.period_s);
   });
 }
 
 Estimator make_idob(const Poles& settings, const NominalAxis& axis) {
   return blame("observer.poles_rad_s", [&] {
-    return std::make_unique<Idob>(axis.plant, settings.groups(), axis.period_s);
+    return std::make_unique<Idob>(axis.plant, settings.of(axis), axis.period_s);
   });
 }
 

@@ -109,7 +109,12 @@ TEST(Allocation, WallContactLoopDoesNotAllocate) {
 }
 
 TEST(Allocation, PushLoopDoesNotAllocate) {
-  EXPECT_EQ(allocations_in_loop("arm_push", "proposed-link2", {"run.duration_s=12"}), 0);
+  for (const char* observer : {"idob", "kfd", "qvff", "stf", "qbank"}) {
+    EXPECT_EQ(allocations_in_loop("arm_push", "proposed-link2",
+                                  {"run.duration_s=12", "observer.name=" + std::string(observer)}),
+              0)
+        << observer;
+  }
 }
 
 // Through active limits, the disturbance, and problems that must be softened.
