@@ -2,12 +2,11 @@
 #include <breakwater/observers/asymmetric_fakfd.h>
 #include <breakwater/observers/filter_bank.h>
 #include <breakwater/observers/idob.h>
-#include <breakwater/observers/kfd.h>
 #include <breakwater/observers/mdob.h>
 #include <breakwater/observers/qvff.h>
+#include <breakwater/observers/sized_filters.h>
 #include <breakwater/observers/state_observer.h>
 #include <breakwater/observers/stf.h>
-#include <breakwater/observers/vfakfd.h>
 #include <breakwater/rigs/axis_parts.h>
 
 namespace breakwater {
@@ -141,7 +140,7 @@ void bind_kfd(Fields& fields, KalmanNoise& settings) {
 }
 
 Estimator make_kfd(const KalmanNoise& settings, const NominalAxis& axis) {
-  return std::make_unique<Kfd<>>(settings.design(axis));
+  return sized_kfd(settings.design(axis));
 }
 
 struct FakfdSettings {
@@ -181,7 +180,7 @@ Estimator make_fakfd(const FakfdSettings& settings, const NominalAxis& axis) {
   const Eigen::VectorXd gamma = scalar_gamma(design.plant, settings.gamma / settings.lambda)
                                     .cwiseProduct(diagonal_gamma(design.plant, settings.gamma_d));
   if (settings.form == CovarianceForm::symmetric) {
-    return std::make_unique<Fakfd<>>(design, gamma);
+    return sized_fakfd(design, gamma);
   }
   return std::make_unique<AsymmetricFakfd>(design, gamma, settings.form);
 }
@@ -224,7 +223,7 @@ Estimator make_vfakfd(const VfakfdSettings& settings, const NominalAxis& axis) {
   design.dead_zone = Eigen::VectorXd::Zero(1);
   settings.limits.apply(design);
   const KalmanDesign filter = settings.noise.design(axis);
-  return blame("observer.lambda_min", [&] { return std::make_unique<Vfakfd<>>(filter, design); });
+  return blame("observer.lambda_min", [&] { return sized_vfakfd(filter, design); });
 }
 
 struct QvffSettings {
@@ -242,7 +241,7 @@ Estimator make_qvff(const QvffSettings& settings, const NominalAxis& axis) {
   settings.limits.apply(design);
   const KalmanDesign filter =
       variable_forgetting_design(settings.model.extend(axis), kQvffInitialCovariance);
-  return blame("observer.lambda_min", [&] { return std::make_unique<Vfakfd<>>(filter, design); });
+  return blame("observer.lambda_min", [&] { return sized_vfakfd(filter, design); });
 }
 
 void bind_stf(Fields& fields, DisturbanceModel& settings) {
@@ -250,8 +249,7 @@ void bind_stf(Fields& fields, DisturbanceModel& settings) {
 }
 
 Estimator make_stf(const DisturbanceModel& settings, const NominalAxis& axis) {
-  return std::make_unique<Stf<>>(stf_design(settings.extend(axis), axis.sensor, axis.period_s),
-                                 axis.sensor);
+  return sized_stf(stf_design(settings.extend(axis), axis.sensor, axis.period_s), axis.sensor);
 }
 
 struct FilterBankSettings {
