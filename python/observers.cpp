@@ -223,6 +223,18 @@ class Column {
   double* next_;
 };
 
+// An estimator takes every interval for a period again at the end, whatever is thrown.
+class RegularAfterwards {
+ public:
+  explicit RegularAfterwards(DisturbanceEstimator& estimator) : estimator_(estimator) {}
+  RegularAfterwards(const RegularAfterwards&) = delete;
+  RegularAfterwards& operator=(const RegularAfterwards&) = delete;
+  ~RegularAfterwards() { estimator_.follow({}); }
+
+ private:
+  DisturbanceEstimator& estimator_;
+};
+
 // One estimator. Used by one thread at a time: others wait, without the interpreter's lock.
 class ArrayEstimator {
  public:
@@ -234,8 +246,8 @@ class ArrayEstimator {
     C_ = kind == "mdob" ? Eigen::MatrixXd(Eigen::RowVector2d(1.0, 0.0)) : arguments.plant().C;
     if (arguments.has("period_s")) period_s_ = arguments.period_s();
     sensor_std_ = arguments.sensor_std();
-    innovation_ = published("innovation");
-    lambda_ = published("lambda");
+    innovation_ = published(*estimator_, "innovation");
+    lambda_ = published(*estimator_, "lambda");
     estimator_->reset(Eigen::VectorXd::Zero(n_));
   }
 
@@ -289,6 +301,7 @@ class ArrayEstimator {
     {
       const Unlocked unlocked;
       const std::lock_guard lock(mutex_);
+      const RegularAfterwards regular(*estimator_);
       estimator_->reset(start);
       const double* const state = estimator_->state().data();
       const double* const disturbance = estimator_->disturbance().data();
@@ -305,7 +318,6 @@ class ArrayEstimator {
         innovation.append(innovation_.data(), innovation_.size());
         lambda.append(lambda_.data(), lambda_.size());
       }
-      estimator_->follow({});
     }
     return py::make_tuple(x.array(), d.array(), innovation.array(), lambda.array());
   }
@@ -330,13 +342,6 @@ class ArrayEstimator {
       if (t.row(k)(0) > t.row(k - 1)(0)) continue;
       throw std::invalid_argument("t: must rise; sample " + std::to_string(k) + " does not");
     }
-  }
-
-  std::span<const double> published(const char* name) const {
-    for (const Signal& signal : estimator_->signals()) {
-      if (signal.name == name) return signal.values;
-    }
-    return {};
   }
 
   Estimator estimator_;
