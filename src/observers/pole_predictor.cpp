@@ -7,13 +7,14 @@ namespace breakwater {
 PolePredictor::PolePredictor(const StateSpace& continuous_plant,
                              const std::vector<PoleGroup>& poles, double period_s)
     : poles_(poles),
+      sampled_poles_(sample_poles(poles, period_s)),
+      placement_(continuous_plant.states(), continuous_plant.outputs()),
       period_s_(period_s),
       interval_s_(period_s),
       hold_(continuous_plant),
       C_(continuous_plant.C) {
-  const std::vector<PoleGroup> sampled_poles = sample_poles(poles, period_s);
   const StateSpace sampled = zero_order_hold(continuous_plant, period_s);
-  regular_.gain = place_observer_poles(sampled.A, sampled.C, sampled_poles);
+  regular_.gain = place_observer_poles(sampled.A, sampled.C, sampled_poles_);
   regular_.error_dynamics = sampled.A - regular_.gain * sampled.C;
   regular_.B = sampled.B;
   step_ = regular_;
@@ -45,7 +46,8 @@ void PolePredictor::place(double interval_s) {
   step_.B = hold_.B();
   step_.error_dynamics = hold_.A();
   if (C_.rows() > 1) {
-    step_.gain = place_observer_poles(step_.error_dynamics, C_, sample_poles(poles_, interval_s));
+    sample_poles(poles_, interval_s, sampled_poles_);
+    placement_.place(step_.error_dynamics, C_, sampled_poles_, step_.gain);
     step_.error_dynamics.noalias() -= step_.gain * C_;
     return;
   }

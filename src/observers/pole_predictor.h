@@ -21,7 +21,7 @@ class PolePredictor {
                 double period_s);
 
   /// The intervals that follow are so long; 0: T_s. Plant and gain are those of this length, by
-  /// Ackermann's formula for one output, by place_observer_poles(), which allocates, for several.
+  /// Ackermann's formula for one output, by ObserverPlacement for several. Allocates nothing.
   void over(double interval_s);
 
   /// Starts from a state whose first entries are `x`, and the others 0; intervals are T_s again.
@@ -50,6 +50,8 @@ class PolePredictor {
   void place(double interval_s);
 
   std::vector<PoleGroup> poles_;
+  std::vector<PoleGroup> sampled_poles_;  // of the last interval
+  ObserverPlacement placement_;           // for several outputs
   Step regular_;
   Step step_;
   double period_s_;
