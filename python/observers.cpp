@@ -15,14 +15,13 @@
 
 #include <breakwater/control/quadrotor_estimator.h>
 #include <breakwater/observers/fakfd.h>
-#include <breakwater/observers/idob_estimator.h>
-#include <breakwater/observers/kfd.h>
-#include <breakwater/observers/mdob_estimator.h>
+#include <breakwater/observers/idob.h>
+#include <breakwater/observers/mdob.h>
 #include <breakwater/observers/qvff.h>
 #include <breakwater/observers/record_intervals.h>
+#include <breakwater/observers/sized_filters.h>
 #include <breakwater/observers/state_observer.h>
 #include <breakwater/observers/stf.h>
-#include <breakwater/observers/vfakfd.h>
 #include "arrays.h"
 #include "interpreter.h"
 
@@ -118,14 +117,14 @@ Estimator make_mdob(const Arguments& arguments) {
                                        ? arguments.number("derivative_cutoff_rad_s")
                                        : std::numeric_limits<double>::infinity();
   design.observer_cutoff_rad_s = arguments.number("cutoff_rad_s");
-  return std::make_unique<MdobEstimator>(design, arguments.number("period_s"));
+  return std::make_unique<Mdob>(design, arguments.number("period_s"));
 }
 
 Estimator make_fakfd(const Arguments& arguments) {
   const KalmanDesign design = arguments.kalman();
-  return std::make_unique<Fakfd<>>(
-      design, scalar_gamma(design.plant, arguments.number("gamma"))
-                  .cwiseProduct(diagonal_gamma(design.plant, arguments.number("gamma_d"))));
+  return sized_fakfd(design,
+                     scalar_gamma(design.plant, arguments.number("gamma"))
+                         .cwiseProduct(diagonal_gamma(design.plant, arguments.number("gamma_d"))));
 }
 
 Estimator make_vfakfd(const Arguments& arguments) {
@@ -135,21 +134,20 @@ Estimator make_vfakfd(const Arguments& arguments) {
   design.alpha = vector_of(arguments.at("alpha"), p, "alpha");
   design.dead_zone = vector_of(arguments.at("dead_zone"), p, "dead_zone");
   arguments.limit(design);
-  return std::make_unique<Vfakfd<>>(kalman, design);
+  return sized_vfakfd(kalman, design);
 }
 
 Estimator make_qvff(const Arguments& arguments) {
   const ExtendedPlant plant = arguments.extended();
   VfakfdDesign design = qvff_design(arguments.sensor(plant.outputs()));
   arguments.limit(design);
-  return std::make_unique<Vfakfd<>>(variable_forgetting_design(plant, kQvffInitialCovariance),
-                                    design);
+  return sized_vfakfd(variable_forgetting_design(plant, kQvffInitialCovariance), design);
 }
 
 Estimator make_stf(const Arguments& arguments) {
   const ExtendedPlant plant = arguments.extended();
   const SensorError error = arguments.sensor(plant.outputs());
-  return std::make_unique<Stf<>>(stf_design(plant, error, arguments.period_s()), error);
+  return sized_stf(stf_design(plant, error, arguments.period_s()), error);
 }
 
 Estimator make(const std::string& kind, const Arguments& arguments) {
@@ -158,11 +156,11 @@ Estimator make(const std::string& kind, const Arguments& arguments) {
                                            arguments.number("period_s"));
   }
   if (kind == "idob") {
-    return std::make_unique<IdobEstimator>(arguments.plant(), arguments.poles(),
-                                           arguments.number("period_s"));
+    return std::make_unique<Idob>(arguments.plant(), arguments.poles(),
+                                  arguments.number("period_s"));
   }
   if (kind == "mdob") return make_mdob(arguments);
-  if (kind == "kfd") return std::make_unique<Kfd<>>(arguments.kalman());
+  if (kind == "kfd") return sized_kfd(arguments.kalman());
   if (kind == "fakfd") return make_fakfd(arguments);
   if (kind == "vfakfd") return make_vfakfd(arguments);
   if (kind == "qvff") return make_qvff(arguments);
@@ -225,6 +223,18 @@ class Column {
   double* next_;
 };
 
+// An estimator takes every interval for a period again at the end, whatever is thrown.
+class RegularAfterwards {
+ public:
+  explicit RegularAfterwards(DisturbanceEstimator& estimator) : estimator_(estimator) {}
+  RegularAfterwards(const RegularAfterwards&) = delete;
+  RegularAfterwards& operator=(const RegularAfterwards&) = delete;
+  ~RegularAfterwards() { estimator_.follow({}); }
+
+ private:
+  DisturbanceEstimator& estimator_;
+};
+
 // One estimator. Used by one thread at a time: others wait, without the interpreter's lock.
 class ArrayEstimator {
  public:
@@ -236,8 +246,8 @@ class ArrayEstimator {
     C_ = kind == "mdob" ? Eigen::MatrixXd(Eigen::RowVector2d(1.0, 0.0)) : arguments.plant().C;
     if (arguments.has("period_s")) period_s_ = arguments.period_s();
     sensor_std_ = arguments.sensor_std();
-    innovation_ = published("innovation");
-    lambda_ = published("lambda");
+    innovation_ = published(*estimator_, "innovation");
+    lambda_ = published(*estimator_, "lambda");
     estimator_->reset(Eigen::VectorXd::Zero(n_));
   }
 
@@ -291,6 +301,7 @@ class ArrayEstimator {
     {
       const Unlocked unlocked;
       const std::lock_guard lock(mutex_);
+      const RegularAfterwards regular(*estimator_);
       estimator_->reset(start);
       const double* const state = estimator_->state().data();
       const double* const disturbance = estimator_->disturbance().data();
@@ -307,7 +318,6 @@ class ArrayEstimator {
         innovation.append(innovation_.data(), innovation_.size());
         lambda.append(lambda_.data(), lambda_.size());
       }
-      estimator_->follow({});
     }
     return py::make_tuple(x.array(), d.array(), innovation.array(), lambda.array());
   }
@@ -332,13 +342,6 @@ class ArrayEstimator {
       if (t.row(k)(0) > t.row(k - 1)(0)) continue;
       throw std::invalid_argument("t: must rise; sample " + std::to_string(k) + " does not");
     }
-  }
-
-  std::span<const double> published(const char* name) const {
-    for (const Signal& signal : estimator_->signals()) {
-      if (signal.name == name) return signal.values;
-    }
-    return {};
   }
 
   Estimator estimator_;

@@ -253,12 +253,12 @@ py::object setup_of(const ArmSetup& arm) {
 }
 
 py::object setup_of(const NominalAxis& axis) {
-  return namespace_of(
-      py::dict(py::arg("period_s") = axis.period_s, py::arg("A") = matrix_array(axis.plant.A),
-               py::arg("B") = matrix_array(axis.plant.B), py::arg("C") = matrix_array(axis.plant.C),
-               py::arg("force_limit") = axis.force_limit,
-               py::arg("quantum") = array(Input(axis.sensor.quantum)),
-               py::arg("noise_std") = array(Input(axis.sensor.noise_std))));
+  return namespace_of(py::dict(
+      py::arg("period_s") = axis.period_s, py::arg("A") = matrix_array(axis.plant.A),
+      py::arg("B") = matrix_array(axis.plant.B), py::arg("C") = matrix_array(axis.plant.C),
+      py::arg("force_limit") = axis.force_limit,
+      py::arg("quantum") = array(Input(axis.sensor.quantum)),
+      py::arg("noise_std") = array(Input(axis.sensor.noise_std)), py::arg("joint") = axis.joint));
 }
 
 py::object setup_of(const AxisTask& task) {
@@ -358,7 +358,10 @@ PythonParts::PythonParts(const Catalogue& standard, const py::object& controller
     catalogue_.add(kind_of<AxisEstimatorKind>(
         estimator_,
         [object](const NominalAxis& axis) {
-          return std::make_unique<PythonAxisEstimator>(object(), setup_of(axis));
+          // Each joint of an arm has one of its own.
+          const py::object part =
+              axis.joint == 0 ? object() : py::module_::import("copy").attr("deepcopy")(object());
+          return std::make_unique<PythonAxisEstimator>(part, setup_of(axis));
         },
         [uses] { uses->estimator_key = "observer.name"; }));
     catalogue_.add(kind_of<QuadrotorEstimatorKind>(

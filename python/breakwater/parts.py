@@ -54,8 +54,8 @@ class Controller:
 
 
 class Estimator:
-    """An estimator of an axis or of the quadrotor, passed as `estimator=`: the controller of the run
-    works with what it tells.
+    """An estimator of an axis, of the arm's joints or of the quadrotor, passed as `estimator=`: the controller
+    of the run works with what it tells. The arm's first joint has the object itself, each other one a deep copy.
 
     `reset(x0)` starts it: at [position, velocity] of an axis, at a pose (6) of the quadrotor. `update(u,
     y)` is called at each sample: u (1 or 4) is what acted since the last one (0 at the first), y, as a
@@ -64,7 +64,8 @@ class Estimator:
         axis:       [position, velocity, d], where the disturbance d opposes the drive,
         quadrotor:  [pose (6), its rate (6), disturbing force (3)].
 
-    `self.setup` is as that of a controller, for an axis without start_state and reference.
+    `self.setup` is as that of a controller, for an axis or a joint without start_state and reference, and
+    with joint, which one it is, from 0 on.
     """
 
     setup: SimpleNamespace

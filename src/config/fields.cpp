@@ -202,7 +202,11 @@ void Fields::number_groups(const std::string& key, std::vector<std::vector<doubl
   add(key, {part_, doc,
             [&target, range](const ConfigValue& v) -> Error {
               const auto* array = std::get_if<ConfigValue::Array>(&v.data);
-              if (array == nullptr) return Refusal("must be an array of arrays of numbers");
+              if (array == nullptr) return "must be an array of numbers, is " + describe(v);
+              if (array->empty() || !std::holds_alternative<ConfigValue::Array>((*array)[0].data)) {
+                target.assign(1, {});
+                return read_numbers(v, range, target[0]);
+              }
               target.assign(array->size(), {});
               for (std::size_t i = 0; i < array->size(); ++i) {
                 if (Error e = in_element(i, read_numbers((*array)[i], range, target[i]))) return e;
@@ -210,6 +214,7 @@ void Fields::number_groups(const std::string& key, std::vector<std::vector<doubl
               return std::nullopt;
             },
             [&target] {
+              if (target.size() == 1) return print_numbers(target[0]);
               std::vector<std::string> groups;
               for (const auto& group : target) groups.push_back(print_numbers(group));
               return fmt::format("[{}]", fmt::join(groups, ", "));

@@ -75,6 +75,7 @@ class Fields {
   void file(const std::string& key, std::string& target, const std::string& doc);
   void numbers(const std::string& key, std::vector<double>& target, const Range& range,
                const std::string& doc);
+  /// One group may stand there as its numbers alone, and is printed so.
   void number_groups(const std::string& key, std::vector<std::vector<double>>& target,
                      const Range& range, const std::string& doc);
 

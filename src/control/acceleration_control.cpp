@@ -1,12 +1,16 @@
 #include <breakwater/control/acceleration_control.h>
 
 #include <stdexcept>
+#include <utility>
+
+#include <breakwater/observers/idob.h>
+#include <breakwater/observers/stacked_estimator.h>
+#include <breakwater/plants/damped_inertia.h>
 
 namespace breakwater {
 namespace {
 
-// n decoupled joints J_n q̈ = τ with their angles measured (Eqs. 2.56–2.58).
-StateSpace nominal_plant(const AccelerationControlDesign& design) {
+const AccelerationControlDesign& checked(const AccelerationControlDesign& design) {
   const Eigen::Index n = design.nominal_inertia_kgm2.size();
   if (n == 0 || design.torque_limit_Nm.size() != n) {
     throw std::invalid_argument("acceleration control: needs one inertia and limit per joint");
@@ -15,27 +19,45 @@ StateSpace nominal_plant(const AccelerationControlDesign& design) {
       !(design.torque_limit_Nm.array() > 0.0).all()) {
     throw std::invalid_argument("acceleration control: inertias and limits must be positive");
   }
-  StateSpace plant{Eigen::MatrixXd::Zero(2 * n, 2 * n), Eigen::MatrixXd::Zero(2 * n, n),
-                   Eigen::MatrixXd::Zero(n, 2 * n)};
-  plant.A.topRightCorner(n, n).setIdentity();
-  plant.B.bottomRows(n).diagonal() = design.nominal_inertia_kgm2.cwiseInverse();
-  plant.C.leftCols(n).setIdentity();
-  return plant;
+  return design;
 }
 
 }  // namespace
 
+std::unique_ptr<DisturbanceEstimator> joint_idobs(const Eigen::VectorXd& nominal_inertia_kgm2,
+                                                  const std::vector<PoleGroup>& poles,
+                                                  double period_s) {
+  if (static_cast<Eigen::Index>(poles.size()) != nominal_inertia_kgm2.size()) {
+    throw std::invalid_argument("acceleration control: needs one group of poles per joint");
+  }
+  std::vector<std::unique_ptr<DisturbanceEstimator>> joints;
+  for (std::size_t i = 0; i < poles.size(); ++i) {
+    const double inertia = nominal_inertia_kgm2(static_cast<Eigen::Index>(i));
+    joints.push_back(std::make_unique<Idob>(damped_inertia(inertia, 0.0),
+                                            std::vector<PoleGroup>{poles[i]}, period_s));
+  }
+  return std::make_unique<StackedEstimator>(std::move(joints));
+}
+
 AccelerationControl::AccelerationControl(const AccelerationControlDesign& design)
-    : nominal_inertia_(design.nominal_inertia_kgm2),
+    : nominal_inertia_(checked(design).nominal_inertia_kgm2),
       torque_limit_(design.torque_limit_Nm),
       feed_(design.feed),
-      observer_(nominal_plant(design), design.observer_poles, design.period_s),
+      observer_(design.make_observer()),
       fed_torque_(Eigen::VectorXd::Zero(nominal_inertia_.size())),
-      start_(Eigen::VectorXd::Zero(2 * nominal_inertia_.size())) {}
+      start_(Eigen::VectorXd::Zero(2 * nominal_inertia_.size())) {
+  if (observer_->state().size() != 2 * joints() || observer_->disturbance().size() != joints()) {
+    throw std::invalid_argument("acceleration control: needs an observer of all joints");
+  }
+}
 
 void AccelerationControl::reset(const Eigen::Ref<const Eigen::VectorXd>& q_rad) {
   start_.head(joints()) = q_rad;
-  observer_.reset(start_);
+  observer_->reset(start_);
+}
+
+void AccelerationControl::update(const Eigen::Ref<const Eigen::VectorXd>& measured_q_rad) {
+  observer_->update(fed_torque_, measured_q_rad);
 }
 
 double AccelerationControl::lower_acceleration(Eigen::Index joint) const {
@@ -47,7 +69,6 @@ double AccelerationControl::upper_acceleration(Eigen::Index joint) const {
 }
 
 void AccelerationControl::command(const Eigen::Ref<const Eigen::VectorXd>& a_rad_s2,
-                                  const Eigen::Ref<const Eigen::VectorXd>& measured_q_rad,
                                   Eigen::Ref<Eigen::VectorXd> torque_Nm) {
   torque_Nm = nominal_inertia_.cwiseProduct(a_rad_s2) + d_hat();
   if (feed_ == ObserverFeed::clipped) {
@@ -55,7 +76,6 @@ void AccelerationControl::command(const Eigen::Ref<const Eigen::VectorXd>& a_rad
   } else {
     fed_torque_ = torque_Nm;
   }
-  observer_.update(fed_torque_, measured_q_rad);
 }
 
 }  // namespace breakwater

@@ -1,11 +1,13 @@
-// IDOB-based acceleration control of independent joints: thesis 2.4.2.1 and 2.4.2.7.
+// Observer-based acceleration control of independent joints: thesis 2.4.2.1 and 2.4.2.7.
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
+#include <memory>
 #include <vector>
 
 #include <breakwater/linear/pole_placement.h>
-#include <breakwater/observers/idob.h>
+#include <breakwater/observers/disturbance_estimator.h>
 
 namespace breakwater {
 
@@ -16,49 +18,63 @@ enum class ObserverFeed {
 };
 
 struct AccelerationControlDesign {
-  Eigen::VectorXd nominal_inertia_kgm2;   ///< diagonal of J_n, n
-  Eigen::VectorXd torque_limit_Nm;        ///< τ_limit, n (Eq. 2.81)
-  std::vector<PoleGroup> observer_poles;  ///< [1/s], three per joint
+  Eigen::VectorXd nominal_inertia_kgm2;  ///< diagonal of J_n, n
+  Eigen::VectorXd torque_limit_Nm;       ///< τ_limit, n (Eq. 2.81)
+  /// Makes an estimator of all joints: x̂ = [q; q̇] (2n), d̂ (n). It is told the torques, and
+  /// measures the angles.
+  std::function<std::unique_ptr<DisturbanceEstimator>()> make_observer;
   ObserverFeed feed = ObserverFeed::clipped;
   double period_s = 0.0;
 };
 
+/// An IDOB for each of n decoupled joints J_n q̈ = τ − d with their angles measured (Eqs.
+/// 2.56–2.58), three poles [1/s] a joint. Throws std::invalid_argument as Idob does, or if the
+/// sizes differ.
+std::unique_ptr<DisturbanceEstimator> joint_idobs(const Eigen::VectorXd& nominal_inertia_kgm2,
+                                                  const std::vector<PoleGroup>& poles,
+                                                  double period_s);
+
 /// Makes each joint of a manipulator a double integrator q̈ = a, whatever the coupling, friction
-/// and external torques, by cancelling the disturbance that an IDOB estimates (Eqs. 2.53–2.58):
+/// and external torques, by cancelling the disturbance that is estimated (Eqs. 2.53–2.58, of which
+/// the thesis' estimator is the IDOB):
 ///     τ = J_n a + τ̂_d   (Eq. 2.82; 2.88 and 2.92 must read so too).
 /// Eq. 2.15 is this disturbance of one joint, with the other sign.
 ///
-/// Used once a sample: read the estimates, decide a, then command(a, q).
+/// Used once a sample: update(q), read the estimates, decide a, then command(a).
 class AccelerationControl {
  public:
   /// Throws std::invalid_argument if the sizes differ, an inertia or a limit is not positive, or
-  /// the observer cannot be designed.
+  /// as make_observer() does.
   explicit AccelerationControl(const AccelerationControlDesign& design);
 
   /// Starts the observer at rest at `q` with no disturbance.
   void reset(const Eigen::Ref<const Eigen::VectorXd>& q_rad);
 
-  auto q_hat() const { return observer_.extended_state().head(joints()); }
-  auto dq_hat() const { return observer_.extended_state().segment(joints(), joints()); }
-  auto d_hat() const { return observer_.extended_state().tail(joints()); }
+  /// One sample: lets the observer see the last command and what is measured now.
+  void update(const Eigen::Ref<const Eigen::VectorXd>& measured_q_rad);
+
+  /// This sample's, at addresses that do not change.
+  using View = DisturbanceEstimator::View;
+  View q_hat() const { return {observer_->state().data(), joints()}; }
+  View dq_hat() const { return {observer_->state().data() + joints(), joints()}; }
+  View d_hat() const { return observer_->disturbance(); }
 
   /// The accelerations that keep each joint within its torque limit (Eqs. 2.83, 2.84) [rad/s²].
   double lower_acceleration(Eigen::Index joint) const;
   double upper_acceleration(Eigen::Index joint) const;
 
-  /// Writes the torque for acceleration `a` and lets the observer see this sample.
+  /// Writes the torque for acceleration `a`.
   void command(const Eigen::Ref<const Eigen::VectorXd>& a_rad_s2,
-               const Eigen::Ref<const Eigen::VectorXd>& measured_q_rad,
                Eigen::Ref<Eigen::VectorXd> torque_Nm);
 
   Eigen::Index joints() const { return nominal_inertia_.size(); }
-  const Idob& observer() const { return observer_; }
+  const DisturbanceEstimator& observer() const { return *observer_; }
 
  private:
   Eigen::VectorXd nominal_inertia_;
   Eigen::VectorXd torque_limit_;
   ObserverFeed feed_;
-  Idob observer_;
+  std::unique_ptr<DisturbanceEstimator> observer_;
   Eigen::VectorXd fed_torque_;
   Eigen::VectorXd start_;  // [q; 0]
 };

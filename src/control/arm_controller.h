@@ -29,11 +29,15 @@ inline double implicit_force_reference_m(const ArmTask& task, double x_m, double
 
 /// Expects samples y = [q (n) [rad]; F_x [N]; F_x before the sensor's low-pass [N]], the last of
 /// which may be missing, and writes torques u (n) [N m]. Derived classes decide the joints'
-/// acceleration; IDOB-based acceleration control makes it so.
+/// acceleration; acceleration control with a disturbance observer makes it so.
 ///
 /// The observer starts at q_0^ref, not at the measurement (2.4.3.1): from the stretched pose that
 /// the arm starts in, the Jacobian is singular and the workspace controllers would never leave it.
 class ArmController : public Controller {
+  // Before the views of its estimates.
+  PlanarChain chain_;
+  AccelerationControl acceleration_control_;
+
  public:
   void reset(const Sample& first) final;
   void update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u) final;
@@ -53,11 +57,10 @@ class ArmController : public Controller {
   const AccelerationControl& joints() const { return acceleration_control_; }
   const PlanarChain& chain() const { return chain_; }
 
-  // This sample's, for decide(). The observer is one sample ahead once it has seen the command,
-  // so what this sample's decision and log rest on is kept here.
-  Eigen::VectorXd q_hat_;
-  Eigen::VectorXd dq_hat_;
-  Eigen::VectorXd d_hat_;
+  // This sample's, for decide().
+  AccelerationControl::View q_hat_;
+  AccelerationControl::View dq_hat_;
+  AccelerationControl::View d_hat_;
   bool force_control_ = false;
   double force_N_ = 0.0;
   double raw_force_N_ = 0.0;         // before the sensor's low-pass
@@ -66,8 +69,6 @@ class ArmController : public Controller {
   TipJacobian J_;                    // J_aco(q̂)
 
  private:
-  PlanarChain chain_;
-  AccelerationControl acceleration_control_;
   ArmTask task_;
   double half_period_s_;
   Eigen::VectorXd acceleration_ref_;

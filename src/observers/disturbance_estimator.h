@@ -60,6 +60,15 @@ class DisturbanceEstimator {
   virtual bool follow(const SampleInterval& /*interval*/) { return false; }
 };
 
+/// What an estimator publishes under a name; empty if there is none such.
+inline std::span<const double> published(const DisturbanceEstimator& estimator,
+                                         const std::string& name) {
+  for (const Signal& signal : estimator.signals()) {
+    if (signal.name == name) return signal.values;
+  }
+  return {};
+}
+
 /// An estimator's signals for a log, where its output is measured in `output_unit`.
 inline std::vector<Signal> signals_of(const DisturbanceEstimator& estimator,
                                       const std::string& output_unit) {

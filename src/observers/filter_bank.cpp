@@ -7,6 +7,7 @@
 #include <breakwater/math/functions.h>
 #include <breakwater/math/mills_ratio.h>
 #include <breakwater/observers/code_likelihood.h>
+#include <breakwater/observers/record_intervals.h>
 
 namespace breakwater {
 namespace {
@@ -29,7 +30,6 @@ constexpr double kSmallestFall = 1e-12;  // of a variance, that is worth the wor
 constexpr double kChances_per_s = 0.5;   // of each model to be right next
 constexpr double kForgotten = 6.0;       // below a chance
 constexpr double kCounts = 3.0;          // in the mean: below the best
-constexpr double kMostPieces = 1000.0;   // of an interval, however long
 
 double log_density(double e, double S) {
   return -0.5 * (e * e / S + math::log(S)) - math::kLogRootTwoPi;
@@ -142,7 +142,7 @@ bool FilterBank::follow(const SampleInterval& interval) {
   const double length_s = interval.length_s > 0.0 ? interval.length_s : period_s_;
   instant_std_s_ = interval.instant_std_s;
   if (instant_std_s_ == 0.0) know_noise(0.0);
-  pieces_ = std::clamp(std::round(length_s / period_s_), 1.0, kMostPieces);
+  pieces_ = pieces_of(length_s, period_s_);
   piece_s_ = length_s / pieces_;
   input_variance_ = interval.input_std * interval.input_std * pieces_;
   if (length_s == period_s_) {

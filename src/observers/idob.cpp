@@ -22,16 +22,8 @@ StateSpace observable(const StateSpace& continuous_plant, double period_s) {
 
 Idob::Idob(const StateSpace& continuous_plant, const std::vector<PoleGroup>& poles, double period_s)
     : states_(continuous_plant.states()),
-      predictor_(observable(continuous_plant, period_s), poles, period_s) {}
-
-void Idob::reset(const Eigen::Ref<const Eigen::VectorXd>& x) {
-  predictor_.state().setZero();
-  predictor_.state().head(states_) = x;
-}
-
-void Idob::update(const Eigen::Ref<const Eigen::VectorXd>& u,
-                  const Eigen::Ref<const Eigen::VectorXd>& y) {
-  predictor_.update(u, y);
-}
+      predictor_(observable(continuous_plant, period_s), poles, period_s),
+      signals_(
+          {{"innovation", "", "e = y - C x(k|k-1) (Eq. 4.15)", view(predictor_.innovation())}}) {}
 
 }  // namespace breakwater

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include <breakwater/observers/disturbance_estimator.h>
 #include <breakwater/observers/pole_predictor.h>
 
 namespace breakwater {
@@ -20,38 +21,40 @@ namespace breakwater {
 ///
 /// Sign: d̂ opposes the input, so a plant with nominal inertia J_n is given the acceleration a by
 /// u = J_n a + d̂ (Eq. 2.82). Eqs. 2.6 and 2.15 print the other sign.
-///
-/// Used once a sample: read the estimate, decide the input, then update(u, y).
-class Idob {
+class Idob final : public DisturbanceEstimator {
  public:
   /// `poles` [1/s]: one group per output, n + m poles in all, each stable. Throws
   /// std::invalid_argument if the extended plant is not observable (with its rank) or the poles
   /// cannot be placed.
   Idob(const StateSpace& continuous_plant, const std::vector<PoleGroup>& poles, double period_s);
 
-  /// Starts from state `x` (n) and no disturbance.
-  void reset(const Eigen::Ref<const Eigen::VectorXd>& x);
+  void reset(const Vector& x) override { predictor_.reset(x); }
+  void update(const Vector& held_input, const Vector& y) override {
+    predictor_.update(held_input, y);
+  }
+  bool follow(const SampleInterval& interval) override {
+    predictor_.over(interval.length_s);
+    return true;
+  }
 
-  /// One sample: u (m) is the input that the plant is given until the next one, y (p) what was
-  /// measured at this one. Allocates nothing.
-  void update(const Eigen::Ref<const Eigen::VectorXd>& u,
-              const Eigen::Ref<const Eigen::VectorXd>& y);
+  View state() const override { return {predictor_.state().data(), states_}; }
+  View disturbance() const override {
+    return {predictor_.state().data() + states_, poles() - states_};
+  }
+  std::span<const Signal> signals() const override { return signals_; }
 
-  /// The intervals that follow are so long; 0: T_s.
-  void over(double interval_s) { predictor_.over(interval_s); }
-
-  auto state() const { return extended_state().head(states_); }
-  auto disturbance() const { return extended_state().tail(extended_state().size() - states_); }
-  /// [x̂; d̂], at an address that does not change.
-  const Eigen::VectorXd& extended_state() const { return predictor_.state(); }
+  /// Those of Ā_d − H C̄_d: what the estimation error is multiplied with at each sample.
+  Eigen::Index poles() const override { return predictor_.state().size(); }
+  void pole_matrix(Eigen::Ref<Eigen::MatrixXd> F) const override {
+    F = predictor_.error_dynamics();
+  }
 
   const Eigen::MatrixXd& H() const { return predictor_.H(); }
-  /// Ā_d − H C̄_d: what the estimation error is multiplied with at each sample.
-  const Eigen::MatrixXd& error_dynamics() const { return predictor_.error_dynamics(); }
 
  private:
   Eigen::Index states_;
   PolePredictor predictor_;
+  std::vector<Signal> signals_;
 };
 
 }  // namespace breakwater

@@ -3,8 +3,6 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
-#include <algorithm>
-#include <cmath>
 #include <optional>
 #include <stdexcept>
 #include <vector>
@@ -13,6 +11,7 @@
 #include <breakwater/observers/disturbance_estimator.h>
 #include <breakwater/observers/kalman_design.h>
 #include <breakwater/observers/one_output.h>
+#include <breakwater/observers/record_intervals.h>
 
 namespace breakwater {
 
@@ -43,7 +42,7 @@ class KalmanEstimator : public DisturbanceEstimator {
     weight_ = interval.output_std > 0.0
                   ? regular_R_(0, 0) / (interval.output_std * interval.output_std)
                   : 1.0;
-    pieces_ = std::clamp(std::round(length_s / period_s_), 1.0, kMostPieces);
+    pieces_ = pieces_of(length_s, period_s_);
     if (length_s == period_s_) {
       A_ = regular_A_;
       B_ = regular_B_;
@@ -234,8 +233,6 @@ class KalmanEstimator : public DisturbanceEstimator {
   Outputs instant_error_;  // a standard deviation
 
  private:
-  static constexpr double kMostPieces = 1000.0;  // of an interval, however long
-
   // What is so once a period; A̅, B̅, Q and R are those of the last interval.
   Covariance regular_A_;
   Eigen::Matrix<double, N, m> regular_B_;

@@ -1,6 +1,10 @@
 // Minimal-order disturbance observer (MDOB): thesis 2.2.2.
 #pragma once
 
+#include <Eigen/Core>
+
+#include <breakwater/observers/disturbance_estimator.h>
+
 namespace breakwater {
 
 /// What an MDOB is designed with.
@@ -20,29 +24,28 @@ struct MdobDesign {
 /// Sampled: the torque is held, so its low-pass is exact; the angle's filters are the backward
 /// differences of theirs.
 ///
-/// Used once a sample: update(τ, q) with the torque that acted since the last sample and the angle
-/// measured at this one; then d̂ is that of this sample.
-class Mdob {
+/// It does not estimate the angle: its x̂ = [q; G_d(s) q], q as measured (below Eq. 4.22).
+class Mdob final : public DisturbanceEstimator {
  public:
   /// Throws std::invalid_argument unless inertia, cut-offs and period are positive, and g_w finite.
   Mdob(const MdobDesign& design, double period_s);
 
-  void reset(double angle);
-  /// The intervals that follow are so long; 0: T_s. The filters are those of this length.
-  void over(double interval_s);
-  void update(double held_torque, double angle);
+  void reset(const Vector& x) override;
+  void update(const Vector& held_input, const Vector& y) override;
+  /// The filters are then those of this interval.
+  bool follow(const SampleInterval& interval) override;
 
-  double angle() const { return angle_; }        ///< as measured
-  double velocity() const { return velocity_; }  ///< G_d(s) q
-  double disturbance() const {
-    return filtered_torque_ + filtered_momentum_ - momentum_gain_ * velocity_;
-  }
+  View state() const override { return {estimate_.data(), 2}; }
+  View disturbance() const override { return {estimate_.data() + 2, 1}; }
+  std::span<const Signal> signals() const override { return {}; }
 
-  /// The sampled poles of its two filters.
-  double derivative_pole() const { return derivative_memory_; }
-  double low_pass_pole() const { return 1.0 - momentum_weight_; }
+  /// Those of its two filters; a raw difference has none.
+  Eigen::Index poles() const override { return derivative_memory_ > 0.0 ? 2 : 1; }
+  void pole_matrix(Eigen::Ref<Eigen::MatrixXd> F) const override;
 
  private:
+  void start(double angle);
+
   MdobDesign design_;
   double period_s_;
   double interval_s_ = 0.0;
@@ -51,8 +54,8 @@ class Mdob {
   double torque_gain_;        // 1 − e^{−g_w T_s}
   double momentum_weight_;    // g_w T_s/(1 + g_w T_s)
   double momentum_gain_;      // g_w J_n
-  double angle_ = 0.0;
-  double velocity_ = 0.0;
+  bool has_begun_ = false;
+  Eigen::Vector3d estimate_ = Eigen::Vector3d::Zero();  // [q; G_d(s) q; d̂]
   double filtered_torque_ = 0.0;
   double filtered_momentum_ = 0.0;
 };

@@ -7,19 +7,22 @@ namespace breakwater {
 PolePredictor::PolePredictor(const StateSpace& continuous_plant,
                              const std::vector<PoleGroup>& poles, double period_s)
     : poles_(poles),
+      sampled_poles_(sample_poles(poles, period_s)),
+      placement_(continuous_plant.states(), continuous_plant.outputs()),
       period_s_(period_s),
       interval_s_(period_s),
       hold_(continuous_plant),
       C_(continuous_plant.C) {
-  const std::vector<PoleGroup> sampled_poles = sample_poles(poles, period_s);
   const StateSpace sampled = zero_order_hold(continuous_plant, period_s);
-  regular_.gain = place_observer_poles(sampled.A, sampled.C, sampled_poles);
+  regular_.gain = place_observer_poles(sampled.A, sampled.C, sampled_poles_);
   regular_.error_dynamics = sampled.A - regular_.gain * sampled.C;
   regular_.B = sampled.B;
   step_ = regular_;
   const Eigen::Index n = sampled.states();
   state_.setZero(n);
   next_.setZero(n);
+  last_output_.setZero(C_.rows());
+  innovation_ = last_output_;
   change_ = observability_ = polynomial_ = factor_ = work_ = Eigen::MatrixXd::Identity(n, n);
   last_ = Eigen::VectorXd::Unit(n, n - 1);
   solver_ = Eigen::PartialPivLU<Eigen::MatrixXd>(n);
@@ -43,7 +46,8 @@ void PolePredictor::place(double interval_s) {
   step_.B = hold_.B();
   step_.error_dynamics = hold_.A();
   if (C_.rows() > 1) {
-    step_.gain = place_observer_poles(step_.error_dynamics, C_, sample_poles(poles_, interval_s));
+    sample_poles(poles_, interval_s, sampled_poles_);
+    placement_.place(step_.error_dynamics, C_, sampled_poles_, step_.gain);
     step_.error_dynamics.noalias() -= step_.gain * C_;
     return;
   }
@@ -76,13 +80,26 @@ void PolePredictor::place(double interval_s) {
   step_.error_dynamics.noalias() -= step_.gain * C_;
 }
 
+void PolePredictor::reset(const Eigen::Ref<const Eigen::VectorXd>& x) {
+  state_.setZero();
+  state_.head(x.size()) = x;
+  has_begun_ = false;
+  over(0.0);
+}
+
 void PolePredictor::update(const Eigen::Ref<const Eigen::VectorXd>& u,
                            const Eigen::Ref<const Eigen::VectorXd>& y) {
-  next_.noalias() = step_.error_dynamics * state_;
-  next_.noalias() += step_.B * u;
-  next_.noalias() += step_.gain * y;
-  // Copied, not swapped: a log holds the address of the state.
-  state_ = next_;
+  if (has_begun_) {
+    next_.noalias() = step_.error_dynamics * state_;
+    next_.noalias() += step_.B * u;
+    next_.noalias() += step_.gain * last_output_;
+    // Copied, not swapped: a log holds the address of the state.
+    state_ = next_;
+  }
+  has_begun_ = true;
+  last_output_ = y;
+  innovation_ = y;
+  innovation_.noalias() -= C_ * state_;
 }
 
 }  // namespace breakwater

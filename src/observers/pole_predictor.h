@@ -11,7 +11,8 @@
 namespace breakwater {
 
 /// x̂(k+1) = A x̂(k) + B u(k) + H (y(k) − C x̂(k)) of a plant sampled with a zero-order hold, where
-/// A − H C has the poles e^{s h} of the continuous poles s over the interval h.
+/// A − H C has the poles e^{s h} of the continuous poles s over the interval h. x̂(k) has therefore
+/// seen y(0) … y(k−1).
 class PolePredictor {
  public:
   /// `poles` [1/s]: one group per output, n in all. Throws std::invalid_argument if one is not
@@ -20,15 +21,20 @@ class PolePredictor {
                 double period_s);
 
   /// The intervals that follow are so long; 0: T_s. Plant and gain are those of this length, by
-  /// Ackermann's formula for one output, by place_observer_poles(), which allocates, for several.
+  /// Ackermann's formula for one output, by ObserverPlacement for several. Allocates nothing.
   void over(double interval_s);
 
-  Eigen::VectorXd& state() { return state_; }
-  const Eigen::VectorXd& state() const { return state_; }
+  /// Starts from a state whose first entries are `x`, and the others 0; intervals are T_s again.
+  void reset(const Eigen::Ref<const Eigen::VectorXd>& x);
 
-  /// From one sample to the next: u acted in between, y was measured at the first one.
+  /// One sample: u acted since the last one, y is measured at this one. The first after a reset has
+  /// no sample before it: u is ignored.
   void update(const Eigen::Ref<const Eigen::VectorXd>& u,
               const Eigen::Ref<const Eigen::VectorXd>& y);
+
+  /// x̂(k) and y(k) − C x̂(k), at addresses that do not change.
+  const Eigen::VectorXd& state() const { return state_; }
+  const Eigen::VectorXd& innovation() const { return innovation_; }
 
   const Eigen::MatrixXd& H() const { return step_.gain; }
   /// A − H C: what the estimation error is multiplied with at each sample.
@@ -44,14 +50,19 @@ class PolePredictor {
   void place(double interval_s);
 
   std::vector<PoleGroup> poles_;
+  std::vector<PoleGroup> sampled_poles_;  // of the last interval
+  ObserverPlacement placement_;           // for several outputs
   Step regular_;
   Step step_;
   double period_s_;
   double interval_s_;
   VariableHold hold_;
   Eigen::MatrixXd C_;
+  bool has_begun_ = false;
   Eigen::VectorXd state_;
   Eigen::VectorXd next_;
+  Eigen::VectorXd last_output_;
+  Eigen::VectorXd innovation_;
   // Of Ackermann's formula.
   Eigen::MatrixXd change_;  // A − I
   Eigen::MatrixXd observability_;

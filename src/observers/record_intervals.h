@@ -2,12 +2,19 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
 #include <map>
 #include <span>
 
 #include <breakwater/observers/disturbance_estimator.h>
 
 namespace breakwater {
+
+/// In how many pieces an interval is predicted: one a period, one at least, a thousand at most.
+inline double pieces_of(double length_s, double period_s) {
+  return std::clamp(std::round(length_s / period_s), 1.0, 1000.0);
+}
 
 /// What is known of a record's rows.
 struct RecordRows {

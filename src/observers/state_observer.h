@@ -18,9 +18,14 @@ class StateObserver final : public DisturbanceEstimator {
   StateObserver(const StateSpace& continuous_plant, const std::vector<PoleGroup>& poles,
                 double period_s);
 
-  void reset(const Vector& x) override;
-  void update(const Vector& held_input, const Vector& y) override;
-  bool follow(const SampleInterval& interval) override;
+  void reset(const Vector& x) override { predictor_.reset(x); }
+  void update(const Vector& held_input, const Vector& y) override {
+    predictor_.update(held_input, y);
+  }
+  bool follow(const SampleInterval& interval) override {
+    predictor_.over(interval.length_s);
+    return true;
+  }
 
   View state() const override { return {predictor_.state().data(), poles()}; }
   View disturbance() const override { return {disturbance_.data(), disturbance_.size()}; }
@@ -33,11 +38,7 @@ class StateObserver final : public DisturbanceEstimator {
 
  private:
   PolePredictor predictor_;
-  Eigen::MatrixXd C_;
   Eigen::VectorXd disturbance_;  // 0
-  bool has_begun_ = false;
-  Eigen::VectorXd last_output_;
-  Eigen::VectorXd innovation_;
   std::vector<Signal> signals_;
 };
 

@@ -19,14 +19,6 @@ namespace {
 constexpr std::size_t kMostGapsNamed = 3;
 constexpr std::size_t kRowsBetweenReports = 100000;
 
-// What is published under a name; empty if there is none such.
-std::span<const double> published(const DisturbanceEstimator& estimator, const std::string& name) {
-  for (const Signal& signal : estimator.signals()) {
-    if (signal.name == name) return signal.values;
-  }
-  return {};
-}
-
 }  // namespace
 
 Fields RecordedEstimation::fields() {

@@ -5,6 +5,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include <breakwater/observers/stacked_estimator.h>
+#include <breakwater/plants/damped_inertia.h>
 #include <breakwater/sim/friction.h>
 
 namespace breakwater {
@@ -14,14 +16,41 @@ Eigen::VectorXd to_eigen(const std::vector<double>& values) {
   return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
 }
 
+double quantum_rad(const ArmSettings& settings) {
+  const double counts = settings.encoder_counts_per_turn;
+  return counts > 0.0 ? 2.0 * std::numbers::pi / counts : 0.0;
+}
+
+// What a joint's estimator is told: J_n q̈ = τ − d, whatever couples it with others.
+NominalAxis nominal_joint(const ArmSettings& settings, const PlanarChain& chain, int joint) {
+  const double inertia_kgm2 = settings.nominal_inertia_kgm2[static_cast<std::size_t>(joint)];
+  return {
+      .plant = damped_inertia(inertia_kgm2, 0.0),
+      .period_s = settings.physics.control_period_s,
+      .force_limit = chain.effort_limits_Nm()(joint),
+      .sensor = {Eigen::VectorXd::Constant(1, quantum_rad(settings)),
+                 Eigen::VectorXd::Constant(1, settings.angle_noise_rad), settings.encoder_rounding},
+      .pulses_per_revolution = settings.encoder_counts_per_turn,
+      .units = rotation_units(),
+      .joint = joint,
+      .joints = static_cast<int>(chain.joints())};
+}
+
+std::unique_ptr<DisturbanceEstimator> make_observer(const ArmSettings& settings,
+                                                    const PlanarChain& chain) {
+  std::vector<std::unique_ptr<DisturbanceEstimator>> joints;
+  for (int i = 0; i < chain.joints(); ++i) {
+    joints.push_back(settings.observer.make(nominal_joint(settings, chain, i)));
+  }
+  return std::make_unique<StackedEstimator>(std::move(joints));
+}
+
 AccelerationControlDesign acceleration_design(const ArmSettings& settings,
                                               const PlanarChain& chain) {
   AccelerationControlDesign design;
   design.nominal_inertia_kgm2 = to_eigen(settings.nominal_inertia_kgm2);
   design.torque_limit_Nm = chain.effort_limits_Nm();
-  for (const auto& group : settings.observer_poles_rad_s) {
-    design.observer_poles.emplace_back(group.begin(), group.end());
-  }
+  design.make_observer = [&settings, chain] { return make_observer(settings, chain); };
   design.feed = settings.observer_feed;
   design.period_s = settings.physics.control_period_s;
   return design;
@@ -46,14 +75,11 @@ ArmSetup arm_setup(const ArmSettings& settings, const ArmRole& role, const Plana
 SensingSetup sensing_setup(const ArmSettings& settings, const ArmRole& role,
                            const PlanarChain& chain) {
   SensingSetup setup;
-  const double quantum_rad = settings.encoder_counts_per_turn > 0.0
-                                 ? 2.0 * std::numbers::pi / settings.encoder_counts_per_turn
-                                 : 0.0;
   for (Eigen::Index i = 0; i < chain.joints(); ++i) {
     setup.channels.push_back(
         {.name = "q" + std::to_string(i + 1),
          .sensor = chain.joint(i).name + "_pos",
-         .encoder = {.quantum = quantum_rad, .rounding = settings.encoder_rounding},
+         .encoder = {.quantum = quantum_rad(settings), .rounding = settings.encoder_rounding},
          .noise_std = settings.angle_noise_rad});
   }
   setup.channels.push_back({.name = "force",
@@ -119,8 +145,7 @@ void ArmSettings::bind(Fields& fields) {
   controller.bind(fields);
   fields.numbers("observer.nominal_inertia_kgm2", nominal_inertia_kgm2, positive(),
                  "diagonal of J_n [kg m^2]");
-  fields.number_groups("observer.poles_rad_s", observer_poles_rad_s, any(),
-                       "continuous poles of the IDOB, three per joint [1/s]");
+  observer.bind(fields);
   fields.choice("observer.feed", observer_feed,
                 {{"clipped", ObserverFeed::clipped}, {"unclipped", ObserverFeed::unclipped}},
                 "the torque that the observer sees: after (clipped) or before saturation");
@@ -147,13 +172,13 @@ void check_arm(const ArmSettings& settings, const ArmRole& role, const Config& c
   };
   one_per_joint("task.start_angles_rad", settings.start_angles_rad.size());
   one_per_joint("observer.nominal_inertia_kgm2", settings.nominal_inertia_kgm2.size());
-  one_per_joint("observer.poles_rad_s", settings.observer_poles_rad_s.size());
 
   if (settings.friction_Nm < 0.0 && settings.friction_Nm != kFrictionOfModel) {
     config.fail("plant.friction_Nm", "must be -1, for the model file's, or not negative");
   }
-  config.blame("observer.poles_rad_s",
-               [&] { AccelerationControl design(acceleration_design(settings, chain)); });
+  for (int i = 0; i < chain.joints(); ++i) {
+    settings.observer.check(config, nominal_joint(settings, chain, i));
+  }
   settings.controller.check(config, arm_setup(settings, role, chain));
   check_actuators(Model::load_physics(settings.mjcf, role.geoms), chain);
   const std::vector<SensorChannel> channels = sensing_setup(settings, role, chain).channels;

@@ -9,13 +9,15 @@
 
 #include <breakwater/experiment/scenario.h>
 #include <breakwater/rigs/arm_parts.h>
+#include <breakwater/rigs/axis_parts.h>
 #include <breakwater/sim/simulation.h>
 
 namespace breakwater {
 
 /// Keys that all arm scenarios have.
 struct ArmSettings {
-  explicit ArmSettings(const Catalogue& catalogue) : controller(catalogue, "controller.name") {}
+  explicit ArmSettings(const Catalogue& catalogue)
+      : controller(catalogue, "controller.name"), observer(catalogue, "observer.name", "idob") {}
 
   ModelFile mjcf;
   std::string urdf;
@@ -27,7 +29,7 @@ struct ArmSettings {
   PartChoice<ArmControllerKind> controller;
 
   std::vector<double> nominal_inertia_kgm2;
-  std::vector<std::vector<double>> observer_poles_rad_s;
+  PartChoice<AxisEstimatorKind> observer;  ///< one for each joint
   ObserverFeed observer_feed = ObserverFeed::clipped;
 
   double encoder_counts_per_turn = 0.0;

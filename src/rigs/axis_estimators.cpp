@@ -1,13 +1,12 @@
 // Breakwater's estimators of an axis: the keys of each, and how it is made of them.
 #include <breakwater/observers/asymmetric_fakfd.h>
 #include <breakwater/observers/filter_bank.h>
-#include <breakwater/observers/idob_estimator.h>
-#include <breakwater/observers/kfd.h>
-#include <breakwater/observers/mdob_estimator.h>
+#include <breakwater/observers/idob.h>
+#include <breakwater/observers/mdob.h>
 #include <breakwater/observers/qvff.h>
+#include <breakwater/observers/sized_filters.h>
 #include <breakwater/observers/state_observer.h>
 #include <breakwater/observers/stf.h>
-#include <breakwater/observers/vfakfd.h>
 #include <breakwater/rigs/axis_parts.h>
 
 namespace breakwater {
@@ -16,24 +15,36 @@ namespace {
 using Estimator = std::unique_ptr<DisturbanceEstimator>;
 
 struct Poles {
-  std::vector<double> poles_rad_s;
+  std::vector<std::vector<double>> poles_rad_s;
 
-  std::vector<PoleGroup> groups() const { return {{poles_rad_s.begin(), poles_rad_s.end()}}; }
+  std::vector<PoleGroup> of(const NominalAxis& axis) const {
+    const std::size_t groups = poles_rad_s.size();
+    if (groups != 1 && groups != static_cast<std::size_t>(axis.joints)) {
+      throw std::invalid_argument(axis.joints == 1
+                                      ? "must be the poles of one axis"
+                                      : "must be poles, or a row of poles for each of the " +
+                                            std::to_string(axis.joints) + " joints");
+    }
+    const std::vector<double>& own =
+        poles_rad_s[groups == 1 ? 0 : static_cast<std::size_t>(axis.joint)];
+    return {{own.begin(), own.end()}};
+  }
 };
 
 void bind_poles(Fields& fields, Poles& settings) {
-  fields.numbers("observer.poles_rad_s", settings.poles_rad_s, any(), "continuous poles [1/s]");
+  fields.number_groups("observer.poles_rad_s", settings.poles_rad_s, any(),
+                       "continuous poles [1/s]; of several joints of all, or a row a joint");
 }
 
 Estimator make_state_observer(const Poles& settings, const NominalAxis& axis) {
   return blame("observer.poles_rad_s", [&] {
-    return std::make_unique<StateObserver>(axis.plant, settings.groups(), axis.period_s);
+    return std::make_unique<StateObserver>(axis.plant, settings.of(axis), axis.period_s);
   });
 }
 
 Estimator make_idob(const Poles& settings, const NominalAxis& axis) {
   return blame("observer.poles_rad_s", [&] {
-    return std::make_unique<IdobEstimator>(axis.plant, settings.groups(), axis.period_s);
+    return std::make_unique<Idob>(axis.plant, settings.of(axis), axis.period_s);
   });
 }
 
@@ -56,7 +67,7 @@ Estimator make_mdob(const MdobCutoffs& settings, const NominalAxis& axis) {
                                        ? settings.derivative_rad_s
                                        : std::numeric_limits<double>::infinity();
   design.observer_cutoff_rad_s = settings.observer_rad_s;
-  return std::make_unique<MdobEstimator>(design, axis.period_s);
+  return std::make_unique<Mdob>(design, axis.period_s);
 }
 
 struct DisturbanceModel {
@@ -129,7 +140,7 @@ void bind_kfd(Fields& fields, KalmanNoise& settings) {
 }
 
 Estimator make_kfd(const KalmanNoise& settings, const NominalAxis& axis) {
-  return std::make_unique<Kfd<>>(settings.design(axis));
+  return sized_kfd(settings.design(axis));
 }
 
 struct FakfdSettings {
@@ -169,7 +180,7 @@ Estimator make_fakfd(const FakfdSettings& settings, const NominalAxis& axis) {
   const Eigen::VectorXd gamma = scalar_gamma(design.plant, settings.gamma / settings.lambda)
                                     .cwiseProduct(diagonal_gamma(design.plant, settings.gamma_d));
   if (settings.form == CovarianceForm::symmetric) {
-    return std::make_unique<Fakfd<>>(design, gamma);
+    return sized_fakfd(design, gamma);
   }
   return std::make_unique<AsymmetricFakfd>(design, gamma, settings.form);
 }
@@ -212,7 +223,7 @@ Estimator make_vfakfd(const VfakfdSettings& settings, const NominalAxis& axis) {
   design.dead_zone = Eigen::VectorXd::Zero(1);
   settings.limits.apply(design);
   const KalmanDesign filter = settings.noise.design(axis);
-  return blame("observer.lambda_min", [&] { return std::make_unique<Vfakfd<>>(filter, design); });
+  return blame("observer.lambda_min", [&] { return sized_vfakfd(filter, design); });
 }
 
 struct QvffSettings {
@@ -230,7 +241,7 @@ Estimator make_qvff(const QvffSettings& settings, const NominalAxis& axis) {
   settings.limits.apply(design);
   const KalmanDesign filter =
       variable_forgetting_design(settings.model.extend(axis), kQvffInitialCovariance);
-  return blame("observer.lambda_min", [&] { return std::make_unique<Vfakfd<>>(filter, design); });
+  return blame("observer.lambda_min", [&] { return sized_vfakfd(filter, design); });
 }
 
 void bind_stf(Fields& fields, DisturbanceModel& settings) {
@@ -238,8 +249,7 @@ void bind_stf(Fields& fields, DisturbanceModel& settings) {
 }
 
 Estimator make_stf(const DisturbanceModel& settings, const NominalAxis& axis) {
-  return std::make_unique<Stf<>>(stf_design(settings.extend(axis), axis.sensor, axis.period_s),
-                                 axis.sensor);
+  return sized_stf(stf_design(settings.extend(axis), axis.sensor, axis.period_s), axis.sensor);
 }
 
 struct FilterBankSettings {

@@ -23,6 +23,8 @@ struct NominalAxis {
   SensorError sensor;                                            ///< as a data sheet would tell it
   double pulses_per_revolution = 0.0;  ///< b_reso, or counts per metre; 0: not quantised
   AxisUnits units;
+  int joint = 0;   ///< which of a manipulator's it is, from 0 on ...
+  int joints = 1;  ///< ... of how many
 };
 
 /// What a controller of an axis is to do.

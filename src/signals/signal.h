@@ -25,5 +25,8 @@ template <typename Derived>
 std::span<const double> view(const Eigen::PlainObjectBase<Derived>& values) {
   return {values.data(), static_cast<std::size_t>(values.size())};
 }
+inline std::span<const double> view(const Eigen::Map<const Eigen::VectorXd>& values) {
+  return {values.data(), static_cast<std::size_t>(values.size())};
+}
 
 }  // namespace breakwater

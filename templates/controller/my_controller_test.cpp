@@ -31,7 +31,9 @@ breakwater::ArmSetup setup() {
   breakwater::AccelerationControlDesign acceleration;
   acceleration.nominal_inertia_kgm2 = Eigen::Vector3d(2.0, 1.5, 1.0);
   acceleration.torque_limit_Nm = chain.effort_limits_Nm();
-  acceleration.observer_poles = {{-40, -43, -46}, {-41, -44, -47}, {-42, -45, -48}};
+  acceleration.make_observer = [J = acceleration.nominal_inertia_kgm2] {
+    return breakwater::joint_idobs(J, {{-40, -43, -46}, {-41, -44, -47}, {-42, -45, -48}}, 1e-3);
+  };
   acceleration.period_s = 1e-3;
 
   breakwater::ArmTask task;

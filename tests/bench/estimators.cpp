@@ -12,7 +12,7 @@
 #include <breakwater/observers/ekf.h>
 #include <breakwater/observers/fakfd.h>
 #include <breakwater/observers/filter_bank.h>
-#include <breakwater/observers/idob_estimator.h>
+#include <breakwater/observers/idob.h>
 #include <breakwater/observers/kfd.h>
 #include <breakwater/observers/qvff.h>
 #include <breakwater/observers/stf.h>
@@ -190,7 +190,7 @@ void report_quadrotor() {
 int main() {
   report_filters<3, 1>(damped_inertia(1.0, 0.0));
   report_filters<5, 2>(two_masses());
-  IdobEstimator idob(damped_inertia(1.0, 0.0), {{-10.0, -20.0, -30.0}}, kPeriod);
+  Idob idob(damped_inertia(1.0, 0.0), {{-10.0, -20.0, -30.0}}, kPeriod);
   std::puts("3 states, 1 output");
   report("IDOB, sizes known at run time", idob, 1);
   FilterBank bank({damped_inertia(1.0, 0.0), kPeriod, sensor(1), 10.0});

@@ -14,7 +14,9 @@ AccelerationControlDesign design() {
   AccelerationControlDesign d;
   d.nominal_inertia_kgm2 = Eigen::Vector2d(2.0, 0.5);
   d.torque_limit_Nm = Eigen::Vector2d(20.0, 10.0);
-  d.observer_poles = {{-40.0, -43.0, -46.0}, {-41.0, -44.0, -47.0}};
+  d.make_observer = [J = d.nominal_inertia_kgm2] {
+    return joint_idobs(J, {{-40.0, -43.0, -46.0}, {-41.0, -44.0, -47.0}}, 1e-3);
+  };
   d.period_s = 1e-3;
   return d;
 }
@@ -43,7 +45,8 @@ TEST(AccelerationControl, MakesTheJointsAccelerateAsAsked) {
   Eigen::Vector2d velocity_before = Eigen::Vector2d::Zero();
   for (int k = 0; k < 5000; ++k) {
     if (k == 4900) velocity_before = plant.dq;
-    control.command(a, plant.q, torque);
+    control.update(plant.q);
+    control.command(a, torque);
     plant.advance(torque, 1e-3);
   }
   const Eigen::Vector2d achieved = (plant.dq - velocity_before) / 0.1;
@@ -60,15 +63,15 @@ TEST(AccelerationControl, AccelerationLimitsKeepTheTorqueWithin) {
   control.reset(Eigen::Vector2d(0, 0));
   Eigen::VectorXd torque(2);
   for (int k = 0; k < 50; ++k) {  // wind up some disturbance
-    control.command(Eigen::Vector2d(1, 1), Eigen::Vector2d(0.001 * k, -0.002 * k), torque);
+    control.update(Eigen::Vector2d(0.001 * k, -0.002 * k));
+    control.command(Eigen::Vector2d(1, 1), torque);
   }
   ASSERT_GT(control.d_hat().norm(), 0.1);
   const Eigen::Vector2d upper(control.upper_acceleration(0), control.upper_acceleration(1));
   const Eigen::Vector2d lower(control.lower_acceleration(0), control.lower_acceleration(1));
-  AccelerationControl other = control;
-  control.command(upper, Eigen::Vector2d(0, 0), torque);
+  control.command(upper, torque);
   EXPECT_TRUE(torque.isApprox(Eigen::Vector2d(20, 10), 1e-12));
-  other.command(lower, Eigen::Vector2d(0, 0), torque);
+  control.command(lower, torque);
   EXPECT_TRUE(torque.isApprox(Eigen::Vector2d(-20, -10), 1e-12));
 }
 
@@ -82,7 +85,10 @@ TEST(AccelerationControl, ClippedFeedDoesNotWindUpUnclippedDoes) {
     AccelerationControl control(d);
     control.reset(Eigen::Vector2d(0, 0));
     Eigen::VectorXd torque = Eigen::VectorXd::Zero(2);
-    for (int k = 0; k < 1000; ++k) control.command(a, Eigen::Vector2d(0, 0), torque);
+    for (int k = 0; k < 1000; ++k) {
+      control.update(Eigen::Vector2d(0, 0));
+      control.command(a, torque);
+    }
     d_hat[feed == ObserverFeed::unclipped] = control.d_hat()(0);
   }
   EXPECT_NEAR(d_hat[0], 20.0, 1e-3);  // the limit is all that can act on a joint held fast
@@ -97,8 +103,9 @@ TEST(AccelerationControl, RefusesNonsense) {
   d.nominal_inertia_kgm2(1) = 0.0;
   EXPECT_THROW(AccelerationControl{d}, std::invalid_argument);
   d = design();
-  d.observer_poles.pop_back();
-  EXPECT_THROW(AccelerationControl{d}, std::invalid_argument);
+  d.make_observer = [] { return joint_idobs(Eigen::VectorXd::Ones(1), {{-1, -2, -3}}, 1e-3); };
+  EXPECT_THROW(AccelerationControl{d}, std::invalid_argument) << "an observer of one joint";
+  EXPECT_THROW(joint_idobs(Eigen::VectorXd::Ones(2), {{-1, -2, -3}}, 1e-3), std::invalid_argument);
 }
 
 }  // namespace

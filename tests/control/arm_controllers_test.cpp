@@ -18,8 +18,10 @@ class ArmControllers : public ::testing::Test {
   ArmControllers() : chain_(load_planar_chain(testing::source_file("models/arm.urdf"))) {
     acceleration_.nominal_inertia_kgm2 = Eigen::Vector3d(2.6683, 1.6772, 0.8155);
     acceleration_.torque_limit_Nm = chain_.effort_limits_Nm();
-    acceleration_.observer_poles = {
-        {-40.0, -43.0, -46.0}, {-41.0, -44.0, -47.0}, {-42.0, -45.0, -48.0}};
+    acceleration_.make_observer = [J = acceleration_.nominal_inertia_kgm2] {
+      return joint_idobs(J, {{-40.0, -43.0, -46.0}, {-41.0, -44.0, -47.0}, {-42.0, -45.0, -48.0}},
+                         1e-3);
+    };
     acceleration_.period_s = 1e-3;
     const double bend = std::acos(0.625);
     task_.start_angles_rad = Eigen::Vector3d(bend, -2 * bend, bend);

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include <breakwater/observers/idob_estimator.h>
+#include <breakwater/observers/idob.h>
 #include <breakwater/observers/kfd.h>
 #include <breakwater/plants/damped_inertia.h>
 
@@ -15,8 +15,7 @@ namespace {
 constexpr double kPeriod = 0.01;
 
 std::unique_ptr<DisturbanceEstimator> idob(const StateSpace& plant) {
-  return std::make_unique<IdobEstimator>(plant, std::vector<PoleGroup>{{-20.0, -25.0, -30.0}},
-                                         kPeriod);
+  return std::make_unique<Idob>(plant, std::vector<PoleGroup>{{-20.0, -25.0, -30.0}}, kPeriod);
 }
 
 DisturbanceCancellingPdDesign design() {
@@ -90,9 +89,9 @@ TEST(DisturbanceCancellingPd, RefusesNonsense) {
   StateSpace chain = two;
   chain.A(0, 1) = chain.A(1, 2) = 1.0;
   EXPECT_THROW(
-      DisturbanceCancellingPd(std::make_unique<IdobEstimator>(
-                                  chain, std::vector<PoleGroup>{{-1.0, -2.0, -3.0, -4.0}}, kPeriod),
-                              design()),
+      DisturbanceCancellingPd(
+          std::make_unique<Idob>(chain, std::vector<PoleGroup>{{-1.0, -2.0, -3.0, -4.0}}, kPeriod),
+          design()),
       std::invalid_argument);
 }
 

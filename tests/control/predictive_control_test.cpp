@@ -9,7 +9,7 @@
 
 #include <breakwater/control/lqr_control.h>
 #include <breakwater/linear/riccati.h>
-#include <breakwater/observers/idob_estimator.h>
+#include <breakwater/observers/idob.h>
 #include <breakwater/plants/damped_inertia.h>
 #include "support.h"
 
@@ -22,8 +22,8 @@ constexpr double kLimit = 2.0;
 constexpr double kDisturbance = 5.0;
 
 std::unique_ptr<DisturbanceEstimator> idob() {
-  return std::make_unique<IdobEstimator>(damped_inertia(1.0, 0.5),
-                                         std::vector<PoleGroup>{{-20.0, -25.0, -30.0}}, kPeriod);
+  return std::make_unique<Idob>(damped_inertia(1.0, 0.5),
+                                std::vector<PoleGroup>{{-20.0, -25.0, -30.0}}, kPeriod);
 }
 
 PredictiveControlDesign design(DisturbanceUse use) {

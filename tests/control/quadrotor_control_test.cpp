@@ -7,8 +7,6 @@
 #include <utility>
 
 #include <breakwater/control/backstepping.h>
-#include <breakwater/observers/square_root_ukf.h>
-#include <breakwater/observers/ukf.h>
 #include <breakwater/observers/wave_frequency.h>
 #include "control/quadrotor_endurance.h"
 #include "support.h"
@@ -120,33 +118,6 @@ TEST(QuadrotorProcesses, ResonatorsHaveTheirVariance) {
     const double modulus = std::sqrt(phi.determinant());
     EXPECT_NEAR(modulus, std::exp(-design.damping * omega * kPeriod_s), 1e-12);
   }
-}
-
-// The same filter twice, 24 states, with P and with its Cholesky factor.
-TEST(QuadrotorProcesses, SquareRootFormIsTheSameFilter) {
-  const QuadrotorModel model({}, QuadrotorPhysics::physical);
-  const WaveResonators process(model, {}, 0.8, kPeriod_s);
-  NonlinearKalmanDesign<24, 6> design;
-  design.Q = process.Q();
-  design.P0 = 0.1 * Eigen::Matrix<double, 24, 24>::Identity();
-  Vector6d r;
-  r << 1e-2, 1e-2, 1e-2, 1e-4, 1e-4, 1e-4;
-  design.R = r.asDiagonal();
-  Ukf<WaveResonators, 6> ukf(process, design);
-  SquareRootUkf<WaveResonators, 6> root(process, design);
-  testing::Random random;
-  for (int k = 0; k < 2000; ++k) {
-    const Eigen::Vector4d T = Eigen::Vector4d::Constant(0.7) + 0.1 * random.vector(4);
-    const Vector6d y = r.cwiseSqrt().cwiseProduct(random.vector(6));
-    ukf.predict(T);
-    ukf.correct(y);
-    root.predict(T);
-    root.correct(y);
-    const Eigen::Matrix<double, 24, 1> sigma = ukf.P().diagonal().cwiseSqrt();
-    ASSERT_LT((ukf.x() - root.x()).cwiseQuotient(sigma).cwiseAbs().maxCoeff(), 1e-9) << k;
-    ASSERT_TRUE(ukf.P() == ukf.P().transpose());
-  }
-  EXPECT_EQ(ukf.repairs(), 0);
 }
 
 // quadrotor_endurance_test takes a million steps.

@@ -146,7 +146,9 @@ class SoftContactLaw : public ::testing::Test {
   SoftContactLaw() : chain_(load_planar_chain(testing::source_file("models/arm.urdf"))) {
     acceleration_.nominal_inertia_kgm2 = Eigen::Vector3d(1.0, 0.87, 0.82);
     acceleration_.torque_limit_Nm = chain_.effort_limits_Nm();
-    acceleration_.observer_poles.assign(3, {-150.0, -157.5, -165.0});
+    acceleration_.make_observer = [J = acceleration_.nominal_inertia_kgm2] {
+      return joint_idobs(J, std::vector<PoleGroup>(3, {-150.0, -157.5, -165.0}), kPeriod);
+    };
     acceleration_.period_s = kPeriod;
     const double bend = std::acos(0.625);
     task_.start_angles_rad = Eigen::Vector3d(bend, -2 * bend, bend);

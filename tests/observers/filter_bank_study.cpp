@@ -15,7 +15,7 @@
 #include <vector>
 
 #include <breakwater/observers/fakfd.h>
-#include <breakwater/observers/idob_estimator.h>
+#include <breakwater/observers/idob.h>
 #include <breakwater/observers/kfd.h>
 #include <breakwater/observers/qvff.h>
 #include <breakwater/observers/stf.h>
@@ -99,7 +99,7 @@ class Row {
       if (found < best.error) best = {found, name};
     };
     for (double p = 1.0; p < std::min(300.0, 1.0 / period_s_); p *= 1.5) {
-      IdobEstimator idob(plant(), {{-p, -2.0 * p, -3.0 * p}}, period_s_);
+      Idob idob(plant(), {{-p, -2.0 * p, -3.0 * p}}, period_s_);
       take("IDOB", idob);
     }
     const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(1, 1);

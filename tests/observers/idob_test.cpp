@@ -15,12 +15,24 @@ StateSpace inertia(double J) {
           Eigen::RowVector2d(1, 0)};
 }
 
+Eigen::MatrixXd error_dynamics(const Idob& observer) {
+  Eigen::MatrixXd F(observer.poles(), observer.poles());
+  observer.pole_matrix(F);
+  return F;
+}
+
+Eigen::VectorXd estimate(const Idob& observer) {
+  Eigen::VectorXd x(observer.poles());
+  x << observer.state(), observer.disturbance();
+  return x;
+}
+
 TEST(Idob, ErrorDynamicsHaveThePlacedPoles) {
   const double T = 1e-3;
   for (const double J : {0.1, 1.0, 2.6683}) {
     const Idob observer(inertia(J), {{-40.0, -43.0, -46.0}}, T);
     const PoleGroup expected = {std::exp(-0.046), std::exp(-0.043), std::exp(-0.040)};
-    EXPECT_LT(testing::distance(eigenvalues(observer.error_dynamics()), expected), 1e-7);
+    EXPECT_LT(testing::distance(eigenvalues(error_dynamics(observer)), expected), 1e-7);
   }
 }
 
@@ -32,18 +44,36 @@ TEST(Idob, ErrorDecaysAsTheErrorDynamicsSay) {
   observer.reset(Eigen::Vector2d(0.1, 0.0));
   Eigen::Vector2d x(0.4, -0.2);
   Eigen::Vector3d error(x(0) - 0.1, x(1), d);
+  Eigen::VectorXd u = Eigen::VectorXd::Zero(1);
   testing::Random random;
   for (int k = 0; k < 500; ++k) {
-    Eigen::Vector3d estimated;
-    estimated << observer.state(), observer.disturbance();
-    Eigen::Vector3d truth(x(0), x(1), d);
-    EXPECT_LT((truth - estimated - error).norm(), 1e-10) << k;
-    const Eigen::VectorXd u = random.vector(1, 5.0);
     observer.update(u, sampled.C * x);
+    Eigen::Vector3d truth(x(0), x(1), d);
+    EXPECT_LT((truth - estimate(observer) - error).norm(), 1e-10) << k;
+    u = random.vector(1, 5.0);
     x = sampled.A * x + sampled.B * (u(0) - d);
-    error = observer.error_dynamics() * error;
+    error = error_dynamics(observer) * error;
   }
   EXPECT_NEAR(observer.disturbance()(0), d, 1e-8);
+}
+
+// Eqs. 2.21, 2.22: what is read at a sample has not seen that sample's measurement.
+TEST(Idob, IsThePredictor) {
+  const double T = 0.01;
+  Idob observer(inertia(1.0), {{-10.0, -20.0, -30.0}}, T);
+  const StateSpace sampled = zero_order_hold(extend_by_input_disturbance(inertia(1.0)), T);
+  observer.reset(Eigen::Vector2d(0.3, -0.1));
+  Eigen::VectorXd expected = Eigen::Vector3d(0.3, -0.1, 0.0);
+  Eigen::VectorXd u = Eigen::VectorXd::Constant(1, NAN);  // nothing acted before the first sample
+  testing::Random random(13);
+  for (int k = 0; k < 100; ++k) {
+    const Eigen::VectorXd y = random.vector(1);
+    observer.update(u, y);
+    EXPECT_LT((estimate(observer) - expected).norm(), 1e-12 * expected.norm()) << k;
+    EXPECT_EQ(observer.signals()[0].values[0], y(0) - observer.state()(0));
+    u = random.vector(1);
+    expected = (error_dynamics(observer) * expected + sampled.B * u + observer.H() * y).eval();
+  }
 }
 
 TEST(Idob, JointsOfTheArmStayDecoupled) {

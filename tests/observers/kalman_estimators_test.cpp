@@ -8,9 +8,9 @@
 #include <stdexcept>
 
 #include <breakwater/observers/asymmetric_fakfd.h>
-#include <breakwater/observers/idob_estimator.h>
+#include <breakwater/observers/idob.h>
 #include <breakwater/observers/kfd.h>
-#include <breakwater/observers/mdob_estimator.h>
+#include <breakwater/observers/mdob.h>
 #include <breakwater/observers/observer_poles.h>
 #include <breakwater/observers/qvff.h>
 #include <breakwater/observers/stf.h>
@@ -460,44 +460,11 @@ TEST(DisturbanceEstimators, ResetStartsAnew) {
   }
 }
 
-TEST(IdobEstimator, IsThePredictor) {
-  // What is read at a sample has not seen that sample's measurement.
-  const StateSpace plant{(Eigen::Matrix2d() << 0, 1, 0, 0).finished(), Eigen::Vector2d(0, 1),
-                         Eigen::RowVector2d(1, 0)};
-  const std::vector<PoleGroup> poles = {{-10.0, -20.0, -30.0}};
-  Idob idob(plant, poles, 0.01);
-  IdobEstimator estimator(plant, poles, 0.01);
-  Random random(13);
-  idob.reset(Eigen::Vector2d::Zero());
-  estimator.reset(Eigen::Vector2d::Zero());
-  Eigen::VectorXd u = Eigen::VectorXd::Zero(1);
-  for (int k = 0; k < 100; ++k) {
-    const Eigen::VectorXd y = random.vector(1);
-    estimator.update(u, y);
-    EXPECT_EQ(estimator.state(), idob.state());
-    EXPECT_EQ(estimator.disturbance(), idob.disturbance());
-    u = random.vector(1);
-    idob.update(u, y);
-  }
-}
-
-TEST(MdobEstimator, ARawDifferenceIsOne) {
-  const double T = 1e-3;
-  MdobEstimator estimator({1.0, std::numeric_limits<double>::infinity(), 50.0}, T);
-  estimator.reset(Eigen::Vector2d::Zero());
-  const Eigen::VectorXd u = Eigen::VectorXd::Zero(1);
-  estimator.update(u, Eigen::VectorXd::Constant(1, 0.5));
-  EXPECT_EQ(estimator.state()(1), 0.0);  // one sample has no difference
-  estimator.update(u, Eigen::VectorXd::Constant(1, 0.7));
-  EXPECT_NEAR(estimator.state()(1), 200.0, 1e-9);
-  EXPECT_EQ(estimator.state()(0), 0.7);
-}
-
 TEST(ObserverPoles, AreThoseOfTheirMatrixInBothPlanes) {
   const double T = 0.01;
   const StateSpace plant{(Eigen::Matrix2d() << 0, 1, 0, 0).finished(), Eigen::Vector2d(0, 1),
                          Eigen::RowVector2d(1, 0)};
-  IdobEstimator idob(plant, {{-10.0, {-20.0, 5.0}, {-20.0, -5.0}}}, T);
+  Idob idob(plant, {{-10.0, {-20.0, 5.0}, {-20.0, -5.0}}}, T);
   ObserverPoles poles(idob, T);
   poles.update();
   const std::vector<std::complex<double>> expected = {{-20.0, -5.0}, {-20.0, 5.0}, {-10.0, 0.0}};
@@ -508,7 +475,7 @@ TEST(ObserverPoles, AreThoseOfTheirMatrixInBothPlanes) {
     EXPECT_EQ(poles.signals()[0].values[static_cast<std::size_t>(i)], poles.discrete()(i).real());
     EXPECT_EQ(poles.signals()[3].values[static_cast<std::size_t>(i)], poles.continuous()(i).imag());
   }
-  MdobEstimator mdob({1.0, 100.0, 50.0}, T);
+  Mdob mdob({1.0, 100.0, 50.0}, T);
   ObserverPoles of_filters(mdob, T);
   of_filters.update();
   EXPECT_NEAR(of_filters.discrete()(0).real(), 0.5, 1e-12);        // 1/(1 + g_d T_s)

@@ -1,4 +1,4 @@
-// EKF, UKF and square-root UKF against the linear Kalman filter, each other, and statistics.
+// EKF and UKF against the linear Kalman filter, each other, and statistics.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -7,7 +7,6 @@
 
 #include <breakwater/observers/ekf.h>
 #include <breakwater/observers/raise_eigenvalues.h>
-#include <breakwater/observers/square_root_ukf.h>
 #include <breakwater/observers/ukf.h>
 #include "support.h"
 
@@ -77,7 +76,6 @@ TEST(NonlinearKalman, AllAreTheKalmanFilterOfALinearProcess) {
   const auto d = design<4, 2>(0.01, 0.1, 1.0);
   Ekf<Linear, 2> ekf(process, d, 0.0);
   Ukf<Linear, 2> ukf(process, d);
-  SquareRootUkf<Linear, 2> root(process, d);
   const Eigen::Matrix4d F = process.whole();
   Eigen::Matrix<double, 2, 4> C = Eigen::Matrix<double, 2, 4>::Identity();
   Eigen::Vector4d x = Eigen::Vector4d::Zero();
@@ -96,14 +94,10 @@ TEST(NonlinearKalman, AllAreTheKalmanFilterOfALinearProcess) {
     ekf.correct(y);
     ukf.predict(u);
     ukf.correct(y);
-    root.predict(u);
-    root.correct(y);
     ASSERT_NEAR((ekf.x() - x).norm(), 0.0, 1e-10);
     ASSERT_NEAR((ukf.x() - x).norm(), 0.0, 1e-10);
-    ASSERT_NEAR((root.x() - x).norm(), 0.0, 1e-10);
     ASSERT_NEAR((ekf.P() - P).norm(), 0.0, 1e-10);
     ASSERT_NEAR((ukf.P() - P).norm(), 0.0, 1e-10);
-    ASSERT_NEAR((root.P() - P).norm(), 0.0, 1e-10);
   }
 }
 
@@ -216,7 +210,6 @@ TEST(NonlinearKalman, StructureChangesNothing) {
   const auto d = design<3, 1>(1e-4, 0.01, 0.3);
   Ukf<Pendulum, 1> structured(Pendulum(), d);
   Ukf<DensePendulum, 1> dense(DensePendulum(), d);
-  SquareRootUkf<Pendulum, 1> root(Pendulum(), d);
   testing::Random random;
   for (int k = 0; k < 500; ++k) {
     const Eigen::Matrix<double, 1, 1> u(random.uniform(-5, 5)), y(random.uniform(-1, 1));
@@ -224,12 +217,8 @@ TEST(NonlinearKalman, StructureChangesNothing) {
     structured.correct(y);
     dense.predict(u);
     dense.correct(y);
-    root.predict(u);
-    root.correct(y);
     ASSERT_NEAR((structured.x() - dense.x()).norm(), 0.0, 1e-10);
     ASSERT_NEAR((structured.P() - dense.P()).norm(), 0.0, 1e-10);
-    const Eigen::Vector3d sigma = structured.P().diagonal().cwiseSqrt();
-    ASSERT_LT((structured.x() - root.x()).cwiseQuotient(sigma).cwiseAbs().maxCoeff(), 1e-9);
     ASSERT_TRUE(structured.P() == structured.P().transpose());
   }
 }
@@ -321,7 +310,7 @@ TEST(NonlinearKalman, RefusesNonsense) {
   d.R(0, 0) = 0.0;
   EXPECT_THROW((Ukf<Pendulum, 1>(Pendulum(), d)), std::invalid_argument);
   d = design<3, 1>(-1e-4, 0.01, 0.3);
-  EXPECT_THROW((SquareRootUkf<Pendulum, 1>(Pendulum(), d)), std::invalid_argument);
+  EXPECT_THROW((Ukf<Pendulum, 1>(Pendulum(), d)), std::invalid_argument);
 }
 
 }  // namespace

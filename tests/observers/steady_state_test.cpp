@@ -71,7 +71,8 @@ TEST(Idob, ErrorOfRandomPlantsHasThePlacedPoles) {
     const Idob observer(plant, {continuous}, period);
     // By Cayley and Hamilton: the product of all F − z I is 0 if the z are F's eigenvalues. Unlike
     // these, it does not suffer where the plant is hard to observe.
-    const Eigen::MatrixXd F = observer.error_dynamics();
+    Eigen::MatrixXd F(n + 1, n + 1);
+    observer.pole_matrix(F);
     const Eigen::MatrixXd I = Eigen::MatrixXd::Identity(F.rows(), F.cols());
     Eigen::MatrixXd product = I;
     double scale = 1.0;

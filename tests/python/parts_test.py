@@ -74,6 +74,21 @@ class Same(unittest.TestCase):
         np.testing.assert_array_equal(ours["d_hat_Nm"], theirs["d_hat_Nm"])
         self.assertEqual(ours.config["observer"]["name"], "RepeatEstimates")
 
+    def test_each_joint_of_the_arm_has_an_estimator_of_its_own(self):
+        class Joint(bw.Estimator):
+            def reset(self, x0):
+                self.k = 0
+
+            def update(self, u, y):
+                self.k += 1
+                return [y.position, 0.0, 10.0 * self.setup.joint + self.k]
+
+        run = bw.run("arm_push", duration=0.1, estimator=Joint())
+        np.testing.assert_array_equal(run["d_hat_Nm"][:2], [[1.0, 11.0, 21.0], [2.0, 12.0, 22.0]])
+        np.testing.assert_array_equal(run["q_hat_rad"], run["q_measured_rad"])
+        kfd = bw.run("arm_wall_contact", duration=0.1, set={"observer.name": "kfd"})
+        self.assertEqual(kfd["innovation"].shape, kfd["q_hat_rad"].shape)
+
     def test_an_estimator_of_the_quadrotor_steers_it(self):
         theirs = bw.run("quadrotor_waves", case="ukf-zero", duration=0.3)
 

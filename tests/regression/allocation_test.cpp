@@ -7,10 +7,10 @@
 
 #include <breakwater/observers/fakfd.h>
 #include <breakwater/observers/filter_bank.h>
-#include <breakwater/observers/idob_estimator.h>
-#include <breakwater/observers/kfd.h>
-#include <breakwater/observers/mdob_estimator.h>
+#include <breakwater/observers/idob.h>
+#include <breakwater/observers/mdob.h>
 #include <breakwater/observers/qvff.h>
+#include <breakwater/observers/sized_filters.h>
 #include <breakwater/observers/state_observer.h>
 #include <breakwater/observers/stf.h>
 #include <breakwater/plants/damped_inertia.h>
@@ -109,7 +109,12 @@ TEST(Allocation, WallContactLoopDoesNotAllocate) {
 }
 
 TEST(Allocation, PushLoopDoesNotAllocate) {
-  EXPECT_EQ(allocations_in_loop("arm_push", "proposed-link2", {"run.duration_s=12"}), 0);
+  for (const char* observer : {"idob", "kfd", "qvff", "stf", "qbank"}) {
+    EXPECT_EQ(allocations_in_loop("arm_push", "proposed-link2",
+                                  {"run.duration_s=12", "observer.name=" + std::string(observer)}),
+              0)
+        << observer;
+  }
 }
 
 // Through active limits, the disturbance, and problems that must be softened.
@@ -175,16 +180,14 @@ TEST(Allocation, EstimatorsDoNotAllocateWhereIntervalsChange) {
   const ExtendedPlant plant = sample_with_disturbance_model(motor, 1, T);
   const KalmanDesign design = stf_design(plant, sensor, T);
   std::vector<std::unique_ptr<DisturbanceEstimator>> estimators;
-  estimators.push_back(std::make_unique<Stf<>>(design, sensor));
-  estimators.push_back(std::make_unique<Kfd<>>(design));
-  estimators.push_back(std::make_unique<Fakfd<>>(design, scalar_gamma(plant, 1.02)));
-  estimators.push_back(
-      std::make_unique<Vfakfd<>>(variable_forgetting_design(plant, 1e-6), qvff_design(sensor)));
-  estimators.push_back(
-      std::make_unique<IdobEstimator>(motor, std::vector<PoleGroup>{{-10, -20, -30}}, T));
+  estimators.push_back(sized_stf(design, sensor));
+  estimators.push_back(sized_kfd(design));
+  estimators.push_back(sized_fakfd(design, scalar_gamma(plant, 1.02)));
+  estimators.push_back(sized_vfakfd(variable_forgetting_design(plant, 1e-6), qvff_design(sensor)));
+  estimators.push_back(std::make_unique<Idob>(motor, std::vector<PoleGroup>{{-10, -20, -30}}, T));
   estimators.push_back(
       std::make_unique<StateObserver>(motor, std::vector<PoleGroup>{{{-10, 5}, {-10, -5}}}, T));
-  estimators.push_back(std::make_unique<MdobEstimator>(MdobDesign{1e-3, 50.0, 20.0}, T));
+  estimators.push_back(std::make_unique<Mdob>(MdobDesign{1e-3, 50.0, 20.0}, T));
   estimators.push_back(std::make_unique<FilterBank>(FilterBankDesign{motor, T, sensor, 1.0}));
   Eigen::VectorXd u = Eigen::VectorXd::Constant(1, 0.1);
   Eigen::VectorXd y = Eigen::VectorXd::Zero(1);
@@ -200,6 +203,28 @@ TEST(Allocation, EstimatorsDoNotAllocateWhereIntervalsChange) {
       counting = false;
     }
     EXPECT_EQ(allocations, 0) << i;
+  }
+}
+
+TEST(Allocation, ObserversOfSeveralOutputsDoNotAllocateWhereIntervalsChange) {
+  StateSpace joints{Eigen::MatrixXd::Zero(4, 4), Eigen::MatrixXd::Zero(4, 2),
+                    Eigen::MatrixXd::Zero(2, 4)};
+  joints.A.topRightCorner(2, 2).setIdentity();
+  joints.B.bottomRows(2).setIdentity();
+  joints.C.leftCols(2).setIdentity();
+  Idob idob(joints, {{-10, -20, -30}, {-10, {-20, 5}, {-20, -5}}}, 1e-3);
+  StateObserver observer(joints, {{-10, -20}, {-10, -10}}, 1e-3);
+  const Eigen::VectorXd two = Eigen::VectorXd::Constant(2, 0.1);
+  for (DisturbanceEstimator* estimator :
+       {static_cast<DisturbanceEstimator*>(&idob), static_cast<DisturbanceEstimator*>(&observer)}) {
+    allocations = 0;
+    counting = true;
+    for (int k = 1; k < 100; ++k) {
+      estimator->follow({1e-3 * (1.0 + 0.01 * (k % 7))});
+      estimator->update(two, two);
+    }
+    counting = false;
+    EXPECT_EQ(allocations, 0);
   }
 }
 

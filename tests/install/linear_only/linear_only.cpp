@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include <breakwater/linear/state_space.h>
-#include <breakwater/observers/idob_estimator.h>
+#include <breakwater/observers/idob.h>
 
 // A double integrator, sampled; and the pole 0.9 of an observer of it.
 int main() {
@@ -11,7 +11,7 @@ int main() {
   plant.B = Eigen::Vector2d(0, 1);
   plant.C = Eigen::RowVector2d(1, 0);
   const breakwater::StateSpace sampled = breakwater::zero_order_hold(plant, 0.1);
-  const breakwater::IdobEstimator idob(plant, {{-1.0, -2.0, -3.0}}, 0.1);
+  const breakwater::Idob idob(plant, {{-1.0, -2.0, -3.0}}, 0.1);
   Eigen::MatrixXd F(3, 3);
   idob.pole_matrix(F);
   const bool is_right =
