@@ -1,9 +1,7 @@
 #include "cli/mutants.h"
 #include "catalogue.h"
 
-#include <algorithm>
 #include <cstdlib>
-#include <fstream>
 #include <regex>
 #include <sstream>
 
