@@ -9,7 +9,6 @@
 #include <breakwater/observers/kalman_design.h>
 #include <breakwater/plants/damped_inertia.h>
 #include "catalogue.h"
-#include "support.h"
 
 namespace breakwater {
 namespace {

@@ -6,7 +6,6 @@
 #include <sstream>
 
 #include <breakwater/experiment/scenario.h>
-#include "support.h"
 
 namespace breakwater::testing {
 namespace {

@@ -60,7 +60,7 @@ TEST_F(MutatedInput, IsRefusedInOneLineOrLegalForAReason) {
       continue;
     }
     ++refused;
-    EXPECT_TRUE(lacks(complaint, '\n'));
+    EXPECT_TRUE(lacks(complaint, "\n"));
     // A joint that only the URDF has is what the MJCF lacks.
     EXPECT_TRUE(complaint.find(mutants[i].file) != std::string::npos ||
                 (mutants[i].place == "<joint> name" &&

@@ -6,7 +6,6 @@
 #include <breakwater/record/text_outputs.h>
 
 #include "catalogue.h"
-#include "support.h"
 
 namespace breakwater {
 namespace {
