@@ -2,7 +2,6 @@
 #include <sys/stat.h>
 #include <csignal>
 
-#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <sstream>

@@ -2,7 +2,6 @@
 
 #include <csignal>
 #include <nlohmann/json.hpp>
-#include <set>
 #include <sstream>
 
 #include <breakwater/record/file_hash.h>

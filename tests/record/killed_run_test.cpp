@@ -6,7 +6,6 @@
 #include <csignal>
 #include <map>
 #include <set>
-#include <sstream>
 
 #include <breakwater/record/run_folder.h>
 #include "support.h"

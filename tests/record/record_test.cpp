@@ -6,7 +6,6 @@
 #include <cstdlib>
 #include <limits>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include <breakwater/record/csv.h>
 #include <breakwater/record/hdf5_log.h>

@@ -6,7 +6,6 @@
 
 #include <cstring>
 #include <set>
-#include <thread>
 
 #include <breakwater/record/output_error.h>
 #include <breakwater/render/colour_converter.h>
