@@ -1,11 +1,9 @@
 // Breakwater's own scenarios, inside a test.
 #pragma once
 
-#include <string>
-#include <vector>
-
 #include <breakwater/experiment/runner.h>
 #include <breakwater/program/program.h>
+#include "support.h"
 
 namespace breakwater::testing {
 

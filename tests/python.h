@@ -4,11 +4,6 @@
 #include <sys/wait.h>
 
 #include <cstdio>
-#include <fstream>
-#include <sstream>
-#include <stdexcept>
-#include <string>
-#include <vector>
 
 #include "support.h"
 
@@ -16,9 +11,7 @@ namespace breakwater::testing {
 
 /// Runs tests/`script` with `input` as its standard input, and returns the numbers that it prints.
 inline std::vector<double> run_python(const std::string& script, const std::string& input) {
-  const Removed in(temporary_path("python_input"));
-  const std::filesystem::path path = temporary_path("python_input");
-  std::ofstream(path) << input;
+  const TemporaryPath path("python_input", input);
   const std::string command =
       "/usr/bin/python3 " + source_file("tests/" + script) + " < " + path.string();
   FILE* pipe = popen(command.c_str(), "r");

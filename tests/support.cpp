@@ -1,5 +1,6 @@
 #include "support.h"
 
+#include <algorithm>
 #include <fstream>
 #include <sstream>
 
@@ -13,6 +14,49 @@ std::string text_of(const std::filesystem::path& file) {
   std::stringstream text;
   text << std::ifstream(file, std::ios::binary).rdbuf();
   return text.str();
+}
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::istringstream stream(text);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
+::testing::AssertionResult has_all(const std::string& text, const std::vector<std::string>& parts) {
+  for (const std::string& part : parts) {
+    if (text.find(part) != std::string::npos) continue;
+    return ::testing::AssertionFailure() << '"' << part << "\" is not in: " << text.substr(0, 4000);
+  }
+  return ::testing::AssertionSuccess();
+}
+
+::testing::AssertionResult lacks_all(const std::string& text,
+                                     const std::vector<std::string>& parts) {
+  for (const std::string& part : parts) {
+    const auto at = text.find(part);
+    if (at == std::string::npos) continue;
+    return ::testing::AssertionFailure() << '"' << part << "\" is in: " << text.substr(at, 400);
+  }
+  return ::testing::AssertionSuccess();
+}
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const auto at = text.find(from);
+  if (at == std::string::npos) throw std::logic_error(from + ": is not there");
+  return text.replace(at, from.size(), to);
+}
+
+std::string line_of(const std::string& text, const std::string& part) {
+  const auto at = text.find(part);
+  if (at == std::string::npos) throw std::logic_error(part + ": is not there");
+  return std::to_string(1 + std::count(text.begin(), text.begin() + static_cast<long>(at), '\n'));
+}
+
+std::string repeated(const std::string& text, int times) {
+  std::string all;
+  for (int i = 0; i < times; ++i) all += text;
+  return all;
 }
 
 std::filesystem::path bin_folder() {

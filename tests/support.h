@@ -1,13 +1,17 @@
-// Helpers that many tests share.
+// What all tests begin with: GoogleTest, the standard headers of text and files, and helpers that
+// many share.
 #pragma once
 
+#include <gtest/gtest.h>
 #include <unistd.h>
 
 #include <Eigen/Core>
 #include <algorithm>
 #include <complex>
 #include <filesystem>
+#include <fstream>
 #include <random>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -59,19 +63,20 @@ inline std::filesystem::path temporary_path(const std::string& name) {
          ("breakwater_test_" + std::to_string(getpid()) + "_" + name);
 }
 
-/// Removes a file or folder at the end of its scope.
-class Removed {
+/// A file or folder at a temporary_path(), removed at the end of its scope.
+class TemporaryPath : public std::filesystem::path {
  public:
-  explicit Removed(std::filesystem::path path) : path_(std::move(path)) {}
-  Removed(const Removed&) = delete;
-  Removed& operator=(const Removed&) = delete;
-  ~Removed() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
+  explicit TemporaryPath(const std::string& name) : path(temporary_path(name)) {}
+  /// Makes the file.
+  TemporaryPath(const std::string& name, const std::string& text) : TemporaryPath(name) {
+    std::ofstream(*this, std::ios::binary) << text;
   }
-
- private:
-  std::filesystem::path path_;
+  TemporaryPath(const TemporaryPath&) = delete;
+  TemporaryPath& operator=(const TemporaryPath&) = delete;
+  ~TemporaryPath() {
+    std::error_code ignored;
+    std::filesystem::remove_all(*this, ignored);
+  }
 };
 
 /// A file of the project.
@@ -80,7 +85,48 @@ std::string source_file(const std::string& relative);
 /// All of a file.
 std::string text_of(const std::filesystem::path& file);
 
+std::vector<std::string> lines_of(const std::string& text);
+
+/// The number of the line in which `part` first begins. Throws std::logic_error if there is none.
+std::string line_of(const std::string& text, const std::string& part);
+
+/// Whether `text` has all parts in it, or none of them; EXPECT_TRUE says which where it is not so.
+::testing::AssertionResult has_all(const std::string& text, const std::vector<std::string>& parts);
+::testing::AssertionResult lacks_all(const std::string& text,
+                                     const std::vector<std::string>& parts);
+template <typename... Parts>
+::testing::AssertionResult has(const std::string& text, const Parts&... parts) {
+  return has_all(text, {parts...});
+}
+template <typename... Parts>
+::testing::AssertionResult lacks(const std::string& text, const Parts&... parts) {
+  return lacks_all(text, {parts...});
+}
+
+/// The text with its first `from` replaced. Throws std::logic_error if it has none.
+std::string replaced(std::string text, const std::string& from, const std::string& to);
+
+/// A text so many times.
+std::string repeated(const std::string& text, int times);
+
+/// The complaint of a call that throws std::invalid_argument; "" if it does not.
+template <typename Call>
+std::string complaint_of(Call&& call) {
+  try {
+    call();
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "";
+}
+
 /// The folder of the built programs.
 std::filesystem::path bin_folder();
 
 }  // namespace breakwater::testing
+
+namespace breakwater {
+using testing::complaint_of;
+using testing::has;
+using testing::lacks;
+}  // namespace breakwater

@@ -16,7 +16,6 @@
 #include <string>
 #include <vector>
 
-#include "active_set_0_2/active_set.h"
 #include "qp_contender.h"
 #include "qp_sequence.h"
 
@@ -26,11 +25,9 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr int kTurns = 7;              // of each solver in a run
-constexpr int kReplays = 5;            // in a turn; one more goes before
-constexpr int kSweeps = 40;            // Hildreth's cap, as the cart has it
-constexpr int kMostChanges = 100'000;  // the active set's, which is never reached
-constexpr double kSolvedBelow = 1e-8;  // KKT residual
+constexpr int kTurns = 7;    // of each solver in a run
+constexpr int kReplays = 5;  // in a turn; one more goes before
+constexpr int kSweeps = 40;  // Hildreth's cap, as the cart has it
 
 struct Contestant {
   std::string name;
@@ -43,14 +40,8 @@ std::vector<Contestant> contestants(const QpSequence& sequence) {
       return std::make_unique<OwnQpContender>(make_qp_solver(kind, sequence.model, kSweeps));
     };
   };
-  std::vector<Contestant> all = {
-      {"active_set", own(QpSolverKind::active_set)},
-      {"active_set of 0.2",
-       [&] {
-         return std::make_unique<OwnQpContender>(
-             std::make_unique<v0_2::ActiveSetQp>(sequence.model, kMostChanges));
-       }},
-      {"hildreth, 40 sweeps", own(QpSolverKind::hildreth)}};
+  std::vector<Contestant> all = {{"active_set", own(QpSolverKind::active_set)},
+                                 {"hildreth, 40 sweeps", own(QpSolverKind::hildreth)}};
   for (const bool simple : {false, true}) {
     if (make_daqp(sequence, simple) == nullptr) continue;
     all.push_back({simple ? "DAQP, simple bounds" : "DAQP",

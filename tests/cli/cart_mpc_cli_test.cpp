@@ -1,114 +1,100 @@
 // What the cart's predictive-control scenarios say to nonsense, and their tables.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "cli/program.h"
-#include "support.h"
 
 namespace breakwater {
 namespace {
+const std::string kCartFile = "scenarios/cart_offset_free/cart_offset_free.toml";
 namespace fs = std::filesystem;
 
 using testing::ProgramResult;
 
-class CartMpcCommandLine : public ::testing::Test {
- protected:
-  void SetUp() override { fs::create_directories(folder_); }
-
-  ProgramResult run(const std::vector<std::string>& arguments) const {
-    return testing::run_program(arguments, folder_);
-  }
-
-  fs::path folder_ = testing::temporary_path("cart_mpc_cli");
-  testing::Removed removed_{folder_};
-};
+class CartMpcCommandLine : public testing::ProgramTest {};
 
 TEST_F(CartMpcCommandLine, NonsenseIsOneLineAndStatus2) {
-  const std::vector<std::vector<std::string>> nonsense = {
-      {"controller.r=0"},
-      {"controller.r=-1"},
-      {"controller.r=nan"},
-      {"controller.q_position=-1"},
-      {"controller.prediction_steps=0"},
-      {"controller.control_steps=0"},
-      {"controller.prediction_steps=4"},  // below N_u = 5
-      {"controller.period_s=0.015"},
-      {"constraint.input_lower_N=3"},  // above the upper bound
-      {"constraint.position_lower_m=2"},
-      {"constraint.position_steps=21"},
-      {"constraint.input_steps=6"},
-      {"constraint.input_lower_N=1", "constraint.input_change_N=0.1"},  // empty at the start
-      {"solver.name=quadprog"},
-      {"solver.max_iterations=0"},
-      {"solver.softness=0"},
-      {"observer.poles_rad_s=[-1]"},
-      {"noise.enabled=1"},
-      {"controller.q_disturbanc=1"}};
-  for (const auto& sets : nonsense) {
-    std::vector<std::string> arguments = {"cart_offset_free", "--set"};
-    arguments.insert(arguments.end(), sets.begin(), sets.end());
-    const ProgramResult result = run(arguments);
-    EXPECT_EQ(result.status, 2) << sets.front() << result.err;
-    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
-    EXPECT_TRUE(result.out.empty()) << result.out;
-  }
-  EXPECT_TRUE(fs::is_empty(folder_));
-  EXPECT_EQ(run({"cart_constrained", "--set", "condition=F"}).status, 2);
-  EXPECT_EQ(run({"cart_constrained", "--set", "condition=1"}).status, 2);
+  expect_refusals(
+      "cart_offset_free --set ",
+      {{"controller.r=0", "--set: controller.r: must be positive, is 0"},
+       {"controller.r=-1", "--set: controller.r: must be positive, is -1"},
+       {"controller.r=nan", "--set: controller.r: must be finite, is nan"},
+       {"controller.q_position=-1", "--set: controller.q_position: must be 0 or more, is -1"},
+       {"controller.prediction_steps=0",
+        "--set: controller.prediction_steps: must be from 1 to 1000, is 0"},
+       {"controller.control_steps=0",
+        "--set: controller.control_steps: must be from 1 to 1000, is 0"},
+       {"controller.prediction_steps=4",
+        "PROJECT/" + kCartFile + ":" +
+            testing::line_of(testing::text_of(testing::source_file(kCartFile)), "control_steps") +
+            ": controller.control_steps: "
+            "must not be more than controller.prediction_steps"},
+       {"controller.period_s=0.015",
+        "--set: controller.period_s: must be a whole multiple of control.period_s"},
+       {"constraint.input_lower_N=3",
+        "--set: constraint.input_lower_N: must not be above constraint.input_upper_N"},
+       {"constraint.position_lower_m=2",
+        "--set: constraint.position_lower_m: must not be above constraint.position_m"},
+       {"constraint.position_steps=21",
+        "--set: constraint.position_steps: must not be more than 20"},
+       {"constraint.input_steps=6", "--set: constraint.input_steps: must not be more than 5"},
+       {"constraint.input_lower_N=1 constraint.input_change_N=0.1",
+        "--set: constraint.input_change_N: no input satisfies the input constraints from rest on"},
+       {"solver.name=quadprog",
+        "--set: solver.name: must be one of active_set, hildreth, is \"quadprog\""},
+       {"solver.max_iterations=0", "--set: solver.max_iterations: must be from 1 to 1000000, is 0"},
+       {"solver.softness=0", "--set: solver.softness: must be positive, is 0"},
+       {"observer.poles_rad_s=[-1]",
+        "--set: observer.poles_rad_s: pole placement: needs one group of poles per output, 3 poles "
+        "in all"},
+       {"noise.enabled=1", "--set: noise.enabled: must be true or false, is 1"},
+       {"controller.q_disturbanc=1",
+        "--set: controller.q_disturbanc: unknown key (did you mean controller.q_disturbance?)"}});
+  expect_refusals(
+      "cart_constrained --set condition=",
+      {{"F", "--set: condition: must be one of A, B, C, D, E, is \"F\" (did you mean A?)"},
+       {"1", "--set: condition: must be one of A, B, C, D, E, is 1"}});
 }
 
 TEST_F(CartMpcCommandLine, InfeasibleInFlightEndsTheRunIfAsked) {
-  const ProgramResult result = run(
-      {"cart_constrained", "--set", "constraint.velocity_m_s=0.05", "solver.on_infeasible=stop"});
+  const ProgramResult result =
+      run("cart_constrained --set constraint.velocity_m_s=0.05 solver.on_infeasible=stop");
   EXPECT_EQ(result.status, 3);
-  EXPECT_NE(result.err.find("no input satisfies the constraints"), std::string::npos);
+  EXPECT_TRUE(has(result.err, "no input satisfies the constraints"));
 }
 
 TEST_F(CartMpcCommandLine, ConfigOfARunGivesItAgain) {
-  const auto first = run({"cart_constrained", "--set", "condition=B", "run.duration_s=5"});
-  ASSERT_EQ(first.status, 0) << first.err;
-  const ProgramResult again =
-      run({"cart_constrained", "--config", "runs/cart_constrained/proposed-idob-seed1/config.toml",
-           "--print-config"});
-  EXPECT_EQ(again.status, 0) << again.err;
-  EXPECT_NE(again.out.find("condition = \"B\""), std::string::npos);
+  ran("cart_constrained --set condition=B run.duration_s=5");
+  EXPECT_TRUE(has(ran("cart_constrained --print-config --config "
+                      "runs/cart_constrained/proposed-idob-seed1/config.toml")
+                      .out,
+                  "condition = \"B\""));
 }
 
 // What a clock measured differs from run to run: it is told in the manifest, and is no metric.
 TEST_F(CartMpcCommandLine, CostsAreInTheManifestAndNotAmongTheMetrics) {
   const ProgramResult result =
-      run({"cart_constrained", "--case", "proposed-idob", "--duration", "0.1", "--out", "run"});
-  ASSERT_EQ(result.status, 0) << result.err;
-  EXPECT_EQ(result.out.find("_us"), std::string::npos) << result.out;
-  const auto json = [&](const char* file) {
-    std::ifstream stream(folder_ / "run" / file);
-    return nlohmann::json::parse(stream);
-  };
-  const auto costs = json("manifest.json")["costs"];
+      ran("cart_constrained --case proposed-idob --duration 0.1 --out run");
+  EXPECT_TRUE(lacks(result.out, "_us"));
+  const auto costs = json("run/manifest.json")["costs"];
   EXPECT_EQ(costs.size(), 2U);
   EXPECT_GT(costs["qp_time_mean_us"].get<double>(), 0.0);
   EXPECT_GE(costs["qp_time_max_us"].get<double>(), costs["qp_time_mean_us"].get<double>());
-  const auto metrics = json("metrics.json");
+  const auto metrics = json("run/metrics.json");
   EXPECT_TRUE(metrics.contains("qp_iterations_mean"));
   for (const auto& [name, value] : metrics.items()) EXPECT_FALSE(name.ends_with("_us")) << name;
 }
 
 TEST_F(CartMpcCommandLine, MatrixRunsEveryCaseUnderEveryCondition) {
-  const ProgramResult matrix =
-      run({"breakwater", "run", "cart_constrained", "--matrix", "--duration", "0.1"});
-  ASSERT_EQ(matrix.status, 0) << matrix.err;
-  EXPECT_NE(matrix.out.find("max_input_N by condition"), std::string::npos);
+  const std::string matrix = "breakwater run cart_constrained --matrix --duration 0.1";
+  EXPECT_TRUE(has(ran(matrix).out, "max_input_N by condition"));
   for (const char* run : {"A/lqr-idob", "C/proposed-idob", "E/proposed-time_varying-kfd"}) {
     EXPECT_TRUE(fs::exists(folder_ / "runs/cart_constrained/matrix-seed1" / run / "metrics.json"));
   }
-  EXPECT_EQ(run({"breakwater", "run", "cart_constrained", "--matrix", "--duration", "0.1"}).status,
-            0)
-      << "an earlier matrix is replaced";
-  EXPECT_EQ(run({"cart_constrained", "--matrix", "--case", "lqr-idob"}).status, 2);
-  EXPECT_EQ(run({"cart_offset_free", "--matrix"}).status, 2);
+  ran(matrix);  // an earlier matrix is replaced
+  expect_refusals("", {{"cart_constrained --matrix --case lqr-idob",
+                        "cart_constrained: --matrix: runs all cases, so leave --case out"},
+                       {"cart_offset_free --matrix",
+                        "cart_offset_free: --matrix: this scenario has no conditions"}});
 }
 
 }  // namespace

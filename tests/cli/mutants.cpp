@@ -1,14 +1,11 @@
 #include "cli/mutants.h"
 #include "catalogue.h"
 
-#include <algorithm>
 #include <cstdlib>
-#include <fstream>
 #include <regex>
 #include <sstream>
 
 #include <breakwater/experiment/scenario.h>
-#include "support.h"
 
 namespace breakwater::testing {
 namespace {

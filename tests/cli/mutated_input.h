@@ -1,13 +1,6 @@
 // The folder of mutants, and how the program fares with one of them.
 #pragma once
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <filesystem>
-#include <fstream>
-#include <string>
-
 #include "cli/mutants.h"
 #include "cli/program.h"
 #include "support.h"
@@ -51,8 +44,7 @@ class MutatedInput : public ::testing::Test {
     std::filesystem::remove(path);
   }
 
-  std::filesystem::path folder_ = temporary_path("mutants");
-  Removed removed_{folder_};
+  const TemporaryPath folder_{"mutants"};
 };
 
 }  // namespace breakwater::testing

@@ -8,21 +8,40 @@
 
 #include <atomic>
 #include <chrono>
-#include <fstream>
-#include <sstream>
+#include <nlohmann/json.hpp>
 #include <thread>
 
-#include "support.h"
-
 namespace breakwater::testing {
-ProgramResult run_program(const std::vector<std::string>& arguments,
-                          const std::filesystem::path& folder, double kill_after_s, int signal) {
+namespace {
+namespace fs = std::filesystem;
+
+std::vector<std::string> words_of(const std::string& command) {
+  std::vector<std::string> words;
+  bool is_quoted = false, is_begun = false;
+  for (const char c : command) {
+    if (c == ' ' && !is_quoted) {
+      is_begun = false;
+      continue;
+    }
+    if (!is_begun) words.emplace_back();
+    is_begun = true;
+    if (c == '\'') {
+      is_quoted = !is_quoted;
+    } else {
+      words.back() += c;
+    }
+  }
+  return words;
+}
+
+}  // namespace
+
+ProgramResult run_program(const std::vector<std::string>& arguments, const fs::path& folder,
+                          double kill_after_s, int signal) {
   static std::atomic<int> calls = 0;  // on several threads at once
   const std::string call = std::to_string(++calls);
-  const std::filesystem::path out = temporary_path("stdout" + call);
-  const std::filesystem::path err = temporary_path("stderr" + call);
-  const Removed removed_out(out);
-  const Removed removed_err(err);
+  const TemporaryPath out("stdout" + call);
+  const TemporaryPath err("stderr" + call);
   const pid_t child = fork();
   if (child == 0) {
     if (chdir(folder.c_str()) != 0) _exit(126);
@@ -34,6 +53,7 @@ ProgramResult run_program(const std::vector<std::string>& arguments,
       argv.push_back(const_cast<char*>(argument.c_str()));
     argv.push_back(nullptr);
     execv((bin_folder() / arguments[0]).c_str(), argv.data());
+    execv((bin_folder() / "../tests" / arguments[0]).c_str(), argv.data());
     _exit(127);
   }
   if (kill_after_s > 0.0) {
@@ -52,6 +72,68 @@ ProgramResult run_program(const std::vector<std::string>& arguments,
   result.out = text_of(out);
   result.err = text_of(err);
   return result;
+}
+
+ProgramResult done(ProgramResult result) {
+  if (result.status == 0) return result;
+  throw std::runtime_error("status " + std::to_string(result.status) + ": " + result.err);
+}
+
+ProgramResult ProgramTest::run(const std::string& command, double kill_after_s, int signal) const {
+  return run_program(words_of(command), folder_, kill_after_s, signal);
+}
+
+void ProgramTest::expect_refused(const std::string& command, const std::string& line) const {
+  const std::vector<std::string> before = entries();
+  ProgramResult result = run(command);
+  for (const auto& [path, name] :
+       {std::pair{folder_.string(), "HERE"}, {source_file(""), "PROJECT/"}}) {
+    for (auto at = result.err.find(path); at != std::string::npos; at = result.err.find(path)) {
+      result.err.replace(at, path.size(), name);
+    }
+  }
+  const std::string which = command.substr(0, 300);
+  EXPECT_EQ(result.status, 2) << which;
+  if (const std::string more = "…"; line.ends_with(more)) {
+    EXPECT_TRUE(result.err.starts_with(line.substr(0, line.size() - more.size()))) << result.err;
+    EXPECT_EQ(lines_of(result.err).size(), 1U) << result.err;
+  } else {
+    EXPECT_EQ(result.err, line + "\n") << which;
+  }
+  EXPECT_EQ(result.out, "") << which;
+  EXPECT_LT(result.seconds, 1.0 * kSlowness) << which;
+  EXPECT_EQ(entries(), before) << which << ": something was left behind";
+}
+
+void ProgramTest::expect_refusals(const std::string& beginning,
+                                  const Refusals& commands_and_lines) const {
+  for (const auto& [command, line] : commands_and_lines) expect_refused(beginning + command, line);
+}
+
+void ProgramTest::write(const fs::path& file, const std::string& text) const {
+  fs::create_directories((folder_ / file).parent_path());
+  std::ofstream(folder_ / file, std::ios::binary) << text;
+}
+
+nlohmann::json ProgramTest::json(const fs::path& file) const {
+  return nlohmann::json::parse(read(file));
+}
+
+std::string ProgramTest::state_hash(const fs::path& run) const {
+  return json(run / "manifest.json").at("state_hash");
+}
+
+std::vector<std::string> ProgramTest::lines(const fs::path& file) const {
+  return lines_of(read(file));
+}
+
+std::vector<std::string> ProgramTest::entries(const fs::path& folder) const {
+  std::vector<std::string> names;
+  for (const auto& entry : fs::recursive_directory_iterator(folder_ / folder)) {
+    names.push_back(entry.path().lexically_relative(folder_ / folder).string());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
 }
 
 }  // namespace breakwater::testing

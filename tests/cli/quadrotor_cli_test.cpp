@@ -1,72 +1,48 @@
 // What quadrotor_waves says to nonsense on the command line.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <fstream>
-
 #include "cli/program.h"
-#include "support.h"
 
 namespace breakwater {
 namespace {
-namespace fs = std::filesystem;
+const std::string kQuadrotorFile = "scenarios/quadrotor_waves/quadrotor_waves.toml";
+using testing::replaced;
 
-using testing::ProgramResult;
-
-class QuadrotorCommandLine : public ::testing::Test {
- protected:
-  void SetUp() override { fs::create_directories(folder_); }
-
-  ProgramResult run(std::vector<std::string> arguments) const {
-    arguments.insert(arguments.begin(), "quadrotor_waves");
-    return testing::run_program(arguments, folder_);
-  }
-
-  void expect_one_line(const std::vector<std::string>& arguments, const std::string& says) const {
-    const ProgramResult result = run(arguments);
-    EXPECT_EQ(result.status, 2) << says;
-    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
-    EXPECT_NE(result.err.find(says), std::string::npos) << result.err;
-    EXPECT_TRUE(result.out.empty()) << result.out;
-  }
-
-  fs::path folder_ = testing::temporary_path("quadrotor_cli");
-  testing::Removed removed_{folder_};
-};
+class QuadrotorCommandLine : public testing::ProgramTest {};
 
 TEST_F(QuadrotorCommandLine, NonsenseIsOneLineAndStatus2) {
-  expect_one_line({"--set", "wave.significant_height_m=-1"},
-                  "wave.significant_height_m: must be 0");
-  expect_one_line({"--set", "wave.peak_period_s=0"}, "wave.peak_period_s: must be positive");
-  expect_one_line({"--set", "task.start_m=[0,0,1]"}, "task.start_m: z must not be above");
-  expect_one_line({"--set", "task.reference_m=[0,0,0.5]"}, "task.reference_m: z must not be above");
-  expect_one_line({"--set", "wave.water_depth_m=8"}, "z must be above the water's bottom");
-  expect_one_line({"--set", "reading=leteral"}, "did you mean");
-  expect_one_line({"--set", "estimator.measurement_covariance=true"}, "measurement_covariance");
-  EXPECT_TRUE(fs::is_empty(folder_));
-}
-
-TEST_F(QuadrotorCommandLine, AModelNeedsItsThrusterSites) {
-  std::string mjcf = testing::text_of(testing::source_file("models/quadrotor.xml"));
-  for (const std::string from : {"name=\"t3\"", "site=\"t3\""}) {
-    mjcf.replace(mjcf.find(from), from.size(), from.substr(0, 6) + "tx\"");
-  }
-  const testing::Removed model(testing::temporary_path("no_site.xml"));
-  const fs::path path = testing::temporary_path("no_site.xml");
-  std::ofstream(path) << mjcf;
-  expect_one_line({"--set", "model.mjcf=" + path.string()}, "has no site named \"t3\"");
+  const std::string mjcf = testing::text_of(testing::source_file("models/quadrotor.xml"));
+  write("no_site.xml",
+        replaced(replaced(mjcf, "name=\"t3\"", "name=\"tx\""), "site=\"t3\"", "site=\"tx\""));
+  expect_refusals(
+      "quadrotor_waves --set ",
+      {{"wave.significant_height_m=-1",
+        "--set: wave.significant_height_m: must be 0 or more, is -1"},
+       {"wave.peak_period_s=0", "--set: wave.peak_period_s: must be positive, is 0"},
+       {"task.start_m=[0,0,1]", "--set: task.start_m: z must not be above the surface, z = 0"},
+       {"task.reference_m=[0,0,0.5]",
+        "--set: task.reference_m: z must not be above the surface, z = 0"},
+       {"wave.water_depth_m=8",
+        "PROJECT/" + kQuadrotorFile + ":" +
+            testing::line_of(testing::text_of(testing::source_file(kQuadrotorFile)), "start_m") +
+            ": task.start_m: z must be above "
+            "the water's bottom"},
+       {"reading=leteral",
+        "--set: reading: there is no [readings.leteral] (did you mean literal?)"},
+       {"estimator.measurement_covariance=true",
+        "--set: estimator.measurement_covariance: must be one of printed, actual, is true"},
+       {"task.reference_m=[0,0]", "--set: task.reference_m: must have 3 numbers: x, y and z"},
+       {"model.mjcf=models/cart.xml", "PROJECT/models/cart.xml: needs 4 thrusters"},
+       {"metrics.window_s=0", "--set: metrics.window_s: must be positive, is 0"},
+       {"fault.sensor=q1", "--set: fault.sensor: there is no channel \"q1\" (did you mean x?)"},
+       {"model.mjcf=no_site.xml", "HERE/no_site.xml: has no site named \"t3\""}});
 }
 
 TEST_F(QuadrotorCommandLine, NanEndsTheRunWithStatus3) {
-  const std::vector<std::string> broken = {
-      "--duration",     "2",           "--quiet", "--set", "metrics.window_s=1",
-      "fault.sensor=z", "fault.at_s=1"};
-  const ProgramResult stopped = run(broken);
+  const std::string broken =
+      "quadrotor_waves --duration 2 --quiet --set metrics.window_s=1 fault.sensor=z fault.at_s=1";
+  const testing::ProgramResult stopped = run(broken);
   EXPECT_EQ(stopped.status, 3);
-  EXPECT_NE(stopped.err.find("t = 1 s: sensor z is not finite"), std::string::npos) << stopped.err;
-  std::vector<std::string> dropped = broken;
-  dropped.emplace_back("sensor.nan_policy=drop");
-  EXPECT_EQ(run(dropped).status, 0);
+  EXPECT_TRUE(has(stopped.err, "t = 1 s: sensor z is not finite"));
+  ran(broken + " sensor.nan_policy=drop");
 }
 
 }  // namespace

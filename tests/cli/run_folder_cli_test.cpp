@@ -1,39 +1,17 @@
 // Run folders as users meet them: full disks, damaged logs, killed runs.
-#include <gtest/gtest.h>
-
-#include <algorithm>
 #include <array>
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "cli/program.h"
 #include "shell.h"
-#include "support.h"
 
 namespace breakwater {
 namespace {
 namespace fs = std::filesystem;
-using testing::ProgramResult;
-using testing::run_program;
-using testing::text_of;
 
-class RunFolderCli : public ::testing::Test {
- protected:
-  RunFolderCli() { fs::create_directories(folder_); }
+const std::string kRun = "cart_position --quiet --duration 0.2 --out ";
 
-  ProgramResult run(const std::string& out) {
-    return run_program({"cart_position", "--quiet", "--duration", "0.2", "--out", out}, folder_);
-  }
-  void expect_refused(const ProgramResult& result, const std::string& line) {
-    EXPECT_EQ(result.status, 2);
-    EXPECT_EQ(result.err, line + "\n");
-    EXPECT_EQ(result.out, "");
-  }
-
-  fs::path folder_ = testing::temporary_path("run_folder_cli");
-  testing::Removed removed_{folder_};
-};
+class RunFolderCli : public testing::ProgramTest {};
 
 // A small file system of its own, which only this command sees.
 constexpr const char* kFillUp = R"(
@@ -57,7 +35,7 @@ ls -A
 
 TEST_F(RunFolderCli, AFullDiskLeavesTheEarlierRunAndNothingElse) {
   const fs::path script = folder_ / "fill_up";
-  std::ofstream(script) << kFillUp;
+  write("fill_up", kFillUp);
   const fs::path mount = folder_ / "mount";
   fs::create_directory(mount);
   std::string output;
@@ -69,13 +47,11 @@ TEST_F(RunFolderCli, AFullDiskLeavesTheEarlierRunAndNothingElse) {
   }
   if (!output.starts_with("mounted\n")) GTEST_SKIP() << "no file system can be mounted here";
 
-  std::istringstream stream(output);
-  std::vector<std::string> lines;
-  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  const std::vector<std::string> lines = testing::lines_of(output);
   ASSERT_EQ(lines.size(), 33U) << output;
   EXPECT_EQ(lines[1], "status 0");
   for (std::size_t i = 3; i < 31; i += 2) {  // one line, and a status
-    EXPECT_NE(lines[i].find(": cannot be "), std::string::npos) << lines[i];
+    EXPECT_TRUE(has(lines[i], ": cannot be "));
     EXPECT_EQ(lines[i + 1], "status 2") << output;
   }
   EXPECT_EQ(lines[31], lines[2]) << "the earlier run is not what it was";
@@ -83,59 +59,49 @@ TEST_F(RunFolderCli, AFullDiskLeavesTheEarlierRunAndNothingElse) {
 }
 
 TEST_F(RunFolderCli, TheSameRunGivesTheSameLogFile) {
-  ASSERT_EQ(run("a").status, 0);
-  ASSERT_EQ(run("b").status, 0);
-  EXPECT_EQ(text_of(folder_ / "a/log.h5"), text_of(folder_ / "b/log.h5"));
-  const auto manifest = nlohmann::json::parse(text_of(folder_ / "a/manifest.json"));
-  EXPECT_EQ(manifest["log_hash"].get<std::string>().size(), 16U);
+  ran(kRun + "a");
+  ran(kRun + "b");
+  EXPECT_EQ(read("a/log.h5"), read("b/log.h5"));
+  EXPECT_EQ(json("a/manifest.json")["log_hash"].get<std::string>().size(), 16U);
 }
 
 TEST_F(RunFolderCli, ADamagedLogIsRefusedByAllThatOpenIt) {
-  ASSERT_EQ(run("run").status, 0);
-  ASSERT_EQ(run("whole").status, 0);
-  EXPECT_EQ(run_program({"breakwater", "report", "run", "--out", "page"}, folder_).status, 0);
+  ran(kRun + "run");
+  ran(kRun + "whole");
+  ran("breakwater report run --out page");
   std::fstream log(folder_ / "run/log.h5", std::ios::in | std::ios::out | std::ios::binary);
   log.seekp(-5, std::ios::end);
   log.put('\x5a');
   log.close();
   const std::string line = "run/log.h5: is damaged: it is not what the run wrote; run it again";
-  for (const auto& words :
-       std::vector<std::vector<std::string>>{{"report", "run", "--out", "other"},
-                                             {"compare", "whole", "run"},
-                                             {"still", "run", "--at", "0.1", "--out", "still.png"},
-                                             {"video", "run", "--out", "video.mp4"}}) {
-    std::vector<std::string> arguments = {"breakwater"};
-    arguments.insert(arguments.end(), words.begin(), words.end());
-    SCOPED_TRACE(words[0]);
-    expect_refused(run_program(arguments, folder_), line);
-  }
-  EXPECT_FALSE(fs::exists(folder_ / "other"));
+  expect_refusals("breakwater ", {{"report run --out other", line},
+                                  {"compare whole run", line},
+                                  {"still run --at 0.1 --out still.png", line},
+                                  {"video run --out video.mp4", line}});
 
   // Without the hash, as before version 0.2: the data are taken as they are.
-  auto manifest = nlohmann::ordered_json::parse(text_of(folder_ / "run/manifest.json"));
+  auto manifest = nlohmann::ordered_json::parse(read("run/manifest.json"));
   manifest.erase("log_hash");
-  std::ofstream(folder_ / "run/manifest.json") << manifest;
-  EXPECT_EQ(run_program({"breakwater", "compare", "whole", "run"}, folder_).status, 0);
+  write("run/manifest.json", manifest.dump());
+  ran("breakwater compare whole run");
 }
 
 TEST_F(RunFolderCli, ARunWithItsPicturesIsReplacedByTheNext) {
-  ASSERT_EQ(run("run").status, 0);
-  for (const char* command : {"replay", "report"}) {
-    ASSERT_EQ(run_program({"breakwater", command, "run", "--quiet"}, folder_).status, 0);
-  }
+  ran(kRun + "run");
+  ran("breakwater replay run --quiet");
+  ran("breakwater report run --quiet");
   EXPECT_TRUE(fs::exists(folder_ / "run/replay.html"));
-  const ProgramResult again = run("run");
-  EXPECT_EQ(again.status, 0) << again.err;
+  ran(kRun + "run");
   EXPECT_FALSE(fs::exists(folder_ / "run/replay.html"));
 }
 
 TEST_F(RunFolderCli, AReaderFindsTheRunThatAKilledOneWasReplacing) {
-  ASSERT_EQ(run("run").status, 0);
+  ran(kRun + "run");
   std::array<char, 256> host = {};
   gethostname(host.data(), host.size() - 1);
   const std::string aside = std::string(".run.earlier-") + host.data() + "-2000000000";
   fs::rename(folder_ / "run", folder_ / aside);
-  EXPECT_EQ(run_program({"breakwater", "report", "run", "--out", "page"}, folder_).status, 0);
+  ran("breakwater report run --out page");
   EXPECT_TRUE(fs::exists(folder_ / "run/manifest.json"));
   EXPECT_FALSE(fs::exists(folder_ / aside));
 }

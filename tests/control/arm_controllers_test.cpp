@@ -1,10 +1,7 @@
 // The three controllers of the arm, one sample at a time, against their equations written out.
-#include <gtest/gtest.h>
 
 #include <Eigen/Dense>
-#include <algorithm>
 #include <cmath>
-#include <stdexcept>
 
 #include <breakwater/control/implicit_force_pfc.h>
 #include <breakwater/control/workspace_control.h>

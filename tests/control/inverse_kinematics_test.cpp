@@ -1,9 +1,6 @@
 #include <breakwater/control/inverse_kinematics.h>
 
-#include <gtest/gtest.h>
-
 #include <cmath>
-#include <stdexcept>
 
 #include "support.h"
 

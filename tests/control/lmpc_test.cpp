@@ -1,8 +1,6 @@
 // Linear predictive control: against the regulator, its optimality conditions and its bounds.
 #include <breakwater/control/lmpc.h>
 
-#include <gtest/gtest.h>
-
 #include <Eigen/LU>
 #include <cmath>
 #include <functional>

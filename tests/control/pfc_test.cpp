@@ -1,11 +1,7 @@
 #include <breakwater/control/pfc.h>
 
-#include <gtest/gtest.h>
-
 #include <Eigen/Dense>
 #include <cmath>
-#include <complex>
-#include <stdexcept>
 
 #include <breakwater/linear/pole_placement.h>
 #include "support.h"

@@ -1,8 +1,6 @@
 // The prediction matrices against the plant, stepped.
 #include <breakwater/control/prediction.h>
 
-#include <gtest/gtest.h>
-
 #include "support.h"
 
 namespace breakwater {

@@ -1,9 +1,7 @@
 // Backstepping gains and law, and the filters' processes, against the thesis' numbers and an ODE.
-#include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
 #include <cmath>
-#include <stdexcept>
 #include <utility>
 
 #include <breakwater/control/backstepping.h>

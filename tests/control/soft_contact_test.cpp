@@ -2,11 +2,7 @@
 // estimate, and the law against a wall of its own.
 #include <breakwater/control/soft_contact.h>
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
 #include <cmath>
-#include <stdexcept>
 
 #include "support.h"
 

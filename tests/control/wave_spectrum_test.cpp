@@ -1,12 +1,8 @@
 // The model of the waves' force by its spectrum: its fit, its bank, its process and its filter.
-#include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <cmath>
-#include <complex>
-#include <random>
-#include <stdexcept>
 
 #include <breakwater/control/quadrotor_estimator.h>
 #include <breakwater/observers/resonator_fit.h>

@@ -2,10 +2,6 @@
 // from outside in Breakwater's own experiments.
 #include <breakwater/experiment/parts.h>
 
-#include <gtest/gtest.h>
-
-#include <fstream>
-
 #include <breakwater/experiment/runner.h>
 #include <breakwater/program/program.h>
 #include <breakwater/rigs/arm_parts.h>
@@ -82,8 +78,7 @@ class PartsTest : public ::testing::Test {
   }
 
   Catalogue catalogue_;
-  std::filesystem::path path_ = testing::temporary_path("parts.toml");
-  testing::Removed removed_{path_};
+  const testing::TemporaryPath path_{"parts.toml"};
   std::string printed_;
   std::vector<UnusedKey> unused_;
 };
@@ -176,7 +171,7 @@ label = "x"
 TEST_F(PartsTest, AFileStaysUsableWhenPartsAreAddedThatItDoesNotChoose) {
   const std::string old = "toy.name = \"named\"\ntoy.label = \"x\"\n[case.one]\n";
   ASSERT_EQ(make(old), "x");
-  EXPECT_EQ(printed_.find("size"), std::string::npos) << printed_;
+  EXPECT_TRUE(lacks(printed_, "size"));
 }
 
 TEST_F(PartsTest, AFinishedRunOfAnUnknownPartIsReadAsFarAsItGoes) {
@@ -331,12 +326,7 @@ TEST(OwnParts, WhatACaseGivesToAChoiceOfItsOwnIsNotWarnedOf) {
 // The poles are wrong, not the choice of an observer that has poles.
 TEST(OwnParts, AWrongKeyIsBlamedAndNotTheChoice) {
   const auto complaint = [](const std::vector<std::string>& sets) {
-    try {
-      run_with_theirs("motor_estimation", sets);
-    } catch (const std::invalid_argument& error) {
-      return std::string(error.what());
-    }
-    return std::string();
+    return complaint_of([&] { run_with_theirs("motor_estimation", sets); });
   };
   for (const char* name : {"idob", "state_observer"}) {
     const std::string what =
@@ -354,14 +344,11 @@ TEST(OwnParts, AWrongKeyIsBlamedAndNotTheChoice) {
 
 TEST(OwnParts, ARegulatorIsRefusedWhereItCannotWork) {
   const auto complaint = [](const std::string& scenario, const std::string& controller) {
-    try {
+    return complaint_of([&] {
       run_with_theirs(scenario, {"controller.name=" + controller, "controller.period_s=0.01",
                                  "controller.q_position=1", "controller.q_velocity=1",
                                  "controller.r=1", "control.period_s=0.01"});
-    } catch (const std::invalid_argument& error) {
-      return std::string(error.what());
-    }
-    return std::string();
+    });
   };
   EXPECT_EQ(complaint("cart_position", "lqr_observer"),
             "--set: controller.name: a regulator brings the axis to 0, and knows no reference");

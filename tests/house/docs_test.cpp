@@ -1,5 +1,4 @@
 // The code in the documentation is code that is built.
-#include <gtest/gtest.h>
 
 #include <regex>
 
@@ -21,9 +20,8 @@ TEST(Docs, CodeIsWordForWordThatOfTheTemplates) {
          ++block) {
       ++blocks;
       const std::string code = testing::text_of(testing::source_file((*block)[1]));
-      EXPECT_NE(code.find((*block)[2]), std::string::npos)
-          << entry.path() << ": not in " << (*block)[1] << ":\n"
-          << (*block)[2];
+      EXPECT_TRUE(has(code, (*block)[2])) << entry.path() << ": not in " << (*block)[1] << ":\n"
+                                          << (*block)[2];
     }
     const std::regex mark("<!-- (templates|tests)/");
     EXPECT_EQ(std::distance(std::sregex_iterator(page.begin(), page.end(), mark), {}),

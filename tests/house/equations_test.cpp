@@ -1,14 +1,9 @@
 // docs/reference/from-equation-to-code.md and the equations' numbers in comments say the same.
-#include <gtest/gtest.h>
 
-#include <filesystem>
-#include <fstream>
 #include <map>
 #include <regex>
 #include <set>
 #include <sstream>
-#include <string>
-#include <vector>
 
 #include "support.h"
 

@@ -1,8 +1,5 @@
 // The rooms of src/ depend on each other one way, and keep their secrets.
-#include <gtest/gtest.h>
 
-#include <algorithm>
-#include <fstream>
 #include <map>
 #include <regex>
 #include <set>
@@ -113,7 +110,7 @@ TEST(House, NoRoomKnowsAScenario) {
       int number = 0;
       for (std::string line; std::getline(stream, line);) {
         ++number;
-        EXPECT_EQ(line.find(name), std::string::npos) << file.path() << ":" << number;
+        EXPECT_TRUE(lacks(line, name)) << file.path() << ":" << number;
       }
     }
   }
@@ -219,8 +216,8 @@ TEST(House, EveryScenarioHasItsFolder) {
 
 TEST(House, ScenariosAreBuiltAsAUsersOwn) {
   const std::string rules = testing::text_of(testing::source_file("scenarios/CMakeLists.txt"));
-  EXPECT_EQ(rules.find("add_executable("), std::string::npos);
-  EXPECT_NE(rules.find("breakwater_program(${scenario} ONE_SCENARIO"), std::string::npos);
+  EXPECT_TRUE(lacks(rules, "add_executable("));
+  EXPECT_TRUE(has(rules, "breakwater_program(${scenario} ONE_SCENARIO"));
 }
 
 }  // namespace

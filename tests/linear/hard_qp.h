@@ -1,8 +1,6 @@
 // Quadratic programs of poor condition, with dependent rows: for a test and for a study.
 #pragma once
 
-#include <gtest/gtest.h>
-
 #include <cstdio>
 
 #include "linear/random_qp.h"

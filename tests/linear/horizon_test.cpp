@@ -1,8 +1,6 @@
 // Sweeps along a horizon, against the matrices that they stand for.
 #include <breakwater/linear/horizon.h>
 
-#include <gtest/gtest.h>
-
 #include <breakwater/linear/active_set.h>
 #include "support.h"
 

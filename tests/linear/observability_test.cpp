@@ -1,7 +1,5 @@
 #include <breakwater/linear/observability.h>
 
-#include <gtest/gtest.h>
-
 #include <breakwater/linear/state_space.h>
 #include "support.h"
 

@@ -1,9 +1,6 @@
 #include <breakwater/linear/pole_placement.h>
 
-#include <gtest/gtest.h>
-
 #include <cmath>
-#include <stdexcept>
 
 #include <breakwater/linear/state_space.h>
 #include "support.h"

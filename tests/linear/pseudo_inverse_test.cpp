@@ -1,7 +1,5 @@
 #include <breakwater/linear/pseudo_inverse.h>
 
-#include <gtest/gtest.h>
-
 #include <Eigen/SVD>
 
 #include "support.h"

@@ -1,8 +1,6 @@
 // The two quadratic programming solvers, against optimality conditions and each other.
 #include <breakwater/linear/qp.h>
 
-#include <gtest/gtest.h>
-
 #include <Eigen/LU>
 
 #include <cmath>
@@ -115,25 +113,15 @@ TEST_P(BothSolvers, NothingThatIsNoNumberIsSolved) {
       expect_refused(input);
     }
   }
-  for (Eigen::Index i = 0; i < 30; ++i) {
-    QpInput input = good;
-    input.lower(i) = kNan;
-    expect_refused(input);
-    input = good;
-    input.upper(i) = kNan;
-    expect_refused(input);
-    input = good;
-    input.softness(i) = kNan;
-    expect_refused(input);
-    input = good;
-    input.lower(i) = kInfinity;
-    expect_refused(input);
-    input = good;
-    input.upper(i) = -kInfinity;
-    expect_refused(input);
-    input = good;
-    input.softness(i) = -1.0;
-    expect_refused(input);
+  for (const auto& [member, bad] :
+       {std::pair(&QpInput::lower, kNan), std::pair(&QpInput::lower, kInfinity),
+        std::pair(&QpInput::upper, kNan), std::pair(&QpInput::upper, -kInfinity),
+        std::pair(&QpInput::softness, kNan), std::pair(&QpInput::softness, -1.0)}) {
+    for (Eigen::Index i = 0; i < 30; ++i) {
+      QpInput input = good;
+      (input.*member)(i) = bad;
+      expect_refused(input);
+    }
   }
   solver->solve(good, solution);
   EXPECT_NE(solution.status, QpStatus::not_finite) << "must recover";

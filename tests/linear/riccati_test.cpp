@@ -1,8 +1,6 @@
 // The Riccati equation against closed forms, its residual and SciPy.
 #include <breakwater/linear/riccati.h>
 
-#include <gtest/gtest.h>
-
 #include <Eigen/Cholesky>
 #include <cmath>
 

@@ -3,7 +3,6 @@
 
 #include <Eigen/Core>
 #include <sstream>
-#include <vector>
 
 #include "python.h"
 

@@ -1,9 +1,6 @@
 #include <breakwater/linear/state_space.h>
 
-#include <gtest/gtest.h>
-
 #include <cmath>
-#include <stdexcept>
 
 #include "support.h"
 

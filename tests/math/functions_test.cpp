@@ -1,8 +1,6 @@
 // The elementary functions of math/: accuracy, special arguments, and their bits.
 #include <breakwater/math/functions.h>
 
-#include <gtest/gtest.h>
-
 #include <bit>
 #include <cstdint>
 #include <limits>

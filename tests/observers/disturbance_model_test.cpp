@@ -1,9 +1,6 @@
 #include <breakwater/observers/disturbance_model.h>
 
-#include <gtest/gtest.h>
-
 #include <cmath>
-#include <stdexcept>
 
 #include <breakwater/observers/kalman_design.h>
 #include "support.h"

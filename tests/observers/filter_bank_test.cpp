@@ -2,15 +2,11 @@
 // weights against a second implementation, and what it does when its sensor fails.
 #include <breakwater/observers/filter_bank.h>
 
-#include <gtest/gtest.h>
-
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <cmath>
-#include <complex>
 #include <limits>
 #include <numbers>
-#include <stdexcept>
 
 #include <breakwater/linear/riccati.h>
 #include <breakwater/observers/code_likelihood.h>

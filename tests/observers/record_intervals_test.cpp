@@ -1,5 +1,4 @@
 // Samples that do not follow each other once a period: what was held, and how estimators take it.
-#include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
 

@@ -1,8 +1,6 @@
 // The plain state observer: its poles, and what a disturbance does to it.
 #include <breakwater/observers/state_observer.h>
 
-#include <gtest/gtest.h>
-
 #include <cmath>
 
 #include <breakwater/plants/damped_inertia.h>

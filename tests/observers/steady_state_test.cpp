@@ -1,5 +1,4 @@
 // The filters' steady states against SciPy's solutions of the Riccati equation.
-#include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
 

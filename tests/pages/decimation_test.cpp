@@ -1,9 +1,6 @@
 // Fewer points must show the same peaks.
 #include <breakwater/pages/decimation.h>
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
 #include <cmath>
 #include <limits>
 

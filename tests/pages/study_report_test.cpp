@@ -1,13 +1,9 @@
 // report.html of a study: the numbers behind its charts, its size, and hostile names.
-#include <gtest/gtest.h>
 
 #include <fmt/format.h>
 #include <cmath>
-#include <filesystem>
 #include <regex>
 #include <set>
-#include <string>
-#include <vector>
 
 #include <breakwater/config/toml_text.h>
 #include <breakwater/pages/chart_scale.h>
@@ -18,7 +14,6 @@
 #include <breakwater/pages/study_report.h>
 #include <breakwater/study/study_comparison.h>
 #include "catalogue.h"
-#include "support.h"
 
 namespace breakwater::study_report_test {
 namespace {
@@ -60,9 +55,7 @@ Study make_study(std::vector<VariedKey> vary, std::vector<std::string> cases, st
 class Folder {
  public:
   Folder(const std::string& name, Study study)
-      : removed_(testing::temporary_path(name)),
-        folder_(testing::temporary_path(name), kSweep),
-        plan_(std::move(study)) {
+      : path_(name), folder_(path_, kSweep), plan_(std::move(study)) {
     fs::create_directories(folder_.shards());
   }
 
@@ -88,7 +81,7 @@ class Folder {
   fs::path path() const { return folder_.path(); }
 
  private:
-  testing::Removed removed_;
+  testing::TemporaryPath path_;
   StudyFolder folder_;
   Plan plan_;
 };
@@ -168,7 +161,7 @@ TEST(StudyReport, SaysWhatIsBetter) {
   const std::string page = folder.page();
   const auto comparison = compare_study(folder.plan(), folder.index());
   ASSERT_TRUE(comparison);
-  EXPECT_NE(page.find("Paired, in the same worlds"), std::string::npos);
+  EXPECT_TRUE(has(page, "Paired, in the same worlds"));
   for (const MetricComparison& one : comparison->metrics) {
     const std::string begin =
         fmt::format("<tr><th scope=\"row\">{}</th><td>{}</td><td><b",
@@ -176,14 +169,11 @@ TEST(StudyReport, SaysWhatIsBetter) {
     const std::size_t at = page.find(begin);
     ASSERT_NE(at, std::string::npos) << begin;
     const std::string row = page.substr(at, page.find("</tr>", at) - at);
-    EXPECT_NE(row.find(fmt::format(">{}</b></td><td>{}", name_of(one.verdict), one.blocks)),
-              std::string::npos)
-        << row;
+    EXPECT_TRUE(has(row, fmt::format(">{}</b></td><td>{}", name_of(one.verdict), one.blocks)));
   }
   EXPECT_EQ(comparison->metrics[0].verdict, ComparisonVerdict::worse);  // stf beside idob
-  EXPECT_NE(page.find("<td>11 of 12</td>"), std::string::npos);         // where kfd failed
-  EXPECT_NE(page.find("McNemar"), std::string::npos);
-  EXPECT_NE(page.find("(Nemenyi, 5 %)"), std::string::npos);
+  EXPECT_TRUE(has(page, "<td>11 of 12</td>"));                          // where kfd failed
+  EXPECT_TRUE(has(page, "McNemar", "(Nemenyi, 5 %)"));
 }
 
 TEST(QuantileBands, ManyValuesAreGroupedWithTheirNeighbours) {
@@ -264,7 +254,7 @@ TEST(StudyIndices, AreThoseOfALinearOutputAndOfItsFailures) {
   write_indices(all, numbers, {"idob"}, file);
   const std::string text = testing::text_of(file);
   EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1 + 2 * 3);
-  EXPECT_NE(text.find("\nidob,failed,x.b,0,"), std::string::npos) << text;
+  EXPECT_TRUE(has(text, "\nidob,failed,x.b,0,"));
 }
 
 TEST(ChartScale, TicksAreRoundAndInside) {
@@ -334,7 +324,7 @@ TEST_P(LargeStudy, HasAPageOfLessThan2MB) {
   RecordProperty("bytes", static_cast<int>(page.size()));
   EXPECT_LT(page.size(), 2'000'000U);
   EXPECT_GT(page.size(), 300'000U);
-  EXPECT_NE(page.find("id=\"metric-24\""), std::string::npos) << "most have charts";
+  EXPECT_TRUE(has(page, "id=\"metric-24\"")) << "most have charts";
 }
 
 INSTANTIATE_TEST_SUITE_P(Shapes, LargeStudy, ::testing::Values("grid", "lhs", "saltelli"),
@@ -346,10 +336,10 @@ TEST(HeatMaps, HaveTheirRowsWholeLabels) {
   map.y_labels = {"joint-space-position"};
   map.cells = {{1.0, 4, 0, 4, 0}, {2.0, 4, 1, 3, 1}};
   const std::string whole = draw(map);
-  EXPECT_NE(whole.find(">joint-space-position<"), std::string::npos);
-  EXPECT_EQ(whole.find("class=\"absent\""), std::string::npos);
+  EXPECT_TRUE(has(whole, ">joint-space-position<"));
+  EXPECT_TRUE(lacks(whole, "class=\"absent\""));
   map.cells[1] = {2.0, 4, 0, 2, 1};  // two runs without the metric
-  EXPECT_NE(draw(map).find("class=\"absent\""), std::string::npos);
+  EXPECT_TRUE(has(draw(map), "class=\"absent\""));
 }
 
 TEST(StudyReport, HostileNamesStayText) {
@@ -370,21 +360,21 @@ TEST(StudyReport, HostileNamesStayText) {
     });
     const std::string page = folder.page();
     for (const char* tag : {"<img", "<b>idob", "<i>\"", "<script>alert", "a<b>"}) {
-      EXPECT_EQ(page.find(tag), std::string::npos) << tag;
+      EXPECT_TRUE(lacks(page, tag)) << tag;
     }
     // The page's own: the list of runs and two scripts.
     const std::regex script("</script>");
     EXPECT_EQ(std::distance(std::sregex_iterator(page.begin(), page.end(), script), {}), 3);
-    EXPECT_NE(page.find("&lt;img src"), std::string::npos);
+    EXPECT_TRUE(has(page, "&lt;img src"));
     EXPECT_EQ(folder.page(), page) << "the same results give the same bytes";
   }
 }
 
 TEST(StudyReport, OfNothingIsAPageToo) {
   Folder folder("nothing", make_study({list_of("a", {1, 2})}, {"idob"}, 1));
-  EXPECT_NE(folder.page().find("not yet run"), std::string::npos);
+  EXPECT_TRUE(has(folder.page(), "not yet run"));
   folder.fill([](const StudyPoint&, PointResult& result) { fail(result, ""); });
-  EXPECT_NE(folder.page().find("Failed runs"), std::string::npos);
+  EXPECT_TRUE(has(folder.page(), "Failed runs"));
 }
 
 }  // namespace

@@ -1,7 +1,6 @@
 // What a replay's page carries: its times, and numbers in few bytes.
 #include <breakwater/pictures/replay_motion.h>
 
-#include <gtest/gtest.h>
 #include <zlib.h>
 
 #include <cmath>

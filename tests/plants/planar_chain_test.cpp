@@ -1,7 +1,5 @@
 #include <breakwater/plants/planar_chain.h>
 
-#include <gtest/gtest.h>
-
 #include <cmath>
 #include <kdl/chain.hpp>
 #include <kdl/chaindynparam.hpp>

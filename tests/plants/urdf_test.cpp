@@ -1,29 +1,20 @@
-#include <gtest/gtest.h>
-
-#include <filesystem>
-#include <fstream>
-#include <stdexcept>
+#include <array>
 
 #include <breakwater/plants/planar_chain.h>
 #include "support.h"
 
 namespace breakwater {
 namespace {
+using testing::replaced;
 
 // Writes a URDF, reads it, and returns the complaint without the folder; "" if there is none.
 std::string complaint(const std::string& text) {
-  const auto file = testing::temporary_path("arm.urdf");
-  std::ofstream(file) << text;
-  const testing::Removed removed(file);
-  try {
-    load_planar_chain(file.string());
-  } catch (const std::invalid_argument& error) {
-    const std::string what = error.what();
-    EXPECT_EQ(what.find('\n'), std::string::npos) << what;
-    EXPECT_TRUE(what.starts_with(file.string() + ":")) << what;
-    return what.substr(file.string().size());
-  }
-  return "";
+  const testing::TemporaryPath file("arm.urdf", text);
+  const std::string what = complaint_of([&] { load_planar_chain(file.string()); });
+  if (what.empty()) return "";
+  EXPECT_TRUE(lacks(what, "\n"));
+  EXPECT_TRUE(what.starts_with(file.string() + ":")) << what;
+  return what.substr(file.string().size());
 }
 
 std::string one_joint(const std::string& joint, const std::string& link =
@@ -38,33 +29,26 @@ const char* const kGoodJoint =
     "<joint name='shoulder' type='revolute'><parent link='base'/><child link='arm'/>"
     "<axis xyz='0 0 1'/><limit effort='1' velocity='1' lower='-1' upper='1'/></joint>";
 
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-  const auto at = text.find(from);
-  EXPECT_NE(at, std::string::npos);
-  return text.replace(at, from.size(), to);
-}
-
 TEST(Urdf, ReadsAGoodOne) {
   EXPECT_EQ(complaint(one_joint(kGoodJoint)), "");
 }
 
+using Rows = std::vector<std::array<std::string, 3>>;
+
 TEST(Urdf, NamesFileElementAndReason) {
-  EXPECT_TRUE(
-      complaint(one_joint(replaced(kGoodJoint,
-                                   "<limit effort='1' velocity='1' lower='-1' upper='1'/>", "")))
-          .starts_with(":4: joint \"shoulder\": "));
-  EXPECT_EQ(complaint(one_joint(replaced(kGoodJoint, "effort='1'", "effort='0'"))),
-            ":4: joint \"shoulder\": its effort and velocity limits must be positive");
-  EXPECT_EQ(complaint(one_joint(replaced(kGoodJoint, "0 0 1", "0 1 0"))),
-            ":4: joint \"shoulder\": its axis is not ±z, so the chain is not planar");
-  EXPECT_EQ(complaint(one_joint(replaced(kGoodJoint, "0 0 1", "-1 0 1"))),
-            ":4: joint \"shoulder\": its axis is not ±z, so the chain is not planar");
-  EXPECT_EQ(complaint(one_joint(replaced(kGoodJoint, "upper='1'", "upper='-1'"))),
-            ":4: joint \"shoulder\": its lower limit must be below its upper one");
-  EXPECT_EQ(complaint(one_joint(replaced(kGoodJoint, "<axis", "<origin rpy='0.1 0 0'/><axis"))),
-            ":4: joint \"shoulder\": its origin is rolled or pitched, so the chain is not planar");
-  EXPECT_EQ(complaint(one_joint(replaced(kGoodJoint, "revolute", "prismatic"))),
-            ":4: joint \"shoulder\": must be revolute or fixed");
+  for (const auto& [from, to, reason] :
+       Rows{{"<limit effort='1' velocity='1' lower='-1' upper='1'/>", "",
+             "Joint [shoulder] is of type REVOLUTE but it does not specify limits"},
+            {"effort='1'", "effort='0'", "its effort and velocity limits must be positive"},
+            {"0 0 1", "0 1 0", "its axis is not ±z, so the chain is not planar"},
+            {"0 0 1", "-1 0 1", "its axis is not ±z, so the chain is not planar"},
+            {"upper='1'", "upper='-1'", "its lower limit must be below its upper one"},
+            {"<axis", "<origin rpy='0.1 0 0'/><axis",
+             "its origin is rolled or pitched, so the chain is not planar"},
+            {"revolute", "prismatic", "must be revolute or fixed"}}) {
+    EXPECT_EQ(complaint(one_joint(replaced(kGoodJoint, from, to))),
+              ":4: joint \"shoulder\": " + reason);
+  }
   EXPECT_EQ(complaint(one_joint(kGoodJoint, "")),
             ":5: link \"arm\": is moved by a joint and needs an <inertial> with a mass");
   EXPECT_TRUE(complaint(one_joint(replaced(kGoodJoint, "'arm'", "'leg'"))).starts_with(":"));
@@ -73,27 +57,27 @@ TEST(Urdf, NamesFileElementAndReason) {
 }
 
 TEST(Urdf, RefusesWhatIsNoNumber) {
-  const auto with = [](const std::string& from, const std::string& to) {
-    return complaint(replaced(one_joint(kGoodJoint), from, to));
-  };
-  EXPECT_EQ(with("iyz='0'", "iyz='banana'"), ":5: <inertia> iyz=\"banana\": must be a number");
-  EXPECT_EQ(with("<mass value='1'", "<mass value='nan'"),
-            ":5: <mass> value=\"nan\": must be finite and not beyond 1e30");
-  EXPECT_EQ(with("ixx='1'", "ixx='1,5'"), ":5: <inertia> ixx=\"1,5\": must be a number");
-  EXPECT_EQ(with("ixx='1'", "ixx=''"), ":5: <inertia> ixx=\"\": must be a number");
-  EXPECT_EQ(with("lower='-1'", "lower='1e999'"),
-            ":4: <limit> lower=\"1e999\": must be finite and not beyond 1e30");
-  EXPECT_EQ(with("izz='1'", "izz='-1'"), ":5: <inertia> izz=\"-1\": must not be negative");
-  EXPECT_EQ(with("0 0 1", "0 0"), ":4: <axis> xyz=\"0 0\": must be 3 numbers");
-  EXPECT_EQ(with("<robot name='r'>", "<robot name='r' version='banana'>"),
-            ":2: <robot> version=\"banana\": must be a number");
-  for (const char* version : {"word", "", "2.0", "1.0x"}) {
-    const std::string declaration = "<?xml version='" + std::string(version) + "'?>";
-    EXPECT_EQ(with("<?xml version='1.0'?>", declaration),
+  for (const auto& [from, to, reason] :
+       Rows{{"iyz='0'", "iyz='banana'", ":5: <inertia> iyz=\"banana\": must be a number"},
+            {"<mass value='1'", "<mass value='nan'",
+             ":5: <mass> value=\"nan\": must be finite and not beyond 1e30"},
+            {"ixx='1'", "ixx='1,5'", ":5: <inertia> ixx=\"1,5\": must be a number"},
+            {"ixx='1'", "ixx=''", ":5: <inertia> ixx=\"\": must be a number"},
+            {"lower='-1'", "lower='1e999'",
+             ":4: <limit> lower=\"1e999\": must be finite and not beyond 1e30"},
+            {"izz='1'", "izz='-1'", ":5: <inertia> izz=\"-1\": must not be negative"},
+            {"0 0 1", "0 0", ":4: <axis> xyz=\"0 0\": must be 3 numbers"},
+            {"<robot name='r'>", "<robot name='r' version='banana'>",
+             ":2: <robot> version=\"banana\": must be a number"},
+            {"<?xml version='1.0'?>", "<?xml  version = '1.1' encoding='UTF-8'?>", ""},
+            {"0 0 1", " +0 0e0  1 ", ""}}) {
+    EXPECT_EQ(complaint(replaced(one_joint(kGoodJoint), from, to)), reason);
+  }
+  for (const std::string version : {"word", "", "2.0", "1.0x"}) {
+    const std::string declaration = "<?xml version='" + version + "'?>";
+    EXPECT_EQ(complaint(replaced(one_joint(kGoodJoint), "<?xml version='1.0'?>", declaration)),
               ":1: " + declaration + ": must begin with <?xml version=\"1.0\"");
   }
-  EXPECT_EQ(with("<?xml version='1.0'?>", "<?xml  version = '1.1' encoding='UTF-8'?>"), "");
-  EXPECT_EQ(with("0 0 1", " +0 0e0  1 "), "");
 }
 
 TEST(Urdf, RefusesABranch) {
@@ -114,8 +98,7 @@ TEST(Urdf, RefusesWhatIsNoUrdf) {
 TEST(Urdf, LumpsFixedLinksAndTurnsFrames) {
   // A link with a point mass fixed at its end, seen through a yawed joint with axis -z.
   const PlanarChain chain = [] {
-    const auto file = testing::temporary_path("arm.urdf");
-    std::ofstream(file) << R"(<robot name="r">
+    const testing::TemporaryPath file("arm.urdf", R"(<robot name="r">
       <link name="base"/>
       <joint name="j" type="revolute"><parent link="base"/><child link="a"/>
         <origin xyz="1 0 5" rpy="0 0 1.5707963267948966"/><axis xyz="0 0 -1"/>
@@ -126,8 +109,7 @@ TEST(Urdf, LumpsFixedLinksAndTurnsFrames) {
       <link name="b"><inertial><mass value="2"/>
         <inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/></inertial></link>
       <joint name="g" type="fixed"><parent link="b"/><child link="t"/><origin xyz="1 0 0"/></joint>
-      <link name="t"/></robot>)";
-    const testing::Removed removed(file);
+      <link name="t"/></robot>)");
     return load_planar_chain(file.string());
   }();
   const Eigen::VectorXd q = Eigen::VectorXd::Constant(1, 0.0);

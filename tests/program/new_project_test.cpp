@@ -1,26 +1,18 @@
 // `breakwater new`: names, and folders that are complete or absent.
 #include <breakwater/program/new_project.h>
 
-#include <gtest/gtest.h>
-
 #include <set>
 
 #include <breakwater/record/text_outputs.h>
 
 #include "catalogue.h"
-#include "support.h"
 
 namespace breakwater {
 namespace {
 namespace fs = std::filesystem;
 
 std::string refusal(const std::string& name) {
-  try {
-    check_project_name(testing::catalogue(), name);
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return "";
+  return complaint_of([&] { check_project_name(testing::catalogue(), name); });
 }
 
 TEST(ProjectName, IsALetterThenLettersDigitsAndUnderscores) {
@@ -47,7 +39,7 @@ TEST(ProjectName, ThatTheCatalogueHasIsRefused) {
 
 class NewProject : public ::testing::Test {
  protected:
-  NewProject() : root_(testing::temporary_path("new_project")), removed_(root_) {
+  NewProject() {
     fs::create_directories(root_ / "template/my_part");
     write("template/main.cpp", "#include \"my_part/my_part.h\"\n");
     write("template/my_part/my_part.h", "class MyPart {};  // MY_PART_FOLDER\n");
@@ -61,12 +53,7 @@ class NewProject : public ::testing::Test {
   }
   std::string text(const fs::path& file) const { return testing::text_of(root_ / file); }
   std::string refusal(const std::string& name, const fs::path& out) const {
-    try {
-      make(name, out);
-    } catch (const std::invalid_argument& error) {
-      return error.what();
-    }
-    return "";
+    return complaint_of([&] { make(name, out); });
   }
   std::set<std::string> entries() const {
     std::set<std::string> names;
@@ -74,8 +61,7 @@ class NewProject : public ::testing::Test {
     return names;
   }
 
-  fs::path root_;
-  testing::Removed removed_;
+  const testing::TemporaryPath root_{"new_project"};
 };
 
 TEST_F(NewProject, HasTheNameInItsFilesAndTheirNames) {
@@ -117,7 +103,7 @@ TEST_F(NewProject, ShippedTemplatesHaveTheirPlaceholderNameAlone) {
       const std::string all = entry.path().string() + text(entry.path());
       for (const char* word : {"my_controller", "my_observer", "my_scenario", "MyController",
                                "MyObserver", "MyScenario", "MY_SCENARIO"}) {
-        EXPECT_EQ(all.find(word), std::string::npos) << entry.path() << " has " << word;
+        EXPECT_TRUE(lacks(all, word)) << entry.path() << " has " << word;
       }
     }
     EXPECT_GE(files, 7U);

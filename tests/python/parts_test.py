@@ -225,8 +225,7 @@ class Nonsense(unittest.TestCase):
             def reset(self, t, y):
                 raise KeyError("reset")
 
-        with self.assertRaisesRegex(KeyError, "reset"):
-            bw.run("arm_push", duration=0.1, controller=BreaksAtOnce())
+        self.assertRaisesRegex(KeyError, "reset", bw.run, "arm_push", duration=0.1, controller=BreaksAtOnce())
         with self.assertRaisesRegex(NotImplementedError, "Controller has no update"):
             bw.run("arm_push", duration=0.1, controller=bw.Controller())
 
@@ -241,8 +240,7 @@ class Nonsense(unittest.TestCase):
             def update(self, t, y):
                 raise SystemExit(3)
 
-        with self.assertRaises(SystemExit):
-            bw.run("arm_push", duration=0.1, controller=Exits())
+        self.assertRaises(SystemExit, bw.run, "arm_push", duration=0.1, controller=Exits())
 
     def test_of_signals_and_estimators_is_named(self):
         def publishing(value):

@@ -95,16 +95,14 @@ class InANotebook(unittest.TestCase):
                     make()
             for make in (saved.replay, saved.video, lambda: saved.replay(folder / "page.html"),
                          lambda: saved.save(folder / "copy")):
-                with self.assertRaisesRegex(bw.InputError, "there is another run in .*/run$"):
-                    make()
+                self.assertRaisesRegex(bw.InputError, "there is another run in .*/run$", make)
             self.assertIn("there is another run in", saved._repr_html_())
             self.assertEqual(sorted((folder / "run").iterdir()), files)
             self.assertEqual([path.name for path in folder.iterdir()], ["run"])
             self.assertGreater(own.replay(folder / "page.html").stat().st_size, 1000)
             shutil.rmtree(folder / "run")
             for run in (own, saved):
-                with self.assertRaisesRegex(bw.InputError, "there is no such folder"):
-                    run.replay()
+                self.assertRaisesRegex(bw.InputError, "there is no such folder", run.replay)
             bw.run("motor_estimation", **first, out=folder / "run")  # it is back
             self.assertEqual(own.replay(), saved.replay())
 
@@ -116,8 +114,7 @@ class InANotebook(unittest.TestCase):
         with temporary_folder() as folder:
             saved = bw.load(run.save(folder / "run"))
             (folder / "run" / "log.h5").unlink()
-            with self.assertRaisesRegex(bw.InputError, "replay: .*log.h5"):
-                saved.replay(folder / "page.html")
+            self.assertRaisesRegex(bw.InputError, "replay: .*log.h5", saved.replay, folder / "page.html")
             broken = saved._repr_html_()
         for shown, why in ((large, "too much for a notebook"), (broken, "log.h5")):
             self.assertIn(why, shown)
@@ -126,8 +123,7 @@ class InANotebook(unittest.TestCase):
             for name in run.metrics:
                 self.assertIn(f"<td>{name}</td><td>{run.metrics[name]:.6g}</td>", shown)
             self.assertNotIn("<iframe", shown)
-        with self.assertRaisesRegex(bw.InputError, "camera"):
-            run.replay("unused.html", camera="nowhere")
+        self.assertRaisesRegex(bw.InputError, "camera", run.replay, "unused.html", camera="nowhere")
         with self.assertRaisesRegex(bw.InputError, "file: must be given"):
             bw.run("arm_push", duration=0.05).replay()
 

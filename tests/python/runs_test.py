@@ -218,8 +218,7 @@ class Nonsense(unittest.TestCase):
             self.assertNotIn("\n", str(caught.exception))
 
     def test_a_log_that_does_not_fit_is_a_memory_error(self):
-        with self.assertRaisesRegex(MemoryError, "run.duration_s"):
-            bw.run("arm_wall_contact", duration=1e7)
+        self.assertRaisesRegex(MemoryError, "run.duration_s", bw.run, "arm_wall_contact", duration=1e7)
 
     def test_leaves_nothing_behind(self):
         with temporary_folder() as folder:
@@ -227,8 +226,7 @@ class Nonsense(unittest.TestCase):
             (folder / "mine" / "notes.txt").write_text("mine")
             with self.assertRaisesRegex(bw.InputError, "notes.txt|mine"):
                 bw.run("arm_push", duration=0.01, out=folder / "mine")
-            with self.assertRaises(bw.InputError):
-                bw.run("arm_push", duration=-1, out=folder / "new")
+            self.assertRaises(bw.InputError, bw.run, "arm_push", duration=-1, out=folder / "new")
             self.assertEqual(os.listdir(folder), ["mine"])
             self.assertEqual(os.listdir(folder / "mine"), ["notes.txt"])
 
@@ -345,10 +343,8 @@ print("main ends")
         with temporary_folder() as folder:
             made = run.video(folder / "push.mp4", from_s=0, to_s=0.1, size="128x96", look="fast")
             self.assertGreater(made.stat().st_size, 1000)
-            with self.assertRaisesRegex(bw.InputError, "size"):
-                run.video(folder / "push.mp4", size="huge")
-            with self.assertRaisesRegex(bw.InputError, "file"):
-                run.video()
+            self.assertRaisesRegex(bw.InputError, "size", run.video, folder / "push.mp4", size="huge")
+            self.assertRaisesRegex(bw.InputError, "file", run.video)
 
 
 if __name__ == "__main__":

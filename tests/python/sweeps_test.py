@@ -156,8 +156,7 @@ class Values(unittest.TestCase):
             self.assertAlmostEqual(failed.failure[0], 0.01)
             (folder / "stop.toml").write_text('scenario = "motor_estimation"\ncase = "stf"\non_failure = "stop"\n[set]\n'
                                               '"run.duration_s" = 0.02\n"fault.sensor" = "angle"\n"fault.at_s" = 0.01\n')
-            with self.assertRaisesRegex(RuntimeError, "failed: at 0.01 s"):
-                bw.sweep(folder / "stop.toml")
+            self.assertRaisesRegex(RuntimeError, "failed: at 0.01 s", bw.sweep, folder / "stop.toml")
 
 
 class Warned(unittest.TestCase):
@@ -268,8 +267,7 @@ class Nonsense(unittest.TestCase):
             (folder / "mine" / "notes.txt").write_text("mine")
             with self.assertRaisesRegex(bw.InputError, "holds something that is not a study"):
                 bw.sweep("motor_estimation", **brief, out=folder / "mine")
-            with self.assertRaisesRegex(bw.InputError, "no study's folder"):
-                bw.sweep(folder / "mine")
+            self.assertRaisesRegex(bw.InputError, "no study's folder", bw.sweep, folder / "mine")
             with warnings.catch_warnings(record=True) as caught:
                 warnings.simplefilter("always")
                 bw.sweep("motor_estimation", **brief, metrics="nothing", out=folder / "new")
@@ -285,8 +283,7 @@ class Processes(unittest.TestCase):
             before, tempfile.tempdir = tempfile.tempdir, str(folder)
             try:
                 bw.sweep("motor_estimation", case="idob", duration=0.01)
-                with self.assertRaises(bw.InputError):
-                    bw.sweep("motor_estimation", case="nobody")
+                self.assertRaises(bw.InputError, bw.sweep, "motor_estimation", case="nobody")
             finally:
                 tempfile.tempdir = before
             self.assertEqual(list(folder.iterdir()), [])

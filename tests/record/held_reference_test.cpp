@@ -1,10 +1,9 @@
 // Which errors are those of a reference that is not held.
 #include <breakwater/record/held_reference.h>
 
-#include <gtest/gtest.h>
-
 #include <cmath>
 #include <functional>
+#include "support.h"
 
 namespace breakwater {
 namespace {
@@ -42,7 +41,7 @@ TEST(HeldReference, AnErrorOfTheReferencesSizeIsSaid) {
 TEST(HeldReference, AnErrorThatGrowsIsSaid) {
   const auto grows = [](double t) { return 1e-3 * std::exp(0.6 * t) * std::cos(30 * t); };
   for (const double asked : {0.0, 1.0}) {
-    EXPECT_NE(warning_of(grows, asked).find("grows to the end"), std::string::npos);
+    EXPECT_TRUE(has(warning_of(grows, asked), "grows to the end"));
   }
   EXPECT_EQ(warning_of([](double t) { return 0.1 * t; }, 0.0), "") << "a ramp's lag";
   EXPECT_EQ(warning_of([](double t) { return t > 6.5 ? 0.4 : 0.0; }, 0.0), "") << "a late push";

@@ -1,14 +1,11 @@
 // Run folders of processes that are killed, of file systems that refuse, of disks that fail.
 #include <fcntl.h>
-#include <gtest/gtest.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <csignal>
-#include <fstream>
 #include <map>
 #include <set>
-#include <sstream>
 
 #include <breakwater/record/run_folder.h>
 #include "support.h"
@@ -42,12 +39,7 @@ class KilledRun : public ::testing::Test {
     return WIFSIGNALED(status) ? -WTERMSIG(status) : WEXITSTATUS(status);
   }
 
-  std::vector<std::string> steps() const {
-    std::vector<std::string> all;
-    std::ifstream stream(steps_);
-    for (std::string line; std::getline(stream, line);) all.push_back(line);
-    return all;
-  }
+  std::vector<std::string> steps() const { return testing::lines_of(text_of(steps_)); }
   // The number of the first step that begins so, from 0.
   std::ptrdiff_t step(const std::string& begin) const {
     const std::vector<std::string> all = steps();
@@ -106,13 +98,10 @@ class KilledRun : public ::testing::Test {
     }
   }
 
-  fs::path base_ = testing::temporary_path("killed");
-  fs::path target_ = base_ / "run";
-  fs::path steps_ = testing::temporary_path("steps");
-  fs::path errors_ = testing::temporary_path("errors");
-  testing::Removed removed_base_{base_};
-  testing::Removed removed_steps_{steps_};
-  testing::Removed removed_errors_{errors_};
+  const testing::TemporaryPath base_{"killed"};
+  const fs::path target_ = base_ / "run";
+  const testing::TemporaryPath steps_{"steps"};
+  const testing::TemporaryPath errors_{"errors"};
 };
 
 const Settings kNoExchange = {{"STEPS_NO_EXCHANGE", "1"}};

@@ -1,15 +1,11 @@
-#include <gtest/gtest.h>
 #include <unistd.h>
 
 #include <array>
 #include <climits>
 #include <cmath>
 #include <cstdlib>
-#include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
-#include <sstream>
-#include <stdexcept>
 
 #include <breakwater/record/csv.h>
 #include <breakwater/record/hdf5_log.h>
@@ -78,13 +74,9 @@ TEST(Track, RefusesTwoSignalsOfOneName) {
 
 TEST(Metric, RefusesANameThatASpreadsheetTakesForAFormula) {
   for (const std::string name : {"", "=cmd|calc", "+1", "-1", "@sum", "a b", "a,b", "peak_\n"}) {
-    try {
-      const Metric metric(name, "N", 1.0);
-      ADD_FAILURE() << name;
-    } catch (const std::invalid_argument& error) {
-      EXPECT_EQ(error.what(), "a metric cannot be named \"" + name +
-                                  "\": a name is letters from A to Z or a to z, digits and _");
-    }
+    EXPECT_EQ(complaint_of([&] { const Metric metric(name, "N", 1.0); }),
+              "a metric cannot be named \"" + name +
+                  "\": a name is letters from A to Z or a to z, digits and _");
   }
   EXPECT_EQ(Metric("peak_force_raw_N", "N", 1.0).name, "peak_force_raw_N");
   EXPECT_EQ(csv_text("=cmd|calc"), "'=cmd|calc");
@@ -106,8 +98,7 @@ TEST(Track, RefusesNamesThatALogCannotHold) {
 
 TEST(Hdf5Log, GivesBackTheSameBits) {
   const Recorded recorded;
-  const fs::path file = testing::temporary_path("log.h5");
-  const testing::Removed removed(file);
+  const testing::TemporaryPath file{"log.h5"};
   for (const int deflate_level : {0, 6}) {
     write_hdf5_log(file, {recorded.track()}, deflate_level);
     const LoggedSignal q = read_hdf5_signal(file, "control/q_rad");
@@ -125,8 +116,7 @@ TEST(Hdf5Log, TellsTheUnitOfEachValue) {
   const double values[] = {1, 2, 3};
   const Track track("control", {{"pose", "m, m, rad", "", values}, {"force_N", "N", "", values}},
                     0);
-  const fs::path file = testing::temporary_path("log.h5");
-  const testing::Removed removed(file);
+  const testing::TemporaryPath file{"log.h5"};
   write_hdf5_log(file, {track}, 0);
   const std::vector<LogEntry> entries = list_hdf5_signals(file);  // by name
   ASSERT_EQ(entries.size(), 2U);
@@ -141,8 +131,7 @@ TEST(Hdf5Log, TellsTheUnitOfEachValue) {
 TEST(Hdf5Log, TakesAnEmptyTrack) {
   const double value = 0;
   const Track track("control", {{"x_m", "m", "", {&value, 1}}}, 0);
-  const fs::path file = testing::temporary_path("log.h5");
-  const testing::Removed removed(file);
+  const testing::TemporaryPath file{"log.h5"};
   write_hdf5_log(file, {track}, 3);
   EXPECT_EQ(read_hdf5_signal(file, "control/x_m").rows, 0U);
 }
@@ -150,8 +139,7 @@ TEST(Hdf5Log, TakesAnEmptyTrack) {
 // The second reader: h5py, as a user would.
 TEST(Hdf5Log, IsReadableByH5py) {
   const Recorded recorded;
-  const fs::path file = testing::temporary_path("log.h5");
-  const testing::Removed removed(file);
+  const testing::TemporaryPath file{"log.h5"};
   write_hdf5_log(file, {recorded.track()}, 0);
   const std::string script =
       "import h5py, sys, math; f = h5py.File(sys.argv[1]); c = f['control']; "
@@ -176,8 +164,7 @@ TEST(Hdf5Log, SaysWhenItCannotWrite) {
 
 TEST(CsvLog, HasOneColumnPerValueAndAllDigits) {
   const Recorded recorded;
-  const fs::path file = testing::temporary_path("log.csv");
-  const testing::Removed removed(file);
+  const testing::TemporaryPath file{"log.csv"};
   write_csv_log(file, recorded.track());
   std::ifstream stream(file);
   std::string header, row;
@@ -193,8 +180,7 @@ TEST(CsvLog, HasOneColumnPerValueAndAllDigits) {
 }
 
 TEST(Metrics, AreAFlatObjectOfNumbers) {
-  const fs::path file = testing::temporary_path("metrics.json");
-  const testing::Removed removed(file);
+  const testing::TemporaryPath file{"metrics.json"};
   write_metrics(file, {{"peak_N", "N", 1.0 / 3}, {"count", "1", 2}});
   const auto json = nlohmann::json::parse(text_of(file));
   EXPECT_EQ(json["peak_N"].get<double>(), 1.0 / 3);
@@ -215,8 +201,7 @@ TEST(Metrics, ThatAreNotFiniteAreAbsent) {
   EXPECT_EQ(recording.metrics.size(), 1U);
   EXPECT_EQ(recording.metric("nan_N"), std::nullopt);
 
-  const fs::path file = testing::temporary_path("metrics.json");
-  const testing::Removed removed(file);
+  const testing::TemporaryPath file{"metrics.json"};
   write_metrics(file, {{"nan_N", "N", kNan}, {"infinite_N", "N", kInfinity}, {"peak_N", "N", 2}});
   EXPECT_EQ(text_of(file), "{\n  \"peak_N\": 2.0\n}\n");
 }
@@ -236,8 +221,7 @@ class RunFolders : public ::testing::Test {
         std::distance(fs::directory_iterator(base_), fs::directory_iterator()));
   }
 
-  fs::path base_ = testing::temporary_path("runs");
-  testing::Removed removed_{base_};
+  const testing::TemporaryPath base_{"runs"};
 };
 
 TEST_F(RunFolders, AreAbsentUntilWhole) {
@@ -294,13 +278,8 @@ TEST_F(RunFolders, ARunWithFilesOfOnesOwnIsNotReplaced) {
     finish(folder, "second");
   }
   write_text_file(target / "notes.md", "what I saw");
-  try {
-    const RunFolder folder(target);
-    FAIL();
-  } catch (const std::invalid_argument& error) {
-    EXPECT_EQ(error.what(),
-              target.string() + ": holds notes.md, which is not a run's; it is left alone");
-  }
+  EXPECT_EQ(complaint_of([&] { const RunFolder folder(target); }),
+            target.string() + ": holds notes.md, which is not a run's; it is left alone");
   EXPECT_EQ(text_of(target / "notes.md"), "what I saw");
   EXPECT_EQ(text_of(target / "log.csv"), "second");
 }
@@ -325,14 +304,10 @@ TEST_F(RunFolders, OfOneTargetAreMadeByOneThreadAlone) {
   {
     RunFolder first(target);
     for (const fs::path& same : {target, base_ / "link/run", base_ / "link/../run/"}) {
-      try {
-        const RunFolder second(same);
-        FAIL() << same;
-      } catch (const std::invalid_argument& error) {
-        EXPECT_EQ(error.what(), same.string() +
-                                    ": another thread of this process makes a run there: wait for "
-                                    "it, or give another folder");
-      }
+      EXPECT_EQ(complaint_of([&] { const RunFolder second(same); }),
+                same.string() +
+                    ": another thread of this process makes a run there: wait for "
+                    "it, or give another folder");
     }
     RunFolder other(base_ / "other");
     finish(other, "another");

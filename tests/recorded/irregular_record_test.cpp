@@ -1,9 +1,7 @@
 // `estimate` on records whose clock jitters and whose rows are lost. They are made by a motor of
 // our own here: J q̈ = u − d − c q̇ in closed form between one instant and the next.
-#include <gtest/gtest.h>
 
 #include <cmath>
-#include <fstream>
 #include <numbers>
 
 #include <breakwater/experiment/runner.h>
@@ -98,8 +96,7 @@ class IrregularRecord : public ::testing::Test {
     return run.scenario->run({});
   }
 
-  std::filesystem::path file_ = testing::temporary_path("irregular.csv");
-  testing::Removed removed_{file_};
+  const testing::TemporaryPath file_{"irregular.csv"};
 };
 
 // Root mean square of d̂ − d, from half a second after the load's step on, and from 0.2 s after each

@@ -1,8 +1,4 @@
 // Tables that a lab recorded: what is read, what is refused, and what their times are.
-#include <gtest/gtest.h>
-
-#include <fstream>
-#include <stdexcept>
 
 #include <breakwater/recorded/recorded_axis.h>
 #include "support.h"
@@ -29,8 +25,7 @@ class RecordedAxisFile : public ::testing::Test {
     return "";
   }
 
-  std::filesystem::path file_ = testing::temporary_path("recorded.csv");
-  testing::Removed removed_{file_};
+  const testing::TemporaryPath file_{"recorded.csv"};
 };
 
 TEST_F(RecordedAxisFile, ColumnsStandInAnyOrderBetweenOthersAndComments) {

@@ -1,6 +1,5 @@
 // Nothing in the loop allocates after the first sample: malloc itself is counted.
 #include <dlfcn.h>
-#include <gtest/gtest.h>
 
 #include <atomic>
 #include <cstdlib>

@@ -1,17 +1,14 @@
 // The impact experiment: the thesis' numbers, and what must hold of any honest simulation of it.
-#include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
-#include <fstream>
 
 #include <breakwater/thesis/printed_results.h>
 #include "regression/run_case.h"
-#include "support.h"
 
 namespace breakwater {
 namespace {
 
+using testing::completed_run;
 using testing::run_case;
 
 constexpr const char* kScenario = "arm_wall_contact";
@@ -27,8 +24,7 @@ std::vector<std::string> impact_with(std::vector<std::string> sets) {
 class EachWallContact : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(EachWallContact, IsWithinTheClassesOfItsPrintedNumbers) {
-  const Recording run = run_case(kScenario, GetParam());
-  ASSERT_FALSE(run.failure);
+  const Recording run = completed_run(kScenario, GetParam());
   const auto values = printed_values(kScenario, GetParam());
   ASSERT_GE(values.size(), 2U);
   for (const PrintedValue& value : values) {
@@ -131,28 +127,22 @@ TEST(WallContact, SteadyForceIsTheReferenceAndTheDepthIsForceOverStiffness) {
 // 10 N s/m between link and tip, and a wall that is stiff. The chain's compliance then is where a
 // load cell has it, not in the contact.
 TEST(WallContact, ALoadCellAsASlideGivesTheSamePeaks) {
-  std::string mjcf = testing::text_of(testing::source_file("models/arm.xml"));
-  const auto replace = [&mjcf](const std::string& from, const std::string& to) {
-    const auto at = mjcf.find(from);
-    ASSERT_NE(at, std::string::npos) << from;
-    mjcf.replace(at, from.size(), to);
-  };
-  replace("<body name=\"tip\" pos=\"0.19 0 0\">",
-          "<body name=\"tip\" pos=\"0.19 0 0\"><joint name=\"load_cell\" type=\"slide\" "
-          "axis=\"1 0 0\" armature=\"0\" frictionloss=\"0\" stiffness=\"1000\" damping=\"10\"/>");
-  replace("mass=\"0.02\" diaginertia", "mass=\"0.05\" diaginertia");
-  replace("qpos=\"0 0 0\"", "qpos=\"0 0 0 0\"");
-  const auto file = testing::temporary_path("load_cell.xml");
-  const testing::Removed removed(file);
-  std::ofstream(file) << mjcf;
+  using testing::replaced;
+  std::string mjcf = replaced(
+      testing::text_of(testing::source_file("models/arm.xml")),
+      "<body name=\"tip\" pos=\"0.19 0 0\">",
+      "<body name=\"tip\" pos=\"0.19 0 0\"><joint name=\"load_cell\" type=\"slide\" "
+      "axis=\"1 0 0\" armature=\"0\" frictionloss=\"0\" stiffness=\"1000\" damping=\"10\"/>");
+  mjcf = replaced(mjcf, "mass=\"0.02\" diaginertia", "mass=\"0.05\" diaginertia");
+  mjcf = replaced(mjcf, "qpos=\"0 0 0\"", "qpos=\"0 0 0 0\"");
+  const testing::TemporaryPath file{"load_cell.xml", mjcf};
 
   for (const char* name : {"proposed-2N", "proposed-5N"}) {
     const Recording chain = run_case(kScenario, name, kImpactOnly);
     const Recording cell =
-        run_case(kScenario, name,
-                 impact_with({"model.mjcf=" + file.string(), "contact.stiffness_N_m=1e6",
-                              "contact.damping_Ns_m=200"}));
-    ASSERT_FALSE(cell.failure) << cell.failure->reason;
+        completed_run(kScenario, name,
+                      impact_with({"model.mjcf=" + file.string(), "contact.stiffness_N_m=1e6",
+                                   "contact.damping_Ns_m=200"}));
     const auto peak = [](const Recording& run, const char* signal) {
       const auto values = run.track("physics").values(signal);
       return *std::max_element(values.begin(), values.end());
@@ -171,8 +161,8 @@ TEST(WallContact, LogHoldsTheRawPeak) {
 }
 
 TEST(WallContact, NeverTouchedHasNoImpact) {
-  const Recording run = run_case(kScenario, "proposed-2N", impact_with({"wall.distance_m=0.2"}));
-  EXPECT_FALSE(run.failure);
+  const Recording run =
+      completed_run(kScenario, "proposed-2N", impact_with({"wall.distance_m=0.2"}));
   EXPECT_FALSE(run.metric("peak_force_raw_N"));
   EXPECT_FALSE(run.metric("free_motion_time_s"));
   EXPECT_TRUE(run.metric("saturated_time_s"));

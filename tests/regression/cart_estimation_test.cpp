@@ -1,11 +1,8 @@
 // Tables 4.4, 4.5 and 4.7, and the 250 s of 4.2.1.1.
-#include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 
 #include "regression/run_case.h"
-#include "support.h"
 
 namespace breakwater::cart_estimation_test {
 namespace {

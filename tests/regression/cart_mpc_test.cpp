@@ -1,15 +1,13 @@
 // Predictive control of the cart: thesis 2.3.4, 2.3.6, 2.3.7 and 3.3.
-#include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 
 #include "regression/run_case.h"
-#include "support.h"
 
 namespace breakwater {
 namespace {
 
+using testing::completed_run;
 using testing::median;
 using testing::run_case;
 
@@ -22,8 +20,7 @@ std::vector<std::string> condition(const std::string& name, std::vector<std::str
 
 TEST(OffsetFree, OnlyThePlainObserverLeavesAnError) {
   for (const char* name : {"proposed", "direct_rejection", "time_varying_constraint"}) {
-    const Recording run = run_case("cart_offset_free", name);
-    ASSERT_FALSE(run.failure);
+    const Recording run = completed_run("cart_offset_free", name);
     EXPECT_LT(std::abs(*run.metric("steady_state_error_m")), 1e-4) << name;
     EXPECT_NEAR(*run.metric("settling_time_s"), 1.61, 0.05) << name;
     EXPECT_NEAR(*run.metric("mean_disturbance_estimate_N"), 1.0, 1e-6) << name;
@@ -40,8 +37,7 @@ TEST(OffsetFree, MovedBoundsHoldUnderNoiseToo) {
        {std::vector<std::string>{}, {"solver.name=hildreth"}, {"observer.name=kfd"}}) {
     std::vector<std::string> sets = {"noise.enabled=true"};
     sets.insert(sets.end(), more.begin(), more.end());
-    const Recording run = run_case("cart_offset_free", "time_varying_constraint", sets);
-    ASSERT_FALSE(run.failure);
+    const Recording run = completed_run("cart_offset_free", "time_varying_constraint", sets);
     EXPECT_LE(*run.metric("max_input_N"), 2.074);
   }
 }
@@ -49,8 +45,7 @@ TEST(OffsetFree, MovedBoundsHoldUnderNoiseToo) {
 // The moved bounds of the input jump further than it may change: they win, and it is counted.
 TEST(OffsetFree, MovedBoundsWinOverTheInputsChange) {
   const std::string change = "constraint.input_change_N=0.5";
-  const Recording run = run_case("cart_offset_free", "time_varying_constraint", {change});
-  ASSERT_FALSE(run.failure);
+  const Recording run = completed_run("cart_offset_free", "time_varying_constraint", {change});
   EXPECT_LE(*run.metric("max_input_N"), 2.074);
   EXPECT_LT(std::abs(*run.metric("steady_state_error_m")), 1e-4);
   const std::vector<double> softened = run.track("control").values("qp_softened");
@@ -187,8 +182,7 @@ TEST(Constrained, HildrethSaysWhereItStopsAtItsCap) {
 TEST(Constrained, InfeasibleInFlightIsSoftenedOrStops) {
   const std::vector<std::string> impossible = {"constraint.velocity_m_s=0.05"};
   const Recording softened =
-      run_case("cart_constrained", "proposed-idob", condition("A", impossible));
-  ASSERT_FALSE(softened.failure);
+      completed_run("cart_constrained", "proposed-idob", condition("A", impossible));
   EXPECT_GT(*softened.metric("qp_softened_count"), 0.0);
   EXPECT_EQ(*softened.metric("qp_softened_count"), *softened.metric("qp_unsolved_count"));
   EXPECT_LE(*softened.metric("max_input_N"), 2.0 + 1e-6);

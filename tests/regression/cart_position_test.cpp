@@ -1,5 +1,4 @@
 // Position control of a cart with friction: what the figures of 4.2.5 show.
-#include <gtest/gtest.h>
 
 #include <cmath>
 

@@ -1,10 +1,7 @@
 // How the impact depends on the contact's stiffness, and where the contact starts to bounce: a
 // coarse version of docs/explanation/studies/contact-stiffness.md.
-#include <gtest/gtest.h>
 
 #include <cmath>
-#include <string>
-#include <vector>
 
 #include "regression/run_case.h"
 

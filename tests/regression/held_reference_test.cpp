@@ -1,9 +1,5 @@
 // Which runs are warned of as not holding their references.
-#include <gtest/gtest.h>
-
-#include <string>
 #include <tuple>
-#include <vector>
 
 #include "catalogue.h"
 #include "regression/run_case.h"
@@ -26,7 +22,7 @@ TEST(ReferenceOfARun, IsSaidWhereItIsNotHeld) {
   for (const auto& [scenario, case_name, sets] : runs) {
     const auto lines = warnings(scenario, case_name, sets);
     ASSERT_EQ(lines.size(), 1U) << scenario << " " << case_name;
-    EXPECT_NE(lines.front().find("does not hold its reference"), std::string::npos);
+    EXPECT_TRUE(has(lines.front(), "does not hold its reference"));
   }
 }
 

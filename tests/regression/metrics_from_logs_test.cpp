@@ -1,11 +1,7 @@
 // Metrics recomputed from what their runs log, by other formulas.
-#include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <string>
-#include <vector>
 
 #include "regression/run_case.h"
 

@@ -1,15 +1,10 @@
 // Tables 4.8 and 4.9, and the two estimators that go past them.
-#include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <sstream>
 
 #include <breakwater/thesis/printed_results.h>
 #include "regression/run_case.h"
-#include "support.h"
 
 namespace breakwater::motor_estimation_test {
 namespace {
@@ -49,8 +44,7 @@ Sets white_noise(const std::string& std_rad) {
 
 double metric(const std::string& case_name, const Sets& sets,
               const std::string& name = "rmse_velocity_rad_s") {
-  const Recording run = testing::run_case("motor_estimation", case_name, sets);
-  EXPECT_FALSE(run.failure) << case_name;
+  const Recording run = testing::completed_run("motor_estimation", case_name, sets);
   return run.metric(name).value_or(NAN);
 }
 
@@ -66,9 +60,8 @@ Medians over_phases(const std::string& case_name, const Sets& sets, int bits) {
   std::vector<double> velocity, peak, transient;
   for (int i = 0; i < kPhases; ++i) {
     const double phase = quantum * ((i + 0.5) / kPhases - 0.5);
-    const Recording run = testing::run_case("motor_estimation", case_name,
-                                            sets + Sets{"encoder.phase_rad=" + text(phase)});
-    EXPECT_FALSE(run.failure) << case_name;
+    const Recording run = testing::completed_run("motor_estimation", case_name,
+                                                 sets + Sets{"encoder.phase_rad=" + text(phase)});
     velocity.push_back(run.metric("rmse_velocity_rad_s").value_or(NAN));
     peak.push_back(run.metric("peak_position_rad").value_or(NAN));
     transient.push_back(run.metric("transient_rmse_disturbance_Nm").value_or(NAN));

@@ -1,7 +1,4 @@
 // Which of the thesis' six estimators hold station, over ten seeds (Table 3.5 and 3.4.3.2).
-#include <gtest/gtest.h>
-
-#include <algorithm>
 
 #include "regression/run_case.h"
 

@@ -1,5 +1,4 @@
 // Keys that are said to have no effect have none, and no shipped case sets one.
-#include <gtest/gtest.h>
 
 #include <fmt/format.h>
 

@@ -1,15 +1,11 @@
 // Frames from several processes: all of them, in order, whatever happens to a process.
 #include <breakwater/render/frame_farm.h>
 
-#include <gtest/gtest.h>
 #include <unistd.h>
 #include <csignal>
 
 #include <cstring>
-#include <filesystem>
 #include <set>
-#include <thread>
-#include <vector>
 
 #include <breakwater/record/output_error.h>
 #include <breakwater/render/colour_converter.h>
@@ -102,7 +98,7 @@ TEST(FrameFarm, ACrashIsAnErrorToo) {
         [](const std::uint8_t*) {});
     FAIL();
   } catch (const RenderError& error) {
-    EXPECT_NE(std::string(error.what()).find("signal 9"), std::string::npos) << error.what();
+    EXPECT_TRUE(has(std::string(error.what()), "signal 9")) << error.what();
   }
 }
 
@@ -135,8 +131,7 @@ TEST(VideoFile, AMissingEncoderIsSaidByName) {
 }
 
 TEST(VideoFile, WithoutItsEndNothingIsLeft) {
-  const auto folder = testing::temporary_path("video");
-  const testing::Removed removed(folder);
+  const testing::TemporaryPath folder{"video"};
   std::filesystem::create_directories(folder);
   {
     VideoFile video(folder / "a.mp4", {.width = 64, .height = 64, .fps = 30});

@@ -1,18 +1,16 @@
 // Pictures and videos of runs, as users make them: right, repeatable, and harmless when they fail.
-#include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <csignal>
 
 #include <cmath>
 #include <cstdlib>
-#include <fstream>
 #include <nlohmann/json.hpp>
+#include <regex>
 
 #include <breakwater/pictures/staging.h>
 #include "catalogue.h"
 #include "cli/program.h"
 #include "render/media.h"
-#include "support.h"
 
 namespace breakwater {
 namespace {
@@ -20,91 +18,48 @@ namespace fs = std::filesystem;
 using testing::Png;
 using testing::probe;
 using testing::ProgramResult;
-using testing::run_program;
 
 // The wall experiment in 6 s: contact at about 5.53 s.
-const std::vector<std::string> kShortWall = {"arm_wall_contact",
-                                             "--quiet",
-                                             "--duration",
-                                             "6",
-                                             "--set",
-                                             "wall.solid_from_s=4",
-                                             "force.from_s=5",
-                                             "metrics.from_s=5.5",
-                                             "metrics.to_s=6",
-                                             "record.fine_from_s=5",
-                                             "record.fine_to_s=6"};
+const std::string kShortWall =
+    "arm_wall_contact --quiet --duration 6 --set wall.solid_from_s=4 force.from_s=5 "
+    "metrics.from_s=5.5 metrics.to_s=6 record.fine_from_s=5 record.fine_to_s=6 ";
 
-int lines_of(const std::string& text) {
-  return static_cast<int>(std::count(text.begin(), text.end(), '\n'));
-}
-
-class Pictures : public ::testing::Test {
+class Pictures : public testing::ProgramTest {
  protected:
-  Pictures() { fs::create_directories(folder_); }
-
-  ProgramResult run(const std::vector<std::string>& arguments) {
-    return run_program(arguments, folder_);
-  }
-  ProgramResult breakwater(std::vector<std::string> arguments) {
-    arguments.insert(arguments.begin(), "breakwater");
-    return run(arguments);
-  }
-
   // A run of the wall experiment in folder NAME.
   void wall(const std::string& name, const std::string& case_name = "proposed-2N") {
-    std::vector<std::string> arguments = kShortWall;
-    arguments.insert(arguments.begin() + 1, {"--case", case_name, "--out", name});
-    const ProgramResult result = run(arguments);
-    ASSERT_EQ(result.status, 0) << result.err;
+    ran(kShortWall + "--case " + case_name + " --out " + name);
   }
   // Half a second of arm_push: quick.
-  void push(const std::string& name) {
-    const ProgramResult result = run({"arm_push", "--quiet", "--duration", "0.5", "--out", name});
-    ASSERT_EQ(result.status, 0) << result.err;
-  }
+  void push(const std::string& name) { ran("arm_push --quiet --duration 0.5 --out " + name); }
 
-  std::string read(const fs::path& file) const { return testing::text_of(folder_ / file); }
-  nlohmann::json json(const fs::path& file) const { return nlohmann::json::parse(read(file)); }
-  std::vector<std::string> entries(const fs::path& folder) const {
-    std::vector<std::string> names;
-    for (const auto& entry : fs::directory_iterator(folder_ / folder)) {
-      names.push_back(entry.path().filename().string());
-    }
-    std::sort(names.begin(), names.end());
-    return names;
+  // A command must fail with this status and one line that has `text`, and leave the run as it was.
+  void expect_failure(const std::string& command, int status, const std::string& text) const {
+    expect_failure(run(command), status, text);
   }
-
-  // A video must fail with this status and one line that holds `text`, and leave the run as it was.
-  void expect_failure(const ProgramResult& result, int status, const std::string& text,
-                      const std::vector<std::string>& before, const fs::path& folder) {
+  void expect_failure(const ProgramResult& result, int status, const std::string& text) const {
     EXPECT_EQ(result.status, status) << result.err;
-    EXPECT_EQ(lines_of(result.err), 1) << result.err;
-    EXPECT_NE(result.err.find(text), std::string::npos) << result.err;
-    EXPECT_EQ(entries(folder), before);
+    EXPECT_EQ(testing::lines_of(result.err).size(), 1U) << result.err;
+    EXPECT_TRUE(has(result.err, text));
+    EXPECT_EQ(entries("run"), kRunFiles);
   }
-
-  fs::path folder_ = testing::temporary_path("pictures");
-  testing::Removed removed_{folder_};
+  const std::vector<std::string> kRunFiles = {"config.toml", "log.h5", "manifest.json",
+                                              "metrics.json"};
 };
-
-const std::vector<std::string> kRunFiles = {"config.toml", "log.h5", "manifest.json",
-                                            "metrics.json"};
 
 TEST_F(Pictures, AVideoHasExactlyWhatWasAskedFor) {
   wall("run");
-  const ProgramResult result =
-      breakwater({"video", "run", "--from", "5.4", "--to", "5.7", "--speed", "0.1", "--fps", "30",
-                  "--size", "320x180", "--look", "fast"});
-  ASSERT_EQ(result.status, 0) << result.err;
+  const std::string slow =
+      "breakwater video run --from 5.4 --to 5.7 --speed 0.1 --fps 30 --size 320x180 --look fast";
+  const ProgramResult result = ran(slow);
   EXPECT_TRUE(result.err.empty()) << "progress belongs on a terminal: " << result.err;
   const fs::path video = folder_ / "run" / "video.mp4";
-  EXPECT_EQ(probe(video, "codec_name"), "h264");
-  EXPECT_EQ(probe(video, "pix_fmt"), "yuv420p");
-  EXPECT_EQ(probe(video, "width"), "320");
-  EXPECT_EQ(probe(video, "height"), "180");
-  EXPECT_EQ(probe(video, "nb_read_frames"), "90");  // 0.3 s / 0.1 · 30
-  EXPECT_EQ(probe(video, "r_frame_rate"), "30/1");
+  for (const auto& [property, is] :
+       {std::pair("codec_name", "h264"), std::pair("pix_fmt", "yuv420p"), std::pair("width", "320"),
+        std::pair("height", "180"), std::pair("r_frame_rate", "30/1"),
+        std::pair("nb_read_frames", "90")}) {  // 0.3 s / 0.1 · 30
+    EXPECT_EQ(probe(video, property), is) << property;
+  }
   EXPECT_NEAR(std::stod(probe(video, "duration")), 3.0, 1.0 / 30.0);
   const std::vector<double> times = testing::frame_times_s(video);
   ASSERT_EQ(times.size(), 90U);
@@ -119,23 +74,17 @@ TEST_F(Pictures, AVideoHasExactlyWhatWasAskedFor) {
   EXPECT_EQ(entries("run"), files);
 
   // The same frames again, and an odd number of them.
-  ASSERT_EQ(breakwater({"video", "run", "--from", "5.4", "--to", "5.7", "--speed", "0.1", "--fps",
-                        "30", "--size", "320x180", "--look", "fast", "--out", "again.mp4"})
-                .status,
-            0);
+  ran(slow + " --out again.mp4");
   EXPECT_TRUE(read("again.mp4") == bytes) << "the same run gives other frames";
-  ASSERT_EQ(breakwater({"video", "run", "--from", "5.4", "--to", "5.51", "--speed", "1", "--fps",
-                        "25", "--size", "64x64", "--look", "fast", "--out", "short.mp4"})
-                .status,
-            0);
+  ran("breakwater video run --from 5.4 --to 5.51 --speed 1 --fps 25 --size 64x64 --look fast --out "
+      "short.mp4");
   EXPECT_EQ(probe(folder_ / "short.mp4", "nb_read_frames"), "3");  // round(2.75)
 }
 
 TEST_F(Pictures, AVideoChangesNothingOfTheRun) {
   push("plain");
-  const ProgramResult result = run({"arm_push", "--duration", "0.5", "--video", "--out", "filmed"});
-  ASSERT_EQ(result.status, 0) << result.err;
-  EXPECT_EQ(json("plain/manifest.json")["state_hash"], json("filmed/manifest.json")["state_hash"]);
+  const ProgramResult result = ran("arm_push --duration 0.5 --video --out filmed");
+  EXPECT_EQ(state_hash("plain"), state_hash("filmed"));
   EXPECT_EQ(read("plain/config.toml"), read("filmed/config.toml"));
   // The shot list's window begins after this run's end, so all of it is shown.
   EXPECT_EQ(probe(folder_ / "filmed/video.mp4", "nb_read_frames"), "15");
@@ -143,12 +92,11 @@ TEST_F(Pictures, AVideoChangesNothingOfTheRun) {
   // The table of metrics is still the last thing.
   EXPECT_LT(result.out.find("video"), result.out.find("results: "));
 
-  EXPECT_EQ(run({"arm_push", "--quiet", "--duration", "0.2", "--video=here.mp4", "--out", "other"})
-                .status,
-            0);
+  ran("arm_push --quiet --duration 0.2 --video=here.mp4 --out other");
   EXPECT_TRUE(fs::exists(folder_ / "here.mp4"));
   EXPECT_FALSE(fs::exists(folder_ / "other/video.mp4"));
-  EXPECT_EQ(run({"arm_push", "--case", "all", "--duration", "0.2", "--video=x.mp4"}).status, 2);
+  expect_refused("arm_push --case all --duration 0.2 --video=x.mp4",
+                 "--video: one file cannot hold the videos of several runs");
 }
 
 // A variable of the environment of the programs that are run while it is there.
@@ -175,13 +123,10 @@ TEST_F(Pictures, OsmesaAndEglDrawTheSame) {
     const Environment asked("MUJOCO_GL", library);
     // The software renderer, which is the last of EGL's devices, in case there are others.
     const Environment software("LIBGL_ALWAYS_SOFTWARE", "1");
-    const ProgramResult still =
-        breakwater({"still", "run", "--at", "0.3", "--size", "320x180", "--look", "full"});
+    const ProgramResult still = run("breakwater still run --at 0.3 --size 320x180 --look full");
     if (is_missing_library(still)) GTEST_SKIP() << still.err;
     ASSERT_EQ(still.status, 0) << still.err;
-    const ProgramResult video =
-        breakwater({"video", "run", "--from", "0.1", "--to", "0.3", "--size", "320x180"});
-    ASSERT_EQ(video.status, 0) << video.err;
+    const ProgramResult video = ran("breakwater video run --from 0.1 --to 0.3 --size 320x180");
     testing::output_of("cd " + folder_.string() + " && ffmpeg -v error -i run/video.mp4 " +
                        "-vf 'select=eq(n\\,0)+eq(n\\,4)' -vsync 0 " + library + "%d.png");
     fs::rename(folder_ / "run/still.png", folder_ / (library + ".png"));
@@ -191,10 +136,10 @@ TEST_F(Pictures, OsmesaAndEglDrawTheSame) {
       const std::string renderer = json("run/manifest.json")["renderers"][picture];
       EXPECT_TRUE(renderer.ends_with(name)) << renderer;
     }
-    EXPECT_NE(testing::output_of("ffprobe -v error -show_entries format_tags=comment -of csv=p=0 " +
-                                 (folder_ / "run/video.mp4").string())
-                  .find(name),
-              std::string::npos);
+    EXPECT_TRUE(
+        has(testing::output_of("ffprobe -v error -show_entries format_tags=comment -of csv=p=0 " +
+                               (folder_ / "run/video.mp4").string()),
+            name));
   }
   for (const char* picture : {".png", "1.png", "2.png"}) {
     EXPECT_LT(mean_difference(Png(folder_ / ("osmesa" + std::string(picture))),
@@ -203,18 +148,15 @@ TEST_F(Pictures, OsmesaAndEglDrawTheSame) {
         << picture;
   }
   // Other pictures differ by more.
-  ASSERT_EQ(breakwater({"still", "run", "--at", "0.3", "--size", "320x180", "--look", "full",
-                        "--camera", "top"})
-                .status,
-            0);
+  ran("breakwater still run --at 0.3 --size 320x180 --look full --camera top");
   EXPECT_GT(mean_difference(Png(folder_ / "run/still.png"), Png(folder_ / "egl.png")), 3.0);
 }
 
 TEST_F(Pictures, WhereOsmesaIsNotEglDraws) {
   push("run");
-  std::ofstream(folder_ / "libOSMesa.so.8") << "no library";
+  write("libOSMesa.so.8", "no library");
   const Environment path("LD_LIBRARY_PATH", folder_);
-  const ProgramResult result = breakwater({"still", "run", "--at", "0.1", "--look", "fast"});
+  const ProgramResult result = run("breakwater still run --at 0.1 --look fast");
   if (is_missing_library(result)) GTEST_SKIP() << result.err;
   EXPECT_EQ(result.status, 0) << result.err;
   const std::string renderer = json("run/manifest.json")["renderers"]["still.png"];
@@ -223,17 +165,16 @@ TEST_F(Pictures, WhereOsmesaIsNotEglDraws) {
 
 TEST_F(Pictures, WithoutOpenGLTheRunStays) {
   for (const char* library : {"libOSMesa.so.8", "libEGL.so.1"}) {
-    std::ofstream(folder_ / library) << "no library";
+    write(library, "no library");
   }
   const Environment path("LD_LIBRARY_PATH", folder_);
-  expect_failure(run({"arm_push", "--quiet", "--duration", "0.2", "--video", "--out", "run"}), 4,
-                 "pictures need OpenGL", kRunFiles, "run");
+  expect_failure("arm_push --quiet --duration 0.2 --video --out run", 4, "pictures need OpenGL");
   // Both libraries and their packages are named.
-  expect_failure(breakwater({"video", "run"}), 4, "libosmesa6), and", kRunFiles, "run");
-  expect_failure(breakwater({"still", "run", "--at", "0.1"}), 4, "libegl1)", kRunFiles, "run");
+  expect_failure("breakwater video run", 4, "libosmesa6), and");
+  expect_failure("breakwater still run --at 0.1", 4, "libegl1)");
   {
     const Environment asked("MUJOCO_GL", "egl");
-    expect_failure(breakwater({"video", "run"}), 4, "libEGL.so.1", kRunFiles, "run");
+    expect_failure("breakwater video run", 4, "libEGL.so.1");
   }
   push("other");  // nothing else needs it
 }
@@ -242,78 +183,61 @@ TEST_F(Pictures, NonsenseInTheEnvironmentIsRefusedBeforeTheRun) {
   push("run");
   {
     const Environment asked("MUJOCO_GL", "softpipe");
-    expect_failure(breakwater({"video", "run"}), 2, "MUJOCO_GL: \"softpipe\"", kRunFiles, "run");
-    expect_failure(breakwater({"still", "run", "--at", "0.1"}), 2, "MUJOCO_GL", kRunFiles, "run");
-    const ProgramResult later =
-        run({"arm_push", "--quiet", "--duration", "0.2", "--video", "--out", "other"});
-    EXPECT_EQ(later.status, 2);
-    EXPECT_EQ(lines_of(later.err), 1) << later.err;
-    EXPECT_FALSE(fs::exists(folder_ / "other"));
+    expect_failure("breakwater video run", 2, "MUJOCO_GL: \"softpipe\"");
+    expect_failure("breakwater still run --at 0.1", 2, "MUJOCO_GL");
+    expect_refused(
+        "arm_push --quiet --duration 0.2 --video --out other",
+        "MUJOCO_GL: \"softpipe\": must be egl or osmesa, which need no screen, or unset");
     push("plain");  // which draws nothing
   }
   for (const auto& [number, status] :
        {std::pair("-1", 2), std::pair("GPU", 2), std::pair("99", 4)}) {
     const Environment device("MUJOCO_EGL_DEVICE_ID", number);
-    const ProgramResult result = breakwater({"video", "run"});
+    const ProgramResult result = run("breakwater video run");
     if (is_missing_library(result)) GTEST_SKIP() << result.err;
-    expect_failure(result, status, "MUJOCO_EGL_DEVICE_ID", kRunFiles, "run");
+    expect_failure(result, status, "MUJOCO_EGL_DEVICE_ID");
   }
 }
 
 TEST_F(Pictures, AFolderThatIsNotThereIsSaid) {
   push("run");
-  expect_failure(breakwater({"still", "run", "--at", "0.1", "--look", "fast", "--size", "128x96",
-                             "--out", "nowhere/s.png"}),
-                 4, "nowhere/s.png: cannot be written (No such file or directory)", kRunFiles,
-                 "run");
+  expect_failure("breakwater still run --at 0.1 --look fast --size 128x96 --out nowhere/s.png", 4,
+                 "nowhere/s.png: cannot be written (No such file or directory)");
 }
 
 TEST_F(Pictures, RunsOfDifferentScenariosDoNotStandSideBySide) {
   push("run");
   wall("wall");
-  expect_failure(breakwater({"still", "run", "wall", "--at", "0.1"}), 2,
-                 "wall: is a run of arm_wall_contact, beside one of arm_push", kRunFiles, "run");
+  expect_failure("breakwater still run wall --at 0.1", 2,
+                 "wall: is a run of arm_wall_contact, beside one of arm_push");
 }
 
 TEST_F(Pictures, ACameraThatTheModelLacksFailsTheVideoAlone) {
-  std::string text = testing::text_of(testing::source_file("models/arm.xml"));
-  for (std::size_t at = text.find("<camera name=\""); at != std::string::npos;
-       at = text.find("<camera name=\"", at + 1)) {
-    text.insert(at + 14, "my_");
-  }
-  std::ofstream(folder_ / "mine.xml") << text;
-  const ProgramResult result = run({"arm_push", "--quiet", "--duration", "0.2", "--video", "--out",
-                                    "run", "--set", "model.mjcf=mine.xml"});
-  expect_failure(result, 4, "has no camera", kRunFiles, "run");
-  EXPECT_NE(result.err.find("arm_push/shots.toml:"), std::string::npos) << result.err;
+  const std::string text = testing::text_of(testing::source_file("models/arm.xml"));
+  write("mine.xml", std::regex_replace(text, std::regex("<camera name=\""), "$&my_"));
+  const ProgramResult result =
+      run("arm_push --quiet --duration 0.2 --video --out run --set model.mjcf=mine.xml");
+  expect_failure(result, 4, "has no camera");
+  EXPECT_TRUE(has(result.err, "arm_push/shots.toml:"));
 }
 
 TEST_F(Pictures, ASiteThatTheModelLacksIsSaidWithTheShotListsLine) {
   push("run");
-  std::string shots = testing::text_of(testing::source_file("scenarios/arm_push/shots.toml"));
-  const std::size_t site = shots.find("site = \"");
-  ASSERT_NE(site, std::string::npos);
-  shots.insert(site + 8, "my_");
-  const auto line = 1 + std::count(shots.begin(), shots.begin() + static_cast<long>(site), '\n');
+  const std::string shots = testing::text_of(testing::source_file("scenarios/arm_push/shots.toml"));
   // A shot list alone, without the scenario's other files, takes the place of the shipped one.
-  fs::create_directories(folder_ / "mine/scenarios/arm_push");
-  std::ofstream(folder_ / "mine/scenarios/arm_push/shots.toml") << shots;
-  setenv("BREAKWATER_PATH", (folder_ / "mine").c_str(), 1);
-  const ProgramResult result = breakwater({"still", "run", "--at", "0.1"});
-  unsetenv("BREAKWATER_PATH");
-  expect_failure(result, 2, "arm_push/shots.toml:" + std::to_string(line) + ": arrow.site: ", kRunFiles,
-                 "run");
+  write("mine/scenarios/arm_push/shots.toml",
+        testing::replaced(shots, "site = \"", "site = \"my_"));
+  const Environment path("BREAKWATER_PATH", folder_ / "mine");
+  expect_failure("breakwater still run --at 0.1", 2,
+                 "arm_push/shots.toml:" + testing::line_of(shots, "site = \"") + ": arrow.site: ");
 }
 
 TEST_F(Pictures, AFailedRunIsDrawnToo) {
-  EXPECT_EQ(run({"arm_push", "--quiet", "--duration", "0.5", "--set", "fault.sensor=q1",
-                 "fault.at_s=0.3", "--out", "run"})
-                .status,
-            3);
+  const std::string failing =
+      "arm_push --quiet --duration 0.5 --set fault.sensor=q1 fault.at_s=0.3";
+  EXPECT_EQ(run(failing + " --out run").status, 3);
   EXPECT_EQ(json("run/manifest.json")["status"], "failed");
-  const ProgramResult result = breakwater(
-      {"still", "run", "--at", "0.2", "--look", "fast", "--size", "128x96", "--out", "s.png"});
-  EXPECT_EQ(result.status, 0) << result.err;
+  ran("breakwater still run --at 0.2 --look fast --size 128x96 --out s.png");
 }
 
 TEST_F(Pictures, OnAFullDiskTheRunStays) {
@@ -324,95 +248,83 @@ TEST_F(Pictures, OnAFullDiskTheRunStays) {
   const rlimit small{8192, before.rlim_max};
   std::signal(SIGXFSZ, SIG_IGN);
   setrlimit(RLIMIT_FSIZE, &small);
-  const ProgramResult video = breakwater({"video", "run", "--size", "640x360"});
-  const ProgramResult still = breakwater({"still", "run", "--at", "0.1", "--look", "fast"});
+  const ProgramResult video = run("breakwater video run --size 640x360");
+  const ProgramResult still = run("breakwater still run --at 0.1 --look fast");
   setrlimit(RLIMIT_FSIZE, &before);
-  expect_failure(video, 4, "video.mp4: cannot be written", kRunFiles, "run");
-  EXPECT_EQ(still.status, 4) << still.err;
-  EXPECT_EQ(lines_of(still.err), 1) << still.err;
-  EXPECT_EQ(entries("run"), kRunFiles);
+  expect_failure(video, 4, "video.mp4: cannot be written");
+  expect_failure(still, 4, "still.png: cannot be written");
 }
 
 TEST_F(Pictures, NonsenseIsRefusedInOneLine) {
   push("run");
-  const std::vector<std::pair<std::vector<std::string>, std::string>> cases = {
-      {{"video", "run", "--camera", "nowhere"}, "has no camera \"nowhere\", but front"},
-      {{"still", "run", "--at", "0.1", "--camera", "nowhere"}, "has no camera"},
-      {{"video", "run", "--size", "321x180"}, "must be even"},
-      {{"video", "run", "--size", "big"}, "must be of the form"},
-      {{"video", "run", "--from", "3", "--to", "4"}, "the log lasts from"},
-      {{"video", "run", "--from", "0.3", "--to", "0.1"}, "must rise"},
-      {{"video", "run", "--speed", "1000"}, "no frame at all"},
-      {{"video", "run", "--look", "nice"}, "fast, full or print"},
-      {{"video", "run", "run", "run", "run", "run"}, "room for 4"},
-      {{"video", "run", "--fps", "0"}, "--fps"},
-      {{"video"}, "RUN is required"},
-      {{"still", "run"}, "--at is required"},
-      {{"still", "run", "--at", "0.1", "--out", "s.jpg"}, "pictures are PNG"},
-      {{"still", "run", "--at", "7"}, "the log lasts from 0 s to 0.5 s"},
-      {{"still", "run", "--at", "nan"}, "the log lasts from"},
-      {{"video", "run", "--size", "99999999999x180"}, "must be even"},
-      {{"video", "run", "--size", "640x360x2"}, "must be of the form"},
-      {{"strip", "run"}, "none of the shot list's moments"},
-      {{"video", "nowhere"}, "there is no such folder"}};
-  for (const auto& [arguments, text] : cases) {
-    expect_failure(breakwater(arguments), 2, text, kRunFiles, "run");
-  }
-  for (const char* file : {"log.h5", "config.toml", "manifest.json"}) {
+  expect_refusals(
+      "breakwater ",
+      {{"video run --camera nowhere",
+        "PROJECT/models/arm.xml: has no camera \"nowhere\", but front, top, overview, tip"},
+       {"still run --at 0.1 --camera nowhere",
+        "PROJECT/models/arm.xml: has no camera \"nowhere\", but front, top, overview, tip"},
+       {"video run --size 321x180", "--size 321x180: sides must be even, from 64 to 7680"},
+       {"video run --size big", "--size big: must be of the form 1280x720"},
+       {"video run --from 3 --to 4", "--from 3, --to 4: the log lasts from 0 s to 0.5 s"},
+       {"video run --from 0.3 --to 0.1", "--from 0.3, --to 0.1: must rise"},
+       {"video run --speed 1000", "video: 0.5 s at speed 1000 and 30 frames/s are no frame at all"},
+       {"video run --look nice", "--look nice: must be fast, full or print"},
+       {"video run run run run run", "5 runs: side by side there is room for 4"},
+       {"video run --fps 0", "breakwater video: --fps: Value 0 not in range 1 to 240 (see --help)"},
+       {"video", "breakwater video: RUN is required (see --help)"},
+       {"still run", "breakwater still: --at is required (see --help)"},
+       {"still run --at 0.1 --out s.jpg", "--out s.jpg: pictures are PNG: give it a name on .png"},
+       {"still run --at 7", "--at 7: the log lasts from 0 s to 0.5 s"},
+       {"still run --at nan", "--at nan: the log lasts from 0 s to 0.5 s"},
+       {"video run --size 99999999999x180",
+        "--size 99999999999x180: sides must be even, from 64 to 7680"},
+       {"video run --size 640x360x2", "--size 640x360x2: must be of the form 1280x720"},
+       {"strip run", "run: none of the shot list's moments is in this run's log"},
+       {"video nowhere", "nowhere: there is no such folder; give the folder of a run"}});
+  for (const auto& [file, line] :
+       Refusals{{"log.h5", "run: the run is incomplete: it has no log.h5; run it again"},
+                {"config.toml", "run: the run is incomplete: it has no config.toml; run it again"},
+                {"manifest.json",
+                 "run: is not the folder of a finished run: it has no manifest.json; "
+                 "run the scenario again with --out"}}) {
     fs::rename(folder_ / "run" / file, folder_ / "aside");
-    const ProgramResult result = breakwater({"video", "run"});
-    EXPECT_EQ(result.status, 2);
-    EXPECT_EQ(lines_of(result.err), 1) << result.err;
-    EXPECT_NE(result.err.find(std::string("it has no ") + file), std::string::npos) << result.err;
+    expect_refused("breakwater video run", line);
     fs::rename(folder_ / "aside", folder_ / "run" / file);
   }
-  const std::string manifest = testing::text_of(folder_ / "run/manifest.json");
-  std::string theirs = manifest;
-  theirs.replace(theirs.find("arm_push"), 8, "door");
-  std::ofstream(folder_ / "run/manifest.json") << theirs;
-  expect_failure(breakwater({"video", "run"}), 2,
-                 "run: is a run of scenario \"door\", which this program does not have", kRunFiles,
-                 "run");
-  std::ofstream(folder_ / "run/manifest.json") << manifest;
+  const std::string manifest = read("run/manifest.json");
+  write("run/manifest.json", testing::replaced(manifest, "arm_push", "door"));
+  expect_refused("breakwater video run",
+                 "run: is a run of scenario \"door\", which this program does not have: the "
+                 "program that made it can draw it");
+  write("run/manifest.json", manifest);
   fs::resize_file(folder_ / "run/log.h5", 3000);
-  const ProgramResult result = breakwater({"video", "run"});
-  EXPECT_EQ(result.status, 2);
-  EXPECT_EQ(lines_of(result.err), 1) << result.err;
+  expect_refused("breakwater video run",
+                 "run/log.h5: is damaged: it is not what the run wrote; run it again");
 }
 
 TEST_F(Pictures, AnInterruptedVideoLeavesNothing) {
   wall("run");
-  const ProgramResult result =
-      run_program({"breakwater", "video", "run", "--from", "0", "--to", "6", "--speed", "0.01"},
-                  folder_, 1.5, SIGINT);
-  expect_failure(result, 130, "interrupted", kRunFiles, "run");
+  expect_failure(run("breakwater video run --from 0 --to 6 --speed 0.01", 1.5, SIGINT), 130,
+                 "interrupted");
 }
 
 TEST_F(Pictures, ASlowRendererIsSaid) {
   push("run");
-  setenv("GALLIUM_DRIVER", "softpipe", 1);
-  const ProgramResult result = breakwater(
-      {"still", "run", "--at", "0.1", "--look", "fast", "--size", "128x96", "--out", "s.png"});
-  unsetenv("GALLIUM_DRIVER");
-  EXPECT_EQ(result.status, 0);
-  EXPECT_EQ(lines_of(result.err), 1);
-  EXPECT_NE(result.err.find("not by llvmpipe"), std::string::npos) << result.err;
+  const Environment driver("GALLIUM_DRIVER", "softpipe");
+  const ProgramResult result =
+      ran("breakwater still run --at 0.1 --look fast --size 128x96 --out s.png");
+  EXPECT_EQ(testing::lines_of(result.err).size(), 1U);
+  EXPECT_TRUE(has(result.err, "not by llvmpipe"));
 }
 
 TEST_F(Pictures, RunsStandSideBySide) {
   wall("a");
   wall("b", "drac-2N");
-  ASSERT_EQ(breakwater({"video", "a", "b", "a", "--from", "5.5", "--to", "5.55", "--speed", "0.1",
-                        "--size", "640x360", "--look", "fast"})
-                .status,
-            0);
+  ran("breakwater video a b a --from 5.5 --to 5.55 --speed 0.1 --size 640x360 --look fast");
   EXPECT_EQ(probe(folder_ / "a/video.mp4", "width"), "640");
   EXPECT_EQ(probe(folder_ / "a/video.mp4", "nb_read_frames"), "15");
   // The first and the third are the same run: the same thirds of the picture.
-  ASSERT_EQ(breakwater({"still", "a", "b", "a", "--at", "5.6", "--size", "720x360", "--look",
-                        "fast", "--out", "s.png"})
-                .status,
-            0);
+  ran("breakwater still a b a --at 5.6 --size 720x360 --look fast --out s.png");
   const Png png(folder_ / "s.png");
   ASSERT_EQ(png.width, 720);
   const auto difference = [&](int column_a, int column_b) {
@@ -450,9 +362,7 @@ Columns red_columns(const std::uint8_t* pixels, int width, int height) {
 
 // In a small picture, too, all of a long caption stands beside the chart.
 TEST_F(Pictures, ALongCaptionStandsBesideTheChart) {
-  std::vector<std::string> arguments = kShortWall;
-  arguments.insert(arguments.end(), {"controller.name=hpfc", "--out", "run"});
-  ASSERT_EQ(run(arguments).status, 0);
+  ran(kShortWall + "controller.name=hpfc --out run");
   const FinishedRun finished(testing::catalogue(), folder_ / "run");
   PictureStage stage =
       stage_pictures({&finished}, shot_list(finished.shots_file()), "", {5.0, 6.0, 0.1});
@@ -573,27 +483,16 @@ TEST_F(Pictures, ShotListsAreCheckedLikeScenarioFiles) {
   const std::string text =
       testing::text_of(testing::source_file("scenarios/arm_wall_contact/shots.toml"));
   const std::vector<std::array<std::string, 3>> cases = {
-      {"speed = 0.1", "speed = 0.0", "video.speed: must be positive"},
+      {"speed = 0.1", "speed = 0.0", "video.speed: must be positive, is 0"},
       {"unit = \"N\"", "unti = \"N\"", "arrow.unti: unknown key (did you mean unit?)"},
       {"along = [-1.0, 0.0, 0.0]", "along = [-1.0]", "arrow.along: must have 3 numbers"},
       {"width = 1280", "width = 1281", "video.width: must be even"},
-      {"to_s = 31.5", "to_s = 1.5", "video.to_s: must be after"}};
+      {"to_s = 31.5", "to_s = 1.5", "video.to_s: must be after video.from_s"}};
+  const std::string file = folder_ / "shots.toml";
   for (const auto& [from, to, message] : cases) {
-    std::string copy = text;
-    const auto at = copy.find(from);
-    ASSERT_NE(at, std::string::npos) << from;
-    const auto line = 1 + std::count(copy.begin(), copy.begin() + static_cast<long>(at), '\n');
-    const fs::path file = folder_ / "shots.toml";
-    std::ofstream(file) << copy.replace(at, from.size(), to);
-    try {
-      read_shot_list(file.string());
-      FAIL() << to;
-    } catch (const std::invalid_argument& error) {
-      EXPECT_EQ(std::string(error.what())
-                    .find(file.string() + ":" + std::to_string(line) + ": " + message),
-                0U)
-          << error.what();
-    }
+    write("shots.toml", testing::replaced(text, from, to));
+    EXPECT_EQ(testing::complaint_of([&] { read_shot_list(file); }),
+              file + ":" + testing::line_of(text, from) + ": " + message);
   }
 }
 

@@ -1,10 +1,7 @@
 // A model's look as data says what the model's file says.
 #include <breakwater/render/scene_description.h>
 
-#include <gtest/gtest.h>
-
 #include <cmath>
-#include <fstream>
 #include <numeric>
 
 #include "support.h"
@@ -13,9 +10,7 @@ namespace breakwater::scene_description_test {
 namespace {
 
 Model load(const std::string& mjcf) {
-  const auto file = testing::temporary_path("look.xml");
-  const testing::Removed removed(file);
-  std::ofstream(file) << mjcf;
+  const testing::TemporaryPath file{"look.xml", mjcf};
   return Model::load(file.string());
 }
 

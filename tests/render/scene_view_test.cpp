@@ -1,11 +1,8 @@
 // The scene: what is drawn is where geometry says.
 #include <breakwater/render/scene_view.h>
 
-#include <gtest/gtest.h>
-
 #include <Eigen/Geometry>
 #include <array>
-#include <fstream>
 
 #include <breakwater/render/offscreen.h>
 #include <breakwater/render/picture.h>
@@ -19,9 +16,7 @@ constexpr int kHeight = 240;
 constexpr Colour kRed{1.0, 0.0, 0.0, 1.0};
 
 Model load(const std::string& mjcf) {
-  const auto file = testing::temporary_path("scene.xml");
-  const testing::Removed removed(file);
-  std::ofstream(file) << mjcf;
+  const testing::TemporaryPath file{"scene.xml", mjcf};
   return Model::load(file.string());
 }
 
@@ -136,13 +131,8 @@ TEST(SceneView, KnowsWhereAnArrowEnds) {
 TEST(SceneView, AnUnknownCameraIsRefusedByName) {
   const Model model = ball();
   EXPECT_EQ(camera_id(model, ""), -1);
-  try {
-    camera_id(model, "below");
-    FAIL();
-  } catch (const std::invalid_argument& error) {
-    const std::string what = error.what();
-    EXPECT_NE(what.find("has no camera \"below\", but above"), std::string::npos) << what;
-  }
+  EXPECT_TRUE(
+      has(complaint_of([&] { camera_id(model, "below"); }), "has no camera \"below\", but above"));
 }
 
 TEST(InterpolateQpos, TurnsTheShortestWay) {

@@ -1,6 +1,5 @@
 // `breakwater tune --slurm` with programs of Slurm's that the test wrote; tests/study/slurm_test.py
 // has a real one.
-#include <algorithm>
 #include <cstdlib>
 
 #include "search/tuning_folder.h"
@@ -8,6 +7,7 @@
 namespace breakwater {
 namespace {
 namespace fs = std::filesystem;
+using testing::kSmall;
 using testing::kTuning;
 using testing::ProgramResult;
 
@@ -23,18 +23,7 @@ done
 echo 7
 )bash";
 
-// Two generations of one case.
-constexpr const char* kSmall = R"(
-scenario = "ishigami"
-budget = 16
-population = 8
-[search]
-"x.first" = { uniform = [-3, 3] }
-"x.second" = { uniform = [-1, 3] }
-[objective]
-y_1 = { goal = "min" }
-positive_x_second_1 = { goal = "max" }
-)";
+const std::string kOnSlurm = "ishigami_lab tune t.toml --slurm --out ";
 
 class ClusterRuns : public testing::TuningFolder {
  protected:
@@ -51,14 +40,10 @@ class ClusterRuns : public testing::TuningFolder {
   }
 
   void program(const std::string& name, const std::string& text) {
-    fs::create_directories(folder_ / "slurm");
     write("slurm/" + name, text);
     fs::permissions(folder_ / "slurm" / name, fs::perms::owner_all);
   }
-  ProgramResult on_slurm(const std::string& out, std::vector<std::string> more = {}) {
-    more.insert(more.begin(), {"t.toml", "--out", out, "--slurm"});
-    return tune(more);
-  }
+  ProgramResult on_slurm(const std::string& words) const { return run(kOnSlurm + words); }
   std::size_t jobs(const std::string& study) const {
     const fs::path folder = folder_ / study / "slurm";
     return fs::exists(folder) ? static_cast<std::size_t>(std::distance(
@@ -75,44 +60,35 @@ class ClusterRuns : public testing::TuningFolder {
     }
     return count;
   }
-  void expect_refused(const ProgramResult& result, const std::string& message) {
-    EXPECT_EQ(result.status, 2) << result.err;
-    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
-    EXPECT_NE(result.err.find(message), std::string::npos) << result.err;
-  }
 
   std::string path_ = std::getenv("PATH");
 };
 
 TEST_F(ClusterRuns, ChangeNoByte) {
-  ASSERT_EQ(tune({"t.toml", "--out", "here", "--quiet"}).status, 0);
-  const ProgramResult result = on_slurm("there", {"--tasks", "9", "--sbatch", "--qos=low"});
-  ASSERT_EQ(result.status, 0) << result.err;
+  tuned("t.toml --out here --quiet");
+  const ProgramResult result = done(on_slurm("there --tasks 9 --sbatch --qos=low"));
   expect_same("here", "there");
   // Eight generations of each case and its validation, each run once, nothing said by a task.
   EXPECT_EQ(jobs("there"), 2U * 8 + 2);
   EXPECT_EQ(lines_of_shards("there"), results("there").size() - 1);
   EXPECT_EQ(read("there/slurm/1/1.log"), "");
-  EXPECT_NE(result.out.find("plain, evaluations 9 to 16: 16 runs in 3 tasks: job 7\n"),
-            std::string::npos)
-      << result.out;
-  EXPECT_NE(result.out.find("noisy, validation: 18 runs in 3 tasks: job 7\n"), std::string::npos);
+  EXPECT_TRUE(has(result.out, "plain, evaluations 9 to 16: 16 runs in 3 tasks: job 7\n",
+                  "noisy, validation: 18 runs in 3 tasks: job 7\n"));
   EXPECT_EQ(lines("asked")[0].find("--parsable --qos=low "), 0U);
-  EXPECT_NE(read("there/slurm/1/job.sh").find("--job-name=\"tune-there\""), std::string::npos);
+  EXPECT_TRUE(has(read("there/slurm/1/job.sh"), "--job-name=\"tune-there\""));
   // All is there: nothing is submitted.
-  ASSERT_EQ(on_slurm("there").status, 0);
+  done(on_slurm("there"));
   EXPECT_EQ(jobs("there"), 2U * 8 + 2);
-  EXPECT_NE(tune({"there", "--status"})
-                .out.find("there: 256 of 256 runs of the search are done, "
-                          "36 of the validation\n"),
-            std::string::npos);
+  EXPECT_TRUE(has(tune("there --status").out,
+                  "there: 256 of 256 runs of the search are done, "
+                  "36 of the validation\n"));
 }
 
 TEST_F(ClusterRuns, ThatAreMissingAreSubmittedAgain) {
   write("t.toml", kSmall);
-  ASSERT_EQ(tune({"t.toml", "--out", "here", "--quiet"}).status, 0);
+  tuned("t.toml --out here --quiet");
   setenv("FAILS", "2,3", 1);
-  ASSERT_EQ(on_slurm("there", {"--tasks", "3", "--quiet"}).status, 0);
+  done(on_slurm("there --tasks 3 --quiet"));
   expect_same("here", "there");
   // A third of what is left each time: 8, 6, 4, 3, 2, 1.
   EXPECT_EQ(jobs("there"), 2U * 6);
@@ -121,32 +97,29 @@ TEST_F(ClusterRuns, ThatAreMissingAreSubmittedAgain) {
 
 TEST_F(ClusterRuns, ThatNobodyMakesEndIt) {
   write("t.toml", kSmall);
-  ASSERT_EQ(tune({"t.toml", "--out", "here", "--quiet"}).status, 0);
+  tuned("t.toml --out here --quiet");
   setenv("FAILS", "1,2,3", 1);
-  const ProgramResult result = on_slurm("there", {"--tasks", "3"});
+  const ProgramResult result = on_slurm("there --tasks 3");
   EXPECT_EQ(result.status, 130);
   EXPECT_EQ(result.err,
             "tune: 3 jobs in a row have brought nothing of plain, evaluations 1 to 8: 8 runs; "
             "--status says why, the same command goes on\n");
   EXPECT_EQ(jobs("there"), 3U);
-  const std::string status = tune({"there", "--status"}).out;
-  EXPECT_NE(status.find("there: 0 of 16 runs of the search are done\n"), std::string::npos);
-  EXPECT_NE(status.find("3 tasks have ended before their points were done:\n  slurm/3/1.log: "),
-            std::string::npos)
-      << status;
+  const std::string status = tune("there --status").out;
+  EXPECT_TRUE(has(status, "there: 0 of 16 runs of the search are done\n",
+                  "3 tasks have ended before their points were done:\n  slurm/3/1.log: "));
   // Here it goes on, and there again.
   unsetenv("FAILS");
-  tune({"there", "--quiet"}, 0.1);
-  ASSERT_EQ(on_slurm("there", {"--quiet"}).status, 0);
+  tune("there --quiet", 0.1);
+  done(on_slurm("there --quiet"));
   expect_same("here", "there");
 }
 
 TEST_F(ClusterRuns, TakeTheMinutesThatTheyAreGiven) {
   write("t.toml", std::string(kSmall) + "[set]\n\"trouble.takes_s\" = 0.1\n");
   // 8 runs of 0.1 s, or a little more, in tasks of 0.6 s.
-  const ProgramResult result = on_slurm("there", {"--minutes", "0.01"});
-  ASSERT_EQ(result.status, 0) << result.err;
-  EXPECT_NE(result.out.find("8 runs in 2 tasks"), std::string::npos) << result.out;
+  const ProgramResult result = done(on_slurm("there --minutes 0.01"));
+  EXPECT_TRUE(has(result.out, "8 runs in 2 tasks"));
   EXPECT_EQ(lines_of_shards("there"), results("there").size() - 1);
 }
 
@@ -155,8 +128,7 @@ TEST_F(ClusterRuns, OfOneRunThatToldHowLongTheyTakeAreNotSubmitted) {
         "scenario = \"ishigami\"\nalgorithm = \"bobyqa\"\nbudget = 5\n"
         "[search]\n\"x.first\" = { uniform = [-3, 3] }\n\"x.second\" = { uniform = [0, 1] }\n"
         "[objective]\ny_1 = { goal = \"min\" }\n");
-  const ProgramResult result = on_slurm("s");
-  ASSERT_EQ(result.status, 0) << result.err;
+  const ProgramResult result = done(on_slurm("s"));
   EXPECT_EQ(jobs("s"), 4U);  // of 5 evaluations the first is made here
   EXPECT_EQ(result.out.find("plain, evaluation 2: 1 run in 1 task: job 7\n"), 0U) << result.out;
   EXPECT_EQ(lines_of_shards("s"), 5U);
@@ -169,7 +141,7 @@ TEST_F(ClusterRuns, AreNotToldOfTheJobThatSubmitsThem) {
   setenv("SLURM_CPUS_PER_TASK", "64", 1);
   setenv("SLURM_MEM_PER_CPU", "100", 1);
   setenv("SLURM_CONF", "/etc/slurm.conf", 1);
-  const ProgramResult result = on_slurm("s", {"--quiet", "--tasks", "1"});
+  const ProgramResult result = on_slurm("s --quiet --tasks 1");
   for (const char* name :
        {"SLURM_JOB_ID", "SLURM_CPUS_PER_TASK", "SLURM_MEM_PER_CPU", "SLURM_CONF"})
     unsetenv(name);
@@ -179,49 +151,45 @@ TEST_F(ClusterRuns, AreNotToldOfTheJobThatSubmitsThem) {
 
 TEST_F(ClusterRuns, MayCrash) {
   write("t.toml", std::string(kSmall) + "[set]\n\"trouble.crashes_above\" = 1\n");
-  ASSERT_EQ(tune({"t.toml", "--out", "here", "--quiet", "--isolate"}).status, 0);
-  ASSERT_EQ(on_slurm("there", {"--quiet", "--tasks", "2", "--isolate"}).status, 0);
+  tuned("t.toml --out here --quiet --isolate");
+  done(on_slurm("there --quiet --tasks 2 --isolate"));
   expect_same("here", "there");
-  EXPECT_NE(read("there/slurm/1/job.sh").find(" tune "), std::string::npos);
-  EXPECT_NE(read("there/slurm/1/job.sh").find(" --isolate --points "), std::string::npos);
+  EXPECT_TRUE(has(read("there/slurm/1/job.sh"), " tune ", " --isolate --points "));
   // The run that tells how long the others take may crash too.
   write("t.toml", std::string(kSmall) + "[set]\n\"trouble.crashes_above\" = -3\n");
-  const ProgramResult crashed = on_slurm("s", {"--quiet", "--isolate"});
+  const ProgramResult crashed = on_slurm("s --quiet --isolate");
   EXPECT_EQ(crashed.status, 3) << crashed.err;  // nobody survives: the tuning is done all the same
   EXPECT_EQ(results("s").size(), 1U + 16);
 }
 
 TEST_F(ClusterRuns, WhereTheyRunIsNoPartOfATuning) {
   write("t.toml", std::string(kSmall) + "[slurm]\naccount = \"mine\"\nmodules = [\"none\"]\n");
-  ASSERT_EQ(on_slurm("s", {"--quiet", "--tasks", "1"}).status, 130);  // there is no such module
-  EXPECT_NE(tune({"s", "--status"}).out.find("module load none has failed"), std::string::npos);
+  ASSERT_EQ(on_slurm("s --quiet --tasks 1").status, 130);  // there is no such module
+  EXPECT_TRUE(has(tune("s --status").out, "module load none has failed"));
   write("t.toml", std::string(kSmall) + "[slurm]\naccount = \"ours\"\n");
-  ASSERT_EQ(on_slurm("s", {"--quiet"}).status, 0);
-  EXPECT_NE(read("s/slurm/4/job.sh").find("--account=\"ours\""), std::string::npos);
+  done(on_slurm("s --quiet"));
+  EXPECT_TRUE(has(read("s/slurm/4/job.sh"), "--account=\"ours\""));
   write("t.toml", std::string(kSmall) + "[slurm]\nacount = \"mine\"\n");
-  expect_refused(on_slurm("s"), "slurm.acount: unknown key (did you mean account?)");
+  expect_refused(kOnSlurm + "s", "t.toml:12: slurm.acount: unknown key (did you mean account?)");
 }
 
 // In a script a newline would begin a command.
 TEST_F(ClusterRuns, ControlCharactersGoIntoNoScript) {
-  for (const char* key :
+  for (const std::string key :
        {"account", "partition", "constraint", "modules", "environment", "options"}) {
     write("t.toml", std::string(kSmall) + "[slurm]\n" + key + " = \"a=b\\nrm -rf x\"\n");
-    expect_refused(on_slurm("s"), "slurm." + std::string(key) +
-                                      ": must have no newline and no other control character, is "
-                                      "a=b\\nrm -rf x");
+    expect_refused(kOnSlurm + "s", "t.toml:12: slurm." + key +
+                                       ": must have no newline and no other control character, is "
+                                       "a=b\\nrm -rf x");
   }
   write("t.toml", kSmall);
-  expect_refused(on_slurm("s\nrm -rf x"),
-                 "s\\nrm -rf x: has a newline or another control character, which no script may "
-                 "have: choose another folder");
-  expect_refused(testing::run_program({"breakwater", "sweep", "motor_estimation", "--out",
-                                       "s\nrm -rf x", "--print-tasks"},
-                                      folder_),
-                 "s\\nrm -rf x: has a newline or another control character, which no script may "
-                 "have: choose another folder");
-  EXPECT_FALSE(fs::exists(folder_ / "s"));
-  EXPECT_FALSE(fs::exists(folder_ / "s\nrm -rf x"));
+  for (const std::string& command :
+       {kOnSlurm, std::string("breakwater sweep motor_estimation --print-tasks --out ")}) {
+    expect_refused(
+        command + "'s\nrm -rf x'",
+        "HERE/s\\nrm -rf x: has a newline or another control character, which no script may "
+        "have: choose another folder");
+  }
 }
 
 TEST_F(ClusterRuns, OneCandidateAtATimeIsWarnedOf) {
@@ -229,29 +197,31 @@ TEST_F(ClusterRuns, OneCandidateAtATimeIsWarnedOf) {
         "scenario = \"ishigami\"\nalgorithm = \"bobyqa\"\nbudget = 5\nseeds = { count = 3 }\n"
         "[search]\n\"x.first\" = { uniform = [-3, 3] }\n\"x.second\" = { uniform = [0, 1] }\n"
         "[objective]\ny_1 = { goal = \"min\" }\n");
-  const ProgramResult result = on_slurm("s");
-  ASSERT_EQ(result.status, 0) << result.err;
+  const ProgramResult result = done(on_slurm("s"));
   EXPECT_EQ(result.err,
             "tune: warning: bobyqa asks for one candidate at a time: each is an array job of its "
             "own, of 3 runs\n"
             "tune: warning: search: 10 of 15 runs are the same as another one of their candidate: "
             "without noise seeds change nothing\n");
-  EXPECT_NE(result.out.find("plain, evaluation 5: 3 runs in 1 task: job 7\n"), std::string::npos)
-      << result.out;
+  EXPECT_TRUE(has(result.out, "plain, evaluation 5: 3 runs in 1 task: job 7\n"));
   EXPECT_EQ(jobs("s"), 5U);
 }
 
 TEST_F(ClusterRuns, InTheQueueAreLeftThere) {
   write("t.toml", kSmall);
   setenv("FAILS", "1,2,3", 1);
-  ASSERT_EQ(on_slurm("s", {"--quiet", "--tasks", "1"}).status, 130);
+  ASSERT_EQ(on_slurm("s --quiet --tasks 1").status, 130);
   program("squeue", "#!/bin/sh\necho '7|1|PENDING|Resources'\n");
-  const std::string queue = "/s is still in the queue (job 7: 1 PENDING (Resources)";
-  expect_refused(tune({"s"}), queue);
-  expect_refused(tune({"s", "--rerun"}), queue);
+  expect_refusals(
+      "ishigami_lab tune s",
+      {{"",
+        "without --slurm: HERE/s is still in the queue (job 7: 1 PENDING (Resources); job 7: 1 "
+        "PENDING (Resources); job 7: 1 PENDING (Resources)): end it first with scancel"},
+       {" --rerun",
+        "--rerun: HERE/s is still in the queue (job 7: 1 PENDING (Resources); job 7: 1 PENDING "
+        "(Resources); job 7: 1 PENDING (Resources)): end it first with scancel"}});
   // With --slurm it waits for them until it is stopped.
-  const ProgramResult waited = testing::run_program(
-      {ISHIGAMI_LAB, "tune", "t.toml", "--out", "s", "--slurm"}, folder_, 1.5, SIGTERM);
+  const ProgramResult waited = tune("t.toml --out s --slurm", 1.5, SIGTERM);
   EXPECT_EQ(waited.status, 130);
   EXPECT_EQ(waited.err,
             "tune: interrupted; what is in the queue goes on, and so does the same command\n");
@@ -259,32 +229,37 @@ TEST_F(ClusterRuns, InTheQueueAreLeftThere) {
 }
 
 TEST_F(ClusterRuns, NonsenseIsOneLineAndStatus2) {
-  expect_refused(on_slurm("s", {"--minutes", "0"}), "--minutes");
-  expect_refused(on_slurm("s", {"--minutes", "soon"}), "--minutes");
-  expect_refused(on_slurm("s", {"--parallel", "0"}), "--parallel");
-  expect_refused(on_slurm("s", {"--jobs", "2"}), "--jobs");
-  expect_refused(tune({"t.toml", "--minutes", "3"}), "--slurm");
-  expect_refused(tune({"t.toml", "--out", "s", "--status"}), "has no tune.toml");
-  EXPECT_FALSE(fs::exists(folder_ / "s"));
-
+  for (const std::string minutes : {"0", "soon"}) {
+    const ProgramResult result = on_slurm("s --minutes " + minutes);
+    EXPECT_EQ(result.status, 2);
+    EXPECT_TRUE(has(result.err, "tune: --minutes: Value " + minutes + " not in range 0"));
+  }
+  expect_refusals("ishigami_lab tune t.toml ",
+                  {{"--out s --slurm --parallel 0",
+                    "tune: --parallel: Value 0 not in range 1 to 1000000 (see --help)"},
+                   {"--out s --slurm --jobs 2", "tune: --jobs excludes --slurm (see --help)"},
+                   {"--minutes 3", "tune: --minutes requires --slurm (see --help)"},
+                   {"--out s --status", "HERE/s: has no tune.toml: nothing was begun"}});
   program("sbatch", "#!/bin/sh\necho sbatch: error: invalid partition >&2\nexit 1\n");
-  expect_refused(on_slurm("s", {"--tasks", "1"}), "sbatch: error: invalid partition\n");
+  const ProgramResult failed = on_slurm("s --tasks 1");
+  EXPECT_EQ(failed.status, 2);
+  EXPECT_EQ(failed.err, "sbatch: error: invalid partition\n");
   EXPECT_EQ(jobs("s"), 0U);
-  expect_refused(tune({"s", "--points", "0-3"}), "--points: 0-3: must be @FILE:LINE");
-  expect_refused(tune({"s", "--points", "@s/slurm/1/tasks:1"}), "candidates: cannot be read");
-  fs::create_directories(folder_ / "s/slurm/1");
+  const std::string points = "ishigami_lab tune s --points ";
+  expect_refusals(points, {{"0-3", "--points: 0-3: must be @FILE:LINE"},
+                           {"@s/slurm/1/tasks:1", "s/slurm/1/candidates: cannot be read"}});
   write("s/slurm/1/tasks", "0-3\n");
-  write("s/slurm/1/candidates", "0\t0\t1\t2\n");
-  const std::string task = "@" + (folder_ / "s/slurm/1/tasks").string() + ":1";
-  expect_refused(tune({"s", "--points", task}), "the candidate of run 2 is not beside it");
-  write("s/slurm/1/candidates", "0\t64\t1\t2\n");
-  expect_refused(tune({"s", "--points", task}), "candidates: has no candidate in: ");
-  write("s/slurm/1/candidates", "0\t0\t1\n");
-  expect_refused(tune({"s", "--points", task}), "candidates: has no candidate in: ");
-
+  const std::string task = points + "@" + (folder_ / "s/slurm/1/tasks").string() + ":1";
+  for (const auto& [candidates, line] : Refusals{
+           {"0\t0\t1\t2",
+            "--points: @HERE/s/slurm/1/tasks:1: the candidate of run 2 is not beside it"},
+           {"0\t64\t1\t2", "HERE/s/slurm/1/candidates: has no candidate in: 0\\x0964\\x091\\x092"},
+           {"0\t0\t1", "HERE/s/slurm/1/candidates: has no candidate in: 0\\x090\\x091"}}) {
+    write("s/slurm/1/candidates", candidates + "\n");
+    expect_refused(task, line);
+  }
   setenv("PATH", "/nowhere", 1);
-  expect_refused(on_slurm("t"), "scontrol");
-  EXPECT_FALSE(fs::exists(folder_ / "t"));
+  expect_refused(kOnSlurm + "t", "scontrol: cannot be called (No such file or directory)");
 }
 
 }  // namespace

@@ -1,8 +1,6 @@
 // Searches on problems whose fronts and minima are known, and pagmo's own front and volume.
 #include <breakwater/search/search.h>
 
-#include <gtest/gtest.h>
-
 #include <cmath>
 #include <numbers>
 #include <pagmo/problem.hpp>
@@ -10,7 +8,6 @@
 #include <pagmo/problems/zdt.hpp>
 #include <pagmo/utils/hypervolume.hpp>
 #include <pagmo/utils/multi_objective.hpp>
-#include <stdexcept>
 
 #include <breakwater/search/front.h>
 #include "support.h"

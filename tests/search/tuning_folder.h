@@ -1,9 +1,6 @@
 // Tunings of the Ishigami function as users make them, in a folder of the test's own.
 #pragma once
 
-#include <string>
-#include <vector>
-
 #include "study/sweep_folder.h"
 
 namespace breakwater::testing {
@@ -30,13 +27,26 @@ seeds = { first = 101, count = 6 }
 points = 3
 )";
 
+/// Two generations of one case.
+inline constexpr const char* kSmall = R"(
+scenario = "ishigami"
+budget = 16
+population = 8
+[search]
+"x.first" = { uniform = [-3, 3] }
+"x.second" = { uniform = [-1, 3] }
+[objective]
+y_1 = { goal = "min" }
+positive_x_second_1 = { goal = "max" }
+)";
+
 class TuningFolder : public SweepFolder {
  protected:
-  ProgramResult tune(const std::vector<std::string>& arguments, double kill_after_s = 0.0) {
-    std::vector<std::string> words = {ISHIGAMI_LAB, "tune"};
-    words.insert(words.end(), arguments.begin(), arguments.end());
-    return run_program(words, folder_, kill_after_s, SIGKILL);
+  ProgramResult tune(const std::string& words, double kill_after_s = 0.0,
+                     int signal = SIGKILL) const {
+    return run("ishigami_lab tune " + words, kill_after_s, signal);
   }
+  ProgramResult tuned(const std::string& words) const { return done(tune(words)); }
   void expect_same(const std::string& one, const std::string& other) {
     for (const char* file :
          {"results.csv", "front.csv", "hypervolume.csv", "report.html", "front/1.toml"}) {

@@ -1,8 +1,6 @@
 // Where files are looked for.
 #include <breakwater/shell/paths.h>
 
-#include <gtest/gtest.h>
-
 #include <breakwater/record/text_outputs.h>
 
 #include "support.h"
@@ -13,7 +11,7 @@ namespace fs = std::filesystem;
 
 class SearchPathOf : public ::testing::Test {
  protected:
-  SearchPathOf() : root_(testing::temporary_path("paths")), removed_(root_) {
+  SearchPathOf() {
     for (const char* folder : {"own", "mine", "prefix/bin", "prefix/share/breakwater", "tree/bin",
                                "tree/models", "tree/scenarios", "built/share/breakwater"}) {
       fs::create_directories(root_ / folder);
@@ -29,8 +27,7 @@ class SearchPathOf : public ::testing::Test {
     write_text_file((root_ / file).string(), text);
   }
 
-  fs::path root_;
-  testing::Removed removed_;
+  const testing::TemporaryPath root_{"paths"};
 };
 
 TEST_F(SearchPathOf, TheScenariosComeFirstAndTheInstallationItWasBuiltAgainstLast) {
@@ -100,15 +97,10 @@ TEST_F(OwnPlaces, BesideTheFileThatNamesItComesFirst) {
 
 TEST_F(OwnPlaces, WhatIsNowhereIsAnErrorWithEveryPlace) {
   set_data_places({.scenarios = {root_ / "own"}, .installation = "/gone"});
-  try {
-    data_file("nothing.xml");
-    FAIL();
-  } catch (const std::invalid_argument& error) {
-    const std::string text = error.what();
-    EXPECT_TRUE(text.starts_with("nothing.xml is in none of " + (root_ / "own").string() + ", "))
-        << text;
-    EXPECT_NE(text.find(", /gone: "), std::string::npos) << text;
-  }
+  const std::string text = complaint_of([] { data_file("nothing.xml"); });
+  EXPECT_TRUE(text.starts_with("nothing.xml is in none of " + (root_ / "own").string() + ", "))
+      << text;
+  EXPECT_TRUE(has(text, ", /gone: "));
 }
 
 }  // namespace

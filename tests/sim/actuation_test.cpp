@@ -1,8 +1,6 @@
 // Friction, inertia, drive and delay, against closed forms.
-#include <gtest/gtest.h>
 
 #include <cmath>
-#include <stdexcept>
 
 #include <breakwater/sim/friction.h>
 #include <breakwater/sim/simulation.h>

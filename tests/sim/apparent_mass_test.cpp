@@ -1,7 +1,5 @@
 #include <breakwater/sim/apparent_mass.h>
 
-#include <gtest/gtest.h>
-
 #include <cmath>
 
 #include "sim/small_models.h"

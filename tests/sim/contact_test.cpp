@@ -1,9 +1,6 @@
 #include <breakwater/sim/contact.h>
 
-#include <gtest/gtest.h>
-
 #include <cmath>
-#include <stdexcept>
 
 #include "sim/small_models.h"
 

@@ -1,12 +1,8 @@
 // Which files a model is made of: those that the engine itself opens.
 #include <breakwater/plants/mjcf_files.h>
 
-#include <gtest/gtest.h>
-
 #include <cstdint>
-#include <fstream>
 #include <set>
-#include <string>
 
 #include <breakwater/sim/model.h>
 #include "support.h"
@@ -71,8 +67,7 @@ class MjcfFiles : public ::testing::Test {
     return names;
   }
 
-  const fs::path folder_ = testing::temporary_path("mjcf_files");
-  const testing::Removed removed_{folder_};
+  const testing::TemporaryPath folder_{"mjcf_files"};
 };
 
 TEST_F(MjcfFiles, AreExactlyThoseWithoutWhichTheEngineDoesNotLoadIt) {

@@ -1,14 +1,8 @@
 #include <breakwater/sim/physics_part.h>
 
-#include <gtest/gtest.h>
 #include <mujoco/mjxmacro.h>
 
-#include <algorithm>
 #include <cstring>
-#include <filesystem>
-#include <fstream>
-#include <stdexcept>
-#include <vector>
 
 #include <breakwater/sim/contact_pairs.h>
 #include "sim/small_models.h"
@@ -29,10 +23,7 @@ Both both(const std::string& file, const Names& geoms = {}) {
 }
 
 Both both_of(const std::string& mjcf, const Names& geoms = {}) {
-  const std::filesystem::path file = testing::temporary_path("model.xml");
-  std::ofstream(file) << mjcf;
-  const testing::Removed removed(file);
-  return both(file.string(), geoms);
+  return both(testing::TemporaryPath("model.xml", mjcf).string(), geoms);
 }
 
 std::vector<double> states(Model& model, int steps) {

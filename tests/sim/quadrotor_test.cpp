@@ -1,5 +1,4 @@
 // The quadrotor's MJCF and its forces against the thesis' matrices, closed forms and an ODE.
-#include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
 

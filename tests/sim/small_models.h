@@ -1,10 +1,7 @@
 // Small models and controllers for the tests of sim/.
 #pragma once
 
-#include <filesystem>
-#include <fstream>
 #include <functional>
-#include <string>
 
 #include <breakwater/control/controller.h>
 #include <breakwater/sim/model.h>
@@ -14,10 +11,7 @@ namespace breakwater::testing {
 
 /// Compiles a model given as text.
 inline Model model_of(const std::string& mjcf) {
-  const std::filesystem::path file = temporary_path("model.xml");
-  std::ofstream(file) << mjcf;
-  const Removed removed(file);
-  return Model::load(file.string());
+  return Model::load(TemporaryPath("model.xml", mjcf).string());
 }
 
 /// A controller that is one function of the sample.

@@ -2,7 +2,6 @@
 #include <breakwater/statistics/paired_comparison.h>
 
 #include <fmt/format.h>
-#include <gtest/gtest.h>
 
 #include <bit>
 #include <cmath>
@@ -210,23 +209,31 @@ TEST(Comparisons, BitsAreTheSameEverywhere) {
   EXPECT_EQ(hash, 0x28ddc68830cbbdeeULL) << std::hex << hash;
 }
 
+// Results of candidates "a", "b", …, none of which failed.
+PairedResults results_of(const std::vector<std::string>& metrics,
+                         const std::vector<Eigen::MatrixXd>& values) {
+  PairedResults results;
+  const Eigen::Index candidates = values.at(0).cols();
+  for (char name = 'a'; name < 'a' + candidates; ++name) results.candidates.emplace_back(1, name);
+  results.metrics = metrics;
+  results.values = values;
+  results.failed = Eigen::MatrixXd::Zero(values[0].rows(), candidates);
+  return results;
+}
+
 // One metric "y" of two candidates over n worlds, whose worlds matter more than the candidates.
 PairedResults two(std::size_t n, double shift, Goal goal, testing::Random& random) {
-  PairedResults results;
-  results.candidates = {"new", "old"};
-  results.baseline = 1;
-  results.metrics = {"y"};
-  results.goals = {{"y", goal}};
-  const auto rows = static_cast<Eigen::Index>(n);
-  results.failed = Eigen::MatrixXd::Zero(rows, 2);
-  Eigen::MatrixXd y(rows, 2);
-  for (Eigen::Index i = 0; i < rows; ++i) {
+  Eigen::MatrixXd y(n, 2);
+  for (Eigen::Index i = 0; i < y.rows(); ++i) {
     const double world = 5.0 * deviate(random);
     for (Eigen::Index k = 0; k < 2; ++k) {
       y(i, k) = world + std::exp(0.5 * deviate(random)) + (k == 0 ? shift : 0.0);
     }
   }
-  results.values = {y};
+  PairedResults results = results_of({"y"}, {y});
+  results.candidates = {"new", "old"};
+  results.baseline = 1;
+  results.goals = {{"y", goal}};
   return results;
 }
 
@@ -264,14 +271,11 @@ TEST(Comparisons, TheVerdictFollowsTheGoal) {
 }
 
 TEST(Comparisons, PairsWithoutBothAreLeftOutAndFailuresCountedApart) {
-  PairedResults results;
-  results.candidates = {"a", "b", "c"};
-  results.metrics = {"y", "never"};
-  results.values = {Eigen::MatrixXd(3, 3), Eigen::MatrixXd::Constant(3, 3, kNaN)};
+  PairedResults results =
+      results_of({"y", "never"}, {Eigen::MatrixXd(3, 3), Eigen::MatrixXd::Constant(3, 3, kNaN)});
   results.values[0] << 1, 2, 3,  //
       1, kNaN, 5,                //
       4, 4, kNaN;
-  results.failed = Eigen::MatrixXd::Zero(3, 3);
   results.failed(1, 1) = results.failed(2, 2) = 1.0;
   const CandidateComparison comparison = compare_candidates(results);
   ASSERT_EQ(comparison.metrics.size(), 3U);  // b-a, c-a, c-b; of "never" none
@@ -290,19 +294,16 @@ TEST(Comparisons, PairsWithoutBothAreLeftOutAndFailuresCountedApart) {
 }
 
 TEST(Comparisons, RowsOfFewerWorldsAreMarked) {
-  PairedResults results;
-  results.candidates = {"a", "b", "c"};
+  PairedResults results =
+      results_of({"gappy", "whole"}, {Eigen::MatrixXd(3, 3), Eigen::MatrixXd::Ones(3, 3)});
   results.baseline = 0;
-  results.metrics = {"gappy", "whole"};
-  results.values = {Eigen::MatrixXd(3, 3), Eigen::MatrixXd::Ones(3, 3)};
   results.values[0] << 1, kNaN, 3,  //
       1, 2, kNaN,                   //
       4, 5, 6;
-  results.failed = Eigen::MatrixXd::Zero(3, 3);
-  std::istringstream text(comparison_text(compare_candidates(results), 200));
   std::size_t marked = 0;
   bool is_said = false;
-  for (std::string line; std::getline(text, line);) {
+  for (const std::string& line :
+       testing::lines_of(comparison_text(compare_candidates(results), 200))) {
     const bool has_mark = line.find(" 2 * ") != std::string::npos;
     EXPECT_EQ(has_mark, line.starts_with("gappy")) << line;
     marked += has_mark ? 1 : 0;
@@ -313,19 +314,15 @@ TEST(Comparisons, RowsOfFewerWorldsAreMarked) {
   EXPECT_EQ(marked, 2U);  // as many worlds in b as in c, but others
   EXPECT_TRUE(is_said);
   results.values[0] = results.values[1];
-  EXPECT_EQ(comparison_text(compare_candidates(results), 200).find('*'), std::string::npos);
+  EXPECT_TRUE(lacks(comparison_text(compare_candidates(results), 200), "*"));
 }
 
 // A key that only "a" knows: nine values in each of two worlds are eighteen runs of it, but two of
 // the others, and two pairs of those.
 TEST(Comparisons, TheSamePairCountsOnce) {
-  PairedResults results;
-  results.candidates = {"a", "b", "c"};
-  results.metrics = {"y"};
+  PairedResults results = results_of({"y"}, {Eigen::MatrixXd(18, 3)});
   results.goals = {{"y", Goal::min}};
-  results.failed = Eigen::MatrixXd::Zero(18, 3);
   results.failed.col(2).head(9).setOnes();
-  results.values = {Eigen::MatrixXd(18, 3)};
   results.runs = Eigen::MatrixXi(18, 3);
   for (int i = 0; i < 18; ++i) {
     const int world = i / 9;
@@ -347,9 +344,8 @@ TEST(Comparisons, TheSamePairCountsOnce) {
   EXPECT_EQ(comparison.failures[2].pairs, 2U);
   EXPECT_EQ(comparison.failures[2].failures, 1U);
   EXPECT_TRUE(comparison.ranks.empty());
-  EXPECT_NE(
-      comparison_text(comparison, 200).find("Of 18 blocks but 2 of b, 2 of c differ in their runs"),
-      std::string::npos);
+  EXPECT_TRUE(has(comparison_text(comparison, 200),
+                  "Of 18 blocks but 2 of b, 2 of c differ in their runs"));
 }
 
 // Blocks of a sample, each repeated by seeds: the difference's deviation between blocks is 1, and
@@ -421,14 +417,12 @@ TEST(Blocks, SeedsRepeatABlock) {
   EXPECT_GT(one.between.value(), 0.9);
   EXPECT_FALSE(share_between({{0.1, 0.1 + 1e-17, 0.1 - 3e-17}, {0.1, 0.1 + 2e-17}}));
   const std::string text = comparison_text(compare_candidates(results), 300);
-  EXPECT_NE(text.find("Too few blocks: of 5 the least two-sided p is 0.0625"), std::string::npos)
-      << text;
+  EXPECT_TRUE(has(text, "Too few blocks: of 5 the least two-sided p is 0.0625"));
   const std::string csv = comparison_csv(compare_candidates(results));
-  EXPECT_NE(csv.find(",critical_difference,blocks,variance_between_blocks,"
-                     "variance_within_blocks,sign_turns_with\n"),
-            std::string::npos)
-      << csv;
-  EXPECT_NE(csv.find(",too few blocks,"), std::string::npos);
+  EXPECT_TRUE(has(csv,
+                  ",critical_difference,blocks,variance_between_blocks,"
+                  "variance_within_blocks,sign_turns_with\n",
+                  ",too few blocks,"));
   results.samples = {};  // worlds = "seeds"
   EXPECT_EQ(compared(results).p, std::ldexp(1.0, -24));
   EXPECT_EQ(compared(results).verdict, ComparisonVerdict::worse);
@@ -437,15 +431,11 @@ TEST(Blocks, SeedsRepeatABlock) {
 
 // The median over a block's seeds, then over blocks: a long block counts as much as a short one.
 TEST(Blocks, MediansAreOverSeedsThenOverBlocks) {
-  PairedResults results;
-  results.candidates = {"new", "old"};
+  PairedResults results = results_of({"y"}, {Eigen::MatrixXd::Zero(7, 2)});
   results.baseline = 1;
-  results.metrics = {"y"};
-  results.values = {Eigen::MatrixXd::Zero(7, 2)};
   results.values[0].col(0) << 1, 2, 100, 5, 7, 30, kNaN;
   results.samples = Eigen::VectorXi(7);
   results.samples << 0, 0, 0, 1, 1, 2, 2;
-  results.failed = Eigen::MatrixXd::Zero(7, 2);
   results.failed.col(0) << 1, 1, 0, 1, 0, 0, 0;
   results.failed.col(1) << 1, 0, 0, 0, 1, 0, 0;
   const CandidateComparison comparison = compare_candidates(results);
@@ -488,11 +478,7 @@ TEST(Blocks, ValuesOfAKeyWithoutEffectAreNoBlocks) {
 }
 
 TEST(Blocks, RanksAreOfBlocks) {
-  PairedResults results;
-  results.candidates = {"a", "b", "c"};
-  results.metrics = {"y"};
-  results.values = {Eigen::MatrixXd(14, 3)};
-  results.failed = Eigen::MatrixXd::Zero(14, 3);
+  PairedResults results = results_of({"y"}, {Eigen::MatrixXd(14, 3)});
   results.samples = Eigen::VectorXi(14);
   for (int row = 0; row < 14; ++row) {
     results.samples(row) = row / 2;
@@ -536,13 +522,9 @@ TEST(Crossing, ASignThatTurnsWithAKeyIsSaid) {
   EXPECT_NEAR(one.values[4].median, 5.1, 0.1);
   EXPECT_EQ(one.values[4].repeats, 5U);
   const std::string text = comparison_text(comparison, 300);
-  EXPECT_NE(text.find("too few blocks †"), std::string::npos) << text;
-  EXPECT_NE(text.find("\n† y, new beside old: the sign turns with contact.stiffness_N_m (p = "),
-            std::string::npos)
-      << text;
-  EXPECT_NE(by_key_csv(comparison).find("\ny,new,old,contact.stiffness_N_m,500,5,seeds,-0."),
-            std::string::npos)
-      << by_key_csv(comparison);
+  EXPECT_TRUE(has(text, "too few blocks †",
+                  "\n† y, new beside old: the sign turns with contact.stiffness_N_m (p = "));
+  EXPECT_TRUE(has(by_key_csv(comparison), "\ny,new,old,contact.stiffness_N_m,500,5,seeds,-0."));
   // Without seeds nothing says how far each difference is one of chance.
   EXPECT_FALSE(compare_candidates(over_key({-0.62, -0.93, -0.22, 2.2, 5.1}, 1, 0.0, random))
                    .interactions[0]
@@ -609,12 +591,9 @@ TEST(Keys, ThoseThatAreVariedTogetherAreOneEffect) {
 
 // A candidate that never has what is wanted is not just absent from the table.
 TEST(Comparisons, WhatIsNeverMeasuredIsSaid) {
-  PairedResults results;
-  results.candidates = {"a", "b"};
-  results.metrics = {"settling_s", "repairs"};
+  const Eigen::MatrixXd never = Eigen::MatrixXd::Constant(8, 2, kNaN);
+  PairedResults results = results_of({"settling_s", "repairs"}, {never, never});
   results.goals = {{"settling_s", Goal::min}};
-  results.failed = Eigen::MatrixXd::Zero(8, 2);
-  results.values = {Eigen::MatrixXd::Constant(8, 2, kNaN), Eigen::MatrixXd::Constant(8, 2, kNaN)};
   const CandidateComparison nobody = compare_candidates(results);
   EXPECT_EQ(nobody.never, (std::vector<std::vector<std::string>>{{}, {}}));
   results.values[0].col(0).setLinSpaced(1.0, 2.0);
@@ -622,8 +601,7 @@ TEST(Comparisons, WhatIsNeverMeasuredIsSaid) {
   const CandidateComparison comparison = compare_candidates(results);
   EXPECT_TRUE(comparison.metrics.empty());
   EXPECT_EQ(comparison.never, (std::vector<std::vector<std::string>>{{}, {"settling_s"}}));
-  EXPECT_NE(comparison_text(comparison, 200).find("Not one run of b has settling_s\n"),
-            std::string::npos);
+  EXPECT_TRUE(has(comparison_text(comparison, 200), "Not one run of b has settling_s\n"));
 }
 
 TEST(Comparisons, FewerFailuresAreBetter) {

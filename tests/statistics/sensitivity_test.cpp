@@ -1,13 +1,9 @@
 // Sensitivity indices against closed forms.
 #include <breakwater/statistics/sensitivity.h>
 
-#include <gtest/gtest.h>
-
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <random>
-#include <stdexcept>
 
 #include <breakwater/statistics/distribution.h>
 #include <breakwater/study/sampling.h>

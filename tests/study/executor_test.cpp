@@ -1,11 +1,9 @@
 // The engine of studies, with runs that are made up.
 #include <breakwater/study/executor.h>
 
-#include <gtest/gtest.h>
 #include <sys/resource.h>
 
 #include <chrono>
-#include <fstream>
 #include <functional>
 #include <map>
 #include <memory>
@@ -86,17 +84,11 @@ class Executor : public ::testing::Test {
     return run_points({0, 1, 2, 3}, source, shard, options);
   }
   void expect_changed(const std::string& message = ": was changed while it ran: start again") {
-    try {
-      run(source_);
-      ADD_FAILURE() << "the change was not seen";
-    } catch (const std::invalid_argument& error) {
-      EXPECT_EQ(error.what(), source_.model().string() + message);
-    }
+    EXPECT_EQ(complaint_of([&] { run(source_); }), source_.model().string() + message);
   }
   std::size_t kept() const { return results_by_key(source_.shards()).size(); }
 
-  const fs::path folder_ = testing::temporary_path("executor");
-  testing::Removed removed_{folder_};
+  const testing::TemporaryPath folder_{"executor"};
   Source source_{folder_};
 };
 

@@ -1,15 +1,12 @@
 // Points in the unit cube: what each method promises, and SciPy's.
 #include <breakwater/study/sampling.h>
 
-#include <gtest/gtest.h>
-
 #include <bit>
 #include <cmath>
 #include <map>
 #include <numeric>
 #include <set>
 #include <sstream>
-#include <stdexcept>
 
 #include "python.h"
 

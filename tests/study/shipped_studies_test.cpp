@@ -1,13 +1,7 @@
 // The study files that come with Breakwater, and the tables in docs/studies that they made.
-#include <gtest/gtest.h>
 
-#include <algorithm>
 #include <atomic>
-#include <filesystem>
-#include <fstream>
 #include <sstream>
-#include <string>
-#include <vector>
 
 #include <breakwater/config/toml_file.h>
 #include <breakwater/config/toml_text.h>

@@ -1,12 +1,11 @@
 // lin(a,b,n) and log(a,b,n).
 #include <breakwater/study/value_list.h>
 
-#include <gtest/gtest.h>
-
 #include <cmath>
 #include <stdexcept>
 
 #include <breakwater/study/study.h>
+#include "support.h"
 
 namespace breakwater::value_list_test {
 namespace {
@@ -41,12 +40,7 @@ TEST(ValueList, EndsAreExactAndValuesGoUp) {
 }
 
 std::string reason(const std::string& text) {
-  try {
-    value_list(text);
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return "";
+  return complaint_of([&] { value_list(text); });
 }
 
 TEST(ValueList, SaysWhatIsWrong) {

@@ -1,13 +1,8 @@
 // The sea: its spectrum, its realisations, and the laws of water.
 #include <breakwater/world/waves.h>
 
-#include <gtest/gtest.h>
-
 #include <cmath>
-#include <complex>
 #include <numbers>
-#include <stdexcept>
-#include <vector>
 
 #include "support.h"
 

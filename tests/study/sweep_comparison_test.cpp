@@ -1,0 +1,218 @@
+// What a study says of its candidates and keys: comparisons, pages, indices.
+#include <cmath>
+#include <numbers>
+
+#include <breakwater/statistics/sensitivity.h>
+#include "study/sweep_folder.h"
+
+namespace breakwater {
+namespace {
+namespace fs = std::filesystem;
+using testing::ProgramResult;
+
+class SweepComparison : public testing::SweepFolder {};
+
+TEST_F(SweepComparison, CandidatesAreComparedInTheSameWorlds) {
+  write("study.toml", R"toml(
+scenario = "ishigami"
+seeds = { first = 1, count = 2 }
+[vary]
+"x.second" = "lin(0.1,1,12)"
+[compare]
+case = ["plain", "noisy"]
+"x.third" = [0.5, 1.5]
+baseline = "plain, x.third = 0.5"
+goal = { y_1 = "min" }
+)toml");
+  const ProgramResult result = swept("study.toml --out s");
+  EXPECT_EQ(result.err, "");
+  EXPECT_TRUE(has(result.out, "no difference shown"));
+  const auto cells = results("s", "comparison.csv");
+  // A label has a comma, and so its quotes are cut in two: metric, goal, "case, key", ….
+  ASSERT_EQ(cells.size(), 1U + 2 * 3 + 3 + 2 * 4);
+  EXPECT_EQ(cells[1][0] + cells[1][1], "y_1min");
+  // x.third = 1.5 adds 0.1 (1.5⁴ − 0.5⁴) sin x₁ in each world, which its seeds leave as it is.
+  EXPECT_EQ(cells[1][2] + cells[1][3], "\"plain x.third = 1.5\"");
+  EXPECT_EQ(cells[1][6], "24");   // pairs
+  EXPECT_EQ(cells[1][27], "12");  // blocks
+  EXPECT_NEAR(std::stod(cells[1][13]), 0.5 * std::sin(0.5), 1e-12);
+  EXPECT_EQ(std::stod(cells[1][16]), std::ldexp(1.0, -11));
+  EXPECT_EQ(cells[1].at(20), "worse");
+  // Case noisy: the shift of seed 1 and of seed 2.
+  EXPECT_NEAR(std::stod(cells[2][13]), 0.05 * (std::sin(1.0) + std::sin(2.0)), 1e-12);
+  // A metric without a goal; all candidates have the same.
+  EXPECT_EQ(cells[4][0] + cells[4][1], "positive_x_second_1");
+  EXPECT_EQ(cells[4].at(20), "no difference shown");
+  EXPECT_EQ(cells[7][0], "failure");
+  // The same bytes again, and of another number of workers.
+  const std::string bytes = read("s/comparison.csv");
+  swept("study.toml --out t --jobs 1");
+  EXPECT_EQ(read("t/comparison.csv"), bytes);
+  // A study of one candidate compares nothing; seeds are no worlds of their own.
+  swept(
+      "ishigami --case plain --seeds 1..9 --vary x.second=1,2 --metrics y_1 --goal y_1=max "
+      "--out u");
+  EXPECT_FALSE(fs::exists(folder_ / "u/comparison.csv"));  // one candidate
+  write("deep.toml",
+        "scenario = \"ishigami\"\nseeds = [1, 2, 3]\n[vary]\n\"x.second\" = [1, 2]\n"
+        "[compare]\n\"x.third\" = [0, 1]\nmetrics = [\"y_1\"]\ngoal.unheard_of = \"max\"\n");
+  EXPECT_EQ(swept("deep.toml --out v").err, "sweep: compare.goal.unheard_of: no run has it\n");
+  EXPECT_EQ(results("v", "comparison.csv").at(1).at(25), "2");  // blocks
+}
+
+// Five walls and five seeds: x.third = 1.5 is worse in all 25 pairs, and yet in five worlds alone.
+TEST_F(SweepComparison, SeedsRepeatWhatTheVariedKeysMake) {
+  write("study.toml", R"toml(
+scenario = "ishigami"
+case = "noisy"
+seeds = { first = 1, count = 5 }
+[vary]
+"x.second" = "lin(0.1,1,5)"
+"trouble.takes_s" = [0, 0.0001]                 # of no effect: its values are repeats
+[compare]
+"x.third" = [0.5, 1.5]
+baseline = "x.third = 0.5"
+goal.y_1 = "min"
+)toml");
+  const ProgramResult few = swept("study.toml --out few");
+  EXPECT_TRUE(has(few.out, "too few blocks", "of 5 the least two-sided p is 0.0625"));
+  auto cells = results("few", "comparison.csv");
+  EXPECT_EQ(cells[1].at(18) + cells[1].at(25) + cells[1].at(14), "too few blocks50.0625");
+  const std::string page = read("few/report.html");
+  EXPECT_TRUE(has(page, ">too few blocks</b>", "Between: the share"));
+  // Each seed a world, where that is asked for. Both values of a key without effect are one.
+  swept("study.toml --worlds seeds --out seeds");
+  cells = results("seeds", "comparison.csv");
+  EXPECT_EQ(cells[1].at(18) + cells[1].at(25), "worse25");
+  EXPECT_TRUE(lacks(read("seeds/report.html"), "Between: the share"));
+  EXPECT_TRUE(has(read("seeds/study.toml"), "worlds = \"seeds\"\n"));
+  EXPECT_EQ(read("seeds/results.csv"), read("few/results.csv"));
+  // Without a varied key seeds are what there is.
+  write("seeds.toml", R"toml(
+scenario = "ishigami"
+case = "noisy"
+seeds = { first = 1, count = 8 }
+[compare]
+"y.noise" = [0.1, 0.2]
+metrics = ["y_1"]
+)toml");
+  swept("seeds.toml --out alone");
+  EXPECT_EQ(results("alone", "comparison.csv").at(1).at(25), "8");
+  expect_refusals(
+      "ishigami_lab sweep study.toml --out no ",
+      {{"--worlds sample",
+        "--worlds: must be one of samples, seeds, is \"sample\" (did you mean samples?)"},
+       {"--goal y_1=min --goal y_1=max", "--goal: y_1: is given twice"}});
+}
+
+// x.third makes 0.1 x₃⁴ sin x₁ of y: its sign is that of x.first.
+TEST_F(SweepComparison, ASignThatTurnsWithAVariedKeyIsSaid) {
+  write("study.toml", R"toml(
+scenario = "ishigami"
+case = "noisy"
+seeds = { first = 1, count = 5 }
+[vary]
+"x.first" = [-2, -1, -0.5, 1, 2.5]
+[compare]
+"x.third" = [0.5, 1.5]
+baseline = "x.third = 0.5"
+metrics = ["y_1"]
+)toml");
+  const ProgramResult result = swept("study.toml --out s");
+  EXPECT_TRUE(has(result.out,
+                  "† y_1, x.third = 1.5 beside x.third = 0.5: the sign turns with "
+                  "x.first (p < 1e-15): -0.4546 at -2, -0.4207 at -1, "));
+  const auto cells = results("s", "comparison_by_key.csv");
+  ASSERT_EQ(cells.size(), 6U);
+  EXPECT_EQ(cells[1].at(3) + cells[1].at(4), "x.first-2");
+  EXPECT_NEAR(std::stod(cells[1].at(7)), 0.5 * std::sin(-2.0), 1e-12);
+  EXPECT_EQ(cells[5].at(12), "yes");
+  EXPECT_EQ(results("s", "comparison.csv").at(1).at(28), "x.first");
+  const std::string page = read("s/report.html");
+  EXPECT_TRUE(has(page, "Its sign turns with x.first: x.third = 1.5 beside x.third = 0.5",
+                  "y_1, x.third = 1.5 less x.third = 0.5 over x.first",
+                  "its sign turns with x.first</span>"));
+}
+
+TEST_F(SweepComparison, KeysVariedTogetherAreOneEffect) {
+  const ProgramResult result =
+      swept("ishigami --method list --vary x.first=1,2,3 --vary x.third=0.1,0.3,0.2 --out s");
+  const std::string said = "x.first (with x.third)";
+  EXPECT_TRUE(has(result.out, "vary: " + said + ": varied together"));
+  const std::string page = read("s/report.html");
+  EXPECT_TRUE(has(page, "y_1 over " + said));
+  EXPECT_TRUE(lacks(page, "y_1 over x.third"));
+  EXPECT_TRUE(has(page, said + ": their effects cannot be told apart"));
+}
+
+TEST_F(SweepComparison, ThePageOpensWithTheFirstMetricThatIsNamed) {
+  int count = 0;
+  const auto first = [&](const std::string& options) {
+    const std::string out = std::to_string(++count);
+    swept("ishigami --case plain,noisy --seeds 1..6 --out " + out + " " + options);
+    const std::string page = read(out + "/report.html");
+    const std::string begin = "id=\"metric-1\" class=\"metric\" data-name=\"";
+    const std::size_t at = page.find(begin) + begin.size();
+    return page.substr(at, page.find('"', at) - at);
+  };
+  EXPECT_EQ(first(""), "y_1");
+  const std::string second = "positive_x_second_1";
+  EXPECT_EQ(first("--metrics " + second), second);
+  EXPECT_EQ(first("--goal " + second + "=max"), second);
+  EXPECT_EQ(first("--goal y_1=min --goal " + second + "=max"), "y_1");  // not by the alphabet
+}
+
+TEST_F(SweepComparison, RowsOfFewerWorldsAreMarked) {
+  write("study.toml", R"toml(
+scenario = "ishigami"
+[vary]
+"x.first" = [0, 0.5, 2]
+[compare]
+"trouble.fails_above" = [10, 1, 9]
+baseline = "trouble.fails_above = 10"
+)toml");
+  const ProgramResult result = swept("study.toml --out s");
+  EXPECT_TRUE(has(result.out, "2 *"));
+  EXPECT_TRUE(lacks(result.out, "3 *"));
+  EXPECT_TRUE(has(result.out, "\n* of fewer blocks than 3: "));
+}
+
+// A slip of the pen costs no study.
+TEST_F(SweepComparison, AMisspeltMetricIsFoundByTheFirstRuns) {
+  expect_refusals(
+      "ishigami_lab sweep ishigami --case plain,noisy --seeds 1..9 --out misspelt ",
+      {{"--goal y_2=max",
+        "compare.goal.y_2: the first and the last run have no such metric (did you mean y_1?)"},
+       {"--metrics y_2",
+        "compare.metrics: y_2: the first and the last run have no such metric (did you mean "
+        "y_1?)"}});
+}
+
+TEST_F(SweepComparison, SensitivityIndicesOfTheIshigamiFunctionAreTheClosedForm) {
+  const double pi = std::numbers::pi;
+  const std::string from_minus_to_plus_pi = "=uniform(-3.141592653589793,3.141592653589793)";
+  swept("ishigami --method saltelli --samples 4096 --vary x.first" + from_minus_to_plus_pi +
+        " --vary x.second" + from_minus_to_plus_pi + " --vary x.third" + from_minus_to_plus_pi +
+        " --out s");
+  const auto rows = results("s");
+  ASSERT_EQ(rows.size(), 1U + 4096 * 5);
+  Eigen::MatrixXd f(4096, 5);
+  for (std::size_t i = 1; i < rows.size(); ++i) {
+    f(static_cast<Eigen::Index>((i - 1) / 5), static_cast<Eigen::Index>((i - 1) % 5)) =
+        std::stod(rows[i][8]);
+  }
+  const SensitivityIndices indices = sensitivity_indices(f, {.replicates = 0});
+  const double a = 7.0, b = 0.1;
+  const double v1 = 0.5 * std::pow(1.0 + b * std::pow(pi, 4) / 5.0, 2);
+  const double v2 = a * a / 8.0;
+  const double v13 = b * b * std::pow(pi, 8) * (1.0 / 18.0 - 1.0 / 50.0);
+  const double v = v1 + v2 + v13;
+  const double first_order[] = {v1 / v, v2 / v, 0.0}, total[] = {(v1 + v13) / v, v2 / v, v13 / v};
+  for (std::size_t k = 0; k < 3; ++k) {
+    EXPECT_NEAR(indices.first_order[k].value, first_order[k], 0.01) << k;
+    EXPECT_NEAR(indices.total[k].value, total[k], 0.01) << k;
+  }
+}
+
+}  // namespace
+}  // namespace breakwater

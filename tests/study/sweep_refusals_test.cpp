@@ -1,0 +1,125 @@
+// What `breakwater sweep` refuses, and what it warns of.
+#include "study/sweep_folder.h"
+
+namespace breakwater {
+namespace {
+namespace fs = std::filesystem;
+using testing::ProgramResult;
+
+class SweepRefusals : public testing::SweepFolder {};
+
+TEST_F(SweepRefusals, NonsenseInAFile) {
+  const std::string lhs = "method = \"lhs\"\nsamples = 4\n[vary]\n";
+  const std::string compare = "[compare]\ncase = [\"plain\", \"noisy\"]\n";
+  const std::string many = " = \"lin(0,1,10000)\"\n";
+  for (const auto& [text, line] : Refusals{
+           {"[objective]\ny_1 = { goal = \"min\" }\n",
+            "bad.toml:2: objective: is of a tuning: breakwater tune"},
+           {"sample = 3\n", "bad.toml:2: sample: unknown key (did you mean samples?)"},
+           {"[vary]\n\"x.frist\" = [1]\n",
+            "bad.toml:3: vary.x.frist: unknown key (did you mean x.first?)"},
+           {"[vary]\n\"x.first\" = [1, \"two\"]\n",
+            "bad.toml:3: vary.x.first: must be a number, is \"two\""},
+           {"[vary]\n\"y.noise\" = [1, -1]\n",
+            "bad.toml:3: vary.y.noise: must be 0 or more, is -1"},
+           {"[vary]\n\"x.first\" = []\n", "bad.toml:3: vary.x.first: has no values"},
+           {"[vary]\n\"x.first\" = \"lin(2,1,4)\"\n",
+            "bad.toml:3: vary.x.first: \"lin(2,1,4)\" is upside down"},
+           {"[vary]\n\"x.first\" = \"log(0,1,4)\"\n",
+            "bad.toml:3: vary.x.first: \"log(0,1,4)\" must be positive: it is logarithmic"},
+           {lhs + "\"x.first\" = { uniform = [1, 0] }\n",
+            "bad.toml:5: vary.x.first: the range [1, 0] is upside down"},
+           {lhs + "\"x.first\" = { log_uniform = [0, 1] }\n",
+            "bad.toml:5: vary.x.first: a logarithmic range must be positive, and begins at 0"},
+           {lhs + "\"x.first\" = { unifrom = [0, 1] }\n",
+            "bad.toml:5: vary.x.first: there is no distribution unifrom (did you mean uniform?)"},
+           {"[vary]\n\"x.first\" = { uniform = [0, 1] }\n",
+            "bad.toml:3: vary.x.first: a distribution needs a method that draws: random, lhs, "
+            "sobol or saltelli"},
+           {"[vary]\n\"run.seed\" = [1, 2]\n", "bad.toml:3: vary.run.seed: say seeds instead"},
+           {"[compare]\n\"run.seed\" = [1, 2]\n",
+            "bad.toml:3: compare.run.seed: say seeds instead"},
+           {"[vary]\n\"x.first\" = [1, 2, 1]\n",
+            "bad.toml:3: vary.x.first: a value is there twice"},
+           {"method = \"list\"\n[vary]\n\"x.first\" = [1, 2]\n\"x.second\" = [1]\n",
+            "bad.toml:5: vary.x.second: has 1 values, and x.first has 2: a list needs as many of "
+            "each"},
+           {"method = \"sobol\"\n[vary]\n\"x.first\" = [1, 2]\n",
+            "bad.toml:2: samples: is missing"},
+           {"seeds = { first = 1, cuont = 3 }\n",
+            "bad.toml:2: seeds.cuont: unknown key (did you mean count?)"},
+           {"seeds = [1, 1]\n", "bad.toml:2: seeds: one is there twice"},
+           {"[compare]\ncase = [\"plain\", \"nosy\"]\n",
+            "--case: PROJECT/tests/study/ishigami/ishigami.toml has no case \"nosy\" (did you mean "
+            "noisy?)"},
+           {compare + "baseline = \"other\"\n",
+            "compare.baseline: \"other\" is not among what is compared: plain; noisy"},
+           {compare + "goal = { y_1 = \"mni\" }\n",
+            "bad.toml:4: compare.goal.y_1: must be one of min, max, is \"mni\" (did you mean "
+            "min?)"},
+           {compare + "goal = \"min\"\n", "bad.toml:4: goal: must be a table"},
+           {compare + "metrics = []\n", "bad.toml:4: compare.metrics: is empty"},
+           {"[vary]\n\"x.first\"" + many + "\"x.second\"" + many + "\"x.third\"" + many,
+            "vary: 1e+12 points are more than 10000000: 1e+12 samples, 1 seeds, 1 candidates"}}) {
+    write("bad.toml", "scenario = \"ishigami\"\n" + text);
+    SCOPED_TRACE(text);
+    expect_refused("ishigami_lab sweep bad.toml --out s", line);
+  }
+}
+
+TEST_F(SweepRefusals, NonsenseInTheCommand) {
+  expect_refusals(
+      "ishigami_lab sweep ",
+      {{"ishigami --goal y_1=least", "--goal: y_1: must be one of min, max, is \"least\""},
+       {"ishigami --vary x.first", "--vary: x.first: must be of the form KEY=VALUE"},
+       {"ishigami --vary x.first=1,,2", "--vary: x.first: 1,,2: a value is missing"},
+       {"ishigami --vary x.first=1 --vary x.first=2", "--vary: x.first: is given twice"},
+       {"ishigami --vary x.first=1 --set x.first=2", "--vary: x.first: is set and varied"},
+       {"ishigami --vary x.first=unifrom(0,1)",
+        "--vary: x.first: unifrom(0,1): there is no unifrom(): there are uniform, "
+        "log_uniform, normal, lin, log (did you mean uniform?)"},
+       {"ishigami --seeds 5..1", "--seeds: 5..1: must be 1..20 or 1,4,7"},
+       {"ishigam", "there is no scenario \"ishigam\" (did you mean ishigami?)"},
+       {"nothing.toml", "nothing.toml: there is no such file or folder"}});
+}
+
+TEST_F(SweepRefusals, WarnsOfWhatIsInVain) {
+  const auto said = [&](const std::string& words) {
+    const ProgramResult result = ran(words + " --out s");
+    fs::remove_all(folder_ / "s");
+    return result;
+  };
+  for (const auto& [words, warning] : Refusals{
+           {"--method sobol --vary x.first=uniform(0,1) --samples 100",
+            "samples: Sobol' points are even for a power of two: 64 or 128"},
+           {"--method sobol --vary x.first=uniform(0,1) --samples 64", ""},
+           {"--seeds 1..3",
+            "seeds: the 3 of each sample gave the same run: without noise they change nothing"},
+           {"--seeds 1..3 --dry-run",
+            "seeds: 1 and 2 give the same run of plain: without noise they change nothing"},
+           {"--seeds 1..3 --case noisy", ""},
+           {"--vary x.second=1,2", ""},
+           {"--vary x.second=-1,1",
+            "positive_x_second_1 is missing: in 1 of 2 complete runs of plain"},
+           {"--metrics y_2 --case 'plain, noisy' --dry-run",
+            "compare.metrics: y_2: none of these runs has it (did you mean y_1?)"},
+           {"--duration 0.5 --dry-run", ""}}) {  // they know that it is shorter
+    const ProgramResult result = said("ishigami_lab sweep ishigami " + words);
+    const std::string all = result.err + result.out;
+    EXPECT_TRUE(warning.empty() ? lacks(all, "warning", "same run") : has(all, warning)) << words;
+    EXPECT_EQ(said("ishigami_lab sweep ishigami --quiet " + words).err,
+              warning.empty() ? "" : "sweep: warning: " + warning + "\n")
+        << words;
+  }
+  // A key that the chosen estimator does not use, and one that another candidate does.
+  const auto motor = [&](const std::string& cases) {
+    return said("breakwater sweep motor_estimation --case " + cases +
+                " --vary observer.poles_rad_s=[-10,-20,-30],[-11,-20,-30] --duration 0.01")
+        .err;
+  };
+  EXPECT_TRUE(has(motor("stf"), "sweep: warning: --vary: observer."));
+  EXPECT_TRUE(lacks(motor("stf,idob"), "warning"));
+}
+
+}  // namespace
+}  // namespace breakwater
