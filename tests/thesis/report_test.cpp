@@ -1,11 +1,6 @@
 // What reports are made of: verdicts, measurements, tables, pages.
 
 #include <cmath>
-<<<<<<< HEAD
-#include <filesystem>
-#include <fstream>
-    =======
->>>>>>> 71081d58e05e05d5b9f5c2de0a9ad4decc481dfd
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <regex>
@@ -25,677 +20,629 @@
 #include <breakwater/thesis/thesis_report.h>
 #include "catalogue.h"
 
-    namespace breakwater {
-  namespace {
+namespace breakwater {
+namespace {
 
-  constexpr double kNever = std::numeric_limits<double>::infinity();
+constexpr double kNever = std::numeric_limits<double>::infinity();
 
-  Experiments own_experiments(Effort effort = Effort::quick) {
-    return read_experiments(testing::source_file("data/experiments.toml"), effort);
-  }
+Experiments own_experiments(Effort effort = Effort::quick) {
+  return read_experiments(testing::source_file("data/experiments.toml"), effort);
+}
 
-  TEST(Verdict, NumbersHaveTwoBands) {
-    Standard standard;
-    standard.reproduced.relative = 0.05;
-    standard.within.relative = 0.25;
-    const PrintedResult printed{2.0, ""};
-    EXPECT_EQ(judge(2.09, printed, standard), Verdict::reproduced);
-    EXPECT_EQ(judge(2.11, printed, standard), Verdict::within_class);
-    EXPECT_EQ(judge(1.51, printed, standard), Verdict::within_class);
-    EXPECT_EQ(judge(1.49, printed, standard), Verdict::not_reproduced);
-    EXPECT_EQ(judge(NAN, printed, standard), Verdict::not_measured);
-    EXPECT_EQ(judge(kNever, printed, standard), Verdict::not_reproduced);
-  }
+TEST(Verdict, NumbersHaveTwoBands) {
+  Standard standard;
+  standard.reproduced.relative = 0.05;
+  standard.within.relative = 0.25;
+  const PrintedResult printed{2.0, ""};
+  EXPECT_EQ(judge(2.09, printed, standard), Verdict::reproduced);
+  EXPECT_EQ(judge(2.11, printed, standard), Verdict::within_class);
+  EXPECT_EQ(judge(1.51, printed, standard), Verdict::within_class);
+  EXPECT_EQ(judge(1.49, printed, standard), Verdict::not_reproduced);
+  EXPECT_EQ(judge(NAN, printed, standard), Verdict::not_measured);
+  EXPECT_EQ(judge(kNever, printed, standard), Verdict::not_reproduced);
+}
 
-  TEST(Verdict, WhatRoundsToThePrintedDigitsIsReproduced) {
-    const PrintedResults& printed = printed_results();
-    const auto half_unit = [&](const char* path) { return printed.find(path).value().half_unit; };
-    EXPECT_DOUBLE_EQ(half_unit("motor_estimation.table_4_8.Ts_1e-2.n48[5]"), 0.05);     // 66.0
-    EXPECT_DOUBLE_EQ(half_unit("motor_estimation.table_4_8.Ts_1e-2.n48[3]"), 0.5e-15);  // 1.00e-13
-    EXPECT_DOUBLE_EQ(half_unit("cart_estimation.table_4_5.gamma_1_02.response_s"), 0.5);
-    EXPECT_EQ(printed.find("motor_estimation.table_4_8.Ts_1e-2.n48[5]")->text(), "66.0");
+TEST(Verdict, WhatRoundsToThePrintedDigitsIsReproduced) {
+  const PrintedResults& printed = printed_results();
+  const auto half_unit = [&](const char* path) { return printed.find(path).value().half_unit; };
+  EXPECT_DOUBLE_EQ(half_unit("motor_estimation.table_4_8.Ts_1e-2.n48[5]"), 0.05);     // 66.0
+  EXPECT_DOUBLE_EQ(half_unit("motor_estimation.table_4_8.Ts_1e-2.n48[3]"), 0.5e-15);  // 1.00e-13
+  EXPECT_DOUBLE_EQ(half_unit("cart_estimation.table_4_5.gamma_1_02.response_s"), 0.5);
+  EXPECT_EQ(printed.find("motor_estimation.table_4_8.Ts_1e-2.n48[5]")->text(), "66.0");
 
-    Standard standard;
-    standard.reproduced.relative = 0.2;
-    standard.within.relative = 0.5;
-    const PrintedResult one_digit{0.01, "0.01", 0.005};
-    EXPECT_EQ(judge(0.0149, one_digit, standard), Verdict::reproduced);
-    EXPECT_EQ(judge(0.0051, one_digit, standard), Verdict::reproduced);
-    EXPECT_EQ(judge(0.0151, one_digit, standard), Verdict::not_reproduced);
-    const PrintedResult three_digits{0.0100, "0.0100", 0.00005};
-    EXPECT_EQ(judge(0.0149, three_digits, standard), Verdict::within_class);
-    // "461 s at least" asks for no number about 461.
-    Standard at_least;
-    at_least.reproduced.above = 1000.0;
-    at_least.within.above = 500.0;
-    EXPECT_EQ(judge(461.2, {461.0, "461", 0.5}, at_least), Verdict::not_reproduced);
-  }
+  Standard standard;
+  standard.reproduced.relative = 0.2;
+  standard.within.relative = 0.5;
+  const PrintedResult one_digit{0.01, "0.01", 0.005};
+  EXPECT_EQ(judge(0.0149, one_digit, standard), Verdict::reproduced);
+  EXPECT_EQ(judge(0.0051, one_digit, standard), Verdict::reproduced);
+  EXPECT_EQ(judge(0.0151, one_digit, standard), Verdict::not_reproduced);
+  const PrintedResult three_digits{0.0100, "0.0100", 0.00005};
+  EXPECT_EQ(judge(0.0149, three_digits, standard), Verdict::within_class);
+  // "461 s at least" asks for no number about 461.
+  Standard at_least;
+  at_least.reproduced.above = 1000.0;
+  at_least.within.above = 500.0;
+  EXPECT_EQ(judge(461.2, {461.0, "461", 0.5}, at_least), Verdict::not_reproduced);
+}
 
-  TEST(Verdict, WordsAreDeserved) {
-    const PrintedResults& printed = printed_results();
-    const std::string path = "cart_estimation.table_4_4.ramp.first";
-    const PrintedResult result = printed.find(path).value();
-    EXPECT_EQ(result.word, "P");
-    EXPECT_EQ(judge(0.049, result, printed.standard(path)), Verdict::reproduced);
-    EXPECT_EQ(judge(0.051, result, printed.standard(path)), Verdict::not_reproduced);
-    // A high sine is ignored: following it would be wrong.
-    const std::string high = "cart_estimation.table_4_4.high_sine.first";
-    EXPECT_EQ(judge(1.0, *printed.find(high), printed.standard(high)), Verdict::reproduced);
-    EXPECT_EQ(judge(0.02, *printed.find(high), printed.standard(high)), Verdict::not_reproduced);
-  }
+TEST(Verdict, WordsAreDeserved) {
+  const PrintedResults& printed = printed_results();
+  const std::string path = "cart_estimation.table_4_4.ramp.first";
+  const PrintedResult result = printed.find(path).value();
+  EXPECT_EQ(result.word, "P");
+  EXPECT_EQ(judge(0.049, result, printed.standard(path)), Verdict::reproduced);
+  EXPECT_EQ(judge(0.051, result, printed.standard(path)), Verdict::not_reproduced);
+  // A high sine is ignored: following it would be wrong.
+  const std::string high = "cart_estimation.table_4_4.high_sine.first";
+  EXPECT_EQ(judge(1.0, *printed.find(high), printed.standard(high)), Verdict::reproduced);
+  EXPECT_EQ(judge(0.02, *printed.find(high), printed.standard(high)), Verdict::not_reproduced);
+}
 
-  TEST(Verdict, NeverIsAnAnswer) {
-    const PrintedResults& printed = printed_results();
-    const std::string path = "cart_estimation.table_4_7.step.conventional";
-    EXPECT_EQ(judge(kNever, *printed.find(path), printed.standard(path)), Verdict::reproduced);
-    EXPECT_EQ(judge(5.0, *printed.find(path), printed.standard(path)), Verdict::not_reproduced);
-  }
+TEST(Verdict, NeverIsAnAnswer) {
+  const PrintedResults& printed = printed_results();
+  const std::string path = "cart_estimation.table_4_7.step.conventional";
+  EXPECT_EQ(judge(kNever, *printed.find(path), printed.standard(path)), Verdict::reproduced);
+  EXPECT_EQ(judge(5.0, *printed.find(path), printed.standard(path)), Verdict::not_reproduced);
+}
 
-  // A cell of metric `metric` of run "any".
-  CellSpec cell_of(const std::string& metric, const std::string& printed = "") {
-    CellSpec cell;
-    cell.quantity = {"any", metric};
-    cell.printed = printed;
-    return cell;
-  }
+// A cell of metric `metric` of run "any".
+CellSpec cell_of(const std::string& metric, const std::string& printed = "") {
+  CellSpec cell;
+  cell.quantity = {"any", metric};
+  cell.printed = printed;
+  return cell;
+}
 
-  // What says that the metric lies above a bound.
-  CellSpec statement_of(const std::string& metric, double above) {
-    CellSpec cell = cell_of(metric);
-    cell.says = "so";
-    cell.holds.above = above;
-    return cell;
-  }
+// What says that the metric lies above a bound.
+CellSpec statement_of(const std::string& metric, double above) {
+  CellSpec cell = cell_of(metric);
+  cell.says = "so";
+  cell.holds.above = above;
+  return cell;
+}
 
-  // Runs "any" whose metric has these values.
-  Measured runs_of(const std::string& metric, const std::vector<double>& values) {
-    Measured measured;
-    for (const double value : values) measured["any"].emplace_back().values[metric] = value;
-    return measured;
-  }
+// Runs "any" whose metric has these values.
+Measured runs_of(const std::string& metric, const std::vector<double>& values) {
+  Measured measured;
+  for (const double value : values) measured["any"].emplace_back().values[metric] = value;
+  return measured;
+}
 
-  Judged judged(const CellSpec& cell, const Measured& measured) {
-    return judge_cell(cell, measured, printed_results());
-  }
+Judged judged(const CellSpec& cell, const Measured& measured) {
+  return judge_cell(cell, measured, printed_results());
+}
 
-  // Every number of a page goes through here: what is measured decides, and nothing else.
-  TEST(Verdict, FlipsWithTheMeasuredValue) {
-    const std::string metric = "free_motion_time_s";
-    const CellSpec cell = cell_of(metric, "arm_wall_contact.force_2N.proposed.free_motion_time_s");
-    const auto verdict = [&](const std::vector<double>& values) {
-      return judged(cell, runs_of(metric, values)).verdict;
-    };
-    EXPECT_EQ(verdict({0.528}), Verdict::reproduced);
-    EXPECT_EQ(verdict({0.560}), Verdict::within_class);
-    EXPECT_EQ(verdict({0.700}), Verdict::not_reproduced);
-    EXPECT_EQ(verdict({0.1, 0.528, 0.9}), Verdict::reproduced) << "the median decides";
-    EXPECT_EQ(verdict({0.1, 0.2, 0.528}), Verdict::not_reproduced);
-  }
-
-  TEST(Verdict, AFailedRunIsNoSuccess) {
-    CellSpec cell = cell_of("converged", "quadrotor_waves.converges.ukf_second");
-    cell.if_failed = 0.0;
-    Measured measured;
-    measured["any"].emplace_back().failed = true;
-    EXPECT_EQ(judged(cell, measured).verdict, Verdict::not_reproduced);
-    cell.printed = "quadrotor_waves.converges.ekf_second";
-    EXPECT_EQ(judged(cell, measured).verdict, Verdict::reproduced);
-  }
-
-  TEST(Verdict, AFailedRunHoldsNothingUnlessTheCellSaysWhat) {
-    CellSpec cell = statement_of("max_speed_m_s", 1.0);
-    cell.if_failed = std::numeric_limits<double>::quiet_NaN();
-    Measured measured = runs_of("max_speed_m_s", {1.2, 1.2, 1.2});
-    EXPECT_EQ(judged(cell, measured).verdict, Verdict::reproduced);
-    measured["any"][1].failed = true;
-    EXPECT_EQ(judged(cell, measured).verdict, Verdict::not_reproduced);
-    EXPECT_EQ(judged(cell, measured).measured, "1 of 3 runs fail");
-    // The same where it is what others are divided by.
-    measured["any"][1].failed = false;
-    cell.over = Quantity{"other", cell.quantity.metric};
-    measured["other"].emplace_back().failed = true;
-    EXPECT_EQ(judged(cell, measured).verdict, Verdict::not_reproduced);
-  }
-
-  TEST(Verdict, AnAbsentMetricIsNotMeasuredUnlessTheCellSaysThatItMeansNever) {
-    CellSpec cell = statement_of("setling_time_s", 1.0);
-    Measured measured = runs_of("settling_time_s", {0.1});
-    const Judged misspelt = judged(cell, measured);
-    EXPECT_EQ(misspelt.verdict, Verdict::not_measured);
-    EXPECT_EQ(misspelt.measured, "not measured");
-    EXPECT_EQ(misspelt.numbers, 0U);
-    cell.absent_is_never = true;
-    EXPECT_EQ(judged(cell, measured).verdict, Verdict::not_measured)
-        << "no other run has it, so nothing says that it is a metric at all";
-    measured["any"][0].absent.insert("setling_time_s");
-    EXPECT_EQ(judged(cell, measured).verdict, Verdict::reproduced);
-    EXPECT_EQ(judged(cell, measured).measured, "never");
-    // What is there and no number is not measured, whatever absence means.
-    measured["any"][0].values["setling_time_s"] = NAN;
-    EXPECT_EQ(judged(cell, measured).verdict, Verdict::not_measured);
-  }
-
-  TEST(Verdict, OneRunWithoutTheMetricLeavesTheCellNotMeasured) {
-    CellSpec cell = cell_of("converged", "quadrotor_waves.converges.ukf_second");
-    Measured measured = runs_of("converged", {1.0, 1.0});
-    measured["any"].emplace_back();
-    for (const bool is_share : {false, true}) {
-      cell.is_share = is_share;
-      EXPECT_EQ(judged(cell, measured).verdict, Verdict::not_measured);
-      EXPECT_EQ(judged(cell, measured).numbers, 2U);
-    }
-  }
-
-  TEST(Verdict, APartOfNothingIsNotMeasured) {
-    CellSpec cell = statement_of("peak_N", -1e300);
-    cell.over = Quantity{"other", "peak_N"};
-    cell.absent_is_never = true;
-    Measured measured = runs_of("peak_N", {1.0});
-    Measurement& other = measured["other"].emplace_back();
-    for (const double nothing : {0.0, -0.0, double(NAN), kNever}) {
-      other.values["peak_N"] = nothing;
-      EXPECT_EQ(judged(cell, measured).verdict, Verdict::not_measured) << nothing;
-    }
-    other.values.clear();
-    other.absent.insert("peak_N");
-    EXPECT_EQ(judged(cell, measured).verdict, Verdict::not_measured) << "a part of never";
-    other.values["peak_N"] = 2.0;
-    EXPECT_EQ(judged(cell, measured).verdict, Verdict::reproduced);
-  }
-
-  TEST(Verdict, OverAnotherMetricOfTheSameRunIsThePartOfEachRun) {
-    CellSpec cell = statement_of("|error_N|", 1.0);
-    cell.over = Quantity{"any", "error_of_zero_N"};
-    cell.divisor = 2.0;
-    Measured measured = runs_of("error_N", {-6.0, 8.0, 10.0});
-    const double of_zero[] = {1.0, 2.0, 10.0};
-    for (std::size_t i = 0; i < 3; ++i) measured["any"][i].values["error_of_zero_N"] = of_zero[i];
-    EXPECT_EQ(values_of(cell, measured), (std::vector<double>{3.0, 2.0, 0.5}));
-    EXPECT_EQ(judged(cell, measured).median, 2.0);
-    // Of another run: all over its median.
-    measured["other"] = measured["any"];
-    cell.over->run = "other";
-    EXPECT_EQ(values_of(cell, measured), (std::vector<double>{1.5, 2.0, 2.5}));
-  }
-
-  TEST(Verdict, WhatIsShownHasNone) {
-    CellSpec cell = cell_of("peak_N");
-    cell.shows = "not claimed";
-    const Judged shown = judged(cell, runs_of("peak_N", {3.0}));
-    EXPECT_EQ(shown.measured, "3");
-    EXPECT_EQ(verdict_word(shown, cell, false), "shown");
-  }
-
-  TEST(Verdict, WhatHoldsByConstructionIsVacuousAndAHypothesisIsCalledSo) {
-    CellSpec cell = cell_of("peak_N");
-    cell.says = "small";
-    cell.holds.below = 2.0;
-    const auto word_and_reason = [&](double value) {
-      const Judged one = judged(cell, runs_of("peak_N", {value}));
-      return verdict_word(one, cell, false) + ", " + reason_of(one, cell, {});
-    };
-    cell.why = "too hard";
-    cell.vacuous = "nothing moves";
-    EXPECT_EQ(word_and_reason(1.0), "vacuous, nothing moves");
-    EXPECT_EQ(word_and_reason(3.0), "not reproduced, too hard") << "so it was no construction";
-    cell.vacuous = "";
-    cell.hypothesis = "if it were soft";
-    EXPECT_EQ(word_and_reason(1.0), "hypothesis: reproduced, if it were soft");
-    EXPECT_EQ(word_and_reason(3.0), "hypothesis: not reproduced, if it were soft");
-  }
-
-  TEST(Verdict, SixOfTenDoNotConverge) {
-    CellSpec cell = cell_of("converged", "quadrotor_waves.converges.ukf_second");
-    cell.is_share = true;
-    EXPECT_EQ(judged(cell, runs_of("converged", std::vector<double>(10, 1.0))).verdict,
-              Verdict::reproduced);
-    EXPECT_EQ(judged(cell, runs_of("converged", {0, 0, 0, 0, 1, 1, 1, 1, 1, 1})).verdict,
-              Verdict::not_reproduced);
-  }
-
-  TEST(Median, IsInTheMiddle) {
-    EXPECT_EQ(median({3.0, 1.0, 2.0}), 2.0);
-    EXPECT_EQ(median({4.0, 1.0, 2.0, 3.0}), 2.5);
-    EXPECT_EQ(median({1.0, kNever, kNever}), kNever);
-  }
-
-  TEST(Measurement, IsWhatTheShardKept) {
-    const testing::TemporaryPath folder{"shards"};
-    std::filesystem::create_directories(folder);
-    {
-      Shard shard(folder);
-      PointResult result;
-      result.key = "complete";
-      result.metrics = {{"max d_hat_Nm", NAN}, {"a_m", kNever}, {"b_m", 1.0}};
-      shard.add(result);
-      result.key = "failed";
-      result.status = PointStatus::failed;
-      result.reason = "at 3 s: diverged";
-      result.metrics.clear();
-      shard.add(result);
-    }
-    const auto results = results_by_key(folder);
-    const Measurement complete = measurement_of(results.at("complete"));
-    EXPECT_FALSE(complete.failed);
-    // The run has them, but they are no finite numbers: not measured, and not absent.
-    EXPECT_TRUE(std::isnan(complete.values.at("max d_hat_Nm")));
-    EXPECT_TRUE(std::isnan(complete.values.at("a_m")));
-    EXPECT_EQ(complete.values.at("b_m"), 1.0);
-    const Measurement failed = measurement_of(results.at("failed"));
-    EXPECT_TRUE(failed.failed);
-    EXPECT_EQ(failed.failure, "at 3 s: diverged");
-    EXPECT_TRUE(failed.values.empty());
-  }
-
-  std::vector<CellSpec> cells_of(const Experiments& experiments) {
-    std::vector<CellSpec> cells;
-    for (const SectionSpec& section : experiments.sections) {
-      for (const TableSpec& table : section.tables) {
-        for (const auto& row : table.cells) {
-          for (const auto& cell : row) {
-            if (cell) cells.push_back(*cell);
-          }
-        }
-      }
-    }
-    return cells;
-  }
-
-  TEST(Experiments, HaveEveryTableAndNinetyFigures) {
-    const Experiments experiments = own_experiments();
-    std::set<std::string> cells;
-    std::set<std::string> figures;
-    for (const CellSpec& cell : cells_of(experiments)) cells.insert(cell.printed);
-    for (const SectionSpec& section : experiments.sections) {
-      for (const FigureSpec& figure : section.figures) {
-        figures.insert(figure.number.substr(0, figure.number.find(' ')));
-      }
-    }
-    EXPECT_GE(figures.size(), 119U);
-    for (const char* path :
-         {"offset_free.table_2_5.general_mpc.tracking", "cart_estimation.table_4_4.sine.second",
-          "cart_estimation.table_4_5.gamma_1_00.response_s_at_least",
-          "cart_estimation.table_4_7.sine.second_order_gamma",
-          "motor_estimation.table_4_8.Ts_1e-2.n48[6]",
-          "motor_estimation.table_4_9.variance_1e-4[6]", "quadrotor_waves.converges.ekf_none",
-          "arm_wall_contact.force_5N.drac.mean_force_error_N",
-          "arm_wall_contact.tuned.force_5N.peak_force_N"}) {
-      EXPECT_TRUE(cells.contains(path)) << path;
-    }
-    // Every printed number and verdict is judged somewhere, 56 + 14 of the motor, 6 of the
-    // quadrotor, 12 + 8 + 12 and 5 of the cart, 18 + 5 of the arm, but for two that are misprints.
-    cells.erase("");
-    EXPECT_EQ(cells.size(), 134U);
-    for (const char* misprint : {"motor_estimation.table_4_8.Ts_1e-2.n48[0]",
-                                 "motor_estimation.table_4_8.Ts_1e-3.n48[0]"}) {
-      EXPECT_FALSE(cells.contains(misprint)) << misprint;
-    }
-  }
-
-  // Entries are named there as "2.4.3.2: which".
-  TEST(Experiments, TheTablesOfClaimsNameEverySectionAndNoOther) {
-    std::set<std::string> sections;
-    for (const SectionSpec& section : own_experiments().sections) sections.insert(section.id);
-    std::set<std::string> named;
-    const std::regex row(R"(^[234][0-9.]*,.+,"?(none|as |the |beside: |Tables? |[0-9.]+: ).*$)");
-    const std::regex place(R"((,"?|; )([234](\.[0-9])+): )");
-    const std::filesystem::path tables = testing::source_file("docs/reference/thesis-claims");
-    int rows = 0;
-    for (const auto& table : std::filesystem::directory_iterator(tables)) {
-      std::ifstream claims(table.path());
-      std::string line;
-      std::getline(claims, line);
-      EXPECT_EQ(line, "section,claim,entry") << table.path();
-      while (std::getline(claims, line)) {
-        ++rows;
-        EXPECT_TRUE(std::regex_match(line, row)) << table.path() << ": " << line;
-        for (std::sregex_iterator match(line.begin(), line.end(), place), end; match != end;
-             ++match) {
-          named.insert((*match)[2]);
-        }
-      }
-    }
-    EXPECT_GT(rows, 120);
-    EXPECT_EQ(named, sections);
-  }
-
-  TEST(Experiments, EveryCellOfOursIsSettled) {
-    const Experiments experiments = own_experiments(Effort::full);
-    for (const SectionSpec& section : experiments.sections) {
-      EXPECT_FALSE(section.docs.empty());
-      EXPECT_TRUE(std::filesystem::exists(testing::source_file("docs/" + section.docs)));
-    }
-    for (const CellSpec& cell : cells_of(experiments)) {
-      if (!cell.printed.empty()) {
-        EXPECT_NO_THROW(printed_results().standard(cell.printed)) << cell.printed;
-      } else if (!cell.says.empty()) {
-        EXPECT_TRUE(cell.holds.above || cell.holds.below) << cell.says;
-      }
-    }
-  }
-
-  TEST(Experiments, MistakesAreSaidWithTheirLine) {
-    const testing::TemporaryPath file{"experiments.toml"};
-    const auto message = [&](const std::string& text) -> std::string {
-      std::ofstream(file) << text;
-      return complaint_of([&] { read_experiments(file.string(), Effort::quick); });
-    };
-    const std::string section = "[[section]]\nid = \"1\"\ngroup = \"arm\"\ntitle = \"t\"\n";
-    EXPECT_EQ(message(section), "");
-<<<<<<< HEAD
-    EXPECT_NE(message(section + "colour = 1\n").find(":5: section.colour: unknown key"),
-              std::string::npos);
-    EXPECT_NE(message(section + "[[section.run]]\nname = \"{k}\"\n").find("there is no {k}"),
-              std::string::npos);
-    EXPECT_NE(message("[[section]\n").find(":1: "), std::string::npos);
-    EXPECT_NE(message(section + "video = \"none\"\n").find("there is no run none"),
-              std::string::npos);
-    EXPECT_NE(message(section + "docs = \"nowhere.md\"\n")
-                  .find(":5: section.docs: there is no page docs/nowhere.md"),
-              std::string::npos);
-    EXPECT_NE(message("titel = \"t\"\n").find(":1: titel: unknown key (did you mean title?)"),
-              std::string::npos);
-    EXPECT_NE(message(section + "[[hero]]\nfigure = \"9\"\ncaption = \"c\"\n")
-                  .find(":5: there is no panel 0 of a figure 9"),
-              std::string::npos);
-    const std::string run = section +
-                            "[[section.run]]\nname = \"x\"\nscenario = \"arm_push\"\n"
-                            "case = \"c\"\n";
-    const std::string spread = "spread = { key = \"k\", count = [1, 1], width = \"wide\" }\n";
-    EXPECT_NE(message(run + spread).find(":9: section.run.spread.width: \"wide\" is no number"),
-              std::string::npos);
-=======
-    const std::string run = section +
-                            "[[section.run]]\nname = \"x\"\nscenario = \"arm_push\"\n"
-                            "case = \"c\"\n";
-    using Rows = std::vector<std::pair<std::string, std::string>>;
-    for (const auto& [text, line] :
-         Rows{{section + "colour = 1\n", ":5: there is no key colour"},
-              {section + "[[section.run]]\nname = \"{k}\"\n", ":6: \"{k}\": there is no {k}"},
-              {"[[section]\n",
-               ":1: is not TOML: Error while parsing table header: expected ']', saw '\\n'"},
-              {"x = 1", ":1: there is no key x"},
-              {section + "video = \"none\"\n", ":1: there is no run none"},
-              {section + "docs = \"nowhere.md\"\n", ":5: there is no page docs/nowhere.md"},
-              {"titel = \"t\"\n", ":1: there is no key titel (did you mean title?)"},
-              {section + "[[hero]]\nfigure = \"9\"\ncaption = \"c\"\n",
-               ":5: there is no panel 0 of a figure 9"},
-              {run + "spread = { key = \"k\", count = [1, 1], width = \"wide\" }\n",
-               ":9: width: \"wide\" is no number"}}) {
-      EXPECT_EQ(message(text), file.string() + line);
-    }
->>>>>>> 71081d58e05e05d5b9f5c2de0a9ad4decc481dfd
-    // A cell is made of the table's `cell` (line 11), its column (12) and its row (14); its own
-    // table stands in the row.
-    const auto of_cell = [&](const std::string& row) {
-      return message(run +
-                     "[[section.table]]\ntitle = \"t\"\ncell = { run = \"x\", below = 1.0 }\n"
-                     "columns = [{ title = \"c\", key = \"k\", metric = \"m\" }]\n"
-                     "rows = [\n  { title = \"r\", " +
-                     row + " },\n]\n");
-    };
-    EXPECT_EQ(of_cell("says = \"s\""), "");
-    EXPECT_EQ(of_cell("says = \"s\", absent = \"never\""), "");
-<<<<<<< HEAD
-    for (const auto& [row, part] : std::vector<std::pair<std::string, std::string>>{
-             {"run = \"x\"",
-              ":14: section.table.rows: a cell has either `printed`, `says` or `shows`"},
-             {"says = \"s\", shows = \"t\"",
-              ":14: section.table.rows: a cell has either `printed`, `says` or `shows`"},
-             {"says = \"s\", vacuous = \"v\", hypothesis = \"h\"",
-              ":14: section.table.rows: `vacuous` is neither"},
-             {"shows = \"s\", vacuous = \"v\"",
-              ":14: section.table.rows: `vacuous` is neither what `shows`"},
-             {"says = \"s\", run = \"y\"", ":14: there is no run y (did you mean x?)"},
-             {"says = \"s\", over = \"y\"", ":14: there is no run y"},
-             {"says = \"s\", metric = \"{q}\"",
-              ":14: section.table.rows.metric: \"{q}\": there is no {q}"},
-             {"says = \"s\", divisor = 0", ":14: section.table.rows.divisor: must not be zero"},
-             {"says = \"s\", divisor = \"a\"", ":14: section.table.rows.divisor: must be a number"},
-             {"says = \"s\", statistic = \"shares\"",
-              ":14: section.table.rows.statistic: \"shares\" must be"},
-             {"says = \"s\", absent = \"nevr\"",
-              ":14: section.table.rows.absent: \"nevr\" must be never"},
-             {"says = \"s\", k = { below = \"a\" }",
-              ":14: section.table.rows.k.below: must be a number"},
-             {"says = \"s\", belwo = 2.0",
-              ":14: section.table.rows.belwo: unknown key (did you mean below?)"},
-             {"says = \"s\", k = { absnet = \"never\" }",
-              ":14: section.table.rows.k.absnet: unknown key (did you mean absent?)"},
-             {"printed = \"nowhere\"", ":14: nothing is printed at nowhere"}}) {
-      EXPECT_NE(of_cell(row).find(part), std::string::npos) << of_cell(row);
-=======
-    for (const auto& [row, line] : Rows{
-             {"run = \"x\"", ":14: a cell has either `printed`, `says` or `shows`"},
-             {"says = \"s\", shows = \"t\"", ":14: a cell has either `printed`, `says` or `shows`"},
-             {"says = \"s\", vacuous = \"v\", hypothesis = \"h\"",
-              ":14: `vacuous` is neither what `shows` nor a `hypothesis`"},
-             {"shows = \"s\", vacuous = \"v\"",
-              ":14: `vacuous` is neither what `shows` nor a `hypothesis`"},
-             {"says = \"s\", run = \"y\"", ":14: there is no run y (did you mean x?)"},
-             {"says = \"s\", over = \"y\"", ":14: there is no run y (did you mean x?)"},
-             {"says = \"s\", metric = \"{q}\"", ":14: \"{q}\": there is no {q}"},
-             {"says = \"s\", divisor = 0", ":14: divisor must not be zero"},
-             {"says = \"s\", divisor = \"a\"", ":14: divisor must be a number"},
-             {"says = \"s\", statistic = \"shares\"",
-              ":14: statistic: \"shares\" must be median or share"},
-             {"says = \"s\", absent = \"nevr\"", ":14: absent: \"nevr\" must be never"},
-             {"says = \"s\", k = { below = \"a\" }", ":14: below must be a number"},
-             {"says = \"s\", belwo = 2.0", ":14: there is no key belwo (did you mean below?)"},
-             {"says = \"s\", k = { absnet = \"never\" }",
-              ":14: there is no key absnet (did you mean absent?)"},
-             {"printed = \"nowhere\"", ":14: nothing is printed at nowhere"}}) {
-      EXPECT_EQ(of_cell(row), file.string() + line);
->>>>>>> 71081d58e05e05d5b9f5c2de0a9ad4decc481dfd
-    }
-    std::filesystem::remove(file);
-    EXPECT_THROW(read_experiments(file.string(), Effort::quick), std::invalid_argument);
-  }
-
-  TEST(Experiments, OnlyOursAreTheThesis) {
-    EXPECT_FALSE(own_experiments().is_own);
-    const testing::TemporaryPath file{"mine.toml", "title = \"Mine\"\n"};
-    const Experiments mine = read_experiments(file.string(), Effort::quick);
-    EXPECT_TRUE(mine.is_own);
-    EXPECT_EQ(mine.title, "Mine");
-  }
-
-  TEST(Score, SaysHeldOfWhatIsNotTheThesis) {
-    Score score;
-    EXPECT_EQ(score.text(), "0 reproduced, 0 within the class, 0 not reproduced");
-    score.holds = 2;
-    EXPECT_EQ(score.text(), "2 held, 0 did not hold");
-    score.reproduced = 1;
-    score.not_measured = 3;
-    EXPECT_EQ(score.text(),
-              "1 reproduced, 0 within the class, 0 not reproduced, 2 held, "
-              "0 did not hold, 3 not measured");
-    score.vacuous = 4;
-    EXPECT_EQ(score.beside(), "4 vacuous");
-    score.hypotheses = 6;
-    score.hypotheses_hold = 5;
-    EXPECT_TRUE(
-        score.text().ends_with(", 3 not measured; beside them 4 vacuous, 5 of 6 hypotheses hold"))
-        << score.text();
-  }
-
-  // A short run in a folder, to be damaged.
-  class DamagedRun : public ::testing::Test {
-   protected:
-    void SetUp() override {
-      const std::string scenario = "motor_estimation";
-      std::vector<PreparedRun> runs;
-      runs.push_back(testing::prepare(scenario, testing::scenario_file(scenario).default_case(),
-                                      {"run.duration_s=0.1"}));
-      execute_runs(runs, {folder_}, {.csv = false, .quiet = true, .stop = nullptr});
-      manifest_ = nlohmann::json::parse(std::ifstream(folder_ / "manifest.json"));
-      metrics_ = nlohmann::json::parse(std::ifstream(folder_ / "metrics.json"));
-    }
-
-    // What each of those who read runs says; "" if nothing is wrong for it. Anything else than
-    // std::invalid_argument would be called a defect.
-    std::vector<std::string> complaints() const {
-      const std::vector<std::string> all = {
-          complaint_of([&] { const SavedRun run(folder_); }),
-          complaint_of([&] { const FinishedRun run(testing::catalogue(), folder_); })};
-      for (const std::string& complaint : all) EXPECT_TRUE(lacks(complaint, "\n"));
-      return all;
-    }
-    // The same where a file of the run has this content.
-    template <typename Content>
-    std::vector<std::string> complaints_of(const std::string& file, const Content& content) const {
-      std::ofstream(folder_ / file) << content;
-      return complaints();
-    }
-
-    const testing::TemporaryPath folder_{"damaged"};
-    nlohmann::json manifest_;
-    nlohmann::json metrics_;
+// Every number of a page goes through here: what is measured decides, and nothing else.
+TEST(Verdict, FlipsWithTheMeasuredValue) {
+  const std::string metric = "free_motion_time_s";
+  const CellSpec cell = cell_of(metric, "arm_wall_contact.force_2N.proposed.free_motion_time_s");
+  const auto verdict = [&](const std::vector<double>& values) {
+    return judged(cell, runs_of(metric, values)).verdict;
   };
+  EXPECT_EQ(verdict({0.528}), Verdict::reproduced);
+  EXPECT_EQ(verdict({0.560}), Verdict::within_class);
+  EXPECT_EQ(verdict({0.700}), Verdict::not_reproduced);
+  EXPECT_EQ(verdict({0.1, 0.528, 0.9}), Verdict::reproduced) << "the median decides";
+  EXPECT_EQ(verdict({0.1, 0.2, 0.528}), Verdict::not_reproduced);
+}
 
-  TEST_F(DamagedRun, EveryValueOfTheManifestMayBeWrong) {
-    const std::set<std::string> needed = {"scenario", "case", "seed", "status"};
-    const std::set<std::string> read = {"scenario", "case",   "seed",      "status",
-                                        "program",  "models", "state_hash"};
-    ASSERT_EQ(complaints(), std::vector<std::string>(2));
-    ASSERT_EQ(manifest_["models"].size(), 1U);
-    EXPECT_EQ(manifest_["models"]["models/motor.xml"].get<std::string>().size(), 16U);
-    EXPECT_EQ(manifest_["program"].get<std::string>().size(), 16U);
-    std::vector<std::string> keys;
-    for (const auto& [key, value] : manifest_.items()) keys.push_back(key);
-    for (const std::string& key : keys) {
-      const auto refused = [&](const nlohmann::json& manifest, bool is_wrong) {
-        for (const std::string& complaint : complaints_of("manifest.json", manifest)) {
-          EXPECT_TRUE(!is_wrong || complaint.find("manifest.json: ") != std::string::npos)
-              << key << " = " << manifest.value(key, nlohmann::json("missing")) << ": "
-              << complaint;
+TEST(Verdict, AFailedRunIsNoSuccess) {
+  CellSpec cell = cell_of("converged", "quadrotor_waves.converges.ukf_second");
+  cell.if_failed = 0.0;
+  Measured measured;
+  measured["any"].emplace_back().failed = true;
+  EXPECT_EQ(judged(cell, measured).verdict, Verdict::not_reproduced);
+  cell.printed = "quadrotor_waves.converges.ekf_second";
+  EXPECT_EQ(judged(cell, measured).verdict, Verdict::reproduced);
+}
+
+TEST(Verdict, AFailedRunHoldsNothingUnlessTheCellSaysWhat) {
+  CellSpec cell = statement_of("max_speed_m_s", 1.0);
+  cell.if_failed = std::numeric_limits<double>::quiet_NaN();
+  Measured measured = runs_of("max_speed_m_s", {1.2, 1.2, 1.2});
+  EXPECT_EQ(judged(cell, measured).verdict, Verdict::reproduced);
+  measured["any"][1].failed = true;
+  EXPECT_EQ(judged(cell, measured).verdict, Verdict::not_reproduced);
+  EXPECT_EQ(judged(cell, measured).measured, "1 of 3 runs fail");
+  // The same where it is what others are divided by.
+  measured["any"][1].failed = false;
+  cell.over = Quantity{"other", cell.quantity.metric};
+  measured["other"].emplace_back().failed = true;
+  EXPECT_EQ(judged(cell, measured).verdict, Verdict::not_reproduced);
+}
+
+TEST(Verdict, AnAbsentMetricIsNotMeasuredUnlessTheCellSaysThatItMeansNever) {
+  CellSpec cell = statement_of("setling_time_s", 1.0);
+  Measured measured = runs_of("settling_time_s", {0.1});
+  const Judged misspelt = judged(cell, measured);
+  EXPECT_EQ(misspelt.verdict, Verdict::not_measured);
+  EXPECT_EQ(misspelt.measured, "not measured");
+  EXPECT_EQ(misspelt.numbers, 0U);
+  cell.absent_is_never = true;
+  EXPECT_EQ(judged(cell, measured).verdict, Verdict::not_measured)
+      << "no other run has it, so nothing says that it is a metric at all";
+  measured["any"][0].absent.insert("setling_time_s");
+  EXPECT_EQ(judged(cell, measured).verdict, Verdict::reproduced);
+  EXPECT_EQ(judged(cell, measured).measured, "never");
+  // What is there and no number is not measured, whatever absence means.
+  measured["any"][0].values["setling_time_s"] = NAN;
+  EXPECT_EQ(judged(cell, measured).verdict, Verdict::not_measured);
+}
+
+TEST(Verdict, OneRunWithoutTheMetricLeavesTheCellNotMeasured) {
+  CellSpec cell = cell_of("converged", "quadrotor_waves.converges.ukf_second");
+  Measured measured = runs_of("converged", {1.0, 1.0});
+  measured["any"].emplace_back();
+  for (const bool is_share : {false, true}) {
+    cell.is_share = is_share;
+    EXPECT_EQ(judged(cell, measured).verdict, Verdict::not_measured);
+    EXPECT_EQ(judged(cell, measured).numbers, 2U);
+  }
+}
+
+TEST(Verdict, APartOfNothingIsNotMeasured) {
+  CellSpec cell = statement_of("peak_N", -1e300);
+  cell.over = Quantity{"other", "peak_N"};
+  cell.absent_is_never = true;
+  Measured measured = runs_of("peak_N", {1.0});
+  Measurement& other = measured["other"].emplace_back();
+  for (const double nothing : {0.0, -0.0, double(NAN), kNever}) {
+    other.values["peak_N"] = nothing;
+    EXPECT_EQ(judged(cell, measured).verdict, Verdict::not_measured) << nothing;
+  }
+  other.values.clear();
+  other.absent.insert("peak_N");
+  EXPECT_EQ(judged(cell, measured).verdict, Verdict::not_measured) << "a part of never";
+  other.values["peak_N"] = 2.0;
+  EXPECT_EQ(judged(cell, measured).verdict, Verdict::reproduced);
+}
+
+TEST(Verdict, OverAnotherMetricOfTheSameRunIsThePartOfEachRun) {
+  CellSpec cell = statement_of("|error_N|", 1.0);
+  cell.over = Quantity{"any", "error_of_zero_N"};
+  cell.divisor = 2.0;
+  Measured measured = runs_of("error_N", {-6.0, 8.0, 10.0});
+  const double of_zero[] = {1.0, 2.0, 10.0};
+  for (std::size_t i = 0; i < 3; ++i) measured["any"][i].values["error_of_zero_N"] = of_zero[i];
+  EXPECT_EQ(values_of(cell, measured), (std::vector<double>{3.0, 2.0, 0.5}));
+  EXPECT_EQ(judged(cell, measured).median, 2.0);
+  // Of another run: all over its median.
+  measured["other"] = measured["any"];
+  cell.over->run = "other";
+  EXPECT_EQ(values_of(cell, measured), (std::vector<double>{1.5, 2.0, 2.5}));
+}
+
+TEST(Verdict, WhatIsShownHasNone) {
+  CellSpec cell = cell_of("peak_N");
+  cell.shows = "not claimed";
+  const Judged shown = judged(cell, runs_of("peak_N", {3.0}));
+  EXPECT_EQ(shown.measured, "3");
+  EXPECT_EQ(verdict_word(shown, cell, false), "shown");
+}
+
+TEST(Verdict, WhatHoldsByConstructionIsVacuousAndAHypothesisIsCalledSo) {
+  CellSpec cell = cell_of("peak_N");
+  cell.says = "small";
+  cell.holds.below = 2.0;
+  const auto word_and_reason = [&](double value) {
+    const Judged one = judged(cell, runs_of("peak_N", {value}));
+    return verdict_word(one, cell, false) + ", " + reason_of(one, cell, {});
+  };
+  cell.why = "too hard";
+  cell.vacuous = "nothing moves";
+  EXPECT_EQ(word_and_reason(1.0), "vacuous, nothing moves");
+  EXPECT_EQ(word_and_reason(3.0), "not reproduced, too hard") << "so it was no construction";
+  cell.vacuous = "";
+  cell.hypothesis = "if it were soft";
+  EXPECT_EQ(word_and_reason(1.0), "hypothesis: reproduced, if it were soft");
+  EXPECT_EQ(word_and_reason(3.0), "hypothesis: not reproduced, if it were soft");
+}
+
+TEST(Verdict, SixOfTenDoNotConverge) {
+  CellSpec cell = cell_of("converged", "quadrotor_waves.converges.ukf_second");
+  cell.is_share = true;
+  EXPECT_EQ(judged(cell, runs_of("converged", std::vector<double>(10, 1.0))).verdict,
+            Verdict::reproduced);
+  EXPECT_EQ(judged(cell, runs_of("converged", {0, 0, 0, 0, 1, 1, 1, 1, 1, 1})).verdict,
+            Verdict::not_reproduced);
+}
+
+TEST(Median, IsInTheMiddle) {
+  EXPECT_EQ(median({3.0, 1.0, 2.0}), 2.0);
+  EXPECT_EQ(median({4.0, 1.0, 2.0, 3.0}), 2.5);
+  EXPECT_EQ(median({1.0, kNever, kNever}), kNever);
+}
+
+TEST(Measurement, IsWhatTheShardKept) {
+  const testing::TemporaryPath folder{"shards"};
+  std::filesystem::create_directories(folder);
+  {
+    Shard shard(folder);
+    PointResult result;
+    result.key = "complete";
+    result.metrics = {{"max d_hat_Nm", NAN}, {"a_m", kNever}, {"b_m", 1.0}};
+    shard.add(result);
+    result.key = "failed";
+    result.status = PointStatus::failed;
+    result.reason = "at 3 s: diverged";
+    result.metrics.clear();
+    shard.add(result);
+  }
+  const auto results = results_by_key(folder);
+  const Measurement complete = measurement_of(results.at("complete"));
+  EXPECT_FALSE(complete.failed);
+  // The run has them, but they are no finite numbers: not measured, and not absent.
+  EXPECT_TRUE(std::isnan(complete.values.at("max d_hat_Nm")));
+  EXPECT_TRUE(std::isnan(complete.values.at("a_m")));
+  EXPECT_EQ(complete.values.at("b_m"), 1.0);
+  const Measurement failed = measurement_of(results.at("failed"));
+  EXPECT_TRUE(failed.failed);
+  EXPECT_EQ(failed.failure, "at 3 s: diverged");
+  EXPECT_TRUE(failed.values.empty());
+}
+
+std::vector<CellSpec> cells_of(const Experiments& experiments) {
+  std::vector<CellSpec> cells;
+  for (const SectionSpec& section : experiments.sections) {
+    for (const TableSpec& table : section.tables) {
+      for (const auto& row : table.cells) {
+        for (const auto& cell : row) {
+          if (cell) cells.push_back(*cell);
         }
-      };
-      for (const char* wrong : {"null", "-1.5", "true", "\"\"", "[]", "{\"a\":{}}", "1e300"}) {
-        nlohmann::json manifest = manifest_;
-        manifest[key] = nlohmann::json::parse(wrong);
-        const bool is_typed = manifest[key].type() != manifest_[key].type();
-        refused(manifest, read.contains(key) && key != "state_hash" && is_typed);
       }
+    }
+  }
+  return cells;
+}
+
+TEST(Experiments, HaveEveryTableAndNinetyFigures) {
+  const Experiments experiments = own_experiments();
+  std::set<std::string> cells;
+  std::set<std::string> figures;
+  for (const CellSpec& cell : cells_of(experiments)) cells.insert(cell.printed);
+  for (const SectionSpec& section : experiments.sections) {
+    for (const FigureSpec& figure : section.figures) {
+      figures.insert(figure.number.substr(0, figure.number.find(' ')));
+    }
+  }
+  EXPECT_GE(figures.size(), 119U);
+  for (const char* path :
+       {"offset_free.table_2_5.general_mpc.tracking", "cart_estimation.table_4_4.sine.second",
+        "cart_estimation.table_4_5.gamma_1_00.response_s_at_least",
+        "cart_estimation.table_4_7.sine.second_order_gamma",
+        "motor_estimation.table_4_8.Ts_1e-2.n48[6]", "motor_estimation.table_4_9.variance_1e-4[6]",
+        "quadrotor_waves.converges.ekf_none", "arm_wall_contact.force_5N.drac.mean_force_error_N",
+        "arm_wall_contact.tuned.force_5N.peak_force_N"}) {
+    EXPECT_TRUE(cells.contains(path)) << path;
+  }
+  // Every printed number and verdict is judged somewhere, 56 + 14 of the motor, 6 of the quadrotor,
+  // 12 + 8 + 12 and 5 of the cart, 18 + 5 of the arm, but for two that are misprints.
+  cells.erase("");
+  EXPECT_EQ(cells.size(), 134U);
+  for (const char* misprint :
+       {"motor_estimation.table_4_8.Ts_1e-2.n48[0]", "motor_estimation.table_4_8.Ts_1e-3.n48[0]"}) {
+    EXPECT_FALSE(cells.contains(misprint)) << misprint;
+  }
+}
+
+// Entries are named there as "2.4.3.2: which".
+TEST(Experiments, TheTablesOfClaimsNameEverySectionAndNoOther) {
+  std::set<std::string> sections;
+  for (const SectionSpec& section : own_experiments().sections) sections.insert(section.id);
+  std::set<std::string> named;
+  const std::regex row(R"(^[234][0-9.]*,.+,"?(none|as |the |beside: |Tables? |[0-9.]+: ).*$)");
+  const std::regex place(R"((,"?|; )([234](\.[0-9])+): )");
+  const std::filesystem::path tables = testing::source_file("docs/reference/thesis-claims");
+  int rows = 0;
+  for (const auto& table : std::filesystem::directory_iterator(tables)) {
+    std::ifstream claims(table.path());
+    std::string line;
+    std::getline(claims, line);
+    EXPECT_EQ(line, "section,claim,entry") << table.path();
+    while (std::getline(claims, line)) {
+      ++rows;
+      EXPECT_TRUE(std::regex_match(line, row)) << table.path() << ": " << line;
+      for (std::sregex_iterator match(line.begin(), line.end(), place), end; match != end;
+           ++match) {
+        named.insert((*match)[2]);
+      }
+    }
+  }
+  EXPECT_GT(rows, 120);
+  EXPECT_EQ(named, sections);
+}
+
+TEST(Experiments, EveryCellOfOursIsSettled) {
+  const Experiments experiments = own_experiments(Effort::full);
+  for (const SectionSpec& section : experiments.sections) {
+    EXPECT_FALSE(section.docs.empty());
+    EXPECT_TRUE(std::filesystem::exists(testing::source_file("docs/" + section.docs)));
+  }
+  for (const CellSpec& cell : cells_of(experiments)) {
+    if (!cell.printed.empty()) {
+      EXPECT_NO_THROW(printed_results().standard(cell.printed)) << cell.printed;
+    } else if (!cell.says.empty()) {
+      EXPECT_TRUE(cell.holds.above || cell.holds.below) << cell.says;
+    }
+  }
+}
+
+TEST(Experiments, MistakesAreSaidWithTheirLine) {
+  const testing::TemporaryPath file{"experiments.toml"};
+  const auto message = [&](const std::string& text) -> std::string {
+    std::ofstream(file) << text;
+    return complaint_of([&] { read_experiments(file.string(), Effort::quick); });
+  };
+  const std::string section = "[[section]]\nid = \"1\"\ngroup = \"arm\"\ntitle = \"t\"\n";
+  EXPECT_EQ(message(section), "");
+  const std::string run = section +
+                          "[[section.run]]\nname = \"x\"\nscenario = \"arm_push\"\n"
+                          "case = \"c\"\n";
+  using Rows = std::vector<std::pair<std::string, std::string>>;
+  for (const auto& [text, line] :
+       Rows{{section + "colour = 1\n", ":5: section.colour: unknown key"},
+            {section + "[[section.run]]\nname = \"{k}\"\n",
+             ":6: section.run.name: \"{k}\": there is no {k}"},
+            {"[[section]\n",
+             ":1: is not TOML: Error while parsing table header: expected ']', saw '\\n'"},
+            {"x = 1", ":1: x: unknown key"},
+            {section + "video = \"none\"\n", ":1: there is no run none"},
+            {section + "docs = \"nowhere.md\"\n",
+             ":5: section.docs: there is no page docs/nowhere.md"},
+            {"titel = \"t\"\n", ":1: titel: unknown key (did you mean title?)"},
+            {section + "[[hero]]\nfigure = \"9\"\ncaption = \"c\"\n",
+             ":5: there is no panel 0 of a figure 9"},
+            {run + "spread = { key = \"k\", count = [1, 1], width = \"wide\" }\n",
+             ":9: section.run.spread.width: \"wide\" is no number"}}) {
+    EXPECT_EQ(message(text), file.string() + line);
+  }
+  // A cell is made of the table's `cell` (line 11), its column (12) and its row (14); its own table
+  // stands in the row.
+  const auto of_cell = [&](const std::string& row) {
+    return message(run +
+                   "[[section.table]]\ntitle = \"t\"\ncell = { run = \"x\", below = 1.0 }\n"
+                   "columns = [{ title = \"c\", key = \"k\", metric = \"m\" }]\n"
+                   "rows = [\n  { title = \"r\", " +
+                   row + " },\n]\n");
+  };
+  EXPECT_EQ(of_cell("says = \"s\""), "");
+  EXPECT_EQ(of_cell("says = \"s\", absent = \"never\""), "");
+  for (const auto& [row, line] :
+       Rows{{"run = \"x\"",
+             ":14: section.table.rows: a cell has either `printed`, `says` or `shows`"},
+            {"says = \"s\", shows = \"t\"",
+             ":14: section.table.rows: a cell has either `printed`, `says` or `shows`"},
+            {"says = \"s\", vacuous = \"v\", hypothesis = \"h\"",
+             ":14: section.table.rows: `vacuous` is neither what `shows` nor a `hypothesis`"},
+            {"shows = \"s\", vacuous = \"v\"",
+             ":14: section.table.rows: `vacuous` is neither what `shows` nor a `hypothesis`"},
+            {"says = \"s\", run = \"y\"", ":14: there is no run y (did you mean x?)"},
+            {"says = \"s\", over = \"y\"", ":14: there is no run y (did you mean x?)"},
+            {"says = \"s\", metric = \"{q}\"",
+             ":14: section.table.rows.metric: \"{q}\": there is no {q}"},
+            {"says = \"s\", divisor = 0", ":14: section.table.rows.divisor: must not be zero"},
+            {"says = \"s\", divisor = \"a\"", ":14: section.table.rows.divisor: must be a number"},
+            {"says = \"s\", statistic = \"shares\"",
+             ":14: section.table.rows.statistic: \"shares\" must be median or share"},
+            {"says = \"s\", absent = \"nevr\"",
+             ":14: section.table.rows.absent: \"nevr\" must be never"},
+            {"says = \"s\", k = { below = \"a\" }",
+             ":14: section.table.rows.k.below: must be a number"},
+            {"says = \"s\", belwo = 2.0",
+             ":14: section.table.rows.belwo: unknown key (did you mean below?)"},
+            {"says = \"s\", k = { absnet = \"never\" }",
+             ":14: section.table.rows.k.absnet: unknown key (did you mean absent?)"},
+            {"printed = \"nowhere\"", ":14: nothing is printed at nowhere"}}) {
+    EXPECT_EQ(of_cell(row), file.string() + line);
+  }
+  std::filesystem::remove(file);
+  EXPECT_THROW(read_experiments(file.string(), Effort::quick), std::invalid_argument);
+}
+
+TEST(Experiments, OnlyOursAreTheThesis) {
+  EXPECT_FALSE(own_experiments().is_own);
+  const testing::TemporaryPath file{"mine.toml", "title = \"Mine\"\n"};
+  const Experiments mine = read_experiments(file.string(), Effort::quick);
+  EXPECT_TRUE(mine.is_own);
+  EXPECT_EQ(mine.title, "Mine");
+}
+
+TEST(Score, SaysHeldOfWhatIsNotTheThesis) {
+  Score score;
+  EXPECT_EQ(score.text(), "0 reproduced, 0 within the class, 0 not reproduced");
+  score.holds = 2;
+  EXPECT_EQ(score.text(), "2 held, 0 did not hold");
+  score.reproduced = 1;
+  score.not_measured = 3;
+  EXPECT_EQ(score.text(),
+            "1 reproduced, 0 within the class, 0 not reproduced, 2 held, "
+            "0 did not hold, 3 not measured");
+  score.vacuous = 4;
+  EXPECT_EQ(score.beside(), "4 vacuous");
+  score.hypotheses = 6;
+  score.hypotheses_hold = 5;
+  EXPECT_TRUE(
+      score.text().ends_with(", 3 not measured; beside them 4 vacuous, 5 of 6 hypotheses hold"))
+      << score.text();
+}
+
+// A short run in a folder, to be damaged.
+class DamagedRun : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    const std::string scenario = "motor_estimation";
+    std::vector<PreparedRun> runs;
+    runs.push_back(testing::prepare(scenario, testing::scenario_file(scenario).default_case(),
+                                    {"run.duration_s=0.1"}));
+    execute_runs(runs, {folder_}, {.csv = false, .quiet = true, .stop = nullptr});
+    manifest_ = nlohmann::json::parse(std::ifstream(folder_ / "manifest.json"));
+    metrics_ = nlohmann::json::parse(std::ifstream(folder_ / "metrics.json"));
+  }
+
+  // What each of those who read runs says; "" if nothing is wrong for it. Anything else than
+  // std::invalid_argument would be called a defect.
+  std::vector<std::string> complaints() const {
+    const std::vector<std::string> all = {
+        complaint_of([&] { const SavedRun run(folder_); }),
+        complaint_of([&] { const FinishedRun run(testing::catalogue(), folder_); })};
+    for (const std::string& complaint : all) EXPECT_TRUE(lacks(complaint, "\n"));
+    return all;
+  }
+  // The same where a file of the run has this content.
+  template <typename Content>
+  std::vector<std::string> complaints_of(const std::string& file, const Content& content) const {
+    std::ofstream(folder_ / file) << content;
+    return complaints();
+  }
+
+  const testing::TemporaryPath folder_{"damaged"};
+  nlohmann::json manifest_;
+  nlohmann::json metrics_;
+};
+
+TEST_F(DamagedRun, EveryValueOfTheManifestMayBeWrong) {
+  const std::set<std::string> needed = {"scenario", "case", "seed", "status"};
+  const std::set<std::string> read = {"scenario", "case",   "seed",      "status",
+                                      "program",  "models", "state_hash"};
+  ASSERT_EQ(complaints(), std::vector<std::string>(2));
+  ASSERT_EQ(manifest_["models"].size(), 1U);
+  EXPECT_EQ(manifest_["models"]["models/motor.xml"].get<std::string>().size(), 16U);
+  EXPECT_EQ(manifest_["program"].get<std::string>().size(), 16U);
+  std::vector<std::string> keys;
+  for (const auto& [key, value] : manifest_.items()) keys.push_back(key);
+  for (const std::string& key : keys) {
+    const auto refused = [&](const nlohmann::json& manifest, bool is_wrong) {
+      for (const std::string& complaint : complaints_of("manifest.json", manifest)) {
+        EXPECT_TRUE(!is_wrong || complaint.find("manifest.json: ") != std::string::npos)
+            << key << " = " << manifest.value(key, nlohmann::json("missing")) << ": " << complaint;
+      }
+    };
+    for (const char* wrong : {"null", "-1.5", "true", "\"\"", "[]", "{\"a\":{}}", "1e300"}) {
       nlohmann::json manifest = manifest_;
-      manifest.erase(key);
-      refused(manifest, needed.contains(key) || key == "state_hash");
+      manifest[key] = nlohmann::json::parse(wrong);
+      const bool is_typed = manifest[key].type() != manifest_[key].type();
+      refused(manifest, read.contains(key) && key != "state_hash" && is_typed);
     }
-    for (const char* whole : {"", "{", "[]", "null", "{\"scenario\": 1, \"state_hash\": 2}"}) {
-      for (const std::string& complaint : complaints_of("manifest.json", whole)) {
-        EXPECT_NE(complaint, "") << whole;
-      }
-    }
-    // A failed run says when and why.
-    manifest_["status"] = "failed";
-    EXPECT_TRUE(has(complaints_of("manifest.json", manifest_)[0], "time_s: is missing"));
-    manifest_["time_s"] = "soon";
-    manifest_["reason"] = "x";
-    EXPECT_TRUE(has(complaints_of("manifest.json", manifest_)[0], "time_s: must be a number"));
-    manifest_["time_s"] = 1.0;
-    EXPECT_EQ(complaints_of("manifest.json", manifest_)[0], "");
+    nlohmann::json manifest = manifest_;
+    manifest.erase(key);
+    refused(manifest, needed.contains(key) || key == "state_hash");
   }
+  for (const char* whole : {"", "{", "[]", "null", "{\"scenario\": 1, \"state_hash\": 2}"}) {
+    for (const std::string& complaint : complaints_of("manifest.json", whole)) {
+      EXPECT_NE(complaint, "") << whole;
+    }
+  }
+  // A failed run says when and why.
+  manifest_["status"] = "failed";
+  EXPECT_TRUE(has(complaints_of("manifest.json", manifest_)[0], "time_s: is missing"));
+  manifest_["time_s"] = "soon";
+  manifest_["reason"] = "x";
+  EXPECT_TRUE(has(complaints_of("manifest.json", manifest_)[0], "time_s: must be a number"));
+  manifest_["time_s"] = 1.0;
+  EXPECT_EQ(complaints_of("manifest.json", manifest_)[0], "");
+}
 
-  TEST_F(DamagedRun, EveryValueOfTheMetricsMayBeWrong) {
-    ASSERT_FALSE(metrics_.empty());
-    for (const auto& [key, value] : metrics_.items()) {
-      for (const char* wrong : {"true", "\"1\"", "[]", "{}"}) {
-        nlohmann::json metrics = metrics_;
-        metrics[key] = nlohmann::json::parse(wrong);
-        EXPECT_TRUE(has(complaints_of("metrics.json", metrics)[0],
-                        "metrics.json: " + key + ": must be a number"));
-      }
+TEST_F(DamagedRun, EveryValueOfTheMetricsMayBeWrong) {
+  ASSERT_FALSE(metrics_.empty());
+  for (const auto& [key, value] : metrics_.items()) {
+    for (const char* wrong : {"true", "\"1\"", "[]", "{}"}) {
       nlohmann::json metrics = metrics_;
-      metrics[key] = nullptr;
-      EXPECT_EQ(complaints_of("metrics.json", metrics)[0], "");
-      EXPECT_FALSE(SavedRun(folder_).metric(key));
-      metrics.erase(key);
-      EXPECT_EQ(complaints_of("metrics.json", metrics)[0], "");
+      metrics[key] = nlohmann::json::parse(wrong);
+      EXPECT_TRUE(has(complaints_of("metrics.json", metrics)[0],
+                      "metrics.json: " + key + ": must be a number"));
     }
-    for (const char* whole : {"", "{", "[1]", "3", "{\"a\": 1e999}"}) {
-      EXPECT_TRUE(
-          has(complaints_of("metrics.json", whole)[0], "metrics.json: is no object of numbers"));
-    }
-    std::filesystem::remove(folder_ / "metrics.json");
-    EXPECT_TRUE(has(complaints()[0], "it has no metrics.json"));
+    nlohmann::json metrics = metrics_;
+    metrics[key] = nullptr;
+    EXPECT_EQ(complaints_of("metrics.json", metrics)[0], "");
+    EXPECT_FALSE(SavedRun(folder_).metric(key));
+    metrics.erase(key);
+    EXPECT_EQ(complaints_of("metrics.json", metrics)[0], "");
   }
-
-  TEST(SavedRun, UnitsAreTheEndsOfNames) {
-    EXPECT_EQ(unit_of("rmse_velocity_rad_s"), "rad/s");
-    EXPECT_EQ(unit_of("max_speed_m_s"), "m/s");
-    EXPECT_EQ(unit_of("free_motion_time_s"), "s");
-    EXPECT_EQ(unit_of("contact_impulse_Ns"), "N s");
-    EXPECT_EQ(unit_of("bounce_count"), "");
+  for (const char* whole : {"", "{", "[1]", "3", "{\"a\": 1e999}"}) {
+    EXPECT_TRUE(
+        has(complaints_of("metrics.json", whole)[0], "metrics.json: is no object of numbers"));
   }
+  std::filesystem::remove(folder_ / "metrics.json");
+  EXPECT_TRUE(has(complaints()[0], "it has no metrics.json"));
+}
 
-  TEST(Latex, HasNoCharacterOfItsOwn) {
-    EXPECT_EQ(latex_escaped("peak_force 50 % {a} $x$ #1 & ~^\\"),
-              "peak\\_force 50 \\% \\{a\\} \\$x\\$ \\#1 \\& "
-              "\\textasciitilde{}\\textasciicircum{}\\textbackslash{}");
-    EXPECT_EQ(latex_number(6.0461749), "6.046");
-    EXPECT_EQ(latex_number(-3.2e-5), "$-3.2 \\times 10^{-5}$");
-    EXPECT_EQ(latex_table({{"a", "b"}, {"1", "2"}}),
-              "% needs \\usepackage{booktabs}\n\\begin{tabular}{lr}\n\\toprule\na & b \\\\\n"
-              "\\midrule\n1 & 2 \\\\\n\\bottomrule\n\\end{tabular}\n");
+TEST(SavedRun, UnitsAreTheEndsOfNames) {
+  EXPECT_EQ(unit_of("rmse_velocity_rad_s"), "rad/s");
+  EXPECT_EQ(unit_of("max_speed_m_s"), "m/s");
+  EXPECT_EQ(unit_of("free_motion_time_s"), "s");
+  EXPECT_EQ(unit_of("contact_impulse_Ns"), "N s");
+  EXPECT_EQ(unit_of("bounce_count"), "");
+}
+
+TEST(Latex, HasNoCharacterOfItsOwn) {
+  EXPECT_EQ(latex_escaped("peak_force 50 % {a} $x$ #1 & ~^\\"),
+            "peak\\_force 50 \\% \\{a\\} \\$x\\$ \\#1 \\& "
+            "\\textasciitilde{}\\textasciicircum{}\\textbackslash{}");
+  EXPECT_EQ(latex_number(6.0461749), "6.046");
+  EXPECT_EQ(latex_number(-3.2e-5), "$-3.2 \\times 10^{-5}$");
+  EXPECT_EQ(latex_table({{"a", "b"}, {"1", "2"}}),
+            "% needs \\usepackage{booktabs}\n\\begin{tabular}{lr}\n\\toprule\na & b \\\\\n"
+            "\\midrule\n1 & 2 \\\\\n\\bottomrule\n\\end{tabular}\n");
+}
+
+TEST(Csv, QuotesWhatNeedsIt) {
+  EXPECT_EQ(csv_line({"a", "b,c", "d\"e", ""}), "a,\"b,c\",\"d\"\"e\",\n");
+}
+
+TEST(Base64, IsThatOfRfc4648) {
+  for (const auto& [plain, coded] : std::vector<std::pair<std::string, std::string>>{
+           {"", ""}, {"f", "Zg=="}, {"fo", "Zm8="}, {"foo", "Zm9v"}, {"foobar", "Zm9vYmFy"}}) {
+    EXPECT_EQ(base64(plain.data(), plain.size()), coded);
   }
+}
 
-  TEST(Csv, QuotesWhatNeedsIt) {
-    EXPECT_EQ(csv_line({"a", "b,c", "d\"e", ""}), "a,\"b,c\",\"d\"\"e\",\n");
+TEST(Page, EscapesWhatComesFromRuns) {
+  kainjow::mustache::data page;
+  page.set("title", "<script>alert(1)</script> & co");
+  page.set("scenario", "\"quoted\" <b>");
+  PageChart chart;
+  chart.id = "one";
+  chart.group = "all";
+  chart.title = "x</script><script>alert(2)</script>";
+  chart.series.push_back({"a<b", "N", "\"", {{0.0, 1.0}, {1.0, 2.0}}});
+  kainjow::mustache::data charts(kainjow::mustache::data::type::list);
+  charts << chart_data(chart);
+  page.set("charts", charts);
+  const std::string html = html_page("compare", page);
+  EXPECT_TRUE(lacks(html, "<script>alert"));
+  EXPECT_TRUE(has(html, "&lt;script&gt;alert(1)&lt;/script&gt; &amp; co", "\\u003c/script>",
+                  "default-src 'none'"));
+}
+
+TEST(Numbers, OfPagesAreShortAndCountsAreWhole) {
+  for (const auto& [value, text] :
+       std::vector<std::pair<double, std::string>>{{1460.0, "1460"},
+                                                   {20000.0, "20000"},
+                                                   {0.0, "0"},
+                                                   {-3.0, "-3"},
+                                                   {1234.5678, "1235"},
+                                                   {0.0123456, "0.0123"},
+                                                   {12.3456, "12.3"},
+                                                   {1.23456e-5, "1.23e-05"},
+                                                   {1.23456e6 + 0.5, "1.23e+06"},
+                                                   {3e8, "3.00e+08"}}) {
+    EXPECT_EQ(format_number(value), text);
   }
+}
 
-  TEST(Base64, IsThatOfRfc4648) {
-    for (const auto& [plain, coded] : std::vector<std::pair<std::string, std::string>>{
-             {"", ""}, {"f", "Zg=="}, {"fo", "Zm8="}, {"foo", "Zm9v"}, {"foobar", "Zm9vYmFy"}}) {
-      EXPECT_EQ(base64(plain.data(), plain.size()), coded);
-    }
-  }
+TEST(Differences, AreSharesMultiplesOrDifferences) {
+  EXPECT_EQ(difference_in_words(2.0, 2.0), "=");
+  EXPECT_EQ(difference_in_words(1.041, 1.0), "+4.1 %");
+  EXPECT_EQ(difference_in_words(-1.5, -1.0), "-50.0 %");
+  EXPECT_EQ(difference_in_words(0.01, 1.0), "-99.0 %");
+  EXPECT_EQ(difference_in_words(2.99, 1.0), "+199.0 %");
+  EXPECT_EQ(difference_in_words(7.996, 1.0), "×8.0");
+  EXPECT_EQ(difference_in_words(-4.0, -1.0), "×4.0");
+  EXPECT_EQ(difference_in_words(0.0444, 0.0004), "+0.044");
+  EXPECT_EQ(difference_in_words(-1.0, 2.0), "-3");
+  EXPECT_EQ(difference_in_words(0.25, 0.0), "+0.25");
+}
 
-  TEST(Page, EscapesWhatComesFromRuns) {
-    kainjow::mustache::data page;
-    page.set("title", "<script>alert(1)</script> & co");
-    page.set("scenario", "\"quoted\" <b>");
-    PageChart chart;
-    chart.id = "one";
-    chart.group = "all";
-    chart.title = "x</script><script>alert(2)</script>";
-    chart.series.push_back({"a<b", "N", "\"", {{0.0, 1.0}, {1.0, 2.0}}});
-    kainjow::mustache::data charts(kainjow::mustache::data::type::list);
-    charts << chart_data(chart);
-    page.set("charts", charts);
-    const std::string html = html_page("compare", page);
-    EXPECT_TRUE(lacks(html, "<script>alert"));
-    EXPECT_TRUE(has(html, "&lt;script&gt;alert(1)&lt;/script&gt; &amp; co", "\\u003c/script>",
-                    "default-src 'none'"));
-  }
-
-  TEST(Numbers, OfPagesAreShortAndCountsAreWhole) {
-    for (const auto& [value, text] :
-         std::vector<std::pair<double, std::string>>{{1460.0, "1460"},
-                                                     {20000.0, "20000"},
-                                                     {0.0, "0"},
-                                                     {-3.0, "-3"},
-                                                     {1234.5678, "1235"},
-                                                     {0.0123456, "0.0123"},
-                                                     {12.3456, "12.3"},
-                                                     {1.23456e-5, "1.23e-05"},
-                                                     {1.23456e6 + 0.5, "1.23e+06"},
-                                                     {3e8, "3.00e+08"}}) {
-      EXPECT_EQ(format_number(value), text);
-    }
-  }
-
-  TEST(Differences, AreSharesMultiplesOrDifferences) {
-    EXPECT_EQ(difference_in_words(2.0, 2.0), "=");
-    EXPECT_EQ(difference_in_words(1.041, 1.0), "+4.1 %");
-    EXPECT_EQ(difference_in_words(-1.5, -1.0), "-50.0 %");
-    EXPECT_EQ(difference_in_words(0.01, 1.0), "-99.0 %");
-    EXPECT_EQ(difference_in_words(2.99, 1.0), "+199.0 %");
-    EXPECT_EQ(difference_in_words(7.996, 1.0), "×8.0");
-    EXPECT_EQ(difference_in_words(-4.0, -1.0), "×4.0");
-    EXPECT_EQ(difference_in_words(0.0444, 0.0004), "+0.044");
-    EXPECT_EQ(difference_in_words(-1.0, 2.0), "-3");
-    EXPECT_EQ(difference_in_words(0.25, 0.0), "+0.25");
-  }
-
-  }  // namespace
+}  // namespace
 }  // namespace breakwater
