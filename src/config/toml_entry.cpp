@@ -54,14 +54,12 @@ std::vector<std::pair<std::string, TomlEntry>> TomlEntry::entries() const {
     for (const auto& [key, node] : *from) {
       const std::string name(key.str());
       all.emplace_back(name, (*this)[name]);
+      all.back().second.begin_ = key.source().begin;
     }
   }
   // TOML tables are read sorted by name.
-  std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) {
-    const toml::source_position& first = a.second.source_->begin;
-    const toml::source_position& second = b.second.source_->begin;
-    return std::pair(first.line, first.column) < std::pair(second.line, second.column);
-  });
+  std::stable_sort(all.begin(), all.end(),
+                   [](const auto& a, const auto& b) { return a.second.begin_ < b.second.begin_; });
   return all;
 }
 

@@ -34,13 +34,15 @@ class TomlEntry {
   const std::string& file() const { return file_; }
   /// Of nothing: its table's.
   std::size_t line() const { return source_->begin.line; }
+  /// Where its key was written; options keep their order by it.
+  const toml::source_position& begin() const { return begin_; }
   /// "FILE:LINE: KEY", an option's name, or "FILE: KEY" of what a root lacks.
   std::string place() const;
   [[noreturn]] void fail(const std::string& reason) const;
 
   /// An entry of a table; of nothing, nothing.
   TomlEntry operator[](const std::string& key) const;
-  /// All entries of a table, in the file's order; of nothing, none.
+  /// All entries of a table, in the file's order of keys; of nothing, none.
   std::vector<std::pair<std::string, TomlEntry>> entries() const;
   /// Refuses other entries of a table than these.
   void allow(const std::vector<std::string>& keys) const;
@@ -77,7 +79,8 @@ class TomlEntry {
   std::size_t choice_of(const std::vector<std::string>& names) const;
 
   const toml::node* node_;
-  const toml::source_region* source_;
+  const toml::source_region* source_;  // of its value, or of its table
+  toml::source_position begin_ = {};
   std::string file_;
   std::string key_ = {};  // with the tables that it is in; empty: the root
   OptionName option_;

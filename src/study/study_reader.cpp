@@ -120,7 +120,7 @@ void collect(const TomlEntry& table, const std::string& prefix, const std::set<s
       collect(entry, path + ".", but, found);
       continue;
     }
-    found.emplace_back(entry.node()->source().begin, varied_key(entry, path));
+    found.emplace_back(entry.begin(), varied_key(entry, path));
   }
 }
 
@@ -195,9 +195,8 @@ std::vector<std::string> read_sets(const TomlEntry& table) {
 std::vector<VariedKey> read_varied(const TomlEntry& table, const std::set<std::string>& but) {
   std::vector<std::pair<toml::source_position, VariedKey>> found;
   collect(table, "", but, found);
-  std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) {
-    return std::pair(a.first.line, a.first.column) < std::pair(b.first.line, b.first.column);
-  });
+  std::stable_sort(found.begin(), found.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<VariedKey> keys;
   for (auto& [place, key] : found) {
     for (const VariedKey& other : keys) {
