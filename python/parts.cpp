@@ -359,9 +359,9 @@ PythonParts::PythonParts(const Catalogue& standard, const py::object& controller
         estimator_,
         [object](const NominalAxis& axis) {
           // Each joint of an arm has one of its own.
-          const py::object part =
+          const py::object own =
               axis.joint == 0 ? object() : py::module_::import("copy").attr("deepcopy")(object());
-          return std::make_unique<PythonAxisEstimator>(part, setup_of(axis));
+          return std::make_unique<PythonAxisEstimator>(own, setup_of(axis));
         },
         [uses] { uses->estimator_key = "observer.name"; }));
     catalogue_.add(kind_of<QuadrotorEstimatorKind>(
