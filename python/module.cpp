@@ -8,6 +8,7 @@
 
 #include <breakwater/experiment/scenario.h>
 #include <breakwater/record/output_error.h>
+#include <breakwater/record/stop_asked.h>
 #include <breakwater/record/track.h>
 #include <breakwater/shell/paths.h>
 #include <breakwater/version.h>
@@ -34,8 +35,8 @@ void translate(std::exception_ptr thrown) {
   try {
     if (thrown) std::rethrow_exception(thrown);
   } catch (const Interrupted&) {
-    // Python's own handler of the signal says which exception it is, such as KeyboardInterrupt.
-    if (PyErr_CheckSignals() == 0) PyErr_SetString(PyExc_SystemExit, "Python ends");
+    // A handler of Python's may have said which exception it is, such as KeyboardInterrupt.
+    if (PyErr_Occurred() == nullptr) PyErr_SetString(PyExc_SystemExit, "Python ends");
   } catch (const OutputError& error) {
     PyErr_SetString(PyExc_OSError, error.what());
   } catch (const std::filesystem::filesystem_error& error) {
@@ -58,6 +59,10 @@ void translate(std::exception_ptr thrown) {
 PYBIND11_MODULE(_core, module) {
   using namespace breakwater::python;  // NOLINT: the module's own
   set_places();
+  stop_asked = [] {
+    const py::gil_scoped_acquire held;
+    return PyErr_CheckSignals() != 0;
+  };
   pybind11::register_local_exception_translator(translate);
   module.attr("__version__") = breakwater::kVersion;
   bind_exit();

@@ -1,8 +1,17 @@
 #include <breakwater/observers/pole_predictor.h>
 
+#include <cmath>
+#include <complex>
+
 #include <breakwater/math/functions.h>
 
 namespace breakwater {
+namespace {
+
+// The largest error of the sum of a step's poles with which its gain is used.
+constexpr double kPlacementError = 1e-6;
+
+}  // namespace
 
 PolePredictor::PolePredictor(const StateSpace& continuous_plant,
                              const std::vector<PoleGroup>& poles, double period_s)
@@ -49,6 +58,16 @@ void PolePredictor::place(double interval_s) {
     sample_poles(poles_, interval_s, sampled_poles_);
     placement_.place(step_.error_dynamics, C_, sampled_poles_, step_.gain);
     step_.error_dynamics.noalias() -= step_.gain * C_;
+    // Poles of a very short interval are so close to 1 that rounding may move them.
+    double sum = 0.0;
+    for (const PoleGroup& group : sampled_poles_) {
+      for (const std::complex<double>& pole : group) sum += pole.real();
+    }
+    if (!(std::abs(step_.error_dynamics.trace() - sum) < kPlacementError)) {
+      step_.gain = regular_.gain;
+      step_.error_dynamics = hold_.A();
+      step_.error_dynamics.noalias() -= step_.gain * C_;
+    }
     return;
   }
   change_ = step_.error_dynamics;

@@ -21,7 +21,9 @@ class PolePredictor {
                 double period_s);
 
   /// The intervals that follow are so long; 0: T_s. Plant and gain are those of this length, by
-  /// Ackermann's formula for one output, by ObserverPlacement for several. Allocates nothing.
+  /// Ackermann's formula for one output, by ObserverPlacement for several. Where an interval is so
+  /// short that the poles of several outputs cannot be placed, the gain is that of T_s. Allocates
+  /// nothing.
   void over(double interval_s);
 
   /// Starts from a state whose first entries are `x`, and the others 0; intervals are T_s again.

@@ -89,8 +89,15 @@ std::string line_path(const std::vector<PlotPoint>& points) {
 }
 
 std::string band_path(const std::vector<PlotPoint>& upper, const std::vector<PlotPoint>& lower) {
-  const auto above = stretches(upper);
-  auto below = stretches(lower);
+  // Both edges end where one of them does.
+  std::vector<PlotPoint> upper_shown = upper;
+  std::vector<PlotPoint> lower_shown = lower;
+  for (std::size_t i = 0; i < upper.size(); ++i) {
+    if (std::isfinite(upper[i].second) && std::isfinite(lower[i].second)) continue;
+    upper_shown[i].second = lower_shown[i].second = std::numeric_limits<double>::quiet_NaN();
+  }
+  const auto above = stretches(upper_shown);
+  auto below = stretches(lower_shown);
   std::string path;
   for (std::size_t i = 0; i < above.size(); ++i) {
     if (above[i].size() < 2) continue;

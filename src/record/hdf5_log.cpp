@@ -26,6 +26,7 @@
 
 #include <breakwater/record/hdf5_library.h>
 #include <breakwater/record/interrupted.h>
+#include <breakwater/record/stop_asked.h>
 #include <breakwater/record/text_outputs.h>
 
 namespace breakwater {
@@ -411,15 +412,18 @@ LogContents contents_of(std::FILE* sheet) {
   return log;
 }
 
-// The child's exit status; nothing if a signal ended it. A signal to us ends it at once.
+// The child's exit status; nothing if a signal ended it. A signal to us may end it at once.
 std::optional<int> outcome_of(pid_t child) {
   int status = 0;
-  if (waitpid(child, &status, 0) < 0) {
+  bool is_stopped = false;
+  while (waitpid(child, &status, 0) < 0) {
     if (errno != EINTR) return std::nullopt;  // nobody here may wait for children
+    bool (*const asked)() = stop_asked;
+    if (is_stopped || asked == nullptr || !asked()) continue;
+    is_stopped = true;
     kill(child, SIGKILL);
-    while (waitpid(child, &status, 0) < 0 && errno == EINTR) continue;
-    throw Interrupted();
   }
+  if (is_stopped) throw Interrupted();
   return WIFEXITED(status) ? std::optional(WEXITSTATUS(status)) : std::nullopt;
 }
 
@@ -489,10 +493,9 @@ LogContents read_foreign_log(const std::string& file) {
       tell_all(file, told.get());
     }
     if (outcome_of(child) == kTooMuch) {
-      throw std::invalid_argument(
-          fmt::format("{}: is not read: it has more than {} MB of values, and its manifest.json no "
-                      "log_hash",
-                      file, kForeignBytes / 1'000'000));
+      throw std::invalid_argument(fmt::format(
+          "{}: is not read: it takes more than {} MB, and its manifest.json has no log_hash", file,
+          kForeignBytes / 1'000'000));
     }
   }
   std::rewind(told.get());

@@ -12,6 +12,7 @@
 #include <system_error>
 #include <utility>
 
+#include <breakwater/record/stop_asked.h>
 #include <breakwater/record/track.h>
 
 namespace breakwater {
@@ -88,6 +89,7 @@ int caught(const std::string& program, const std::function<int()>& body) {
 }  // namespace
 
 void stop_on_signals(std::initializer_list<int> more) {
+  stop_asked = [] { return signalled.load(); };
   struct sigaction action = {};
   action.sa_handler = on_alarm;
   action.sa_flags = SA_RESTART;  // no look breaks off what goes on

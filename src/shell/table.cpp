@@ -29,23 +29,28 @@ Rows turned_over(const Rows& rows) {
   return turned;
 }
 
-std::string in_blocks(const Rows& rows, std::size_t width) {
+std::string in_blocks(const Rows& rows, std::size_t labels, std::size_t width) {
   constexpr std::size_t kGap = 2;
   const std::size_t columns = rows.front().size();
   std::vector<std::size_t> widths(columns, 0);
   for (const auto& row : rows) {
     for (std::size_t i = 0; i < columns; ++i) widths[i] = std::max(widths[i], shown_width(row[i]));
   }
+  std::size_t labels_width = widths[0];
+  for (std::size_t i = 1; i < labels; ++i) labels_width += kGap + widths[i];
   std::string text;
-  for (std::size_t first = 1; first < columns;) {
+  for (std::size_t first = labels; first < columns;) {
     std::size_t last = first;
-    std::size_t used = widths[0];
+    std::size_t used = labels_width;
     while (last < columns && (last == first || used + kGap + widths[last] <= width)) {
       used += kGap + widths[last++];
     }
-    if (first > 1) text += '\n';
+    if (first > labels) text += '\n';
     for (const auto& row : rows) {
       std::string line = row[0] + blanks(widths[0], row[0]);
+      for (std::size_t i = 1; i < labels; ++i) {
+        line += std::string(kGap, ' ') + row[i] + blanks(widths[i], row[i]);
+      }
       for (std::size_t i = first; i < last; ++i) line += blanks(kGap + widths[i], row[i]) + row[i];
       text += line.substr(0, line.find_last_not_of(' ') + 1) + '\n';
     }
@@ -57,9 +62,9 @@ std::string in_blocks(const Rows& rows, std::size_t width) {
 }  // namespace
 
 std::string Table::print(std::size_t width) const {
-  const std::string upright = in_blocks(rows_, width);
-  if (upright.find("\n\n") == std::string::npos || rows_.size() < 2) return upright;
-  const std::string turned = in_blocks(turned_over(rows_), width);
+  const std::string upright = in_blocks(rows_, labels_, width);
+  if (upright.find("\n\n") == std::string::npos || rows_.size() < 2 || labels_ > 1) return upright;
+  const std::string turned = in_blocks(turned_over(rows_), 1, width);
   const auto lines = [](const std::string& text) {
     return std::count(text.begin(), text.end(), '\n');
   };

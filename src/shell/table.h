@@ -10,19 +10,22 @@ namespace breakwater {
 /// Rows of cells under a header. The first column is set left, the others right.
 class Table {
  public:
-  explicit Table(std::vector<std::string> header) : rows_{std::move(header)} {}
+  /// The first `labels` columns say what a row is.
+  explicit Table(std::vector<std::string> header, std::size_t labels = 1)
+      : rows_{std::move(header)}, labels_(labels) {}
 
   void add(std::vector<std::string> row) {
     row.resize(rows_.front().size());
     rows_.push_back(std::move(row));
   }
 
-  /// A table that is wider than `width` characters is cut into several, each with the first column;
-  /// turned over before, rows for columns, if that takes fewer lines.
+  /// A table that is wider than `width` characters is cut into several, each with the labels. One
+  /// of a single label is turned over before, rows for columns, if that takes fewer lines.
   std::string print(std::size_t width) const;
 
  private:
   std::vector<std::vector<std::string>> rows_;  // all as long as the first
+  std::size_t labels_;
 };
 
 /// The text in lines of at most `width` characters, cut at spaces; a longer word is a line of its

@@ -183,13 +183,13 @@ std::string repeated_text(const CandidateComparison& comparison) {
   std::vector<std::string> repeated;
   for (std::size_t c = 0; c < comparison.candidates.size(); ++c) {
     if (comparison.reached[c] == comparison.blocks) continue;
-    repeated.push_back(fmt::format("{} of {}", comparison.reached[c], comparison.candidates[c]));
+    repeated.push_back(
+        fmt::format("{} has {} different runs", comparison.candidates[c], comparison.reached[c]));
   }
   if (repeated.empty()) return "";
   return fmt::format(
-      "Of {} blocks but {} differ in their runs: not all that is varied reaches {}; the same pair "
-      "counts once",
-      comparison.blocks, fmt::join(repeated, ", "), repeated.size() == 1 ? "that one" : "those");
+      "In {} blocks {}: some varied keys have no effect there. Equal pairs count once",
+      comparison.blocks, fmt::join(repeated, ", "));
 }
 
 std::string few_text(const CandidateComparison& comparison) {
@@ -199,10 +199,12 @@ std::string few_text(const CandidateComparison& comparison) {
   const auto metric = std::find_if(comparison.metrics.begin(), comparison.metrics.end(), is_few);
   if (metric == comparison.metrics.end()) return "";
   std::string text = fmt::format(
-      "Too few blocks: of {} the least two-sided p is {:.4g}, whatever they say", metric->blocks,
-      std::min(1.0, std::ldexp(2.0, -static_cast<int>(metric->blocks))));
+      "Too few blocks: with {} blocks p cannot be below {:.4g}, and a verdict needs at least 6",
+      metric->blocks, std::min(1.0, std::ldexp(2.0, -static_cast<int>(metric->blocks))));
   if (metric->pairs > metric->blocks) {
-    text += "; seeds repeat a block and are none, unless worlds = \"seeds\" is asked for";
+    text +=
+        ". Random seeds repeat a block and do not count as blocks (worlds = \"seeds\" changes "
+        "this)";
   }
   return text;
 }
@@ -211,7 +213,7 @@ std::string never_text(const CandidateComparison& comparison) {
   std::vector<std::string> parts;
   for (std::size_t c = 0; c < comparison.candidates.size(); ++c) {
     if (comparison.never[c].empty()) continue;
-    parts.push_back(fmt::format("Not one run of {} has {}", comparison.candidates[c],
+    parts.push_back(fmt::format("No run of {} has {}", comparison.candidates[c],
                                 fmt::join(comparison.never[c], ", ")));
   }
   return fmt::format("{}", fmt::join(parts, "; "));
@@ -223,7 +225,8 @@ std::string comparison_text(const CandidateComparison& comparison, std::size_t w
                                      "blocks", "median",    "difference (95 %)",
                                      "p",      "better in", "verdict"};
   if (has_repeats) header.insert(header.begin() + 4, {"pairs", "between"});
-  Table table(header);
+  constexpr std::size_t kLabels = 3;
+  Table table(header, kLabels);
   bool has_mark = false;
   const auto begun = [&](const std::string& metric, const auto& one, const std::string& between) {
     const bool is_marked = one.blocks < comparison.blocks;
@@ -257,14 +260,15 @@ std::string comparison_text(const CandidateComparison& comparison, std::size_t w
     if (!line.empty()) text += line + '\n';
   };
   if (has_mark) {
-    add_line(
-        fmt::format("* of fewer blocks than {}: in the others a run failed or lacks the metric, or "
-                    "both runs are those of another block",
-                    comparison.blocks));
+    add_line(fmt::format(
+        "* fewer than {} blocks: in the others a run failed or lacks the metric, or both "
+        "runs equal those of another block",
+        comparison.blocks));
   }
   if (has_repeats) {
     add_line(
-        "between: the share of the difference's variance that lies between blocks, not within");
+        "between: share of the variance of the differences that is between blocks, not within "
+        "them");
   }
   for (const KeyInteraction& one : comparison.interactions) {
     if (one.turns) add_line("† " + turns_text(comparison, one));

@@ -27,11 +27,11 @@ std::string turns_text(const CandidateComparison& comparison, const KeyInteracti
 /// empty.
 std::string few_text(const CandidateComparison& comparison);
 
-/// "Of 18 blocks but 2 of b differ in their runs, …": what a reader must know where the same
+/// "In 18 blocks b has 2 different runs: …": what a reader must know where the same
 /// runs come again. Empty if none does.
 std::string repeated_text(const CandidateComparison& comparison);
 
-/// "Not one run of b has settling_s; …": what a reader must know where a row is missing. Empty if
+/// "No run of b has settling_s; …": what a reader must know where a row is missing. Empty if
 /// none is.
 std::string never_text(const CandidateComparison& comparison);
 

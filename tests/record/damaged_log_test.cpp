@@ -1,6 +1,7 @@
 // Logs that are not what a run wrote: no reader crashes, hangs or fills the memory.
 #include <sys/prctl.h>
 #include <sys/stat.h>
+#include <sys/time.h>
 
 #include <csignal>
 #include <cstdlib>
@@ -9,6 +10,7 @@
 #include <breakwater/record/file_hash.h>
 #include <breakwater/record/interrupted.h>
 #include <breakwater/record/run_folder.h>
+#include <breakwater/record/stop_asked.h>
 #include "record/damaged_log.h"
 #include "support.h"
 
@@ -106,8 +108,8 @@ TEST_F(DamagedLog, ThatHoldsMoreThanItsReaderMayTakeIsRefused) {
     ADD_FAILURE() << "it is read";
   } catch (const std::invalid_argument& error) {
     EXPECT_EQ(error.what(), log_.string() +
-                                ": is not read: it has more than 1000 MB of values, and its "
-                                "manifest.json no log_hash");
+                                ": is not read: it takes more than 1000 MB, and its manifest.json "
+                                "has no log_hash");
   }
 }
 
@@ -116,16 +118,24 @@ class EndlessLog : public ::testing::Test {
  protected:
   EndlessLog() { EXPECT_EQ(mkfifo(log_.c_str(), 0600), 0); }
 
-  fs::path log_ = testing::temporary_path("endless_log");
-  testing::Removed removed_{log_};
+  testing::TemporaryPath log_{"endless_log"};
 };
 
 TEST_F(EndlessLog, ASignalEndsItsReaderAtOnce) {
   struct sigaction action = {}, before = {};
   action.sa_handler = [](int) {};
   sigaction(SIGALRM, &action, &before);
-  alarm(1);
+  // The first signal asks for nothing, the second one to stop.
+  static int signals;
+  signals = 0;
+  stop_asked = [] { return ++signals > 1; };
+  const itimerval often = {{0, 200'000}, {0, 200'000}};
+  setitimer(ITIMER_REAL, &often, nullptr);
   EXPECT_THROW(read_foreign_log(log_.string()), Interrupted);
+  const itimerval never = {};
+  setitimer(ITIMER_REAL, &never, nullptr);
+  stop_asked = nullptr;
+  EXPECT_EQ(signals, 2);
   EXPECT_EQ(waitpid(-1, nullptr, WNOHANG), -1) << "a child is left";
   sigaction(SIGALRM, &before, nullptr);
 }

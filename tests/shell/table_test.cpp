@@ -52,6 +52,20 @@ TEST(Table, IsTurnedOverWhereThatIsShorter) {
             "column4    14\n");
 }
 
+TEST(Table, RepeatsAllLabelsInEachBlock) {
+  Table table({"metric", "of", "median", "p"}, 2);
+  table.add({"peak", "b", "3.5", "0.5"});
+  table.add({"peak", "cc", "12", "1"});
+  EXPECT_EQ(table.print(18),
+            "metric  of  median\n"
+            "peak    b      3.5\n"
+            "peak    cc      12\n"
+            "\n"
+            "metric  of    p\n"
+            "peak    b   0.5\n"
+            "peak    cc    1\n");
+}
+
 TEST(Table, CountsCharactersNotBytes) {
   Table table({"unit", "value"});
   table.add({"µs", "1"});

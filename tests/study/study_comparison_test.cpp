@@ -28,8 +28,7 @@ using Choice = std::function<bool(const StudyPoint&)>;
 
 // The results of all points but those that are `missing`; case b crashes where it is said to.
 PairedResults results_of(const Plan& plan, const Choice& crashes, const Choice& missing) {
-  const auto folder = testing::temporary_path("study_comparison");
-  const testing::Removed removed{folder};
+  const testing::TemporaryPath folder{"study_comparison"};
   std::filesystem::create_directories(folder);
   {
     Shard shard(folder);

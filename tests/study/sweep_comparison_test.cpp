@@ -75,7 +75,7 @@ baseline = "x.third = 0.5"
 goal.y_1 = "min"
 )toml");
   const ProgramResult few = swept("study.toml --out few");
-  EXPECT_TRUE(has(few.out, "too few blocks", "of 5 the least two-sided p is 0.0625"));
+  EXPECT_TRUE(has(few.out, "too few blocks", "with 5 blocks p cannot be below 0.0625"));
   auto cells = results("few", "comparison.csv");
   EXPECT_EQ(cells[1].at(18) + cells[1].at(25) + cells[1].at(14), "too few blocks50.0625");
   const std::string page = read("few/report.html");
@@ -174,7 +174,7 @@ baseline = "trouble.fails_above = 10"
   const ProgramResult result = swept("study.toml --out s");
   EXPECT_TRUE(has(result.out, "2 *"));
   EXPECT_TRUE(lacks(result.out, "3 *"));
-  EXPECT_TRUE(has(result.out, "\n* of fewer blocks than 3: "));
+  EXPECT_TRUE(has(result.out, "\n* fewer than 3 blocks: "));
 }
 
 // A slip of the pen costs no study.
