@@ -20,6 +20,10 @@ ArmRole push_role() {
 
 }  // namespace
 
+std::vector<MetricDefinition> ArmPush::metric_definitions() const {
+  return PushMetrics::definitions();
+}
+
 Fields ArmPush::fields() {
   Fields fields;
   arm_.bind(fields);
@@ -29,18 +33,20 @@ Fields ArmPush::fields() {
   fields.only_where({"controller.k_force", "controller.t_approach_s", "controller.t_contact_s",
                      "controller.design_stiffness_N_m", "controller.peak_margin_N"},
                     "force is controlled, as it is not in this scenario", [] { return false; });
-  fields.count("push.link", link_, between(1, 100), "which link's end the hand pushes");
+  fields.count("push.link", link_, between(1, 100), "number of the link whose end the hand pushes");
   fields.number("push.angle_rad", hand_.angle_rad, any(),
-                "how far it turns the link's absolute angle [rad]");
-  fields.number("push.start_s", hand_.start_s, not_negative(), "when it grips [s]");
-  fields.number("push.rise_s", hand_.rise_s, positive(), "how long it takes to turn it [s]");
-  fields.number("push.hold_s", hand_.hold_s, not_negative(), "how long it holds it then [s]");
+                "angle by which the hand turns the link [rad]");
+  fields.number("push.start_s", hand_.start_s, not_negative(), "time at which the hand grips [s]");
+  fields.number("push.rise_s", hand_.rise_s, positive(),
+                "time that the hand takes to turn the link [s]");
+  fields.number("push.hold_s", hand_.hold_s, not_negative(),
+                "time for which the hand then holds the link [s]");
   fields.number("push.stiffness_Nm_rad", hand_.stiffness_Nm_rad, positive(),
-                "of the hand, about the link's joint [N m/rad]");
+                "stiffness of the hand about the link's joint [N m/rad]");
   fields.number("push.damping_Nms_rad", hand_.damping_Nms_rad, not_negative(),
-                "of the hand, about the link's joint [N m s/rad]");
+                "damping of the hand about the link's joint [N m s/rad]");
   fields.number("metrics.settled_within_m", settled_within_m_, positive(),
-                "settled: the tip stays this close to the start pose [m]");
+                "distance from the start pose within which the tip counts as settled [m]");
   return fields;
 }
 

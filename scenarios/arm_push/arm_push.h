@@ -20,6 +20,7 @@ class ArmPush final : public Scenario {
   std::vector<std::string> main_metrics() const override {
     return {"settling_time_s", "tip_error_m"};
   }
+  std::vector<MetricDefinition> metric_definitions() const override;
   Fields fields() override;
   void check(const Config& config) override;
   const RunSettings& run_settings() const override { return arm_.run; }

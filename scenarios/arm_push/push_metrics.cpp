@@ -32,6 +32,30 @@ void PushMetrics::after_sample(double time_s, const Eigen::VectorXd& q, const Ei
   last_free_s_ = time_s;
 }
 
+std::vector<MetricDefinition> PushMetrics::definitions() {
+  return {
+      {"max_push_rad", "rad", "largest angle by which the hand turned the link before it let go"},
+      {"overshoot_rad", "rad",
+       "largest joint excursion past the start angle, on the other side of the release. If the tip "
+       "settles in another posture, the largest joint offset at the end counts too"},
+      {"x_overshoot_m", "m",
+       "largest excursion of the tip's x past its start, on the other side of the release"},
+      {"y_overshoot_m", "m",
+       "largest excursion of the tip's y past its start, on the other side of the release"},
+      {"posture_overshoot_rad", "rad",
+       "largest excursion of the tip's orientation past its start, on the other side of the "
+       "release"},
+      {"reversal_count", "1",
+       "number of times that the joint that swings most turns back by more than 0.02 rad after the "
+       "release"},
+      {"settling_time_s", "s",
+       "time from the release until the tip stays within metrics.settled_within_m of its start; "
+       "absent if it never does"},
+      {"saturated_time_s", "s", "time for which any command is at its limit, from the grip on"},
+      {"tip_error_m", "m", "distance of the tip from its start at the end of the run"},
+      {"peak_speed_rad_s", "rad/s", "largest speed of any joint after the release"}};
+}
+
 std::vector<Metric> PushMetrics::metrics() const {
   std::vector<Metric> list;
   if (max_push_rad_) list.push_back({"max_push_rad", "rad", *max_push_rad_});

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <breakwater/plants/planar_chain.h>
+#include <breakwater/record/metric_definition.h>
 #include <breakwater/record/recording.h>
 #include <breakwater/record/window_metrics.h>
 
@@ -21,20 +22,8 @@ struct PushWindow {
   double period_s = 0.0;
 };
 
-/// Gathers the metrics of arm_push, sample by sample:
-///  - max_push_rad: how far the hand turned the link, before it let go;
-///  - overshoot_rad: the largest joint excursion past the start, on the other side of where the
-///    joint was let go; or, where the tip comes back in another posture, how far a joint is off;
-///  - x_overshoot_m, y_overshoot_m, posture_overshoot_rad: the same of the tip's pose, each
-///    coordinate past its start, in whatever posture;
-///  - reversal_count: how often the joint that swings most turns back by more than 0.02 rad after
-///    the release;
-///  - settling_time_s: from the release until the tip stays within settled_within_m; absent if it
-///    never does;
-///  - saturated_time_s: how long any command was at its limit, from the grip;
-///  - tip_error_m: the tip's distance from its start at the end;
-///  - peak_speed_rad_s: of any joint, after the release.
-/// Those after the release are absent if the run ends before it.
+/// Gathers the metrics of arm_push, step by step: definitions() has them.
+/// Metrics after the release are absent if the run ends before it.
 class PushMetrics {
  public:
   explicit PushMetrics(const PushWindow& window)
@@ -45,6 +34,7 @@ class PushMetrics {
   void after_sample(double time_s, const Eigen::VectorXd& q, const Eigen::VectorXd& dq,
                     const TipPose& tip, double turned_rad, bool saturated);
 
+  static std::vector<MetricDefinition> definitions();
   std::vector<Metric> metrics() const;
 
  private:

@@ -17,30 +17,39 @@ constexpr const char* kTip = "tip";
 
 }  // namespace
 
+std::vector<MetricDefinition> ArmWallContact::metric_definitions() const {
+  return WallContactMetrics::definitions();
+}
+
 Fields ArmWallContact::fields() {
   Fields fields;
   arm_.bind(fields);
   fields.number("wall.distance_m", wall_distance_m_, positive(),
-                "from the tip at the start pose to the wall's face [m]");
-  fields.number("wall.solid_from_s", wall_solid_from_s_, not_negative(),
-                "the wall collides from here on: the stretched arm starts inside it [s]");
+                "distance from the tip at the start pose to the wall's face [m]");
+  fields.number(
+      "wall.solid_from_s", wall_solid_from_s_, not_negative(),
+      "time from which on the wall collides; the stretched arm starts inside the wall [s]");
   fields.number("contact.stiffness_N_m", contact_.stiffness_N_m, positive(),
-                "K of the chain sensor, end effector, gears, links: not of the steel [N/m]");
+                "K: stiffness of the chain of sensor, end effector, gears and links, not that of "
+                "the steel [N/m]");
   fields.number("contact.damping_Ns_m", contact_.damping_Ns_m, not_negative(),
-                "B of the same chain [N s/m]");
-  fields.number("force.reference_N", force_reference_N_, positive(), "F_x^ref [N]");
+                "B: damping of the same chain [N s/m]");
+  fields.number("force.reference_N", force_reference_N_, positive(),
+                "F_x^ref: reference of the contact force [N]");
   fields.number("force.from_s", force_from_s_, not_negative(),
-                "position control before, force control from here on [s]");
+                "time of the switch from position control to force control [s]");
   fields.number("force.convert_gain_per_m", convert_gain_per_m_, positive(),
-                "K_f = this times F_x^ref [1/m]");
+                "factor of the force gain: K_f is this value times F_x^ref [1/m]");
   fields.number("force.filter_time_constant_s", filter_time_constant_s_, not_negative(),
-                "of the force sensor's low-pass; 0: none [s]");
+                "time constant of the force sensor's low-pass; 0: none [s]");
   fields.number("metrics.from_s", metrics_from_s_, not_negative(),
-                "the force error is taken from here [s]");
-  fields.number("metrics.to_s", metrics_to_s_, positive(), "to here [s]");
+                "start of the window of the force error [s]");
+  fields.number("metrics.to_s", metrics_to_s_, positive(),
+                "end of the window of the force error [s]");
   fields.number("record.fine_from_s", fine_from_s_, not_negative(),
-                "forces are logged at the physics rate from here [s]");
-  fields.number("record.fine_to_s", fine_to_s_, not_negative(), "to here [s]");
+                "time from which on forces are logged at the physics rate [s]");
+  fields.number("record.fine_to_s", fine_to_s_, not_negative(),
+                "time until which forces are logged at the physics rate [s]");
   return fields;
 }
 

@@ -21,6 +21,7 @@ class ArmWallContact final : public Scenario {
   std::vector<std::string> main_metrics() const override {
     return {"free_motion_time_s", "peak_force_filtered_N"};
   }
+  std::vector<MetricDefinition> metric_definitions() const override;
   Fields fields() override;
   void check(const Config& config) override;
   const RunSettings& run_settings() const override { return arm_.run; }

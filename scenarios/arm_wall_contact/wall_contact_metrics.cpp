@@ -75,6 +75,37 @@ void WallContactMetrics::add_late_force(std::vector<Metric>& list) const {
                   static_cast<double>(rises_) / (window_.error_to_s - window_.error_from_s)});
 }
 
+std::vector<MetricDefinition> WallContactMetrics::definitions() {
+  return {
+      {"free_motion_time_s", "s", "time from the switch to force control until the first contact"},
+      {"peak_force_raw_N", "N", "largest contact force, at the physics rate"},
+      {"peak_force_filtered_N", "N",
+       "largest force behind the sensor's low-pass, at the physics rate"},
+      {"mean_force_error_N", "N",
+       "mean of reference less filtered force, from metrics.from_s to metrics.to_s"},
+      {"std_force_error_N", "N", "standard deviation of the same error in the same window"},
+      {"saturated_share", "1",
+       "share of the samples in the window at which any command is at its limit"},
+      {"late_bounce_count", "1", "number of contact onsets in the window, seen at the samples"},
+      {"force_decay_ratio", "1",
+       "standard deviation of the contact force in the window's last fifth over that in its first "
+       "fifth. Below 1 the contact still settles; 1 means a limit cycle"},
+      {"force_frequency_Hz", "Hz",
+       "how often per second the contact force rises beyond the reference in the window, seen at "
+       "the samples"},
+      {"impact_velocity_m_s", "m/s", "speed of the tip along x at the first contact"},
+      {"impact_mass_kg", "kg",
+       "effective mass of the arm along x at the first contact, with every joint free to recoil"},
+      {"contact_impulse_Ns", "N s",
+       "integral of the contact force over the first 0.2 s after the first contact"},
+      {"bounce_count", "1", "number of contact onsets after the first"},
+      {"saturated_time_s", "s", "time for which any command is at its limit, from the switch on"},
+      {"max_posture_error_rad", "rad",
+       "largest deviation of the tip's orientation from the start pose, from the switch on"},
+      {"max_y_error_m", "m",
+       "largest deviation of the tip's y from the start pose, from the switch on"}};
+}
+
 std::vector<Metric> WallContactMetrics::metrics(double simulated_s) const {
   std::vector<Metric> list;
   if (simulated_s <= window_.force_from_s) return list;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <breakwater/plants/planar_chain.h>
+#include <breakwater/record/metric_definition.h>
 #include <breakwater/record/recording.h>
 #include <breakwater/record/window_metrics.h>
 
@@ -22,24 +23,8 @@ struct WallContactWindow {
   TipPose start_pose = TipPose::Zero();
 };
 
-/// Gathers the metrics of arm_wall_contact, step by step:
-///  - free_motion_time_s: from the switch to the first contact;
-///  - peak_force_raw_N, peak_force_filtered_N: of the contact force and of the force behind the
-///    sensor's low-pass, at the physics rate;
-///  - mean_force_error_N, std_force_error_N: of reference − filtered force in the window;
-///  - late_bounce_count: contact onsets in the window, seen at the samples;
-///  - force_decay_ratio: standard deviation of the contact force in the window's last fifth over
-///    that in its first: below 1 where the contact still settles, 1 of a limit cycle;
-///  - force_frequency_Hz: how often a second the contact force rises beyond the reference in the
-///    window, seen at the samples;
-///  - impact_velocity_m_s: the tip's x speed at the first contact;
-///  - impact_mass_kg: what the blow meets there along x, every joint free to recoil;
-///  - contact_impulse_Ns: of the contact force over the first 200 ms of contact;
-///  - bounce_count: contact onsets after the first;
-///  - saturated_time_s: how long any command was at its limit;
-///  - saturated_share: of the samples in the window, those with any command at its limit;
-///  - max_posture_error_rad, max_y_error_m: largest deviation from the start pose.
-/// One that does not apply (no contact, a run that ends too early) is absent.
+/// Gathers the metrics of arm_wall_contact, step by step: definitions() has them.
+/// A metric that does not apply (no contact, a run that ends too early) is absent.
 class WallContactMetrics {
  public:
   explicit WallContactMetrics(const WallContactWindow& window) : window_(window) {}
@@ -52,6 +37,7 @@ class WallContactMetrics {
   /// To be called at every sample.
   void after_sample(double time_s, double force_N, const TipPose& tip, bool saturated);
 
+  static std::vector<MetricDefinition> definitions();
   std::vector<Metric> metrics(double simulated_s) const;
 
  private:

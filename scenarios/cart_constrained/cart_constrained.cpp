@@ -9,6 +9,27 @@
 
 namespace breakwater {
 
+std::vector<MetricDefinition> CartConstrained::metric_definitions() const {
+  return with_qp_metrics(
+      {{"final_position_m", "m", "position at the end of the run"},
+       {"final_speed_m_s", "m/s", "size of the velocity at the end of the run"},
+       {"max_speed_m_s", "m/s", "largest size of the velocity"},
+       {"max_estimated_speed_m_s", "m/s", "largest size of the estimated velocity"},
+       {"rms_velocity_estimate_error_m_s", "m/s",
+        "root mean square of estimated less true velocity"},
+       {"velocity_estimate_travel_m_s", "m/s",
+        "sum of the sizes of all changes of the estimated velocity from sample to sample"},
+       {"max_input_N", "N", "largest size of the commanded force"},
+       {"input_violation_time_s", "s",
+        "time for which the commanded force is beyond its limits by more than "
+        "metrics.violation_slack"},
+       {"speed_violation_time_s", "s",
+        "time for which the speed is beyond its limit by more than metrics.violation_slack"},
+       {"settling_time_s", "s",
+        "time until the position stays within metrics.settled_within_m of 0. It counts from the "
+        "start of the run; in conditions B and C, from the start of the force"}});
+}
+
 Fields CartConstrained::fields() {
   Fields fields;
   fields.choice("condition", condition_,
@@ -17,25 +38,28 @@ Fields CartConstrained::fields() {
                  {"C", CartCondition::C},
                  {"D", CartCondition::D},
                  {"E", CartCondition::E}},
-                "A nothing, B 1 N, C 2 N, D half the mass, E one and a half times the mass");
+                "condition of the run: A nominal; B and C a force of 1 N and 2 N; D and E half and "
+                "one and a half times the mass");
   axis_.bind(fields);
-  fields.number("start.position_m", start_position_m_, any(), "of the cart [m]");
-  fields.number("start.velocity_m_s", start_velocity_m_s_, any(), "of the cart [m/s]");
+  fields.number("start.position_m", start_position_m_, any(),
+                "position of the cart at the start [m]");
+  fields.number("start.velocity_m_s", start_velocity_m_s_, any(),
+                "velocity of the cart at the start [m/s]");
   parts_.bind(fields);
   fields.number("observer.start_position_m", estimated_start_position_m_, any(),
-                "what the estimator starts with [m]");
+                "position with which the estimator starts [m]");
   fields.number("observer.start_velocity_m_s", estimated_start_velocity_m_s_, any(),
-                "what the estimator starts with [m/s]");
+                "velocity with which the estimator starts [m/s]");
   fields.number("constraint.velocity_m_s", velocity_m_s_, positive(), "bound on |v| [m/s]");
-  fields.number("constraint.input_lower_N", input_lower_N_, any(), "[N]");
-  fields.number("constraint.input_upper_N", input_upper_N_, any(), "[N]");
+  fields.number("constraint.input_lower_N", input_lower_N_, any(), "lower bound on the input [N]");
+  fields.number("constraint.input_upper_N", input_upper_N_, any(), "upper bound on the input [N]");
   fields.number("disturbance.start_s", disturbance_start_s_, not_negative(),
-                "B and C: when the force begins [s]");
+                "in conditions B and C, the time at which the force begins [s]");
   fields.only_for({"disturbance.start_s"}, "condition", {"B", "C"});
   fields.number("metrics.violation_slack", violation_slack_, not_negative(),
-                "a limit counts as violated from this far beyond it [N, m/s]");
+                "distance beyond a limit from which on the limit counts as violated [N, m/s]");
   fields.number("metrics.settled_within_m", settled_within_m_, positive(),
-                "settled: the position stays this close to 0 [m]");
+                "distance from 0 within which the position counts as settled [m]");
   return fields;
 }
 

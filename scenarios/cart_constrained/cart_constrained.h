@@ -33,6 +33,7 @@ class CartConstrained final : public AxisScenario {
             {"max_input_N", "max_speed_m_s", "final_position_m", "input_violation_time_s",
              "speed_violation_time_s"}};
   }
+  std::vector<MetricDefinition> metric_definitions() const override;
   Fields fields() override;
   void check(const Config& config) override;
   const RunSettings& run_settings() const override { return axis_.run; }

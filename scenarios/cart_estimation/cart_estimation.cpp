@@ -46,28 +46,52 @@ class Lag {
 
 }  // namespace
 
+std::vector<MetricDefinition> CartEstimation::metric_definitions() const {
+  return {{"relative_rmse_disturbance", "1",
+           "root mean square error of the estimated disturbance over the root mean square of the "
+           "true one, from metrics.from_s to metrics.to_s"},
+          {"settling_time_5pct_s", "s",
+           "for a step: time until the estimate stays within 5 % of the step"},
+          {"reach_time_99pct_s", "s",
+           "for a step: time until the estimate first reaches 99 % of the step"},
+          {"disturbance_lag_s", "s",
+           "for a ramp or a sine: delay of the estimated disturbance, fitted by least squares; for "
+           "a sine, with a gain beside it"},
+          {"max_noise_N", "N",
+           "largest size of the noise's part of the estimated disturbance, from "
+           "metrics.noise_from_s to metrics.noise_to_s"},
+          {"max_noise_deviation_N", "N",
+           "largest deviation of that part from its mean, from metrics.from_s to metrics.to_s"},
+          {"rms_noise_N", "N",
+           "root mean square of that part, from metrics.noise_from_s to metrics.noise_to_s"},
+          {"steady_state_error_m", "m",
+           "mean of reference less position, from metrics.from_s to metrics.to_s"}};
+}
+
 Fields CartEstimation::fields() {
   Fields fields;
   axis_.bind(fields);
   parts_.bind(fields);
-  fields.number("task.reference_m", axis_.reference.value, any(), "y_ref [m]");
+  fields.number("task.reference_m", axis_.reference.value, any(),
+                "y_ref: reference of the position [m]");
   fields.number("task.reference_from_s", axis_.reference.from_s, not_negative(),
-                "when it is stepped to [s]");
+                "time of the step to the reference [s]");
   fields.choice("disturbance.kind", kind_,
                 {{"step", Kind::step},
                  {"ramp", Kind::ramp},
                  {"sine", Kind::sine},
                  {"high_sine", Kind::high_sine}},
-                "step, ramp, sine or high_sine: (a) to (d) of Table 4.3");
+                "shape of the disturbance, (a) to (d) of Table 4.3");
   const auto bind = [&fields](const std::string& name, Disturbance& d, const std::string& unit) {
-    fields.number("disturbance." + name + "_N" + unit, d.amplitude, any(),
-                  unit.empty() ? "its amplitude [N]" : "its slope [N/s]");
+    fields.number(
+        "disturbance." + name + "_N" + unit, d.amplitude, any(),
+        unit.empty() ? "amplitude of this disturbance [N]" : "slope of this disturbance [N/s]");
     if (d.kind == DisturbanceKind::sine) {
       fields.number("disturbance." + name + "_rad_s", d.frequency_rad_s, positive(),
-                    "its frequency [rad/s]");
+                    "frequency of this disturbance [rad/s]");
     }
     fields.number("disturbance." + name + "_start_s", d.start_s, not_negative(),
-                  "when it begins [s]");
+                  "time at which this disturbance begins [s]");
   };
   bind("step", step_, "");
   bind("ramp", ramp_, "_s");
@@ -82,11 +106,13 @@ Fields CartEstimation::fields() {
   only_for("ramp", {"_N_s", "_start_s"});
   only_for("sine", {"_N", "_rad_s", "_start_s"});
   only_for("high_sine", {"_N", "_rad_s", "_start_s"});
-  fields.number("metrics.from_s", from_s_, not_negative(), "the errors' window begins [s]");
-  fields.number("metrics.to_s", axis_.judged_to_s, not_negative(), "the errors' window ends [s]");
+  fields.number("metrics.from_s", from_s_, not_negative(), "start of the window of the errors [s]");
+  fields.number("metrics.to_s", axis_.judged_to_s, not_negative(),
+                "end of the window of the errors [s]");
   fields.number("metrics.noise_from_s", noise_from_s_, not_negative(),
-                "the noise's window begins [s]");
-  fields.number("metrics.noise_to_s", noise_to_s_, not_negative(), "the noise's window ends [s]");
+                "start of the window of the noise [s]");
+  fields.number("metrics.noise_to_s", noise_to_s_, not_negative(),
+                "end of the window of the noise [s]");
   return fields;
 }
 

@@ -21,6 +21,7 @@ class CartEstimation final : public AxisScenario {
   std::vector<std::string> main_metrics() const override {
     return {"relative_rmse_disturbance", "rms_noise_N"};
   }
+  std::vector<MetricDefinition> metric_definitions() const override;
   Fields fields() override;
   void check(const Config& config) override;
   const RunSettings& run_settings() const override { return axis_.run; }

@@ -8,23 +8,54 @@
 
 namespace breakwater {
 
+std::vector<MetricDefinition> CartOffsetFree::metric_definitions() const {
+  return with_qp_metrics(
+      {{"steady_state_error_m", "m",
+        "mean of measured position less reference, from metrics.from_s to metrics.to_s"},
+       {"true_position_error_m", "m", "mean of true position less reference, in the same window"},
+       {"settling_time_s", "s",
+        "time from the step of the reference until the measured position stays within "
+        "metrics.settled_within times the reference, before the disturbance begins"},
+       {"max_speed_m_s", "m/s", "largest size of the velocity"},
+       {"max_input_N", "N", "largest size of the commanded force"},
+       {"max_position_m", "m", "largest position"},
+       {"std_position_m", "m",
+        "standard deviation of the position, from metrics.from_s to metrics.to_s"},
+       {"rms_position_estimate_error_m", "m", "root mean square of estimated less true position"},
+       {"max_early_disturbance_estimate_N", "N",
+        "largest size of the estimated disturbance between the step of the reference and the start "
+        "of the disturbance"},
+       {"mean_disturbance_estimate_N", "N",
+        "mean of the estimated disturbance, from metrics.from_s to metrics.to_s"},
+       {"rms_disturbance_error_N", "N",
+        "root mean square of estimated less true disturbance, from metrics.from_s to "
+        "metrics.to_s"}});
+}
+
 Fields CartOffsetFree::fields() {
   Fields fields;
   axis_.bind(fields);
-  fields.flag("noise.enabled", noise_, "whether there is any noise: true or false");
+  fields.flag("noise.enabled", noise_, "add the noise");
   fields.only_where({"noise.std_m", "noise.input_std_N"}, "noise.enabled is true",
                     [this] { return noise_; });
   parts_.bind(fields);
-  fields.number("reference.position_m", axis_.reference.value, any(), "r [m]");
-  fields.number("reference.start_s", axis_.reference.from_s, not_negative(), "0 before [s]");
-  fields.number("disturbance.input_N", disturbance_N_, any(), "d_i, which opposes the drive [N]");
+  fields.number("reference.position_m", axis_.reference.value, any(),
+                "r: reference of the position [m]");
+  fields.number("reference.start_s", axis_.reference.from_s, not_negative(),
+                "time of the step of the reference from 0 to r [s]");
+  fields.number("disturbance.input_N", disturbance_N_, any(),
+                "d_i: input disturbance, which opposes the drive [N]");
   fields.number("disturbance.output_m", output_disturbance_m_, any(),
-                "d_o, added to the measured position [m]");
-  fields.number("disturbance.start_s", disturbance_start_s_, not_negative(), "of both [s]");
-  fields.number("metrics.from_s", from_s_, not_negative(), "of the errors' means [s]");
-  fields.number("metrics.to_s", axis_.judged_to_s, not_negative(), "of the errors' means [s]");
-  fields.number("metrics.settled_within", settled_within_, positive(),
-                "settled: y stays this close to r, over r, until the disturbance begins");
+                "d_o: output disturbance, added to the measured position [m]");
+  fields.number("disturbance.start_s", disturbance_start_s_, not_negative(),
+                "time at which both disturbances begin [s]");
+  fields.number("metrics.from_s", from_s_, not_negative(),
+                "start of the window of the means of the errors [s]");
+  fields.number("metrics.to_s", axis_.judged_to_s, not_negative(),
+                "end of the window of the means of the errors [s]");
+  fields.number(
+      "metrics.settled_within", settled_within_, positive(),
+      "distance from r, over r, within which y counts as settled until the disturbance begins");
   return fields;
 }
 

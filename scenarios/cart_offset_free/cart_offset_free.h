@@ -18,6 +18,7 @@ class CartOffsetFree final : public AxisScenario {
   std::vector<std::string> main_metrics() const override {
     return {"steady_state_error_m", "settling_time_s"};
   }
+  std::vector<MetricDefinition> metric_definitions() const override;
   Fields fields() override;
   void check(const Config& config) override;
   const RunSettings& run_settings() const override { return axis_.run; }

@@ -14,19 +14,42 @@ const double kRisen = 1.0 - std::exp(-1.0);  // of Coulomb friction: after one t
 
 }  // namespace
 
+std::vector<MetricDefinition> CartPosition::metric_definitions() const {
+  return with_qp_metrics(
+      {{"steady_state_error_m", "m",
+        "mean of reference less position, from metrics.from_s to metrics.to_s"},
+       {"settling_time_s", "s",
+        "time from the step of the reference until the error stays within metrics.settled_within "
+        "times the step"},
+       {"estimate_rise_time_s", "s",
+        "time from the step of the reference until the estimated disturbance first reaches 63.2 % "
+        "of the Coulomb friction"},
+       {"rms_highpass_disturbance_N", "N",
+        "root mean square of the estimated disturbance behind the high-pass metrics.high_pass_Hz"},
+       {"rms_input_step_N", "N",
+        "root mean square of the change of the applied force from sample to sample, from "
+        "metrics.from_s to metrics.to_s"},
+       {"max_position_m", "m", "largest position"}});
+}
+
 Fields CartPosition::fields() {
   Fields fields;
   axis_.bind(fields);
   parts_.bind(fields);
-  fields.number("task.reference_m", axis_.reference.value, any(), "y_ref [m]");
+  fields.number("task.reference_m", axis_.reference.value, any(),
+                "y_ref: reference of the position [m]");
   fields.number("task.reference_from_s", axis_.reference.from_s, not_negative(),
-                "when it is stepped to [s]");
-  fields.number("metrics.from_s", from_s_, not_negative(), "the steady state begins [s]");
-  fields.number("metrics.to_s", axis_.judged_to_s, not_negative(), "the steady state ends [s]");
-  fields.number("metrics.settled_within", settled_within_, positive(),
-                "settled: the cart stays this close to the reference, over the step");
-  fields.number("metrics.high_pass_Hz", high_pass_Hz_, positive(),
-                "passband of the high-pass behind which the estimate's noise is taken [Hz]");
+                "time of the step to the reference [s]");
+  fields.number("metrics.from_s", from_s_, not_negative(),
+                "start of the window of the steady state [s]");
+  fields.number("metrics.to_s", axis_.judged_to_s, not_negative(),
+                "end of the window of the steady state [s]");
+  fields.number(
+      "metrics.settled_within", settled_within_, positive(),
+      "distance from the reference, over the step, within which the cart counts as settled");
+  fields.number(
+      "metrics.high_pass_Hz", high_pass_Hz_, positive(),
+      "passband of the high-pass behind which the noise of the estimate is measured [Hz]");
   return fields;
 }
 

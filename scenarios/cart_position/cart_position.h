@@ -21,6 +21,7 @@ class CartPosition final : public AxisScenario {
   std::vector<std::string> main_metrics() const override {
     return {"steady_state_error_m", "settling_time_s"};
   }
+  std::vector<MetricDefinition> metric_definitions() const override;
   Fields fields() override;
   void check(const Config& config) override;
   const RunSettings& run_settings() const override { return axis_.run; }

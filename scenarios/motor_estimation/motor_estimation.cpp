@@ -21,6 +21,33 @@ std::span<const double> published(const std::vector<Signal>& signals, const std:
 
 }  // namespace
 
+std::vector<MetricDefinition> MotorEstimation::metric_definitions() const {
+  return {
+      {"rmse_velocity_rad_s", "rad/s",
+       "root mean square error of the estimated velocity, from metrics.from_s to metrics.to_s"},
+      {"rmse_raw_velocity_rad_s", "rad/s",
+       "root mean square error of the raw difference of the measured angle, in the same window"},
+      {"rmse_position_rad", "rad",
+       "root mean square error of the estimated angle, in the same window"},
+      {"rmse_disturbance_Nm", "N m",
+       "root mean square error of the estimated disturbance, in the same window"},
+      {"peak_position_rad", "rad", "largest size of the true angle in the whole run"},
+      {"rms_position_rad", "rad", "root mean square of the true angle from disturbance.start_s on"},
+      {"rms_torque_Nm", "N m",
+       "root mean square of the applied torque from disturbance.start_s on"},
+      {"disturbance_settling_time_s", "s",
+       "for a step: time until the estimated disturbance stays within metrics.settled_within times "
+       "the step"},
+      {"transient_rmse_disturbance_Nm", "N m",
+       "root mean square error of the estimated disturbance, from disturbance.start_s to "
+       "metrics.from_s"},
+      {"lambda_mean_1", "1", "mean of the forgetting factor, from metrics.from_s to metrics.to_s"},
+      {"lambda_min_1", "1", "smallest forgetting factor of the whole run"},
+      {"slowest_pole_continuous_rad_s", "rad/s",
+       "mean of the real part of the estimator's slowest pole, taken to continuous time, from "
+       "metrics.from_s to metrics.to_s"}};
+}
+
 Fields MotorEstimation::fields() {
   Fields fields;
   axis_.bind(fields);
@@ -32,11 +59,12 @@ Fields MotorEstimation::fields() {
                  {"sine", DisturbanceKind::sine},
                  {"two_sines", DisturbanceKind::two_sines},
                  {"chirp", DisturbanceKind::chirp}},
-                "none, step, ramp, sine, two_sines or chirp");
+                "shape of the disturbance");
   fields.number("disturbance.amplitude_Nm", disturbance_.amplitude, any(),
-                "of a step, sine or chirp [N m]; of a ramp [N m/s]");
-  fields.number("disturbance.frequency_rad_s", disturbance_.frequency_rad_s, any(),
-                "of a sine, of the first of two, of a chirp at first [rad/s]");
+                "amplitude of a step, sine or chirp [N m]; slope of a ramp [N m/s]");
+  fields.number(
+      "disturbance.frequency_rad_s", disturbance_.frequency_rad_s, any(),
+      "frequency of a sine, of the first of two sines, or of a chirp at its start [rad/s]");
   fields.only_for({"disturbance.amplitude_Nm"}, "disturbance.kind",
                   {"step", "ramp", "sine", "two_sines", "chirp"});
   fields.only_for({"disturbance.frequency_rad_s"}, "disturbance.kind",
@@ -48,19 +76,22 @@ Fields MotorEstimation::fields() {
     fields.only_for({key}, "disturbance.kind", {kind});
   };
   bind_for("two_sines", "disturbance.second_amplitude_Nm", disturbance_.second_amplitude, 2.0,
-           any(), "of the second sine [N m]");
+           any(), "amplitude of the second sine [N m]");
   bind_for("two_sines", "disturbance.second_frequency_rad_s", disturbance_.second_frequency_rad_s,
-           5.0, any(), "of the second sine [rad/s]");
+           5.0, any(), "frequency of the second sine [rad/s]");
   bind_for("chirp", "disturbance.end_frequency_rad_s", disturbance_.end_frequency_rad_s, 5.0, any(),
-           "where a chirp's frequency goes, evenly, and stays [rad/s]");
+           "frequency that a chirp reaches at a constant rate and then keeps [rad/s]");
   bind_for("chirp", "disturbance.sweep_s", disturbance_.sweep_s, 9.0, positive(),
-           "how long it takes to get there [s]");
-  fields.number("disturbance.start_s", disturbance_.start_s, not_negative(), "when it begins [s]");
+           "time that a chirp takes to reach its last frequency [s]");
+  fields.number("disturbance.start_s", disturbance_.start_s, not_negative(),
+                "time at which the disturbance begins [s]");
   fields.number("metrics.from_s", from_s_, not_negative(),
-                "the errors' window begins, and the transient's ends [s]");
-  fields.number("metrics.to_s", axis_.judged_to_s, not_negative(), "the errors' window ends [s]");
+                "start of the window of the errors, and end of the window of the transient [s]");
+  fields.number("metrics.to_s", axis_.judged_to_s, not_negative(),
+                "end of the window of the errors [s]");
   fields.number("metrics.settled_within", settled_within_, positive(),
-                "settled: the estimate stays this close to the disturbance, over its amplitude");
+                "distance from the disturbance, over its amplitude, within which the estimate "
+                "counts as settled");
   return fields;
 }
 

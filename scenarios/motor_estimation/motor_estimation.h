@@ -20,6 +20,7 @@ class MotorEstimation final : public AxisScenario {
   std::vector<std::string> main_metrics() const override {
     return {"rmse_disturbance_Nm", "rmse_velocity_rad_s"};
   }
+  std::vector<MetricDefinition> metric_definitions() const override;
   Fields fields() override;
   void check(const Config& config) override;
   const RunSettings& run_settings() const override { return axis_.run; }

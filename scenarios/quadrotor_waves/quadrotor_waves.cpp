@@ -152,10 +152,49 @@ double filter_time_us(const Track& log, QuadrotorEstimator& estimator) {
 
 }  // namespace
 
+std::vector<MetricDefinition> QuadrotorWaves::metric_definitions() const {
+  return {
+      {"tracking_rmse_m", "m",
+       "root mean square of the position error, per axis, in the last metrics.window_s of the run"},
+      {"max_error_m", "m", "largest distance from the reference, in the same window"},
+      {"converged", "1",
+       "1 if that distance stays below 2 m and the root mean square error of each axis below 0.5 "
+       "m, else 0"},
+      {"position_estimate_rmse_m", "m",
+       "root mean square error of the estimated position, per axis"},
+      {"position_measurement_rmse_m", "m",
+       "root mean square error of the measured position, per axis"},
+      {"attitude_estimate_rmse_rad", "rad",
+       "root mean square error of the estimated attitude, per angle"},
+      {"roll_rate_rmse_rad_s", "rad/s", "root mean square error of the estimated roll rate"},
+      {"roll_rate_rmse_of_zero_rad_s", "rad/s",
+       "root mean square of the true roll rate: the error of an estimate that is always 0"},
+      {"vertical_force_rmse_N", "N",
+       "root mean square error of the estimated vertical wave force; only where the estimator "
+       "models it"},
+      {"horizontal_force_rmse_N", "N",
+       "root mean square error of the estimated horizontal wave force, per axis; only where the "
+       "estimator models it"},
+      {"vertical_force_rmse_of_zero_N", "N",
+       "root mean square of the true vertical wave force: the error of an estimate that is always "
+       "0"},
+      {"horizontal_force_rmse_of_zero_N", "N",
+       "root mean square of the true horizontal wave force, per axis: the error of an estimate "
+       "that is always 0"},
+      {"thrust_rms_N", "N", "root mean square of the applied thrust, per thruster"},
+      {"saturated_fraction", "1", "share of the samples at which a thruster is at its limit"},
+      {"nees_mean", "1",
+       "mean of the normalised estimation error squared of the twelve motion states"},
+      {"filter_time_us", "us",
+       "cost, in manifest.json: processor time of one update of the estimator, the mean of up to "
+       "2000 samples"}};
+}
+
 Fields QuadrotorWaves::fields() {
   Fields fields;
   quadrotor_.bind(fields);
-  fields.number("metrics.window_s", window_s_, positive(), "the metrics' window: the last … [s]");
+  fields.number("metrics.window_s", window_s_, positive(),
+                "length of the metrics' window, which ends with the run [s]");
   return fields;
 }
 

@@ -22,6 +22,7 @@ class QuadrotorWaves final : public Scenario {
   std::vector<std::string> main_metrics() const override {
     return {"tracking_rmse_m", "position_estimate_rmse_m"};
   }
+  std::vector<MetricDefinition> metric_definitions() const override;
   Fields fields() override;
   void check(const Config& config) override;
   const RunSettings& run_settings() const override { return quadrotor_.run; }

@@ -25,6 +25,7 @@ from markdown_pages import DOCS, ROOT  # noqa: E402
 
 WORK = ROOT / "build/docs"
 MADE = WORK / "made"  # pages that are no file of docs/
+REFERENCE = WORK / "reference"  # pages that the program wrote; none if it was not there
 KATEX = pathlib.Path("/usr/share/javascript/katex")
 DATA = {".csv", ".h5", ".mp4"}  # given as they are
 PICTURES = {".png", ".jpg", ".svg", ".gif"}
@@ -189,6 +190,10 @@ def on_config(config):
             elif file.suffix == ".md":
                 parent = file.parent.relative_to(DOCS).parts
                 (group(section, parent[1]) if len(parent) > 1 else section).append(path)
+    for page in sorted(REFERENCE.rglob("*.md")):
+        reference = next(entry["Reference"] for entry in nav if "Reference" in entry)
+        parent = page.relative_to(REFERENCE).parts[:-1]
+        (group(reference, parent[0]) if parent else reference).append(f"reference/{page.relative_to(REFERENCE)}")
     here = next(iter(nav[0].values()))
     here.append("README.md")
     config["nav"] = [*nav, {"Gallery": "gallery.md"}, {"C++ headers": "headers.md"},
@@ -236,6 +241,8 @@ def on_files(files, config):
             add(place, file.read_bytes())
         else:
             add(place, at_home(shown(file), file, place))
+    for page in sorted(REFERENCE.rglob("*.md")):
+        add(pathlib.Path("reference") / page.relative_to(REFERENCE), page.read_bytes())
     add(pathlib.Path("headers.md"), headers())
     add(pathlib.Path("gallery.md"), gallery())
     for file in sorted(MADE.rglob("*")):

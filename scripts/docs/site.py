@@ -70,6 +70,14 @@ def gallery():
         draw(exhibit, program)
 
 
+def reference():
+    shutil.rmtree(WORK / "reference", ignore_errors=True)
+    if not BREAKWATER.exists():
+        print("  there is no build/bin/breakwater (./dev build): the site has no pages of commands and scenarios")
+        return
+    run(BREAKWATER, "reference", "--out", WORK / "reference")
+
+
 def headers():
     include = WORK / "include"
     include.mkdir(parents=True, exist_ok=True)
@@ -110,6 +118,7 @@ def main():
     options = parser.parse_args()
     if not options.no_gallery:
         step("the gallery's runs", gallery)
+    step("the reference, by the program", reference)
     step("the headers, by Doxygen", headers)
     step("the pages, by mkdocs", lambda: run("mkdocs", "build", "--strict", "--quiet",
                                              "--config-file", HERE / "mkdocs.yml"))

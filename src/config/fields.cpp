@@ -127,6 +127,10 @@ Error read_count(const ConfigValue& value, const Range& range, Integer& target) 
   return std::nullopt;
 }
 
+std::string with_range(const std::string& what, const Range& range) {
+  return range.text == any().text ? what : what + ", " + range.text;
+}
+
 std::string print_numbers(const std::vector<double>& values) {
   std::vector<std::string> texts;
   for (const double value : values) texts.push_back(toml_number(value));
@@ -150,27 +154,27 @@ Range between(double lower, double upper) {
 
 void Fields::number(const std::string& key, double& target, const Range& range,
                     const std::string& doc) {
-  add(key,
-      {part_, doc, [&target, range](const ConfigValue& v) { return read_number(v, range, target); },
-       [&target] { return toml_number(target); }});
+  add(key, {part_, doc, with_range("a number", range),
+            [&target, range](const ConfigValue& v) { return read_number(v, range, target); },
+            [&target] { return toml_number(target); }});
 }
 
 void Fields::count(const std::string& key, int& target, const Range& range,
                    const std::string& doc) {
-  add(key,
-      {part_, doc, [&target, range](const ConfigValue& v) { return read_count(v, range, target); },
-       [&target] { return std::to_string(target); }});
+  add(key, {part_, doc, with_range("a whole number", range),
+            [&target, range](const ConfigValue& v) { return read_count(v, range, target); },
+            [&target] { return std::to_string(target); }});
 }
 
 void Fields::count(const std::string& key, std::uint64_t& target, const Range& range,
                    const std::string& doc) {
-  add(key,
-      {part_, doc, [&target, range](const ConfigValue& v) { return read_count(v, range, target); },
-       [&target] { return std::to_string(target); }});
+  add(key, {part_, doc, with_range("a whole number", range),
+            [&target, range](const ConfigValue& v) { return read_count(v, range, target); },
+            [&target] { return std::to_string(target); }});
 }
 
 void Fields::flag(const std::string& key, bool& target, const std::string& doc) {
-  add(key, {part_, doc,
+  add(key, {part_, doc, "true or false",
             [&target](const ConfigValue& v) -> Error {
               const auto* flag = std::get_if<bool>(&v.data);
               if (flag == nullptr) return "must be true or false, is " + describe(v);
@@ -181,25 +185,26 @@ void Fields::flag(const std::string& key, bool& target, const std::string& doc) 
 }
 
 void Fields::text(const std::string& key, std::string& target, const std::string& doc) {
-  add(key, {part_, doc, [&target](const ConfigValue& v) { return read_text(v, target); },
+  add(key, {part_, doc, "a text", [&target](const ConfigValue& v) { return read_text(v, target); },
             [&target] { return toml_string(target); }});
 }
 
 void Fields::file(const std::string& key, std::string& target, const std::string& doc) {
-  add(key, {part_, doc, [&target](const ConfigValue& v) { return read_text(v, target); },
+  add(key, {part_, doc, "the name of a file",
+            [&target](const ConfigValue& v) { return read_text(v, target); },
             [&target] { return toml_string(portable_path(target)); }, &target});
 }
 
 void Fields::numbers(const std::string& key, std::vector<double>& target, const Range& range,
                      const std::string& doc) {
-  add(key, {part_, doc,
+  add(key, {part_, doc, with_range("an array of numbers", range),
             [&target, range](const ConfigValue& v) { return read_numbers(v, range, target); },
             [&target] { return print_numbers(target); }});
 }
 
 void Fields::number_groups(const std::string& key, std::vector<std::vector<double>>& target,
                            const Range& range, const std::string& doc) {
-  add(key, {part_, doc,
+  add(key, {part_, doc, with_range("an array of arrays of numbers", range),
             [&target, range](const ConfigValue& v) -> Error {
               const auto* array = std::get_if<ConfigValue::Array>(&v.data);
               if (array == nullptr) return "must be an array of numbers, is " + describe(v);
@@ -224,7 +229,7 @@ void Fields::number_groups(const std::string& key, std::vector<std::vector<doubl
 void Fields::add_choice(const std::string& key, const std::vector<std::string>& names,
                         std::function<void(std::size_t)> assign, std::function<std::string()> print,
                         const std::string& doc) {
-  add(key, {part_, doc,
+  add(key, {part_, doc, fmt::format("one of {}", fmt::join(names, ", ")),
             [names, assign = std::move(assign)](const ConfigValue& v) -> Error {
               const auto* string = std::get_if<std::string>(&v.data);
               const std::string options = fmt::format("{}", fmt::join(names, ", "));
@@ -527,6 +532,29 @@ std::string Fields::print(const std::string& scenario, const std::string& case_n
     }
   }
   return text + fmt::format("\n[case.{}]\n", toml_key(case_name));
+}
+
+std::vector<KeyHelp> Fields::help() const {
+  std::vector<KeyHelp> all;
+  for (const Field& field : fields_) {
+    const std::size_t first = all.size();  // its meanings stand from here on
+    for (const Variable& variable : field.variables) {
+      KeyHelp help = {field.key, variable.part.choice, {}, variable.doc, variable.takes, "", {}};
+      if (field.was_read || variable.standard) help.value = variable.print();
+      for (const Condition& condition : variable.conditions) {
+        help.conditions.push_back(condition.text);
+      }
+      const auto same = std::find_if(
+          all.begin() + static_cast<std::ptrdiff_t>(first), all.end(), [&](const KeyHelp& other) {
+            return other.choice == help.choice && other.text == help.text &&
+                   other.takes == help.takes && other.value == help.value &&
+                   other.conditions == help.conditions;
+          });
+      KeyHelp& meaning = same != all.end() ? *same : all.emplace_back(std::move(help));
+      if (!variable.part.name.empty()) meaning.parts.push_back(variable.part.name);
+    }
+  }
+  return all;
 }
 
 std::vector<std::string> Fields::files() const {

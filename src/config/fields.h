@@ -35,6 +35,17 @@ struct UnusedKey {
   std::string choice;  ///< the key on whose value it depends; empty: on another condition
 };
 
+/// One meaning of a key, for a reference of all keys.
+struct KeyHelp {
+  std::string key;
+  std::string choice;              ///< chooses the parts that use it; empty: the scenario uses it
+  std::vector<std::string> parts;  ///< of which one must be chosen: {"kfd", "dkf"}
+  std::string text;
+  std::string takes;  ///< "a number, positive"
+  std::string value;  ///< as TOML has it; empty: neither the file nor a default value gives it
+  std::vector<std::string> conditions;  ///< each must hold: "disturbance.kind is sine"
+};
+
 /// Why a value is refused.
 struct Refusal {
   Refusal(std::string why, std::string which = "")
@@ -130,6 +141,9 @@ class Fields {
   /// has no value stands there as a comment to fill in, `# required`.
   std::string print(const std::string& scenario, const std::string& case_name) const;
 
+  /// Every meaning of every key, in their order, with the values that were read.
+  std::vector<KeyHelp> help() const;
+
   /// What the keys of files name now: the models that a run is made of, once they are read and the
   /// scenario's check() has found them.
   std::vector<std::string> files() const;
@@ -151,6 +165,7 @@ class Fields {
   struct Variable {
     Part part;
     std::string doc;
+    std::string takes;  // "a number, positive"
     std::function<Error(const ConfigValue&)> read;
     std::function<std::string()> print;
     std::string* file = nullptr;             // its name, if it is one

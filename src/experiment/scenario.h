@@ -8,6 +8,7 @@
 
 #include <breakwater/experiment/settings.h>
 #include <breakwater/record/interrupted.h>
+#include <breakwater/record/metric_definition.h>
 #include <breakwater/record/recording.h>
 #include <breakwater/sim/model.h>
 #include <breakwater/sim/surface_waves.h>
@@ -47,6 +48,9 @@ class Scenario {
   /// Which metrics are shown where there is room for few, the most telling one first; those that
   /// apply. Empty: the first ones that a run has.
   virtual std::vector<std::string> main_metrics() const { return {}; }
+
+  /// Every metric and cost that its runs may report, for the reference. May be empty.
+  virtual std::vector<MetricDefinition> metric_definitions() const { return {}; }
 
   /// What --matrix runs and prints.
   virtual Matrix matrix() const { return {}; }

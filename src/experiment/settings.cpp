@@ -13,16 +13,17 @@ constexpr const char* kNoFault = "none";
 }  // namespace
 
 void RunSettings::bind(Fields& fields) {
-  fields.number("run.duration_s", duration_s, positive(), "how long it is simulated [s]");
-  fields.count("run.seed", seed, not_negative(), "of all noise");
+  fields.number("run.duration_s", duration_s, positive(), "simulated time [s]");
+  fields.count("run.seed", seed, not_negative(), "random seed of all noise");
   fields.count("record.compression", compression, between(0, 9),
-               "of log.h5, by deflate: 0 fastest, 9 smallest");
+               "compression of log.h5 by deflate: 0 is fastest, 9 gives the smallest file");
 }
 
 void bind_model(Fields& fields, ModelFile& model) {
-  fields.file("model.mjcf", model.path, "the plant");
+  fields.file("model.mjcf", model.path, "MJCF file of the plant");
   fields.count("model.most_elements", model.most_elements, between(1, 1e9),
-               "that the plant's file may have: a larger one takes long, and is refused");
+               "largest number of elements that the plant's file may have; a larger file is "
+               "refused because it takes long");
   fields.standard("model.most_elements", {static_cast<std::int64_t>(ModelFile::kMostElements)});
 }
 
@@ -34,9 +35,9 @@ void PhysicsSettings::bind(Fields& fields) {
                  {"implicit", Integrator::implicit},
                  {"Euler", Integrator::euler},  // as MJCF spells it
                  {"RK4", Integrator::rk4}},
-                "euler, rk4 or implicit");
+                "the engine's integrator");
   fields.number("control.period_s", control_period_s, positive(),
-                "T_s, of control and log; a multiple of the timestep [s]");
+                "T_s: period of control and log, a multiple of the timestep [s]");
 }
 
 void PhysicsSettings::check(const Config& config, const RunSettings& run) const {
@@ -68,12 +69,13 @@ double PhysicsSettings::sample_time_s(double time_s) const {
 }
 
 void FaultSettings::bind(Fields& fields, const std::string& channels) {
-  fields.choice("sensor.nan_policy", nan_policy,
-                {{"stop", NanPolicy::stop}, {"drop", NanPolicy::drop}},
-                "a measurement that is no number: stop the run, or drop it");
+  fields.choice(
+      "sensor.nan_policy", nan_policy, {{"stop", NanPolicy::stop}, {"drop", NanPolicy::drop}},
+      "reaction to a measurement that is not a number: stop the run, or drop the measurement");
   fields.text("fault.sensor", fault.channel, "none, or the channel to break: " + channels);
-  fields.number("fault.at_s", fault.at_s, not_negative(), "when it breaks [s]");
-  fields.count("fault.samples", fault.samples, between(1, 1e9), "for how many samples");
+  fields.number("fault.at_s", fault.at_s, not_negative(), "time at which the sensor fails [s]");
+  fields.count("fault.samples", fault.samples, between(1, 1e9),
+               "number of samples for which it fails");
   fields.only_where({"fault.at_s", "fault.samples"}, "fault.sensor names a channel",
                     [this] { return fault.channel != kNoFault; });
 }
@@ -95,7 +97,7 @@ void FaultSettings::apply(SensingSetup& setup) const {
 void bind_encoder_rounding(Fields& fields, const std::string& key, EncoderRounding& rounding) {
   fields.choice(key, rounding,
                 {{"nearest", EncoderRounding::nearest}, {"truncate", EncoderRounding::truncate}},
-                "to the nearest count, or towards 0 (truncate)");
+                "how the encoder rounds: to the nearest count, or towards 0 (truncate)");
   fields.standard(key, {std::string("nearest")});
 }
 

@@ -12,6 +12,7 @@
 #include <breakwater/program/run_changes.h>
 #include <breakwater/program/video_later.h>
 #include <breakwater/record/run_folder.h>
+#include <breakwater/shell/exit_statuses.h>
 #include <breakwater/shell/process.h>
 #include <breakwater/shell/progress.h>
 #include <breakwater/shell/terminal.h>
@@ -72,10 +73,8 @@ void describe(CLI::App& app, const std::string& video_program, Arguments& argume
   app.add_flag("--print-config", arguments.print_config,
                "print the effective configuration, as a scenario file, and exit");
   app.set_version_flag("--version", std::string(kVersion) + " (" + kGitCommit + ")");
-  app.footer(
-      "A run leaves a folder with config.toml, metrics.json, manifest.json and log.h5.\n"
-      "Exit status: 0 success, 1 a defect, 2 usage or input, 3 the run failed, 4 only a later\n"
-      "output failed, 130 interrupted.");
+  app.footer("A run leaves a folder with config.toml, metrics.json, manifest.json and log.h5.\n" +
+             statuses_in_brief());
 }
 
 std::vector<std::string> all_sets(const Arguments& arguments) {

@@ -3,8 +3,12 @@
 #pragma once
 
 #include <breakwater/experiment/catalogue.h>
+#include <breakwater/experiment/command_kind.h>
 
 namespace breakwater {
+
+/// Every command of a program that has all of them.
+std::vector<CommandKind> all_commands(const Catalogue& catalogue);
 
 /// `doctor`: what works on this machine, and what to install for what does not: 1 if something is
 /// broken.
@@ -21,6 +25,9 @@ int remove_runs_main(const Catalogue& catalogue, int argc, const char* const* ar
 
 /// `new`: a project of the user's own. Its kinds are the folders of templates/.
 int new_project_main(const Catalogue& catalogue, int argc, const char* const* argv);
+
+/// `reference`: pages about commands, keys, metrics, columns and exit statuses.
+int reference_main(const Catalogue& catalogue, int argc, const char* const* argv);
 
 /// `sweep`: studies of many runs: 3 if a run failed and the study is to stop then.
 int sweep_main(const Catalogue& catalogue, int argc, const char* const* argv);

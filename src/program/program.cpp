@@ -38,7 +38,9 @@ int run_main(const Catalogue& catalogue, int argc, const char* const* argv) {
   });
 }
 
-// Every command, in the order of the help: ours, with those that the catalogue adds among them.
+}  // namespace
+
+// In the order of the help: ours, with those that the catalogue adds among them.
 std::vector<CommandKind> all_commands(const Catalogue& catalogue) {
   std::vector<CommandKind> all = {
       {"list", "print the scenarios and what they study", list_main},
@@ -52,15 +54,14 @@ std::vector<CommandKind> all_commands(const Catalogue& catalogue) {
        new_project_main},
       {kListRuns, "list the runs and studies in a folder, newest first: ls [DIR]", list_runs_main},
       {kRemoveRuns, "remove runs that failed: rm --failed [DIR]", remove_runs_main},
-      {"doctor", "check what works on this machine, and what to install", doctor_main}};
+      {"doctor", "check what works on this machine, and what to install", doctor_main},
+      {"reference", "write the reference pages: commands, keys, metrics, columns", reference_main}};
   for (const auto& more : {catalogue.all<CommandKind>(), picture_commands(),
                            std::vector{reproduce_command()}, report_commands()}) {
     all.insert(all.end(), more.begin(), more.end());
   }
   return all;
 }
-
-}  // namespace
 
 namespace detail {
 

@@ -10,11 +10,11 @@ namespace breakwater {
 
 void RegulatorSettings::bind(Fields& fields) {
   fields.number("controller.period_s", period_s, positive(),
-                "of the decisions; a multiple of control.period_s [s]");
+                "period of the controller's decisions, a multiple of control.period_s [s]");
   fields.number("controller.q_position", q_position, not_negative(), "Q: weight on position");
   fields.number("controller.q_velocity", q_velocity, not_negative(), "Q: weight on velocity");
   fields.number("controller.r", r, positive(),
-                "R: weight on the input's change; LQR: on the input");
+                "R: weight on the change of the input; for LQR, on the input");
 }
 
 Eigen::MatrixXd RegulatorSettings::state_weight() const {
@@ -35,46 +35,58 @@ void PredictiveSettings::bind(Fields& fields) {
                  {"predict", DisturbanceUse::predict},
                  {"cancel", DisturbanceUse::cancel},
                  {"cancel_within_bounds", DisturbanceUse::cancel_within_bounds}},
-                "none, predict (Eq. 2.46), cancel (Eq. 2.45) or cancel_within_bounds");
+                "use of the estimated disturbance: none, predict (Eq. 2.46), cancel (Eq. 2.45) or "
+                "cancel_within_bounds");
   const char* const at = "controller.cancel_at";
   fields.choice(at, cancel_at, {{"sample", CancelAt::sample}, {"decision", CancelAt::decision}},
-                "cancel: the estimate is taken at each sample, or at each decision of period_s");
+                "for cancel: take the estimate at each sample, or at each decision");
   fields.standard(at, {std::string("sample")});
-  fields.count("controller.prediction_steps", prediction_steps, between(1, 1000), "N_p");
-  fields.count("controller.control_steps", control_steps, between(1, 1000), "N_u <= N_p");
+  fields.count("controller.prediction_steps", prediction_steps, between(1, 1000),
+               "N_p: number of predicted steps");
+  fields.count("controller.control_steps", control_steps, between(1, 1000),
+               "N_u: number of planned inputs, at most N_p");
   fields.number("controller.q_disturbance", q_disturbance, not_negative(),
-                "predict: Q's weight on the disturbance, which changes nothing");
-  fields.choice("controller.last_weight", last_weight,
-                {{"factor", LastWeight::factor}, {"riccati", LastWeight::riccati}},
-                "Q at step N_p: factor times Q, or riccati: the regulator's P (Eq. 2.49)");
-  fields.number("controller.last_factor", last_factor, not_negative(), "of last_weight factor");
+                "for predict: the weight in Q on the disturbance, which changes no result");
+  fields.choice(
+      "controller.last_weight", last_weight,
+      {{"factor", LastWeight::factor}, {"riccati", LastWeight::riccati}},
+      "weight at step N_p: last_factor times Q, or the regulator's P (riccati, Eq. 2.49)");
+  fields.number("controller.last_factor", last_factor, not_negative(),
+                "factor on Q at step N_p, for last_weight factor");
 
-  fields.number("constraint.position_lower_m", position_lower_m, any(), "[m]");
-  fields.number("constraint.position_m", position_upper_m, any(), "upper bound [m]");
-  fields.count("constraint.position_steps", position_steps, between(0, 1000),
-               "how many predicted steps are bounded, spread evenly up to N_p; 0: none");
+  fields.number("constraint.position_lower_m", position_lower_m, any(),
+                "lower bound on the position [m]");
+  fields.number("constraint.position_m", position_upper_m, any(),
+                "upper bound on the position [m]");
+  fields.count(
+      "constraint.position_steps", position_steps, between(0, 1000),
+      "number of predicted steps with a bound on the position, spread evenly up to N_p; 0: none");
   fields.number("constraint.velocity_m_s", velocity_m_s, positive(), "bound on |v| [m/s]");
-  fields.count("constraint.velocity_steps", velocity_steps, between(0, 1000), "as position_steps");
-  fields.number("constraint.input_lower_N", input_lower_N, any(), "[N]");
-  fields.number("constraint.input_upper_N", input_upper_N, any(), "[N]");
+  fields.count(
+      "constraint.velocity_steps", velocity_steps, between(0, 1000),
+      "number of predicted steps with a bound on the velocity, spread evenly up to N_p; 0: none");
+  fields.number("constraint.input_lower_N", input_lower_N, any(), "lower bound on the input [N]");
+  fields.number("constraint.input_upper_N", input_upper_N, any(), "upper bound on the input [N]");
   fields.count("constraint.input_steps", input_steps, between(0, 1000),
-               "how many planned inputs are bounded, from the first on; 0: none");
+               "number of planned inputs that are bounded, from the first on; 0: none");
   fields.number("constraint.input_change_N", change_N, positive(), "bound on |du| [N]");
-  fields.count("constraint.input_change_steps", change_steps, between(0, 1000), "as input_steps");
+  fields.count("constraint.input_change_steps", change_steps, between(0, 1000),
+               "number of planned inputs whose change is bounded, from the first on; 0: none");
 
   fields.choice("solver.name", solver,
                 {{"active_set", QpSolverKind::active_set}, {"hildreth", QpSolverKind::hildreth}},
-                "active_set (exact) or hildreth (the thesis')");
+                "solver of the quadratic program: active_set (exact) or hildreth (the thesis')");
   fields.count("solver.max_iterations", max_iterations, between(1, 1e6),
-               "hildreth: cap on sweeps; active_set needs none");
+               "for hildreth: largest number of sweeps");
   fields.choice("solver.on_infeasible", on_infeasible,
                 {{"soften", OnInfeasible::soften}, {"stop", OnInfeasible::stop}},
-                "active_set: soften constraints, never those of inputs, or stop");
+                "for active_set, where no input satisfies all constraints: soften the constraints "
+                "on the states, or stop");
   fields.choice("solver.soften_first", soften_first,
                 {{"position", SoftenFirst::position}, {"velocity", SoftenFirst::velocity}},
-                "which state's constraints give way before the other's: position or velocity");
+                "state whose constraints give way first");
   fields.number("solver.softness", softness, positive(),
-                "of a softened constraint: 1/weight on its violation squared");
+                "softness of a softened constraint: 1 over the weight on its squared violation");
 
   fields.only_for({at}, "controller.disturbance_use", {"cancel", "cancel_within_bounds"});
   fields.only_for({"controller.q_disturbance"}, "controller.disturbance_use", {"predict"});
@@ -193,6 +205,22 @@ void add_qp_metrics(const Controller& controller, Recording& recording) {
   add(metrics, "qp_capped_count", "1", static_cast<double>(statistics.capped));
   add(recording.costs, "qp_time_mean_us", "us", 1e6 * statistics.time_s / optimisations);
   add(recording.costs, "qp_time_max_us", "us", 1e6 * statistics.longest_s);
+}
+
+std::vector<MetricDefinition> with_qp_metrics(std::vector<MetricDefinition> definitions) {
+  const std::vector<MetricDefinition> own = {
+      {"qp_iterations_mean", "1", "mean number of solver iterations of an optimisation"},
+      {"qp_iterations_max", "1", "largest number of solver iterations of an optimisation"},
+      {"qp_unsolved_count", "1",
+       "number of optimisations whose problem, as it was given, was not solved"},
+      {"qp_softened_count", "1",
+       "number of unsolved optimisations in which bounds had to give way"},
+      {"qp_capped_count", "1",
+       "number of unsolved optimisations that were left with an approximate solution"},
+      {"qp_time_mean_us", "us", "cost, in manifest.json: mean time of an optimisation"},
+      {"qp_time_max_us", "us", "cost, in manifest.json: longest time of an optimisation"}};
+  definitions.insert(definitions.end(), own.begin(), own.end());
+  return definitions;
 }
 
 }  // namespace breakwater

@@ -3,6 +3,7 @@
 
 #include <breakwater/control/predictive_control.h>
 #include <breakwater/linear/riccati.h>
+#include <breakwater/record/metric_definition.h>
 #include <breakwater/record/recording.h>
 #include <breakwater/rigs/axis_parts.h>
 
@@ -64,9 +65,9 @@ struct PredictiveSettings {
   void check(const NominalAxis& axis) const;
 };
 
-/// Where `controller` is predictive control: metrics qp_iterations_mean, qp_iterations_max,
-/// qp_unsolved_count, qp_softened_count and qp_capped_count, and costs qp_time_mean_us and
-/// qp_time_max_us. Means and largest are those of an optimisation.
+/// Where `controller` is predictive control: adds the metrics and costs of its optimisations.
 void add_qp_metrics(const Controller& controller, Recording& recording);
+/// The definitions, and then those of add_qp_metrics().
+std::vector<MetricDefinition> with_qp_metrics(std::vector<MetricDefinition> definitions);
 
 }  // namespace breakwater

@@ -27,66 +27,78 @@ struct KalmanSettings {
 
 void bind_kalman(Fields& fields, KalmanSettings& settings) {
   fields.choice("estimator.filter", settings.design.filter,
-                {{"ukf", QuadrotorFilter::ukf}, {"ekf", QuadrotorFilter::ekf}}, "ukf or ekf");
-  fields.choice("estimator.disturbance", settings.design.order,
-                {{"none", DisturbanceOrder::none},
-                 {"zero", DisturbanceOrder::zero},
-                 {"second", DisturbanceOrder::second},
-                 {"resonator", DisturbanceOrder::resonator},
-                 {"spectrum", DisturbanceOrder::spectrum}},
-                "the disturbance model: none, zero or second order at the thrusters; of the waves' "
-                "force: resonator, or spectrum with two resonators an axis");
-  fields.choice("estimator.kinematics", settings.design.kinematics,
-                {{"level", AttitudeKinematics::level}, {"exact", AttitudeKinematics::exact}},
-                "level: the angles' rates are taken for the body's; exact");
-  fields.choice("estimator.process_noise", settings.design.noise,
-                {{"printed", ProcessNoiseSource::printed},
-                 {"input", ProcessNoiseSource::input},
-                 {"tuned", ProcessNoiseSource::tuned}},
-                "printed: Q_ukf; input: W_s through the thrusts, EKF only; tuned: as below");
-  fields.choice("estimator.process_noise_mode", settings.design.noise_mode,
-                {{"per_step", ProcessNoiseMode::per_step},
-                 {"delta", ProcessNoiseMode::delta},
-                 {"delta_squared", ProcessNoiseMode::delta_squared}},
-                "printed Q is added at each sample as it is, times delta, or times delta^2");
+                {{"ukf", QuadrotorFilter::ukf}, {"ekf", QuadrotorFilter::ekf}},
+                "nonlinear Kalman filter");
+  fields.choice(
+      "estimator.disturbance", settings.design.order,
+      {{"none", DisturbanceOrder::none},
+       {"zero", DisturbanceOrder::zero},
+       {"second", DisturbanceOrder::second},
+       {"resonator", DisturbanceOrder::resonator},
+       {"spectrum", DisturbanceOrder::spectrum}},
+      "model of the disturbance: none; zero or second order, at the thrusters; resonator or "
+      "spectrum (two resonators for each axis), of the waves' force");
+  fields.choice(
+      "estimator.kinematics", settings.design.kinematics,
+      {{"level", AttitudeKinematics::level}, {"exact", AttitudeKinematics::exact}},
+      "kinematics of the attitude: level (the angles' rates are taken for the body's), or exact");
+  fields.choice(
+      "estimator.process_noise", settings.design.noise,
+      {{"printed", ProcessNoiseSource::printed},
+       {"input", ProcessNoiseSource::input},
+       {"tuned", ProcessNoiseSource::tuned}},
+      "process noise: printed (Q_ukf), input (W_s through the thrusts, only for the EKF) or tuned");
+  fields.choice(
+      "estimator.process_noise_mode", settings.design.noise_mode,
+      {{"per_step", ProcessNoiseMode::per_step},
+       {"delta", ProcessNoiseMode::delta},
+       {"delta_squared", ProcessNoiseMode::delta_squared}},
+      "how the printed Q is added at each sample: as it is, times delta, or times delta^2");
   fields.choice("estimator.process_noise_states", settings.design.noise_states,
                 {{"all", ProcessNoiseStates::all}, {"highest", ProcessNoiseStates::highest}},
-                "which states have the printed Q: all, or the model's highest derivative alone");
+                "states with the printed Q: all, or only the model's highest derivative");
   fields.choice(
       "estimator.measurement_covariance", settings.covariance,
       {{"printed", MeasurementCovariance::printed}, {"actual", MeasurementCovariance::actual}},
-      "R: printed, diag(V) whatever V is taken for; actual: the noise's own");
-  fields.number("estimator.input_noise", settings.design.input_noise, positive(), "W_s [N^2]");
+      "R: printed (diag(V), whatever V means), or actual (the covariance of the noise)");
+  fields.number("estimator.input_noise", settings.design.input_noise, positive(),
+                "W_s: variance of the noise of a thruster's input [N^2]");
   fields.number("estimator.tuned_velocity_std_m_s", settings.design.velocity_std_m_s, positive(),
-                "walk of the velocities at each sample [m/s]");
-  fields.number("estimator.tuned_rate_std_rad_s", settings.design.rate_std_rad_s, positive(),
-                "walk of the angular rates at each sample [rad/s]");
+                "standard deviation of the random walk of the velocities, for each sample [m/s]");
+  fields.number(
+      "estimator.tuned_rate_std_rad_s", settings.design.rate_std_rad_s, positive(),
+      "standard deviation of the random walk of the angular rates, for each sample [rad/s]");
   fields.number("estimator.tuned_disturbance_std", settings.design.disturbance_std, positive(),
-                "walk of d, or of its second derivative, at each sample [N, N/s^2]");
+                "standard deviation of the random walk of d, or of its second derivative, for each "
+                "sample [N, N/s^2]");
   fields.choice(
       "estimator.wave_frequency", settings.frequency_source,
       {{"given", WaveFrequencySource::given}, {"estimated", WaveFrequencySource::estimated}},
-      "the waves' frequency follows from a given T_p, or is estimated on line");
+      "source of the waves' frequency: a given T_p, or an estimate on line");
   fields.number("estimator.assumed_period_s", settings.assumed_period_s, not_negative(),
-                "the sea's T_p that is given, or resonator: guessed; 0: wave.peak_period_s [s]");
+                "T_p that the estimator is given, or from which it starts to estimate; 0: "
+                "wave.peak_period_s [s]");
   fields.choice("estimator.wave_force", settings.force_source,
                 {{"given", WaveForceSource::given}, {"estimated", WaveForceSource::estimated}},
-                "spectrum: the force's deviation is resonator_force_std_N, or estimated on line");
+                "for spectrum: the standard deviation of the force is resonator_force_std_N, or is "
+                "estimated on line");
   fields.number("estimator.wave_torque_arm_m", settings.torque_arm_m, not_negative(),
-                "spectrum: torque of the waves over their horizontal force, z_B/C_m [m]");
+                "for spectrum: torque of the waves over their horizontal force, z_B/C_m [m]");
   ResonatorDesign& resonator = settings.design.resonator;
   fields.number("estimator.resonator_damping", resonator.damping, between(0.001, 0.999),
-                "relative");
+                "damping ratio of the resonators");
   fields.number("estimator.resonator_force_std_N", resonator.force_std_N, positive(),
-                "of a vertical force of waves, stationary [N]");
+                "stationary standard deviation of the waves' vertical force [N]");
   fields.number("estimator.resonator_velocity_std_m_s", resonator.velocity_std_m_s, positive(),
-                "walk of the velocities at each sample [m/s]");
-  fields.number("estimator.resonator_rate_std_rad_s", resonator.rate_std_rad_s, positive(),
-                "walk of the angular rates at each sample [rad/s]");
-  fields.number("estimator.resonator_bias_std_N", resonator.bias_std_N, positive(),
-                "walk of the constant forces at each sample [N]");
+                "standard deviation of the random walk of the velocities, for each sample [m/s]");
+  fields.number(
+      "estimator.resonator_rate_std_rad_s", resonator.rate_std_rad_s, positive(),
+      "standard deviation of the random walk of the angular rates, for each sample [rad/s]");
+  fields.number(
+      "estimator.resonator_bias_std_N", resonator.bias_std_N, positive(),
+      "standard deviation of the random walk of the constant forces, for each sample [N]");
   fields.number("estimator.resonator_torque_std_Nm", resonator.torque_std_Nm, positive(),
-                "walk of the torques at each sample [N m]");
+                "standard deviation of the random walk of the torques, for each sample [N m]");
 
   fields.only_for({"estimator.process_noise", "estimator.process_noise_mode",
                    "estimator.process_noise_states", "estimator.input_noise",
@@ -231,12 +243,13 @@ struct BacksteppingSettings {
 void bind_backstepping(Fields& fields, BacksteppingSettings& settings) {
   fields.choice("controller.gains", settings.gains,
                 {{"retuned", Gains::retuned}, {"dlqr", Gains::dlqr}, {"printed", Gains::printed}},
-                "retuned for the physical plant, dlqr with Q_z = 1e4, or printed");
-  fields.flag("controller.compensate", settings.compensates, "take the estimated disturbance off");
+                "gains: retuned for the physical plant, dlqr with Q_z = 1e4, or as printed");
+  fields.flag("controller.compensate", settings.compensates,
+              "subtract the estimated disturbance from the input");
   fields.number("controller.position_clamp_m", settings.position_clamp_m, not_negative(),
-                "position errors are held below it; 0: no clamp [m]");
+                "clamp on the position errors; 0: no clamp [m]");
   fields.number("controller.thrust_floor_N", settings.thrust_floor_N, positive(),
-                "least U_z in divisors [N]");
+                "smallest U_z by which the controller divides [N]");
 }
 
 BacksteppingGains gains(const BacksteppingSettings& settings, const QuadrotorTask& task) {

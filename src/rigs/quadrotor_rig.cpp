@@ -62,44 +62,50 @@ void QuadrotorSettings::bind(Fields& fields) {
   fields.choice(
       "plant.model", physics_kind,
       {{"physical", QuadrotorPhysics::physical}, {"thesis", QuadrotorPhysics::thesis}},
-      "physical, or thesis: with G and C as printed; the estimator's and controller's too");
+      "physics of plant, estimator and controller: physical, or thesis with G and C as printed");
   physics.bind(fields);
   run.bind(fields);
-  fields.numbers("task.start_m", start_m, any(), "where it starts, at rest: x, y, z [m]");
-  fields.numbers("task.reference_m", reference_m, any(), "where it is to be: x, y, z [m]");
+  fields.numbers("task.start_m", start_m, any(), "start position x, y, z, at rest [m]");
+  fields.numbers("task.reference_m", reference_m, any(), "reference position x, y, z [m]");
 
   fields.choice("wave.mode", waves.mode,
                 {{"physical", WaveMode::physical}, {"thesis", WaveMode::thesis}},
-                "physical: Morison's force; thesis: one force through E, torques by atan2");
+                "model of the waves' force: physical (Morison's force), or thesis (one force "
+                "through E, torques by atan2)");
   fields.number("wave.significant_height_m", waves.sea.significant_height_m, not_negative(),
-                "H_s; 0: still water [m]");
-  fields.number("wave.peak_period_s", waves.sea.peak_period_s, positive(), "T_p [s]");
-  fields.number("wave.gamma", waves.sea.gamma, between(1, 20), "peak enhancement");
+                "H_s: significant wave height; 0: still water [m]");
+  fields.number("wave.peak_period_s", waves.sea.peak_period_s, positive(),
+                "T_p: peak period of the waves [s]");
+  fields.number("wave.gamma", waves.sea.gamma, between(1, 20),
+                "peak enhancement factor of the JONSWAP spectrum");
   fields.number("wave.heading_rad", waves.sea.heading_rad, any(),
-                "where the waves go, from x towards y [rad]");
+                "direction of the waves, from x towards y [rad]");
   fields.number("wave.water_depth_m", waves.sea.water_depth_m, not_negative(),
-                "of the bottom; 0: deep water [m]");
+                "depth of the bottom; 0: deep water [m]");
   fields.count("wave.components", waves.sea.components, between(1, 1000),
-               "of the sea's realisation");
-  fields.numbers("wave.current_m_s", current_m_s, any(), "steady current: x, y, z [m/s]");
-  fields.number("wave.inertia_coefficient", waves.inertia_coefficient, not_negative(), "C_m");
-  fields.number("wave.buoyancy_arm_m", waves.buoyancy_arm_m, any(),
-                "physical: z_B, where the pressure acts above the mass [m]");
+               "number of the sea's wave components");
+  fields.numbers("wave.current_m_s", current_m_s, any(), "steady current along x, y, z [m/s]");
+  fields.number("wave.inertia_coefficient", waves.inertia_coefficient, not_negative(),
+                "C_m: inertia coefficient");
+  fields.number(
+      "wave.buoyancy_arm_m", waves.buoyancy_arm_m, any(),
+      "for physical: z_B, height above the centre of mass at which the pressure acts [m]");
   fields.number("wave.torque_low_pass_s", waves.low_pass_s, positive(),
-                "of the slope (physical) or the angle (thesis) [s]");
+                "time constant of the filter of the slope (physical) or of the angle (thesis) [s]");
   fields.number("wave.torque_per_angle_Nm_rad", waves.torque_per_angle_Nm_rad, any(),
-                "thesis: torque for each radian of atan2 [N m/rad]");
+                "for thesis: torque for each radian of atan2 [N m/rad]");
   fields.number("wave.change_at_s", waves.change_at_s, not_negative(),
-                "when T_p changes, over 10 s; 0: never [s]");
+                "time at which T_p begins to change, over 10 s; 0: never [s]");
   fields.number("wave.change_to_period_s", waves.change_to_period_s, positive(),
                 "T_p after the change [s]");
 
-  fields.number("noise.position", V_m, positive(), "V_m [m or m^2]");
-  fields.number("noise.angle", V_p, positive(), "V_p [rad or rad^2]");
+  fields.number("noise.position", V_m, positive(),
+                "V_m: noise of the measured position [m or m^2]");
+  fields.number("noise.angle", V_p, positive(), "V_p: noise of the measured angles [rad or rad^2]");
   fields.choice("noise.interpretation", interpretation,
                 {{"variance", NoiseInterpretation::variance},
                  {"standard_deviation", NoiseInterpretation::standard_deviation}},
-                "what V_m and V_p are: variance or standard_deviation");
+                "meaning of V_m and V_p");
   faults.bind(fields, "x, y, z, roll, pitch, yaw");
 
   parts.bind(fields);

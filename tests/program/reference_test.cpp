@@ -1,0 +1,126 @@
+// `breakwater reference`: its pages and what the program itself prints and reports.
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <map>
+#include <sstream>
+
+#include <breakwater/program/commands.h>
+
+#include "catalogue.h"
+#include "cli/program.h"
+#include "support.h"
+
+namespace breakwater {
+namespace {
+namespace fs = std::filesystem;
+
+std::string text_of(const fs::path& file) {
+  std::ostringstream text;
+  text << std::ifstream(file).rdbuf();
+  return text.str();
+}
+
+// "controller.name" of each key that a scenario file has, printed by --print-config.
+std::vector<std::string> keys_of(const std::string& config_text) {
+  std::istringstream lines(config_text);
+  std::vector<std::string> keys;
+  std::string table;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with("[")) table = line.substr(1, line.size() - 2) + ".";
+    const std::size_t equals = line.find(" = ");
+    if (line.starts_with("#") || equals == std::string::npos) continue;
+    keys.push_back(table + line.substr(0, equals));
+  }
+  // They belong to the file, not to the scenario.
+  std::erase_if(keys,
+                [](const std::string& key) { return key == "scenario" || key == "default_case"; });
+  return keys;
+}
+
+class Reference : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    fs::create_directories(folder_);
+    const auto made = testing::run_program({"breakwater", "reference", "--out", "pages"}, folder_);
+    ASSERT_EQ(made.status, 0) << made.err;
+  }
+  static void TearDownTestSuite() { fs::remove_all(folder_); }
+
+  static std::string page(const std::string& name) { return text_of(folder_ / "pages" / name); }
+
+  inline static const fs::path folder_ = testing::temporary_path("reference");
+};
+
+TEST_F(Reference, HasEveryCommandWithItsHelp) {
+  const std::string commands = page("commands.md");
+  for (const CommandKind& command : all_commands(testing::catalogue())) {
+    const auto help = testing::run_program({"breakwater", command.name, "--help"}, folder_);
+    const std::string text = help.out.substr(0, help.out.find_last_not_of('\n') + 1);
+    EXPECT_NE(commands.find("\n" + text + "\n"), std::string::npos) << command.name;
+    EXPECT_NE(commands.find("\n| [`" + command.name + "`](#"), std::string::npos) << command.name;
+  }
+}
+
+TEST_F(Reference, HasEveryKeyAndCaseOfEveryScenario) {
+  for (const std::string& scenario : testing::scenario_names()) {
+    const std::string text = page("scenarios/" + scenario + ".md");
+    const ScenarioFile file = testing::scenario_file(scenario);
+    for (const std::string& name : file.cases()) {
+      EXPECT_NE(text.find("\n| `" + name + "` |"), std::string::npos) << scenario << " " << name;
+      const std::vector<std::string> keys = keys_of(testing::prepare(scenario, name).config_text);
+      EXPECT_GT(keys.size(), 10u);
+      for (const std::string& key : keys) {
+        EXPECT_NE(text.find("\n| `" + key + "` |"), std::string::npos) << scenario << " " << key;
+      }
+    }
+  }
+}
+
+TEST_F(Reference, HasEveryMetricAndColumnOfABriefRun) {
+  for (const std::string& scenario : testing::scenario_names()) {
+    const std::string text = page("scenarios/" + scenario + ".md");
+    const std::string first = testing::scenario_file(scenario).default_case();
+    const Recording run = testing::prepare(scenario, first, {"run.duration_s=1"}).scenario->run({});
+    for (const Metric& metric : run.metrics) {
+      const std::string row = "\n| `" + metric.name + "` | " + metric.unit + " | ";
+      EXPECT_NE(text.find(row), std::string::npos) << scenario << row;
+    }
+    const Track& log = run.track("control");
+    for (std::size_t i = 0; i < log.signals(); ++i) {
+      const std::string row = "\n| `" + log.signal(i).name + "` | " + log.signal(i).unit + " | ";
+      EXPECT_NE(text.find(row), std::string::npos) << scenario << row;
+    }
+  }
+}
+
+// Name and unit of each metric and cost that the shipped cases report.
+std::map<std::string, std::string> reported_metrics(const std::string& scenario) {
+  std::map<std::string, std::string> reported;
+  const auto run = [&](const std::string& name, const std::vector<std::string>& sets) {
+    const Recording recording = testing::prepare(scenario, name, sets).scenario->run({});
+    EXPECT_FALSE(recording.failure) << scenario << " " << name;
+    for (const auto* list : {&recording.metrics, &recording.costs}) {
+      for (const Metric& metric : *list) reported[metric.name] = metric.unit;
+    }
+  };
+  const ScenarioFile file = testing::scenario_file(scenario);
+  for (const std::string& name : file.cases()) run(name, {});
+  // No case of its own has a disturbance with a lag.
+  if (scenario == "cart_estimation") run(file.default_case(), {"disturbance.kind=ramp"});
+  return reported;
+}
+
+TEST(MetricDefinitions, AreThoseOfTheShippedCases) {
+  for (const std::string& scenario : testing::scenario_names()) {
+    std::map<std::string, std::string> defined;
+    for (const MetricDefinition& metric :
+         make_scenario(testing::catalogue(), scenario)->metric_definitions()) {
+      EXPECT_TRUE(defined.emplace(metric.name, metric.unit).second) << metric.name;
+    }
+    EXPECT_EQ(defined, reported_metrics(scenario)) << scenario;
+  }
+}
+
+}  // namespace
+}  // namespace breakwater
