@@ -59,7 +59,7 @@ void translate(std::exception_ptr thrown) {
 PYBIND11_MODULE(_core, module) {
   using namespace breakwater::python;  // NOLINT: the module's own
   set_places();
-  stop_asked = [] {
+  breakwater::stop_asked = [] {
     const py::gil_scoped_acquire held;
     return PyErr_CheckSignals() != 0;
   };
