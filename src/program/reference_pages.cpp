@@ -16,6 +16,8 @@ namespace breakwater {
 namespace {
 
 constexpr const char* kBriefRun = "run.duration_s=0.1";  // the columns are the same in a long run
+constexpr std::size_t kTrack = 3;  // of a column's row: the cell with its track
+constexpr const char* kFineLog = "record.fine_from_s";
 
 using Row = std::vector<std::string>;
 
@@ -141,22 +143,27 @@ std::string metrics(const Scenario& scenario) {
   for (const MetricDefinition& metric : scenario.metric_definitions()) {
     rows.push_back({code(metric.name), metric.unit, metric.text});
   }
+  if (rows.empty()) return "The scenario defines none.\n\n";
   return table({"Metric", "Unit", "Definition"}, rows);
 }
 
 // The columns of the logs of all cases, each once.
 std::string columns(const Catalogue& catalogue, const ScenarioFile& file,
                     const std::string& scenario) {
-  std::vector<Row> rows = {{code("time_s"), "s", "1", "time of the row", ""}};
+  std::vector<Row> rows = {{code("time_s"), "s", "1", "all", "time of the row", ""}};
   std::vector<std::vector<std::string>> have = {file.cases()};
   for (const std::string& name : file.cases()) {
-    const PreparedRun run = prepare_run(catalogue, scenario, file, name, {kBriefRun});
+    std::vector<std::string> sets = {kBriefRun};
+    // The window with a finer log may begin later than a brief run ends.
+    if (file.config(name).find(kFineLog) != nullptr) sets.push_back(std::string(kFineLog) + "=0");
+    const PreparedRun run = prepare_run(catalogue, scenario, file, name, sets);
     const Recording recording = run.scenario->run({});
     for (const Track& track : recording.tracks) {
       for (std::size_t i = 0; i < track.signals(); ++i) {
         const Signal& signal = track.signal(i);
-        const Row row = {code(signal.name), signal.unit, std::to_string(signal.values.size()),
-                         signal.description, ""};
+        const Row row = {
+            code(signal.name), signal.unit,        std::to_string(signal.values.size()),
+            track.name(),      signal.description, ""};
         const auto found = std::find(rows.begin(), rows.end(), row);
         const auto index = static_cast<std::size_t>(found - rows.begin());
         if (found == rows.end()) {
@@ -171,7 +178,9 @@ std::string columns(const Catalogue& catalogue, const ScenarioFile& file,
     const bool in_all = have[i].size() == file.cases().size();
     rows[i].back() = in_all ? "all" : fmt::format("{}", fmt::join(have[i], ", "));
   }
-  return table({"Column", "Unit", "Values", "Description", "Cases"}, rows);
+  std::stable_sort(rows.begin(), rows.end(),
+                   [](const Row& a, const Row& b) { return a[kTrack] < b[kTrack]; });
+  return table({"Column", "Unit", "Values", "Track", "Description", "Cases"}, rows);
 }
 
 }  // namespace
@@ -208,8 +217,8 @@ std::string scenario_page(const Catalogue& catalogue, const ScenarioKind& kind) 
          keys(fields.help()) +
          "## Metrics\n\nA metric that does not apply to a run is absent.\n\n" + metrics(*scenario) +
          "## Columns of the log\n\n"
-         "`log.h5` has these columns. A column with several values is `NAME_1`, `NAME_2`, … in "
-         "`log.csv`.\n\n" +
+         "`log.h5` has these columns, in a group for each track. A column with several values is "
+         "`NAME_1`, `NAME_2`, … in `log.csv`.\n\n" +
          columns(catalogue, file, kind.name);
 }
 

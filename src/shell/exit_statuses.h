@@ -19,17 +19,15 @@ inline constexpr std::array kStatusMeanings = {
     StatusMeaning{
         kDefect, "a defect",
         "Breakwater, or a part of your own, has a defect. Please report a defect of Breakwater. "
-        "`doctor` also ends with this "
-        "status when something on the machine is broken."},
+        "`doctor` also ends with this status when something on the machine is broken."},
     StatusMeaning{kUsage, "usage or input",
                   "An option, a scenario file or another input is wrong, or a folder cannot be "
                   "written. The message names the place."},
     StatusMeaning{
         kRunFailed, "the run failed",
         "A run failed. Its `manifest.json` has the time and the reason, and `metrics.json` is "
-        "absent. `sweep` ends with this status only with `--on-failure stop`, or "
-        "when `--replay` gives another run. `tune` does so when no candidate met the "
-        "constraints."},
+        "absent. `sweep` ends with this status only with `--on-failure stop`, or when `--replay` "
+        "gives another run. `tune` does so when no candidate met the constraints."},
     StatusMeaning{kLaterOutputFailed, "only a later output failed",
                   "The run is complete. A later output, such as its video or the printed table, "
                   "could not be made."},
