@@ -8,7 +8,7 @@
 namespace breakwater {
 
 /// The VFAKFD's λ(k) reacts to ê², whether it comes from a disturbance or from the encoder. Its α
-/// = 1/(b_reso T_s) wakes it up at ê² ≈ 0.2 α, which is 3 to 145 counts, depending on resolution
+/// = 1/(b_reso T_s) wakes it up at ê² ≈ 0.2 α, which is 3 to 144 counts, depending on resolution
 /// and period. QVFF takes out of ê what the sensor's own error explains, and then reacts to little:
 ///     |ê| → max(0, |ê| − Δ − 4.5 σ),   α = max((Δ/2)², (1.5 σ)², α_floor),   P0 = 1e-6·I.
 /// Δ is the ±Δ/2 by which a measurement is rounded and as much for the prediction, which knows no
