@@ -30,8 +30,9 @@ struct FilterBankDesign {
 /// an encoder that rounds. How it is told so, and how likely the model found it, filter_bank.cpp
 /// and docs/explanation/methods/multiple-model-estimator.md say. Log-likelihoods add up to the
 /// models' log-weights, of which the best is 0. One that falls below −(L₀ + 6), L₀ = ln(2/T_s), is
-/// seeded anew from the best with the weight −L₀: about once in two seconds each belief is given another
-/// chance, and no belief is ever lost. x̂ and d̂ are the weighted means of the models above −3.
+/// seeded anew from the best with the weight −L₀: about once in two seconds each belief is given
+/// another chance, and no belief is ever lost. x̂ and d̂ are the weighted means of the models above
+/// −3.
 ///
 /// An output that is no number is not used: the models predict. Allocates nothing after
 /// construction.

@@ -12,7 +12,8 @@ namespace breakwater {
 
 /// Kfd, Fakfd (Γ's diagonal `gamma`), Vfakfd and Stf of a design. One input, one output and up to
 /// six extended states have sizes that are fixed when it is compiled: they take a seventh (three
-/// states) to a half (five) of the time (docs/explanation/performance.md). Each throws as its class does.
+/// states) to a half (five) of the time (docs/explanation/performance.md). Each throws as its class
+/// does.
 std::unique_ptr<DisturbanceEstimator> sized_kfd(const KalmanDesign& design);
 std::unique_ptr<DisturbanceEstimator> sized_fakfd(const KalmanDesign& design,
                                                   const Eigen::VectorXd& gamma);
