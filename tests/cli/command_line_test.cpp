@@ -218,8 +218,9 @@ TEST_F(NonsenseIn, IsOneLine) {
         place("truncated.toml", "distance_m") +
             "is not TOML: Error while parsing key-value pair: expected value, saw '#'"},
        {"--config half.toml",
-        "half.toml: wall.distance_m: is missing: from the tip at the start pose to the wall's face "
-        "[m]; missing too: wall.solid_from_s, …"},
+        "half.toml: wall.distance_m: is missing: distance from the tip at the start pose to the "
+        "wall's "
+        "face [m]; missing too: wall.solid_from_s, …"},
        {"--set model.mjcf=missing.xml",
         "--set: model.mjcf: there is no file missing.xml in the working folder or any of …"},
        {"--set model.mjcf=broken.xml", "HERE/" + place("broken.xml", "<worldbody") +

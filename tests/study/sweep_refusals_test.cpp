@@ -57,7 +57,7 @@ TEST_F(SweepRefusals, NonsenseInAFile) {
            {compare + "goal = { y_1 = \"mni\" }\n",
             "bad.toml:4: compare.goal.y_1: must be one of min, max, is \"mni\" (did you mean "
             "min?)"},
-           {compare + "goal = \"min\"\n", "bad.toml:4: goal: must be a table"},
+           {compare + "goal = \"min\"\n", "bad.toml:4: compare.goal: must be a table"},
            {compare + "metrics = []\n", "bad.toml:4: compare.metrics: is empty"},
            {"[vary]\n\"x.first\"" + many + "\"x.second\"" + many + "\"x.third\"" + many,
             "vary: 1e+12 points are more than 10000000: 1e+12 samples, 1 seeds, 1 candidates"}}) {
