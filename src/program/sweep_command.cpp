@@ -204,13 +204,6 @@ class SweepCommand : public StudyCommand {
     return run_here(points, options);
   }
 
-  [[noreturn]] void fail_for_undone(std::size_t) const override {
-    throw OutputError(
-        fmt::format("{}: {}; the others were left undone, or somebody removed results: the same "
-                    "command goes on",
-                    folder_.path().string(), counted(index())));
-  }
-
   int go_on(const ShardIndex& before) override {
     if (has_to_stop()) return kRunFailed;
     std::vector<std::size_t> points = pending(before);

@@ -64,6 +64,10 @@ struct ExecutorOptions {
 std::size_t run_points(const std::vector<std::size_t>& points, const PointSource& source,
                        Shard& shard, const ExecutorOptions& options);
 
+/// Lets this process open as many files as the system allows: each thread and each child process
+/// needs some.
+void allow_many_files();
+
 /// One point, its folder (if the source wants one) included.
 PointResult run_point(std::size_t point, const PointSource& source, const RunControl& control);
 
