@@ -32,7 +32,7 @@ class TomlEntry {
   /// Null if nothing does.
   const toml::node* node() const { return node_; }
   const std::string& file() const { return file_; }
-  /// Of nothing: its table's.
+  /// Where nothing stands, its table's.
   std::size_t line() const { return source_->begin.line; }
   /// Where its key was written; options keep their order by it.
   const toml::source_position& begin() const { return begin_; }

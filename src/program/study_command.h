@@ -13,7 +13,7 @@
 
 namespace breakwater {
 
-/// What both commands are told besides what is run. An option that a command does not have stays as
+/// Options of both commands, besides what is run. An option that a command does not have stays as
 /// it is here.
 struct StudyOptions {
   std::string target;
@@ -79,7 +79,7 @@ class StudyCommand {
   virtual const PointSource& source() const = 0;
   virtual const ScenarioFile& file() const = 0;
   virtual std::size_t size() const = 0;
-  /// What the study's file says, and what the one in the folder does.
+  /// The text of the study's file, and of the one in the folder.
   virtual std::string text() const = 0;
   virtual std::string text_there() const = 0;
 

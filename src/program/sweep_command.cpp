@@ -245,8 +245,8 @@ class SweepCommand : public StudyCommand {
  private:
   bool stops() const { return plan_.study().on_failure == OnFailure::stop; }
   SlurmStudy on_cluster() const { return {folder_, plan_.study().slurm}; }
-  // What is in the queue is not run twice: leaves it out of `points`, and says so. Returns whether
-  // there was any.
+  // Leaves points that are in the queue out of `points`, so that they are not run twice, and says
+  // so. Returns whether there were any.
   bool leave_out_queued(std::vector<std::size_t>& points) const {
     if (points.empty()) return false;
     const auto queue =

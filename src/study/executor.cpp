@@ -44,7 +44,7 @@ struct Common {
   }
 };
 
-// What may be the machine's fault is no result: "Too many open files" shows here too.
+// A fault of the machine is no result: "Too many open files" shows here too.
 void check_machine(const std::string& key, const std::string& reason) {
   const int descriptor = open("/dev/null", O_RDONLY | O_CLOEXEC);
   if (descriptor < 0) {

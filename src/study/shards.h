@@ -124,7 +124,7 @@ class ShardIndex {
   std::string ambiguous_model_;  // one of which there are different hashes
 };
 
-/// What one process of this computer has written by now.
+/// All that one process of this computer has written by now.
 struct ProcessResults {
   std::vector<PointResult> results;  ///< in their order
   std::optional<std::size_t> begun;  ///< the point that was begun last

@@ -1,4 +1,4 @@
-// What a table's reader says of what is not as it should be.
+// The messages of a table's reader about mistakes.
 #include <breakwater/config/toml_entry.h>
 
 #include <gtest/gtest.h>

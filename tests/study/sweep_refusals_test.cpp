@@ -1,4 +1,4 @@
-// What `breakwater sweep` refuses, and what it warns of.
+// Refusals and warnings of `breakwater sweep`.
 #include "study/sweep_folder.h"
 
 namespace breakwater {
