@@ -1,4 +1,4 @@
-// What all tests begin with: GoogleTest, the standard headers of text and files, and helpers that
+// Every test begins with this: GoogleTest, the standard headers of text and files, and helpers that
 // many share.
 #pragma once
 

@@ -18,7 +18,7 @@ std::vector<std::string> names_of(const Names<Enum>& names) {
   return all;
 }
 
-/// Of a value that has one.
+/// The name of a value that has one.
 template <typename Enum>
 std::string name_of(const Names<Enum>& names, Enum value) {
   return std::find_if(names.begin(), names.end(), [&](const auto& n) { return n.second == value; })

@@ -27,8 +27,7 @@ TomlEntry TomlEntry::with(const toml::node* node, const toml::source_region& sou
 
 std::string TomlEntry::place() const {
   if (!source_->path && option_ != nullptr) return option_(key_);
-  const bool is_of_root = node_ == nullptr && key_.find('.') == std::string::npos;
-  const std::string where = is_of_root ? file_ : at_line(file_, *source_);
+  const std::string where = has_line_ ? at_line(file_, *source_) : file_;
   return key_.empty() ? where : where + ": " + key_;
 }
 
@@ -44,8 +43,10 @@ const toml::table* TomlEntry::table() const {
 TomlEntry TomlEntry::operator[](const std::string& key) const {
   const toml::table* const from = table();
   const toml::node* const node = from == nullptr ? nullptr : from->get(key);
-  return with(node, node == nullptr ? *source_ : node->source(),
-              key_.empty() ? key : key_ + "." + key);
+  TomlEntry entry = with(node, node == nullptr ? *source_ : node->source(),
+                         key_.empty() ? key : key_ + "." + key);
+  entry.has_line_ = node != nullptr || (from != nullptr && !key_.empty());
+  return entry;
 }
 
 std::vector<std::pair<std::string, TomlEntry>> TomlEntry::entries() const {
@@ -81,6 +82,10 @@ std::vector<TomlEntry> TomlEntry::elements() const {
 }
 
 std::string TomlEntry::text_or_nothing() const {
+  return node_ == nullptr ? "" : text();
+}
+
+std::string TomlEntry::text_or_empty() const {
   if (node_ == nullptr) return "";
   if (!node_->is_string()) fail("must be a text");
   return node_->as_string()->get();
@@ -88,7 +93,7 @@ std::string TomlEntry::text_or_nothing() const {
 
 std::string TomlEntry::text() const {
   if (node_ == nullptr) fail("is missing");
-  const std::string text = text_or_nothing();
+  std::string text = text_or_empty();
   if (text.empty()) fail("must be a text, is empty");
   return text;
 }

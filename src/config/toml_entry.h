@@ -32,11 +32,11 @@ class TomlEntry {
   /// Null if nothing does.
   const toml::node* node() const { return node_; }
   const std::string& file() const { return file_; }
-  /// Of nothing: its table's.
+  /// Where nothing stands, its table's.
   std::size_t line() const { return source_->begin.line; }
   /// Where its key was written; options keep their order by it.
   const toml::source_position& begin() const { return begin_; }
-  /// "FILE:LINE: KEY", an option's name, or "FILE: KEY" of what a root lacks.
+  /// "FILE:LINE: KEY", an option's name, or "FILE: KEY" of what a root or a missing table lacks.
   std::string place() const;
   [[noreturn]] void fail(const std::string& reason) const;
 
@@ -51,8 +51,10 @@ class TomlEntry {
 
   /// That is not empty.
   std::string text() const;
-  /// "" of nothing. The text may be empty too.
+  /// The same; "" of nothing.
   std::string text_or_nothing() const;
+  /// A text that may be empty; "" of nothing.
+  std::string text_or_empty() const;
   /// A text, or an array of at least one, each once; of nothing, none.
   std::vector<std::string> texts() const;
   std::int64_t whole(std::int64_t lower, std::int64_t upper) const;
@@ -79,7 +81,8 @@ class TomlEntry {
   std::size_t choice_of(const std::vector<std::string>& names) const;
 
   const toml::node* node_;
-  const toml::source_region* source_;  // of its value, or of its table
+  const toml::source_region* source_;  // of its value, or of the last table that is there
+  bool has_line_ = true;               // whether it, or its own table, stands in the file
   toml::source_position begin_ = {};
   std::string file_;
   std::string key_ = {};  // with the tables that it is in; empty: the root

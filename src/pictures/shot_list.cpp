@@ -45,15 +45,15 @@ void read_video(const TomlEntry& video, ShotList& shots) {
 
 ShotMoment read_moment(const TomlEntry& moment) {
   moment.allow({"caption", "at_s", "first_positive", "plus_s"});
-  return {moment["caption"].text_or_nothing(), moment["at_s"].number(not_negative()),
-          moment["first_positive"].text_or_nothing(), moment["plus_s"].number()};
+  return {moment["caption"].text_or_empty(), moment["at_s"].number(not_negative()),
+          moment["first_positive"].text_or_empty(), moment["plus_s"].number()};
 }
 
 ShotArrow read_arrow(const TomlEntry& arrow) {
   arrow.allow({"signal", "unit", "site", "along", "frame", "offset_m", "metres_per_unit",
                "contact_mark_m"});
   return {.signal = arrow["signal"].text(),
-          .unit = arrow["unit"].text_or_nothing(),
+          .unit = arrow["unit"].text_or_empty(),
           .site = arrow["site"].text(),
           .site_place = arrow["site"].place(),
           .along = vector_of_three(arrow["along"]),
@@ -65,7 +65,7 @@ ShotArrow read_arrow(const TomlEntry& arrow) {
 
 ShotLine read_line(const TomlEntry& line) {
   line.allow({"label", "value", "style"});
-  return {line["label"].text_or_nothing(), line["value"].text(), line["style"].choice(kStyles)};
+  return {line["label"].text_or_empty(), line["value"].text(), line["style"].choice(kStyles)};
 }
 
 }  // namespace
@@ -75,8 +75,8 @@ ShotList read_shot_list(const std::string& file) {
   const TomlEntry root(tables, file);
   root.allow({"title", "camera", "video", "moment", "arrow", "chart", "line"});
   ShotList shots;
-  shots.title = root["title"].text_or_nothing();
-  shots.camera = root["camera"].text_or_nothing();
+  shots.title = root["title"].text_or_empty();
+  shots.camera = root["camera"].text_or_empty();
   shots.camera_place = root["camera"].place();
   read_video(root["video"], shots);
   for (const TomlEntry& moment : root["moment"].elements()) {
@@ -84,7 +84,7 @@ ShotList read_shot_list(const std::string& file) {
   }
   for (const TomlEntry& arrow : root["arrow"].elements()) shots.arrows.push_back(read_arrow(arrow));
   root["chart"].allow({"title", "corner"});
-  shots.chart_title = root["chart"]["title"].text_or_nothing();
+  shots.chart_title = root["chart"]["title"].text_or_empty();
   root["chart"]["corner"].choice(kCorners, shots.chart_corner);
   for (const TomlEntry& line : root["line"].elements()) shots.lines.push_back(read_line(line));
   return shots;

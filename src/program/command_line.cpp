@@ -198,7 +198,7 @@ struct Call {
   }
 };
 
-// What is run at once: each run into its place below a folder, of which `shared` have several.
+// Runs of one call: each run into its place below a folder, of which `shared` have several.
 struct Batch {
   std::string name;  // of the folder, before its seed
   std::vector<PreparedRun> runs = {};

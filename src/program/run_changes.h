@@ -1,4 +1,4 @@
-// What `run` and `sweep` change of every run.
+// Changes that `run` and `sweep` make to every run.
 #pragma once
 
 #include <CLI/CLI.hpp>

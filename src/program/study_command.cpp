@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <csignal>
 #include <filesystem>
 #include <optional>
@@ -99,6 +100,7 @@ int StudyCommand::run() {
     if (!options_.rerun) folder_.check_made_by_this(file(), *before);
     if (!options_.replay.empty()) return replay(*before);
   }
+  if (options_.slurm) most_tasks();  // that there is no cluster is said before anything is made
   if (!is_there || options_.rerun) {
     begin(is_there);
     before.emplace(folder_.shards(), size());
@@ -108,8 +110,7 @@ int StudyCommand::run() {
 
 void StudyCommand::begin(bool is_there) const {
   if (is_there) check_not_queued(queued(folder_, size()), folder_, "--rerun");
-  if (options_.slurm) most_tasks();  // that there is no cluster is said before all else
-  check();                           // while what is there is still there
+  check();  // while what is there is still there
   if (is_there) {
     folder_.make_anew(text(), file());
   } else {
@@ -123,10 +124,29 @@ std::size_t StudyCommand::run_here(const std::vector<std::size_t>& points,
   options.is_task = options_.is_task();
   options.stop = &interrupted();
   Shard shard(folder_.shards());
-  const std::size_t ran = options_.isolate ? run_isolated(points, source(), folder_, shard, options)
-                                           : run_points(points, source(), shard, options);
+  if (options_.isolate) {
+    run_isolated(points, source(), folder_, shard, options);
+  } else {
+    run_points(points, source(), shard, options);
+  }
   shard.finish();
-  return ran;
+  const ShardIndex now = index();  // another process may have done some
+  return static_cast<std::size_t>(std::count_if(
+      points.begin(), points.end(), [&](std::size_t point) { return !now.has(point); }));
+}
+
+void StudyCommand::collect(const ShardIndex&) const {
+  throw std::logic_error("--collect is no option of this command");
+}
+
+int StudyCommand::replay(const ShardIndex&) {
+  throw std::logic_error("--replay is no option of this command");
+}
+
+void StudyCommand::fail_for_undone(std::size_t left) const {
+  throw OutputError(fmt::format("{}: {} left undone: the same command goes on",
+                                folder_.path().string(),
+                                left == 1 ? "one run was" : fmt::format("{} runs were", left)));
 }
 
 // The points of --points that are not done.
@@ -134,7 +154,7 @@ int StudyCommand::run_task(const ShardIndex& before) {
   std::vector<std::size_t> points = task_points();
   std::erase_if(points, [&](std::size_t point) { return before.has(point); });
   if (has_to_stop()) return kRunFailed;
-  const std::size_t left = points.size() - make(points);
+  const std::size_t left = make(points);
   if (has_to_stop()) return kRunFailed;
   if (left == 0) return kSuccess;
   if (!interrupted()) fail_for_undone(left);

@@ -13,7 +13,7 @@
 
 namespace breakwater {
 
-/// What both commands are told besides what is run. An option that a command does not have stays as
+/// Options of both commands, besides what is run. An option that a command does not have stays as
 /// it is here.
 struct StudyOptions {
   std::string target;
@@ -73,20 +73,21 @@ class StudyCommand {
  protected:
   const char* name() const { return folder_.kind().command; }
   ShardIndex index() const { return {folder_.shards(), size()}; }
-  /// Runs points here, or in processes of their own. Returns how many were run.
+  /// Runs points here, or in processes of their own. Returns how many of them no process has done.
   std::size_t run_here(const std::vector<std::size_t>& points, ExecutorOptions options) const;
 
   virtual const PointSource& source() const = 0;
   virtual const ScenarioFile& file() const = 0;
   virtual std::size_t size() const = 0;
-  /// What the study's file says, and what the one in the folder does.
+  /// The text of the study's file, and of the one in the folder.
   virtual std::string text() const = 0;
   virtual std::string text_there() const = 0;
 
   virtual void print_dry_run() const = 0;
   virtual void print_status(const ShardIndex& index) const = 0;
-  virtual void collect(const ShardIndex&) const {}
-  virtual int replay(const ShardIndex&) { return 0; }
+  /// A command without the option has no use for it, and for replay(): std::logic_error.
+  virtual void collect(const ShardIndex& index) const;
+  virtual int replay(const ShardIndex& index);
   /// Before anything is made: throws std::invalid_argument for what is wrong, warns of the rest.
   virtual void check() const = 0;
 
@@ -96,7 +97,7 @@ class StudyCommand {
   /// Makes points of a task, or all; as run_here().
   virtual std::size_t make(const std::vector<std::size_t>& points) = 0;
   /// Throws OutputError.
-  [[noreturn]] virtual void fail_for_undone(std::size_t left) const = 0;
+  [[noreturn]] void fail_for_undone(std::size_t left) const;
   /// Makes what is not there. Returns the exit status.
   virtual int go_on(const ShardIndex& before) = 0;
 

@@ -204,13 +204,6 @@ class SweepCommand : public StudyCommand {
     return run_here(points, options);
   }
 
-  [[noreturn]] void fail_for_undone(std::size_t) const override {
-    throw OutputError(
-        fmt::format("{}: {}; the others were left undone, or somebody removed results: the same "
-                    "command goes on",
-                    folder_.path().string(), counted(index())));
-  }
-
   int go_on(const ShardIndex& before) override {
     if (has_to_stop()) return kRunFailed;
     std::vector<std::size_t> points = pending(before);
@@ -252,8 +245,8 @@ class SweepCommand : public StudyCommand {
  private:
   bool stops() const { return plan_.study().on_failure == OnFailure::stop; }
   SlurmStudy on_cluster() const { return {folder_, plan_.study().slurm}; }
-  // What is in the queue is not run twice: leaves it out of `points`, and says so. Returns whether
-  // there was any.
+  // Leaves points that are in the queue out of `points`, so that they are not run twice, and says
+  // so. Returns whether there were any.
   bool leave_out_queued(std::vector<std::size_t>& points) const {
     if (points.empty()) return false;
     const auto queue =

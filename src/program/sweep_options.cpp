@@ -107,7 +107,7 @@ class LaidTables {
 
   void lay_what(const WhatOption& what) {
     const std::vector<std::string>& given = options_.what.at(what.option);
-    if (given.empty() || given.back().empty()) return;
+    if (given.empty()) return;
     toml::table& into = table(what.table);
     if (what.as == As::text) into.insert_or_assign(what.key, given.back());
     if (what.as == As::number) {
@@ -155,7 +155,7 @@ class LaidTables {
 
   void lay_seeds() {
     const std::vector<std::string>& given = options_.what.at("--seeds");
-    if (given.empty() || given.back().empty()) return;
+    if (given.empty()) return;
     toml::array seeds;
     for (const std::uint64_t seed : parse_seeds(given.back())) {
       seeds.push_back(static_cast<std::int64_t>(seed));
@@ -210,9 +210,7 @@ class LaidTables {
 
 bool SweepOptions::says_what() const {
   return !study.out.empty() || !run.config.empty() || !run.sets.empty() || !run.duration.empty() ||
-         std::any_of(what.begin(), what.end(), [](const auto& one) {
-           return !one.second.empty() && !one.second.back().empty();
-         });
+         std::any_of(what.begin(), what.end(), [](const auto& one) { return !one.second.empty(); });
 }
 
 void add_sweep_options(CLI::App& app, SweepOptions& options) {

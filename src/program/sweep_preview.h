@@ -1,4 +1,4 @@
-// What a few runs tell of a study before all are made, and those that were made of the rest.
+// A few runs tell of a study before all are made, and those that were made tell of the rest.
 #pragma once
 
 #include <cstddef>

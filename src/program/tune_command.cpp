@@ -291,11 +291,6 @@ class TuneCommand : public StudyCommand {
   }
 
   std::size_t make(const std::vector<std::size_t>& runs) override { return run_here(runs, {}); }
-  [[noreturn]] void fail_for_undone(std::size_t left) const override {
-    throw OutputError(fmt::format("{}: {} left undone: the same command goes on",
-                                  folder_.path().string(),
-                                  left == 1 ? "one run was" : fmt::format("{} runs were", left)));
-  }
 
   int go_on(const ShardIndex&) override {
     const Tuning& tuning = plan_.tuning();
@@ -341,7 +336,7 @@ class TuneCommand : public StudyCommand {
       std::sort(runs.begin(), runs.end());
       ExecutorOptions executor;
       executor.on_result = [&](const PointResult& result) { progress.finish(result.number); };
-      const std::size_t left = runs.size() - run_here(runs, executor);
+      const std::size_t left = run_here(runs, executor);
       if (interrupted()) throw Interrupted();
       if (left > 0) fail_for_undone(left);
     };
@@ -358,7 +353,7 @@ class TuneCommand : public StudyCommand {
   const Catalogue& catalogue_;
   TuningPlan plan_;
   std::string target_;
-  const std::vector<std::string>& candidates_;
+  const std::vector<std::string> candidates_;
 };
 
 }  // namespace

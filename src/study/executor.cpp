@@ -44,7 +44,7 @@ struct Common {
   }
 };
 
-// What may be the machine's fault is no result: "Too many open files" shows here too.
+// A fault of the machine is no result: "Too many open files" shows here too.
 void check_machine(const std::string& key, const std::string& reason) {
   const int descriptor = open("/dev/null", O_RDONLY | O_CLOEXEC);
   if (descriptor < 0) {
@@ -52,14 +52,6 @@ void check_machine(const std::string& key, const std::string& reason) {
                                   reason, std::strerror(errno)));
   }
   close(descriptor);
-}
-
-// Each thread and each child needs some.
-void allow_many_files() {
-  rlimit limit = {};
-  if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
-  limit.rlim_cur = limit.rlim_max;
-  setrlimit(RLIMIT_NOFILE, &limit);
 }
 
 // Fills `result` in, whose number is set.
@@ -73,6 +65,7 @@ void fill(PointResult& result, RunControl control, Common& common) {
   Recording recording;
   ModelHashes models;
   try {
+    if (common.is_task) common.shard->begin(number, "");
     run = source.prepare(number);
     models = known.of(run.model_files);
     result.key = source.key(number, run, models);
@@ -130,6 +123,16 @@ PointResult execute(std::size_t number, const RunControl& control, Common& commo
 
 }  // namespace
 
+void allow_many_files() {
+  static std::once_flag is_allowed;
+  std::call_once(is_allowed, [] {
+    rlimit limit = {};
+    if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+    limit.rlim_cur = limit.rlim_max;
+    setrlimit(RLIMIT_NOFILE, &limit);
+  });
+}
+
 PointResult run_point(std::size_t point, const PointSource& source, const RunControl& control) {
   KnownModels known;
   const SharedModels shared([&](const std::string& file) { known.note(file); });
@@ -139,8 +142,7 @@ PointResult run_point(std::size_t point, const PointSource& source, const RunCon
 
 std::size_t run_points(const std::vector<std::size_t>& points, const PointSource& source,
                        Shard& shard, const ExecutorOptions& options) {
-  static std::once_flag is_allowed;
-  std::call_once(is_allowed, allow_many_files);
+  allow_many_files();
   KnownModels own;
   KnownModels& known = options.models != nullptr ? *options.models : own;
   const SharedModels shared([&](const std::string& file) { known.note(file); });

@@ -34,7 +34,7 @@ class PointSource {
                                        bool failed) const = 0;
   /// Whether the log is needed before the run, for its folder or for what is made of its signals.
   virtual bool logs(std::size_t point) const = 0;
-  /// What a process that is to make some points must be told of them, beside their numbers.
+  /// Words that tell a process of the points that it is to make, beside their numbers.
   virtual std::vector<std::string> task_words(const std::vector<std::size_t>& /*points*/) const {
     return {};
   }
@@ -45,8 +45,8 @@ class PointSource {
 struct ExecutorOptions {
   std::size_t threads = 0;                  ///< 0: as many as there are cores
   const std::atomic<bool>* stop = nullptr;  ///< when it becomes true: no further point …
-  /// Of a scheduler, or of run_isolated(): those under way are run to their end, and the shard says
-  /// which point is begun.
+  /// A task of a scheduler, or of run_isolated(): runs under way go on to their end, and the shard
+  /// says which point is begun.
   bool is_task = false;
   std::function<bool()> is_over = {};  ///< if true, no further point either
   std::function<void(std::size_t done_index, double fraction)> progress = {};  ///< of `points`
@@ -63,6 +63,10 @@ struct ExecutorOptions {
 /// if it was stopped. Throws std::invalid_argument or OutputError for what else ends a study.
 std::size_t run_points(const std::vector<std::size_t>& points, const PointSource& source,
                        Shard& shard, const ExecutorOptions& options);
+
+/// Lets this process open as many files as the system allows: each thread and each child process
+/// needs some.
+void allow_many_files();
 
 /// One point, its folder (if the source wants one) included.
 PointResult run_point(std::size_t point, const PointSource& source, const RunControl& control);

@@ -13,17 +13,15 @@
 namespace breakwater {
 namespace {
 
-// Points: what a new process costs, and the look at what others have done, is little beside them.
-constexpr std::size_t kMostOfAChild = 1000;
+// The start of a process, and its look at what others have done, cost little beside so many points.
+constexpr std::size_t kMostPointsOfAChild = 1000;
 
-// What all threads of a run_isolated() share: each has one child at a time.
+// All threads of a run_isolated() share it. Each has one child at a time.
 class Children {
  public:
   Children(const std::vector<std::size_t>& points, const PointSource& source,
            const StudyFolder& folder, Shard& shard, const ExecutorOptions& options)
       : points_(points), source_(source), folder_(folder), shard_(shard), options_(options) {}
-
-  std::size_t finished() const { return finished_; }
 
   // points[begin] to points[end - 1], by as many children as it takes.
   void run(std::size_t begin, std::size_t end) {
@@ -53,13 +51,13 @@ class Children {
     ProcessResults written;
     EndedProgram ended = run_beside(words, [&](ReadProgram& child) {
       const std::size_t seen = written.results.size();
-      written = results_of_process(folder_.shards(), child.process());
+      written = results_of_process(folder_.shards(), child.process(), std::move(written));
       for (std::size_t i = seen; i < written.results.size(); ++i) {
-        const auto found = std::lower_bound(rest.begin(), rest.end(), written.results[i].number);
         // An earlier process may have had the child's number.
-        if (found == rest.end() || *found != written.results[i].number) continue;
-        next = begin + static_cast<std::size_t>(found - rest.begin());
-        finish(next++, written.results[i]);
+        const std::size_t nth = place_of(written.results[i].number, begin, end);
+        if (nth == end) continue;
+        next = nth + 1;
+        finish(nth, written.results[i]);
       }
       if (has_to_stop()) child.interrupt();
     });
@@ -76,28 +74,37 @@ class Children {
     }
     ended.repeat_said();
     if (is_told || next == end || status == kSuccess) return end;
-    if (status) {
+    // It may have left out points before the one that it has begun: another process did them.
+    const std::size_t at = written.begun ? place_of(*written.begun, next, end) : end;
+    if (status || at == end) {
       throw std::invalid_argument("--isolate: a process of the study ended with " + ended.end());
     }
     PointResult lost;
-    lost.number = points_[next];
-    if (written.begun == lost.number) lost.key = written.begun_key;
+    lost.number = points_[at];
+    lost.key = written.begun_key;
     if (ended.has_crashed()) {
       if (lost.key.empty()) lost.key = source_.unprepared_key(lost.number);
       lost.status = PointStatus::crashed;
       lost.reason = ended.end();
       shard_.add(lost);
-      finish(next, lost);
+      finish(at, lost);
     } else {
       fmt::print(stderr, "{}: point {} is left undone: its process was ended by {}\n",
                  folder_.kind().command, lost.key.empty() ? std::to_string(lost.number) : lost.key,
                  ended.end());
     }
-    return next + 1;
+    return at + 1;
+  }
+
+  // The place of a point from points[begin] on; `end` if it is none of these.
+  std::size_t place_of(std::size_t point, std::size_t begin, std::size_t end) const {
+    const auto first = points_.begin();
+    const auto last = first + static_cast<std::ptrdiff_t>(end);
+    const auto found = std::lower_bound(first + static_cast<std::ptrdiff_t>(begin), last, point);
+    return found != last && *found == point ? static_cast<std::size_t>(found - first) : end;
   }
 
   void finish(std::size_t nth, const PointResult& result) {
-    ++finished_;
     if (options_.progress) options_.progress(nth, 1.0);
     if (options_.on_result) options_.on_result(result);
   }
@@ -114,23 +121,23 @@ class Children {
   const StudyFolder& folder_;
   Shard& shard_;
   const ExecutorOptions& options_;
-  std::atomic<std::size_t> finished_ = 0;
   std::atomic<bool> is_stopped_ = false;
 };
 
 }  // namespace
 
-std::size_t run_isolated(const std::vector<std::size_t>& points, const PointSource& source,
-                         const StudyFolder& folder, Shard& shard, const ExecutorOptions& options) {
+void run_isolated(const std::vector<std::size_t>& points, const PointSource& source,
+                  const StudyFolder& folder, Shard& shard, const ExecutorOptions& options) {
+  allow_many_files();
   const std::size_t jobs = options.threads > 0 ? options.threads : usable_cores();
-  const std::size_t share = std::clamp<std::size_t>(points.size() / (8 * jobs), 1, kMostOfAChild);
+  const std::size_t share =
+      std::clamp<std::size_t>(points.size() / (8 * jobs), 1, kMostPointsOfAChild);
   Children children(points, source, folder, shard, options);
   on_all_cores((points.size() + share - 1) / share,
                [&](std::size_t nth) {
                  children.run(nth * share, std::min((nth + 1) * share, points.size()));
                },
                jobs);
-  return children.finished();
 }
 
 }  // namespace breakwater

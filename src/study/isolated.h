@@ -14,8 +14,10 @@ namespace breakwater {
 /// keeps their results in a shard of its own, from which it is known how far it is. One that
 /// crashes costs the point that it was at, which goes into `shard`; one that is killed from outside
 /// (where memory is short, say) leaves its point undone, and says so. Another child goes on behind
-/// it. What ends a child ends the study.
-std::size_t run_isolated(const std::vector<std::size_t>& points, const PointSource& source,
-                         const StudyFolder& folder, Shard& shard, const ExecutorOptions& options);
+/// that point. A child may leave out points that another process has done meanwhile. An error that
+/// a child tells ends the study, and so does a child that ends before it begins a point:
+/// std::invalid_argument.
+void run_isolated(const std::vector<std::size_t>& points, const PointSource& source,
+                  const StudyFolder& folder, Shard& shard, const ExecutorOptions& options);
 
 }  // namespace breakwater

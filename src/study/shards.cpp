@@ -326,18 +326,24 @@ std::size_t ShardIndex::find(const std::string& key) const {
   return found;
 }
 
-ProcessResults results_of_process(const fs::path& folder, pid_t process) {
+ProcessResults results_of_process(const fs::path& folder, pid_t process, ProcessResults known) {
+  std::vector<fs::path> files;
   ProcessResults found;
+  for (int n = 0; fs::exists(shard_of(folder, process, n)); ++n) {
+    files.push_back(shard_of(folder, process, n));
+    found.bytes += fs::file_size(files.back());
+  }
+  if (found.bytes == known.bytes) return known;
   const auto read = [&](std::size_t, std::size_t, std::string_view rest) {
     if (auto result = read_result(rest)) return found.results.push_back(std::move(*result));
     Parts parts(rest);
-    if (parts.next() == kBegin && read_number(parts.next(), found.begun)) {
+    std::size_t point = 0;
+    if (parts.next() == kBegin && read_number(parts.next(), point)) {
+      found.begun = point;
       found.begun_key = parts.next();
     }
   };
-  for (int n = 0; fs::exists(shard_of(folder, process, n)); ++n) {
-    each_line(shard_of(folder, process, n), read);
-  }
+  for (const fs::path& file : files) each_line(file, read);
   return found;
 }
 

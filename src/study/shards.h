@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <unordered_map>
 #include <utility>
@@ -50,7 +51,8 @@ class Shard {
   void add(const PointResult& result);
   /// What points are made of besides their keys; each file is written once.
   void add(const ModelHashes& models);
-  /// Says which point is run now: should it end the process, its key is known all the same.
+  /// Says which point is run now, so that one that ends the process is known; again once its key
+  /// is there.
   void begin(std::size_t point, const std::string& key);
   /// Once all is added. Throws OutputError if what was added may not be on the disk: a file system
   /// over a network may say so only now.
@@ -122,16 +124,19 @@ class ShardIndex {
   std::string ambiguous_model_;  // one of which there are different hashes
 };
 
-/// What one process of this computer has written by now.
+/// All that one process of this computer has written by now.
 struct ProcessResults {
   std::vector<PointResult> results;  ///< in their order
-  std::size_t begun = 0;             ///< the point that was begun last
-  std::string begun_key = {};        ///< of it; empty if none was
+  std::optional<std::size_t> begun;  ///< the point that was begun last
+  std::string begun_key = {};        ///< its key; empty as long as it is being prepared
+  std::uintmax_t bytes = 0;          ///< the size of its shards
 };
 
-/// A process that wrote nothing has no results. Throws std::invalid_argument if a shard cannot be
+/// A process that wrote nothing has no results. `known` is what was read before: the shards are
+/// read again only if they have grown since. Throws std::invalid_argument if a shard cannot be
 /// read.
-ProcessResults results_of_process(const std::filesystem::path& folder, pid_t process);
+ProcessResults results_of_process(const std::filesystem::path& folder, pid_t process,
+                                  ProcessResults known = {});
 
 /// Other processes of this computer that have a shard of the folder open: they are at the same
 /// study.

@@ -21,7 +21,7 @@ struct SlurmSettings {
   std::string print() const;
 };
 
-/// Of a file's root; if it has no [slurm], nothing is asked for. Throws
+/// Reads them from a file's root; if it has no [slurm], nothing is asked for. Throws
 /// std::invalid_argument `FILE:LINE: key: reason`.
 SlurmSettings read_slurm(const TomlEntry& root);
 

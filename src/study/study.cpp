@@ -71,7 +71,9 @@ void check(const TomlEntry& root, const Study& study) {
   if (draws && study.vary.empty()) {
     root["method"].fail("there is nothing to draw: vary a key");
   }
-  if (draws && study.samples == 0) root["samples"].fail("is missing");
+  if (draws && study.samples == 0) {
+    root["method"].fail(name_of(methods(), study.method) + " needs samples");
+  }
   if (!draws && study.samples != 0) {
     root["samples"].fail("is of the methods that draw: random, lhs, sobol, saltelli");
   }

@@ -49,9 +49,7 @@ class StudyFolder {
   /// changes no result: another account or time limit is the same study.
   void check_is(const std::string& now, const std::string& then) const;
   /// Throws std::invalid_argument, one line, unless it was begun by this program, with the scenario
-  /// file that is there now.
-  void check_made_by_this(const ScenarioFile& file) const;
-  /// The same, and unless its results are of the models that are there now.
+  /// file that is there now, and its results are of the models that are there now.
   void check_made_by_this(const ScenarioFile& file, const ShardIndex& index) const;
 
  private:
@@ -60,6 +58,7 @@ class StudyFolder {
   void make_folders() const;
   [[noreturn]] void fail_to_go_on(const std::string& what) const;
   void check_is_ours() const;
+  void check_made_by_this(const ScenarioFile& file) const;
 
   std::filesystem::path folder_;
   StudyKind kind_;

@@ -1,4 +1,4 @@
-// What the files of studies and of tunings have in common.
+// The parts that files of studies and of tunings have in common.
 #pragma once
 
 #include <toml++/toml.h>

@@ -79,13 +79,19 @@ class MachineLimits(Folder):
 
     def test_a_study_without_memory_is_no_study_of_refused_runs(self):
         self.call(*STUDY, "--jobs", "1", "--out", "one")
+        ends = set()
         for mega_bytes in range(244, 300, 2):
             out = f"of_{mega_bytes}_MB"
             status, text = self.limited(*STUDY, "--jobs", "1", "--out", out,
                                         limits={resource.RLIMIT_AS: mega_bytes * 1_000_000})
             with self.subTest(mega_bytes=mega_bytes):
-                if status == 0:
+                ends.add(status == 0)
+                if status != 0:
+                    self.assertIn(status, (2, 127), text)
+                    self.assertEqual(text.count("\n"), 1, text)
+                else:
                     self.assertEqual(*((self.folder / name / "results.csv").read_bytes() for name in ("one", out)))
+        self.assertEqual(ends, {True, False})
 
     def test_files_are_opened_up_to_the_hard_limit_and_their_lack_is_named(self):
         study = [*STUDY, "--keep", "all", "--jobs", "16", "--out"]

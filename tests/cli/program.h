@@ -51,7 +51,7 @@ class ProgramTest : public ::testing::Test {
   void write(const std::filesystem::path& file, const std::string& text) const;
   std::string read(const std::filesystem::path& file) const { return text_of(folder_ / file); }
   nlohmann::json json(const std::filesystem::path& file) const;
-  /// Of a run in it.
+  /// The state hash of a run in it.
   std::string state_hash(const std::filesystem::path& run) const;
   std::vector<std::string> lines(const std::filesystem::path& file) const;
   /// All that is in a folder of it, hidden files and what folders hold too, in order.

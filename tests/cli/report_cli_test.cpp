@@ -148,14 +148,14 @@ sets = ["run.duration_s=2", "metrics.from_s=1", "metrics.to_s=2")";
 }
 
 TEST_F(Reports, StatementsOfOnesOwnHoldOrDoNotAndWhatIsNotMeasuredIsNoSuccess) {
-  write(
-      "tiny.toml",
-      "title = \"My motor\"\n" +
-          statements({"metric = \"rmse_velocity_rad_s\", below = 1e3",
-                      "metric = \"rmse_velocity_rad_s\", above = 1e3",
-                      // Of 2 s, 1 s after a step, the KFD has not settled: nothing to say how long.
-                      "metric = \"disturbance_settling_time_s\", absent = \"never\", above = 0.0",
-                      "metric = \"rmse_velocity_rad_s\", over = \"one\", above = 1.0"}));
+  write("tiny.toml",
+        "title = \"My motor\"\n" +
+            statements(
+                {"metric = \"rmse_velocity_rad_s\", below = 1e3",
+                 "metric = \"rmse_velocity_rad_s\", above = 1e3",
+                 // In 2 s, 1 s of them after a step, the KFD has not settled: there is no time.
+                 "metric = \"disturbance_settling_time_s\", absent = \"never\", above = 0.0",
+                 "metric = \"rmse_velocity_rad_s\", over = \"one\", above = 1.0"}));
   const ProgramResult result = done(reproduce("out"));
   EXPECT_TRUE(has(result.out, "2 held, 1 did not hold, 1 not measured\n"));
   EXPECT_TRUE(lacks(result.out, "reproduced,"));

@@ -1,4 +1,4 @@
-// What a table's reader says of what is not as it should be.
+// The messages of a table's reader about mistakes.
 #include <breakwater/config/toml_entry.h>
 
 #include <gtest/gtest.h>
@@ -41,6 +41,10 @@ TEST(TomlEntry, SaysWhereAndWhatIsWrong) {
       {[](const auto& e) { (void)e["count"].elements(); }, "a.toml:2: count: must be an array"},
       {[](const auto& e) { (void)e["wall"]["width"].number(); },
        "a.toml:3: wall.width: is missing"},
+      {[](const auto& e) { (void)e["door"]["width"].number(); }, "a.toml: door.width: is missing"},
+      {[](const auto& e) { (void)e["name"].text_or_nothing(); },
+       "a.toml:1: name: must be a text, is empty"},
+      {[](const auto& e) { (void)e["count"].text_or_empty(); }, "a.toml:2: count: must be a text"},
       {[](const auto& e) { (void)e["wall"]["place"].elements()[1].number(); },
        "a.toml:4: wall.place: must be a number"},
       {[](const auto& e) { (void)e["wall"]["place"].texts(); },
@@ -76,6 +80,7 @@ TEST(TomlEntry, ReadsInTheFilesOrderAndNothingOfNothing) {
   EXPECT_TRUE(root["door"].entries().empty());
   EXPECT_TRUE(root["door"]["width"].texts().empty());
   EXPECT_EQ(root["door"].text_or_nothing(), "");
+  EXPECT_EQ(root["name"].text_or_empty(), "");
   EXPECT_EQ(root["door"].number_or_nothing(), std::nullopt);
 }
 

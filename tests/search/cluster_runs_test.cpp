@@ -259,7 +259,9 @@ TEST_F(ClusterRuns, NonsenseIsOneLineAndStatus2) {
     expect_refused(task, line);
   }
   setenv("PATH", "/nowhere", 1);
-  expect_refused(kOnSlurm + "t", "scontrol: cannot be called (No such file or directory)");
+  for (const char* folder : {"t", "s"}) {  // `s` is begun
+    expect_refused(kOnSlurm + folder, "scontrol: cannot be called (No such file or directory)");
+  }
 }
 
 }  // namespace

@@ -92,7 +92,7 @@ TEST_F(Tune, NonsenseIsOneLineAndStatus2) {
            {budget + two, "bad.toml: search: names no key"},
            {budget + "[search]\n" + two, "bad.toml: search: names no key"},
            {budget + search + objective,
-            "bad.toml:2: algorithm: nsga2 needs two objectives or more; cmaes and bobyqa have one"},
+            "bad.toml: algorithm: nsga2 needs two objectives or more; cmaes and bobyqa have one"},
            {budget + "algorithm = \"nsga3\"\n" + search + two,
             "bad.toml:3: algorithm: must be one of nsga2, nspso, maco, cmaes, bobyqa, is \"nsga3\" "
             "(did you mean nsga2?)"},

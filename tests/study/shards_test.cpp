@@ -110,6 +110,7 @@ TEST_F(Shards, GiveBackAllOfAResult) {
 
 TEST_F(Shards, OfOneProcessTellWhichPointIsBegun) {
   EXPECT_TRUE(results_of_process(folder_, getpid()).results.empty());
+  EXPECT_EQ(results_of_process(folder_, getpid()).begun, std::nullopt);
   Shard made(folder_);
   made.begin(4, "fifth");
   made.add(result_of(4, "fifth"));
@@ -117,8 +118,13 @@ TEST_F(Shards, OfOneProcessTellWhichPointIsBegun) {
   ProcessResults found = results_of_process(folder_, getpid());
   ASSERT_EQ(found.results.size(), 1U);
   EXPECT_EQ(found.results[0].key, "fifth");
+  EXPECT_EQ(found.begun, 4U);
+  made.begin(7, "");
+  found = results_of_process(folder_, getpid(), found);
+  EXPECT_EQ(found.begun, 7U);
+  EXPECT_EQ(found.begun_key, "");
   made.begin(7, "eighth");
-  found = results_of_process(folder_, getpid());
+  found = results_of_process(folder_, getpid(), found);
   EXPECT_EQ(found.results.size(), 1U);
   EXPECT_EQ(found.begun, 7U);
   EXPECT_EQ(found.begun_key, "eighth");

@@ -1,4 +1,4 @@
-// What a study says of its candidates and keys: comparisons, pages, indices.
+// A study's words about its candidates and keys: comparisons, pages, indices.
 #include <cmath>
 #include <numbers>
 

@@ -1,4 +1,4 @@
-// What `breakwater sweep` refuses, and what it warns of.
+// Refusals and warnings of `breakwater sweep`.
 #include "study/sweep_folder.h"
 
 namespace breakwater {
@@ -45,7 +45,7 @@ TEST_F(SweepRefusals, NonsenseInAFile) {
             "bad.toml:5: vary.x.second: has 1 values, and x.first has 2: a list needs as many of "
             "each"},
            {"method = \"sobol\"\n[vary]\n\"x.first\" = [1, 2]\n",
-            "bad.toml:2: samples: is missing"},
+            "bad.toml:2: method: sobol needs samples"},
            {"seeds = { first = 1, cuont = 3 }\n",
             "bad.toml:2: seeds.cuont: unknown key (did you mean count?)"},
            {"seeds = [1, 1]\n", "bad.toml:2: seeds: one is there twice"},
@@ -58,6 +58,9 @@ TEST_F(SweepRefusals, NonsenseInAFile) {
             "bad.toml:4: compare.goal.y_1: must be one of min, max, is \"mni\" (did you mean "
             "min?)"},
            {compare + "goal = \"min\"\n", "bad.toml:4: compare.goal: must be a table"},
+           {compare + "baseline = \"\"\n",
+            "bad.toml:4: compare.baseline: must be a text, is empty"},
+           {"[slurm]\naccount = \"\"\n", "bad.toml:3: slurm.account: must be a text, is empty"},
            {compare + "metrics = []\n", "bad.toml:4: compare.metrics: is empty"},
            {"[vary]\n\"x.first\"" + many + "\"x.second\"" + many + "\"x.third\"" + many,
             "vary: 1e+12 points are more than 10000000: 1e+12 samples, 1 seeds, 1 candidates"}}) {
@@ -68,9 +71,12 @@ TEST_F(SweepRefusals, NonsenseInAFile) {
 }
 
 TEST_F(SweepRefusals, NonsenseInTheCommand) {
+  write("noisy.toml", "scenario = \"ishigami\"\ncase = \"noisy\"\n");
   expect_refusals(
       "ishigami_lab sweep ",
-      {{"ishigami --goal y_1=least", "--goal: y_1: must be one of min, max, is \"least\""},
+      {{"noisy.toml --case ''", "--case: must be a text, is empty"},
+       {"noisy.toml --metrics ''", "--metrics: must be a text, is empty"},
+       {"ishigami --goal y_1=least", "--goal: y_1: must be one of min, max, is \"least\""},
        {"ishigami --vary x.first", "--vary: x.first: must be of the form KEY=VALUE"},
        {"ishigami --vary x.first=1,,2", "--vary: x.first: 1,,2: a value is missing"},
        {"ishigami --vary x.first=1 --vary x.first=2", "--vary: x.first: is given twice"},

@@ -4,8 +4,10 @@
 #include <chrono>
 #include <cmath>
 #include <csignal>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <sstream>
 #include <thread>
 
 #include <breakwater/cluster/slurm_queue.h>
@@ -314,19 +316,62 @@ TEST_F(Sweep, ACrashHasThePointsOwnKey) {
   EXPECT_EQ(results("s").at(1).at(0), point_key(config, {}));
 }
 
+TEST_F(Sweep, ACrashBeforeAnyPointIsNoResult) {
+  setenv("ISHIGAMI_TASKS_CRASH", "1", 1);
+  const ProgramResult crashed = sweep("ishigami --vary x.first=1,2 --isolate --jobs 1 --out s");
+  unsetenv("ISHIGAMI_TASKS_CRASH");
+  EXPECT_EQ(crashed.status, 2);
+  EXPECT_EQ(crashed.err, "--isolate: a process of the study ended with signal 6 (Aborted)\n");
+  EXPECT_TRUE(has(sweep("s --status").out, "0 of 2 points are done"));
+}
+
+TEST_F(Sweep, APointThatAnotherProcessDoesIsNotTheOneThatCrashed) {
+  ReadProgram study(
+      {(testing::bin_folder() / "../tests/ishigami_lab").string(), "sweep", "ishigami", "--vary",
+       "x.first=lin(-3,3,64)", "--set", "trouble.crashes_above=2", "--set", "trouble.takes_s=0.04",
+       "--isolate", "--jobs", "1", "--out", (folder_ / "s").string()},
+      true);
+  ASSERT_TRUE(wait_for_a_result());
+  swept("s --points 50-52");
+  while (study.next()) continue;
+  EXPECT_EQ(study.wait(), 0);
+  std::map<std::string, int> crashes;  // by the points' numbers
+  for (const auto& entry : fs::directory_iterator(folder_ / "s/shards")) {
+    std::istringstream shard(testing::text_of(entry.path()));
+    for (std::string line; std::getline(shard, line);) {
+      std::istringstream words(line);
+      std::string checksum, kind, number, key, status;
+      words >> checksum >> kind >> number >> key >> status;
+      if (status == "crashed") ++crashes[number];
+    }
+  }
+  EXPECT_EQ(crashes.size(), 11U);
+  EXPECT_EQ(crashes.begin()->first, "53");
+}
+
+TEST_F(Sweep, TwoProcessesWithTheSamePointsBothSucceed) {
+  swept("ishigami --vary x.first=lin(0,1,24) --set trouble.takes_s=0.03 --print-tasks --out s");
+  ReadProgram first({(testing::bin_folder() / "../tests/ishigami_lab").string(), "sweep",
+                     (folder_ / "s").string(), "--points", "0-23", "--isolate", "--jobs", "1"},
+                    true);
+  swept("s --points 0-23 --isolate --jobs 1");
+  while (first.next()) continue;
+  EXPECT_EQ(first.wait(), 0);
+}
+
 TEST_F(Sweep, APointThatIsKilledFromOutsideIsLeftUndone) {
   const std::string study =
       "ishigami --vary x.first=lin(0,3,31) --set trouble.killed_above=2.85 --isolate --out s";
   const ProgramResult killed = sweep(study);
   EXPECT_EQ(killed.status, 2);
   EXPECT_TRUE(has(killed.err, "is left undone: its process was ended by signal 9",
-                  "29 of 31 points are done"));
+                  "s: 2 runs were left undone: the same command goes on\n"));
   EXPECT_EQ(results("s").size(), 30U);
   EXPECT_EQ(sweep(study).status, 2);
   // A scheduler's task too; not where its own points are done.
   const ProgramResult task = sweep("s --isolate --points 20-30");
   EXPECT_EQ(task.status, 2);
-  EXPECT_TRUE(has(task.err, "the others were left undone"));
+  EXPECT_TRUE(has(task.err, "s: 2 runs were left undone"));
   swept("s --isolate --points 0-28");
 }
 

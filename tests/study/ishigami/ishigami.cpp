@@ -1,10 +1,12 @@
 // A program with one scenario, the Ishigami function: studies of it cost nothing but the study.
 //     y = sin x₁ + 7 sin² x₂ + 0.1 x₃⁴ sin x₁
 // T. Ishigami, T. Homma, Proc. ISUMA '90 (1990) 398–403.
+#include <algorithm>
 #include <cmath>
 #include <csignal>
 #include <cstdlib>
 #include <ctime>
+#include <string_view>
 
 #include <breakwater/program/program.h>
 #include <breakwater/record/recording.h>
@@ -73,6 +75,11 @@ std::unique_ptr<Scenario> make_ishigami(const Catalogue&) {
 }  // namespace breakwater
 
 int main(int argc, char** argv) {
+  // A process of --isolate that ends before it begins any point.
+  if (std::getenv("ISHIGAMI_TASKS_CRASH") != nullptr &&
+      std::find(argv, argv + argc, std::string_view("--points")) != argv + argc) {
+    std::abort();
+  }
   breakwater::Catalogue catalogue;
   catalogue.add(breakwater::ScenarioKind{"ishigami", breakwater::make_ishigami, ISHIGAMI_FOLDER});
   return breakwater::program(argc, argv, catalogue);
