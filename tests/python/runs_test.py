@@ -201,7 +201,6 @@ class Nonsense(unittest.TestCase):
                 "arm_push", controller=lambda t, y: 0),
             "controller.*did you mean an object": lambda: run("arm_push", controller=bw.Controller),
             "estimator: must be a bw.Estimator": lambda: run("arm_push", estimator=bw.Controller()),
-            "estimator: arm_push takes none": lambda: run("arm_push", estimator=bw.Estimator()),
             "there is no such folder": lambda: bw.load("nowhere"),
             "folder: must be a path": lambda: bw.load(3),
             "folder: must be a path, is NoneType": lambda: bw.load(None),

@@ -329,7 +329,7 @@ class Slurm(OnSlurm):
         self.same_bytes(study)
 
     def test_killed_tasks_leave_no_trace(self):
-        self.kill_tasks(kills=2, points=80)
+        self.kill_tasks(kills=2, points=240)
 
 
 class SlurmStudy(OnSlurm):
