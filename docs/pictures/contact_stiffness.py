@@ -17,8 +17,8 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 
 METHODS = {"proposed": "#0b6e99", "hpfc": "#2e8b57", "drac": "#c8551b"}
-SMALL_ERROR = 0.01  # of the reference: the standard deviation of a force error that has settled
-DECAYED = 0.5       # of the force's standard deviation, over the window: one that still settles
+SMALL_ERROR = 0.01  # share of the reference: standard deviation of a settled force error
+DECAYED = 0.5       # share of the force's standard deviation, over the window: it still settles
 LATE_s = 100.0      # runs that are seen to the end of the window
 
 

@@ -3,8 +3,8 @@
 
     docs/studies/contact_limit.py [--binary build/bin/arm_wall_contact] [--jobs 2] [--plot-only]
 
-Computes the limits from the arm's masses, torques and friction, runs the cases over seeds with force noise,
-and writes contact-limit.csv, contact-limit-runs.csv beside itself and ../pictures/contact-limit.png.
+Computes the limits from the arm's masses, torques and friction. Runs the cases over seeds with force noise.
+Writes contact-limit.csv, contact-limit-runs.csv beside itself and ../pictures/contact-limit.png.
 About three minutes on two cores. Needs Debian's python3-numpy and python3-matplotlib.
 least-free-motion-time.md has the derivation.
 """
@@ -60,7 +60,7 @@ def mass_matrix(q):
 
 
 def path_terms(theta):
-    """Of tau = m theta'' + c theta'^2 + friction + F j: m, c and the tip's j = dx/dq, on the path."""
+    """Terms of tau = m theta'' + c theta'^2 + friction + F j: m, c and the tip's j = dx/dq, on the path."""
     q, h = SHAPE * theta, 1e-5
     slopes = [(mass_matrix(q + h * e) - mass_matrix(q - h * e)) / (2 * h) for e in np.eye(3)]
     moved = sum(slopes[k] * SHAPE[k] for k in range(3)) @ SHAPE
