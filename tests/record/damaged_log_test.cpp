@@ -64,7 +64,7 @@ TEST_F(DamagedLog, IsReadOrRefusedWhateverBytesItsHeadHolds) {
   }
 }
 
-// In this very process, which HDF5 would end on some of them.
+// HDF5 would end this very process on some of them.
 TEST_F(DamagedLog, IsReadByAChildWhateverBytesItHolds) {
   for (const int deflate_level : {0, 6}) {
     write_small_log(log_, deflate_level);
@@ -84,7 +84,13 @@ TEST_F(DamagedLog, IsReadByAChildWhateverBytesItHolds) {
       try {
         read_foreign_log(log_.string());
       } catch (const std::invalid_argument& error) {
-        EXPECT_EQ(error.what(), log_.string() + ": is not a log, or one that is damaged");
+        // A damaged size may be larger than the reader may take.
+        const std::string said = error.what();
+        EXPECT_TRUE(said == log_.string() + ": is not a log, or one that is damaged" ||
+                    said == log_.string() +
+                                ": is not read: it takes more than 1000 MB, and its manifest.json "
+                                "has no log_hash")
+            << said;
         ++refused;
       }
     }
