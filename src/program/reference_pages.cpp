@@ -67,9 +67,9 @@ struct TextAndUnit {
 TextAndUnit split(const std::string& doc) {
   TextAndUnit found = {doc, ""};
   std::size_t units = 0;
-  for (std::size_t i = doc.find('['); i != doc.npos; i = doc.find('[', i + 1)) {
+  for (std::size_t i = doc.find('['); i != std::string::npos; i = doc.find('[', i + 1)) {
     const std::size_t end = doc.find(']', i);
-    if (end == doc.npos) break;
+    if (end == std::string::npos) break;
     found.unit += (units++ == 0 ? "" : ", ") + doc.substr(i + 1, end - i - 1);
   }
   if (units == 1 && doc.ends_with("]")) {
@@ -90,7 +90,7 @@ std::string used_by(const KeyHelp& key) {
 
 std::string table_of(const std::string& key) {
   const std::size_t dot = key.rfind('.');
-  return dot == key.npos ? "" : key.substr(0, dot);
+  return dot == std::string::npos ? "" : key.substr(0, dot);
 }
 
 std::string keys(const std::vector<KeyHelp>& all) {

@@ -392,7 +392,7 @@ void confine(const std::string& file, pid_t parent) {
 
 LogContents contents_of(std::FILE* sheet) {
   const auto counts = [&](std::size_t size) {
-    Counts read = taken<Counts>(sheet);
+    auto read = taken<Counts>(sheet);
     check(read.size() == size);
     return read;
   };

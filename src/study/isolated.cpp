@@ -64,7 +64,7 @@ class Children {
     // One that was still loading knows of no interruption: it ends by the signal.
     const bool is_told = has_to_stop();
     const std::optional<int> status = ended.exit_status();
-    const bool is_over = status == kInterrupted || status == kRunFailed;
+    const bool is_over = status && (*status == kInterrupted || *status == kRunFailed);
     if (is_over || status == kUsage) {
       const std::string reason = ended.take_reason();
       ended.repeat_said();

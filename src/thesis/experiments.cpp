@@ -103,7 +103,7 @@ std::vector<Variables> combinations(const TomlEntry& table) {
 
 // One of `words`; empty if there is none.
 std::string word_or_nothing(const TomlEntry& entry, const std::vector<std::string>& words) {
-  const std::string word = entry.text_or_nothing();
+  std::string word = entry.text_or_nothing();
   if (!word.empty() && std::find(words.begin(), words.end(), word) == words.end()) {
     entry.fail(fmt::format("\"{}\" must be {}", word, fmt::join(words, " or ")));
   }
