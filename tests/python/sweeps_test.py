@@ -229,7 +229,7 @@ class Nonsense(unittest.TestCase):
             "^seeds: one is there twice": sweep(seeds=[1, 1]),
             "^method: must be one of .*did you mean sobol": sweep(method="sobl"),
             "^method: must be a str": sweep(method=1),
-            "samples: is missing": sweep(method="sobol", vary={"noise.std_rad": {"uniform": [0, 1]}}),
+            "method: sobol needs samples": sweep(method="sobol", vary={"noise.std_rad": {"uniform": [0, 1]}}),
             "^samples: must be a whole number, is of type float": sweep(samples=2.0),
             "^samples: must be a whole number of 1": sweep(samples=0),
             "^jobs: must be 1 to 4096, is 0": sweep(jobs=0),
