@@ -49,9 +49,9 @@ class TomlEntry {
   /// An array's, under the array's name; of nothing, none.
   std::vector<TomlEntry> elements() const;
 
-  /// That is not empty.
+  /// The text, which must not be empty.
   std::string text() const;
-  /// The same; "" of nothing.
+  /// The same; "" where nothing stands.
   std::string text_or_nothing() const;
   /// A text that may be empty; "" of nothing.
   std::string text_or_empty() const;

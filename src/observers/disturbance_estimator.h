@@ -60,7 +60,7 @@ class DisturbanceEstimator {
   virtual bool follow(const SampleInterval& /*interval*/) { return false; }
 };
 
-/// What an estimator publishes under a name; empty if there is none such.
+/// The values that an estimator publishes under a name; empty if it has no such signal.
 inline std::span<const double> published(const DisturbanceEstimator& estimator,
                                          const std::string& name) {
   for (const Signal& signal : estimator.signals()) {

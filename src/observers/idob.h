@@ -43,7 +43,7 @@ class Idob final : public DisturbanceEstimator {
   }
   std::span<const Signal> signals() const override { return signals_; }
 
-  /// Those of Ā_d − H C̄_d: what the estimation error is multiplied with at each sample.
+  /// The poles are those of Ā_d − H C̄_d, which multiplies the estimation error at each sample.
   Eigen::Index poles() const override { return predictor_.state().size(); }
   void pole_matrix(Eigen::Ref<Eigen::MatrixXd> F) const override {
     F = predictor_.error_dynamics();

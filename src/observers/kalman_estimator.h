@@ -155,7 +155,7 @@ class KalmanEstimator : public DisturbanceEstimator {
     if (instant_std_s_ > 0.0) see_instant(held_input);
   }
 
-  /// What the instant's error makes of the output, and R with it.
+  /// The error of the instant as an error of the output, and R with it.
   void see_instant(const Vector& held_input) {
     instant_error_.noalias() = output_rate_ * extended_state_;
     instant_error_.noalias() += input_rate_ * held_input;
@@ -233,7 +233,7 @@ class KalmanEstimator : public DisturbanceEstimator {
   Outputs instant_error_;  // a standard deviation
 
  private:
-  // What is so once a period; A̅, B̅, Q and R are those of the last interval.
+  // The matrices of one period; A̅, B̅, Q and R are those of the last interval.
   Covariance regular_A_;
   Eigen::Matrix<double, N, m> regular_B_;
   Covariance regular_Q_;

@@ -39,7 +39,7 @@ class Mdob final : public DisturbanceEstimator {
   View disturbance() const override { return {estimate_.data() + 2, 1}; }
   std::span<const Signal> signals() const override { return {}; }
 
-  /// Those of its two filters; a raw difference has none.
+  /// The poles are those of its two filters; a raw difference has none.
   Eigen::Index poles() const override { return derivative_memory_ > 0.0 ? 2 : 1; }
   void pole_matrix(Eigen::Ref<Eigen::MatrixXd> F) const override;
 

@@ -65,7 +65,7 @@ class PolePredictor {
   Eigen::VectorXd next_;
   Eigen::VectorXd last_output_;
   Eigen::VectorXd innovation_;
-  // Of Ackermann's formula.
+  // Work space of Ackermann's formula.
   Eigen::MatrixXd change_;  // A − I
   Eigen::MatrixXd observability_;
   Eigen::MatrixXd polynomial_;

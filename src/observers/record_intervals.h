@@ -16,7 +16,7 @@ inline double pieces_of(double length_s, double period_s) {
   return std::clamp(std::round(length_s / period_s), 1.0, 1000.0);
 }
 
-/// What is known of a record's rows.
+/// The rows of a record.
 struct RecordRows {
   std::span<const double> times_s;  ///< rising
   /// u of each row, one after the other: `width` values each. They act after their row, until the

@@ -17,7 +17,7 @@ struct SensorError {
   Eigen::VectorXd variance() const;
 };
 
-/// What a code y says: that the position lies between y + lower and y + upper.
+/// The positions of a code y: they lie between y + lower and y + upper.
 struct CodeRange {
   double lower;
   double upper;
@@ -26,8 +26,8 @@ struct CodeRange {
   double middle() const { return 0.5 * (lower + upper); }  ///< from y
 };
 
-/// Of an encoder that rounds, y ± Δ/2. Of one that truncates the count beyond y, as seen from 0;
-/// and the counts on both sides of 0 where y is 0. Noise that is added to the code does not hide
+/// An encoder that rounds gives y ± Δ/2. One that truncates gives the count beyond y, as seen from
+/// 0, and the counts on both sides of 0 where y is 0. Noise that is added to the code does not hide
 /// which code it was as long as it is small against Δ.
 CodeRange code_range(double y, double quantum, EncoderRounding rounding);
 

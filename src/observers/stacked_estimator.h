@@ -20,8 +20,8 @@ class StackedEstimator final : public DisturbanceEstimator {
 
   View state() const override { return {estimate_.data(), 2 * size()}; }
   View disturbance() const override { return {estimate_.data() + 2 * size(), size()}; }
-  /// What every axis publishes as one number is one signal of n. What has several values is each
-  /// axis' own: NAME_q1, NAME_q2, …
+  /// A number that every axis publishes is one signal of n values. A signal of several values stays
+  /// each axis' own: NAME_q1, NAME_q2, …
   std::span<const Signal> signals() const override { return signals_; }
 
  private:

@@ -51,7 +51,7 @@ kainjow::mustache::data window_data(const Window& window, const std::string& axi
 std::string replay_page(const std::deque<FinishedRun>& runs, const std::vector<std::string>& labels,
                         const std::string& camera, std::vector<std::string>& notes);
 
-/// What the templates call the video of a run, if there is one in its folder; charts of `group`
+/// The video of a run for the templates, if there is one in its folder; charts of `group`
 /// move with it. It is taken for one of the shot list's window, as far as the run lasts.
 std::optional<kainjow::mustache::data> video_data(const Catalogue& catalogue, const SavedRun& run,
                                                   const std::string& group);

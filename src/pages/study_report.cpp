@@ -108,8 +108,8 @@ mustache::data facts(const Plan& plan, const ShardIndex& index,
   return rows;
 }
 
-// What the same study has otherwise on another machine, or in another folder: one place of the
-// page, which its script asks for the command.
+// All that differs for the same study on another machine or in another folder. It stands at one
+// place of the page, which its script asks for the command.
 mustache::data this_machine(const ShardIndex& index, const std::string& go_on) {
   mustache::data machine;
   machine.set("go_on", go_on);

@@ -56,7 +56,7 @@ class StudySections {
 
   /// Which candidates have lines and heat maps, in their colours' order.
   const std::vector<std::size_t>& drawn() const { return drawn_; }
-  /// Of a candidate; that of the last where it is not drawn.
+  /// The colour of a candidate; that of the last one where it is not drawn.
   std::size_t colour(std::size_t candidate) const {
     return std::min(colour_of_[candidate], drawn_.size() - 1);
   }

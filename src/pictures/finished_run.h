@@ -34,8 +34,8 @@ class FinishedRun {
   const std::string& case_name() const { return saved_.case_name(); }
   const SavedRun& saved() const { return saved_; }
   const Catalogue& catalogue() const { return *catalogue_; }
-  /// What a user should know, one line each: of the log, and keys that an older version did not
-  /// have and as what they were taken.
+  /// Notes to the user, one line each: on the log, and on the values taken for keys that an older
+  /// version did not have.
   const std::vector<std::string>& notes() const { return notes_; }
   const Scenario& scenario() const { return *scenario_; }
   /// Where its scenario's shot list is, if there is one.

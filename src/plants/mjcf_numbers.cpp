@@ -35,7 +35,7 @@ bool must_not_be_negative(const tinyxml2::XMLAttribute& attribute) {
   return names.contains(attribute.Name());
 }
 
-// What the engine allocates room for, whatever the machine has: <size>'s, of which user data are
+// The engine allocates room for the numbers of <size>, whatever the machine has. User data are
 // for each of the elements.
 double largest(const tinyxml2::XMLElement& element, const tinyxml2::XMLAttribute& attribute) {
   constexpr double kLargestSize = 1e7;

@@ -126,7 +126,7 @@ void report_failures(const std::string& scenario, const std::vector<RunSummary>&
   }
 }
 
-// What the runs themselves have shown.
+// Warnings that the runs themselves gave.
 void print_late_warnings(const std::string& scenario, const std::vector<RunSummary>& runs) {
   for (const RunSummary& run : runs) {
     warn(fmt::format("{} {}", scenario, run.case_name), run.warnings);

@@ -55,7 +55,7 @@ OpenedStudy open_study(const Catalogue& catalogue, const SweepOptions& options) 
   std::string origin = given;
   std::optional<fs::path> file;
   if (fs::is_regular_file(target)) file = target;
-  // Those that Breakwater brings with it are found from everywhere.
+  // Shipped studies are found from everywhere.
   if (!file && target.extension() == ".toml") file = look_for(given);
   if (file) {
     origin = file->string();

@@ -90,7 +90,7 @@ OpenedTuning open_tuning(const Catalogue& catalogue, const StudyOptions& options
     }
     return {tuning_of(folder), folder, folder.path().string()};
   }
-  // Those that Breakwater brings with it are found from everywhere.
+  // Shipped tunings are found from everywhere.
   const std::optional<fs::path> file =
       fs::is_regular_file(target) ? target : look_for(options.target);
   if (!file || !fs::is_regular_file(*file)) {
@@ -124,8 +124,8 @@ void print_count(const TuningPlan& plan) {
              tuning.validated_points, tuning.validation->size());
 }
 
-// What is wrong with a tuning that its runs tell. One may end the process: with --isolate another
-// one makes them.
+// Faults of a tuning that only its runs show. A run may end its process: with --isolate another
+// process makes them.
 void check_apart(const std::string& target) {
   EndedProgram ended = run_beside({own_program(), kTune.command, target, "--dry-run", "--quiet"},
                                   [](ReadProgram& child) {

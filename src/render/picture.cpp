@@ -297,7 +297,7 @@ void Picture::draw_caption(Canvas& canvas, const PictureRun& run, const Panel& p
     else
       left = chart.right() + margin;
   }
-  // What is long is written smaller, so that all of it is there.
+  // A long text is written smaller, so that all of it is there.
   const double room = right - left - 1.4 * size;
   const auto fitted = [&](const std::string& text, double wished, bool is_bold) {
     return wished * std::min(1.0, room / std::max(canvas.text_width(text, wished, is_bold), 1.0));

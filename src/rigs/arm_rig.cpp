@@ -21,7 +21,7 @@ double quantum_rad(const ArmSettings& settings) {
   return counts > 0.0 ? 2.0 * std::numbers::pi / counts : 0.0;
 }
 
-// What a joint's estimator is told: J_n q̈ = τ − d, whatever couples it with others.
+// A joint as its estimator is told: J_n q̈ = τ − d, whatever couples it with others.
 NominalAxis nominal_joint(const ArmSettings& settings, const PlanarChain& chain, int joint) {
   const double inertia_kgm2 = settings.nominal_inertia_kgm2[static_cast<std::size_t>(joint)];
   return {

@@ -36,9 +36,9 @@ struct QuadrotorSettings {
   void bind(Fields& fields);
 
   QuadrotorModel plant() const { return {parameters, physics_kind}; }
-  /// What estimator and controller are told.
+  /// All that estimator and controller are told.
   QuadrotorTask task() const;
-  /// Of a model with the free body "quadrotor".
+  /// The water's force on a model with the free body "quadrotor".
   UnderwaterForce water(const Model& model) const;
 };
 

@@ -9,7 +9,7 @@
 
 namespace breakwater {
 
-/// What an encoder calls 0; [x] is x in whole counts, as the rounding says.
+/// The position that an encoder calls 0; [x] is x in whole counts, as the rounding says.
 enum class EncoderOrigin {
   counted,    ///< where it starts: it counts edges from there, y = Δ·([(q + φ)/Δ] − [φ/Δ])
   calibrated  ///< q = 0, known to a fraction of a count: y = Δ·[(q + φ)/Δ] − φ
