@@ -5,25 +5,25 @@
 
 namespace breakwater {
 
-/// The form that P(k|k) of Eq. 4.5 takes for a Γ that is a matrix (Eq. 4.7).
+/// The form of P(k|k) in Eq. 4.5 for a matrix Γ (Eq. 4.7).
 enum class CovarianceForm {
   symmetric,  ///< √Γ (I − K C̅) P(k|k−1) √Γ: Fakfd
   printed,    ///< (Γ − K C̅) P(k|k−1)
   left        ///< Γ (I − K C̅) P(k|k−1)
 };
 
-/// The KFD with one of the two forms that are not symmetric, hence no covariances. With one output:
+/// The KFD with one of the two asymmetric forms, whose P is no covariance. With one output:
 ///     K(k) = P(k|k−1) C̅ᵀ / (C̅ P(k|k−1) C̅ᵀ + R).
 class AsymmetricFakfd final : public KalmanEstimator<> {
  public:
-  /// As Fakfd's. Throws std::invalid_argument too for more than one output.
+  /// Throws as Fakfd does, and std::invalid_argument for more than one output.
   AsymmetricFakfd(const KalmanDesign& design, const Eigen::VectorXd& gamma, CovarianceForm form)
       : KalmanEstimator<>(design),
         gamma_(gamma),
         inflates_correction_(form == CovarianceForm::left) {
     check_factors(design, gamma);
     if (design.plant.outputs() != 1) {
-      throw std::invalid_argument("FAKFD: Eq. 4.5 as printed is made for one output");
+      throw std::invalid_argument("FAKFD: Eq. 4.5 as printed needs a plant with one output");
     }
     this->lambda_ = 1.0 / gamma.maxCoeff();
     seen_.setZero(1, gamma.size());

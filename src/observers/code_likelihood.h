@@ -1,10 +1,10 @@
-// What an encoder's code tells of a normally distributed position.
+// Likelihood of an encoder code for a normally distributed position.
 #pragma once
 
 namespace breakwater {
 
-/// A standard normal z that is known to lie between α and β. Nothing underflows that matters: |α|
-/// and |β| may be large, and both on one side.
+/// A standard normal z that lies between α and β. Large |α| and |β|, also of equal sign, do not
+/// underflow.
 class CodeInterval {
  public:
   struct Moments {
@@ -12,25 +12,26 @@ class CodeInterval {
     double variance;
   };
 
-  /// α < β.
+  /// Requires α < β.
   CodeInterval(double alpha, double beta);
 
   /// ln P(α < z < β).
   double log_mass() const;
   /// P(z < α) + P(z > β).
   double outside() const;
-  /// Of z, given that it lies there: the exact ones of the truncated normal distribution,
+  /// Mean and variance of z in the interval: the exact moments of the truncated normal
+  /// distribution,
   ///     E = (φ(α) − φ(β))/P,   Var = 1 + (α φ(α) − β φ(β))/P − E²,
-  /// to some 1e-16·(1 + α²)/(β − α)².
+  /// with an error of about 1e-16·(1 + α²)/(β − α)².
   Moments moments() const;
 
  private:
-  double sign_;   // mirrored, so that the interval, or most of it, lies right of 0
-  double lower_;  // its bounds, mirrored: |lower| ≤ upper
+  double sign_;   // mirrors z so that most of the interval lies right of 0
+  double lower_;  // the mirrored bounds: |lower| ≤ upper
   double upper_;
-  double outside_;       // of an interval with 0 within
-  double lower_weight_;  // φ(lower), φ(upper) and the mass, as they are or, right of 0, over
-  double upper_weight_;  // φ(lower)
+  double outside_;       // for an interval that contains 0
+  double lower_weight_;  // φ(lower), φ(upper) and the mass,
+  double upper_weight_;  // divided by φ(lower) if the interval lies right of 0
   double mass_;
 };
 

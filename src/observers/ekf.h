@@ -9,11 +9,11 @@
 
 namespace breakwater {
 
-/// x(k|k−1) = f(x, u), P(k|k−1) = F P Fᵀ + Q + W_s G Gᵀ with F = ∂f/∂x and G = ∂f/∂u at the last
-/// estimate, by central differences; then the shared correction.
+/// Predicts x(k|k−1) = f(x, u), P(k|k−1) = F P Fᵀ + Q + W_s G Gᵀ. The derivatives F = ∂f/∂x and G =
+/// ∂f/∂u are central differences at the last estimate. The correction is GaussianEstimate's.
 ///
-/// With W_s > 0 the process noise enters as the input does, which is how the thesis treats it in
-/// its extended filters (3.4.3.2).
+/// With W_s > 0 the process noise enters like the input, as in the thesis' extended filters
+/// (3.4.3.2).
 template <Process P, int p>
 class Ekf final : public GaussianEstimate<P::kStates, p> {
  public:
@@ -24,13 +24,13 @@ class Ekf final : public GaussianEstimate<P::kStates, p> {
   using typename Base::State;
   using Input = typename P::Input;
 
-  /// Throws std::invalid_argument as check(design), or if W_s is negative.
+  /// Throws std::invalid_argument as check(design) does, or if W_s is negative.
   Ekf(const P& process, const Design& design, double input_noise)
       : Base(design), process_(process), input_noise_(input_noise) {
     if (!(input_noise >= 0.0)) throw std::invalid_argument("EKF: W_s must be 0 or more");
   }
 
-  /// From sample k − 1 to k under the input that was held. Allocates nothing.
+  /// Predicts sample k from sample k − 1 and the held input. Allocates nothing.
   void predict(const Input& u) {
     F_ = process_.linear();
     typename P::Nonlinear g;
@@ -56,8 +56,8 @@ class Ekf final : public GaussianEstimate<P::kStates, p> {
   using Base::P_;
   using Base::x_;
 
-  // Of the process by one entry of x or u, which is varied meanwhile, with the step at which
-  // rounding and curvature cost alike.
+  // The derivative of the process with respect to `entry` of x or u, which changes meanwhile. The
+  // step balances the errors of rounding and curvature.
   typename P::Nonlinear derivative(const State& x, const Input& u, double& entry) const {
     const double at = entry;
     const double step = 6e-6 * std::max(1.0, std::abs(at));

@@ -1,4 +1,4 @@
-// Kalman filter with disturbance estimation that forgets at a fixed rate (FAKFD): thesis 4.2.3.
+// Forgetting factor-based adaptive Kalman filter (FAKFD): thesis 4.2.3.
 #pragma once
 
 #include <breakwater/observers/kalman_estimator.h>
@@ -17,17 +17,17 @@ inline Eigen::VectorXd diagonal_gamma(const ExtendedPlant& plant, double gamma_d
   return gamma;
 }
 
-/// Throws std::invalid_argument unless `gamma`, the diagonal of Γ, has N entries, all ≥ 1.
+/// Throws std::invalid_argument unless the diagonal `gamma` of Γ has N entries ≥ 1.
 inline void check_factors(const KalmanDesign& design, const Eigen::VectorXd& gamma) {
   if (gamma.size() != design.plant.states() || !gamma.allFinite() || !(gamma.minCoeff() >= 1.0)) {
     throw std::invalid_argument("FAKFD: needs one factor gamma >= 1 for each extended state");
   }
 }
 
-/// The KFD whose covariance is inflated after each measurement,
+/// A KFD with a constant forgetting factor. It inflates the covariance after each measurement:
 ///     P(k|k) = √Γ (I − K C̅) P(k|k−1) √Γ.
-/// With Γ = γ·I this is Eq. 4.18. With a diagonal Γ the printed {Γ − K C̅} P (Eq. 4.5) and
-/// Γ (I − K C̅) P are not symmetric, hence no covariances: asymmetric_fakfd.h has them.
+/// With Γ = γ·I this is Eq. 4.18. For other diagonal Γ, the printed {Γ − K C̅} P (Eq. 4.5) and Γ (I
+/// − K C̅) P are not symmetric: see asymmetric_fakfd.h.
 template <int N = Eigen::Dynamic, int m = Eigen::Dynamic, int p = Eigen::Dynamic>
 class Fakfd final : public KalmanEstimator<N, m, p> {
  public:

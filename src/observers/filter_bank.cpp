@@ -12,30 +12,31 @@
 namespace breakwater {
 namespace {
 
-constexpr double kRounding = 2e-10;       // of the arithmetic, in the output's unit
-constexpr double kSlowest_rad_s = 0.5;    // of the bandwidths
-constexpr double kBandwidthRatio = 3.0;   // from one to the next
-constexpr double kFastestSamples = 30.0;  // w T_s of the fastest at most
-constexpr double kInertiaStd = 0.25;      // of θ
-constexpr double kSmallestGain = 0.5;     // of 1 + θ
+constexpr double kRounding = 2e-10;       // error of the arithmetic, in the output's unit
+constexpr double kSlowest_rad_s = 0.5;    // the smallest bandwidth
+constexpr double kBandwidthRatio = 3.0;   // ratio of neighbouring bandwidths
+constexpr double kFastestSamples = 30.0;  // upper bound of w T_s
+constexpr double kInertiaStd = 0.25;      // prior of θ
+constexpr double kSmallestGain = 0.5;     // bounds of 1 + θ
 constexpr double kLargestGain = 2.0;
-constexpr double kGainVariance = 1e-3;  // of the pseudo-measurement that keeps it there
-constexpr double kSurprise = 4.0;       // standard deviations
+constexpr double kGainVariance = 1e-3;  // variance of the pseudo-measurement that bounds 1 + θ
+constexpr double kSurprise = 4.0;       // gate, in standard deviations
 constexpr double kLargestInflation = 1e12;
-constexpr double kFineQuantum = 0.05;  // of √S: below it the code is a number
-constexpr double kKnownCode = 0.01;    // s² over Δ² up to which the code is known
-constexpr double kShortestWay = 1e-6;  // of Δ, since an edge was passed
+constexpr double kFineQuantum = 0.05;  // a narrower code, in √S, counts as a number
+constexpr double kKnownCode = 0.01;    // s²/Δ² below which noise does not hide the code
+constexpr double kShortestWay = 1e-6;  // smallest distance from the last edge, in Δ
 constexpr double kSmallestOutside = 1e-300;
-constexpr double kSmallestFall = 1e-12;  // of a variance, that is worth the work
-constexpr double kChances_per_s = 0.5;   // of each model to be right next
-constexpr double kForgotten = 6.0;       // below a chance
-constexpr double kCounts = 3.0;          // in the mean: below the best
+constexpr double kSmallestFall =
+    1e-12;  // relative fall of a variance; a smaller one is not computed
+constexpr double kChances_per_s = 0.5;  // how often each model restarts
+constexpr double kForgotten = 6.0;      // margin of a log-weight below that of a restart
+constexpr double kCounts = 3.0;         // models within this log-weight of the best form the mean
 
 double log_density(double e, double S) {
   return -0.5 * (e * e / S + math::log(S)) - math::kLogRootTwoPi;
 }
 
-// E[max(v, 0)] of v ~ N(mean, std²).
+// E[max(v, 0)] for v ~ N(mean, std²).
 double mean_positive(double mean, double std) {
   if (!(std > 0.0)) return std::max(mean, 0.0);
   const double z = mean / std;
@@ -44,9 +45,9 @@ double mean_positive(double mean, double std) {
   return std * density + mean * (z > 0.0 ? 1.0 - tail : tail);
 }
 
-// What is learnt of z = x̄_i + noise, z ~ N(ẑ, S), reaches the states by their covariance with it:
-// z's mean is off by `shift`, and its variance S falls by the part `fall`. As the Kalman update
-// that does this, R = S/fall − P_ii, the covariance in Joseph's form.
+// Updates the states by new knowledge of z = x̄_i + noise, z ~ N(ẑ, S): the mean of z moves by
+// `shift`, and S falls by the fraction `fall`. This equals a Kalman update with R = S/fall − P_ii,
+// in Joseph's form.
 void learn(FilterBank::Model& model, int i, double S, double shift, double fall) {
   const Eigen::Vector4d cross = model.P.col(i);
   model.x += cross * (shift / S);
@@ -58,7 +59,7 @@ void learn(FilterBank::Model& model, int i, double S, double shift, double fall)
   model.P = 0.5 * (P + P.transpose());
 }
 
-// Rounding has made its covariance none: d and θ are hardly told apart while the input is constant.
+// Rounding can make P indefinite: d and θ are hardly distinguishable while the input is constant.
 bool is_lost(const FilterBank::Model& model) {
   return !std::isfinite(model.log_weight) || !model.x.allFinite() || !model.P.allFinite() ||
          !(model.P.diagonal().minCoeff() >= 0.0);
@@ -66,11 +67,11 @@ bool is_lost(const FilterBank::Model& model) {
 
 }  // namespace
 
-// What a sample tells.
+// The content of one sample.
 struct FilterBank::Observation {
   double y;
   CodeRange range;
-  double moved;  // counts since the last one; NaN: the code is not known
+  double moved;  // counts since the last sample; NaN: unknown code
 };
 
 FilterBank::FilterBank(const FilterBankDesign& design)
@@ -83,10 +84,10 @@ FilterBank::FilterBank(const FilterBankDesign& design)
                        plant.B(1, 0) > 0.0 && plant.C(0, 0) == 1.0 && plant.C(0, 1) == 0.0;
   if (!is_axis) {
     throw std::invalid_argument(
-        "filter bank: needs a plant of one axis, [position; velocity], its position measured");
+        "QBANK: needs a plant of one axis, [position; velocity], with measured position");
   }
   if (!(design.largest_d > 0.0) || !std::isfinite(design.largest_d)) {
-    throw std::invalid_argument("filter bank: the largest disturbance must be positive");
+    throw std::invalid_argument("QBANK: the largest disturbance must be positive");
   }
   const StateSpace sampled = zero_order_hold(plant, period_s_);
   regular_A_ = A_ = sampled.A;
@@ -121,14 +122,14 @@ FilterBank::FilterBank(const FilterBankDesign& design)
     w *= kBandwidthRatio;
   }
   shares_.setZero(static_cast<Eigen::Index>(models_.size()));
-  signals_ = {
-      {"innovation", "", "e = y - q(k|k-1) of the best model", view(innovation_)},
-      {"bank_weight", "1",
-       "each model's share of the belief: constant, inertia, then walk "
-       "and ramp of each bandwidth",
-       view(shares_)},
-      {"bank_best", "1", "which model is believed most, from 0", view(best_number_)},
-      {"bank_bandwidth_rad_s", "rad/s", "its bandwidth; 0: constant", view(best_bandwidth_)}};
+  signals_ = {{"innovation", "", "e = y - q(k|k-1) of the best model", view(innovation_)},
+              {"bank_weight", "1",
+               "probability of each model: constant, inertia, then walk "
+               "and ramp of each bandwidth",
+               view(shares_)},
+              {"bank_best", "1", "number of the most probable model, from 0", view(best_number_)},
+              {"bank_bandwidth_rad_s", "rad/s", "bandwidth of this model; 0: constant or inertia",
+               view(best_bandwidth_)}};
   start(Eigen::Vector2d::Zero());
 }
 
@@ -221,12 +222,12 @@ void FilterBank::predict(Model& model, double u) const {
   }
 }
 
-// So narrow that the code is a number.
+// Whether the code's interval is so narrow that the code counts as a number.
 bool FilterBank::is_fine(const CodeRange& range, double S) const {
   return !code_is_known_ || range.width() < kFineQuantum * std::sqrt(S);
 }
 
-// Of an output that is e off: of the code y, the probability of its interval.
+// Log-likelihood of the code y for the innovation e: the probability of the code's interval.
 double FilterBank::log_likelihood(double e, double S, const CodeRange& range) const {
   const double width = range.width();
   if (is_fine(range, S)) {
@@ -237,13 +238,13 @@ double FilterBank::log_likelihood(double e, double S, const CodeRange& range) co
   return CodeInterval((e + range.lower) / root, (e + range.upper) / root).log_mass();
 }
 
-// One model's update. Returns the log-likelihood of what was seen.
+// Corrects one model. Returns the log-likelihood of the observation.
 double FilterBank::observe(Model& model, const Observation& seen) const {
   const CodeRange& range = seen.range;
   double e = seen.y - model.x(0);
   double S = model.P(0, 0) + noise_variance_;
 
-  // Consistency: a model that is surprised beyond kSurprise knows less than it believes.
+  // Consistency: an innovation outside the gate inflates the model's covariance.
   double charged = INFINITY;
   const double excess = std::max({e + range.lower, -(e + range.upper), 0.0});
   if (excess > kSurprise * std::sqrt(S)) {
@@ -263,7 +264,7 @@ double FilterBank::observe(Model& model, const Observation& seen) const {
   const double root = std::sqrt(S);
   const CodeInterval interval((e + range.lower) / root, (e + range.upper) / root);
   if (std::abs(seen.moved) == 1.0) {
-    // The edge between the two codes was passed within the last period.
+    // The position passed the edge between the two codes within the last period.
     const double way =
         mean_positive(seen.moved * model.x(1), std::sqrt(model.P(1, 1))) * pieces_ * piece_s_;
     const double passed = std::clamp(way, kShortestWay * quantum_, quantum_);
@@ -275,7 +276,7 @@ double FilterBank::observe(Model& model, const Observation& seen) const {
     double share = 1.0;
     found = interval.log_mass();
     if (seen.moved == 0.0) {
-      // That the code is still the same is news only of what has left its interval since.
+      // An unchanged code is informative only on the probability that has left its interval since.
       const double outside = interval.outside();
       share =
           outside < kSmallestOutside ? 0.0 : std::clamp(1.0 - model.outside / outside, 0.0, 1.0);
@@ -294,7 +295,7 @@ double FilterBank::observe(Model& model, const Observation& seen) const {
   return std::min(found, charged);
 }
 
-// A pseudo-measurement. Returns its log-likelihood.
+// Bounds 1 + θ by a pseudo-measurement. Returns its log-likelihood.
 double FilterBank::keep_inertia(Model& model) {
   if (model.kind != Kind::inertia) return 0.0;
   const double gain = 1.0 + model.x(3);
@@ -322,7 +323,7 @@ void FilterBank::weigh() {
   }
 }
 
-// `model` believes what `from` does, as far as it has the states, and is given a chance.
+// Restarts `model` from the estimate of `from`, as far as the states agree, with the weight −L₀.
 void FilterBank::seed(Model& model, const Model& from) const {
   const Kind had = from.kind;
   Eigen::Vector4d x = from.x;
@@ -330,7 +331,7 @@ void FilterBank::seed(Model& model, const Model& from) const {
   const double u = last_input_;
   if (had != model.kind) {
     if (had == Kind::inertia) {
-      // (1 + θ) u − d′ is u − d with d = d′ − θ u.
+      // (1 + θ) u − d′ equals u − d for d = d′ − θ u.
       Eigen::Matrix4d T = Eigen::Matrix4d::Identity();
       T(2, 3) = -u;
       x = (T * x).eval();

@@ -1,4 +1,4 @@
-// A bank of Kalman filters with the encoder's exact likelihood (QBANK).
+// Multiple-model estimator with the encoder's exact likelihood (QBANK).
 #pragma once
 
 #include <Eigen/Core>
@@ -13,46 +13,44 @@ namespace breakwater {
 struct FilterBankDesign {
   StateSpace plant;        ///< continuous, one axis: J q̈ = u − d − c q̇ with q measured
   double period_s = 0.0;   ///< T_s
-  SensorError sensor;      ///< of q; the noise is added to the code, not before rounding
-  double largest_d = 0.0;  ///< D > 0, how large a disturbance can be: bounds the bank
+  SensorError sensor;      ///< error of q; the noise is added to the code, not before rounding
+  double largest_d = 0.0;  ///< D > 0, the largest disturbance; it bounds the bandwidths
 };
 
-/// Many beliefs about what d does, each a Kalman filter on x̄ = [q, v, d, ·], and one belief about
-/// which of them is right. With ρ² = Δ²/12 + σ², u the input that was held:
+/// Several Kalman filters on x̄ = [q, v, d, ·] with different disturbance models, weighed by their
+/// probabilities. With ρ² = Δ²/12 + σ² and the held input u:
 ///     constant: d(k+1) = d(k);
-///     inertia:  the same, and the plant's inertia is J/(1 + θ), θ ~ N(0, ¼²), so that q̈ = ((1 +
-///               θ) u − d′ − c q̇)/J and d̂ = d′/(1 + θ̂); 1 + θ̂ is kept within [½, 2];
-///     walk:     d(k+1) = d(k) + N(0, w⁶ρ²T_sJ²T_s),  a filter of bandwidth w;
+///     inertia:  d′ constant and the plant's inertia J/(1 + θ), θ ~ N(0, ¼²), so that
+///               q̈ = ((1 + θ) u − d′ − c q̇)/J and d̂ = d′/(1 + θ̂); 1 + θ̂ is bounded to [½, 2];
+///     walk:     d(k+1) = d(k) + N(0, w⁶ρ²T_sJ²T_s), with the bandwidth w;
 ///     ramp:     d(k+1) = d(k) + T_s ḋ(k), ḋ(k+1) = ḋ(k) + N(0, w⁸ρ²T_s²J²);
-/// w = ½·3ⁱ [1/s] up to (D/(J ρ √T_s))^0.4/1.5, and at most 30/T_s.
+/// The bandwidths are w = ½·3ⁱ [1/s] up to (D/(J ρ √T_s))^0.4/1.5, and at most 30/T_s.
 ///
-/// Each model is updated by what the code y says: that q lies within its code_range(), y ± Δ/2 of
-/// an encoder that rounds. How it is told so, and how likely the model found it, filter_bank.cpp
-/// and docs/explanation/methods/multiple-model-estimator.md say. Log-likelihoods add up to the
-/// models' log-weights, of which the best is 0. One that falls below −(L₀ + 6), L₀ = ln(2/T_s), is
-/// seeded anew from the best with the weight −L₀: about once in two seconds each belief is given
-/// another chance, and no belief is ever lost. x̂ and d̂ are the weighted means of the models above
-/// −3.
+/// The encoder code y corrects each model: q lies within code_range(), which is y ± Δ/2 for an
+/// encoder that rounds. The log-likelihoods add up to the models' log-weights, and the best weight
+/// is 0. A model with a weight below −(L₀ + 6), L₀ = ln(2/T_s), restarts from the best model with
+/// the weight −L₀. Each model thus gets a new chance about every two seconds. x̂ and d̂ are the
+/// weighted means of the models above −3. See filter_bank.cpp and
+/// docs/explanation/methods/multiple-model-estimator.md.
 ///
-/// An output that is no number is not used: the models predict. Allocates nothing after
-/// construction.
+/// If the output is not finite, the models only predict. Allocates nothing after construction.
 class FilterBank final : public DisturbanceEstimator {
  public:
   enum class Kind { constant, inertia, walk, ramp };
 
-  /// One belief.
+  /// One Kalman filter with its disturbance model.
   struct Model {
     Kind kind = Kind::constant;
-    double bandwidth_rad_s = 0.0;                 ///< w; 0 of a constant
-    double step_variance = 0.0;                   ///< what its last state's grows by at a sample
+    double bandwidth_rad_s = 0.0;                 ///< w; 0 for constant and inertia
+    double step_variance = 0.0;                   ///< process noise of the last state in one sample
     Eigen::Vector4d x = Eigen::Vector4d::Zero();  ///< [q, v, d, θ or ḋ]
     Eigen::Matrix4d P = Eigen::Matrix4d::Zero();
     double log_weight = 0.0;
-    double outside = 1.0;  ///< the probability outside of the code's interval after the last update
+    double outside = 1.0;  ///< probability outside the code's interval after the last update
   };
 
-  /// Throws std::invalid_argument unless the plant is one axis, its position measured, T_s and D
-  /// are positive and the sensor's error is some, or 0.
+  /// Throws std::invalid_argument unless the plant has one axis with measured position, T_s and D
+  /// are positive, and the sensor's errors are not negative.
   explicit FilterBank(const FilterBankDesign& design);
 
   void reset(const Vector& x) override;
@@ -61,8 +59,8 @@ class FilterBank final : public DisturbanceEstimator {
 
   View state() const override { return {estimate_.data(), 2}; }
   View disturbance() const override { return {estimate_.data() + 2, 1}; }
-  /// The innovation of the best model, each model's share of the belief, which model is the best,
-  /// and its bandwidth.
+  /// The innovation of the best model, the probability of each model, and the number and bandwidth
+  /// of the best model.
   std::span<const Signal> signals() const override { return signals_; }
 
   const std::vector<Model>& models() const { return models_; }
@@ -84,21 +82,21 @@ class FilterBank final : public DisturbanceEstimator {
 
   double period_s_;
   VariableHold hold_;
-  Eigen::Matrix2d A_;  // of the sampled plant
+  Eigen::Matrix2d A_;  // the sampled plant
   Eigen::Vector2d B_;
-  Eigen::Matrix2d regular_A_;  // the same over T_s
+  Eigen::Matrix2d regular_A_;  // the sampled plant for T_s
   Eigen::Vector2d regular_B_;
-  // The last interval is predicted in pieces: how many, how long, the variance of the input in
-  // each; and how well the instant is known.
+  // The prediction of the last interval: number and length of its pieces, variance of the input in
+  // each, and standard deviation of the measurement's time.
   double pieces_ = 1.0;
   double piece_s_;
   double input_variance_ = 0.0;
   double instant_std_s_ = 0.0;
   double quantum_;  // Δ
   EncoderRounding rounding_;
-  double sensor_variance_;  // σ² + the arithmetic's
-  double noise_variance_;   // s²: that, and what the instant's error makes of it
-  double prior_variance_;   // ρ² = Δ²/12 + σ², what the code's interval leaves
+  double sensor_variance_;  // σ² and the variance of the arithmetic's error
+  double noise_variance_;   // s²: sensor_variance_ and the effect of the time's error
+  double prior_variance_;   // ρ² = Δ²/12 + σ², the variance within a code's interval
   bool code_is_known_;
   double chance_;  // L₀
   double last_input_ = 0.0;

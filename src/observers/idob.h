@@ -9,23 +9,22 @@
 
 namespace breakwater {
 
-/// Estimates a plant's state and the disturbance at each of its inputs at once.
+/// Full-order observer of a plant's state and of the disturbance at each input.
 ///
 /// Plant, with a step-type disturbance d that opposes the input (Eqs. 2.4, 2.7, 2.8, 2.53):
 ///     ẋ = A x + B (u − d),   ḋ = 0,   y = C x.
 /// The extended state x̄ = [x; d] is sampled with a zero-order hold (Eqs. 2.18–2.20), and the
 /// observer is the predictor of Eqs. 2.21 and 2.22, H = [H_state; H_dis]:
 ///     x̄(k+1) = Ā_d x̄(k) + B̄_d u(k) + H (y(k) − C̄_d x̄(k)).
-/// H places the poles z = e^{s T_s} of the continuous poles s (place_observer_poles). What is read
-/// at sample k is therefore x̄(k), which has seen y(0) … y(k−1).
+/// H places the poles z = e^{s T_s} of the continuous poles s (place_observer_poles). The estimate
+/// at sample k is therefore x̄(k), from y(0) … y(k−1).
 ///
-/// Sign: d̂ opposes the input, so a plant with nominal inertia J_n is given the acceleration a by
-/// u = J_n a + d̂ (Eq. 2.82). Eqs. 2.6 and 2.15 print the other sign.
+/// Sign: d̂ opposes the input. With the nominal inertia J_n, u = J_n a + d̂ gives the acceleration
+/// a (Eq. 2.82). Eqs. 2.6 and 2.15 print the other sign.
 class Idob final : public DisturbanceEstimator {
  public:
-  /// `poles` [1/s]: one group per output, n + m poles in all, each stable. Throws
-  /// std::invalid_argument if the extended plant is not observable (with its rank) or the poles
-  /// cannot be placed.
+  /// `poles` [1/s]: one group per output, n + m stable poles in all. Throws std::invalid_argument
+  /// if the extended plant is not observable (with its rank) or the placement fails.
   Idob(const StateSpace& continuous_plant, const std::vector<PoleGroup>& poles, double period_s);
 
   void reset(const Vector& x) override { predictor_.reset(x); }
@@ -43,7 +42,7 @@ class Idob final : public DisturbanceEstimator {
   }
   std::span<const Signal> signals() const override { return signals_; }
 
-  /// The poles are those of Ā_d − H C̄_d, which multiplies the estimation error at each sample.
+  /// The poles of Ā_d − H C̄_d, the dynamics of the estimation error.
   Eigen::Index poles() const override { return predictor_.state().size(); }
   void pole_matrix(Eigen::Ref<Eigen::MatrixXd> F) const override {
     F = predictor_.error_dynamics();

@@ -15,8 +15,8 @@
 
 namespace breakwater {
 
-/// The Kalman filter of an extended plant (Eqs. 4.11–4.17), in two halves, between which a filter
-/// that adapts looks at the innovation. Sizes N (of x̄), m and p are fixed at compile time or not.
+/// The Kalman filter of an extended plant (Eqs. 4.11–4.17). An adaptive filter reads the innovation
+/// between predict() and correct(). The sizes N (of x̄), m and p may be fixed at compile time.
 template <int N = Eigen::Dynamic, int m = Eigen::Dynamic, int p = Eigen::Dynamic>
 class KalmanEstimator : public DisturbanceEstimator {
  public:
@@ -30,9 +30,10 @@ class KalmanEstimator : public DisturbanceEstimator {
     if (hold_) follow({});
   }
 
-  /// Over another interval h the plant is sampled anew, Q counts by h/T_s, and where samples are
-  /// missing there is a prediction for each. The unknown part of the input enters as B̅ does; what
-  /// the instant is off by, as the output's rate times it. A plant that was given sampled cannot.
+  /// For another interval h, samples the plant anew and scales Q by h/T_s. Predicts once for each
+  /// missing sample. input_std enters as process noise through B̅. instant_std_s enters as an
+  /// output error, multiplied by the output's rate. Returns false if the continuous plant is
+  /// unknown.
   bool follow(const SampleInterval& interval) final {
     if (!hold_) return false;
     const double length_s = interval.length_s > 0.0 ? interval.length_s : period_s_;
@@ -57,7 +58,7 @@ class KalmanEstimator : public DisturbanceEstimator {
       B_.topRows(n) = hold_->B();
     }
     Q_ = regular_Q_ * (length_s / (pieces_ * period_s_));
-    // White from piece to piece, so that its mean over all has the variance that is given.
+    // The noise is white from piece to piece: the mean over all pieces has the given variance.
     const double variance = interval.input_std * interval.input_std * pieces_ * weight_;
     for (Eigen::Index i = 0; variance > 0.0 && i < B_.cols(); ++i) {
       Q_.noalias() += variance * B_.col(i) * B_.col(i).transpose();
@@ -75,7 +76,7 @@ class KalmanEstimator : public DisturbanceEstimator {
     F.noalias() -= gain_ * C_;
   }
 
-  /// x̄(k|k), P(k|k), K(k), ê(k) and λ(k): by how much P was divided, to forget, at this sample.
+  /// x̄(k|k), P(k|k), K(k), ê(k) and the forgetting factor λ(k), which divided P at this sample.
   const auto& extended_state() const { return extended_state_; }
   const auto& P() const { return covariance_; }
   const auto& K() const { return gain_; }
@@ -86,10 +87,10 @@ class KalmanEstimator : public DisturbanceEstimator {
   using Outputs = Eigen::Matrix<double, p, 1>;
   using OutputCovariance = Eigen::Matrix<double, p, p>;
   using Covariance = Eigen::Matrix<double, N, N>;
-  /// One output of a few states: scalar operations take half the time of matrices'.
+  /// For one output and a few states, scalar operations take half the time of matrix products.
   static constexpr bool kOneOutput = p == 1 && N != Eigen::Dynamic && N <= 6;
 
-  /// Throws std::invalid_argument if the design is none, or of other sizes than N, m and p.
+  /// Throws std::invalid_argument if the design is invalid or its sizes differ from N, m and p.
   explicit KalmanEstimator(const KalmanDesign& design) : plant_states_(design.plant.plant_states) {
     check(design);
     const auto fits = [](int fixed, Eigen::Index size) {
@@ -97,7 +98,7 @@ class KalmanEstimator : public DisturbanceEstimator {
     };
     if (!fits(N, design.plant.states()) || !fits(m, design.plant.inputs()) ||
         !fits(p, design.plant.outputs())) {
-      throw std::invalid_argument("Kalman filter: made for a plant of another size");
+      throw std::invalid_argument("Kalman filter: the sizes of the plant do not fit");
     }
     A_ = design.plant.sampled.A;
     B_ = design.plant.sampled.B;
@@ -129,11 +130,11 @@ class KalmanEstimator : public DisturbanceEstimator {
     output_covariance_ = R_;
     work_ = initial_covariance_;
     signals_ = {{"innovation", "", "e = y - C x(k|k-1) (Eq. 4.15)", view(innovation_)},
-                {"lambda", "1", "forgetting factor: by how much P was divided", view(lambda_)}};
+                {"lambda", "1", "forgetting factor: P was divided by it", view(lambda_)}};
     reset(Eigen::VectorXd::Zero(plant_states_));
   }
 
-  /// x̄(k|k−1), P(k|k−1) (Eqs. 4.11, 4.12), ê(k) (Eq. 4.15) and C̅ P(k|k−1) C̅ᵀ.
+  /// Computes x̄(k|k−1), P(k|k−1) (Eqs. 4.11, 4.12), ê(k) (Eq. 4.15) and C̅ P(k|k−1) C̅ᵀ.
   void predict(const Vector& held_input, const Vector& y) {
     for (double piece = 0.0; !has_prior_ && piece < pieces_; piece += 1.0) {
       predicted_.noalias() = A_ * extended_state_;
@@ -155,7 +156,7 @@ class KalmanEstimator : public DisturbanceEstimator {
     if (instant_std_s_ > 0.0) see_instant(held_input);
   }
 
-  /// The error of the instant as an error of the output, and R with it.
+  /// Adds the effect of the uncertain time to R.
   void see_instant(const Vector& held_input) {
     instant_error_.noalias() = output_rate_ * extended_state_;
     instant_error_.noalias() += input_rate_ * held_input;
@@ -164,7 +165,7 @@ class KalmanEstimator : public DisturbanceEstimator {
     R_.diagonal() += weight_ * instant_error_.cwiseAbs2();
   }
 
-  /// C̅ P, and from it C̅ P C̅ᵀ.
+  /// Computes C̅ P and C̅ P C̅ᵀ.
   void see_covariance() {
     if constexpr (kOneOutput) {
       output_cross_ =
@@ -177,8 +178,8 @@ class KalmanEstimator : public DisturbanceEstimator {
     }
   }
 
-  /// D = C̅ P C̅ᵀ + R, K = P C̅ᵀ D⁻¹, x̄(k|k) and P(k|k) (Eqs. 4.13, 4.14, 4.16, 4.17). The
-  /// covariance in Joseph's form, which stays positive definite where (I − K C̅) P does not:
+  /// D = C̅ P C̅ᵀ + R, K = P C̅ᵀ D⁻¹, x̄(k|k) and P(k|k) (Eqs. 4.13, 4.14, 4.16, 4.17). Joseph's
+  /// form keeps the covariance positive definite, unlike (I − K C̅) P:
   ///     (I − K C̅) P (I − K C̅)ᵀ + K R Kᵀ = M + (K R − M C̅ᵀ) Kᵀ   with   M = P − K (C̅ P).
   void correct(const OutputCovariance& R) {
     if constexpr (kOneOutput) {
@@ -205,7 +206,7 @@ class KalmanEstimator : public DisturbanceEstimator {
     covariance_ = 0.5 * (work_ + work_.transpose());
   }
 
-  /// The same for one output, given 1/D, and P(k|k) times inflation(i, j) at once.
+  /// The same for one output, with 1/D given. Multiplies P(k|k) by inflation(i, j).
   template <typename Inflation>
   void correct_one(double R, double D_inverse, const Inflation& inflation) {
     gain_ = output_cross_.transpose() * D_inverse;
@@ -215,7 +216,7 @@ class KalmanEstimator : public DisturbanceEstimator {
   }
 
   Eigen::Index plant_states_;
-  bool has_prior_ = true;  // no sample since the reset: P0 is this sample's P(k|k−1)
+  bool has_prior_ = true;  // before the first sample after a reset: P0 is P(k|k−1)
   Covariance A_;
   Eigen::Matrix<double, N, m> B_;
   Eigen::Matrix<double, p, N> C_;
@@ -233,18 +234,18 @@ class KalmanEstimator : public DisturbanceEstimator {
   Outputs instant_error_;  // a standard deviation
 
  private:
-  // The matrices of one period; A̅, B̅, Q and R are those of the last interval.
+  // The matrices for one period. A̅, B̅, Q and R are those of the last interval.
   Covariance regular_A_;
   Eigen::Matrix<double, N, m> regular_B_;
   Covariance regular_Q_;
   OutputCovariance regular_R_;
   double period_s_ = 0.0;
   std::optional<VariableHold> hold_;
-  Eigen::Matrix<double, p, N> output_rate_;  // ẏ = this x̄ + the next u
+  Eigen::Matrix<double, p, N> output_rate_;  // ẏ = output_rate_ x̄ + input_rate_ u
   Eigen::Matrix<double, p, m> input_rate_;
   double instant_std_s_ = 0.0;
   double weight_ = 1.0;  // R in units of the output's variance
-  double pieces_ = 1.0;  // in which an interval is predicted
+  double pieces_ = 1.0;  // number of predictions in an interval
 
   Eigen::Matrix<double, N, 1> predicted_;
   Eigen::Matrix<double, p, N> output_cross_;  // C̅ P(k|k−1)

@@ -6,9 +6,9 @@
 
 namespace breakwater {
 
-/// The plain Kalman filter of the extended plant, Eqs. 3.7–3.11 (of which 3.7 and 3.8 print the
-/// last prediction where the last estimate must stand). Which process noise it is designed with
-/// makes it the KFD (input_noise or uniform_noise) or the DKF (disturbance_noise).
+/// The Kalman filter of the extended plant, Eqs. 3.7–3.11. (Eqs. 3.7 and 3.8 print the last
+/// prediction in place of the last estimate.) The process noise selects the KFD (input_noise,
+/// uniform_noise) or the DKF (disturbance_noise).
 template <int N = Eigen::Dynamic, int m = Eigen::Dynamic, int p = Eigen::Dynamic>
 class Kfd final : public KalmanEstimator<N, m, p> {
  public:

@@ -7,7 +7,7 @@
 
 namespace breakwater {
 
-/// What an MDOB is designed with.
+/// Design parameters of an MDOB.
 struct MdobDesign {
   double nominal_inertia = 1.0;  ///< J_n [kg m²], or a mass [kg] for a slide
   double derivative_cutoff_rad_s =
@@ -17,29 +17,28 @@ struct MdobDesign {
 
 /// Estimates the disturbance of one joint from its angle and torque (Eq. 2.6):
 ///     d̂ = g_w/(s + g_w)·{τ + g_w J_n G_d(s) q} − g_w J_n G_d(s) q,   G_d(s) = g_d s/(s + g_d),
-/// which is g_w/(s + g_w)·{τ − J_n s G_d(s) q}: the torque less what the nominal inertia's
-/// acceleration takes. As everywhere in this project d̂ opposes the input, J_n q̈ = τ − d̂; the
-/// first line of Eq. 2.6 prints the other sign.
+/// which equals g_w/(s + g_w)·{τ − J_n s G_d(s) q}: the torque minus the nominal inertia's torque.
+/// d̂ opposes the input: J_n q̈ = τ − d̂. The first line of Eq. 2.6 prints the other sign.
 ///
-/// Sampled: the torque is held, so its low-pass is exact; the angle's filters are the backward
-/// differences of theirs.
+/// The low-pass of the held torque is exact. The filters of the angle use backward differences.
 ///
-/// It does not estimate the angle: its x̂ = [q; G_d(s) q], q as measured (below Eq. 4.22).
+/// It does not filter the angle: x̂ = [q; G_d(s) q] with the measured q (below Eq. 4.22).
 class Mdob final : public DisturbanceEstimator {
  public:
-  /// Throws std::invalid_argument unless inertia, cut-offs and period are positive, and g_w finite.
+  /// Throws std::invalid_argument unless inertia, cut-offs and period are positive and g_w is
+  /// finite.
   Mdob(const MdobDesign& design, double period_s);
 
   void reset(const Vector& x) override;
   void update(const Vector& held_input, const Vector& y) override;
-  /// The filters are then those of this interval.
+  /// Computes the filters for this interval.
   bool follow(const SampleInterval& interval) override;
 
   View state() const override { return {estimate_.data(), 2}; }
   View disturbance() const override { return {estimate_.data() + 2, 1}; }
   std::span<const Signal> signals() const override { return {}; }
 
-  /// The poles are those of its two filters; a raw difference has none.
+  /// The poles of its two filters; a raw difference has no pole.
   Eigen::Index poles() const override { return derivative_memory_ > 0.0 ? 2 : 1; }
   void pole_matrix(Eigen::Ref<Eigen::MatrixXd> F) const override;
 

@@ -1,4 +1,4 @@
-// What the extended and the unscented Kalman filters share.
+// The common part of the extended and the unscented Kalman filter.
 #pragma once
 
 #include <Eigen/Cholesky>
@@ -10,8 +10,8 @@
 
 namespace breakwater {
 
-/// Covariances: Q what the process adds at each sample, R of the measurement's noise, P0 of the
-/// first estimate.
+/// Covariances of the process noise in one sample (Q), the measurement noise (R) and the first
+/// estimate (P0).
 template <int N, int p>
 struct NonlinearKalmanDesign {
   Eigen::Matrix<double, N, N> Q;
@@ -19,7 +19,8 @@ struct NonlinearKalmanDesign {
   Eigen::Matrix<double, N, N> P0;
 };
 
-/// Throws std::invalid_argument unless Q is positive semidefinite, R and P0 positive definite.
+/// Throws std::invalid_argument unless Q is positive semidefinite and R and P0 are positive
+/// definite.
 template <int N, int p>
 void check(const NonlinearKalmanDesign<N, p>& design) {
   if (!is_positive_semidefinite(design.Q)) {
@@ -30,9 +31,9 @@ void check(const NonlinearKalmanDesign<N, p>& design) {
   }
 }
 
-/// State and covariance of a filter whose measurement is the first p states, y = [I 0] x + noise
-/// (Eq. 3.30), and their correction by it. For a linear measurement the unscented transform gives
-/// this same correction, so all filters share it.
+/// State, covariance and correction of a filter that measures the first p states, y = [I 0] x +
+/// noise (Eq. 3.30). All filters share the correction: for a linear measurement, the unscented
+/// transform gives the same result.
 template <int N, int p>
 class GaussianEstimate {
  public:
@@ -41,7 +42,7 @@ class GaussianEstimate {
   using Output = Eigen::Matrix<double, p, 1>;
   using Design = NonlinearKalmanDesign<N, p>;
 
-  /// Throws std::invalid_argument as check(design).
+  /// Throws std::invalid_argument as check(design) does.
   explicit GaussianEstimate(const Design& design) : design_(design) {
     check(design);
     reset(State::Zero());
@@ -54,7 +55,7 @@ class GaussianEstimate {
 
   const State& x() const { return x_; }
   const Covariance& P() const { return P_; }
-  /// y − C x(k|k−1), and its covariance C P(k|k−1) Cᵀ + R.
+  /// y − C x(k|k−1) and its covariance C P(k|k−1) Cᵀ + R.
   const Output& innovation() const { return innovation_; }
   const Eigen::Matrix<double, p, p>& innovation_covariance() const { return S_; }
 
@@ -67,12 +68,12 @@ class GaussianEstimate {
     factor_.matrixU().template solveInPlace<Eigen::OnTheRight>(W_);
     x_.noalias() += W_ * factor_.matrixL().solve(innovation_);
     P_.noalias() -= W_.lazyProduct(W_.transpose());
-    // Of an odd N Eigen sums the last rows in another order than the others.
+    // For an odd N, Eigen sums the last rows in another order: symmetry is not exact.
     if constexpr (N % 2 != 0) mirror();
   }
 
  protected:
-  /// Copies the lower triangle to the upper one, so that P is symmetric to the bit.
+  /// Copies the lower triangle to the upper one: P is exactly symmetric.
   void mirror() { P_.template triangularView<Eigen::StrictlyUpper>() = P_.transpose(); }
 
   Design design_;

@@ -40,7 +40,7 @@ ObserverPoles::ObserverPoles(const DisturbanceEstimator& estimator, double perio
 void ObserverPoles::update() {
   if (discrete_.size() == 0) return;
   estimator_.pole_matrix(matrix_);
-  // By their bits: that of a zero's sign may be a pole's.
+  // Compares the bits: the sign of a zero may change a pole.
   const auto bytes = static_cast<std::size_t>(matrix_.size()) * sizeof(double);
   if (std::memcmp(matrix_.data(), solved_.data(), bytes) == 0) return;
   solved_ = matrix_;
@@ -50,7 +50,7 @@ void ObserverPoles::update() {
     return std::pair(a.real(), a.imag()) < std::pair(b.real(), b.imag());
   });
   for (Eigen::Index i = 0; i < discrete_.size(); ++i) {
-    // A pole at 0 has no continuous one; the smallest number stands for it.
+    // A pole at 0 has no continuous pole. The smallest positive number replaces it.
     const bool is_zero = std::abs(discrete_(i)) < std::numeric_limits<double>::min();
     const std::complex<double> p = is_zero ? std::numeric_limits<double>::min() : discrete_(i);
     continuous_(i) = math::log(p) / period_s_;

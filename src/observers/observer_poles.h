@@ -1,4 +1,4 @@
-// The poles of an estimator, from sample to sample: thesis 4.3.4.
+// The poles of an estimator at each sample: thesis 4.3.4.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,28 +10,28 @@
 
 namespace breakwater {
 
-/// The eigenvalues p_d of A̅ − K(k) C̅ and, by p_d = e^{T_s p_c}, the continuous poles p_c. In the
-/// order of their real parts, so that each keeps its place.
+/// The eigenvalues p_d of A̅ − K(k) C̅, and the continuous poles p_c with p_d = e^{T_s p_c}. Both
+/// are sorted by their real parts.
 class ObserverPoles {
  public:
-  /// The estimator outlives this. Throws std::invalid_argument if the period is not positive.
+  /// The estimator must outlive this. Throws std::invalid_argument if the period is not positive.
   ObserverPoles(const DisturbanceEstimator& estimator, double period_s);
 
-  /// To be called once a sample, after the estimator's update. Allocates nothing. Where the matrix
-  /// is the last one again, as of an estimator with constant gains, there is nothing to compute.
+  /// Call it once a sample, after the estimator's update. Does nothing while the matrix is
+  /// constant. Allocates nothing.
   void update();
 
   const Eigen::VectorXcd& discrete() const { return discrete_; }
   const Eigen::VectorXcd& continuous() const { return continuous_; }
 
-  /// Real and imaginary parts of both; none of an estimator that tells of no poles.
+  /// Real and imaginary parts of both; empty if the estimator has no poles.
   std::span<const Signal> signals() const { return signals_; }
 
  private:
   const DisturbanceEstimator& estimator_;
   double period_s_;
   Eigen::MatrixXd matrix_;
-  Eigen::MatrixXd solved_;  // the matrix that the poles are those of
+  Eigen::MatrixXd solved_;  // the matrix of the current poles
   Eigen::EigenSolver<Eigen::MatrixXd> solver_;
   Eigen::VectorXcd discrete_;
   Eigen::VectorXcd continuous_;

@@ -1,5 +1,4 @@
-// The Kalman recursion's covariance where one output is measured: few operations that wait for
-// each other, on a symmetric P.
+// Covariance of a Kalman filter with one output. The loops are short and keep P symmetric.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,7 +10,7 @@ using Covariance = Eigen::Matrix<double, N, N>;
 template <int N>
 using State = Eigen::Matrix<double, N, 1>;
 
-/// Σ a_i b_i, summed in pairs.
+/// Σ a_i b_i, summed in pairs for speed.
 template <int N, typename A, typename B>
 double product(const A& a, const B& b) {
   if constexpr (N == 1) {
@@ -26,7 +25,7 @@ double product(const A& a, const B& b) {
   }
 }
 
-/// A P Aᵀ + Q, symmetric to the bit.
+/// P ← A P Aᵀ + Q, exactly symmetric.
 template <int N>
 void carry(const Covariance<N>& A, const Covariance<N>& Q, Covariance<N>& P) {
   double AP[N][N];
@@ -43,7 +42,7 @@ void carry(const Covariance<N>& A, const Covariance<N>& Q, Covariance<N>& P) {
   }
 }
 
-/// P c, which is P's first column where `is_first`: c = (1, 0, …).
+/// P c. If `is_first`, c = (1, 0, …) and the result is the first column of P.
 template <int N>
 State<N> times(const Covariance<N>& P, const State<N>& c, bool is_first) {
   if (is_first) return P.col(0);
@@ -54,8 +53,8 @@ State<N> times(const Covariance<N>& P, const State<N>& c, bool is_first) {
   return result;
 }
 
-/// P(k|k) of P(k|k−1) for a gain K, h = P c and the noise's variance R, times inflation(i, j):
-/// Joseph's
+/// Replaces P(k|k−1) by P(k|k), multiplied by inflation(i, j), for the gain K, h = P c and the
+/// noise variance R. Joseph's form is
 ///     (I − K cᵀ) P (I − K cᵀ)ᵀ + K R Kᵀ = M + w Kᵀ + K wᵀ   with   M = P − K hᵀ,
 ///     w = (K R − M c)/2.
 template <int N, typename Inflation>

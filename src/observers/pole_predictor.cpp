@@ -8,7 +8,7 @@
 namespace breakwater {
 namespace {
 
-// The largest error of the sum of a step's poles with which its gain is used.
+// If the sum of the poles has a larger error, the gain for T_s is used.
 constexpr double kPlacementError = 1e-6;
 
 }  // namespace
@@ -48,8 +48,8 @@ void PolePredictor::over(double interval_s) {
   }
 }
 
-// H = φ(A) O⁻¹ e_n, φ the polynomial of the poles. It holds with the rows C (A − I)ⁱ in O as with
-// C Aⁱ, and those do not cancel where the interval is short.
+// H = φ(A) O⁻¹ e_n with the polynomial φ of the poles. The rows of O are C (A − I)ⁱ, not C Aⁱ: they
+// do not cancel for a short interval.
 void PolePredictor::place(double interval_s) {
   hold_.over(interval_s);
   step_.B = hold_.B();
@@ -58,7 +58,7 @@ void PolePredictor::place(double interval_s) {
     sample_poles(poles_, interval_s, sampled_poles_);
     placement_.place(step_.error_dynamics, C_, sampled_poles_, step_.gain);
     step_.error_dynamics.noalias() -= step_.gain * C_;
-    // Poles of a very short interval are so close to 1 that rounding may move them.
+    // For a very short interval the poles are close to 1, and rounding may move them.
     double sum = 0.0;
     for (const PoleGroup& group : sampled_poles_) {
       for (const std::complex<double>& pole : group) sum += pole.real();
@@ -78,7 +78,7 @@ void PolePredictor::place(double interval_s) {
   }
   polynomial_.setIdentity();
   for (const std::complex<double>& pole : poles_.front()) {
-    if (pole.imag() < 0.0) continue;  // with its conjugate
+    if (pole.imag() < 0.0) continue;  // done with its conjugate
     const double decay = math::expm1(pole.real() * interval_s);
     const double angle = pole.imag() * interval_s;
     factor_ = change_;
@@ -112,7 +112,7 @@ void PolePredictor::update(const Eigen::Ref<const Eigen::VectorXd>& u,
     next_.noalias() = step_.error_dynamics * state_;
     next_.noalias() += step_.B * u;
     next_.noalias() += step_.gain * last_output_;
-    // Copied, not swapped: a log holds the address of the state.
+    // Copies, does not swap: a log holds the address of the state.
     state_ = next_;
   }
   has_begun_ = true;

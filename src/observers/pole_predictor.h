@@ -1,4 +1,4 @@
-// A plant's predictor whose error has given poles.
+// A predictor of a plant with given poles of the estimation error.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,27 +10,26 @@
 
 namespace breakwater {
 
-/// x̂(k+1) = A x̂(k) + B u(k) + H (y(k) − C x̂(k)) of a plant sampled with a zero-order hold, where
-/// A − H C has the poles e^{s h} of the continuous poles s over the interval h. x̂(k) has therefore
-/// seen y(0) … y(k−1).
+/// x̂(k+1) = A x̂(k) + B u(k) + H (y(k) − C x̂(k)) for a plant sampled with a zero-order hold. A −
+/// H C has the poles e^{s h}, with the continuous poles s and the interval h. x̂(k) depends on y(0)
+/// … y(k−1).
 class PolePredictor {
  public:
-  /// `poles` [1/s]: one group per output, n in all. Throws std::invalid_argument if one is not
-  /// stable or they cannot be placed.
+  /// `poles` [1/s]: one group per output, n in all. Throws std::invalid_argument if a pole is not
+  /// stable or the placement fails.
   PolePredictor(const StateSpace& continuous_plant, const std::vector<PoleGroup>& poles,
                 double period_s);
 
-  /// The intervals that follow are so long; 0: T_s. Plant and gain are those of this length, by
-  /// Ackermann's formula for one output, by ObserverPlacement for several. Where an interval is so
-  /// short that the poles of several outputs cannot be placed, the gain is that of T_s. Allocates
-  /// nothing.
+  /// Sets the length of the next intervals; 0: T_s. Samples the plant and places the poles anew:
+  /// one output by Ackermann's formula, several by ObserverPlacement. If the interval is too short
+  /// for this, the gain for T_s stays. Allocates nothing.
   void over(double interval_s);
 
-  /// Starts from a state whose first entries are `x`, and the others 0; intervals are T_s again.
+  /// Starts from the first states `x` and 0 for the others. The interval is T_s again.
   void reset(const Eigen::Ref<const Eigen::VectorXd>& x);
 
-  /// One sample: u acted since the last one, y is measured at this one. The first after a reset has
-  /// no sample before it: u is ignored.
+  /// One sample: u acted since the last sample, y is measured now. The first sample after a reset
+  /// ignores u.
   void update(const Eigen::Ref<const Eigen::VectorXd>& u,
               const Eigen::Ref<const Eigen::VectorXd>& y);
 
@@ -39,7 +38,7 @@ class PolePredictor {
   const Eigen::VectorXd& innovation() const { return innovation_; }
 
   const Eigen::MatrixXd& H() const { return step_.gain; }
-  /// A − H C: what the estimation error is multiplied with at each sample.
+  /// A − H C, the dynamics of the estimation error.
   const Eigen::MatrixXd& error_dynamics() const { return step_.error_dynamics; }
 
  private:
@@ -52,7 +51,7 @@ class PolePredictor {
   void place(double interval_s);
 
   std::vector<PoleGroup> poles_;
-  std::vector<PoleGroup> sampled_poles_;  // of the last interval
+  std::vector<PoleGroup> sampled_poles_;  // for the last interval
   ObserverPlacement placement_;           // for several outputs
   Step regular_;
   Step step_;

@@ -1,4 +1,4 @@
-// What the nonlinear Kalman filters need to know of a process.
+// The interface of a process for the nonlinear Kalman filters.
 #pragma once
 
 #include <Eigen/Core>
@@ -6,14 +6,14 @@
 
 namespace breakwater {
 
-/// A sampled process x(k+1) = A x(k) + g(x(k), u(k)) + noise, of which g fills rows kFirstRow …
-/// kFirstRow + kRows − 1 only and depends on the first kArguments states only. A process without
-/// such structure has A = 0, kFirstRow = 0 and kRows = kArguments = kStates.
+/// A sampled process x(k+1) = A x(k) + g(x(k), u(k)) + noise. g fills only the kRows rows from
+/// kFirstRow on, and depends only on the first kArguments states. A process without this structure
+/// has A = 0, kFirstRow = 0 and kRows = kArguments = kStates.
 ///
-/// linear() stays what it is; only Ukf::change_process() may change it.
+/// linear() is constant. Only Ukf::change_process() may change it.
 ///
-/// The structure saves work, and changes nothing: what is linear a filter carries over exactly, and
-/// a sigma point that differs from the mean in other states alone has the mean's g.
+/// The structure only saves work: the linear part is predicted exactly. A sigma point that equals
+/// the mean in the first kArguments states shares its g.
 template <typename P>
 concept Process = requires(const P& process, const typename P::State& x, const typename P::Input& u,
                            typename P::Nonlinear& g) {

@@ -7,7 +7,7 @@ constexpr double kQuantumShare = 1.0;
 constexpr double kNoiseShare = 4.5;
 constexpr double kQuantumWake = 0.5;
 constexpr double kNoiseWake = 1.5;
-constexpr double kSmallestAlpha = 1e-22;  // of a sensor whose rounding is that of the arithmetic
+constexpr double kSmallestAlpha = 1e-22;  // the error of the arithmetic in place of the sensor's
 
 }  // namespace
 

@@ -5,7 +5,7 @@
 namespace breakwater {
 
 void raise_eigenvalues(Eigen::Ref<Eigen::MatrixXd> matrix, double floor) {
-  // One type for every n: Eigen's solver takes the compiler seconds for each.
+  // One type for every n: each further type adds seconds to the compilation.
   using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostStates, kMostStates>;
   using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostStates, 1>;
   const Eigen::SelfAdjointEigenSolver<Matrix> solver{Matrix(matrix)};

@@ -14,7 +14,7 @@ RecordIntervals::RecordIntervals(const RecordRows& rows)
   for (std::size_t k = 1; k < rows.times_s.size(); ++k) is_regular_ = is_regular_ && is_period(k);
 }
 
-// But for the rounding of both times, and of the period.
+// Allows for the rounding of both times and of the period.
 bool RecordIntervals::is_period(std::size_t k) const {
   constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
   constexpr double kShare = 1e-9;
@@ -45,7 +45,7 @@ double RecordIntervals::missing_std(std::size_t n) {
   const double share = (static_cast<double>(n) - 1.0) / (2.0 * static_cast<double>(n));
   for (Eigen::Index column = 0; column < rows_.width; ++column) {
     const auto u = [&](std::size_t k) { return input(k)(column); };
-    double sum = 0.0;  // of n inputs from the place on
+    double sum = 0.0;  // sum of n inputs from row k on
     double squares = 0.0;
     if (n < rows) {
       for (std::size_t k = 0; k < n; ++k) sum += u(k);
@@ -54,7 +54,7 @@ double RecordIntervals::missing_std(std::size_t n) {
         squares += off * off / static_cast<double>(rows - n);
         sum += u(k + n) - u(k);
       }
-    } else {  // nothing is known but how large inputs are
+    } else {  // the record is too short: the size of the inputs is the only bound
       for (std::size_t k = 0; k < rows; ++k) squares += u(k) * u(k) / static_cast<double>(rows);
     }
     found->second = std::max(found->second, std::sqrt(squares));

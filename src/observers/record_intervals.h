@@ -1,4 +1,4 @@
-// How the samples of a record follow each other, for an estimator that follows them.
+// The intervals between the samples of a record, for an estimator.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,7 +11,7 @@
 
 namespace breakwater {
 
-/// In how many pieces an interval is predicted: one a period, one at least, a thousand at most.
+/// The number of predictions in an interval: one per period, from 1 to 1000.
 inline double pieces_of(double length_s, double period_s) {
   return std::clamp(std::round(length_s / period_s), 1.0, 1000.0);
 }
@@ -19,32 +19,31 @@ inline double pieces_of(double length_s, double period_s) {
 /// The rows of a record.
 struct RecordRows {
   std::span<const double> times_s;  ///< rising
-  /// u of each row, one after the other: `width` values each. They act after their row, until the
-  /// next one, or acted before it.
+  /// u of each row, `width` values each. They act from their row to the next one, or from the row
+  /// before to their row.
   std::span<const double> inputs;
   Eigen::Index width = 1;
   bool inputs_act_before = false;
   double period_s = 0.0;       ///< T_s
-  double gap_periods = 1.5;    ///< in a longer interval rows are missing
-  double instant_std_s = 0.0;  ///< how well the times are known
-  double output_std = 0.0;     ///< of the output's own error; 0: R is its variance
+  double gap_periods = 1.5;    ///< a longer interval has missing rows
+  double instant_std_s = 0.0;  ///< standard deviation of the times
+  double output_std = 0.0;     ///< standard deviation of the output's error; 0: R is its variance
 };
 
-/// The interval before each row, and the input that was held over it.
+/// The interval before each row, and the held input during it.
 ///
-/// An interval that is a period but for the rounding of the times is one. Where n − 1 rows are
-/// missing, the inputs between are taken to lie on the line from the last one to the next: their
-/// mean is what was held. How far off such a mean is, the rest of the record says: the root mean
-/// square of it over all places with n rows.
+/// An interval that differs from T_s only by rounding counts as T_s. If n − 1 rows are missing, the
+/// inputs between are interpolated linearly, and the held input is their mean. The error of such a
+/// mean comes from the rest of the record: its root mean square over all places with n rows.
 class RecordIntervals {
  public:
-  /// The rows outlive it.
+  /// The data of the rows must outlive this.
   explicit RecordIntervals(const RecordRows& rows);
 
-  /// Whether there is nothing to follow: each interval is a period, each instant known.
+  /// Whether each interval is T_s and each time is exact.
   bool is_regular() const { return is_regular_; }
 
-  /// Moves on to row k > 0, from the last one. Allocates nothing but for a gap of a new length.
+  /// Moves to row k > 0 from the row before. Allocates only for a gap of a new length.
   void move_to(std::size_t k);
   const SampleInterval& interval() const { return interval_; }
   const Eigen::VectorXd& held_input() const { return held_; }
@@ -60,7 +59,7 @@ class RecordIntervals {
   bool is_regular_ = true;
   SampleInterval interval_;
   Eigen::VectorXd held_;
-  std::map<std::size_t, double> missing_std_;  // by n
+  std::map<std::size_t, double> missing_std_;  // key: n
 };
 
 }  // namespace breakwater

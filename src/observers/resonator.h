@@ -1,4 +1,4 @@
-// A damped oscillation driven by white noise, sampled: the model of a wave's force.
+// A damped oscillator driven by white noise, sampled: the model of a wave force.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,8 +10,8 @@
 
 namespace breakwater {
 
-/// [f; h]⁺ = exp([0 ω; −ω −2 ζ ω] δ) [f; h]: f̈ + 2 ζ ω ḟ + ω² f = noise, h = ḟ/ω. `omega_rad_s` ω,
-/// `damping` ζ in (0, 1), `period_s` δ.
+/// The matrix of [f; h]⁺ = exp([0 ω; −ω −2 ζ ω] δ) [f; h], from f̈ + 2 ζ ω ḟ + ω² f = noise and h =
+/// ḟ/ω. `omega_rad_s` is ω, `damping` ζ in (0, 1), `period_s` δ.
 inline Eigen::Matrix2d resonator_step(double omega_rad_s, double damping, double period_s) {
   const double damped = omega_rad_s * std::sqrt(1.0 - damping * damping);
   const double decay = math::exp(-damping * omega_rad_s * period_s);
@@ -21,13 +21,13 @@ inline Eigen::Matrix2d resonator_step(double omega_rad_s, double damping, double
   return (Eigen::Matrix2d() << c + damping * s, s, -s, c - damping * s).finished();
 }
 
-/// f̈ + 2 ζ ω ḟ + ω² f = white noise, of which f has a stationary standard deviation.
+/// f̈ + 2 ζ ω ḟ + ω² f = white noise. f has a stationary standard deviation σ.
 struct Resonator {
   double omega_rad_s = 1.0;
   double damping = 0.1;  ///< ζ, in (0, 1)
   double std = 1.0;      ///< σ, of f
 };
-/// Two of them, driven by noises of their own; the slower one first. Their sum is the force.
+/// Two resonators with independent noises; the slower one first. Their sum is the force.
 using ResonatorPair = std::array<Resonator, 2>;
 
 /// One-sided spectral density of f [f²s/rad], ∫₀^∞ G dω = σ²:
@@ -40,8 +40,8 @@ inline double spectral_density(const Resonator& resonator, double omega_rad_s) {
          resonator.std / (apart * apart + damped * damped);
 }
 
-/// What white noise on ḣ adds to h's variance at each sample so that f's stationary standard
-/// deviation is σ: its rate is 4 ζ ω σ².
+/// Process noise of h in one sample. The noise on ḣ has the rate 4 ζ ω σ², which gives f the
+/// stationary standard deviation σ.
 inline double resonator_noise(double omega_rad_s, double damping, double std, double period_s) {
   return 4.0 * damping * omega_rad_s * std * std * period_s;
 }

@@ -12,12 +12,12 @@
 namespace breakwater {
 namespace {
 
-constexpr int kParameters = 6;  // ln ω, ln ζ, ln σ of both
+constexpr int kParameters = 6;  // ln ω, ln ζ, ln σ of both resonators
 constexpr int kFitSteps = 200;
-constexpr double kLongestFitStep = 0.5;       // of any logarithm
-constexpr double kFitTolerance = 1e-10;       // of the distance, relative: then it ends
-constexpr double kLargestFitDamping = 1e8;    // of the scoring
-constexpr double kLargestDampingRatio = 0.9;  // ζ stays a resonator's
+constexpr double kLongestFitStep = 0.5;     // bound on the change of each logarithm
+constexpr double kFitTolerance = 1e-10;     // relative change of the distance that ends the fit
+constexpr double kLargestFitDamping = 1e8;  // bound on the damping of Fisher's scoring
+constexpr double kLargestDampingRatio = 0.9;
 
 using Parameters = Eigen::Matrix<double, kParameters, 1>;
 
@@ -26,7 +26,7 @@ Resonator resonator(const Parameters& p, int which) {
   return {at(0), std::min(at(1), kLargestDampingRatio), at(2)};
 }
 
-// ∂G/∂ ln ω, ln ζ, ln σ.
+// ∂G/∂ ln ω, ∂G/∂ ln ζ, ∂G/∂ ln σ.
 Eigen::Vector3d slopes(const Resonator& r, double omega, double density) {
   const double apart = r.omega_rad_s * r.omega_rad_s - omega * omega;
   const double damped = 2.0 * r.damping * r.omega_rad_s * omega;
@@ -70,7 +70,7 @@ Scoring score(const ForceSpectrum& s, const Parameters& p) {
   return result;
 }
 
-// A resonator in each half of the band, half as wide and with half of the variance.
+// One resonator in each half of the band, with half of the width and half of the variance.
 Parameters first_guess(const ForceSpectrum& s, double step) {
   double area = 0.0, moment = 0.0, second = 0.0;
   for (std::size_t i = 0; i < s.density.size(); ++i) {
@@ -163,7 +163,7 @@ double fit_walk(const ForceSpectrum& spectrum, double period_s) {
     area += spectrum.density[i];
     moment += spectrum.density[i] * spectrum.omega_rad_s[i] * spectrum.omega_rad_s[i];
   }
-  // From the walk that is as strong as S at its mean frequency, over a band as wide.
+  // Starts from the random walk with the density variance/ω at the mean frequency ω of S.
   const double step = spectrum.omega_rad_s[1] - spectrum.omega_rad_s[0];
   double log_std =
       0.5 * math::log(moment * step * std::numbers::pi * period_s / std::sqrt(moment / area));

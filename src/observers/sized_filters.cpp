@@ -7,7 +7,8 @@
 namespace breakwater {
 namespace {
 
-// All instantiations are here: what includes the filters' headers elsewhere compiles them again.
+// All instantiations are here: any other file that includes the filters' headers compiles them
+// again.
 template <template <int, int, int> class Filter, typename... Adaptation>
 std::unique_ptr<DisturbanceEstimator> of_size(const KalmanDesign& design,
                                               const Adaptation&... adaptation) {

@@ -1,4 +1,4 @@
-// The Kalman filters with disturbance estimation, of whatever sizes a design has.
+// The Kalman filters with disturbance estimation, for designs of any size.
 #pragma once
 
 #include <memory>
@@ -10,10 +10,10 @@
 
 namespace breakwater {
 
-/// Kfd, Fakfd (Γ's diagonal `gamma`), Vfakfd and Stf of a design. One input, one output and up to
-/// six extended states have sizes that are fixed when it is compiled: they take a seventh (three
-/// states) to a half (five) of the time (docs/explanation/performance.md). Each throws as its class
-/// does.
+/// Kfd, Fakfd (`gamma`: diagonal of Γ), Vfakfd and Stf of a design. For one input, one output and
+/// up to six extended states the sizes are fixed at compile time. This reduces the time to a
+/// seventh (three states) or a half (five): docs/explanation/performance.md. Each throws as its
+/// class does.
 std::unique_ptr<DisturbanceEstimator> sized_kfd(const KalmanDesign& design);
 std::unique_ptr<DisturbanceEstimator> sized_fakfd(const KalmanDesign& design,
                                                   const Eigen::VectorXd& gamma);

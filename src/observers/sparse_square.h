@@ -1,4 +1,4 @@
-// A square matrix that is mostly 0, as the linear part of a process is.
+// A sparse square matrix, such as the linear part of a process.
 #pragma once
 
 #include <Eigen/Core>
@@ -7,8 +7,8 @@
 
 namespace breakwater::detail {
 
-/// An N×N matrix in compressed rows: its entries that are not 0. Products sum in the order of the
-/// columns; what is 0 here times what is not finite is left out. Allocates nothing.
+/// An N×N matrix in compressed rows. Products sum in the order of the columns. They skip the zeros
+/// of the matrix, also when the other factor is not finite. Allocates nothing.
 template <int N>
 class SparseSquare {
  public:
@@ -34,7 +34,7 @@ class SparseSquare {
     }
   }
 
-  /// result = X Aᵀ; the two must not overlap.
+  /// result = X Aᵀ. X and result must not overlap.
   void transposed_times(const Eigen::Matrix<double, N, N>& X,
                         Eigen::Matrix<double, N, N>& result) const {
     std::size_t e = 0;

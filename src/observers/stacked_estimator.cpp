@@ -9,14 +9,15 @@ namespace breakwater {
 
 StackedEstimator::StackedEstimator(std::vector<std::unique_ptr<DisturbanceEstimator>> axes)
     : axes_(std::move(axes)), estimate_(Eigen::VectorXd::Zero(3 * size())) {
-  if (axes_.empty()) throw std::invalid_argument("stacked estimators: needs one at least");
+  if (axes_.empty()) throw std::invalid_argument("stacked estimators: needs at least one");
   const auto of_first = axes_.front()->signals();
   published_.setZero(size(), static_cast<Eigen::Index>(of_first.size()));
   for (Eigen::Index i = 0; i < size(); ++i) {
     const DisturbanceEstimator& axis = *axes_[static_cast<std::size_t>(i)];
     if (axis.state().size() != 2 || axis.disturbance().size() != 1 ||
         axis.signals().size() != of_first.size()) {
-      throw std::invalid_argument("stacked estimators: each must be of one axis, and of one kind");
+      throw std::invalid_argument(
+          "stacked estimators: each must be for one axis, and all of one kind");
     }
     copies_.push_back({axis.state().data(), &estimate_(i)});
     copies_.push_back({axis.state().data() + 1, &estimate_(size() + i)});

@@ -1,4 +1,4 @@
-// Estimators of one axis each, as one of all axes.
+// Estimators of single axes, combined into an estimator of all axes.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,10 +9,10 @@
 
 namespace breakwater {
 
-/// n decoupled axes, each with an estimator of its own: x̂ = [q (n); q̇ (n)], d̂ (n), y = q (n).
+/// n decoupled axes, each with its own estimator: x̂ = [q (n); q̇ (n)], d̂ (n), y = q (n).
 class StackedEstimator final : public DisturbanceEstimator {
  public:
-  /// Throws std::invalid_argument if there is none, or one is not of a single axis.
+  /// Throws std::invalid_argument if there is no estimator, or one is not for a single axis.
   explicit StackedEstimator(std::vector<std::unique_ptr<DisturbanceEstimator>> axes);
 
   void reset(const Vector& x) override;
@@ -20,12 +20,12 @@ class StackedEstimator final : public DisturbanceEstimator {
 
   View state() const override { return {estimate_.data(), 2 * size()}; }
   View disturbance() const override { return {estimate_.data() + 2 * size(), size()}; }
-  /// A number that every axis publishes is one signal of n values. A signal of several values stays
-  /// each axis' own: NAME_q1, NAME_q2, …
+  /// The scalar signals of the axes with one name form a signal of n values. Signals of several
+  /// values stay separate: NAME_q1, NAME_q2, …
   std::span<const Signal> signals() const override { return signals_; }
 
  private:
-  // A number of an axis, and where it stands among those of all.
+  // Source and destination of a scalar of an axis.
   struct Copy {
     const double* from;
     double* to;
@@ -36,7 +36,7 @@ class StackedEstimator final : public DisturbanceEstimator {
 
   std::vector<std::unique_ptr<DisturbanceEstimator>> axes_;
   Eigen::VectorXd estimate_;   // [q; q̇; d]
-  Eigen::MatrixXd published_;  // a column a signal
+  Eigen::MatrixXd published_;  // one column per signal
   std::vector<Copy> copies_;
   std::vector<Signal> signals_;
 };

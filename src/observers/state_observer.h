@@ -1,4 +1,4 @@
-// A plain state observer, which knows of no disturbance: case (b) of thesis 2.3.6.
+// A state observer without a disturbance model: case (b) of thesis 2.3.6.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,12 +9,12 @@
 
 namespace breakwater {
 
-/// x̂(k+1) = A x̂(k) + B u(k) + H (y(k) − C x̂(k)), with d̂ = 0: what stands beside the disturbance
-/// observers to show what they add. As with the IDOB, x̂(k) has seen y(0) … y(k−1).
+/// x̂(k+1) = A x̂(k) + B u(k) + H (y(k) − C x̂(k)) with d̂ = 0, for comparison with the disturbance
+/// observers. x̂(k) depends on y(0) … y(k−1), as with the IDOB.
 class StateObserver final : public DisturbanceEstimator {
  public:
-  /// `poles` [1/s], continuous, n in all, one group per output, each stable. Throws
-  /// std::invalid_argument if one is not, or they cannot be placed.
+  /// `poles` [1/s], continuous and stable: n in all, one group per output. Throws
+  /// std::invalid_argument if a pole is not stable or the placement fails.
   StateObserver(const StateSpace& continuous_plant, const std::vector<PoleGroup>& poles,
                 double period_s);
 
@@ -38,7 +38,7 @@ class StateObserver final : public DisturbanceEstimator {
 
  private:
   PolePredictor predictor_;
-  Eigen::VectorXd disturbance_;  // 0
+  Eigen::VectorXd disturbance_;  // always 0
   std::vector<Signal> signals_;
 };
 

@@ -5,7 +5,7 @@
 namespace breakwater {
 namespace {
 
-constexpr double kSmallestR = 1e-26;  // of a sensor whose rounding is that of the arithmetic
+constexpr double kSmallestR = 1e-26;  // the error of the arithmetic in place of the sensor's
 constexpr double kPriorShare = 0.01;
 
 }  // namespace

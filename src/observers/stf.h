@@ -1,4 +1,5 @@
-// Strong tracking filter with a gate (STF): a Kalman filter that wakes up when it is surprised.
+// Strong tracking filter (STF): a Kalman filter that raises its covariance after a large
+// innovation.
 #pragma once
 
 #include <algorithm>
@@ -9,29 +10,29 @@
 
 namespace breakwater {
 
-/// The Kalman design of the STF: R = Δ²/12 + σ², or Δ²/3 + σ² of an encoder that truncates (with a
-/// floor), Q = 0, and
-/// P0 = R/100·diag(1, …, 1, T_s⁻², …) (T_s⁻² on the disturbance and its derivatives).
+/// The Kalman design of the STF: Q = 0, and R = Δ²/12 + σ² (Δ²/3 + σ² for an encoder that
+/// truncates) with a floor. P0 = R/100·diag(1, …, 1, T_s⁻², …), with T_s⁻² for the disturbance and
+/// its derivatives.
 KalmanDesign stf_design(const ExtendedPlant& plant, const SensorError& error, double period_s);
 
-/// The KFD without process noise, whose covariance is inflated before the gain is computed, but
-/// only if the innovation is more than the sensor's error and the estimate's own uncertainty
-/// explain, however the encoder rounds (qvff.h):
+/// A KFD without process noise. It inflates the covariance before the gain if the innovation leaves
+/// a gate. The gate covers the sensor's error and the estimate's own uncertainty, for rounding and
+/// truncation (qvff.h):
 ///     if |ê| > Δ + 5σ + 2 √P₁₁:  P ← P · clip(4 ê²/(P₁₁ + R), 1, 1e6),   P₁₁ = C̅ P(k|k−1) C̅ᵀ.
-/// After that P₁₁ + R is about 4 ê²: the innovation has become half a standard deviation. Between
-/// such moments the gain fades as 1/k, and so does the noise of the estimate; a disturbance that
-/// keeps changing therefore is only followed in jumps.
+/// P₁₁ + R is then about 4 ê²: the innovation is half a standard deviation. Between the inflations
+/// the gain and the noise of the estimate fall as 1/k. A disturbance that keeps changing is
+/// therefore followed only in jumps.
 ///
-/// An inflation also raises what the outputs hardly see, and nothing takes that down again: with a
-/// disturbance of order 2, P of a random plant passed 1e16 after 9e4 samples of surprises. Order 0
-/// is what it is for.
+/// An inflation also raises covariances that the outputs hardly depend on, and nothing reduces them
+/// again. With a disturbance of order 2, P of a random plant exceeded 1e16 after 9e4 samples with
+/// such innovations. Use order 0.
 ///
-/// For p outputs the largest factor of those whose gate is open counts. λ(k) is the factor's
-/// inverse. Where the instants are uncertain, what that makes of the output counts as σ does.
+/// For p outputs, the largest factor among the open gates applies. λ(k) is its inverse. If the
+/// sample times are uncertain, the resulting output error counts as σ does.
 template <int N = Eigen::Dynamic, int m = Eigen::Dynamic, int p = Eigen::Dynamic>
 class Stf final : public KalmanEstimator<N, m, p> {
  public:
-  /// Throws std::invalid_argument as stf_design() and check(SensorError) do.
+  /// Throws as stf_design() and check(SensorError) do.
   Stf(const KalmanDesign& design, const SensorError& error) : KalmanEstimator<N, m, p>(design) {
     check(error, design.plant.outputs());
     gate_ = error.quantum + kNoiseShare * error.noise_std;

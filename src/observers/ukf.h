@@ -12,11 +12,11 @@
 namespace breakwater {
 namespace detail {
 
-/// Sends the symmetric set x ± √n L e_j through the process. `mean` gets their mean; T and S the
-/// halves of differences and sums of each pair about it, so that the points' covariance is
-/// (T Tᵀ + S Sᵀ)/n; S lives in the process' nonlinear rows. L is lower triangular, so pair j
-/// differs from the mean in states j … n − 1 alone. L and T are transposed here: the linear part
-/// goes over their columns.
+/// Maps the symmetric set x ± √n L e_j through the process. `mean` is the mean of the results. T
+/// has half of the difference of each pair, and S half of its sum minus the mean. The covariance is
+/// (T Tᵀ + S Sᵀ)/n. S is 0 outside the process' nonlinear rows. L is lower triangular, so pair j
+/// differs from x in states j … n − 1 alone. L and T are stored transposed, for products with the
+/// sparse linear part.
 template <Process P>
 class SigmaPoints {
  public:
@@ -49,7 +49,7 @@ class SigmaPoints {
       mean_of_g += S.col(j) / N;
     }
     S.colwise() -= mean_of_g;
-    // Pairs that have the mean's g all have the same S.
+    // All pairs beyond kArguments have the same g as x, hence the same S.
     rest = std::sqrt(static_cast<double>(N - P::kArguments)) * (at_mean - mean_of_g);
     mean.template segment<P::kRows>(P::kFirstRow) += mean_of_g;
   }
@@ -68,8 +68,8 @@ class SigmaPoints {
 /// Unscented Kalman filter with α = 1, β = κ = 0: 2n sigma points x ± √n L e_j of equal weight
 /// 1/(2n), L Lᵀ = P. S. J. Julier and J. K. Uhlmann, Proc. IEEE 92 (2004) 401–422.
 ///
-/// L is P's Cholesky factor. Should P lose its definiteness by rounding, its eigenvalues are raised
-/// to 1e-12 of the largest, which is counted in repairs().
+/// L is P's Cholesky factor. If rounding makes P indefinite, its eigenvalues are raised to 1e-12 of
+/// the largest one. repairs() counts this.
 template <Process P, int p>
 class Ukf final : public GaussianEstimate<P::kStates, p> {
  public:
@@ -80,10 +80,10 @@ class Ukf final : public GaussianEstimate<P::kStates, p> {
   using typename Base::State;
   using Input = typename P::Input;
 
-  /// Throws std::invalid_argument as check(design).
+  /// Throws std::invalid_argument as check(design) does.
   Ukf(const P& process, const Design& design) : Base(design), process_(process), points_(process) {}
 
-  /// From sample k − 1 to k under the input that was held. Allocates nothing.
+  /// Predicts sample k from sample k − 1 and the held input. Allocates nothing.
   void predict(const Input& u) {
     factor_.compute(P_);
     if (factor_.info() != Eigen::Success) repair();
@@ -101,8 +101,8 @@ class Ukf final : public GaussianEstimate<P::kStates, p> {
   }
 
   const P& process() const { return process_; }
-  /// For a process whose parameters are tracked: calls `change(process)`, between samples, and
-  /// takes its linear() over. Q is set_process_noise()'s.
+  /// Changes the process between samples: calls `change(process)` and reads linear() again. It does
+  /// not change Q: use set_process_noise().
   template <typename Change>
   void change_process(const Change& change) {
     change(process_);

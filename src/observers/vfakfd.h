@@ -1,5 +1,4 @@
-// Kalman filter with disturbance estimation and a variable forgetting factor (VFAKFD):
-// thesis 4.3.1.
+// Variable forgetting factor-based adaptive Kalman filter (VFAKFD): thesis 4.3.1.
 #pragma once
 
 #include <algorithm>
@@ -10,8 +9,8 @@
 namespace breakwater {
 
 struct VfakfdDesign {
-  Eigen::VectorXd alpha;      ///< α > 0 of each output, in its unit squared
-  Eigen::VectorXd dead_zone;  ///< of each output's innovation, in its unit; 0 in the thesis
+  Eigen::VectorXd alpha;      ///< α > 0 for each output, in its unit squared
+  Eigen::VectorXd dead_zone;  ///< for each innovation, in the output's unit; 0 in the thesis
   double lambda_min = 0.8;
   double lambda_max = 1.0;
 };
@@ -21,19 +20,18 @@ inline double vfakfd_alpha(double pulses_per_revolution, double period_s) {
   return 1.0 / (pulses_per_revolution * period_s);
 }
 
-/// The KFD that forgets as far as its innovation says that something changed (Eqs. 4.18–4.21):
+/// The KFD with a forgetting factor that depends on the innovation (Eqs. 4.18–4.21):
 ///     λ(k) = λ_max − 1/(1 + C̅ P(k|k−1) C̅ᵀ) · ê²(k)/α,  kept within [λ_min, λ_max],
 ///     D(k) = C̅ P(k|k−1) C̅ᵀ + λ(k),
 ///     P(k|k) = λ⁻¹(k) (I − K(k) C̅) P(k|k−1).
-/// λ(k) is that of the current innovation in both places. The design's R is not used.
+/// Both places use λ(k) of the current innovation. The design's R is not used.
 ///
-/// For p outputs, with ẽ_i = ê_i/√α_i, λ(k) = λ_max − ẽᵀ (I + C̅ P C̅ᵀ)⁻¹ ẽ, which is Eq. 4.20 for
-/// p = 1, and D(k) = C̅ P C̅ᵀ + λ(k)·I. The innovation is first brought nearer to 0 by the dead zone
-/// (qvff.h).
+/// For p outputs, with ẽ_i = ê_i/√α_i: λ(k) = λ_max − ẽᵀ (I + C̅ P C̅ᵀ)⁻¹ ẽ and D(k) = C̅ P C̅ᵀ +
+/// λ(k)·I. For p = 1 this is Eq. 4.20. The dead zone is first subtracted from |ê| (qvff.h).
 template <int N = Eigen::Dynamic, int m = Eigen::Dynamic, int p = Eigen::Dynamic>
 class Vfakfd final : public KalmanEstimator<N, m, p> {
  public:
-  /// Throws std::invalid_argument unless α > 0, the dead zone ≥ 0 and 0 < λ_min ≤ λ_max ≤ 1.
+  /// Throws std::invalid_argument unless α > 0, dead zone ≥ 0 and 0 < λ_min ≤ λ_max ≤ 1.
   Vfakfd(const KalmanDesign& design, const VfakfdDesign& adaptation)
       : KalmanEstimator<N, m, p>(design),
         lambda_min_(adaptation.lambda_min),
@@ -71,7 +69,7 @@ class Vfakfd final : public KalmanEstimator<N, m, p> {
   }
 
  private:
-  // One output, with one division: s = C̅ P C̅ᵀ, b = 1 + s and a = λ b give
+  // For one output, with a single division: s = C̅ P C̅ᵀ, b = 1 + s and a = λ b give
   //     1/D = 1/(s + λ) = b a r   and   1/λ = b (s b + a) r   with   r = 1/(a (s b + a)).
   void correct_and_forget() {
     const double s = this->output_covariance_(0, 0);
@@ -104,7 +102,7 @@ class Vfakfd final : public KalmanEstimator<N, m, p> {
     }
   }
 
-  static constexpr double kInstantShare = 4.5;  // as QVFF's dead zone has of the noise
+  static constexpr double kInstantShare = 4.5;  // the same factor as for σ in QVFF's dead zone
 
   double lambda_min_;
   double lambda_max_;

@@ -10,7 +10,7 @@
 namespace breakwater {
 namespace {
 
-constexpr double kForgotten = 40.0;  // a log likelihood so far below the best has no weight
+constexpr double kForgotten = 40.0;  // a log-likelihood this far below the best has no weight
 
 bool fits(const ResonatorPair& pair) {
   return std::all_of(pair.begin(), pair.end(), [](const Resonator& r) {

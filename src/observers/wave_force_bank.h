@@ -1,4 +1,4 @@
-// How strong the waves' force is and where it has its energy, from how they push on one axis.
+// Estimates strength and spectrum of the wave force from the motion of one axis.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,45 +9,46 @@
 namespace breakwater {
 
 struct WaveForceBankDesign {
-  /// The force's spectrum at each candidate period, in the order of the periods, as pairs of
-  /// variance 1. One: the period is known.
+  /// The force's spectrum at each candidate period, in increasing order, as pairs of variance 1. A
+  /// single pair: the period is known.
   std::vector<ResonatorPair> shapes;
   double mass_kg = 1.0;
-  double bias_std_N = 5e-4;        ///< walk of the constant force at each sample
-  double velocity_std_m_s = 2e-4;  ///< walk of the velocity at each sample
-  double position_std_m = 0.1;     ///< of the measurement's noise
-  /// Candidates of the force's standard deviation, in equal ratios. One: it is `weakest_N`.
+  double bias_std_N = 5e-4;        ///< process noise of the constant force
+  double velocity_std_m_s = 2e-4;  ///< process noise of the velocity
+  double position_std_m = 0.1;     ///< measurement noise
+  /// Candidates of the force's standard deviation, in equal ratios. A single one: `weakest_N`.
   double weakest_N = 0.03;
   double strongest_N = 1.0;
   int strengths = 9;
-  double memory_s = 60.0;    ///< how long a sample counts, by e
-  double settling_s = 15.0;  ///< for which it only listens
+  double memory_s = 60.0;    ///< time constant of the exponential forgetting
+  double settling_s = 15.0;  ///< the estimate stays constant until then
   double period_s = 0.01;
 };
 
-/// Likelihood of candidate seas: for each shape and each strength a Kalman filter of the axis
-///     m p̈ = F_known + f₁ + f₂ + b,  f̈ᵢ + 2 ζᵢ ωᵢ ḟᵢ + ωᵢ² fᵢ = white,  b walks,  p measured,
-/// with its stationary gain. A filter's innovations e have variance S, so its log likelihood grows
-/// by −(ln S + e²/S)/2 a sample, forgotten exponentially. The estimate is the mean of the
-/// logarithms of the pair's ω, ζ and σ under the candidates' likelihoods.
+/// Maximum likelihood among sea states: for each shape and each strength a Kalman filter of the
+/// axis
+///     m p̈ = F_known + f₁ + f₂ + b,  f̈ᵢ + 2 ζᵢ ωᵢ ḟᵢ + ωᵢ² fᵢ = white,  b random walk, p measured,
+/// with its stationary gain. Innovations e of variance S add −(ln S + e²/S)/2 to the filter's
+/// log-likelihood in each sample, with exponential forgetting. The estimate is the mean of ln ω, ln
+/// ζ and ln σ of the candidates, weighted by their likelihoods.
 class WaveForceBank {
  public:
   /// Throws std::invalid_argument if there is no shape, a value is not positive, or the strengths
-  /// are out of order.
+  /// are not in increasing order.
   explicit WaveForceBank(const WaveForceBankDesign& design);
 
   void reset(double position_m);
-  /// One sample: the known force that was held since the last one, and the position measured now.
+  /// One sample: the known force held since the last sample, and the position measured now.
   /// Allocates nothing.
   void update(double known_force_N, double position_m);
-  /// Of the waves' force [N].
+  /// The resonators of the wave force [N].
   const ResonatorPair& resonators() const { return resonators_; }
 
  private:
   using State = Eigen::Matrix<double, 7, 1>;       // p, ṗ, b, f₁, h₁, f₂, h₂; h = ḟ/ω
-  using Logarithms = Eigen::Matrix<double, 6, 1>;  // of ω, ζ, σ of both
+  using Logarithms = Eigen::Matrix<double, 6, 1>;  // of ω, ζ, σ of both resonators
   struct Shape {
-    Eigen::Matrix2d first, second;  // the resonators' steps
+    Eigen::Matrix2d first, second;  // one-sample matrices of the resonators
     Logarithms logarithms;
   };
   struct Candidate {

@@ -1,4 +1,4 @@
-// The frequency of the waves' force, from how they push on one axis.
+// Estimates the frequency of the wave force from the motion of one axis.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,30 +9,31 @@ namespace breakwater {
 struct WaveFrequencyDesign {
   double mass_kg = 1.0;
   double damping = 0.15;           ///< ζ_r of the resonators
-  double force_std_N = 0.3;        ///< of the waves' force, stationary
-  double bias_std_N = 2e-3;        ///< walk of the constant force at each sample
-  double velocity_std_m_s = 3e-3;  ///< walk of the velocity at each sample
-  double position_std_m = 0.1;     ///< of the measurement's noise
+  double force_std_N = 0.3;        ///< stationary standard deviation of the wave force
+  double bias_std_N = 2e-3;        ///< process noise of the constant force
+  double velocity_std_m_s = 3e-3;  ///< process noise of the velocity
+  double position_std_m = 0.1;     ///< measurement noise
   double shortest_period_s = 4.0;
   double longest_period_s = 14.0;
-  int candidates = 15;       ///< frequencies between them, in equal ratios
-  double memory_s = 60.0;    ///< how long a sample counts, by e
-  double settling_s = 15.0;  ///< for which it only listens
+  int candidates = 15;       ///< number of frequencies, in equal ratios
+  double memory_s = 60.0;    ///< time constant of the exponential forgetting
+  double settling_s = 15.0;  ///< the estimate stays constant until then
   double period_s = 0.01;
 };
 
 /// Maximum likelihood among candidate frequencies: for each one a Kalman filter of the axis
-///     m p̈ = F_known + f + b,  f̈ + 2 ζ_r ω ḟ + ω² f = white,  b walks,  p measured,
-/// with its stationary gain. A filter's innovations e have variance S, so its log likelihood grows
-/// by −(ln S + e²/S)/2 a sample, forgotten exponentially. The estimate is the mean of ln ω under
-/// the candidates' likelihoods.
+///     m p̈ = F_known + f + b,  f̈ + 2 ζ_r ω ḟ + ω² f = white,  b random walk, p measured,
+/// with its stationary gain. Innovations e of variance S add −(ln S + e²/S)/2 to the filter's
+/// log-likelihood in each sample, with exponential forgetting. The estimate is the mean of ln ω,
+/// weighted by the candidates' likelihoods.
 class WaveFrequency {
  public:
-  /// Throws std::invalid_argument if a value is not positive or the periods are out of order.
+  /// Throws std::invalid_argument if a value is not positive or the periods are not in increasing
+  /// order.
   WaveFrequency(const WaveFrequencyDesign& design, double first_guess_rad_s);
 
   void reset(double position_m);
-  /// One sample: the known force that was held since the last one, and the position measured now.
+  /// One sample: the known force held since the last sample, and the position measured now.
   void update(double known_force_N, double position_m);
   double omega_rad_s() const { return omega_rad_s_; }
 
