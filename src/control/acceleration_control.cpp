@@ -30,7 +30,7 @@ std::unique_ptr<DisturbanceEstimator> joint_idobs(const Eigen::VectorXd& nominal
   if (static_cast<Eigen::Index>(poles.size()) != nominal_inertia_kgm2.size()) {
     throw std::invalid_argument("acceleration control: needs one group of poles per joint");
   }
-  // Eqs. 2.56–2.58 decouple the joints: each has an observer of its own.
+  // Eqs. 2.56–2.58 decouple the joints: each has its own observer.
   std::vector<std::unique_ptr<DisturbanceEstimator>> joints;
   for (std::size_t i = 0; i < poles.size(); ++i) {
     const double inertia = nominal_inertia_kgm2(static_cast<Eigen::Index>(i));

@@ -11,59 +11,57 @@
 
 namespace breakwater {
 
-/// What the observer is told that the motors did.
+/// The torque that the observer gets.
 enum class ObserverFeed {
-  clipped,   ///< the torque after saturation: what really acted (the proposed method)
-  unclipped  ///< the torque asked for, as Eqs. 2.88 and 2.92 imply; winds up in saturation
+  clipped,   ///< the torque after saturation, which really acted (the proposed method)
+  unclipped  ///< the torque before saturation, as Eqs. 2.88 and 2.92 imply; winds up in saturation
 };
 
 struct AccelerationControlDesign {
   Eigen::VectorXd nominal_inertia_kgm2;  ///< diagonal of J_n, n
   Eigen::VectorXd torque_limit_Nm;       ///< τ_limit, n (Eq. 2.81)
-  /// Makes an estimator of all joints: x̂ = [q; q̇] (2n), d̂ (n). It is told the torques, and
-  /// measures the angles.
+  /// Makes an estimator of all joints: x̂ = [q; q̇] (2n), d̂ (n), from torques and measured angles.
   std::function<std::unique_ptr<DisturbanceEstimator>()> make_observer;
   ObserverFeed feed = ObserverFeed::clipped;
   double period_s = 0.0;
 };
 
-/// An IDOB for each of n decoupled joints J_n q̈ = τ − d with their angles measured (Eqs.
-/// 2.56–2.58), three poles [1/s] a joint. Throws std::invalid_argument as Idob does, or if the
-/// sizes differ.
+/// An IDOB for each of n decoupled joints J_n q̈ = τ − d with measured angles (Eqs. 2.56–2.58),
+/// with three poles [1/s] per joint. Throws std::invalid_argument as Idob does, or if the sizes
+/// differ.
 std::unique_ptr<DisturbanceEstimator> joint_idobs(const Eigen::VectorXd& nominal_inertia_kgm2,
                                                   const std::vector<PoleGroup>& poles,
                                                   double period_s);
 
-/// Makes each joint of a manipulator a double integrator q̈ = a, whatever the coupling, friction
-/// and external torques, by cancelling the disturbance that is estimated (Eqs. 2.53–2.58, of which
-/// the thesis' estimator is the IDOB):
+/// Makes each joint of a manipulator a double integrator q̈ = a. It cancels the estimated
+/// disturbance: coupling, friction and external torques (Eqs. 2.53–2.58; the thesis uses an IDOB):
 ///     τ = J_n a + τ̂_d   (Eq. 2.82; 2.88 and 2.92 must read so too).
-/// Eq. 2.15 is this disturbance of one joint, with the other sign.
+/// Eq. 2.15 is this disturbance for one joint, with the other sign.
 ///
-/// Used once a sample: update(q), read the estimates, decide a, then command(a).
+/// Each sample: update(q), read the estimates, choose a, then command(a).
 class AccelerationControl {
  public:
-  /// Throws std::invalid_argument if the sizes differ, an inertia or a limit is not positive, or
+  /// Throws std::invalid_argument if the sizes differ or an inertia or a limit is not positive, and
   /// as make_observer() does.
   explicit AccelerationControl(const AccelerationControlDesign& design);
 
   /// Starts the observer at rest at `q` with no disturbance.
   void reset(const Eigen::Ref<const Eigen::VectorXd>& q_rad);
 
-  /// One sample: lets the observer see the last command and what is measured now.
+  /// Updates the observer with the last command and the present measurement.
   void update(const Eigen::Ref<const Eigen::VectorXd>& measured_q_rad);
 
-  /// This sample's, at addresses that do not change.
+  /// The estimates of this sample, at addresses that do not change.
   using View = DisturbanceEstimator::View;
   View q_hat() const { return {observer_->state().data(), joints()}; }
   View dq_hat() const { return {observer_->state().data() + joints(), joints()}; }
   View d_hat() const { return observer_->disturbance(); }
 
-  /// The accelerations that keep each joint within its torque limit (Eqs. 2.83, 2.84) [rad/s²].
+  /// Bounds of the acceleration that keep the torque within its limits (Eqs. 2.83, 2.84) [rad/s²].
   double lower_acceleration(Eigen::Index joint) const;
   double upper_acceleration(Eigen::Index joint) const;
 
-  /// Writes the torque for acceleration `a`.
+  /// Writes the torque for the acceleration `a`.
   void command(const Eigen::Ref<const Eigen::VectorXd>& a_rad_s2,
                Eigen::Ref<Eigen::VectorXd> torque_Nm);
 

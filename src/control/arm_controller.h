@@ -1,4 +1,4 @@
-// What the arm's three controllers share: estimation, kinematics, phases, torque, signals.
+// The common part of the arm's three controllers: estimation, kinematics, phases, torque, signals.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,30 +11,30 @@
 
 namespace breakwater {
 
-/// What the arm is to do: hold a pose, then from some time on push in x with a force (2.4.3.2).
+/// The task of the arm: hold a pose, then push in x with a force (2.4.3.2).
 struct ArmTask {
-  TipPose start_pose = TipPose::Zero();  ///< X_0^ref; its y and φ are held in force control too
-  Eigen::VectorXd start_angles_rad;      ///< q_0^ref: the posture, where the observer starts
+  TipPose start_pose = TipPose::Zero();  ///< X_0^ref; force control keeps its y and φ
+  Eigen::VectorXd start_angles_rad;      ///< q_0^ref: the posture, and the start of the observer
   double force_control_from_s = std::numeric_limits<double>::infinity();
   double force_reference_N = 0.0;  ///< F_x^ref, positive when the tip presses towards +x
   double convert_gain_N_m = 1.0;   ///< K_f of the implicit force control
   double force_lag_s = 0.0;        ///< τ_F, time constant of the force sensor's low-pass
 };
 
-/// Implicit force control, x^ref = x + (F_x^ref − F_x)/K_f (Eqs. 2.60–2.62): a force error becomes
-/// a position error, so the position loop does not need the environment's stiffness.
+/// Implicit force control, x^ref = x + (F_x^ref − F_x)/K_f (Eqs. 2.60–2.62). It converts a force
+/// error into a position error, so the position loop does not need the environment's stiffness.
 inline double implicit_force_reference_m(const ArmTask& task, double x_m, double force_N) {
   return x_m + (task.force_reference_N - force_N) / task.convert_gain_N_m;
 }
 
-/// Expects samples y = [q (n) [rad]; F_x [N]; F_x before the sensor's low-pass [N]], the last of
-/// which may be missing, and writes torques u (n) [N m]. Derived classes decide the joints'
-/// acceleration; acceleration control with a disturbance observer makes it so.
+/// Expects samples y = [q (n) [rad]; F_x [N]; F_x before the sensor's low-pass [N]], where the last
+/// entry is optional. Writes torques u (n) [N m]. A derived class chooses the acceleration of the
+/// joints, and AccelerationControl realises it.
 ///
-/// The observer starts at q_0^ref, not at the measurement (2.4.3.1): from the stretched pose that
-/// the arm starts in, the Jacobian is singular and the workspace controllers would never leave it.
+/// The observer starts at q_0^ref, not at the measurement (2.4.3.1). The arm starts stretched: the
+/// Jacobian is singular there, and the workspace controllers would never leave this pose.
 class ArmController : public Controller {
-  // Before the views of its estimates.
+  // Declared before the views of its estimates.
   PlanarChain chain_;
   AccelerationControl acceleration_control_;
 
@@ -44,8 +44,7 @@ class ArmController : public Controller {
   std::span<const Signal> signals() const final { return signals_; }
 
  protected:
-  /// Throws std::invalid_argument if the task, the chain and the design differ in their joints, or
-  /// K_f is not positive.
+  /// Throws std::invalid_argument if the numbers of joints differ or K_f is not positive.
   ArmController(const PlanarChain& chain, const AccelerationControlDesign& design, ArmTask task);
 
   /// Writes a^ref (n) [rad/s²] from the members below.
@@ -57,7 +56,7 @@ class ArmController : public Controller {
   const AccelerationControl& joints() const { return acceleration_control_; }
   const PlanarChain& chain() const { return chain_; }
 
-  // This sample's, for decide().
+  // The estimates and references of this sample, for decide().
   AccelerationControl::View q_hat_;
   AccelerationControl::View dq_hat_;
   AccelerationControl::View d_hat_;
@@ -65,7 +64,7 @@ class ArmController : public Controller {
   double force_N_ = 0.0;
   double raw_force_N_ = 0.0;         // before the sensor's low-pass
   TipPose X_hat_ = TipPose::Zero();  // forward kinematics of q̂
-  TipPose X_ref_ = TipPose::Zero();  // filled with the task's: the start pose, or implicit force
+  TipPose X_ref_ = TipPose::Zero();  // the start pose, or implicit force control
   TipJacobian J_;                    // J_aco(q̂)
 
  private:

@@ -12,8 +12,8 @@
 namespace breakwater {
 namespace {
 
-// Below 60° of tilt on either axis, which the limit on the references never asks for, the thrust no
-// longer rises to hold the height.
+// Lower bound of cos φ cos θ. Up to 60° on both axes, the thrust rises with the tilt to hold the
+// height.
 constexpr double kSmallestCosine = 0.25;
 
 double away_from_zero(double value, double floor) {
@@ -112,10 +112,10 @@ QuadrotorController::QuadrotorController(const Backstepping& law,
                  view(thrust_disturbance_)},
           Signal{"force_estimate_N", "N", "disturbing force in the world, estimated", view(force_)},
           Signal{"wave_frequency_estimate_rad_s", "rad/s",
-                 "of the waves' force, as the estimator assumes; 0: it assumes none",
+                 "frequency of the wave force that the estimator assumes; 0: none",
                  view(wave_frequency_rad_s_)},
           Signal{"wave_force_std_estimate_N", "N",
-                 "of the waves' vertical force, as the estimator assumes; 0: it assumes none",
+                 "standard deviation of the vertical wave force that it assumes; 0: none",
                  view(wave_force_std_N_)}} {}
 
 void QuadrotorController::reset(const Sample& first) {

@@ -13,24 +13,24 @@
 
 namespace breakwater {
 
-/// α_1 … α_12: first of x, y, z, φ, θ, ψ, then of their rates.
+/// α_1 … α_12: gains of x, y, z, φ, θ, ψ, then of their rates.
 using BacksteppingGains = Eigen::Matrix<double, 12, 1>;
 
-/// As printed in 3.4.3.1.
+/// The gains printed in 3.4.3.1.
 BacksteppingGains printed_gains();
-/// The DLQR that gives them: the axes with linear friction, zero-order hold of `period_s`, the
-/// printed weights but `weight_z` for z. It is 1e4 that gives the printed gains; the printed 1e3
+/// Gains of a DLQR of the axes with linear friction, a zero-order hold of `period_s` and the
+/// printed weights, except `weight_z` for z. 1e4 gives the printed gains. The printed weight 1e3
 /// gives α_3 = 0.994.
 BacksteppingGains dlqr_gains(const QuadrotorParameters& parameters, double period_s,
                              double weight_z = 1e4);
-/// DLQR, with α = 1 for x and y and 6 for φ and θ, which are stable on the physical plant.
+/// DLQR gains, except α = 1 for x and y and 6 for φ and θ: these are stable on the physical plant.
 BacksteppingGains retuned_gains(const QuadrotorParameters& parameters, double period_s);
 
 struct BacksteppingDesign {
   BacksteppingGains alpha = BacksteppingGains::Ones();
   Vector6d reference = Vector6d::Zero();  ///< ζ_ref, at rest [m, rad]
-  double position_clamp_m = 0.0;          ///< |Z_1| of x, y, z is held below it; 0: no clamp
-  double thrust_floor_N = 0.5;            ///< |U_z| in divisors is at least this
+  double position_clamp_m = 0.0;          ///< upper bound of |Z_1| of x, y, z; 0: none
+  double thrust_floor_N = 0.5;            ///< lower bound of |U_z| in divisors
   double tilt_limit_rad = std::numbers::pi / 4.0;
 };
 
@@ -41,15 +41,15 @@ struct BacksteppingDesign {
 ///     U_z = (m a_z + G_z(ζ) − F_z)/(cos φ cos θ),   f = m a + G(ζ) − F on x and y,
 ///     θ_ref = sat(f_x/U_z),  φ_ref = sat(−f_y/U_z)                             (for Eq. 3.26),
 ///     τ = I a on φ, θ, ψ,
-/// G as the nominal plant has it, F a known force from outside. The printed U_x divides by
-/// U_z u_x, which is singular at hover. In the divisors U_z is at least the floor: its mean must
-/// carry the weight, and the vehicle cannot turn as fast as a noisy U_z changes its sign.
+/// G is that of the nominal plant, F a known external force. The printed U_x divides by U_z u_x,
+/// which is singular at hover. The floor bounds U_z in the divisors: U_z carries the weight on
+/// average. The vehicle cannot turn as fast as a noisy U_z changes its sign.
 class Backstepping {
  public:
   Backstepping(const QuadrotorModel& nominal, const BacksteppingDesign& design)
       : nominal_(nominal), design_(design) {}
 
-  /// U = [U_z, τ_φ, τ_θ, τ_ψ] for motion [ζ; ζ̇] and a force from outside [N].
+  /// U = [U_z, τ_φ, τ_θ, τ_ψ] for the motion [ζ; ζ̇] and an external force [N].
   Eigen::Vector4d wrench(const Eigen::Matrix<double, 12, 1>& motion,
                          const Eigen::Vector3d& force) const;
 
@@ -61,15 +61,15 @@ class Backstepping {
   BacksteppingDesign design_;
 };
 
-/// The largest real part of the poles of plant and control law, linearised at rest at the
-/// reference, with the state known and no sampling [1/s].
+/// The largest real part of the closed-loop poles [1/s], linearised at rest at the reference, with
+/// a known state and without sampling.
 double slowest_pole(const Backstepping& law, const QuadrotorModel& plant);
 
-/// Backstepping fed by an estimator: u, the thrusts [N], from y = [x y z φ θ ψ].
+/// Backstepping with an estimator: thrusts u [N] from y = [x y z φ θ ψ].
 class QuadrotorController final : public Controller {
  public:
-  /// `compensates`: whether it takes the estimated disturbance off, T − d̂, or feeds the estimated
-  /// world force forward.
+  /// `compensates`: subtracts the estimated disturbance, T − d̂, or feeds the estimated world force
+  /// forward.
   QuadrotorController(const Backstepping& law, std::shared_ptr<QuadrotorEstimator> estimator,
                       bool compensates);
 

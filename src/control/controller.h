@@ -1,4 +1,4 @@
-// What every controller is.
+// The interface of all controllers.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,14 +10,14 @@
 
 namespace breakwater {
 
-/// Thrown by a controller that cannot go on: it ends the run as failed.
+/// A controller throws this if it cannot continue. The run then fails.
 class ControlFailure : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// A sampled-data control law. It knows nothing of the simulator: it gets what its sensors gave at
-/// its own sampling instant, and writes a command. It owns its observer.
+/// A sampled-data control law. It knows nothing of the simulator: at each sampling instant it gets
+/// a measurement and writes a command. It owns its observer.
 class Controller {
  public:
   Controller() = default;
@@ -28,16 +28,15 @@ class Controller {
   /// Called once before the first update, with the first sample.
   virtual void reset(const Sample& first) = 0;
 
-  /// One sampling instant: `y` is what was measured, `u` the command until the next one, before
-  /// the plant's own saturation. Allocates nothing. May throw ControlFailure.
+  /// One sampling instant: `y` is the measurement, `u` the command until the next one, before the
+  /// plant's saturation. Allocates nothing. May throw ControlFailure.
   virtual void update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u) = 0;
 
-  /// What it lets others see. The views stay valid as long as the controller lives.
+  /// Signals for a log. The views stay valid as long as the controller lives.
   virtual std::span<const Signal> signals() const = 0;
 
-  /// Tells it whether anyone will read, after the next updates, those of signals() that its law
-  /// itself does not need; until it is told, someone does. It may spare itself their computation
-  /// where nobody does.
+  /// Says whether anyone reads the signals() that the control law does not need; true by default.
+  /// If not, the controller may skip their computation.
   virtual void set_watched(bool /*is_watched*/) {}
 };
 

@@ -18,29 +18,29 @@ struct DisturbanceCancellingPdDesign {
   double k_p = 0.0;                                              ///< K_p, force per position
   double k_d = 0.0;                                              ///< K_d, force per velocity
   StepReference reference;                                       ///< y_ref
-  double force_limit = std::numeric_limits<double>::infinity();  ///< of the drive
+  double force_limit = std::numeric_limits<double>::infinity();  ///< limit of the drive
   double period_s = 0.0;                                         ///< T_s
   AxisUnits units;
-  Eigen::Vector2d start_state = Eigen::Vector2d::Zero();  ///< of the estimator
+  Eigen::Vector2d start_state = Eigen::Vector2d::Zero();  ///< start of the estimator
 };
 
-/// One axis with the state fed back that an estimator gives:
+/// State feedback of one axis with an estimator:
 ///     u(k) = K_p (y_ref − ŷ(k)) − K_d v̂(k) + d̂(k)   (Eqs. 4.10, 4.22).
-/// The estimates are those of the same sample. The estimator is told of u as the drive's limit
-/// clips it; what else the drive does to it, the estimator must find.
+/// The estimates are those of the same sample. The estimator gets u after the drive's force limit.
+/// All other effects of the drive are part of d̂.
 ///
-/// Expects samples whose first entry is the measured position.
+/// Expects the measured position as the first entry of a sample.
 class DisturbanceCancellingPd final : public Controller {
  public:
-  /// Throws std::invalid_argument unless period and limit are positive and the estimator is one of
-  /// a single axis.
+  /// Throws std::invalid_argument unless period and limit are positive and the estimator is for a
+  /// single axis.
   DisturbanceCancellingPd(std::shared_ptr<DisturbanceEstimator> estimator,
                           const DisturbanceCancellingPdDesign& design);
 
   void reset(const Sample& first) override;
   void update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u) override;
   std::span<const Signal> signals() const override { return signals_; }
-  /// The estimator's poles are for those who watch alone.
+  /// Without a reader, the estimator's poles are not computed.
   void set_watched(bool is_watched) override { is_watched_ = is_watched; }
 
   double reference() const { return reference_; }

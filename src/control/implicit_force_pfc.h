@@ -1,4 +1,4 @@
-// The thesis' proposed method: implicit force control over torque-limited PFC joints (2.4.2).
+// The thesis' proposed method: implicit force control with torque-limited PFC joints (2.4.2).
 #pragma once
 
 #include <vector>
@@ -9,7 +9,7 @@
 
 namespace breakwater {
 
-/// How the arm holds its start pose before force control, and throughout if there is none.
+/// How the arm holds its start pose before force control.
 enum class Positioning {
   joint,     ///< each joint to q_0^ref: fixes the posture (elbow up or down), as in 2.4.3.2
   workspace  ///< the tip to X_0^ref by inverse kinematics, as in 2.4.3.3
@@ -21,12 +21,12 @@ struct ImplicitForcePfcDesign {
   Positioning positioning = Positioning::joint;
 };
 
-/// Force error → tip position error (implicit force control) → joint angle error (LM inverse
-/// kinematics) → joint acceleration (PFC), clipped so that the torque stays within its limits
-/// (Eq. 2.84): the system of Fig. 2.43.
+/// The system of Fig. 2.43. Implicit force control converts the force error into a position error
+/// of the tip. LM inverse kinematics converts this into errors of the joint angles, and a PFC into
+/// accelerations. The torque limits bound these accelerations (Eq. 2.84).
 class ImplicitForcePfc final : public ArmController {
  public:
-  /// Throws std::invalid_argument where the parts do, or if there is not one PFC per joint.
+  /// Throws std::invalid_argument as the parts do, or if there is not one PFC per joint.
   ImplicitForcePfc(const PlanarChain& chain, const AccelerationControlDesign& acceleration,
                    const ArmTask& task, const ImplicitForcePfcDesign& design);
 

@@ -1,4 +1,4 @@
-// Inverse kinematics step by Levenberg–Marquardt: thesis 2.4.2.3.
+// One step of inverse kinematics by Levenberg–Marquardt: thesis 2.4.2.3.
 #pragma once
 
 #include <Eigen/Cholesky>
@@ -8,11 +8,11 @@
 
 namespace breakwater {
 
-/// Which reading of Eqs. 2.66 and 2.68 is taken.
+/// The reading of Eqs. 2.66 and 2.68.
 enum class LmForm {
-  /// As printed: M = Jᵀ W_e X_e + X_e and W_n = diag(|X_e|) + λ I. Adds a task-space error to a
-  /// joint-space vector, which is dimensionally odd, and needs as many joints as task coordinates.
-  /// (Eq. 2.68 prints diag(X_e); a damping must not be negative.)
+  /// As printed: M = Jᵀ W_e X_e + X_e and W_n = diag(|X_e|) + λ I. This adds a task-space error to
+  /// a joint-space vector, which is dimensionally wrong, and needs as many joints as task
+  /// coordinates. Eq. 2.68 prints diag(X_e), but a damping must not be negative.
   printed,
   /// For any number of joints: M = Jᵀ W_e X_e and W_n = (½ X_eᵀ W_e X_e + λ) I, as in T. Sugihara,
   /// IEEE Trans. Robotics 27 (2011) 984–991.
@@ -26,15 +26,15 @@ struct LmDesign {
   LmForm form = LmForm::printed;
 };
 
-/// q^ref = q + q̃ with q̃ = {Jᵀ W_e J + W_n}⁻¹ M (Eqs. 2.63–2.66): one damped step towards the
-/// posture that removes the tip's error X_e. Works at singular postures.
+/// q^ref = q + q̃ with q̃ = {Jᵀ W_e J + W_n}⁻¹ M (Eqs. 2.63–2.66): one damped step to a posture
+/// without the tip's error X_e. Works at singular postures.
 ///
-/// The thesis bounds q̃ by "π rad/s". Read as a rate, the arm never reaches the wall; it is read
-/// as |q̃| ≤ π rad.
+/// The thesis bounds q̃ by "π rad/s". As a rate, this bound keeps the arm from the wall. Here it
+/// reads |q̃| ≤ π rad.
 class LmInverseKinematics {
  public:
-  /// Throws std::invalid_argument if a weight or λ is not positive, the limit is not positive, or
-  /// the printed form is asked of other than three joints.
+  /// Throws std::invalid_argument if a weight, λ or the limit is not positive, or if the printed
+  /// form is used with other than three joints.
   LmInverseKinematics(const LmDesign& design, Eigen::Index joints);
 
   /// q̃ [rad], given the tip's Jacobian and its error X_e [m, m, rad]. Allocates nothing.

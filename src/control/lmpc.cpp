@@ -22,7 +22,7 @@ void check_weight(const Eigen::MatrixXd& weight, Eigen::Index size, const std::s
   }
 }
 
-// U = C_1 u + C_2 ΔU, of which C_1 is the first block column of C_2.
+// U = C_1 u + C_2 ΔU, where C_1 is the first block column of C_2.
 Eigen::MatrixXd sums(int steps, Eigen::Index inputs) {
   Eigen::MatrixXd C2 = Eigen::MatrixXd::Zero(steps * inputs, steps * inputs);
   for (int i = 0; i < steps; ++i) {
@@ -132,17 +132,16 @@ void Lmpc::add_rows(RowKind kind, const std::vector<PredictedBound>& bounds, Eig
     const PredictedBound& bound = bounds[b];
     if (bound.component < 0 || bound.component >= width) {
       throw std::invalid_argument(
-          "predictive control: a bound is on a component that is not there");
+          "predictive control: a bound is on a component that does not exist");
     }
     if (!(bound.lower <= bound.upper)) {
       throw std::invalid_argument("predictive control: a lower bound is above its upper bound");
     }
     for (const int step : bound.steps) {
       if (step < first_step || step > last_step) {
-        throw std::invalid_argument("predictive control: a bound is on step " +
-                                    std::to_string(step) + ", which is not from " +
-                                    std::to_string(first_step) + " to " +
-                                    std::to_string(last_step));
+        throw std::invalid_argument(
+            "predictive control: a bound is on step " + std::to_string(step) + ", expected " +
+            std::to_string(first_step) + " to " + std::to_string(last_step));
       }
       rows_.push_back({kind, step, (step - first_step) * width + bound.component, bound.component,
                        bound.lower, bound.upper, b});
@@ -150,7 +149,7 @@ void Lmpc::add_rows(RowKind kind, const std::vector<PredictedBound>& bounds, Eig
   }
 }
 
-// What all bounds together say of the first step.
+// The intersection of all bounds on the first step.
 Lmpc::Range Lmpc::first_step(const std::vector<PredictedBound>& bounds, Eigen::Index width) {
   Range range{Eigen::VectorXd::Constant(width, -kNoBound),
               Eigen::VectorXd::Constant(width, kNoBound)};
@@ -193,12 +192,12 @@ const Eigen::VectorXd& Lmpc::optimise(const Eigen::Ref<const Eigen::VectorXd>& x
     throw ControlFailure("no input satisfies the constraints");
   }
   if (solution_.status == QpStatus::not_finite) {
-    throw ControlFailure("the state that the predictive controller was given is not finite");
+    throw ControlFailure("predictive control: the state is not finite");
   }
   change_ = solution_.z.head(inputs());
   if (solution_.status == QpStatus::iteration_cap || solution_.status == QpStatus::inaccurate) {
     ++statistics_.capped;
-    // Hildreth's violations are what it is there to show.
+    // Keeps the violations of Hildreth's method visible.
     if (design_.solver == QpSolverKind::active_set) {
       change_ = change_.cwiseMax(first_change_.lower).cwiseMin(first_change_.upper);
       change_ = change_.cwiseMax(first_input_.lower - last_input - reserved)
@@ -267,7 +266,7 @@ void Lmpc::set_bounds(const Eigen::Ref<const Eigen::VectorXd>& last_input,
                       const Eigen::Ref<const Eigen::VectorXd>& reserved) {
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     const Row& row = rows_[i];
-    double already = 0.0;  // what the row's quantity is without ΔU
+    double already = 0.0;  // value of the bounded quantity at ΔU = 0
     if (row.kind == RowKind::input) {
       already = last_input(row.component) + reserved(row.component);
     } else if (row.kind == RowKind::state) {

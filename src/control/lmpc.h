@@ -1,4 +1,4 @@
-// Linear model predictive control that optimises input changes: thesis 2.3.3, 2.3.5 and 2.3.7.
+// Linear model predictive control over input changes: thesis 2.3.3, 2.3.5 and 2.3.7.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,58 +12,59 @@
 
 namespace breakwater {
 
-/// lower ≤ one component of x, u or Δu ≤ upper, at some steps of the prediction.
+/// lower ≤ a component of x, u or Δu ≤ upper, at some steps of the prediction.
 struct PredictedBound {
   Eigen::Index component = 0;
   double lower = 0.0;
   double upper = 0.0;
-  /// Of x(k + i): i from 1 to N_p. Of u(k + i) and Δu(k + i): i from 0 to N_u − 1.
+  /// i of x(k + i), from 1 to N_p, or of u(k + i) and Δu(k + i), from 0 to N_u − 1.
   std::vector<int> steps;
 };
 
-/// The first `count` steps, from 0 on.
+/// The steps 0 … count − 1.
 std::vector<int> first_steps(int count);
 
-/// `count` steps spread evenly over 1 … last, of which the last is one.
+/// `count` steps spread evenly over 1 … last, including last.
 std::vector<int> spread_steps(int count, int last);
 
-/// What to do when no ΔU satisfies all bounds.
+/// The reaction if no ΔU satisfies all bounds.
 enum class OnInfeasible {
-  /// Bounds of states give way, in the order in which they are declared; if that does not suffice,
-  /// because bounds on u have moved away from u(k−1), those on Δu last. Bounds on u never do.
+  /// Softens the bounds on states, in the order of their declaration. If that does not suffice,
+  /// because the bounds on u have moved away from u(k−1), softens those on Δu. Bounds on u stay
+  /// hard.
   soften,
-  stop  ///< ControlFailure
+  stop  ///< throws ControlFailure
 };
 
 struct LmpcDesign {
   Eigen::MatrixXd A;         ///< n×n, of the sampled model
   Eigen::MatrixXd B;         ///< n×m
   int prediction_steps = 0;  ///< N_p
-  int control_steps = 0;     ///< N_u ≤ N_p: the input stays after that
+  int control_steps = 0;     ///< N_u ≤ N_p: after them the input is constant
   Eigen::MatrixXd Q;         ///< n×n, positive semidefinite: weight on the states' errors
-  Eigen::MatrixXd Q_last;    ///< n×n, the same at step N_p: a terminal penalty (Eq. 2.49)
+  Eigen::MatrixXd Q_last;    ///< n×n, the same at step N_p: terminal weight (Eq. 2.49)
   Eigen::MatrixXd R;         ///< m×m, positive semidefinite: weight on Δu
   Eigen::MatrixXd S;         ///< m×m, positive semidefinite: weight on u; empty: none
 
   std::vector<PredictedBound> change_bounds;  ///< on Δu
   std::vector<PredictedBound> input_bounds;   ///< on u
-  std::vector<PredictedBound> state_bounds;   ///< on x, in the order in which they may give way
+  std::vector<PredictedBound> state_bounds;   ///< on x, in the order of softening
 
   QpSolverKind solver = QpSolverKind::active_set;
   int max_iterations = 0;
   OnInfeasible on_infeasible = OnInfeasible::soften;
-  double softness = 0.0;  ///< of a bound that gives way: by s·μ for its multiplier μ
+  double softness = 0.0;  ///< s: a softened bound moves by s·μ for its multiplier μ
 };
 
-/// What the optimisations had to do so far. One may take several solves, where bounds give way.
+/// Counts of the optimisations so far. An optimisation takes several solves if it softens bounds.
 struct QpStatistics {
   std::int64_t optimisations = 0;
-  std::int64_t unsolved = 0;    ///< whose problem, as it was given, was not solved
-  std::int64_t softened = 0;    ///< of these, how many had to let bounds give way
-  std::int64_t capped = 0;      ///< of these, how many were left with an approximate solution
-  std::int64_t iterations = 0;  ///< of all solves
-  int most_iterations = 0;      ///< of an optimisation
-  double time_s = 0.0;  ///< of the processor; some 0.3 us of each solve are the clock itself
+  std::int64_t unsolved = 0;    ///< the original problem had no accurate solution
+  std::int64_t softened = 0;    ///< part of `unsolved`: bounds were softened
+  std::int64_t capped = 0;      ///< part of `unsolved`: the result is approximate
+  std::int64_t iterations = 0;  ///< sum over all solves
+  int most_iterations = 0;      ///< largest number in one optimisation
+  double time_s = 0.0;  ///< processor time; reading the clock takes about 0.3 us of each solve
   double longest_s = 0.0;
 };
 
@@ -75,37 +76,38 @@ struct QpStatistics {
 ///     H = Θᵀ Q̅ Θ + R̅ + C_2ᵀ S̅ C_2,   g = −Θᵀ Q̅ ε + C_2ᵀ S̅ C_1 u,   ε = T_ref − Ψ x − Γ u
 /// (Eq. 2.44; the thesis' V is twice this). Its rows are those of Δu, then u, then x.
 ///
-/// With S = R of a regulator, R = 0, N_u = N_p and Q_last its Riccati solution this is that
-/// regulator, whatever the horizon, as long as no bound is active.
+/// With S = R of a regulator, R = 0, N_u = N_p and its Riccati solution as Q_last, this equals the
+/// regulator. It holds for any horizon without active bounds.
 class Lmpc {
  public:
-  /// Throws std::invalid_argument if the shapes do not fit, a horizon is no horizon, a weight is
-  /// not positive semidefinite, H is not positive definite, or a bound is none.
+  /// Throws std::invalid_argument unless the shapes fit, the horizons and bounds are valid, the
+  /// weights are positive semidefinite and H is positive definite.
   explicit Lmpc(const LmpcDesign& design);
 
-  /// Forgets the last solution and the statistics.
+  /// Clears the last solution and the statistics.
   void reset();
 
-  /// Δu(k) (m), from x(k) (n), u(k−1) (m) and the reference trajectory T_ref (N_p n). The bounds on
-  /// u are moved by −`reserved` (m), the input that is added elsewhere. Where the exact solver was
-  /// left with an approximate solution, Δu(k) is brought into its bounds, those on u before those
-  /// on Δu. Allocates nothing. Throws ControlFailure if the bounds cannot be satisfied.
+  /// Returns Δu(k) (m), from x(k) (n), u(k−1) (m) and the reference trajectory T_ref (N_p n).
+  /// `reserved` (m) is an input added elsewhere: the bounds on u move by −`reserved`. If the exact
+  /// solver only has an approximate solution, Δu(k) is clipped to the bounds on Δu, then to those
+  /// on u. Allocates nothing. Throws ControlFailure if the bounds cannot be satisfied.
   const Eigen::VectorXd& optimise(const Eigen::Ref<const Eigen::VectorXd>& x,
                                   const Eigen::Ref<const Eigen::VectorXd>& last_input,
                                   const Eigen::Ref<const Eigen::VectorXd>& reference,
                                   const Eigen::Ref<const Eigen::VectorXd>& reserved);
 
-  /// Sweeps or changes of the last optimisation, all its solves together.
+  /// Sweeps or changes of the active set in the last optimisation, in all its solves.
   int iterations() const { return iterations_; }
 
-  /// How many bounds gave way at the last optimisation: of states, and one more where Δu's did.
+  /// Number of state bounds that the last optimisation softened, plus one if it softened those on
+  /// Δu.
   int softened_bounds() const { return softened_bounds_; }
 
   /// The bounds on component `i` of u(k).
   double first_input_lower(Eigen::Index i) const { return first_input_.lower(i); }
   double first_input_upper(Eigen::Index i) const { return first_input_.upper(i); }
 
-  /// Whether the bounds on u and Δu alone leave anything from u(k−1) on.
+  /// Whether some ΔU satisfies the bounds on u and Δu, starting from u(k−1).
   bool inputs_are_feasible(const Eigen::Ref<const Eigen::VectorXd>& last_input) const;
 
   Eigen::Index states() const { return prediction_.Psi.cols(); }
@@ -113,7 +115,7 @@ class Lmpc {
   int prediction_steps() const { return design_.prediction_steps; }
   const Prediction& prediction() const { return prediction_; }
 
-  /// Of the last optimisation: the problem, and what the solver made of it.
+  /// The problem and the solution of the last optimisation.
   const QpModel& qp_model() const { return solver_->model(); }
   const QpInput& qp_input() const { return input_; }
   const QpSolution& solution() const { return solution_; }
@@ -123,12 +125,12 @@ class Lmpc {
   using RowKind = Horizon::RowKind;
   struct Row {
     RowKind kind;
-    int step;         // as Horizon::Row
-    Eigen::Index at;  // of it, in u of all steps or in Z
+    int step;         // as in Horizon::Row
+    Eigen::Index at;  // index in u of all steps or in Z
     Eigen::Index component;
     double lower;
     double upper;
-    std::size_t bound;  // which one of its kind it belongs to
+    std::size_t bound;  // index among the bounds of its kind
   };
 
   struct Range {
@@ -156,17 +158,17 @@ class Lmpc {
   Eigen::MatrixXd weighted_;  // Θᵀ Q̅
   Eigen::MatrixXd sums_;      // C_2ᵀ S̅ C_1
   std::unique_ptr<QpSolver> solver_;
-  std::unique_ptr<HorizonSweeps> sweeps_;  // or nullptr: the matrices are multiplied with
+  std::unique_ptr<HorizonSweeps> sweeps_;  // nullptr: uses the matrices
   QpInput input_;
   QpSolution solution_;
   Eigen::VectorXd free_;    // Ψ x + Γ u
   Eigen::VectorXd errors_;  // free_ − T_ref
   Eigen::VectorXd change_;
-  Range first_change_;  // of Δu(k)
-  Range first_input_;   // of u(k)
+  Range first_change_;  // bounds on Δu(k)
+  Range first_input_;   // bounds on u(k)
   int softened_bounds_ = 0;
-  int iterations_ = 0;      // of this optimisation
-  double elapsed_s_ = 0.0;  // by this optimisation's solves
+  int iterations_ = 0;      // in this optimisation
+  double elapsed_s_ = 0.0;  // time of this optimisation's solves
   QpStatistics statistics_;
 };
 

@@ -16,7 +16,7 @@ LqrControl::LqrControl(std::shared_ptr<DisturbanceEstimator> estimator, Eigen::R
       held_input_(Eigen::VectorXd::Zero(1)) {
   if (K_.size() != estimator_->state().size() || start_state_.size() != K_.size() ||
       estimator_->disturbance().size() != 1) {
-    throw std::invalid_argument("LQR: estimator and gain must be of one plant");
+    throw std::invalid_argument("LQR: estimator and gain must be for the same plant");
   }
   if (!(force_limit > 0.0)) throw std::invalid_argument("LQR: the force limit must be positive");
   const auto part = [](const DisturbanceEstimator::View& values, Eigen::Index i) {

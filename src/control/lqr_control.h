@@ -1,4 +1,4 @@
-// The linear quadratic regulator, with or without an estimator: thesis 2.3.7's baselines.
+// The linear quadratic regulator, with or without an estimator: the baselines of thesis 2.3.7.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,12 +13,12 @@ namespace breakwater {
 
 /// u(k) = −K x̂(k) + d̂(k), or u(k) = −K x(k) with the true state and no estimate of d.
 ///
-/// Expects samples whose first entry is the measured position, followed by the true state (n).
+/// Expects samples with the measured position, followed by the true state (n).
 class LqrControl final : public Controller {
  public:
-  /// The estimator runs along in either case, so that a log has its estimates. It is told of u as
-  /// the drive's limit clips it. `K` is 1×n; the estimator starts at `start_state` (n). Throws
-  /// std::invalid_argument if they do not fit or the limit is not positive.
+  /// The estimator also runs with the true state, so that a log has its estimates. It gets u after
+  /// the drive's limit. `K` is 1×n; the estimator starts at `start_state` (n). Throws
+  /// std::invalid_argument if the sizes do not fit or the limit is not positive.
   LqrControl(std::shared_ptr<DisturbanceEstimator> estimator, Eigen::RowVectorXd K,
              Eigen::VectorXd start_state, bool uses_true_state,
              double force_limit = std::numeric_limits<double>::infinity());

@@ -9,7 +9,7 @@
 namespace breakwater {
 namespace {
 
-constexpr double kMostSamples = 1e6;  // of the last coincidence point
+constexpr double kMostSamples = 1e6;  // upper bound of the last coincidence point
 
 void check(const PfcDesign& design) {
   const bool times_fit = std::isfinite(design.target_response_time_s) &&
@@ -25,7 +25,7 @@ void check(const PfcDesign& design) {
   }
 }
 
-// Eq. 2.76. The small allowance keeps 1 s/1 ms at 1000 samples whatever the rounding.
+// Eq. 2.76. The small factor makes 1 s/1 ms give 1000 samples in spite of rounding.
 std::vector<int> coincidence_points(const PfcDesign& design) {
   std::vector<int> points;
   for (int j = 1; j <= design.coincidence_points; ++j) {
@@ -35,7 +35,7 @@ std::vector<int> coincidence_points(const PfcDesign& design) {
       throw std::invalid_argument("PFC: the target response time is too long for the period");
     }
     points.push_back(static_cast<int>(std::floor(samples * (1.0 + 1e-12))));
-    // A double integrator sampled as in Eq. 2.72 first answers after two samples.
+    // The response of a double integrator sampled as in Eq. 2.72 begins after two samples.
     if (points.back() < 2 || (j > 1 && points[j - 1] <= points[j - 2])) {
       throw std::invalid_argument(
           "PFC: the target response time is too short for so many coincidence points");
@@ -44,7 +44,7 @@ std::vector<int> coincidence_points(const PfcDesign& design) {
   return points;
 }
 
-// Row j: the response at h_j to each basis function, Σ_i C_q A_q^{h−1−i} B_q (i T_s)^l.
+// Row j: the responses at h_j to the basis functions, Σ_i C_q A_q^{h−1−i} B_q (i T_s)^l.
 Eigen::MatrixXd basis_responses(const std::vector<int>& points, int bases, double period_s) {
   Eigen::MatrixXd y_b = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(points.size()), bases);
   for (Eigen::Index j = 0; j < y_b.rows(); ++j) {
@@ -68,8 +68,8 @@ Pfc::Pfc(const PfcDesign& design) {
   alpha_ = math::exp(-3.0 * design.period_s / design.target_response_time_s);
   points_ = breakwater::coincidence_points(design);
 
-  // The first row of the (pseudo-)inverse of y_b is all that μ_1 needs; it does not depend on how
-  // the columns are scaled but for the first.
+  // μ_1 needs only the first row of the (pseudo-)inverse of y_b. The scale of the other columns
+  // does not affect this row.
   Eigen::MatrixXd y_b = basis_responses(points_, design.basis_functions, design.period_s);
   const Eigen::RowVectorXd scale = y_b.colwise().norm();
   for (Eigen::Index l = 0; l < y_b.cols(); ++l) y_b.col(l) /= scale(l);

@@ -23,7 +23,8 @@ PredictiveControl::PredictiveControl(std::shared_ptr<DisturbanceEstimator> estim
   if (lmpc_.inputs() != 1 || estimator_->disturbance().size() != 1 ||
       lmpc_.states() != plant_states_ + disturbances ||
       design.start_state.size() != plant_states_) {
-    throw std::invalid_argument("predictive control: estimator and model must be of one plant");
+    throw std::invalid_argument(
+        "predictive control: estimator and model must be for the same plant");
   }
   if (design.samples_per_move < 1) {
     throw std::invalid_argument("predictive control: needs at least one sample per move");
@@ -34,17 +35,17 @@ PredictiveControl::PredictiveControl(std::shared_ptr<DisturbanceEstimator> estim
   const auto part = [](const DisturbanceEstimator::View& values, Eigen::Index i) {
     return view(*(values.data() + i));
   };
-  signals_ = {
-      {"reference_m", "m", "r", view(reference_)},
-      {"position_hat_m", "m", "position, estimated", part(estimator_->state(), 0)},
-      {"velocity_hat_m_s", "m/s", "velocity, estimated", part(estimator_->state(), 1)},
-      {"d_hat_N", "N", "disturbance, estimated", part(estimator_->disturbance(), 0)},
-      {"u_mpc_N", "N", "input of the optimisation (Eq. 2.42)", view(planned_input_)},
-      {"qp_iterations", "1", "sweeps or changes of the last optimisation", view(iterations_)},
-      {"qp_softened", "1", "how many bounds gave way in it: those of states, then of du",
-       view(softened_)},
-      {"qp_status", "1", "after that: 0 solved, 1 iteration cap, 4 inaccurate", view(status_)},
-      {"qp_kkt_residual", "1", "of its last solve", view(kkt_residual_)}};
+  signals_ = {{"reference_m", "m", "r", view(reference_)},
+              {"position_hat_m", "m", "position, estimated", part(estimator_->state(), 0)},
+              {"velocity_hat_m_s", "m/s", "velocity, estimated", part(estimator_->state(), 1)},
+              {"d_hat_N", "N", "disturbance, estimated", part(estimator_->disturbance(), 0)},
+              {"u_mpc_N", "N", "input of the optimisation (Eq. 2.42)", view(planned_input_)},
+              {"qp_iterations", "1", "iterations of the last optimisation", view(iterations_)},
+              {"qp_softened", "1", "number of softened bounds in it: on states, then on du",
+               view(softened_)},
+              {"qp_status", "1",
+               "status of its last solve: 0 solved, 1 iteration cap, 4 inaccurate", view(status_)},
+              {"qp_kkt_residual", "1", "residual of its last solve", view(kkt_residual_)}};
   for (const Signal& signal : signals_of(*estimator_, "m")) signals_.push_back(signal);
 }
 

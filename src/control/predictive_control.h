@@ -1,4 +1,4 @@
-// Predictive control with an estimator inside: the thesis' controllers of 2.3 and 3.3.
+// Predictive control with an estimator: the thesis' controllers of 2.3 and 3.3.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,40 +13,40 @@
 
 namespace breakwater {
 
-/// What the controller does with the estimated disturbance.
+/// The controller's use of the estimated disturbance.
 enum class DisturbanceUse {
   none,     ///< nothing
   predict,  ///< it is a state of the prediction model (Eqs. 2.46–2.48, 3.12): the proposed method
   cancel,   ///< ũ = u + d̂ (Eq. 2.45); u alone is bounded
-  /// The same, and u_low − d̂ ≤ u ≤ u_upp − d̂: the second remedy of 2.3.4. d̂ moves between two
-  /// optimisations; there ũ is clipped to [u_low, u_upp].
+  /// The same with u_low − d̂ ≤ u ≤ u_upp − d̂: the second remedy of 2.3.4. d̂ changes between two
+  /// optimisations, and ũ is then clipped to [u_low, u_upp].
   cancel_within_bounds
 };
 
-/// When the estimate that is cancelled is taken anew.
+/// When the cancelled estimate is updated.
 enum class CancelAt { sample, decision };
 
 struct PredictiveControlDesign {
-  LmpcDesign lmpc;  ///< its A and B are the extended model's with DisturbanceUse::predict
+  LmpcDesign lmpc;  ///< DisturbanceUse::predict: A and B of the extended model
   DisturbanceUse disturbance_use = DisturbanceUse::predict;
   CancelAt cancel_at = CancelAt::sample;
-  int samples_per_move = 1;  ///< the estimator runs at every sample, the optimisation at every …th
-  StepReference reference;   ///< of the position
-  Eigen::VectorXd start_state;                                   ///< x̂(0), n
-  double force_limit = std::numeric_limits<double>::infinity();  ///< of the drive
+  int samples_per_move = 1;     ///< samples from one optimisation to the next
+  StepReference reference;      ///< reference of the position
+  Eigen::VectorXd start_state;  ///< x̂(0), n
+  double force_limit = std::numeric_limits<double>::infinity();  ///< limit of the drive
 };
 
-/// One input, of which an estimator knows state and disturbance, and linear predictive control.
+/// Linear predictive control of one input, with an estimator of state and disturbance.
 ///
-/// With DisturbanceUse::predict the model is ExtendedPlant's, of order 0 (Eq. 2.46).
+/// With DisturbanceUse::predict the model is an ExtendedPlant of order 0 (Eq. 2.46).
 ///
-/// The tracked state is [position; …], its reference (r, 0, …, 0) over the whole horizon. The
-/// estimator is told of the input that is asked for, as the drive's limit clips it.
+/// The tracked state is [position; …], and its reference (r, 0, …, 0) is constant over the horizon.
+/// The estimator gets the commanded input after the drive's limit.
 ///
-/// Expects samples whose first entry is the measured position.
+/// Expects the measured position as the first entry of a sample.
 class PredictiveControl final : public Controller {
  public:
-  /// Throws std::invalid_argument if the estimator, the model and the design do not fit.
+  /// Throws std::invalid_argument if the sizes of the estimator, the model and the design differ.
   PredictiveControl(std::shared_ptr<DisturbanceEstimator> estimator,
                     const PredictiveControlDesign& design);
 
@@ -68,8 +68,8 @@ class PredictiveControl final : public Controller {
   Eigen::VectorXd trajectory_;       // T_ref
   Eigen::VectorXd reserved_;
   Eigen::VectorXd planned_input_;  // u of the optimisation
-  Eigen::VectorXd cancelled_;      // the d̂ that is added to it
-  Eigen::VectorXd held_input_;     // what is asked for, as the drive clips it
+  Eigen::VectorXd cancelled_;      // d̂, which is added to it
+  Eigen::VectorXd held_input_;     // the command after the drive's limit
   double iterations_ = 0.0;
   double softened_ = 0.0;
   double status_ = 0.0;

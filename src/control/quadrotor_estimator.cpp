@@ -30,7 +30,7 @@ Eigen::Matrix<double, 12, 1> first_variances() {
   return p;
 }
 
-// P_0 and Q_ukf of 3.4.3.1, or the tuned Q, of [ζ, ζ̇, d, ḋ, d̈] as far as there is one.
+// P_0 and Q_ukf of 3.4.3.1, or the tuned Q, for [ζ, ζ̇, d, ḋ, d̈] up to the model's order.
 template <int N>
 NonlinearKalmanDesign<N, 6> thruster_design(const QuadrotorEstimatorDesign& design) {
   const double delta = design.period_s;
@@ -180,7 +180,7 @@ class ResonatorEstimator final : public FilterEstimator<Ukf<WaveResonators, 6>> 
   WaveFrequency frequency_;
 };
 
-// Two resonators an axis, which a bank on the vertical axis keeps to the sea.
+// Two resonators per axis. A WaveForceBank on the vertical axis adapts them to the sea state.
 class SpectrumEstimator final : public FilterEstimator<Ukf<WaveForces<2, 2>, 6>> {
  public:
   using Process = WaveForces<2, 2>;

@@ -1,4 +1,4 @@
-// The quadrotor as the nonlinear filters' process, with models of what disturbs it.
+// Process models of the quadrotor and its disturbance for the nonlinear Kalman filters.
 #pragma once
 
 #include <array>
@@ -9,13 +9,13 @@
 
 namespace breakwater {
 
-/// How the angles' rates go on.
+/// The model of the angles' second derivatives.
 enum class AttitudeKinematics {
-  level,  ///< they are taken for the body's, as Eq. 3.13 does
+  level,  ///< the angles' rates are the body's, as in Eq. 3.13
   exact   ///< QuadrotorModel::rigid_acceleration()
 };
 
-/// ζ̈ under held thrusts; keeps the last attitude's sines, which most sigma points share.
+/// ζ̈ under held thrusts. It stores the sines of the last attitude, which most sigma points share.
 class HeldThrust {
  public:
   HeldThrust(const QuadrotorModel& model, double period_s,
@@ -25,7 +25,7 @@ class HeldThrust {
         period_s_(period_s),
         kinematics_(kinematics) {}
 
-  /// δ ζ̈(ζ, ζ̇, B_tcm T), Euler's step (Eq. 3.31).
+  /// δ ζ̈(ζ, ζ̇, B_tcm T), a step of Euler's method (Eq. 3.31).
   Vector6d velocity_step(const Eigen::Ref<const Eigen::Matrix<double, 12, 1>>& pose_and_velocity,
                          const Eigen::Vector4d& thrusts) const;
 
@@ -41,8 +41,8 @@ class HeldThrust {
   mutable AttitudeTrig trig_{Eigen::Vector3d::Zero()};
 };
 
-/// Each thruster's disturbance, which adds to its thrust, as a constant (order 0) or as a
-/// polynomial of order 2 in time (Eqs. 3.27–3.31, with the state [ζ, ζ̇, d, ḋ, d̈]); order −1: none.
+/// A disturbance that adds to the thrust of each thruster. Order 0 is a constant, order −1 none.
+/// Order 2 is a polynomial in time (Eqs. 3.27–3.31), with the state [ζ, ζ̇, d, ḋ, d̈].
 ///     ζ⁺ = ζ + δ ζ̇,  ζ̇⁺ = ζ̇ + δ ζ̈(ζ, ζ̇, T + d),  d⁺ = d + δ ḋ,  ḋ⁺ = ḋ + δ d̈,  d̈⁺ = d̈.
 template <int Order>
 class ThrusterDisturbance : public ProcessTypes<12 + 4 * (Order + 1), 4, 6> {
@@ -78,18 +78,18 @@ class ThrusterDisturbance : public ProcessTypes<12 + 4 * (Order + 1), 4, 6> {
   Square A_;
 };
 
-/// What the models of a world force leave to chance, at each sample.
+/// Standard deviations of the process noise of a world-force model, in each sample.
 struct DisturbanceWalks {
-  double velocity_std_m_s = 3e-3;  ///< of ẋ, ẏ, ż
-  double rate_std_rad_s = 2e-3;    ///< of φ̇, θ̇, ψ̇
-  double bias_std_N = 5e-4;        ///< of the constant forces
-  double torque_std_Nm = 2e-4;     ///< of the torques
+  double velocity_std_m_s = 3e-3;  ///< ẋ, ẏ, ż
+  double rate_std_rad_s = 2e-3;    ///< φ̇, θ̇, ψ̇
+  double bias_std_N = 5e-4;        ///< the constant forces
+  double torque_std_Nm = 2e-4;     ///< the torques
 };
 
-/// How one resonator an axis describes a sea.
+/// Model of a sea state with one resonator per axis.
 struct ResonatorDesign {
-  double damping = 0.08;           ///< relative
-  double force_std_N = 0.13;       ///< of each world force, stationary
+  double damping = 0.08;           ///< damping ratio
+  double force_std_N = 0.13;       ///< stationary standard deviation of each world force
   double velocity_std_m_s = 3e-3;  ///< DisturbanceWalks
   double rate_std_rad_s = 2e-3;
   double bias_std_N = 5e-4;
@@ -100,12 +100,13 @@ struct ResonatorDesign {
   }
 };
 
-/// A world force of waves on each axis, the sum of K resonators driven by white noise,
+/// The wave force on each axis in the world frame, as the sum of K resonators driven by white
+/// noise,
 ///     f̈ᵢ + 2 ζᵢ ωᵢ ḟᵢ + ωᵢ² fᵢ = white,
-/// with a constant force b and torques τ that walk: state [ζ, ζ̇, f₁, b, τ, h₁, f₂, h₂, …],
-/// hᵢ = ḟᵢ/ωᵢ. Unlike a thruster's disturbance it can represent a horizontal force, and it
-/// oscillates as waves do. Order 1: Euler's step, ζ⁺ = ζ + δ ζ̇; order 2: that of a constant
-/// acceleration, ζ⁺ = ζ + δ ζ̇ + δ² ζ̈/2. What Euler's leaves out adds up to δ ζ̇/2.
+/// with a constant force b and torques τ as random walks. The state is [ζ, ζ̇, f₁, b, τ, h₁, f₂,
+/// h₂, …], hᵢ = ḟᵢ/ωᵢ. Unlike a thruster's disturbance, it can represent a horizontal force, and it
+/// oscillates like waves. Order 1 is Euler's step, ζ⁺ = ζ + δ ζ̇. Order 2 assumes constant
+/// acceleration, ζ⁺ = ζ + δ ζ̇ + δ² ζ̈/2. The errors of Euler's steps add up to δ ζ̇/2.
 template <int K, int Order>
 class WaveForces : public ProcessTypes<18 + 6 * K, 4, 6 * Order> {
  public:
@@ -121,12 +122,12 @@ class WaveForces : public ProcessTypes<18 + 6 * K, 4, 6 * Order> {
 
   static constexpr int kBias = 15;
   static constexpr int kTorque = 18;
-  /// Where fᵢ and hᵢ of the three axes begin.
+  /// First index of fᵢ and hᵢ of the three axes.
   static constexpr int force_row(int i) { return i == 0 ? 12 : 18 + 6 * i; }
   static constexpr int rate_row(int i) { return force_row(i) + (i == 0 ? 9 : 3); }
 
-  /// `horizontal_share`: variance of a horizontal axis' force over that of the vertical one. Throws
-  /// std::invalid_argument if a value is not positive, or a damping not below 1.
+  /// `horizontal_share`: variance of a horizontal axis' force divided by that of the vertical one.
+  /// Throws std::invalid_argument if a value is not positive, or a damping is not below 1.
   WaveForces(const QuadrotorModel& model, const DisturbanceWalks& walks,
              const Resonators& resonators, double horizontal_share, double period_s,
              AttitudeKinematics kinematics);
@@ -138,11 +139,12 @@ class WaveForces : public ProcessTypes<18 + 6 * K, 4, 6 * Order> {
   }
   const Square& linear() const { return A_; }
 
-  /// Of the vertical axis. Errors as the constructor's.
+  /// Sets the resonators of the vertical axis. Throws as the constructor does.
   void set_resonators(const Resonators& resonators);
-  /// The torques' walk at each sample [N m]. Throws std::invalid_argument unless it is positive.
+  /// Sets σ of the torques' process noise in each sample [N m]. Throws std::invalid_argument unless
+  /// it is positive.
   void set_torque_walk(double std_Nm);
-  /// What the process adds to P at each sample, with the present resonators.
+  /// Covariance of the process noise in one sample, with the present resonators.
   const Square& Q() const { return Q_; }
 
  private:
@@ -156,7 +158,7 @@ extern template class WaveForces<1, 1>;
 extern template class WaveForces<1, 2>;
 extern template class WaveForces<2, 2>;
 
-/// One resonator an axis, at a frequency that may be tracked.
+/// One resonator per axis. Its frequency may be adapted.
 class WaveResonators : public WaveForces<1, 1> {
  public:
   /// Throws std::invalid_argument if a value is not positive.
@@ -166,7 +168,7 @@ class WaveResonators : public WaveForces<1, 1> {
                    1.0, period_s, kinematics),
         design_(design) {}
 
-  /// ω [rad/s]: where the force has its energy.
+  /// Sets ω [rad/s], the frequency of the force.
   void set_frequency(double omega_rad_s) {
     set_resonators({{{omega_rad_s, design_.damping, design_.force_std_N}}});
   }

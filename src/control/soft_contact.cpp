@@ -11,19 +11,19 @@ namespace breakwater {
 namespace {
 
 constexpr double kSingularValueFloor = 0.02;
-constexpr double kSmallestShare = 1e-6;       // of g: a joint that does not move along the path
-constexpr double kLeastAuthority_m_s2 = 0.3;  // that is planned with
-constexpr double kLargest_m_s2 = 30.0;        // a_x where there is no authority
-constexpr double kAuthorityShare = 0.85;      // that the contact phase plans with
-constexpr double kSmoothing = 0.05;           // a sample, of what is identified
-constexpr double kIdentifyFrom_s = 0.1;       // of the approach
+constexpr double kSmallestShare = 1e-6;       // smallest |g_i| of a joint that bounds a_x
+constexpr double kLeastAuthority_m_s2 = 0.3;  // lower bound for planning
+constexpr double kLargest_m_s2 = 30.0;        // bound of a_x if the authority is empty
+constexpr double kAuthorityShare = 0.85;      // used share of the authority in contact
+constexpr double kSmoothing = 0.05;           // weight of the newest sample in the identification
+constexpr double kIdentifyFrom_s = 0.1;       // after this time and above this speed
 constexpr double kIdentifyFrom_m_s = 0.05;
 constexpr double kDetection_s = 0.005;
-constexpr double kSlowest_m_s = 0.02;  // of an approach
+constexpr double kSlowest_m_s = 0.02;  // lower bound of the approach speed
 constexpr double kSlowestInContact_m_s = 0.05;
-constexpr double kContact_N = 0.15;  // the force that tells a contact
+constexpr double kContact_N = 0.15;  // threshold of contact detection
 constexpr double kLost_s = 0.08;
-constexpr double kFastest_m_s = 2.0;  // that contact_speed() looks for
+constexpr double kFastest_m_s = 2.0;  // upper bound of contact_speed()
 constexpr int kBisections = 30;
 constexpr int kNewtonSteps = 8;
 constexpr Eigen::Index kElbow = 1;
@@ -31,7 +31,7 @@ constexpr Eigen::Index kElbow = 1;
 }  // namespace
 
 double contact_peak_N(double speed_m_s, double stiffness_N_m, double braking_m_s2, double lag_s) {
-  // From above, where the function is convex, Newton's method goes down to the root.
+  // The function is convex above the root, so Newton's method decreases to it.
   const double total_s = lag_s + speed_m_s / braking_m_s2;
   double t = total_s;
   if (lag_s > 0.0) {
@@ -88,8 +88,8 @@ SoftContact::SoftContact(const PlanarChain& chain, const AccelerationControlDesi
   publish({"contact_stiffness_hat_N_m", "N/m", "K of the contact, estimated; 0: none yet",
            view(stiffness_N_m_)});
   publish({"way_to_go_m", "m", "epsilon = (F^ref - F)/K, in contact", view(way_to_go_m_)});
-  publish({"speed_cap_m_s", "m/s", "how fast a wall may be met now", view(speed_cap_m_s_)});
-  publish({"authority_m_s2", "m/s^2, m/s^2", "path acceleration that is left to brake, to drive",
+  publish({"speed_cap_m_s", "m/s", "allowed impact velocity", view(speed_cap_m_s_)});
+  publish({"authority_m_s2", "m/s^2, m/s^2", "available path acceleration to brake, to drive",
            view(authority_)});
   publish({"phase", "1", "0 positioning, 1 hold, 2 approach, 3 contact", view(phase_number_)});
 }
@@ -134,13 +134,13 @@ void SoftContact::decide(Eigen::Ref<Eigen::VectorXd> a) {
   for (Eigen::Index i = 0; i < a.size(); ++i) {
     a(i) = std::clamp(a(i), joints().lower_acceleration(i), joints().upper_acceleration(i));
   }
-  // What the torque, which is within its limits, gives to the elbow until the next sample.
+  // The impulse of the limited torque on the elbow until the next sample.
   elbow_impulse_ += (inertia_(kElbow) * a(kElbow) + d_hat_(kElbow)) * period_s_;
   if (force_control_) X_ref_[0] = X_hat_[0] + way_to_go_m_;
   phase_number_ = static_cast<double>(phase_);
 }
 
-// g and r.
+// Computes g and r.
 void SoftContact::look_along_path() {
   damped_pseudo_inverse(J_, kSingularValueFloor, J_plus_);
   velocity_.noalias() = J_ * dq_hat_;
@@ -165,7 +165,7 @@ SoftContact::Authority SoftContact::authority() const {
   return bounds;
 }
 
-// What the elbow alone can brake the path with, if that is its inertia.
+// The path deceleration that the elbow's torque limit allows, for this inertia of the elbow.
 double SoftContact::braking_of_elbow(double inertia_kgm2) const {
   const double share = along_(kElbow);
   if (std::abs(share) < kSmallestShare) return authority_(0);
@@ -176,7 +176,7 @@ double SoftContact::braking_of_elbow(double inertia_kgm2) const {
   return std::max(kLeastAuthority_m_s2, -std::min(one, other));
 }
 
-// By momentum: I (q̇ − q̇(0)) = ∫τ dt − f t, with f the mean friction.
+// From the momentum: I (q̇ − q̇(0)) = ∫τ dt − f t, with the mean friction f.
 void SoftContact::identify_elbow() {
   if (!has_started_) {
     has_started_ = true;
@@ -231,7 +231,7 @@ void SoftContact::see_contact() {
 double SoftContact::contact_acceleration() const {
   const bool is_ahead = way_to_go_m_ > 0.0;
   const bool is_approaching = velocity_[0] * way_to_go_m_ > 0.0;
-  // Forwards it drives and brakes as named; backwards the other way round.
+  // authority_(0) decelerates a forward motion and accelerates a backward one.
   const bool needs_braking = is_ahead == is_approaching;
   const double a = kAuthorityShare * authority_(needs_braking ? 0 : 1);
   const double speed = servo_speed(std::abs(way_to_go_m_), a, contact_.k_p() / contact_.k_d());

@@ -1,4 +1,4 @@
-// The two conventional controllers that the thesis compares with: HPFC and DRAC (2.4.3.1).
+// The thesis' two conventional controllers: HPFC and DRAC (2.4.3.1).
 #pragma once
 
 #include <breakwater/control/arm_controller.h>
@@ -7,18 +7,18 @@ namespace breakwater {
 
 struct WorkspaceControlDesign {
   double k_p = 30.0;                   ///< K_phx or K_px, a multiple of the identity [1/s²]
-  double k_f = 40.0;                   ///< K_phf, HPFC alone [rad/(s² N m)]
-  double singular_value_floor = 0.02;  ///< of the pseudo-inverse, absolute
+  double k_f = 40.0;                   ///< K_phf, HPFC only [rad/(s² N m)]
+  double singular_value_floor = 0.02;  ///< absolute lower bound in the pseudo-inverse
 };
 
 /// Hybrid position/force control by acceleration control (Eqs. 2.88–2.91):
 ///     a = J⁺ {K_ph S (X_0^ref − X̂) − K_dh J q̇} + K_phf Jᵀ (I − S) (F^ref − F),  K_dh = 2 √K_ph,
-/// S = diag(0, 1, 1) in force control and I before. Eq. 2.90 prints the velocity term as
-/// K_ph J⁺ K_dh q̇, which does not fit in dimension; S does not select it. Jᵀ carries the force, as
-/// printed: near a singular posture J⁺ runs away.
+/// S = diag(0, 1, 1) in force control and I before. Eq. 2.90 prints the velocity term as K_ph J⁺
+/// K_dh q̇: the dimensions do not fit, and S does not select it. The force term uses Jᵀ, as
+/// printed, because J⁺ grows without bound near a singular posture.
 class Hpfc final : public ArmController {
  public:
-  /// Throws std::invalid_argument if a gain is negative or as ArmController does.
+  /// Throws std::invalid_argument if a gain is negative, and as ArmController does.
   Hpfc(const PlanarChain& chain, const AccelerationControlDesign& acceleration, const ArmTask& task,
        const WorkspaceControlDesign& design);
 
@@ -31,10 +31,10 @@ class Hpfc final : public ArmController {
 
 /// IDOB-based resolved acceleration control (Eqs. 2.92, 2.93) with the proposed method's reference:
 ///     a = J⁺ {K_p (X^ref − X̂) − K_d J q̇ − J̇ q̇},  K_d = 2 √K_p.
-/// Eq. 2.93 prints K_d q̇ and J q̇, which do not fit in dimension.
+/// Eq. 2.93 prints K_d q̇ and J q̇: the dimensions do not fit.
 class Drac final : public ArmController {
  public:
-  /// Throws std::invalid_argument if a gain is negative or as ArmController does.
+  /// Throws std::invalid_argument if a gain is negative, and as ArmController does.
   Drac(const PlanarChain& chain, const AccelerationControlDesign& acceleration, const ArmTask& task,
        const WorkspaceControlDesign& design);
 

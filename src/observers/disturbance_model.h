@@ -12,7 +12,7 @@ namespace breakwater {
 struct ExtendedPlant {
   StateSpace sampled;         ///< A̅, B̅, C̅
   Eigen::Index plant_states;  ///< n, the size of x
-  int order;                  ///< of the disturbance model: 0 step, 1 ramp, 2 parabola
+  int order;                  ///< order of the disturbance model: 0 step, 1 ramp, 2 parabola
   double period_s;            ///< T_s
   /// The plant in continuous time, if known. The extended plant can then be sampled over any
   /// interval.

@@ -26,11 +26,10 @@ constexpr double kFineQuantum = 0.05;  // a narrower code, in √S, counts as a 
 constexpr double kKnownCode = 0.01;    // s²/Δ² below which noise does not hide the code
 constexpr double kShortestWay = 1e-6;  // smallest distance from the last edge, in Δ
 constexpr double kSmallestOutside = 1e-300;
-constexpr double kSmallestFall =
-    1e-12;  // relative fall of a variance; a smaller one is not computed
-constexpr double kChances_per_s = 0.5;  // how often each model restarts
-constexpr double kForgotten = 6.0;      // margin of a log-weight below that of a restart
-constexpr double kCounts = 3.0;         // models within this log-weight of the best form the mean
+constexpr double kSmallestFall = 1e-12;  // smallest relative fall of a variance
+constexpr double kChances_per_s = 0.5;   // how often each model restarts
+constexpr double kForgotten = 6.0;       // margin of a log-weight below that of a restart
+constexpr double kCounts = 3.0;          // models within this log-weight of the best form the mean
 
 double log_density(double e, double S) {
   return -0.5 * (e * e / S + math::log(S)) - math::kLogRootTwoPi;
@@ -45,7 +44,7 @@ double mean_positive(double mean, double std) {
   return std * density + mean * (z > 0.0 ? 1.0 - tail : tail);
 }
 
-// Updates the states by new knowledge of z = x̄_i + noise, z ~ N(ẑ, S): the mean of z moves by
+// Updates the states by new knowledge of z = x̄_i + noise, z ~ N(ẑ, S). The mean of z moves by
 // `shift`, and S falls by the fraction `fall`. This equals a Kalman update with R = S/fall − P_ii,
 // in Joseph's form.
 void learn(FilterBank::Model& model, int i, double S, double shift, double fall) {

@@ -13,8 +13,8 @@ namespace breakwater {
 ///
 /// Plant, with a step-type disturbance d that opposes the input (Eqs. 2.4, 2.7, 2.8, 2.53):
 ///     ẋ = A x + B (u − d),   ḋ = 0,   y = C x.
-/// The extended state x̄ = [x; d] is sampled with a zero-order hold (Eqs. 2.18–2.20), and the
-/// observer is the predictor of Eqs. 2.21 and 2.22, H = [H_state; H_dis]:
+/// The extended state x̄ = [x; d] is sampled with a zero-order hold (Eqs. 2.18–2.20). The observer
+/// is the predictor of Eqs. 2.21 and 2.22, H = [H_state; H_dis]:
 ///     x̄(k+1) = Ā_d x̄(k) + B̄_d u(k) + H (y(k) − C̄_d x̄(k)).
 /// H places the poles z = e^{s T_s} of the continuous poles s (place_observer_poles). The estimate
 /// at sample k is therefore x̄(k), from y(0) … y(k−1).

@@ -46,7 +46,7 @@ class WaveForceBank {
 
  private:
   using State = Eigen::Matrix<double, 7, 1>;       // p, ṗ, b, f₁, h₁, f₂, h₂; h = ḟ/ω
-  using Logarithms = Eigen::Matrix<double, 6, 1>;  // of ω, ζ, σ of both resonators
+  using Logarithms = Eigen::Matrix<double, 6, 1>;  // ω, ζ, σ of both resonators
   struct Shape {
     Eigen::Matrix2d first, second;  // one-sample matrices of the resonators
     Logarithms logarithms;
