@@ -14,19 +14,19 @@
 namespace breakwater {
 namespace {
 
-constexpr double kDoubtfulViolation = 1e-6;  // below: may be rounding of what is held,
-constexpr double kHeldShare = 1e-3;          // if that is off its bounds by so much of it
-constexpr double kWrongSign = 1e-11;         // of a multiplier, relative to max(1, ‖g‖∞)
-constexpr double kRefineAbove = 1e-10;       // KKT residual
+constexpr double kDoubtfulViolation = 1e-6;  // below: may be rounding of the active rows,
+constexpr double kHeldShare = 1e-3;          // if their error is at least this share of it
+constexpr double kWrongSign = 1e-11;  // multiplier with the wrong sign, relative to max(1, ‖g‖∞)
+constexpr double kRefineAbove = 1e-10;  // KKT residual
 constexpr int kMostRefinements = 3;
-// Of a row's squared length in the metric of H⁻¹, what is left of it after the working set:
+// Share of a row's squared length, in the metric of H⁻¹, that is orthogonal to the working set:
 constexpr double kDoubtfulPivot = 1e-6;    // below: computed again, with less cancellation
 constexpr double kDependentPivot = 1e-10;  // below: the row depends on the working set
-constexpr Eigen::Index kLongHorizon = 24;  // variables, from which on sweeps are faster
+constexpr Eigen::Index kLongHorizon = 24;  // from this number of variables on, sweeps are faster
 
 template <typename Vector>
 bool is_finite(const Vector& x) {
-  return (x.array() - x.array()).sum() == 0.0;  // ∞ − ∞ and all with NaN are NaN
+  return (x.array() - x.array()).sum() == 0.0;  // ∞ − ∞ and every sum with NaN are NaN
 }
 
 // The solver for N variables (Eigen::Dynamic: any number).
@@ -63,7 +63,7 @@ class Core final : public QpSolver {
     return row.side > 0.0 ? input.upper(row.row) : input.lower(row.row);
   }
   double softness(Eigen::Index row) const { return has_soft_ ? softness_(row) : 0.0; }
-  // (Ω H⁻¹ Ωᵀ) of two rows.
+  // Entry of Ω H⁻¹ Ωᵀ for two rows.
   double gram(Eigen::Index i, Eigen::Index j) const {
     if constexpr (N == Eigen::Dynamic) return factors_.gram(i, j);
     return rows_.col(i).dot(step_.col(j));
@@ -98,40 +98,40 @@ class Core final : public QpSolver {
   Square H_inverse_;
   Wide rows_;               // Ωᵀ
   Wide step_;               // H⁻¹ Ωᵀ
-  Eigen::VectorXd length_;  // of each row, squared, in the metric of H⁻¹
+  Eigen::VectorXd length_;  // squared length of each row in the metric of H⁻¹
   double largest_row_;      // ‖Ω‖∞
   int max_changes_;
-  int changes_left_ = 0;  // of this attempt
+  int changes_left_ = 0;  // in this attempt
 
-  // Of a problem that is long enough for it, and has a Horizon; or nullptr.
+  // nullptr unless the problem has a long Horizon.
   std::unique_ptr<HorizonSweeps> sweeps_;
 
-  LdlFactor factor_;  // of S
+  LdlFactor factor_;  // factor of S
   std::vector<Held> held_;
-  std::vector<Held> previous_;  // room for refactor()
-  Eigen::VectorXd weight_;  // of each row that is not held: 1/length in the metric of H⁻¹; or 0
-  Eigen::VectorXd softness_;       // that the factor holds
-  bool is_softness_known_ = true;  // the input's is that
+  std::vector<Held> previous_;  // work space of refactor()
+  Eigen::VectorXd weight_;      // 1/length of each inactive row in the metric of H⁻¹; 0: active
+  Eigen::VectorXd softness_;    // softness in the present factor
+  bool is_softness_known_ = true;  // the input has the same softness
   bool has_soft_ = false;
-  bool is_tilted_ = false;  // more than a row's violation is left in the residual
+  bool is_tilted_ = false;  // the residual is not only due to violated rows
 
-  // All sized for the largest working set; the first active() entries count.
-  Eigen::VectorXd mu_;         // of the working set
+  // Their size is that of the largest working set. Only the first active() entries are used.
+  Eigen::VectorXd mu_;         // multipliers of the working set
   Eigen::VectorXd target_;     // S μ
-  Eigen::VectorXd half_;       // D⁻¹ L⁻¹ × (a row's column of the Gram matrix)
-  Eigen::VectorXd direction_;  // S⁻¹ × the same: how the working set's multipliers answer
+  Eigen::VectorXd half_;       // D⁻¹ L⁻¹ s, with the column s of a row in the Gram matrix
+  Eigen::VectorXd direction_;  // S⁻¹ s: the response of the working set's multipliers
   Eigen::VectorXd correction_;
 
   double g_norm_ = 0.0;     // ‖g‖∞
   Vector z_free_;           // −H⁻¹ g
   Eigen::VectorXd values_;  // Ω z
-  Eigen::VectorXd scores_;  // of the rows' violations
+  Eigen::VectorXd scores_;  // weighted violations of the rows
   RowScan scan_;
   Eigen::VectorXd values_free_;  // Ω z_free
   Vector gradient_;
   Vector residual_;
   Eigen::VectorXd room_;   // n
-  Eigen::VectorXd proof_;  // m: that no z satisfies the rows
+  Eigen::VectorXd proof_;  // m: certificate of infeasibility
   OrthogonalActiveSet second_;
 };
 
@@ -165,7 +165,7 @@ Core<N>::Core(const QpModel& model, int max_changes)
   proof_.setZero(m);
 }
 
-// A row that no z moves is violated beyond all others.
+// The weight of a violation. A row of zeros has the largest weight, because no z satisfies it.
 template <int N>
 void Core<N>::weigh(Eigen::Index row) {
   constexpr double kOfNothing = 1e150;
@@ -195,7 +195,7 @@ void Core<N>::solve(const QpInput& input, QpSolution& solution) {
   const bool warm = active() > 0;
   attempt(input, solution);
   if (empty) solution.status = QpStatus::infeasible;
-  // What goes wrong from a warm start may have gone wrong because of it.
+  // The warm start may be the reason for a failure.
   if (warm && solution.status != QpStatus::solved) {
     reset();
     attempt(input, solution);
@@ -212,7 +212,7 @@ void Core<N>::solve(const QpInput& input, QpSolution& solution) {
   }
 }
 
-// As QpFactors::examine(), which looks closer where this sees something.
+// Like QpFactors::examine(), which only runs if this finds a possible error.
 template <int N>
 QpStatus Core<N>::examine(const QpInput& input) {
   g_norm_ = input.g.template lpNorm<Eigen::Infinity>();
@@ -226,7 +226,7 @@ QpStatus Core<N>::examine(const QpInput& input) {
   return QpFactors::examine(input);
 }
 
-// From the working set as it is.
+// Solves from the present working set.
 template <int N>
 void Core<N>::attempt(const QpInput& input, QpSolution& solution) {
   z_free_.noalias() = -H_inverse_ * input.g;
@@ -238,7 +238,7 @@ void Core<N>::attempt(const QpInput& input, QpSolution& solution) {
   }
 }
 
-// Makes the last working set one of this problem.
+// Removes active rows that have no bound now, and adopts a new softness.
 template <int N>
 void Core<N>::take_over(const QpInput& input) {
   for (Eigen::Index j = active() - 1; j >= 0; --j) {
@@ -252,7 +252,7 @@ void Core<N>::take_over(const QpInput& input) {
   for (const Held& row : held_) weight_(row.row) = 0.0;
 }
 
-// Factors the working set anew, without the rows that depend on others.
+// Factors the working set anew, and drops the rows that depend on others.
 template <int N>
 void Core<N>::refactor() {
   previous_.assign(held_.begin(), held_.end());
@@ -284,7 +284,7 @@ QpStatus Core<N>::search(const QpInput& input, QpSolution& solution) {
   }
 }
 
-// S μ = Ω_W z_free − β_W, without rows whose multipliers have the wrong sign.
+// Solves S μ = Ω_W z_free − β_W, and removes rows while a multiplier has the wrong sign.
 template <int N>
 void Core<N>::make_dual_feasible(const QpInput& input) {
   const double wrong = kWrongSign * std::max(1.0, g_norm_);
@@ -318,7 +318,7 @@ void Core<N>::make_dual_feasible(const QpInput& input) {
   }
 }
 
-// z and the rows' values from the multipliers.
+// Computes z and the rows' values from the multipliers.
 template <int N>
 void Core<N>::place(const QpInput& input, QpSolution& solution) {
   Eigen::Map<Vector> z(solution.z.data(), solution.z.size());
@@ -361,7 +361,7 @@ typename Core<N>::Violation Core<N>::worst_violation(const QpInput& input) const
   return {row, std::max(above, below), above > below};
 }
 
-// The largest that a row of the working set is off its bound by.
+// The largest error of an active row at its bound.
 template <int N>
 double Core<N>::held_error(const QpInput& input) const {
   double error = 0.0;
@@ -375,7 +375,7 @@ double Core<N>::held_error(const QpInput& input) const {
 template <int N>
 QpStatus Core<N>::drive_to_bound(Violation violation, QpSolution& solution) {
   const double sign = violation.upper ? 1.0 : -1.0;
-  double multiplier = 0.0;  // of the row, times its sign
+  double multiplier = 0.0;  // multiplier of the violated row, times its sign
   for (;;) {
     if (changes_left_ == 0) return QpStatus::iteration_cap;
     --changes_left_;
@@ -413,8 +413,8 @@ QpStatus Core<N>::drive_to_bound(Violation violation, QpSolution& solution) {
   }
 }
 
-// Fills half_ and direction_ for a row outside of the working set, and returns what is left of its
-// squared length: 0 if it depends on the working set.
+// Computes half_ and direction_ for an inactive row. Returns its squared length orthogonal to the
+// working set; 0: the row depends on the working set.
 template <int N>
 double Core<N>::pivot_towards(Eigen::Index row) {
   const Eigen::Index k = active();
@@ -428,12 +428,12 @@ double Core<N>::pivot_towards(Eigen::Index row) {
   double pivot = own - factor_.forward_solve(half_.data());
   for (Eigen::Index j = 0; j < k; ++j) direction_(j) = half_(j);
   factor_.backward_solve(direction_.data());
-  // As many independent rows as variables leave nothing.
+  // n independent active rows span the whole space.
   if (!has_soft_ && k == rows_.rows() && !is_doubtful) return 0.0;
   return pivot > kDoubtfulPivot * own ? pivot : pivot_with_less_cancellation(row, own);
 }
 
-// Corrected seminormal equations: the residual itself, made orthogonal twice.
+// Corrected seminormal equations: the residual itself, orthogonalised twice.
 template <int N>
 double Core<N>::pivot_with_less_cancellation(Eigen::Index row, double own) {
   double pivot = 0.0;
@@ -458,7 +458,7 @@ template <int N>
 void Core<N>::finish(const QpInput& input, QpSolution& solution) {
   measure(input, solution);
   if (solution.status != QpStatus::solved) return;
-  // What a row that is not held is violated by, refining does not change.
+  // Refinement does not change the violation of inactive rows.
   for (int i = 0; i < kMostRefinements && solution.kkt_residual > kRefineAbove &&
                   (is_tilted_ || held_error(input) > kRefineAbove);
        ++i) {
@@ -467,8 +467,8 @@ void Core<N>::finish(const QpInput& input, QpSolution& solution) {
   }
 }
 
-// kkt_residual() from what is at hand: the rows' violations are those of the last scan, and only
-// the working set's rows have multipliers.
+// Computes kkt_residual() with less work: the last scan has the violations, and only active rows
+// have multipliers.
 template <int N>
 void Core<N>::measure(const QpInput& input, QpSolution& solution) {
   set_multipliers(solution);
@@ -495,7 +495,7 @@ template <int N>
 void Core<N>::set_multipliers(QpSolution& solution) const {
   solution.mu.setZero();
   for (Eigen::Index j = 0; j < active(); ++j) {
-    // A multiplier of the wrong sign by rounding is none.
+    // A multiplier with the wrong sign is due to rounding and counts as 0.
     if (held(j).side * mu_(j) > 0.0) solution.mu(held(j).row) = mu_(j);
   }
 }
@@ -517,7 +517,7 @@ void Core<N>::set_gradient(const QpInput& input, const QpSolution& solution) {
   }
 }
 
-// Corrects the multipliers by what the working set's rows are off their bounds.
+// Corrects the multipliers by the errors of the active rows.
 template <int N>
 void Core<N>::hold_bounds(const QpInput& input) {
   for (Eigen::Index j = 0; j < active(); ++j) {
@@ -531,7 +531,7 @@ void Core<N>::hold_bounds(const QpInput& input) {
 template <int N>
 void Core<N>::refine(const QpInput& input, QpSolution& solution) {
   hold_bounds(input);
-  // z as it must be for these multipliers, by the true gradient.
+  // Newton step of z for these multipliers, with the true gradient.
   Eigen::Map<Vector> z(solution.z.data(), solution.z.size());
   set_multipliers(solution);
   set_gradient(input, solution);
@@ -539,7 +539,7 @@ void Core<N>::refine(const QpInput& input, QpSolution& solution) {
   scan(input, solution);
 }
 
-// The row that pivot_towards() was last asked for joins the working set.
+// Adds the row of the last pivot_towards() to the working set.
 template <int N>
 void Core<N>::add(Eigen::Index row, double side, double pivot) {
   factor_.add(half_.data(), pivot);

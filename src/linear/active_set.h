@@ -1,4 +1,4 @@
-// An exact quadratic programming solver: a warm-started dual active-set method.
+// An exact solver of quadratic programs: a dual active-set method with warm start.
 #pragma once
 
 #include <memory>
@@ -7,28 +7,28 @@
 
 namespace breakwater {
 
-/// Solves a QpModel exactly, in finitely many steps. The working set is the rows that are held at a
-/// bound. With S = Ω_W H⁻¹ Ω_Wᵀ its minimiser is
-///     z = −H⁻¹ (g + Ω_Wᵀ μ_W),   S μ_W = −Ω_W H⁻¹ g − β_W   (β: the bounds held).
-/// It starts from the last solve's working set, and lets go of rows whose multipliers have the
-/// wrong sign. Then, as long as a row is violated, the row that is violated most (in the metric of
-/// H⁻¹) is driven to its bound along the direction that keeps the working set at theirs; a row of
-/// the working set whose multiplier would change sign on the way leaves. Every step raises the dual
-/// objective, so no working set comes twice. If a violated row depends on the working set and
-/// nothing can leave, no z satisfies these rows: infeasible, if infeasibility_margin() agrees.
+/// Solves a QpModel exactly, in a finite number of steps. The working set contains the active rows
+/// W. With S = Ω_W H⁻¹ Ω_Wᵀ and their bounds β_W, the minimiser is
+///     z = −H⁻¹ (g + Ω_Wᵀ μ_W),   S μ_W = −Ω_W H⁻¹ g − β_W.
+/// It starts from the last working set without the rows whose multipliers have the wrong sign. Each
+/// iteration takes the row with the largest violation in the metric of H⁻¹. It moves this row to
+/// its bound along a direction that keeps the active rows at theirs. A row whose multiplier would
+/// change sign on the way leaves the working set. Every step raises the dual objective, so no
+/// working set occurs twice. If the violated row depends on the working set and no row can leave,
+/// the problem is infeasible. infeasibility_margin() must confirm this.
 ///
-/// S is kept as its factor L D Lᵀ, to which rows are added and from which they are removed. As
-/// that squares the condition of the working set, the multipliers are refined by the true residual
-/// where it is above 1e-10. What is called solved has a KKT residual of at most 1e-8: a problem
-/// that cannot be brought there is solved anew from nothing, then by OrthogonalActiveSet, and is
-/// reported as inaccurate if that does not help.
+/// S is stored as its factor L D Lᵀ, which rows join and leave. This squares the condition number
+/// of the working set. The true residual therefore refines multipliers if it is above 1e-10. A
+/// solved problem has a KKT residual of at most 1e-8. Otherwise the solver starts again without the
+/// last working set, and then calls OrthogonalActiveSet. If this fails too, the status is
+/// `inaccurate`.
 ///
 /// Source: D. Goldfarb, A. Idnani, Math. Program. 27 (1983) 1–33, in the dual's variables as in
 /// D. Arnström, A. Bemporad, D. Axehill, IEEE Trans. Autom. Control 67 (2022) 4362–4369.
 class ActiveSetQp final : public QpSolver {
  public:
-  /// `max_changes` is the cap on the working set's changes from one start: what is solved anew has
-  /// as many again. Throws std::invalid_argument as make_qp_solver.
+  /// `max_changes` bounds the changes of the working set in one attempt. Throws
+  /// std::invalid_argument as make_qp_solver() does.
   ActiveSetQp(const QpModel& model, int max_changes);
 
   void solve(const QpInput& input, QpSolution& solution) override {
@@ -38,7 +38,7 @@ class ActiveSetQp final : public QpSolver {
   const QpModel& model() const override { return solver_->model(); }
 
  private:
-  std::unique_ptr<QpSolver> solver_;  // made for the number of variables, where that is small
+  std::unique_ptr<QpSolver> solver_;  // specialised for a small number of variables
 };
 
 }  // namespace breakwater

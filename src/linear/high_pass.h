@@ -3,11 +3,10 @@
 
 namespace breakwater {
 
-/// s²/(s² + √2 ω_c s + ω_c²), sampled by the bilinear transform with ω_c kept in place.
+/// s²/(s² + √2 ω_c s + ω_c²), sampled by the bilinear transform. The sampled filter keeps ω_c.
 class HighPass {
  public:
-  /// Throws std::invalid_argument unless the cut-off lies between 0 and half the sampling
-  /// frequency.
+  /// Throws std::invalid_argument unless the cut-off is between 0 and half the sampling frequency.
   HighPass(double cutoff_Hz, double period_s);
 
   double update(double input);

@@ -8,8 +8,8 @@
 namespace breakwater {
 namespace {
 
-constexpr double kTolerance = 1e-8;  // of the largest move of a multiplier in a sweep
-constexpr double kDiverged = 1.5;    // times the multipliers: further off is on the way to infinity
+constexpr double kTolerance = 1e-8;  // bound on the largest move of a multiplier in a sweep
+constexpr double kDiverged = 1.5;    // a larger excess() may be divergence
 
 }  // namespace
 
@@ -39,7 +39,7 @@ void HildrethQp::solve(const QpInput& input, QpSolution& solution) {
     return;
   }
   const bool empty = solution.status == QpStatus::infeasible;
-  // A bound that has become infinite holds nothing.
+  // An infinite bound has no multiplier.
   lambda_upper_ =
       (input.upper.array() < std::numeric_limits<double>::infinity()).select(lambda_upper_, 0.0);
   lambda_lower_ =
@@ -51,7 +51,7 @@ void HildrethQp::solve(const QpInput& input, QpSolution& solution) {
   values_.noalias() -= factors_.gram * solution.mu;
 
   solution.status = QpStatus::iteration_cap;
-  double halfway = 0.0;  // excess, after half of the sweeps
+  double halfway = 0.0;  // excess after half of the sweeps
   while (solution.iterations < max_sweeps_) {
     if (solution.iterations > 0 && solution.iterations == max_sweeps_ / 2) {
       solution.mu = lambda_upper_ - lambda_lower_;
@@ -69,17 +69,17 @@ void HildrethQp::solve(const QpInput& input, QpSolution& solution) {
   values_.noalias() = factors_.columns * solution.z;
   solution.kkt_residual = kkt_residual(factors_.model, input, solution, values_, gradient_);
   if (solution.status == QpStatus::iteration_cap) {
-    // Far off, and not on the way: the next problem begins anew.
+    // The multipliers diverge: the next problem starts without them.
     const double excess = this->excess(input, solution.mu);
     if (!(excess <= kDiverged) && !(excess < halfway)) reset();
   }
   if (empty) solution.status = QpStatus::infeasible;
 }
 
-// Along c λ the dual objective is c λᵀd − ½ c² λᵀPλ, where d is what z_free violates each side by:
-// largest at this c = λᵀd/λᵀPλ. Where sweeps converge c falls to 1, from far above it where rows
-// nearly oppose each other; where no z satisfies the rows the multipliers grow without z moving,
-// and so does c.
+// The dual objective of c λ is c λᵀd − ½ c² λᵀPλ, where d has the violations of z_free. Its maximum
+// is at c = λᵀd/λᵀPλ, which this function returns. If the sweeps converge, c falls to 1. It starts
+// far above 1 if rows nearly oppose each other. If no z satisfies the rows, λ grows without a
+// change of z, and c grows too.
 double HildrethQp::excess(const QpInput& input, const Eigen::VectorXd& mu) const {
   double gain = 0.0;       // λᵀd
   double curvature = 0.0;  // λᵀPλ
@@ -104,13 +104,13 @@ double HildrethQp::sweep(const QpInput& input) {
   return largest;
 }
 
-// How far the multiplier of one side of a row has moved.
+// Updates the multiplier of one side of a row. Returns the size of its move.
 double HildrethQp::move(Eigen::Index row, double& multiplier, double sign, double violation,
                         const QpInput& input) {
   if (multiplier == 0.0 && violation <= 0.0) return 0.0;
   const double soft = input.softness(row);
   const double diagonal = factors_.gram(row, row) + soft;
-  if (diagonal <= 0.0) return 0.0;  // a row of zeros: nothing can be done about it
+  if (diagonal <= 0.0) return 0.0;  // a row of zeros: no multiplier affects it
   const double moved = std::max(-multiplier, (violation - soft * multiplier) / diagonal);
   if (moved == 0.0) return 0.0;
   multiplier += moved;

@@ -5,24 +5,24 @@
 
 namespace breakwater {
 
-/// The thesis' solver (2.3.4, 2.3.7): sweeps over the rows and moves each row's multiplier to where
-/// that row alone would be satisfied,
+/// The thesis' solver (2.3.4, 2.3.7). Each sweep sets the multiplier of each row to the value that
+/// satisfies this row alone,
 ///     λ_i ← max(0, λ_i + (Ω_i z − ω_i)/(Ω_i H⁻¹ Ω_iᵀ)),
-/// until no multiplier moves by more than the tolerance 1e-8, or the cap on sweeps is reached. At
-/// the cap z is what the sweeps have got so far, which violates rows; the status says so. An
-/// infeasible problem has no fixed point, so it ends at the cap too.
+/// until no multiplier moves by more than 1e-8 or the number of sweeps reaches its limit. At the
+/// limit, z is the approximation so far and violates rows, as the status says. An infeasible
+/// problem has no fixed point and also ends there.
 ///
-/// What differs from the textbook: the values Ω z are kept and changed when a multiplier does
-/// (which is seldom), instead of being summed anew for every row; it starts from the last
-/// multipliers, unless they were on their way to infinity, as those of an infeasible problem are:
-/// at the cap, and so far off that the dual objective would be largest at more than half as much
-/// again of them all; a row's two sides are two neighbours in the sweep.
+/// Differences from the textbook: Ω z is stored and updated with each multiplier that changes,
+/// which is rare. The two sides of a row are neighbours in the sweep. The solver starts from the
+/// last multipliers unless they diverge, as those of an infeasible problem do. Multipliers λ
+/// diverge if the limit is reached, the dual objective of c λ is largest at
+/// c > 1.5, and c does not decrease in the second half of the sweeps.
 ///
 /// Source: C. Hildreth, Naval Res. Logist. Q. 4 (1957) 79–85; L. Wang, Model Predictive Control
 /// System Design and Implementation Using MATLAB (2009), 2.4.4.
 class HildrethQp final : public QpSolver {
  public:
-  /// Throws std::invalid_argument as make_qp_solver.
+  /// Throws std::invalid_argument as make_qp_solver() does.
   HildrethQp(const QpModel& model, int max_sweeps);
 
   void solve(const QpInput& input, QpSolution& solution) override;

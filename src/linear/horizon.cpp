@@ -25,12 +25,12 @@ void check(const Horizon& horizon) {
     const int last = is_state ? horizon.prediction_steps : horizon.control_steps - 1;
     if (row.step < first || row.step > last || row.component < 0 ||
         row.component >= (is_state ? n : m)) {
-      throw std::invalid_argument("horizon: a row is of a step or component that is not there");
+      throw std::invalid_argument("horizon: a row has a step or component that does not exist");
     }
   }
 }
 
-// For n states and m inputs.
+// Sweeps for n states and m inputs.
 template <int n, int m>
 class Sweeps final : public HorizonSweeps {
  public:
@@ -123,8 +123,8 @@ class Sweeps final : public HorizonSweeps {
     forces_.push_back(&forces(component, column));
   }
 
-  // changes_, inputs_ and states_, from rest. Two steps at a time, x_{i+2} = A² x_i + A B u_i +
-  // B u_{i+1}: what waits for the last state is half as long.
+  // Computes changes_, inputs_ and states_ from x_0 = 0. It takes two steps at a time, x_{i+2} = A²
+  // x_i + A B u_i + B u_{i+1}: this halves the chain of dependent operations.
   void roll_out(const Eigen::VectorXd& changes) {
     changes_ = Eigen::Map<const Inputs>(changes.data(), B_.cols(), control_steps_);
     Input input = Input::Zero(B_.cols());
@@ -155,8 +155,9 @@ class Sweeps final : public HorizonSweeps {
         Q_last_ * states.col(prediction_steps_ - 1);
   }
 
-  // What forces on changes, inputs and states are on ΔU: p_i = f_i + Aᵀ p_{i+1}, two steps at a
-  // time as above; Bᵀ p_{i+1} is on u_i, and u_i is the sum of all changes up to it.
+  // The gradient with respect to ΔU, from those with respect to changes, inputs and states (the
+  // forces f). The adjoint is p_i = f_i + Aᵀ p_{i+1}, two steps at a time as above. Bᵀ p_{i+1} acts
+  // on u_i, and u_i is the sum of all changes up to i.
   void sweep_back(Eigen::VectorXd& gradient) {
     const int N = prediction_steps_;
     Eigen::Map<Inputs> result(gradient.data(), B_.cols(), control_steps_);
@@ -181,7 +182,7 @@ class Sweeps final : public HorizonSweeps {
       result.col(i) = change_forces_.col(i) + sum;
     }
   }
-  // It takes the place of the force, which is read before.
+  // p_{i+1} overwrites the force f_i, which is not needed any more.
   auto adjoint(int i) { return state_forces_.col(i); }
 
   Eigen::Matrix<double, n, n> A_;
@@ -199,12 +200,12 @@ class Sweeps final : public HorizonSweeps {
   int control_steps_;
 
   Inputs changes_;
-  Inputs inputs_;  // of every predicted step
+  Inputs inputs_;  // for every predicted step
   States states_;
   Inputs change_forces_;
   Inputs input_forces_;
   States state_forces_;
-  std::vector<const double*> values_;  // of each row, in one of the above
+  std::vector<const double*> values_;  // the value of each row, in one of the above
   std::vector<double*> forces_;
 };
 

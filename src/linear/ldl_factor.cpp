@@ -5,7 +5,7 @@
 namespace breakwater {
 namespace {
 
-// Loops of fixed lengths, which the compiler unrolls.
+// Loops with fixed lengths, which the compiler unrolls.
 template <int k>
 void unit_forward(std::integral_constant<int, k>, const double* L, Eigen::Index stride, double* x) {
   for (int j = 0; j + 1 < k; ++j) {
@@ -21,7 +21,7 @@ void unit_backward(std::integral_constant<int, k>, const double* L, Eigen::Index
   }
 }
 
-// Four columns at once: x is read and written a quarter as often.
+// Four columns at once: this reads and writes x a quarter as often.
 void unit_forward(Eigen::Index k, const double* L, Eigen::Index stride, double* x) {
   Eigen::Index j = 0;
   for (; j + 4 <= k; j += 4) {
@@ -53,7 +53,7 @@ void unit_backward(Eigen::Index k, const double* L, Eigen::Index stride, double*
   }
 }
 
-// Calls solve(k) with a small k as a constant. A factor of size 1 is its diagonal alone.
+// Calls solve(k) with a small k as a constant. A factor of size 1 is only its diagonal.
 template <typename Solve>
 void of_size(Eigen::Index size, const Solve& solve) {
   switch (size) {
@@ -99,7 +99,7 @@ void LdlFactor::backward_solve(double* x) const {
 void LdlFactor::remove(Eigen::Index position) {
   const Eigen::Index last = --size_;
   const Eigen::Index stride = L_.outerStride();
-  const Eigen::Index left = last - position;  // rows that stood below
+  const Eigen::Index left = last - position;  // number of rows below
   double* w = falling_.data();
   const double* gone = L_.data() + position * stride + position + 1;
   for (Eigen::Index i = 0; i < left; ++i) w[i] = gone[i];
@@ -109,7 +109,7 @@ void LdlFactor::remove(Eigen::Index position) {
     for (Eigen::Index i = position; i < last; ++i) column[i] = column[i + 1];
   }
   for (Eigen::Index j = position; j < last; ++j, ++w) {
-    const double* old = L_.data() + (j + 1) * stride + 1;  // one row up
+    const double* old = L_.data() + (j + 1) * stride + 1;  // the row moves up by one
     double* column = L_.data() + j * stride;
     const double d = D_(j + 1);
     const double p = *w;

@@ -5,8 +5,8 @@
 
 namespace breakwater {
 
-/// Rank of U_o = [C; C A; …; C Aⁿ⁻¹] ((p·n)×n), counted on balanced columns: a state's unit or a
-/// short sampling period does not change it. The pair is observable if it equals n (Eq. 2.13).
+/// Rank of U_o = [C; C A; …; C Aⁿ⁻¹] ((p·n)×n), with balanced columns. The units of the states and
+/// a short sampling period do not affect it. The pair is observable if the rank is n (Eq. 2.13).
 Eigen::Index observability_rank(const Eigen::MatrixXd& A, const Eigen::MatrixXd& C);
 
 }  // namespace breakwater

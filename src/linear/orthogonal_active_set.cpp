@@ -7,9 +7,9 @@
 namespace breakwater {
 namespace {
 
-constexpr double kDoubtfulSign = 1e-10;  // of a multiplier, relative to max(1, ‖g‖∞)
-constexpr double kDependent = 1e-11;     // left of a row's vector: it depends on the working set
-constexpr int kCorrections = 2;          // by true residuals
+constexpr double kDoubtfulSign = 1e-10;  // multiplier with the wrong sign, relative to max(1, ‖g‖∞)
+constexpr double kDependent = 1e-11;  // smaller relative rest: the row depends on the working set
+constexpr int kCorrections = 2;       // with true residuals
 
 }  // namespace
 
@@ -52,7 +52,7 @@ void OrthogonalActiveSet::solve(const QpInput& input, QpSolution& solution) {
 QpStatus OrthogonalActiveSet::search(const QpInput& input, QpSolution& solution) {
   const double wrong = kDoubtfulSign * std::max(1.0, input.g.lpNorm<Eigen::Infinity>());
   for (;;) {
-    // A multiplier that was nearly 0 may have the other sign after a correction.
+    // After a correction, a multiplier near 0 may have the other sign.
     for (Eigen::Index j = active() - 1; j >= 0; --j) {
       if (held(j).side * solution.mu(held(j).row) >= -wrong) continue;
       if (changes_left_-- == 0) return QpStatus::iteration_cap;
@@ -69,7 +69,7 @@ QpStatus OrthogonalActiveSet::search(const QpInput& input, QpSolution& solution)
   }
 }
 
-// In the metric of H⁻¹.
+// The largest violation in the metric of H⁻¹.
 OrthogonalActiveSet::Held OrthogonalActiveSet::worst_violation(const QpInput& input) const {
   Held worst{-1, 0.0};
   double most = 0.0;
@@ -130,8 +130,8 @@ QpStatus OrthogonalActiveSet::drive_to_bound(const QpInput& input, Held row, QpS
   }
 }
 
-// Finds the combination of the working set's rows that is nearest to a row outside of it, and the
-// length of what is left.
+// Finds the combination of active rows that is nearest to an inactive row. Returns the length of
+// the rest.
 double OrthogonalActiveSet::compare(const QpInput& input, Eigen::Index row) {
   const Eigen::Index n = factors_.variables();
   const Eigen::Index k = active();
@@ -160,7 +160,7 @@ double OrthogonalActiveSet::compare(const QpInput& input, Eigen::Index row) {
   return c.norm();
 }
 
-// Whether the row and the working set's contradict each other.
+// Whether the row and the working set contradict each other.
 bool OrthogonalActiveSet::is_proof(const QpInput& input, Held row) {
   proof_.setZero();
   proof_(row.row) = row.side;
@@ -171,7 +171,7 @@ bool OrthogonalActiveSet::is_proof(const QpInput& input, Held row) {
   return infeasibility_margin(factors_.model, input, proof_) >= kInfeasibleFrom;
 }
 
-// compare() was last asked for this row.
+// Adds the row of the last compare().
 void OrthogonalActiveSet::add(Held row, double length) {
   const Eigen::Index k = active();
   Q_.col(k).head(depth_) = c_.head(depth_) / length;
@@ -195,7 +195,7 @@ void OrthogonalActiveSet::remove(Eigen::Index position, QpSolution& solution) {
   }
 }
 
-// z and the multipliers as they must be for the working set.
+// Corrects z and the multipliers for the working set.
 void OrthogonalActiveSet::correct(const QpInput& input, QpSolution& solution) {
   const Eigen::Index n = factors_.variables();
   const Eigen::Index k = active();

@@ -1,4 +1,5 @@
-// An active set with an orthogonal factor: for quadratic programs that the faster one loses.
+// An active-set method with an orthogonal factor, for quadratic programs that ActiveSetQp cannot
+// solve.
 #pragma once
 
 #include <vector>
@@ -7,21 +8,21 @@
 
 namespace breakwater {
 
-/// The dual active-set method of ActiveSetQp, slower and with half of the digits lost. With
-/// H = L Lᵀ a row is the vector c = L⁻¹ Ω_iᵀ, followed by √softness in a place of its own. The
-/// working set's vectors are kept as Q R, which does not square their condition as S = Rᵀ R does.
-/// z and the multipliers are corrected by their true residuals at every change of the working set,
-/// and so is the combination of rows that a new one is compared with. Rows whose two bounds are
-/// equal never leave. It is `infeasible` only with a certificate (infeasibility_margin()).
+/// The dual active-set method of ActiveSetQp, slower, for badly conditioned problems. With H = L
+/// Lᵀ, a row is the vector c = L⁻¹ Ω_iᵀ, extended by √softness in its own component. The vectors of
+/// the working set are stored as Q R. Unlike S = Rᵀ R, this does not square their condition number.
+/// After every change of the working set, true residuals correct z and the multipliers. They also
+/// correct the combination of rows for comparison with a new row. Rows with two equal bounds never
+/// leave. The status is `infeasible` only with a certificate (infeasibility_margin()).
 ///
 /// Source: D. Goldfarb, A. Idnani, Math. Program. 27 (1983) 1–33.
 class OrthogonalActiveSet {
  public:
-  /// `factors` must outlive it. `max_changes` is the cap on the working set's changes.
+  /// `factors` must outlive this. `max_changes` bounds the changes of the working set.
   OrthogonalActiveSet(const QpFactors& factors, int max_changes);
 
-  /// Starts from nothing. The input must have passed QpFactors::examine(). solution.iterations
-  /// grows by the changes. Allocates nothing.
+  /// Starts from an empty working set. The input must have passed QpFactors::examine(). Adds the
+  /// number of changes to solution.iterations. Allocates nothing.
   void solve(const QpInput& input, QpSolution& solution);
 
  private:
@@ -49,10 +50,10 @@ class OrthogonalActiveSet {
   int changes_left_ = 0;
   std::vector<Held> held_;
   std::vector<bool> is_held_;
-  Eigen::Index depth_ = 0;     // of the vectors: n, and m more where a row is soft
+  Eigen::Index depth_ = 0;     // length of the vectors: n, or n + m if a row is soft
   Eigen::MatrixXd Q_;          // (n + m)×m
   Eigen::MatrixXd R_;          // m×m
-  Eigen::VectorXd c_;          // a row's vector, or what is left of it outside of the working set's
+  Eigen::VectorXd c_;          // a row's vector, or its rest orthogonal to the working set
   Eigen::VectorXd shares_;     // Qᵀ c
   Eigen::VectorXd direction_;  // R⁻¹ Qᵀ c
   Eigen::VectorXd correction_;

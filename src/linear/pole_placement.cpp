@@ -28,7 +28,7 @@ void check_group(const PoleGroup& group) {
 
 [[noreturn]] void fail_as_not_observable() {
   throw std::invalid_argument(
-      "pole placement: the poles cannot be placed so (not observable, or poles too close)");
+      "pole placement: the poles cannot be placed (not observable, or poles too close)");
 }
 
 }  // namespace
@@ -50,7 +50,7 @@ ObserverPlacement::ObserverPlacement(Eigen::Index states, Eigen::Index outputs)
   group_.reserve(static_cast<std::size_t>(states));
 }
 
-// FullPivLU::solve() allocates.
+// Replaces FullPivLU::solve(), which allocates.
 template <typename Rhs>
 void ObserverPlacement::solve(const Rhs& rhs, Rhs& permuted, Rhs& solution) const {
   permuted = lu_.permutationP() * rhs;
@@ -77,7 +77,7 @@ void ObserverPlacement::place(const Eigen::Ref<const Eigen::MatrixXd>& A,
   Eigen::Index column = 0;
   for (Eigen::Index output = 0; output < p; ++output) {
     check_group(groups[output]);
-    // Equal poles side by side, so that the second of them finds its Jordan chain just before it.
+    // Equal poles are neighbours, so that the second one continues the Jordan chain of the first.
     group_ = groups[output];
     std::sort(group_.begin(), group_.end(), [](const auto& a, const auto& b) {
       return std::pair(a.real(), a.imag()) < std::pair(b.real(), b.imag());
@@ -99,7 +99,7 @@ void ObserverPlacement::place(const Eigen::Ref<const Eigen::MatrixXd>& A,
     }
   }
 
-  // Wᵀ H = Vᵀ, solved on balanced rows and columns: states differ in scale by powers of T_s.
+  // Wᵀ H = Vᵀ, solved with balanced rows and columns: the states differ in scale by powers of T_s.
   row_scale_ = W_.rowwise().norm().array().max(1e-300L);
   rows_scaled_ = row_scale_.inverse().matrix().cast<Scalar>().asDiagonal() * W_;
   column_scale_ = rows_scaled_.colwise().norm().transpose().array();

@@ -8,39 +8,39 @@
 
 namespace breakwater {
 
-/// The poles that one output is to place. A complex pole stands beside its conjugate.
+/// The poles that one output places. A complex pole needs its conjugate.
 using PoleGroup = std::vector<std::complex<double>>;
 
-/// Observer gain H (n×p) with eig(A − H C) = the union of `groups`.
+/// Observer gain H (n×p). eig(A − H C) is the union of `groups`.
 ///
-/// Group i holds the poles that output i places, so there are p groups with n poles in all. Each
-/// pole λ of group i gets the left eigenvector w with wᵀ(A − λ I) = e_iᵀ C; then Hᵀ W = V, where
-/// the columns of V are the e_i. On a plant made of decoupled chains, one per output, this gives
-/// each chain its own group and leaves the chains decoupled (the joints of Eq. 2.54). A pole that
-/// stands m times in one group gets a Jordan chain of length m.
+/// Output i places the poles of group i: p groups with n poles in all. Each pole λ of group i gets
+/// the left eigenvector w with wᵀ(A − λ I) = e_iᵀ C. Then Hᵀ W = V, where the columns of V are the
+/// e_i. For a plant of decoupled chains, one per output, each chain gets its own group, and the
+/// chains stay decoupled (the joints of Eq. 2.54). A pole that occurs m times in one group gets a
+/// Jordan chain of length m.
 ///
 /// Source: eigenstructure assignment, B. C. Moore, IEEE Trans. Autom. Control 21 (1976) 689–692.
 ///
-/// Throws std::invalid_argument if the shapes do not fit, a pole is not finite or lacks its
-/// conjugate, a pole already is an eigenvalue of A, or the groups cannot be placed through those
-/// outputs (in particular, if (A, C) is not observable).
+/// Throws std::invalid_argument if the shapes do not fit, or a pole is not finite, lacks its
+/// conjugate or is an eigenvalue of A. Throws it too if the outputs cannot place the groups, for
+/// example if (A, C) is not observable.
 Eigen::MatrixXd place_observer_poles(const Eigen::MatrixXd& A, const Eigen::MatrixXd& C,
                                      const std::vector<PoleGroup>& groups);
 
-/// place_observer_poles() again and again, of one size: allocates nothing once it is made.
+/// Repeated place_observer_poles() for one size, without allocation after construction.
 class ObserverPlacement {
  public:
   ObserverPlacement(Eigen::Index states, Eigen::Index outputs);
 
-  /// Writes H (n×p). Throws as place_observer_poles() does, but for poles that are too close.
+  /// Writes H (n×p). Throws as place_observer_poles() does, except for poles that are too close.
   void place(const Eigen::Ref<const Eigen::MatrixXd>& A, const Eigen::Ref<const Eigen::MatrixXd>& C,
              const std::vector<PoleGroup>& groups, Eigen::MatrixXd& H);
-  /// Whether the last poles could be placed with sense. Allocates.
+  /// Whether the last placement was well conditioned. Allocates.
   bool is_well_conditioned() const;
 
  private:
-  // The poles of a fast sampled observer crowd together just below 1, which makes the eigenvector
-  // matrix badly conditioned: hence extended precision.
+  // Extended precision: the poles of a fast observer are all close to 1, which makes the matrix of
+  // eigenvectors badly conditioned.
   using Scalar = std::complex<long double>;
   using Matrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
   using Vector = Eigen::Matrix<Scalar, Eigen::Dynamic, 1>;
@@ -59,10 +59,10 @@ class ObserverPlacement {
   Matrix scaled_V_, permuted_, solved_;
 };
 
-/// z = e^{s T_s}: where a sampled system must put a continuous pole s [1/s]. Throws
-/// std::invalid_argument unless each lies left of the imaginary axis, as those of an observer must.
+/// The poles z = e^{s T_s} of a sampled system, from continuous poles s [1/s]. Throws
+/// std::invalid_argument unless all s are left of the imaginary axis.
 std::vector<PoleGroup> sample_poles(const std::vector<PoleGroup>& continuous, double period_s);
-/// The same into `sampled`, which allocates nothing the second time.
+/// The same into `sampled`. Allocates nothing the second time.
 void sample_poles(const std::vector<PoleGroup>& continuous, double period_s,
                   std::vector<PoleGroup>& sampled);
 

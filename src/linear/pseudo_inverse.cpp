@@ -5,7 +5,7 @@
 namespace breakwater {
 namespace {
 
-// With `below` in the place of 1/σ² where σ does not exceed the tolerance.
+// `below` replaces 1/σ² if σ does not exceed the tolerance.
 void invert(const Eigen::Matrix<double, 3, Eigen::Dynamic>& J, double tolerance, double below,
             Eigen::Matrix<double, Eigen::Dynamic, 3>& J_plus) {
   // J = U Σ Vᵀ gives J Jᵀ = U Σ² Uᵀ and J⁺ = Jᵀ U Σ⁻² Uᵀ.

@@ -14,7 +14,7 @@
 namespace breakwater {
 namespace {
 
-constexpr int kChangesPerRow = 20;  // far more than any working set is changed
+constexpr int kChangesPerRow = 20;  // far more changes than any problem needs
 
 }  // namespace
 
@@ -59,12 +59,12 @@ double kkt_residual(const QpModel& model, const QpInput& input, const QpSolution
 }
 
 double infeasibility_margin(const QpModel& model, const QpInput& input, const Eigen::VectorXd& y) {
-  // A sum of so many terms is right to this share of the sum of their sizes.
+  // Relative rounding error of a sum with this number of terms.
   const double rounding =
       static_cast<double>((y.array() != 0.0).count() + 2) * std::numeric_limits<double>::epsilon();
   double gap = 0.0;
   double tilt = 0.0;   // ‖Ωᵀ y‖₁
-  double reach = 1.0;  // how far from 0 the bounds are
+  double reach = 1.0;  // distance of the bounds from 0
   for (Eigen::Index i = 0; i < y.size(); ++i) {
     if (y(i) == 0.0) continue;
     if (input.softness(i) > 0.0) return 0.0;
@@ -93,7 +93,7 @@ QpFactors::QpFactors(QpModel qp) : model(std::move(qp)) {
   if (model.horizon && (static_cast<Eigen::Index>(model.horizon->rows.size()) != rows() ||
                         model.horizon->control_steps * model.horizon->B.cols() != n)) {
     throw std::invalid_argument(
-        "quadratic program: its horizon must have the rows of Omega and the "
+        "quadratic program: the horizon must have the rows of Omega and the "
         "variables of H");
   }
   if (!model.Omega.allFinite()) {
@@ -109,9 +109,9 @@ QpFactors::QpFactors(QpModel qp) : model(std::move(qp)) {
   H_inverse = 0.5 * (inverse + inverse.transpose());
   step.resize(n, rows());
   gram.resize(rows(), rows());
-  if (rows() == 0) return;  // nothing that could be solved for
+  if (rows() == 0) return;  // no row
   step = llt.solve(model.Omega.transpose());
-  // As the square of L⁻¹ Ωᵀ it is symmetric, and its diagonal is not negative.
+  // As a square of L⁻¹ Ωᵀ, it is symmetric with a non-negative diagonal.
   const Eigen::MatrixXd half = llt.matrixL().solve(model.Omega.transpose());
   gram = half.transpose() * half;
 }

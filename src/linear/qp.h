@@ -1,4 +1,4 @@
-// Quadratic programs: what every solver is given and gives back.
+// Quadratic programs: the input and the output of all solvers.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,80 +12,80 @@ namespace breakwater {
 
 inline constexpr double kNoBound = std::numeric_limits<double>::infinity();
 
-/// The problem, of n variables and m rows:
+/// A problem with n variables and m rows:
 ///     minimise ½ zᵀ H z + gᵀ z   subject to   lower ≤ Ω z ≤ upper.
-/// H and Ω stay, as in linear predictive control, where g and the bounds change at every sample:
-/// a solver factors them once.
+/// A solver factors H and Ω once. They are constant in linear predictive control, and g and the
+/// bounds change at every sample.
 struct QpModel {
   using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
   Eigen::MatrixXd H;  ///< n×n, symmetric positive definite
-  RowMajor Omega;     ///< m×n; a row has two sides, so Ω ΔU ≤ ω of the thesis has 2 m rows
-  /// What H and Ω are made of, where they are those of predictive control: a solver may use it.
+  RowMajor Omega;     ///< m×n; a row has two bounds, so Ω ΔU ≤ ω of the thesis has 2 m rows
+  /// The horizon that H and Ω come from, for predictive control. A solver may use it.
   std::optional<Horizon> horizon = std::nullopt;
 };
 
-/// What changes from solve to solve.
+/// The part of the problem that changes from solve to solve.
 struct QpInput {
   Eigen::VectorXd g;      ///< n
-  Eigen::VectorXd lower;  ///< m; −∞ where there is no bound
-  Eigen::VectorXd upper;  ///< m; +∞ where there is none
-  /// m, ≥ 0. 0: a hard row. s > 0: the row may give way by s·μ, which costs ½ s μ² (a quadratic
-  /// penalty of weight 1/s on its violation), where μ is its multiplier.
+  Eigen::VectorXd lower;  ///< m; −∞: no bound
+  Eigen::VectorXd upper;  ///< m; +∞: no bound
+  /// m, ≥ 0. 0: a hard row. s > 0: the bound of the row moves by s·μ, where μ is its multiplier.
+  /// This costs ½ s μ²: a quadratic penalty of weight 1/s on the violation.
   Eigen::VectorXd softness;
 
-  /// All zeros, and no bounds.
+  /// All zeros, without bounds.
   QpInput(Eigen::Index n, Eigen::Index m);
 };
 
 enum class QpStatus {
-  solved,         ///< by the solver's own measure; kkt_residual says how well
-  iteration_cap,  ///< gave up at the cap on iterations: z may violate rows
-  infeasible,     ///< no z satisfies all rows, which is proven; z violates some
-  not_finite,     ///< an input is NaN, or infinite where it may not be; z is 0
-  inaccurate      ///< rounding hides both a solution and a proof that there is none: z is near
+  solved,         ///< by the solver's own criterion; kkt_residual has the accuracy
+  iteration_cap,  ///< reached the limit of iterations: z may violate rows
+  infeasible,     ///< proven: no z satisfies all rows; z violates some
+  not_finite,     ///< an input is NaN or an invalid infinity; z is 0
+  inaccurate      ///< rounding prevents both a solution and a proof of infeasibility; z is near
 };
 
 struct QpSolution {
   Eigen::VectorXd z;  ///< n
-  /// m, multipliers: > 0 at an upper, < 0 at a lower bound, 0 between. Where the active-set solver
-  /// says infeasible: its certificate y of infeasibility_margin(), or 0 where a row's own bounds
-  /// cross.
+  /// m, multipliers: > 0 at an upper, < 0 at a lower bound, 0 between. If the active-set solver
+  /// reports `infeasible`: its certificate y for infeasibility_margin(), or 0 if a lower bound is
+  /// above its upper bound.
   Eigen::VectorXd mu;
   QpStatus status = QpStatus::not_finite;
   int iterations = 0;
-  double kkt_residual = 0.0;  ///< of z and the multipliers, by kkt_residual()
+  double kkt_residual = 0.0;  ///< kkt_residual() of z and the multipliers
 
   QpSolution(Eigen::Index n, Eigen::Index m);
 
-  /// Nothing, of an input that is not finite.
+  /// The result for an input that is not finite.
   void set_not_finite();
 };
 
-/// The largest of: ‖H z + g + Ωᵀ μ‖∞/γ; what z violates any row by; and |μ_i|·(distance from the
-/// bound that its sign means)/γ. γ = max(1, ‖g‖∞, ‖μ‖∞). 0 means optimal. Infinite if anything is
-/// not finite or a multiplier's bound is infinite. `values` is Ω z, `gradient` room to work in (n);
-/// allocates nothing.
+/// The largest of ‖H z + g + Ωᵀ μ‖∞/γ, the violations of the rows by z, and |μ_i|·(distance from
+/// the bound of its sign)/γ. The scale is γ = max(1, ‖g‖∞, ‖μ‖∞). 0 means optimal. Infinite
+/// if a value is not finite or a multiplier belongs to an infinite bound. `values` is Ω z,
+/// `gradient` (n) is work space. Allocates nothing.
 double kkt_residual(const QpModel& model, const QpInput& input, const QpSolution& solution,
                     const Eigen::VectorXd& values, Eigen::VectorXd& gradient);
 
-/// The active-set solver calls solved what has at most this KKT residual,
+/// Largest KKT residual that the active-set solver reports as solved.
 inline constexpr double kQpSolvedBelow = 1e-8;
-/// and lets a row be violated by so much, in its own unit.
+/// Violation of a row that the active-set solver allows, in the row's unit.
 inline constexpr double kQpViolation = 5e-9;
 
-/// The margin by which y (m) proves that there is no solution: by Farkas' lemma no z satisfies the
-/// rows if Ωᵀ y = 0 and
+/// The margin by which y (m) proves infeasibility. By Farkas' lemma no z satisfies the rows if Ωᵀ y
+/// = 0 and
 ///     gap = −Σ (y_i > 0 ? upper_i : lower_i) y_i > 0.
-/// In numbers Ωᵀ y is nearly 0, and no z with |z|∞ < gap/‖Ωᵀ y‖₁ does. Returned is this limit over
-/// the largest of 1 and |bound_i|/‖Ω_i‖∞ of the rows that y takes, with every rounding of these
-/// sums counted against it; 0 where y proves nothing. Allocates nothing.
+/// With rounding Ωᵀ y is only nearly 0, and no z with |z|∞ < gap/‖Ωᵀ y‖₁ satisfies the rows. The
+/// margin is this limit divided by max(1, |bound_i|/‖Ω_i‖∞) over the rows with y_i ≠ 0. Rounding
+/// errors of these sums reduce it. 0: y proves nothing. Allocates nothing.
 double infeasibility_margin(const QpModel& model, const QpInput& input, const Eigen::VectorXd& y);
 
-/// A certificate has at least this infeasibility_margin().
+/// Smallest infeasibility_margin() of a certificate.
 inline constexpr double kInfeasibleFrom = 1e5;
 
-/// A solver remembers its last solution and starts from it.
+/// A solver of quadratic programs. It starts from its last solution.
 class QpSolver {
  public:
   QpSolver() = default;
@@ -96,7 +96,7 @@ class QpSolver {
   /// Solves one problem. The vectors must have the model's sizes. Allocates nothing.
   virtual void solve(const QpInput& input, QpSolution& solution) = 0;
 
-  /// Forgets the last solution: the next solve starts cold.
+  /// Forgets the last solution: the next solve has no warm start.
   virtual void reset() = 0;
 
   virtual const QpModel& model() const = 0;
@@ -104,28 +104,28 @@ class QpSolver {
 
 enum class QpSolverKind { hildreth, active_set };
 
-/// A solver by its kind. `max_sweeps` is Hildreth's cap; the active-set solver, which ends by
-/// itself, has a cap of its own that is never reached but by a defect. Throws std::invalid_argument
-/// if H is not symmetric positive definite, shapes do not fit, or the cap is not positive.
+/// Makes a solver. `max_sweeps` is the limit of Hildreth's method. The active-set solver has its
+/// own limit, which only a defect can reach. Throws std::invalid_argument if H is not symmetric
+/// positive definite, shapes do not fit, or the limit is not positive.
 std::unique_ptr<QpSolver> make_qp_solver(QpSolverKind kind, const QpModel& model, int max_sweeps);
 
-/// What solvers share: a model with what follows from it alone.
+/// A model and the constants that all solvers derive from it.
 struct QpFactors {
   QpModel model;
-  Eigen::MatrixXd columns;    ///< Ω again, by columns: faster to multiply where n is small
+  Eigen::MatrixXd columns;    ///< Ω by columns: faster products for small n
   Eigen::MatrixXd H_inverse;  ///< n×n
-  Eigen::MatrixXd step;       ///< H⁻¹ Ωᵀ, n×m: how z answers to a row's multiplier
-  Eigen::MatrixXd gram;       ///< Ω H⁻¹ Ωᵀ, m×m: how the rows do
+  Eigen::MatrixXd step;       ///< H⁻¹ Ωᵀ, n×m: response of z to the multipliers
+  Eigen::MatrixXd gram;       ///< Ω H⁻¹ Ωᵀ, m×m: response of the rows
   Eigen::MatrixXd L;          ///< lower triangular, H = L Lᵀ
 
-  /// Throws std::invalid_argument as make_qp_solver.
+  /// Throws std::invalid_argument as make_qp_solver() does.
   explicit QpFactors(QpModel qp);
 
   Eigen::Index variables() const { return model.H.rows(); }
   Eigen::Index rows() const { return model.Omega.rows(); }
 
-  /// What is wrong with an input before anything is solved, or `solved` if nothing is: not_finite,
-  /// or infeasible where a lower bound is above its upper one.
+  /// Checks an input. Returns `solved` if it is valid, `not_finite`, or `infeasible` if a lower
+  /// bound is above its upper bound.
   static QpStatus examine(const QpInput& input);
 };
 

@@ -14,12 +14,12 @@ namespace {
 
 constexpr int kMostDoublings = 60;
 constexpr double kConverged = 1e-14;  // relative change of P
-// A mode on the unit circle that Q does not see is halved by each Newton step, for ever. That many
-// steps do not bring it below the tolerance; where there is a solution they converge quadratically.
+// Each Newton step only halves a mode on the unit circle without weight in Q. This number of steps
+// is too small for such a mode. If there is a solution, the steps converge quadratically.
 constexpr int kMostNewtonSteps = 30;
 constexpr double kNewtonConverged = 1e-11;  // relative change of P
-constexpr double kSymmetric = 1e-12;        // relative
-constexpr double kSmallestResidual = 1e-8;  // relative; above, the doubling has not converged
+constexpr double kSymmetric = 1e-12;        // relative asymmetry
+constexpr double kSmallestResidual = 1e-8;  // relative; above: the doubling has not converged
 
 bool is_symmetric(const Eigen::MatrixXd& matrix) {
   return matrix.rows() == matrix.cols() && matrix.allFinite() &&
@@ -44,7 +44,7 @@ Eigen::MatrixXd by_doubling(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B,
   Eigen::MatrixXd G = symmetric_part(B * R.llt().solve(B.transpose()));
   Eigen::MatrixXd P = Q;
   for (int k = 0; k < kMostDoublings; ++k) {
-    // (I + G P) is invertible as G and P are positive semidefinite.
+    // (I + G P) is invertible, because G and P are positive semidefinite.
     const Eigen::PartialPivLU<Eigen::MatrixXd> lu(identity + G * P);
     const Eigen::MatrixXd to_transition = lu.solve(transition);  // (I + G P)⁻¹ A_k
     const Eigen::MatrixXd to_G = lu.solve(G);
@@ -58,9 +58,9 @@ Eigen::MatrixXd by_doubling(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B,
   return P;
 }
 
-// Newton's method from a P whose feedback stabilises: each step's P is what that feedback costs,
+// Newton's method from a P with stabilising feedback. Each step's P is the cost of that feedback,
 //     P = (A − B K)ᵀ P (A − B K) + Q + Kᵀ R K,
-// summed by doubling. Not finite if it does not converge.
+// computed by doubling. Not finite if it does not converge.
 Eigen::MatrixXd by_newton(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B,
                           const Eigen::MatrixXd& Q, const Eigen::MatrixXd& R, Eigen::MatrixXd P) {
   for (int step = 0; step < kMostNewtonSteps; ++step) {
@@ -122,8 +122,9 @@ Eigen::MatrixXd solve_dare(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B,
 
   Eigen::MatrixXd P = by_doubling(A, B, Q, R);
   if (stabilises(A, B, Q, R, P)) return P;
-  // Where Q does not see an unstable mode the doubling finds the cheapest solution, which leaves it
-  // alone. With a Q that sees all it stabilises, and from there Newton's method finds the way.
+  // An unstable mode without weight in Q: the doubling finds the cheapest solution, which leaves
+  // this mode unstable. With a Q that weighs all modes it stabilises, and Newton's method continues
+  // from there.
   const double scale = std::max(1.0, Q.norm());
   P = by_doubling(A, B, Q + scale * Eigen::MatrixXd::Identity(n, n), R);
   if (P.allFinite()) P = by_newton(A, B, Q, R, P);

@@ -1,4 +1,4 @@
-// How far the rows of a quadratic program are beyond their bounds, in one pass.
+// The violations of the rows of a quadratic program, in one pass.
 #pragma once
 
 #include <Eigen/Core>
@@ -6,15 +6,15 @@
 
 namespace breakwater {
 
-/// Of rows i with values v_i, beyond their bounds by t_i = max(v_i − upper_i, lower_i − v_i).
+/// Violations t_i = max(v_i − upper_i, lower_i − v_i) of rows i with values v_i.
 struct RowScan {
   double violation = 0.0;    ///< the largest t_i, or 0
   double worst_score = 0.0;  ///< the largest weight_i (t_i − tolerance), or 0
 };
 
-/// Ω z by N columns (N < 0: they are in `values` already), and what a RowScan says of it. All
-/// arrays of m; columns of length `stride`. The bits do not depend on how many lanes the processor
-/// has.
+/// Computes Ω z from N columns (N < 0: `values` already has it) and returns its RowScan. All arrays
+/// have m entries, and columns the length `stride`. The bits do not depend on the processor's
+/// vector length.
 template <int N>
 RowScan scan_rows(const double* columns, Eigen::Index stride, const double* z, Eigen::Index m,
                   const double* lower, const double* upper, const double* weight, double tolerance,
@@ -39,7 +39,7 @@ RowScan scan_rows(const double* columns, Eigen::Index stride, const double* z, E
     violation = pmax(violation, beyond);
     worst = pmax(worst, score);
   };
-  // Two of each: one maximum waits for the last.
+  // Two of each: independent maxima do not wait for each other.
   Packet violation[2] = {pset1<Packet>(0.0), pset1<Packet>(0.0)};
   Packet worst[2] = {violation[0], violation[0]};
   Eigen::Index i = 0;
@@ -52,8 +52,8 @@ RowScan scan_rows(const double* columns, Eigen::Index stride, const double* z, E
   return scan;
 }
 
-/// Whether every lower bound is at most its upper one, and neither is an infinity of the other side
-/// or NaN.
+/// Whether every lower bound is at most its upper bound, no lower bound is ∞, no upper one −∞, and
+/// none is NaN.
 inline bool are_bounds(const Eigen::VectorXd& lower, const Eigen::VectorXd& upper) {
   using namespace Eigen::internal;  // NOLINT(google-build-using-namespace): its packets
   using Packet = packet_traits<double>::type;

@@ -1,12 +1,12 @@
-// Linear time-invariant plants and their zero-order-hold discretisation.
+// Linear time-invariant plants and their discretisation with a zero-order hold.
 #pragma once
 
 #include <Eigen/Core>
 
 namespace breakwater {
 
-/// An LTI plant ẋ = A x + B u, y = C x (Eqs. 2.2, 2.3) or, sampled, x(k+1) = A x(k) + B u(k)
-/// (Eqs. 2.16, 2.17). Which of the two it is, its name says where it is used.
+/// An LTI plant ẋ = A x + B u, y = C x (Eqs. 2.2, 2.3) or, sampled, x(k+1) = A x(k) + B u(k) (Eqs.
+/// 2.16, 2.17). The name of a variable says which one it is.
 struct StateSpace {
   Eigen::MatrixXd A;  ///< n×n
   Eigen::MatrixXd B;  ///< n×m
@@ -20,11 +20,11 @@ struct StateSpace {
 /// Throws std::invalid_argument unless the shapes of A, B and C fit and every entry is finite.
 void check(const StateSpace& plant);
 
-/// Exact discretisation under an input held over `period_s` [s], by the matrix exponential of
-/// [A B; 0 0]·T_s (Van Loan). Throws std::invalid_argument if the period is not positive.
+/// Exact discretisation with an input held over `period_s` [s], by the matrix exponential of [A B;
+/// 0 0]·T_s (Van Loan). Throws std::invalid_argument if the period is not positive.
 StateSpace zero_order_hold(const StateSpace& continuous, double period_s);
 
-/// Extends a plant by step-type input disturbances (ḋ = 0, Eq. 2.4), one per input:
+/// Extends a plant by one step-type disturbance per input (ḋ = 0, Eq. 2.4). The result has
 /// Ā = [A −B; 0 0], B̄ = [B; 0], C̄ = [C 0] (Eqs. 2.9, 2.10, 2.54, 2.55).
 StateSpace extend_by_input_disturbance(const StateSpace& continuous);
 

@@ -1,4 +1,4 @@
-// A plant under held inputs, over intervals of any length.
+// A plant with held inputs, for intervals of any length.
 #pragma once
 
 #include <Eigen/Core>
@@ -7,14 +7,14 @@
 
 namespace breakwater {
 
-/// zero_order_hold() over one interval after another: A and B of any length, without allocating. By
-/// the exponential's series, its argument halved until it is small and the result squared as often.
+/// zero_order_hold() for one interval after another of any length, without allocation. It uses the
+/// series of the matrix exponential with scaling and squaring.
 class VariableHold {
  public:
   /// Throws std::invalid_argument as check() does.
   explicit VariableHold(const StateSpace& continuous);
 
-  /// `interval_s` is positive.
+  /// Sets the interval; `interval_s` must be positive.
   void over(double interval_s);
 
   auto A() const { return transition_.topLeftCorner(states_, states_); }
@@ -23,8 +23,8 @@ class VariableHold {
  private:
   Eigen::Index states_;
   Eigen::MatrixXd generator_;   // [A B; 0 0]
-  double norm_;                 // its largest column's sum
-  Eigen::MatrixXd scaled_;      // times a part of the interval
+  double norm_;                 // largest column sum
+  Eigen::MatrixXd scaled_;      // the generator times a part of the interval
   Eigen::MatrixXd transition_;  // its exponential
   Eigen::MatrixXd term_;
   Eigen::MatrixXd work_;

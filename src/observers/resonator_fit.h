@@ -16,8 +16,8 @@ struct ForceSpectrum {
 };
 
 /// Noise of a Kalman filter of an axis, as the density N of a force. m is the mass, δ the period.
-/// The standard deviations in each sample are σ_p of the measurement noise, and σ_v and σ_b of the
-/// process noise of the velocity and of a constant force.
+/// The standard deviations in each sample are σ_p (measurement noise), σ_v (process noise of the
+/// velocity) and σ_b (process noise of a constant force).
 ///     N(ω) = (m² ω⁴ σ_p² δ + m² σ_v²/δ + σ_b²/(δ ω²))/π.
 struct AxisNoise {
   double mass_kg = 1.0;

@@ -1,4 +1,4 @@
-// What a blow at a point of a mechanism meets.
+// Apparent mass of a mechanism at a point.
 #pragma once
 
 #include <Eigen/Cholesky>
@@ -9,21 +9,21 @@
 
 namespace breakwater {
 
-/// The mass that a short force along a fixed direction e of the world meets at a site, with every
-/// joint free to recoil:
+/// The apparent mass at a site for a short force along a fixed direction e of the world, with all
+/// joints free:
 ///     m = 1 / (eᵀ J M⁻¹ Jᵀ e)    [kg]
-/// J (3 × n): the site's translational Jacobian, M (n × n): the joint-space inertia, armatures
-/// included.
+/// J (3 × n) is the site's translational Jacobian, M (n × n) the joint-space inertia with
+/// armatures.
 ///
 /// Source: O. Khatib, Int. J. Robotics Research 14 (1995) 19–36.
 class ApparentMass {
  public:
-  /// Throws std::invalid_argument if the model has no such site or no joint. `direction` is of unit
-  /// length.
+  /// `direction` is a unit vector. Throws std::invalid_argument if the model has no such site or no
+  /// joint.
   ApparentMass(const Model& model, const std::string& site, const Eigen::Vector3d& direction);
 
-  /// Of the configuration that the engine last computed; infinite where the site cannot move along
-  /// e. Does not allocate.
+  /// The value for the last configuration that the engine computed; infinite if the site cannot
+  /// move along e. Does not allocate.
   double operator()(const Model& model, const mjData& data);
 
  private:

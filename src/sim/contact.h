@@ -1,4 +1,4 @@
-// Contact authored in SI units.
+// A contact with parameters in SI units.
 #pragma once
 
 #include <string>
@@ -7,28 +7,27 @@
 
 namespace breakwater {
 
-/// What a user knows of a contact.
+/// Parameters of a contact.
 struct ContactLaw {
   double stiffness_N_m = 0.0;  ///< K: the static depth under a force F is F/K
-  double damping_Ns_m = 0.0;   ///< B: the force is K·depth + B·(speed of approach), never a pull
+  double damping_Ns_m = 0.0;   ///< B: the force is K·depth + B·(approach velocity) ≥ 0
 };
 
-/// Makes the contact of two frictionless geoms, of which at least one moves, obey `law`, by
-/// compiling it to both geoms' solref and solimp.
+/// Makes the contact of two frictionless geoms obey `law`, by their solref and solimp. At least one
+/// of them must be able to move.
 ///
-/// MuJoCo's constraint force is f = (a_ref − a₁)/R with a_ref = −b v − k d r and
-/// R = (1 − d)/d·w, where r is the (negative) gap, v its rate, a₁ the acceleration left in the
-/// contact, d the impedance and w the bodies' summed translational body_invweight0. With a constant
-/// d, solref = (−K w (1−d), −B w (1−d)) gives k d/R = K and b/R = B exactly. The remaining −a₁/R
-/// acts as an added mass d/((1−d) w), which a small d = 0.001 makes negligible.
+/// MuJoCo's constraint force is f = (a_ref − a₁)/R with a_ref = −b v − k d r and R = (1 − d)/d·w. r
+/// is the (negative) gap, v its rate, a₁ the acceleration left in the contact and d the impedance.
+/// w is the sum of the bodies' translational body_invweight0. With a constant d, solref = (−K w
+/// (1−d), −B w (1−d)) gives k d/R = K and b/R = B exactly. The remaining −a₁/R acts as an added
+/// mass d/((1−d) w), which is negligible for d = 0.001.
 ///
-/// Throws std::invalid_argument if K is not positive, B is negative, a geom has friction
-/// dimensions (condim other than 1), a margin or a gap, their priorities differ, a <pair> names one
-/// of them, or neither body can move.
+/// Throws std::invalid_argument unless K > 0, B ≥ 0 and one body can move. Both geoms must have
+/// condim 1, no margin, no gap, the same priority and no <pair>.
 void author_contact(Model& model, int geom1, int geom2, const ContactLaw& law);
 
-/// Moves a plane of the world body, the geom `wall`, to x, together with all geoms whose names
-/// begin with its. Throws std::invalid_argument if there is no such plane.
+/// Moves the geom `wall`, a plane of the world body, to x. All geoms with a name that begins with
+/// `wall` move too. Throws std::invalid_argument if there is no such plane.
 void place_wall(Model& model, const std::string& wall, double x_m);
 
 }  // namespace breakwater

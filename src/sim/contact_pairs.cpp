@@ -14,19 +14,19 @@ namespace {
 using Pair = std::pair<int, int>;
 
 constexpr std::size_t kMostPairs = 4;
-constexpr mjtNum kNever = -mjMAXVAL;  // a margin that no distance is within
+constexpr mjtNum kNever = -mjMAXVAL;  // a margin below every distance
 
 std::ptrdiff_t at(int row, int columns) {
   return static_cast<std::ptrdiff_t>(row) * columns;
 }
 
-// Those of the world with those of the one body that moves, in the engine's order; none if there
-// could be others.
+// The pairs of a world geom and a geom of the only moving body, in the engine's order. Empty if
+// other pairs are possible.
 std::vector<Pair> possible_pairs(const mjModel& m) {
   std::vector<int> fixed, moving;
   for (int geom = 0; geom < m.ngeom; ++geom) {
     const int body = m.geom_bodyid[geom];
-    // A plane on a static body that is not the world is found twice by the search.
+    // The engine's search finds a plane on a static body other than the world twice.
     if (body != 0 && m.body_weldid[body] == 0) return {};
     (body == 0 ? fixed : moving).push_back(geom);
   }
@@ -65,7 +65,7 @@ void write_pair(mjModel& m, int row, const Pair& pair) {
   const mjtNum* friction = m.geom_friction + at(geom, 3);
   const mjtNum unpacked[5] = {friction[0], friction[0], friction[1], friction[2], friction[2]};
   std::copy_n(unpacked, 5, m.pair_friction + at(row, 5));
-  m.name_pairadr[row] = m.nnames - 1;  // the end of the last name: none
+  m.name_pairadr[row] = m.nnames - 1;  // the end of the last name: no name
 }
 
 }  // namespace
@@ -86,7 +86,7 @@ mjModel* with_contact_pairs(const mjModel& model) {
   for (int i = 0; i < draft->npair; ++i) write_pair(*draft, i, pairs[static_cast<std::size_t>(i)]);
   switch_contact_pairs(*draft);
   std::string fatal;
-  return draft.make(fatal);  // where there is no memory for it, it does without
+  return draft.make(fatal);  // null if there is not enough memory
 }
 
 void switch_contact_pairs(mjModel& m) {

@@ -1,20 +1,20 @@
-// The engine told which geoms can touch, where they are few.
+// A list of the geoms that can touch, as a replacement for the engine's search.
 #pragma once
 
 #include <mujoco/mujoco.h>
 
 namespace breakwater {
 
-/// The same model with a <pair> for each two geoms that could touch, and no others looked at: the
-/// same contacts to the bit, without the engine's search among bodies, which in a model with one
-/// moving geom is a tenth of a step. For mj_deleteModel(); null where that does not fit.
+/// A copy of the model with a <pair> for each two geoms that can touch, or null. The contacts have
+/// the same bits, without the engine's search among bodies: a tenth of a step in a model with one
+/// moving geom. For mj_deleteModel().
 ///
-/// It fits where the world's own geoms and those of one moving body make at most four pairs, there
-/// are no others, no <pair> and no <exclude>, and what a contact's numbers are mixed of is the same
-/// in both geoms, so that the mixture is, too.
+/// Null unless the geoms of the world and of the only moving body form at most four pairs, without
+/// <pair> and <exclude>. Both geoms of each pair must have equal contact parameters, because the
+/// engine mixes them.
 mjModel* with_contact_pairs(const mjModel& model);
 
-/// Switches the pairs on whose geoms' contype and conaffinity match, and the others off.
+/// Enables the pairs whose geoms match in contype and conaffinity, and disables the others.
 void switch_contact_pairs(mjModel& model);
 
 }  // namespace breakwater

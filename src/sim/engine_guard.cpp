@@ -14,7 +14,7 @@ namespace breakwater {
 namespace {
 
 constexpr std::size_t kTextSize = 1000;
-// As the engine says it, where it finds out itself.
+// The engine's own text for the same case.
 constexpr const char* kNoMemory = "could not allocate memory for a model of this size";
 
 struct ThreadState {
@@ -27,7 +27,7 @@ thread_local ThreadState state;
 
 void on_error(const char* message) {
   std::snprintf(state.error, kTextSize, "%s", message);
-  // Called from outside call_engine() there is no way back: the engine must not go on.
+  // Outside call_engine() there is no return point, and the engine must not continue.
   if (state.return_point == nullptr) {
     std::fprintf(stderr, "MuJoCo: %s\n", state.error);
     std::abort();
@@ -60,7 +60,7 @@ std::string call_engine(void (*body)(void*), void* argument) {
       body(argument);
     } catch (const std::bad_alloc&) {
       std::strcpy(state.error, kNoMemory);
-    } catch (const std::length_error&) {  // of a size that no memory could hold
+    } catch (const std::length_error&) {  // larger than any memory
       std::strcpy(state.error, kNoMemory);
     }
   }

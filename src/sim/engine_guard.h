@@ -1,4 +1,4 @@
-// Keeps MuJoCo's errors and warnings from ending, halting or littering the process.
+// Keeps MuJoCo's errors and warnings from stopping the process or printing.
 #pragma once
 
 #include <stdexcept>
@@ -6,7 +6,7 @@
 
 namespace breakwater {
 
-/// A run that cannot go on: diverged, not finite, or refused by the engine.
+/// A failed run: it diverged, is not finite, or the engine reported an error.
 class RunFailure : public std::runtime_error {
  public:
   RunFailure(double time_s, const std::string& reason)
@@ -18,30 +18,29 @@ class RunFailure : public std::runtime_error {
   double time_s_;
 };
 
-/// The machine has no memory for what the engine needs; the input may be right. `FILE: reason`.
+/// The machine has too little memory for the engine; the input may be right. `FILE: reason`.
 class OutOfMemory : public std::invalid_argument {
  public:
   using std::invalid_argument::invalid_argument;
 };
 
-/// Calls `body(argument)`, which calls the engine. If the engine reports a fatal error meanwhile,
-/// returns its text (by default it would wait for a key and exit), or finds no memory, says so;
-/// otherwise returns an empty string.
+/// Calls `body(argument)`, which calls the engine. Returns the text of a fatal error or
+/// of a lack of memory; empty: no error. By default the engine would wait for a key and exit.
 ///
-/// A fatal error leaves `body` by longjmp, so neither it nor what it calls may hold anything whose
-/// destructor matters when it calls the engine.
+/// A fatal error leaves `body` by longjmp. When it calls the engine, `body` must therefore own no
+/// object with a needed destructor, and neither must the functions that it calls.
 std::string call_engine(void (*body)(void*), void* argument);
 
-/// The same of a lambda.
+/// The same for a lambda.
 template <typename Body>
 std::string call_engine(Body body) {
   return call_engine([](void* argument) { (*static_cast<Body*>(argument))(); }, &body);
 }
 
-/// "2.2.2".
+/// The version of the engine, such as "2.2.2".
 std::string engine_version();
 
-/// The engine's last warning on this thread since the last call; empty if there was none.
+/// The engine's last warning on this thread since the last call; empty if there is none.
 std::string take_engine_warning();
 
 }  // namespace breakwater

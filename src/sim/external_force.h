@@ -1,14 +1,14 @@
-// What pushes on bodies from outside.
+// The interface of external forces on bodies.
 #pragma once
 
 #include <mujoco/mujoco.h>
 
 namespace breakwater {
 
-/// A force on bodies that depends on time and state. Called inside the engine's control callback,
-/// with position and velocity quantities fresh, at every stage of the integrator; it adds to
-/// data.xfrc_applied (force, torque in the world frame, at the body's centre of mass), which has
-/// been zeroed. Must not throw, allocate or keep state.
+/// A force on bodies that depends on time and state. The engine's control callback calls it at
+/// every stage of the integrator, with current position and velocity quantities. It adds to
+/// data.xfrc_applied (force, torque in the world frame, at the body's centre of mass), which is
+/// zero at first. Must not throw, allocate or keep state.
 class ExternalForce {
  public:
   ExternalForce() = default;

@@ -7,7 +7,7 @@ namespace breakwater {
 namespace {
 
 constexpr double kHardImpedance = 0.9999;     // d, the engine's largest
-constexpr double kStepsOfTimeConstant = 2.0;  // the fewest that the engine takes
+constexpr double kStepsOfTimeConstant = 2.0;  // the fewest that the engine accepts
 
 }  // namespace
 

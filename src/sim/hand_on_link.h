@@ -1,4 +1,4 @@
-// A hand on the end of a planar chain's link.
+// A hand at the end of a link of a planar chain.
 #pragma once
 
 #include <span>
@@ -11,17 +11,17 @@
 
 namespace breakwater {
 
-/// A Hand's force on the end of a link, perpendicular to the line from the link's joint to it.
+/// The force of a Hand on a link's end, perpendicular to the line from the link's joint to it.
 class HandOnLink final : public ExternalForce {
  public:
-  /// Grips link `link` (1, 2, …) of a chain in a posture (one angle a joint [rad]). Throws
+  /// Grips link `link` (1, 2, …) of a chain in a posture (one angle [rad] per joint). Throws
   /// std::invalid_argument if the model lacks the chain's joints or the site linkN_end.
   HandOnLink(const Hand& hand, const Model& model, const PlanarChain& chain,
              const std::vector<double>& gripped_angles_rad, int link);
 
   void apply(double time_s, const mjModel& model, mjData& data) const override;
 
-  /// How far the link is turned from where it was gripped [rad].
+  /// Rotation of the link since the grip [rad].
   double turned_rad(std::span<const double> qpos) const;
   /// The hand's moment about the link's joint [N m].
   double moment_Nm(double time_s, std::span<const double> qpos, std::span<const double> qvel) const;

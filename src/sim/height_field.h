@@ -1,4 +1,4 @@
-// Moves a surface in a model's pictures.
+// Changes a surface in a model's pictures.
 #pragma once
 
 #include <functional>
@@ -8,9 +8,9 @@
 
 namespace breakwater {
 
-/// Gives the height field of a geom on the world, level or upside down, the height z(x, y) in the
-/// world [m], within what its size allows. Throws std::invalid_argument if the model has no such
-/// geom, or it is not such a height field.
+/// Sets the height field of a level or inverted geom to z(x, y) in the world [m], limited by its
+/// size. The geom is on the world body. Throws std::invalid_argument if the model has no such geom
+/// or it is no such height field.
 void set_heights(Model& model, const std::string& geom,
                  const std::function<double(double, double)>& height_m);
 

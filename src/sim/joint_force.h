@@ -8,14 +8,14 @@
 
 namespace breakwater {
 
-/// Pushes a joint's body along the joint's axis, or turns it about a hinge's, with what it was last
-/// told to hold: over a physics step the force is constant, whatever the integrator.
+/// Applies a force or torque to a joint's body, along or about the joint's axis. It is constant
+/// over a physics step for every integrator.
 class JointForce final : public ExternalForce {
  public:
-  /// Throws std::invalid_argument if the model has no joint of that name.
+  /// Throws std::invalid_argument if the model has no joint `joint`.
   JointForce(const Model& model, const std::string& joint);
 
-  /// A force [N], or of a hinge a torque [N m].
+  /// Sets the force [N], or the torque [N m] of a hinge.
   void hold(double force) { force_ = force; }
 
   void apply(double time_s, const mjModel& model, mjData& data) const override;
@@ -23,7 +23,7 @@ class JointForce final : public ExternalForce {
  private:
   int joint_;
   int body_;
-  int part_;  // of the wrench: force or torque
+  int part_;  // part of the wrench: force or torque
   double force_ = 0.0;
 };
 

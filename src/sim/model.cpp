@@ -19,11 +19,11 @@
 namespace breakwater {
 namespace {
 
-// What no arm, cart or vehicle has, but a slip of the pen does.
+// Limits that a typing error exceeds, but no arm, cart or vehicle.
 constexpr double kLargestMass_kg = 1e9;
 constexpr double kLargestSize_m = 1e6;
 
-// The engine's messages span lines and end in "…, line 12, column 3".
+// Rewrites an engine message, which spans lines and ends in "…, line 12, column 3".
 std::string located(const std::string& file, std::string message) {
   std::string line;
   std::smatch match;
@@ -40,7 +40,7 @@ std::string name_of(const mjModel& m, mjtObj kind, int id) {
   return name != nullptr ? "\"" + std::string(name) + "\"" : "number " + std::to_string(id);
 }
 
-// Each of the engine's messages about memory that the machine did not give says so.
+// All engine messages on a lack of memory contain these words.
 void check_memory(const std::string& file, const std::string& fatal) {
   if (fatal.find("ould not allocate") != std::string::npos) throw OutOfMemory(file + ": " + fatal);
 }
@@ -49,7 +49,7 @@ void check_memory(const std::string& file, const std::string& fatal) {
   throw std::invalid_argument(file + ": " + what);
 }
 
-// With the engine's own words, if it said any.
+// Uses the engine's message, if there is one.
 [[noreturn]] void refuse_for_engine(const std::string& file, const std::string& fatal,
                                     const std::string& otherwise) {
   check_memory(file, fatal);
@@ -105,7 +105,7 @@ void check_timestep(double timestep_s, const std::string& file) {
   }
 }
 
-// While it lives the engine compiles.
+// Marks that the engine compiles.
 class Compiling {
  public:
   Compiling() { ++count(); }
@@ -134,7 +134,7 @@ Model Model::compile(const ModelFile& mjcf) {
   mjModel* loaded = nullptr;
   std::string fatal;
   {
-    // The engine's XML reader changes the process' locale, so it must not run twice at once.
+    // The engine's XML reader changes the locale of the process, so it must not run twice at once.
     static std::mutex loading;
     const std::lock_guard lock(loading);
     fatal =
@@ -156,9 +156,9 @@ Model Model::compile(const ModelFile& mjcf) {
 
 namespace {
 
-// What SharedModels share. Models in it are never changed, only copied.
+// The data that all SharedModels share. Its models never change: each user gets a copy.
 struct Shared {
-  using Geoms = std::optional<std::vector<std::string>>;  // of load_physics(); none: load()
+  using Geoms = std::optional<std::vector<std::string>>;  // names for load_physics(); none: load()
   using Key = std::pair<std::string, Geoms>;              // with the file
   std::mutex compiling;
   std::mutex mutex;
@@ -226,12 +226,12 @@ Model Model::load_physics(const ModelFile& mjcf, const std::vector<std::string>&
   return own;
 }
 
-// Of the whole file.
+// The model of the whole file.
 std::shared_ptr<const mjModel> Model::shared_model(const ModelFile& mjcf) {
   const Shared::Key key(mjcf.path, std::nullopt);
   if (const auto model = find_shared(key)) return model;
   const std::lock_guard compiling(shared().compiling);
-  // Another thread may have compiled it while this one waited.
+  // Another thread may have compiled it during the wait.
   if (const auto model = find_shared(key)) return model;
   for (const SharedModels* owner : owners()) {
     if (owner->before_compiling_) owner->before_compiling_(mjcf.path);
@@ -242,13 +242,13 @@ std::shared_ptr<const mjModel> Model::shared_model(const ModelFile& mjcf) {
 SharedModels::SharedModels(std::function<void(const std::string&)> before_compiling)
     : before_compiling_(std::move(before_compiling)) {
   const std::lock_guard lock(shared().mutex);
-  // What was compiled before is compiled again, so that this one is told of it.
+  // Makes the engine compile known files again, so that before_compiling_ gets their names.
   if (before_compiling_) shared().models.clear();
   shared().owners.push_back(this);
 }
 
 SharedModels::~SharedModels() {
-  // A thread that compiles may be calling this one.
+  // A thread that compiles may be in this owner's before_compiling_.
   const std::lock_guard compiling(shared().compiling);
   const std::lock_guard lock(shared().mutex);
   std::erase(shared().owners, this);
@@ -304,7 +304,7 @@ void Model::scale_inertia(double ratio) {
   mjModel& m = *model_;
   for (int i = 0; i < m.nbody; ++i) m.body_mass[i] *= ratio;
   for (int i = 0; i < 3 * m.nbody; ++i) m.body_inertia[i] *= ratio;
-  // What the engine derives from them.
+  // The constants that the engine derives from mass and inertia.
   const DataPointer data = make_data();
   const std::string fatal = call_engine([&] { mj_setConst(&m, data.get()); });
   if (!fatal.empty()) refuse_for_engine(file_, fatal, "");

@@ -1,4 +1,4 @@
-// Loading an MJCF model, with the checks that MuJoCo omits.
+// Loads an MJCF model with the checks that MuJoCo omits.
 #pragma once
 
 #include <mujoco/mujoco.h>
@@ -19,8 +19,8 @@ struct DeleteData {
 };
 using DataPointer = std::unique_ptr<mjData, DeleteData>;
 
-/// An MJCF file, and how large the model may be: the engine's compiler is slow with very many
-/// elements, and cannot be stopped.
+/// An MJCF file and the largest size of its model. The engine's compiler is slow with very many
+/// elements and cannot be stopped.
 struct ModelFile {
   ModelFile() = default;
   ModelFile(std::string its_path) : path(std::move(its_path)) {}  // NOLINT: a path will do
@@ -34,28 +34,28 @@ struct ModelFile {
   std::uint64_t most_elements = kMostElements;  ///< key model.most_elements
 };
 
-/// A compiled MuJoCo model that this object owns, and where it came from.
+/// A compiled MuJoCo model that this object owns, and its file.
 class Model {
  public:
   /// Compiles an MJCF file. Throws std::invalid_argument with one line, `FILE[:LINE]: reason`, if
-  /// it cannot be read or compiled, has too many elements, or if a number of it is not finite or
-  /// beyond 1e30, or its timestep, a mass, an inertia or a size is not a sensible number: the
-  /// engine itself accepts NaN, a timestep of −1 s and a mass of 1e300 kg; OutOfMemory if the
-  /// machine has none. While there are SharedModels, a copy of what was compiled first.
-  /// Thread-safe.
+  /// the file cannot be read or compiled or has too many elements. All numbers must be finite and
+  /// at most 1e30. Timestep, masses, inertias and sizes must be in a sensible
+  /// range. (The engine accepts NaN, a timestep of −1 s and a mass of 1e300 kg.) Throws OutOfMemory
+  /// if the machine has too little memory. While there are SharedModels, returns a copy of the
+  /// first compilation. Thread-safe.
   static Model load(const ModelFile& mjcf);
 
-  /// What of load() its motion depends on: the same states to the bit, in less time and memory. It
-  /// has no cameras, lights, textures, materials and skins, and no geoms that can touch nothing as
-  /// they stand in the file (by contype, conaffinity and <pair>) unless a sensor, tendon, <pair> or
-  /// tuple names them or a fluid acts on them. `geoms` names those that must stay nevertheless, as
-  /// the run looks them up or makes them collide; they count as able to touch what touches
-  /// anything. The ids of geoms are not those of load(), which pictures are drawn of. Throws as
-  /// load() does, and std::invalid_argument if there is no such geom.
+  /// Like load(), but only with the parts that affect the motion: the same states to the bit, in
+  /// less time and memory. Cameras, lights, textures, materials and skins are missing. Geoms that
+  /// can touch nothing are missing too, by contype, conaffinity and <pair> in the file. A geom
+  /// stays if a sensor, tendon, <pair> or tuple names it or a fluid acts on it. The geoms in
+  /// `geoms` also stay, because the run needs them or makes them collide. They count as able to
+  /// touch every geom that can touch something. The ids of geoms differ from those of load(), which
+  /// pictures use. Throws as load() does, and std::invalid_argument if a geom does not exist.
   static Model load_physics(const ModelFile& mjcf, const std::vector<std::string>& geoms = {});
 
-  /// Whether any thread waits for the engine's compiler, which goes on whatever happens. May be
-  /// asked in a signal handler.
+  /// Whether any thread waits for the engine's compiler, which cannot be interrupted. Safe in a
+  /// signal handler.
   static bool is_compiling();
 
   mjModel* get() { return model_.get(); }
@@ -67,29 +67,29 @@ class Model {
   int id(mjtObj kind, const std::string& name) const;
   bool has(mjtObj kind, const std::string& name) const;
 
-  /// The geoms whose names begin so.
+  /// The geoms whose names begin with `prefix`.
   std::vector<int> geoms_named(const std::string& prefix) const;
 
-  /// A simulation's state and memory, all zeros. Throws std::invalid_argument `FILE: reason` if the
-  /// engine cannot make one.
+  /// State and memory of a simulation, all zeros. Throws std::invalid_argument `FILE: reason` if
+  /// the engine cannot make them.
   DataPointer make_data() const;
 
-  /// Replaces the model's own timestep [s] and integrator. Throws std::invalid_argument unless the
-  /// timestep is positive and finite.
+  /// Replaces the timestep [s] and the integrator of the file. Throws std::invalid_argument unless
+  /// the timestep is positive and finite.
   void set_physics(double timestep_s, Integrator integrator);
 
-  /// Multiplies every body's mass and inertia. Throws std::invalid_argument unless the ratio is
-  /// positive and finite, and the engine can derive what follows from them.
+  /// Multiplies the mass and inertia of every body. Throws std::invalid_argument unless the ratio
+  /// is positive and finite and the engine can compute the derived constants.
   void scale_inertia(double ratio);
 
-  /// Lets the engine look for contacts faster, where that changes none: with_contact_pairs(). What
-  /// it knows of the geoms' contacts does not change any more but by set_collidable().
+  /// Speeds up the search for contacts by with_contact_pairs(), if this changes no contact. After
+  /// that, only set_collidable() can change the contact parameters of geoms.
   void list_contacts();
 
-  /// Makes a geom collide with those whose contype has bit 1, or with nothing.
+  /// Lets a geom collide with the geoms whose contype has bit 1, or with nothing.
   void set_collidable(int geom, bool collidable);
 
-  /// Limits an actuator's command to ±limit; infinity: not at all. Throws std::invalid_argument
+  /// Limits an actuator's command to ±limit; infinity: no limit. Throws std::invalid_argument
   /// unless the limit is positive.
   void limit_actuator(int actuator, double limit);
 
@@ -111,11 +111,11 @@ class Model {
   bool lists_contacts_ = false;
 };
 
-/// While one lives, Model::load() and load_physics() compile each file once, in this process: for
-/// thousands of runs of the same files, which must not change meanwhile.
+/// During its lifetime, Model::load() and load_physics() compile each file once in this process,
+/// for thousands of runs. The files must not change meanwhile.
 class SharedModels {
  public:
-  /// `before_compiling` is told each file just before it is read; one at a time, from any thread.
+  /// `before_compiling` gets each file just before it is read, one at a time, from any thread.
   explicit SharedModels(std::function<void(const std::string& file)> before_compiling = {});
   ~SharedModels();
   SharedModels(const SharedModels&) = delete;

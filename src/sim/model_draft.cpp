@@ -11,9 +11,9 @@
 namespace breakwater {
 namespace {
 
-constexpr std::size_t kAlignment = 64;  // of each array in a model's buffer
+constexpr std::size_t kAlignment = 64;  // alignment of each array in a model's buffer
 
-// Points a model's arrays to where the engine has them in its buffer, and returns how long that is.
+// Sets a model's array pointers as the engine does in its buffer, and returns the buffer's length.
 std::size_t lay_out(mjModel& m, std::byte* buffer) {
   MJMODEL_POINTERS_PREAMBLE((&m))
   std::size_t size = 0;

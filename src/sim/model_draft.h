@@ -1,4 +1,4 @@
-// A model of other sizes, made of a compiled one.
+// A changed copy of a compiled model, with other sizes.
 #pragma once
 
 #include <mujoco/mujoco.h>
@@ -9,13 +9,14 @@
 
 namespace breakwater {
 
-/// The engine compiles a model once and for all, and only copies it; but what its copy copies is a
-/// struct of sizes and arrays, whose order in memory mjxmacro.h tells. A draft is such a struct.
+/// The engine can compile and copy a model, but not resize it. Its copy function reads a struct of
+/// sizes and arrays, in the order of mjxmacro.h. A draft is such a struct.
 class ModelDraft {
  public:
-  /// Of the sizes of `sizes`, and otherwise `compiled`, which outlives the constructor alone: of
-  /// geoms the rows `geoms`, of all else the first rows, and zeros where it had fewer. Throws
-  /// std::logic_error if the engine's memory is not as mjxmacro.h says.
+  /// Takes the sizes from `sizes` and the contents from `compiled`. These are the rows `geoms` of
+  /// the geom arrays, and the first rows of all others, filled up with zeros. `compiled` must
+  /// outlive only the constructor. Throws std::logic_error if the engine's memory differs from
+  /// mjxmacro.h.
   ModelDraft(const mjModel& compiled, const mjModel& sizes, const std::vector<int>& geoms);
   ModelDraft(const ModelDraft&) = delete;
   ModelDraft& operator=(const ModelDraft&) = delete;
@@ -23,8 +24,8 @@ class ModelDraft {
   mjModel* operator->() { return &model_; }
   mjModel& operator*() { return model_; }
 
-  /// The engine's own model of the draft, for mj_deleteModel(); null, and `fatal` says why, if it
-  /// cannot make one.
+  /// The engine's model of the draft, for mj_deleteModel(). If the engine cannot make it, returns
+  /// null and sets `fatal` to the reason.
   mjModel* make(std::string& fatal) const;
 
  private:
@@ -32,7 +33,7 @@ class ModelDraft {
   std::vector<std::byte> buffer_;
 };
 
-/// The numbers of all geoms.
+/// The ids of all geoms.
 std::vector<int> all_geoms(const mjModel& model);
 
 }  // namespace breakwater

@@ -1,4 +1,4 @@
-// A model's elements by their names.
+// Ids of a model's elements by their names.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace breakwater {
 
-/// Ids. Throw std::invalid_argument `FILE: has no KIND named "NAME"`.
+/// The id of a named element. Throws std::invalid_argument `FILE: has no KIND named "NAME"`.
 inline int geom_id(const Model& model, const std::string& name) {
   return model.id(mjOBJ_GEOM, name);
 }

@@ -43,8 +43,7 @@ std::optional<int> device_asked() {
 
 OpenGlAsked opengl_asked() {
   OpenGlAsked asked{library_asked(), device_asked()};
-  // MuJoCo's programs read the device only when they draw by EGL; a machine's environment may
-  // have it for them.
+  // MuJoCo's programs read the device only for EGL. A machine may set it for them.
   if (asked.library == OpenGlAsked::Library::osmesa) asked.egl_device.reset();
   if (asked.egl_device) asked.library = OpenGlAsked::Library::egl;
   return asked;

@@ -9,9 +9,9 @@
 namespace breakwater {
 namespace {
 
-// What stays.
+// The parts of the model that stay.
 struct Kept {
-  std::vector<int> geoms;  // rising
+  std::vector<int> geoms;  // in increasing order
   bool cameras = false;
   bool lights = false;
   bool looks = false;  // textures, materials, skins
@@ -23,7 +23,7 @@ bool is_wrapped_around(int wrap) {
   return wrap == mjWRAP_SPHERE || wrap == mjWRAP_CYLINDER;
 }
 
-// Calls visit(type, id) of each element that a sensor or a tuple names; the id may be −1.
+// Calls visit(type, id) for each element that a sensor or a tuple names; the id may be −1.
 template <typename Visit>
 void for_each_named(const mjModel& m, Visit visit) {
   for (int i = 0; i < m.nsensor; ++i) {
@@ -33,7 +33,7 @@ void for_each_named(const mjModel& m, Visit visit) {
   for (int i = 0; i < m.ntupledata; ++i) visit(m.tuple_objtype[i], m.tuple_objid[i]);
 }
 
-// Which geoms can meet which, whoever asks for the same.
+// The pairs of geoms that can collide. The kept `geoms` match every geom that can touch something.
 class Collisions {
  public:
   Collisions(const mjModel& m, const std::vector<int>& geoms) : m_(m) {
@@ -41,11 +41,11 @@ class Collisions {
       contype_.push_back(m.geom_contype[i]);
       conaffinity_.push_back(m.geom_conaffinity[i]);
     }
-    // All bits: whatever it will be made to collide with.
+    // All bits are set, because the run may make them collide with anything.
     for (const int geom : geoms) contype_[at(geom)] = conaffinity_[at(geom)] = ~0;
   }
 
-  // Those that are welded to each other never do.
+  // Geoms that are welded together never touch.
   bool can_touch(int a, int b) const {
     const bool match = (contype_[at(a)] & conaffinity_[at(b)]) != 0 ||
                        (contype_[at(b)] & conaffinity_[at(a)]) != 0;
@@ -57,7 +57,7 @@ class Collisions {
     }
     return false;
   }
-  // How many contacts there can be at once.
+  // The largest possible number of contacts at one time.
   std::size_t most_contacts() const {
     std::size_t most = 0;
     for (int a = 0; a < m_.ngeom; ++a) {
@@ -113,7 +113,7 @@ Kept what_stays(const mjModel& m, const std::vector<int>& geoms, const Collision
   const bool is_seen = std::any_of(m.sensor_type, m.sensor_type + m.nsensor, [](int type) {
     return type == mjSENS_RANGEFINDER || type == mjSENS_USER;
   });
-  // A ray passes what its material makes transparent.
+  // A ray passes through a geom with a transparent material.
   kept.looks |= is_seen;
   for (int i = 0; i < m.ngeom; ++i) {
     const bool is_in_fluid = m.geom_fluid[static_cast<std::ptrdiff_t>(mjNFLUID) * i] > 0.0;
@@ -139,18 +139,18 @@ void set_sizes(mjModel& m, const Kept& kept, std::size_t most_contacts) {
   if (!kept.meshes) drop(m.nmesh, m.nmeshvert, m.nmeshtexvert, m.nmeshface, m.nmeshgraph);
   if (!kept.height_fields) drop(m.nhfield, m.nhfielddata);
 
-  // At least one of each: without, the engine would not say that there are too many.
+  // At least one of each: with 0, the engine would not report an overflow.
   const auto at_most = [](int& size, std::size_t most) {
     if (static_cast<std::size_t>(size) > most) size = static_cast<int>(most);
   };
-  constexpr std::size_t kRowsOfContact = 10;  // of a pyramid in 6 dimensions
+  constexpr std::size_t kRowsOfContact = 10;  // pyramidal friction cone in 6 dimensions
   at_most(m.nconmax, std::max<std::size_t>(most_contacts, 1));
   const int others = m.nemax + m.nv + 2 * m.njnt + 3 * m.ntendon;  // equalities, friction, limits
   at_most(m.njmax, static_cast<std::size_t>(others) +
                        kRowsOfContact * static_cast<std::size_t>(std::max(m.nconmax, 1)));
 }
 
-// Makes what names a geom or a material name it by its new number.
+// Replaces the old ids of geoms and materials by the new ones.
 void renumber(mjModel& m, const mjModel& full, const Kept& kept) {
   std::vector<int> number(static_cast<std::size_t>(full.ngeom), -1);
   for (std::size_t i = 0; i < kept.geoms.size(); ++i) {

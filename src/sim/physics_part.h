@@ -1,4 +1,4 @@
-// What of a model its motion depends on.
+// The part of a model that affects its motion.
 #pragma once
 
 #include <mujoco/mujoco.h>
@@ -8,20 +8,17 @@
 
 namespace breakwater {
 
-/// A smaller model of the same motion, to the bit, for mj_deleteModel(); null, and `fatal` says
-/// why, if the engine cannot make one.
+/// A smaller model with the same motion, to the bit, for mj_deleteModel(). If the engine cannot
+/// make it, returns null and sets `fatal` to the reason.
 ///
-/// It lacks cameras, lights, textures, materials, skins and the geoms that can touch nothing, as
-/// they stand in the file, but for those of `geoms`, which can touch whatever touches anything.
-/// What a sensor, tendon, <pair> or tuple names stays, and so does each geom that a fluid acts on,
-/// and all if there is a sensor that sees geoms (a rangefinder, a user's own). Memory for
-/// constraints and contacts is cut to what there can be. All other numbers are the compiled model's
-/// own, masses and inertias included, whichever geoms they were derived from; the ids of geoms
-/// alone differ.
+/// Model::load_physics() says what is missing. If a sensor sees geoms (a rangefinder, a user
+/// sensor), all geoms stay. Memory for constraints and contacts is cut to the largest number
+/// possible. All other numbers are those of the full model, also masses and inertias that the
+/// compiler derived from missing geoms. Only the ids of geoms differ.
 mjModel* physics_part(const mjModel& full, const std::vector<int>& geoms, std::string& fatal);
 
-/// While one lives, models are left whole and contacts are searched for by the engine, in this
-/// process: so that it shows that neither changes a bit of any run.
+/// During its lifetime, models in this process stay whole and the engine searches for contacts. A
+/// test uses it to show that neither optimisation changes a bit of a run.
 class WholeModels {
  public:
   WholeModels();

@@ -1,4 +1,4 @@
-// From the engine's sensors to a controller's samples.
+// From the engine's sensors to the controller's samples.
 #pragma once
 
 #include <mujoco/mujoco.h>
@@ -17,44 +17,44 @@
 
 namespace breakwater {
 
-/// What a channel makes of its sensor's values.
+/// The reading of a sensor's values in a channel.
 enum class Reading {
-  component,  ///< one of them
+  component,  ///< one of the values
   roll,       ///< angles of a frame quaternion, continuous over whole turns
   pitch,
   yaw
 };
 
-/// One entry of a sample: which MuJoCo sensor it reads and what happens to the value on its way:
-/// true → low-pass (analogue, at every physics step) → disturb → quantise → noise → delay → hold.
+/// One entry of a sample, from a MuJoCo sensor. The value passes these stages: true → low-pass
+/// (analogue, at every physics step) → disturbance → quantisation → noise → delay → hold.
 ///
-/// Position and velocity sensors without a low-pass are read fresh at the sampling instant. Force,
-/// touch and acceleration sensors, and all behind a low-pass, give the value of the physics step
-/// before: the engine computes them only at the end of a step.
+/// Position and velocity sensors without a low-pass have the value of the sampling instant. Force,
+/// touch and acceleration sensors, and all sensors with a low-pass, have the value of the last
+/// physics step. The engine computes them only at the end of a step.
 struct SensorChannel {
-  std::string name;    ///< how the user calls it: "q1", "force"
+  std::string name;    ///< name for the user: "q1", "force"
   std::string sensor;  ///< name of the MJCF sensor
-  int component = 0;   ///< of the sensor's values
+  int component = 0;   ///< index in the sensor's values
   Reading reading = Reading::component;
   double low_pass_s = 0.0;  ///< time constant [s]; 0: none
-  Disturbance disturbance;  ///< added at each sample (an output disturbance), in the value's unit
+  Disturbance disturbance;  ///< output disturbance, added at each sample, in the value's unit
   Encoder encoder;
   double noise_std =
       0.0;  ///< standard deviation of white noise at each sample, in the value's unit
   int delay_samples = 0;
 };
 
-/// What to do when a sensor gives no number.
+/// The reaction to a measurement that is not finite.
 enum class NanPolicy {
-  stop,  ///< the first one ends the run
-  drop   ///< hold the channel's last good value, and count; three in a row end the run
+  stop,  ///< the first one stops the run
+  drop   ///< holds the channel's last good value; three in a row stop the run
 };
 
-/// Replaces samples of one channel by NaN, so that NanPolicy can be tried.
+/// Replaces samples of one channel by NaN, to test a NanPolicy.
 struct SensorFault {
   std::string channel;  ///< empty: no fault
-  double at_s = 0.0;    ///< from the first sample at or after this time
-  int samples = 1;      ///< how many
+  double at_s = 0.0;    ///< starts at the first sample at or after this time
+  int samples = 1;      ///< number of samples
 };
 
 struct SensingSetup {
@@ -64,23 +64,23 @@ struct SensingSetup {
   std::uint64_t seed = 1;
 };
 
-/// All channels of a run.
+/// All sensor channels of a run.
 class Sensing {
  public:
-  /// Throws std::invalid_argument if a sensor or the faulty channel is not there, or a setting is
+  /// Throws std::invalid_argument if a sensor or the faulty channel does not exist, or a setting is
   /// negative.
   Sensing(const Model& model, const SensingSetup& setup);
 
-  /// Settles every filter at the sensors' values in `data`.
+  /// Sets every filter to steady state at the sensors' values in `data`.
   void reset(const mjData& data);
 
-  /// To be called once the sensors of a physics step are there.
+  /// Call it when the engine has computed the sensors of a physics step.
   void after_step(const mjData& data);
 
-  /// Takes sample number `k`; sample.time_s is set already. Throws RunFailure as the policy says.
+  /// Takes sample number `k`; sample.time_s must be set. Throws RunFailure as the policy requires.
   void take(std::int64_t k, const mjData& data, Sample& sample);
 
-  /// The channel behind its low-pass, at the physics rate, before quantisation and noise.
+  /// The channel after its low-pass, at the physics rate, before quantisation and noise.
   const double& filtered(std::size_t channel) const { return channels_[channel].value; }
 
   std::int64_t dropped() const { return dropped_; }
@@ -88,12 +88,12 @@ class Sensing {
 
  private:
   struct Channel {
-    // The sensor's value now.
+    // The present value of the sensor.
     double read(const mjData& data) const;
 
     SensorChannel setup;
-    int address;   // in sensordata
-    bool is_late;  // known only after the step
+    int address;   // index in sensordata
+    bool is_late;  // computed only at the end of a step
     LowPass filter;
     Noise noise;
     DelayLine delay;

@@ -13,11 +13,11 @@
 namespace breakwater {
 namespace {
 
-// mjcb_control is one pointer for the whole process. It is written once and finds the simulation
-// that steps on the calling thread here; it ignores data that is not that simulation's own.
+// mjcb_control is one pointer for the whole process, so it is set only once. The callback uses the
+// simulation that steps on the calling thread, and ignores the data of any other.
 thread_local Simulation* stepping = nullptr;
 
-// Slack within which a command counts as being at its limit: rounding of the controller's own clip.
+// Rounding allowance for a command at its limit, because the controller clips it too.
 constexpr double kLimitSlack = 1e-9;
 
 bool all_finite(const mjtNum* values, int count) {
@@ -109,7 +109,7 @@ void Simulation::control_callback(const mjModel*, mjData* data) {
       simulation->thrown_in_callback_ != nullptr) {
     return;
   }
-  // No exception may cross the engine's C frames: it is kept, and rethrown after the step.
+  // No exception may cross the engine's C frames: it is stored, and rethrown after the step.
   try {
     if (std::exchange(simulation->step_begins_, false)) simulation->begin_step(*data);
     simulation->act(*data);
@@ -164,8 +164,8 @@ double Simulation::time_of(std::int64_t k) const {
   return is_whole ? static_cast<double>(k) / rate : static_cast<double>(k) * timestep_s();
 }
 
-// Fills the sensors, so that the first sample has them all. `stepping` is not set yet, so the
-// controller is not called.
+// Computes all sensors for the first sample. `stepping` is not set yet, so the callback does
+// nothing.
 void Simulation::start() {
   const std::string fatal = call_engine([this] { mj_forward(model_.get(), data_.get()); });
   if (!fatal.empty()) fail(fatal);

@@ -19,16 +19,16 @@
 
 namespace breakwater {
 
-/// One plant under one controller. The controller is called every `steps_per_sample` physics
-/// steps, through MuJoCo's mjcb_control; its command is saturated at the actuators' ctrlrange and
-/// held; an actuator without ctrlrange is not limited. All of it is deterministic: the same set-up
-/// gives the same bits on any thread.
+/// One plant with one controller. MuJoCo's mjcb_control calls the controller every
+/// `steps_per_sample` physics steps. Its command is limited to the actuators' ctrlrange, if they
+/// have one, and held. The result is deterministic: the same set-up gives the same bits on any
+/// thread.
 ///
-/// After step(), what it tells is the step's beginning: state, samples and command of that time,
-/// and the sensors, forces included, that the engine computed for it.
+/// After step(), the getters refer to the beginning of the step. They return the state, samples and
+/// command at that time, and the sensors that the engine computed for it, forces included.
 class Simulation {
  public:
-  /// The controller outlives the simulation. Throws std::invalid_argument if a channel does not
+  /// The controller must outlive the simulation. Throws std::invalid_argument if a channel does not
   /// fit the model, steps_per_sample is not positive or the engine cannot simulate the model.
   Simulation(Model model, Controller& controller, const SensingSetup& sensing,
              int steps_per_sample);
@@ -36,31 +36,32 @@ class Simulation {
   Simulation(const Simulation&) = delete;
   Simulation& operator=(const Simulation&) = delete;
 
-  /// Makes an actuator round its command, once saturated.
+  /// Makes an actuator round its command after saturation.
   void set_pwm(int actuator, const Pwm& pwm) { pwm_[static_cast<std::size_t>(actuator)] = pwm; }
 
-  /// Adds a force from outside, which outlives the simulation.
+  /// Adds an external force. It must outlive the simulation.
   void add(const ExternalForce& force) { forces_.push_back(&force); }
 
-  /// Puts the plant at rest at `qpos`.
+  /// Sets the plant at rest at `qpos`.
   void set_position(std::span<const double> qpos);
 
-  /// Sets it moving; after set_position().
+  /// Sets the velocity; call it after set_position().
   void set_velocity(std::span<const double> qvel);
 
-  /// Makes a geom collide with those whose contype has bit 1, or with nothing.
+  /// Lets a geom collide with the geoms whose contype has bit 1, or with nothing.
   void set_collidable(int geom, bool collidable);
 
-  /// One physics step. Throws RunFailure if the engine warns, errs, or does not advance, or if a
-  /// measurement, a command or the state is not finite; what it tells then is the failed step's.
+  /// One physics step. Throws RunFailure if the engine reports a warning or an error or the time
+  /// does not advance. Throws it too if a measurement, a command or the state is not finite. The
+  /// getters then refer to the failed step.
   void step();
 
   const Model& model() const { return model_; }
   double timestep_s() const { return model_->opt.timestep; }
   /// The number of steps taken.
   std::int64_t steps() const { return steps_; }
-  /// When step number k begins: k/(1/timestep) where that is a whole number, so that times are as
-  /// round as they can be.
+  /// The time at the beginning of step k: k/(1/timestep) if 1/timestep is a whole number. This
+  /// gives round times.
   double time_of(std::int64_t k) const;
 
   double time_s() const { return time_s_; }
@@ -69,17 +70,17 @@ class Simulation {
   std::span<const double> qpos() const { return qpos_; }
   std::span<const double> qvel() const { return qvel_; }
   const Sample& sample() const { return sample_; }
-  /// What the controller asked for, and what the actuators did after saturation and rounding.
+  /// The controller's command, and the actuators' output after saturation and rounding.
   const Eigen::VectorXd& command() const { return command_; }
   const Eigen::VectorXd& actuation() const { return actuation_; }
-  /// Whether any command was at or beyond its limit.
+  /// Whether a command reached or exceeded its limit.
   bool saturated() const { return saturated_; }
-  /// A sensor's first value, at an address that does not change.
+  /// The first value of a sensor, at an address that does not change.
   const double& sensor(const std::string& name) const;
   const Sensing& sensing() const { return sensing_; }
   const mjData& data() const { return *data_; }
 
-  /// Of all states at sampling instants so far and the state now.
+  /// Hash of all states at the sampling instants so far and of the present state.
   std::uint64_t state_hash() const;
 
  private:
@@ -101,7 +102,7 @@ class Simulation {
   std::int64_t steps_ = 0;
   double time_s_ = 0.0;
   double engine_time_at_step_s_ = 0.0;
-  bool step_begins_ = false;  // the next callback is the first of its step
+  bool step_begins_ = false;  // the next callback is the first one of its step
   bool sampled_ = false;
   bool saturated_ = false;
   Sample sample_;

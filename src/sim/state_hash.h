@@ -9,8 +9,7 @@ struct XXH3_state_s;
 
 namespace breakwater {
 
-/// XXH3 (64 bits) over the bits of all states fed to it: two runs with the same hash went through
-/// the same states.
+/// XXH3 (64 bits) over the bits of all states: runs with equal hashes have equal states.
 class StateHash {
  public:
   StateHash();

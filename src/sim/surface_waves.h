@@ -1,4 +1,4 @@
-// A water surface in a model's pictures, as the waves that it is made of.
+// The water surface in a model's pictures, as a sum of waves.
 #pragma once
 
 #include <string>
@@ -8,8 +8,8 @@
 
 namespace breakwater {
 
-/// One plane wave, a w(t) cos(k_x x + k_y y − ω t + φ) [m] in the world. Its weight w goes from
-/// `weight_before` to `weight_after` in a straight line between two times.
+/// A plane wave, w(t) a cos(k_x x + k_y y − ω t + φ) [m] in the world. Its weight w changes
+/// linearly from `weight_before` to `weight_after` between two times.
 struct SurfaceWave {
   double amplitude_m = 0.0;
   double wave_x_rad_m = 0.0;
@@ -24,17 +24,17 @@ struct SurfaceWave {
   double weight(double time_s) const;
 };
 
-/// A geom, a level height field on the world, whose height in the world is the sum of its waves.
+/// A geom whose height in the world is the sum of its waves: a level height field on the world.
 struct WavingSurface {
   std::string geom;
   std::vector<SurfaceWave> waves;
 
-  /// z [m].
+  /// The height z [m].
   double elevation(double time_s, double x_m, double y_m) const;
 };
 
-/// Gives the surface's height field its heights at that time. Throws as set_heights() of
-/// sim/height_field.h.
+/// Sets the surface's height field to the heights at a time. Throws as set_heights() in
+/// sim/height_field.h does.
 void set_heights(Model& model, const WavingSurface& surface, double time_s);
 
 }  // namespace breakwater

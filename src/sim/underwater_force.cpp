@@ -119,7 +119,7 @@ Vector6d UnderwaterForce::wave_load(double time_s, const FreeMotion& motion) con
 void UnderwaterForce::advance(double time_s, const FreeMotion& motion) {
   if (setup_.mode != WaveMode::thesis) return;
   const double d_z = thesis_force(time_s);
-  if (d_z == 0.0) return;  // atan2 of nothing is no angle
+  if (d_z == 0.0) return;  // the angle is undefined
   const Eigen::Vector3d force = d_z * motion.rotation.col(2);
   angle_[0].update(math::atan2(force.y(), force.z()));
   angle_[1].update(math::atan2(force.x(), force.z()));
@@ -131,7 +131,7 @@ void UnderwaterForce::apply(double time_s, const mjModel&, mjData& data) const {
   Vector6d velocity;
   velocity << motion.velocity, attitude_rates(attitude, motion.body_rates);
   Vector6d load = wave_load(time_s, motion);
-  // The engine's own gravity is taken back where the model has another.
+  // Removes the model's gravity force, because the engine adds its own.
   load.head<3>() -= still_water_.weight_and_coriolis(attitude, velocity);
   load(2) += parameters_.mass_kg * parameters_.gravity_m_s2;
   Vector6d drag_velocity;

@@ -15,24 +15,24 @@
 namespace breakwater {
 
 enum class WaveMode {
-  physical,  ///< Morison's force of the water's motion around the vehicle
-  thesis     ///< one scalar force along the body's z axis, torques by atan2
+  physical,  ///< Morison's equation with the water's motion around the vehicle
+  thesis     ///< a scalar force along the body's z axis; torques by atan2
 };
 
 struct WaveLoadSetup {
   WaveMode mode = WaveMode::physical;
   SeaState sea;
-  Eigen::Vector3d current_m_s = Eigen::Vector3d::Zero();  ///< steady, everywhere; physical only
+  Eigen::Vector3d current_m_s = Eigen::Vector3d::Zero();  ///< constant; physical mode only
   double inertia_coefficient = 1.5;                       ///< C_m
-  double buoyancy_arm_m = 0.05;          ///< z_B: where the waves' pressure acts, above the mass
-  double low_pass_s = 0.32;              ///< of slope or angle, before it makes a torque
+  double buoyancy_arm_m = 0.05;  ///< z_B: height of the waves' pressure force above the mass
+  double low_pass_s = 0.32;      ///< low-pass of the slope or the angle, before the torque
   double torque_per_angle_Nm_rad = 0.1;  ///< thesis
-  double change_at_s = 0.0;              ///< 0: never; else the sea's peak period changes then …
-  double change_to_period_s = 0.0;       ///< … to this one, …
-  double change_within_s = 10.0;         ///< … over this time
+  double change_at_s = 0.0;              ///< time at which the peak period changes; 0: never
+  double change_to_period_s = 0.0;       ///< the new peak period
+  double change_within_s = 10.0;         ///< duration of the change
 };
 
-/// A rigid body's motion as the engine's free joint has it.
+/// Motion of a rigid body with the engine's free joint.
 struct FreeMotion {
   FreeMotion(const double* qpos, const double* qvel);
   Eigen::Vector3d position;
@@ -42,43 +42,43 @@ struct FreeMotion {
   Eigen::Vector3d euler;       ///< roll, pitch, yaw
 };
 
-/// What acts on the quadrotor besides thrust and the engine's gravity: the rest of Eq. 3.15, and F.
+/// All forces on the quadrotor except thrust and the engine's gravity: the rest of Eq. 3.15, and F.
 ///
-/// Waves, physical: with u the water's velocity at the vehicle and a its acceleration,
+/// Physical waves: with the water's velocity u and acceleration a at the vehicle,
 ///     F = ρ V C_m a + D(v) − D(v − u),   τ = z_B e_z × (−ρ g V s),
-/// so that with the drag −D(v) in still water the drag is that of the relative velocity; s is the
+/// Together with the drag −D(v) in still water, this is the drag of the relative velocity. s is the
 /// low-passed slope of the pressure.
 ///
-/// Waves, thesis (3.4.1.2): d_z = ρ V C_m a_z at the start, F = d_z e_z and
+/// Waves of the thesis (3.4.1.2): d_z = ρ V C_m a_z at the start position, F = d_z e_z and
 ///     τ_φ = K LP(atan2(F_y, F_z)),   τ_θ = K LP(atan2(F_x, F_z)),
-/// where e_z is the body's z axis. The angle jumps by π whenever d_z changes its sign. Its low-pass
-/// is a state, which advance() moves on once a step.
+/// with the body's z axis e_z. The angle jumps by π when d_z changes its sign. Its low-pass is a
+/// state: advance() updates it once a step.
 ///
-/// Drag −D acts on the velocity in the world's axes, and on the body's rates.
+/// The drag −D acts on the velocity in the world frame and on the body's rates.
 class UnderwaterForce final : public ExternalForce {
  public:
-  /// The model needs a free body "quadrotor". `start` is where the thesis' scalar wave is taken.
-  /// Throws std::invalid_argument if it has none, or the sea is nonsense.
+  /// The model needs a free body "quadrotor". `start` is the position for the thesis' scalar wave.
+  /// Throws std::invalid_argument if there is no such body or the sea state is invalid.
   UnderwaterForce(const Model& model, const QuadrotorParameters& parameters,
                   QuadrotorPhysics physics, const WaveLoadSetup& waves,
                   const Eigen::Vector3d& start);
 
   void apply(double time_s, const mjModel& model, mjData& data) const override;
 
-  /// Force and torque of the waves, current included, in the world's axes [N, N m].
+  /// Force and torque of the waves and the current, in the world frame [N, N m].
   Vector6d wave_load(double time_s, const FreeMotion& motion) const;
-  /// η at a place [m].
+  /// The elevation η at a position [m].
   double elevation(double time_s, double x_m, double y_m) const;
-  /// The waves that η is the sum of.
+  /// The waves whose sum is η.
   std::vector<SurfaceWave> surface_waves() const;
 
-  /// To be called once after each step, with the state at its end.
+  /// Call it once after each step, with the state at its end.
   void advance(double time_s, const FreeMotion& motion);
 
  private:
   WaterMotion water(double time_s, const Eigen::Vector3d& position) const;
   double thesis_force(double time_s) const;
-  // How much of the changed sea there is at that time, 0 … 1.
+  // Share of the changed sea state at a time, 0 … 1.
   double changed(double time_s) const;
 
   QuadrotorParameters parameters_;
