@@ -22,9 +22,9 @@ namespace {
 
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 
-// A response that is drawn and written.
+// A frequency response in the charts and tables.
 struct Response {
-  const char* name;  // of columns
+  const char* name;  // name of its columns
   std::complex<double> LoopPoint::*value;
   bool needs_estimator;
   std::string title;
@@ -35,21 +35,21 @@ struct Response {
 std::vector<Response> responses(const AxisUnits& units) {
   return {
       {"d_hat_over_d", &LoopPoint::d_hat_over_d, true, "From the disturbance to its estimate",
-       "1 where the estimate is the disturbance; the loop is closed.", ""},
+       "1 means that the estimate equals the disturbance. The loop is closed.", ""},
       {"noise_to_d_hat", &LoopPoint::noise_to_d_hat, true,
        "From the sensor’s noise to the estimated disturbance",
-       "What an error of the measured position becomes in the estimated disturbance.",
+       "Effect of an error of the measured position on the estimated disturbance.",
        units.force + "/" + units.position},
       {"noise_to_velocity_hat", &LoopPoint::noise_to_v_hat, true,
        "From the sensor’s noise to the estimated velocity",
-       "What an error of the measured position becomes in the estimated velocity.",
+       "Effect of an error of the measured position on the estimated velocity.",
        units.velocity + "/" + units.position},
       {"sensitivity", &LoopPoint::sensitivity, false, "Sensitivity S = 1/(1 + L)",
-       "How much of a disturbance is left at the plant’s input; its peak is M_s.", ""},
+       "Share of a disturbance that remains at the plant’s input. Its peak is M_s.", ""},
       {"complementary", &LoopPoint::complementary, false, "Complementary sensitivity T = L/(1 + L)",
-       "What the drive does against a disturbance; its peak is M_t.", ""},
+       "Reaction of the drive to a disturbance. Its peak is M_t.", ""},
       {"loop_gain", &LoopPoint::loop_gain, false, "Loop gain L",
-       "Of the loop opened at the plant’s input; the margins are read off it.", ""}};
+       "The loop is opened at the plant’s input. L determines the margins.", ""}};
 }
 
 struct Way {
@@ -59,7 +59,7 @@ struct Way {
 constexpr std::array<Way, 2> kWays = {
     {{"designed", &LoopAnalysis::designed}, {"measured", &LoopAnalysis::measured}}};
 
-// A curve that is there, of a loop by a way.
+// An existing curve of a loop, designed or measured.
 struct NamedCurve {
   const LoopAnalysis& loop;
   const Way& way;
@@ -225,7 +225,7 @@ void write_analysis(const std::vector<LoopAnalysis>& loops, const std::string& s
     one.set("colour", series_class(i));
     legend << one;
     if (!loops[i].designed.reason.empty()) {
-      notes << named("text", fmt::format("{}: no design curve, since it is no linear loop: {}.",
+      notes << named("text", fmt::format("{}: no design curve, because the loop is not linear: {}.",
                                          loops[i].label, loops[i].designed.reason));
     }
   }

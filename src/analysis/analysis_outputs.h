@@ -1,4 +1,4 @@
-// What an analysis leaves: a table on the terminal, CSV and a page.
+// The outputs of an analysis: a table on the terminal, CSV and a page.
 #pragma once
 
 #include <filesystem>
@@ -10,11 +10,11 @@
 
 namespace breakwater {
 
-/// One column a loop and way; rows are bandwidth, margins, peaks.
+/// One column per loop and way (designed, measured); the rows are bandwidth, margins and peaks.
 std::string margins_table(const std::vector<LoopAnalysis>& loops, std::size_t width);
 
-/// Writes analysis.csv (one row a loop, way and frequency), margins.csv and report.html into a
-/// folder, which is made. Throws OutputError.
+/// Writes analysis.csv (one row per loop, way and frequency), margins.csv and report.html into a
+/// new folder. Throws OutputError.
 void write_analysis(const std::vector<LoopAnalysis>& loops, const std::string& scenario,
                     const std::string& command, const AxisUnits& units,
                     const std::filesystem::path& folder);

@@ -31,36 +31,36 @@ struct Arguments {
 
 void describe(CLI::App& app, Arguments& arguments) {
   AnalysisOptions& options = arguments.options;
-  app.add_option("SCENARIO", arguments.scenario, "of one axis: of a motor, a cart, or your own")
+  app.add_option("SCENARIO", arguments.scenario,
+                 "a scenario with one axis: a motor, a cart, or your own")
       ->required();
   app.add_option("--case", arguments.cases,
-                 "which cases, drawn over each other, or all (default: the file's)")
+                 "cases to compare in one chart, or all (default: the file's)")
       ->type_name("NAME[,NAME...]");
-  app.add_option("--config", arguments.config, "another scenario file")->type_name("FILE");
-  app.add_option("--set", arguments.sets, "override keys, of all cases")->type_name("KEY=VALUE");
-  app.add_option("--out", arguments.out,
-                 "the folder of the result (default: runs/analyze/SCENARIO)")
+  app.add_option("--config", arguments.config, "use another scenario file")->type_name("FILE");
+  app.add_option("--set", arguments.sets, "override keys of all cases")->type_name("KEY=VALUE");
+  app.add_option("--out", arguments.out, "folder of the result (default: runs/analyze/SCENARIO)")
       ->type_name("DIR");
-  app.add_option("--from", options.from_rad_s, "the lowest frequency [rad/s] (default: 0.1)")
+  app.add_option("--from", options.from_rad_s, "lowest frequency [rad/s] (default: 0.1)")
       ->type_name("OMEGA")
       ->check(CLI::PositiveNumber);
   app.add_option("--to", options.to_rad_s,
-                 "the highest [rad/s] (default: .9 of the Nyquist frequency)")
+                 "highest frequency [rad/s] (default: 0.9 of the Nyquist frequency)")
       ->type_name("OMEGA")
       ->check(CLI::PositiveNumber);
-  app.add_option("--points", options.points, "how many are measured (default: 25)")
+  app.add_option("--points", options.points, "number of measured frequencies (default: 25)")
       ->type_name("N")
       ->check(CLI::Range(2, 10000));
   app.add_option("--amplitude", options.force_amplitude,
-                 "of the sine that probes the drive [N m or N] (default: 1)")
+                 "amplitude of the sine at the drive [N m or N] (default: 1)")
       ->type_name("F")
       ->check(CLI::PositiveNumber);
   app.add_option("--noise-amplitude", options.noise_amplitude,
-                 "of the sine that probes the sensor [rad or m] (default: three of the\n"
+                 "amplitude of the sine at the sensor [rad or m] (default: three of the\n"
                  "encoder's counts, or 1e-3)")
       ->type_name("X")
       ->check(CLI::PositiveNumber);
-  app.add_option("--settle", options.settle_s, "what passes before counting [s] (default: 5)")
+  app.add_option("--settle", options.settle_s, "time before the measurement [s] (default: 5)")
       ->type_name("S")
       ->check(CLI::NonNegativeNumber);
   app.add_option("--jobs", options.jobs, "how many runs at a time (default: all cores)")
@@ -69,10 +69,10 @@ void describe(CLI::App& app, Arguments& arguments) {
   app.add_flag("--design-only", arguments.is_design_only, "measure nothing");
   app.add_flag("--quiet", arguments.quiet, "print errors only");
   app.footer(
-      "Designed: the controller and its estimator in a loop with the linear plant, if they are\n"
-      "found to be linear. Measured: a sine at a time in the simulation, with encoder, drive and\n"
-      "friction as the case has them; of what is not linear, the part at the probe's frequency.\n"
-      "Leaves report.html, margins.csv and analysis.csv.\n"
+      "Designed: the controller and its estimator with the linear plant, if they are linear.\n"
+      "Measured: one sine after another in the simulation, with the case's encoder, drive and\n"
+      "friction. A loop that is not linear is measured at the frequency of the sine only.\n"
+      "Writes report.html, margins.csv and analysis.csv.\n"
       "Exit status: 0 success, 1 a defect, 2 usage or input, 3 a run failed, 130 interrupted.");
 }
 
@@ -92,8 +92,8 @@ int analyze(const Catalogue& catalogue, Arguments arguments, const std::string& 
   const auto& kind = catalogue.get<ScenarioKind>(arguments.scenario);
   if (dynamic_cast<const AxisScenario*>(kind.make(catalogue).get()) == nullptr) {
     throw std::invalid_argument(kind.name +
-                                ": has no loop of one axis that could be analysed (a scenario of "
-                                "your own has one if it is an AxisScenario)");
+                                ": expected a scenario with one axis (a scenario of "
+                                "your own must be an AxisScenario)");
   }
   const ScenarioFile file(arguments.config.empty() ? kind.file().string() : arguments.config,
                           kind.name);
@@ -123,7 +123,7 @@ int analyze(const Catalogue& catalogue, Arguments arguments, const std::string& 
   if (arguments.quiet) return kSuccess;
   for (const LoopAnalysis& loop : results) {
     if (loop.designed.reason.empty()) continue;
-    fmt::print(stderr, "{} {}: measured alone, since it is no linear loop: {}\n", kind.name,
+    fmt::print(stderr, "{} {}: only measured, because the loop is not linear: {}\n", kind.name,
                loop.label, loop.designed.reason);
   }
   fmt::print("results: {}\n\n{}", folder.string(), margins_table(results, output_width()));
@@ -135,7 +135,7 @@ int analyze(const Catalogue& catalogue, Arguments arguments, const std::string& 
 int analyze_main(const Catalogue& catalogue, int argc, const char* const* argv) {
   const std::string program = own_program_name() + " " + kAnalyze;
   return guarded(program, [&] {
-    CLI::App app("Loops of one axis in the frequency domain, as designed and as measured.",
+    CLI::App app("Compute frequency responses of loops of one axis, designed and measured.",
                  program);
     Arguments arguments;
     describe(app, arguments);

@@ -7,8 +7,8 @@ namespace breakwater {
 
 inline constexpr const char* kAnalyze = "analyze";
 
-/// `PROGRAM analyze SCENARIO [OPTION...]`: loops of one axis in the frequency domain. Returns the
-/// exit status. argv[0] is the command's name.
+/// `PROGRAM analyze SCENARIO [OPTION...]`: frequency responses of loops of one axis. argv[0] is the
+/// command's name. Returns the exit status.
 int analyze_main(const Catalogue& catalogue, int argc, const char* const* argv);
 
 }  // namespace breakwater

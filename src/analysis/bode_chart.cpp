@@ -15,13 +15,13 @@ namespace {
 constexpr double kWidth = 420.0, kHeight = 348.0;
 constexpr PlotArea kGain{48.0, kWidth - 12.0, 12.0, 190.0};
 constexpr PlotArea kPhase{kGain.left, kGain.right, 206.0, 310.0};
-constexpr double kDeep_dB = 120.0, kLow_dB = -60.0;  // what is lower than both is no news
+constexpr double kDeep_dB = 120.0, kLow_dB = -60.0;  // values below both limits are not drawn
 
 double dB(std::complex<double> gain) {
   return 20.0 * std::log10(std::abs(gain));
 }
 
-// Unwrapped degrees, the first within ±180.
+// Unwrapped phases in degrees, the first within ±180.
 std::vector<double> phases(const BodeCurve& curve) {
   std::vector<double> result;
   for (const std::complex<double>& gain : curve.gain) {
@@ -32,7 +32,8 @@ std::vector<double> phases(const BodeCurve& curve) {
   return result;
 }
 
-// Each mark on the turn that is nearest to the line: marks are too far apart to be unwrapped alone.
+// Adds whole turns to each mark until it is nearest to the line. Marks are too far apart to be
+// unwrapped alone.
 void bring_near(std::vector<double>& marks, const BodeCurve& at, const std::vector<double>& line,
                 const BodeCurve& line_at) {
   if (line.empty()) return;
@@ -49,7 +50,7 @@ ChartScale upwards(const PlotRange& range, const PlotArea& area) {
   return {range.low, range.high, false, area.bottom - 5.0, area.top + 5.0};
 }
 
-// A line that breaks where it leaves the range.
+// A line with a gap where it is outside the range.
 std::string curve(const std::vector<double>& at, const std::vector<double>& values,
                   const ChartScale& x, const ChartScale& y, const PlotRange& within) {
   std::vector<PlotPoint> points;

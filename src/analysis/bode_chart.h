@@ -1,4 +1,4 @@
-// Gain and phase over frequency, as a drawing in a page.
+// Gain and phase over frequency, as a chart in a page.
 #pragma once
 
 #include <complex>
@@ -12,15 +12,15 @@ struct BodeCurve {
   std::vector<std::complex<double>> gain;
 };
 
-/// Of one loop: a line as designed, marks as measured. Either may be empty.
+/// The curves of one loop: a designed line and measured marks. Either may be empty.
 struct BodeLoop {
   std::string label;
   BodeCurve line;
   BodeCurve marks;
 };
 
-/// SVG with two panels, in dB and degrees, without a script. Loops are coloured c0, c1, … as the
-/// page's style has them. `unit` is the gain's, "" for a number.
+/// SVG with two panels, in dB and degrees, without a script. The loops have the page's colours c0,
+/// c1, …. `unit` is the unit of the gain, "" for a number.
 std::string draw_bode(const std::string& title, const std::string& unit,
                       const std::vector<BodeLoop>& loops);
 

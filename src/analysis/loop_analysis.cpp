@@ -26,7 +26,7 @@ double nyquist_rad_s(const AxisScenario& scenario) {
   return std::numbers::pi / scenario.task().axis.period_s;
 }
 
-// From low to high, in equal steps of the logarithm.
+// From low to high, equally spaced on a logarithmic scale.
 std::vector<double> frequencies(double low, double high, std::size_t count) {
   std::vector<double> result(count);
   for (std::size_t i = 0; i < count; ++i) {
@@ -102,7 +102,7 @@ LoopCurve designed_curve(const AxisScenario& scenario, const AnalysisOptions& op
   return curve;
 }
 
-// What is measured of one loop, before it is put together.
+// All measured responses of one loop.
 struct SineResponses {
   std::vector<SineResponse> of_force, of_noise;
 };
@@ -141,7 +141,7 @@ std::vector<LoopAnalysis> analyse(const std::vector<AnalysedLoop>& loops,
       },
       options.jobs);
 
-  // The lowest frequencies take the longest, so all loops' first.
+  // The lowest frequencies of all loops come first, because they take the longest.
   const auto points = static_cast<std::size_t>(options.points);
   std::vector<SineResponses> measured(loops.size());
   for (SineResponses& one : measured) {

@@ -1,4 +1,4 @@
-// The frequency responses of several loops of one axis, as designed and as measured.
+// Frequency responses of loops of one axis, designed and measured.
 #pragma once
 
 #include <atomic>
@@ -15,34 +15,33 @@ namespace breakwater {
 struct AnalysisOptions {
   double from_rad_s = 0.1;
   double to_rad_s = 0.0;         ///< 0: 0.9 of the Nyquist frequency
-  int points = 25;               ///< that are measured; 0: nothing is
-  double force_amplitude = 1.0;  ///< of the probes
-  double noise_amplitude = 0.0;  ///< 0: three counts of the encoder, or 1e-3
+  int points = 25;               ///< number of measured frequencies; 0: no measurement
+  double force_amplitude = 1.0;  ///< amplitude of the force probe
+  double noise_amplitude = 0.0;  ///< sensor probe; 0: three counts of the encoder, or 1e-3
   double settle_s = 5.0;
   std::size_t jobs = 0;  ///< 0: all cores
   const std::atomic<bool>* stop = nullptr;
 };
 
-/// What is seen at one frequency. d opposes the drive, as a disturbance does; n is added to the
+/// The responses at one frequency. d opposes the drive, as a disturbance does; n is added to the
 /// measured position.
 struct LoopPoint {
   double omega_rad_s = 0.0;
   std::complex<double> d_hat_over_d;
   std::complex<double> noise_to_d_hat;
   std::complex<double> noise_to_v_hat;
-  std::complex<double> sensitivity;    ///< S = 1/(1 + L), of the loop opened at the plant's input
-  std::complex<double> complementary;  ///< T = L/(1 + L): what the drive does against d, over d
+  std::complex<double> sensitivity;    ///< S = 1/(1 + L), with the loop opened at the plant's input
+  std::complex<double> complementary;  ///< T = L/(1 + L): the drive's reaction to d, divided by d
   std::complex<double> loop_gain;      ///< L = T/S
-  double spread = 0.0;                 ///< of a measured T, between windows, over its amount
+  double spread = 0.0;                 ///< spread of a measured T between windows, relative to |T|
   double saturated = 0.0;              ///< share of samples with the drive at its limit
 };
 
-/// One loop by one way: designed or measured. `points` is empty where it could not be had, with
-/// the reason.
+/// A designed or measured loop. If `points` is empty, `reason` says why.
 struct LoopCurve {
   std::vector<LoopPoint> points;
   std::string reason;
-  double bandwidth_rad_s;  ///< where |d̂/d| falls below 1/√2; NaN: nowhere, or there is no estimator
+  double bandwidth_rad_s;  ///< |d̂/d| falls below 1/√2 here; NaN: nowhere, or no estimator
   LoopMargins margins;
 };
 
@@ -53,13 +52,13 @@ struct LoopAnalysis {
   LoopCurve measured;
 };
 
-/// One loop to analyse: a scenario, read and checked, by its label.
+/// One loop to analyse: a valid scenario and its label.
 struct AnalysedLoop {
   std::string label;
   const AxisScenario* scenario;
 };
 
-/// Throws std::invalid_argument if the range of frequencies is none for one of them.
+/// Throws std::invalid_argument if the frequency range is invalid for a loop.
 std::vector<LoopAnalysis> analyse(const std::vector<AnalysedLoop>& loops,
                                   const AnalysisOptions& options);
 

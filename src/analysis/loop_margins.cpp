@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-// Where a straight line from a to b crosses 0, as a share; only if it does.
+// Finds the zero of a straight line from a to b, as a share of its length, if there is one.
 bool crosses(double a, double b, double& share) {
   if (!((a <= 0.0 && b > 0.0) || (a >= 0.0 && b < 0.0))) return false;
   share = a / (a - b);
@@ -40,7 +40,7 @@ LoopMargins loop_margins(const std::vector<double>& omega_rad_s,
     const std::complex<double> L = loop_gain[i];
     margins.sensitivity_peak = std::max(margins.sensitivity_peak, std::abs(1.0 / (1.0 + L)));
     margins.complementary_peak = std::max(margins.complementary_peak, std::abs(L / (1.0 + L)));
-    // Unwrapped: nearest to that before.
+    // Unwraps the phase: nearest to the last one.
     double phase = std::arg(L);
     if (i > 0) phase += 2.0 * kPi * std::round((last_phase - phase) / (2.0 * kPi));
     if (i > 0) {
@@ -56,7 +56,7 @@ LoopMargins loop_margins(const std::vector<double>& omega_rad_s,
         take_less(margins.phase_margin_rad, std::min(above, 2.0 * kPi - above));
         take_less(margins.delay_margin_s, above / omega);
       }
-      // −π and all that are whole turns from it.
+      // All crossings of −π plus whole turns.
       const double turn =
           2.0 * kPi * std::round((between(last_phase, phase, 0.5) + kPi) / (2.0 * kPi));
       if (crosses(last_phase + kPi - turn, phase + kPi - turn, share)) {

@@ -1,4 +1,4 @@
-// How far a loop is from instability.
+// Stability margins of a loop.
 #pragma once
 
 #include <complex>
@@ -6,19 +6,19 @@
 
 namespace breakwater {
 
-/// Of a loop gain L(jω) whose feedback is negative. NaN where there is none: no crossing.
+/// Margins of a loop gain L(jω) with negative feedback. NaN: there is no such crossing.
 struct LoopMargins {
   double crossover_rad_s;        ///< the last frequency at which |L| = 1
   double phase_margin_rad;       ///< the smallest distance of arg L from −π at |L| = 1
   double gain_margin;            ///< the smallest factor above 1 that makes it unstable
-  double gain_reduction_margin;  ///< the largest factor below 1 that does
-  double delay_margin_s;         ///< the smallest additional delay that does
-  double sensitivity_peak;       ///< M_s = max |1/(1 + L)|; 1/M_s is L's least distance from −1
-  double complementary_peak;     ///< M_t = max |L/(1 + L)|
+  double gain_reduction_margin;  ///< the largest factor below 1 that makes it unstable
+  double delay_margin_s;         ///< the smallest additional delay that makes it unstable
+  double sensitivity_peak;  ///< M_s = max |1/(1 + L)|; 1/M_s is the smallest distance of L from −1
+  double complementary_peak;  ///< M_t = max |L/(1 + L)|
 };
 
-/// `omega_rad_s` (rising) and `loop_gain` are of equal length, and so dense that log |L| and arg L
-/// are near to straight lines over log ω between two of them: crossings are interpolated. Throws
+/// `omega_rad_s` (increasing) and `loop_gain` have equal length. Crossings are interpolated, so log
+/// |L| and arg L must be nearly straight over log ω between two points. Throws
 /// std::invalid_argument if there are fewer than two.
 ///
 /// Source: K. J. Åström, R. M. Murray, Feedback Systems, Princeton 2008, section 9.3.

@@ -12,11 +12,11 @@
 namespace breakwater {
 namespace {
 
-constexpr double kSame = 1e-6;          // of the largest value, so that two responses are the same
-constexpr double kDecayed = 1e-9;       // of the largest value, so that a response has ended
+constexpr double kSame = 1e-6;     // two responses are equal up to this share of the largest value
+constexpr double kDecayed = 1e-9;  // a response ends below this share of its largest value
 constexpr std::size_t kPattern = 1000;  // samples of the random binary force
 constexpr std::size_t kFirstLength = 4096, kLongest = std::size_t{1} << 20U;
-constexpr std::size_t kWarmUps[] = {500, 5000, 50'000};  // samples until a gain may have settled
+constexpr std::size_t kWarmUps[] = {500, 5000, 50'000};  // settling times of a gain, in samples
 constexpr std::size_t kLater = 777;
 
 struct ProbeSequence {
@@ -59,7 +59,7 @@ PulseResponse run(const AxisLoopDesign& design, const ProbeSequence& probe, std:
   return out;
 }
 
-// (a − b) scale, from a sample on.
+// (a − b) scale, from sample `from` on.
 std::vector<double> difference(const std::vector<double>& a, const std::vector<double>& b,
                                std::size_t from, double scale) {
   std::vector<double> result;
@@ -96,7 +96,7 @@ bool is_same(const PulseResponse& a, const PulseResponse& b) {
          is_same(a.velocity, b.velocity);
 }
 
-// Far beyond what it was at first.
+// Whether the response has grown far beyond its first part.
 bool has_run_away(const std::vector<double>& values) {
   constexpr double kFar = 1e3;
   const auto early = static_cast<std::ptrdiff_t>(std::min(values.size(), kFirstLength) / 4);
@@ -107,7 +107,7 @@ bool has_decayed(const std::vector<double>& values) {
   return largest(values, values.size() * 3 / 4) <= kDecayed * largest(values);
 }
 
-// A random binary sequence; any will do (Marsaglia's xorshift).
+// A random binary sequence (Marsaglia's xorshift).
 std::vector<double> binary_pattern(double amplitude) {
   std::vector<double> values(kPattern);
   std::uint32_t state = 2463534242U;
@@ -134,7 +134,7 @@ bool is_linear(const AxisLoopDesign& design, Probe probe, double size, std::size
   return is_same(difference(once, rest, from, -2.0), difference(twice, rest, from, 1.0));
 }
 
-// When a pulse begins to have the same response whenever it comes; nothing if never.
+// The first sample from which the response to a pulse does not change with time, if there is one.
 std::optional<std::size_t> time_invariant_from(const AxisLoopDesign& design, double force) {
   for (const std::size_t from : kWarmUps) {
     if (is_same(to_pulse(design, Probe::force, force, from, kFirstLength),
@@ -145,7 +145,7 @@ std::optional<std::size_t> time_invariant_from(const AxisLoopDesign& design, dou
   return std::nullopt;
 }
 
-// Empty where it does not end.
+// Nothing if the response does not end.
 std::optional<PulseResponse> whole_response(const AxisLoopDesign& design, Probe probe, double size,
                                             std::size_t from) {
   for (std::size_t length = kFirstLength; length <= kLongest; length *= 4) {
@@ -175,7 +175,7 @@ Phasors frequency_response(const PulseResponse& pulses, double omega_rad_s, doub
 
 LoopResponseOrReason loop_response(const AxisLoopDesign& design, double force, double noise) {
   const std::optional<std::size_t> from = time_invariant_from(design, force);
-  if (!from) return {{}, "its response to a pulse depends on when it comes"};
+  if (!from) return {{}, "its response to a pulse depends on the time of the pulse"};
   if (!is_linear(design, Probe::force, force, *from) ||
       !is_linear(design, Probe::noise, noise, *from)) {
     return {{}, "not linear at these amplitudes"};

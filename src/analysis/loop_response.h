@@ -1,4 +1,4 @@
-// What a loop of one axis does at each frequency, as it is designed: from its difference equations.
+// Frequency response of a loop of one axis, computed from its difference equations.
 #pragma once
 
 #include <complex>
@@ -11,12 +11,12 @@
 
 namespace breakwater {
 
-/// Where a loop is probed: by a force r that is added to the command, unknown to the controller
-/// and held over a sample; or by n, added to the measured position.
+/// The probe of a loop. `force` is a force r on the plant, held over a sample and unknown to the
+/// controller. `noise` is an error n of the measured position.
 enum class Probe { force, noise };
 
-/// What is looked at: the controller's command u (without the probe), d̂ and v̂. Those of a loop
-/// without an estimator are empty, or 0.
+/// The observed signals: the controller's command u without the probe, d̂ and v̂. Without an
+/// estimator, d̂ and v̂ are empty or 0.
 template <typename T>
 struct LoopOutputs {
   T command{};
@@ -30,7 +30,7 @@ using Phasors = LoopOutputs<std::complex<double>>;
 /// Σ h(k) e^{−jωkT} of each output.
 Phasors frequency_response(const PulseResponse& pulses, double omega_rad_s, double period_s);
 
-/// The loop of one axis: the controller that a scenario chooses, and a linear plant
+/// The loop of one axis: the scenario's controller and a linear plant
 ///     x(k+1) = A x(k) + B (u(k) + r(k)),   y(k) = C x(k − delay) + n(k − delay) ,
 /// without limits, rounding and Coulomb friction.
 struct AxisLoopDesign {
@@ -41,22 +41,21 @@ struct AxisLoopDesign {
   int delay_samples = 0;
 };
 
-/// The responses to a probe of one sample and of unit size.
+/// The responses to a probe of one sample with unit size.
 struct LoopResponse {
   PulseResponse to_force;
   PulseResponse to_noise;
 };
 
-/// Either is empty if the other is not: why there is no such response.
+/// The response, or the reason why there is none.
 struct LoopResponseOrReason {
   std::optional<LoopResponse> response;
   std::string reason;
 };
 
-/// What the loop's controller and estimator do is found out, not assumed: a response is one of a
-/// linear loop only if responses to a random binary force of amplitude `force` and to −2 times it
-/// are as −2, and if a pulse has the same response later (a Kalman filter's gain needs time to
-/// settle). `force` and `noise` are sizes of the probes at which that must hold.
+/// Determines the response by simulation, with probes of size `force` and `noise`. The loop counts
+/// as linear if it responds −2 times as strongly to −2 times a random binary force. A pulse must
+/// also have the same response later, after a Kalman filter's gain has settled.
 LoopResponseOrReason loop_response(const AxisLoopDesign& design, double force, double noise);
 
 }  // namespace breakwater

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kAgree = 1e-3;
 constexpr std::size_t kMostWindows = 8;
-constexpr double kLeastSamples = 200;  // of a window
+constexpr double kLeastSamples = 200;  // smallest length of a window
 
 double abs2(const Phasors& a) {
   return std::norm(a.command) + std::norm(a.disturbance) + std::norm(a.velocity);
@@ -21,7 +21,7 @@ Phasors operator-(const Phasors& a, const Phasors& b) {
   return {a.command - b.command, a.disturbance - b.disturbance, a.velocity - b.velocity};
 }
 
-// A loop's controller with a sine added to its command, and its outputs' parts at that frequency.
+// A loop's controller with a sine as the probe. Computes the outputs' phasors at its frequency.
 class Probed final : public Controller {
  public:
   Probed(AxisLoop& loop, Probe probe, double amplitude, double omega_per_sample)
@@ -44,7 +44,7 @@ class Probed final : public Controller {
   std::span<const Signal> signals() const override { return loop_.controller->signals(); }
 
   std::size_t samples() const { return k_; }
-  // Sums since the last call.
+  // The sums since the last call.
   Phasors take() { return std::exchange(sums_, Phasors{}); }
 
  private:
@@ -90,7 +90,7 @@ SineResponse measure_sine(const AxisScenario& scenario, const SineTest& test) {
   auto end = static_cast<std::size_t>(std::ceil(test.settle_s / period_s / samples)) * window;
   run_until(end);
   probed.take();
-  // The probe's own part: Σ a sin(ωk) e^{−jωk} = −j a K/2.
+  // The phasor of the probe: Σ a sin(ωk) e^{−jωk} = −j a K/2.
   const std::complex<double> probe(0.0, -0.5 * test.amplitude * samples);
   std::vector<Phasors> windows;
   while (windows.size() < kMostWindows) {

@@ -1,4 +1,4 @@
-// What a loop of one axis does at one frequency, measured in the simulation.
+// Frequency response of a loop of one axis at one frequency, measured in the simulation.
 #pragma once
 
 #include <breakwater/analysis/loop_response.h>
@@ -11,22 +11,23 @@ namespace breakwater {
 struct SineTest {
   Probe probe = Probe::force;
   double omega_rad_s = 0.0;
-  double amplitude = 0.0;  ///< of the probe
-  double settle_s = 0.0;   ///< what passes before anything is counted
+  double amplitude = 0.0;  ///< amplitude of the probe
+  double settle_s = 0.0;   ///< time before the measurement
   const std::atomic<bool>* stop = nullptr;
 };
 
-/// The outputs' parts at the probe's frequency, over the probe.
+/// The outputs' phasors at the probe's frequency, divided by the probe's.
 struct SineResponse {
-  double omega_rad_s = 0.0;  ///< a little off what was asked for: whole periods in whole samples
+  double omega_rad_s = 0.0;  ///< rounded so that whole periods have whole samples
   Phasors gain;
-  double spread = 0.0;     ///< of the command's gain, from one window to the next, over its amount
-  double saturated = 0.0;  ///< at which share of the samples the drive was at its limit
+  double spread = 0.0;     ///< relative standard deviation of the command's gain between windows
+  double saturated = 0.0;  ///< share of the samples with the drive at its limit
 };
 
-/// Runs the scenario's plant, encoder, drive and controller with the probe alone, in windows of
-/// whole periods, until two windows agree to 1e-3, or for eight windows, whose mean counts (behind
-/// an encoder a loop never repeats itself). Throws RunFailure, ControlFailure or Interrupted.
+/// Runs the scenario's plant, encoder, drive and controller with the probe alone. If two windows of
+/// whole periods agree to 1e-3, returns the second one. Otherwise returns the mean of eight
+/// windows, because a loop with an encoder never repeats exactly. Throws RunFailure, ControlFailure
+/// or Interrupted.
 SineResponse measure_sine(const AxisScenario& scenario, const SineTest& test);
 
 }  // namespace breakwater

@@ -26,9 +26,8 @@ struct AccelerationControlDesign {
   double period_s = 0.0;
 };
 
-/// An IDOB for each of n decoupled joints J_n q̈ = τ − d with measured angles (Eqs. 2.56–2.58),
-/// with three poles [1/s] per joint. Throws std::invalid_argument as Idob does, or if the sizes
-/// differ.
+/// An IDOB for each of n decoupled joints J_n q̈ = τ − d with measured angles (Eqs. 2.56–2.58).
+/// Three poles [1/s] per joint. Throws std::invalid_argument as Idob does, or if sizes differ.
 std::unique_ptr<DisturbanceEstimator> joint_idobs(const Eigen::VectorXd& nominal_inertia_kgm2,
                                                   const std::vector<PoleGroup>& poles,
                                                   double period_s);

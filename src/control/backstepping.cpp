@@ -12,8 +12,7 @@
 namespace breakwater {
 namespace {
 
-// Lower bound of cos φ cos θ. Up to 60° on both axes, the thrust rises with the tilt to hold the
-// height.
+// Lower bound of cos φ cos θ. Up to 60° on both axes, the thrust rises with the tilt.
 constexpr double kSmallestCosine = 0.25;
 
 double away_from_zero(double value, double floor) {

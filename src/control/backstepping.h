@@ -68,8 +68,7 @@ double slowest_pole(const Backstepping& law, const QuadrotorModel& plant);
 /// Backstepping with an estimator: thrusts u [N] from y = [x y z φ θ ψ].
 class QuadrotorController final : public Controller {
  public:
-  /// `compensates`: subtracts the estimated disturbance, T − d̂, or feeds the estimated world force
-  /// forward.
+  /// `compensates`: subtracts the estimate, T − d̂, or feeds the estimated world force forward.
   QuadrotorController(const Backstepping& law, std::shared_ptr<QuadrotorEstimator> estimator,
                       bool compensates);
 

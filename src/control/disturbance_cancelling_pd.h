@@ -32,8 +32,8 @@ struct DisturbanceCancellingPdDesign {
 /// Expects the measured position as the first entry of a sample.
 class DisturbanceCancellingPd final : public Controller {
  public:
-  /// Throws std::invalid_argument unless period and limit are positive and the estimator is for a
-  /// single axis.
+  /// Throws std::invalid_argument unless period and limit are positive and the estimator has one
+  /// axis.
   DisturbanceCancellingPd(std::shared_ptr<DisturbanceEstimator> estimator,
                           const DisturbanceCancellingPdDesign& design);
 

@@ -29,9 +29,8 @@ std::vector<int> spread_steps(int count, int last);
 
 /// The reaction if no ΔU satisfies all bounds.
 enum class OnInfeasible {
-  /// Softens the bounds on states, in the order of their declaration. If that does not suffice,
-  /// because the bounds on u have moved away from u(k−1), softens those on Δu. Bounds on u stay
-  /// hard.
+  /// Softens the bounds on states, in the order of their declaration. Then softens those on Δu: the
+  /// bounds on u may have moved away from u(k−1). Bounds on u stay hard.
   soften,
   stop  ///< throws ControlFailure
 };
@@ -99,8 +98,7 @@ class Lmpc {
   /// Sweeps or changes of the active set in the last optimisation, in all its solves.
   int iterations() const { return iterations_; }
 
-  /// Number of state bounds that the last optimisation softened, plus one if it softened those on
-  /// Δu.
+  /// Number of softened state bounds in the last optimisation, plus one if those on Δu were.
   int softened_bounds() const { return softened_bounds_; }
 
   /// The bounds on component `i` of u(k).

@@ -56,8 +56,7 @@ struct QuadrotorEstimatorDesign {
   double period_s = 0.01;  ///< δ
 };
 
-/// Estimates the vehicle's motion and disturbance from noisy poses. Call update() once a sample,
-/// then read.
+/// Estimates the vehicle's motion and disturbance from noisy poses. Call update() at each sample.
 class QuadrotorEstimator {
  public:
   using Motion = Eigen::Matrix<double, 12, 1>;
@@ -70,8 +69,7 @@ class QuadrotorEstimator {
 
   /// Starts at rest at `pose`, without disturbance.
   virtual void reset(const Vector6d& pose) = 0;
-  /// One sample: the thrusts held since the last sample, and the pose measured now. Allocates
-  /// nothing.
+  /// One sample: the thrusts held since the last one, and the present pose. Allocates nothing.
   virtual void update(const Eigen::Vector4d& held_thrusts, const Vector6d& pose) = 0;
 
   /// [ζ; ζ̇] and its computed covariance.

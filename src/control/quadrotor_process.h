@@ -100,8 +100,7 @@ struct ResonatorDesign {
   }
 };
 
-/// The wave force on each axis in the world frame, as the sum of K resonators driven by white
-/// noise,
+/// The wave force on each axis of the world, as the sum of K resonators driven by white noise,
 ///     f̈ᵢ + 2 ζᵢ ωᵢ ḟᵢ + ωᵢ² fᵢ = white,
 /// with a constant force b and torques τ as random walks. The state is [ζ, ζ̇, f₁, b, τ, h₁, f₂,
 /// h₂, …], hᵢ = ḟᵢ/ωᵢ. Unlike a thruster's disturbance, it can represent a horizontal force, and it

@@ -20,8 +20,7 @@ namespace breakwater {
 /// S is stored as its factor L D Lᵀ, which rows join and leave. This squares the condition number
 /// of the working set. The true residual therefore refines multipliers if it is above 1e-10. A
 /// solved problem has a KKT residual of at most 1e-8. Otherwise the solver starts again without the
-/// last working set, and then calls OrthogonalActiveSet. If this fails too, the status is
-/// `inaccurate`.
+/// last working set, and then calls OrthogonalActiveSet. The last resort is status `inaccurate`.
 ///
 /// Source: D. Goldfarb, A. Idnani, Math. Program. 27 (1983) 1–33, in the dual's variables as in
 /// D. Arnström, A. Bemporad, D. Axehill, IEEE Trans. Autom. Control 67 (2022) 4362–4369.

@@ -15,8 +15,8 @@ namespace breakwater {
 /// Differences from the textbook: Ω z is stored and updated with each multiplier that changes,
 /// which is rare. The two sides of a row are neighbours in the sweep. The solver starts from the
 /// last multipliers unless they diverge, as those of an infeasible problem do. Multipliers λ
-/// diverge if the limit is reached, the dual objective of c λ is largest at
-/// c > 1.5, and c does not decrease in the second half of the sweeps.
+/// diverge if the dual objective of c λ is largest at c > 1.5 when the limit is reached. This c
+/// must also not decrease in the second half of the sweeps.
 ///
 /// Source: C. Hildreth, Naval Res. Logist. Q. 4 (1957) 79–85; L. Wang, Model Predictive Control
 /// System Design and Implementation Using MATLAB (2009), 2.4.4.

@@ -1,5 +1,4 @@
-// Matrix products for the quadratic programs of predictive control, in a time linear in the
-// horizon.
+// Matrix products for predictive control, in a time that is linear in the horizon.
 #pragma once
 
 #include <Eigen/Core>

@@ -130,8 +130,8 @@ QpStatus OrthogonalActiveSet::drive_to_bound(const QpInput& input, Held row, QpS
   }
 }
 
-// Finds the combination of active rows that is nearest to an inactive row. Returns the length of
-// the rest.
+// Finds the combination of active rows that is nearest to an inactive row. Returns the rest's
+// length.
 double OrthogonalActiveSet::compare(const QpInput& input, Eigen::Index row) {
   const Eigen::Index n = factors_.variables();
   const Eigen::Index k = active();

@@ -1,5 +1,4 @@
-// An active-set method with an orthogonal factor, for quadratic programs that ActiveSetQp cannot
-// solve.
+// An active-set method with an orthogonal factor, for badly conditioned quadratic programs.
 #pragma once
 
 #include <vector>
@@ -8,7 +7,7 @@
 
 namespace breakwater {
 
-/// The dual active-set method of ActiveSetQp, slower, for badly conditioned problems. With H = L
+/// The dual active-set method of ActiveSetQp, slower, for problems that it cannot solve. With H = L
 /// Lᵀ, a row is the vector c = L⁻¹ Ω_iᵀ, extended by √softness in its own component. The vectors of
 /// the working set are stored as Q R. Unlike S = Rᵀ R, this does not square their condition number.
 /// After every change of the working set, true residuals correct z and the multipliers. They also

@@ -74,8 +74,7 @@ inline constexpr double kQpSolvedBelow = 1e-8;
 /// Violation of a row that the active-set solver allows, in the row's unit.
 inline constexpr double kQpViolation = 5e-9;
 
-/// The margin by which y (m) proves infeasibility. By Farkas' lemma no z satisfies the rows if Ωᵀ y
-/// = 0 and
+/// The margin by which y (m) proves infeasibility (Farkas). No z satisfies the rows if Ωᵀ y = 0 and
 ///     gap = −Σ (y_i > 0 ? upper_i : lower_i) y_i > 0.
 /// With rounding Ωᵀ y is only nearly 0, and no z with |z|∞ < gap/‖Ωᵀ y‖₁ satisfies the rows. The
 /// margin is this limit divided by max(1, |bound_i|/‖Ω_i‖∞) over the rows with y_i ≠ 0. Rounding

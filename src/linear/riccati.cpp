@@ -123,8 +123,7 @@ Eigen::MatrixXd solve_dare(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B,
   Eigen::MatrixXd P = by_doubling(A, B, Q, R);
   if (stabilises(A, B, Q, R, P)) return P;
   // An unstable mode without weight in Q: the doubling finds the cheapest solution, which leaves
-  // this mode unstable. With a Q that weighs all modes it stabilises, and Newton's method continues
-  // from there.
+  // this mode unstable. With a Q that weighs all modes it stabilises, and Newton's method follows.
   const double scale = std::max(1.0, Q.norm());
   P = by_doubling(A, B, Q + scale * Eigen::MatrixXd::Identity(n, n), R);
   if (P.allFinite()) P = by_newton(A, B, Q, R, P);

@@ -13,8 +13,7 @@ struct RowScan {
 };
 
 /// Computes Ω z from N columns (N < 0: `values` already has it) and returns its RowScan. All arrays
-/// have m entries, and columns the length `stride`. The bits do not depend on the processor's
-/// vector length.
+/// have m entries, and columns the length `stride`. The bits are those of every vector length.
 template <int N>
 RowScan scan_rows(const double* columns, Eigen::Index stride, const double* z, Eigen::Index m,
                   const double* lower, const double* upper, const double* weight, double tolerance,
@@ -52,8 +51,7 @@ RowScan scan_rows(const double* columns, Eigen::Index stride, const double* z, E
   return scan;
 }
 
-/// Whether every lower bound is at most its upper bound, no lower bound is ∞, no upper one −∞, and
-/// none is NaN.
+/// Whether lower ≤ upper for all rows, without NaN, a lower bound of ∞ or an upper one of −∞.
 inline bool are_bounds(const Eigen::VectorXd& lower, const Eigen::VectorXd& upper) {
   using namespace Eigen::internal;  // NOLINT(google-build-using-namespace): its packets
   using Packet = packet_traits<double>::type;

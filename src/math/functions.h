@@ -1,10 +1,10 @@
-// Elementary functions that give the same bits on every x86-64 processor.
+// Elementary functions with the same bits on every x86-64 processor.
 #pragma once
 
 #include <cmath>
 #include <complex>
 
-// musl's, renamed (cmake/musl_math.cmake). Like those of <cmath>, but they never set errno.
+// musl's functions, renamed (cmake/musl_math.cmake). Unlike those of <cmath>, they never set errno.
 extern "C" {
 double breakwater_sin(double x) noexcept;
 double breakwater_cos(double x) noexcept;
@@ -19,11 +19,11 @@ double breakwater_pow(double base, double exponent) noexcept;
 double breakwater_tanh(double x) noexcept;
 }
 
-/// glibc chooses the code of its functions by processor, with and without fused multiply-add, and
-/// the results differ in the last bit. What can reach a simulation's state calls these instead;
-/// sqrt, hypot, floor, round, fma, remainder, ldexp and the like are the same everywhere in
-/// <cmath>. Angles in radians. Errors stay below one unit in the last place (atan2: 1.5, tanh:
-/// 2.5); special arguments are as in C99's Annex F.
+/// glibc selects its functions by processor, with or without fused multiply-add, and the results
+/// differ in the last bit. Code that affects a simulation's state uses these functions. sqrt,
+/// hypot, floor, round, fma, remainder, ldexp and similar ones are the same everywhere in <cmath>.
+/// Angles are in radians. Errors are below one unit in the last place (atan2: 1.5, tanh: 2.5).
+/// Special arguments follow C99's Annex F.
 namespace breakwater::math {
 
 struct SineCosine {
@@ -37,7 +37,7 @@ inline double sin(double x) {
 inline double cos(double x) {
   return breakwater_cos(x);
 }
-/// Both at the cost of little more than one; the same bits as sin() and cos().
+/// Both at little more than the cost of one; the same bits as sin() and cos().
 inline SineCosine sincos(double x) {
   SineCosine both;
   breakwater_sincos(x, &both.sine, &both.cosine);
@@ -74,7 +74,7 @@ inline std::complex<double> exp(const std::complex<double>& z) {
   const SineCosine turn = sincos(z.imag());
   return {size * turn.cosine, size * turn.sine};
 }
-/// The principal value: the imaginary part lies within ±π.
+/// The principal value: the imaginary part is within ±π.
 inline std::complex<double> log(const std::complex<double>& z) {
   return {log(std::abs(z)), atan2(z.imag(), z.real())};
 }

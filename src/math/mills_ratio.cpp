@@ -5,7 +5,7 @@
 namespace breakwater::math {
 namespace {
 
-// Horner's scheme, the coefficient of the highest power first.
+// Horner's scheme, from the highest power.
 template <int n>
 double polynomial(const double (&coefficients)[n], double x) {
   double value = coefficients[0];
@@ -13,7 +13,7 @@ double polynomial(const double (&coefficients)[n], double x) {
   return value;
 }
 
-// Φ(x) − ½ over x, in x².
+// (Φ(x) − ½)/x as a function of x².
 double central(double x_squared) {
   constexpr double a[] = {0.065682337918207449113, 2.2352520354606839287, 161.02823106855587881,
                           1067.6894854603709582, 18154.981253343561249};
@@ -22,7 +22,7 @@ double central(double x_squared) {
   return polynomial(a, x_squared) / polynomial(b, x_squared);
 }
 
-// √(2π) times this is Mills' ratio.
+// Mills' ratio divided by √(2π).
 double middle(double x) {
   constexpr double c[] = {1.0765576773720192317e-8, .39894151208813466764, 8.8831497943883759412,
                           93.506656132177855979,    597.27027639480026226, 2494.5375852903726711,

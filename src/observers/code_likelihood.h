@@ -3,8 +3,7 @@
 
 namespace breakwater {
 
-/// A standard normal z that lies between α and β. Large |α| and |β|, also of equal sign, do not
-/// underflow.
+/// A standard normal z between α and β. Large |α| and |β|, also of equal sign, do not underflow.
 class CodeInterval {
  public:
   struct Moments {
@@ -19,8 +18,7 @@ class CodeInterval {
   double log_mass() const;
   /// P(z < α) + P(z > β).
   double outside() const;
-  /// Mean and variance of z in the interval: the exact moments of the truncated normal
-  /// distribution,
+  /// Mean and variance of z in the interval: the moments of the truncated normal distribution,
   ///     E = (φ(α) − φ(β))/P,   Var = 1 + (α φ(α) − β φ(β))/P − E²,
   /// with an error of about 1e-16·(1 + α²)/(β − α)².
   Moments moments() const;

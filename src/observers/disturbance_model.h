@@ -14,8 +14,7 @@ struct ExtendedPlant {
   Eigen::Index plant_states;  ///< n, the size of x
   int order;                  ///< order of the disturbance model: 0 step, 1 ramp, 2 parabola
   double period_s;            ///< T_s
-  /// The plant in continuous time, if known. The extended plant can then be sampled over any
-  /// interval.
+  /// The plant in continuous time, if known, to sample it over other intervals.
   std::optional<StateSpace> continuous = {};
 
   Eigen::Index states() const { return sampled.states(); }    ///< n + m (order + 1)

@@ -12,8 +12,7 @@ namespace breakwater {
 /// Predicts x(k|k−1) = f(x, u), P(k|k−1) = F P Fᵀ + Q + W_s G Gᵀ. The derivatives F = ∂f/∂x and G =
 /// ∂f/∂u are central differences at the last estimate. The correction is GaussianEstimate's.
 ///
-/// With W_s > 0 the process noise enters like the input, as in the thesis' extended filters
-/// (3.4.3.2).
+/// With W_s > 0 the process noise enters like the input, as in the thesis (3.4.3.2).
 template <Process P, int p>
 class Ekf final : public GaussianEstimate<P::kStates, p> {
  public:

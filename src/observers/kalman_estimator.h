@@ -32,8 +32,7 @@ class KalmanEstimator : public DisturbanceEstimator {
 
   /// For another interval h, samples the plant anew and scales Q by h/T_s. Predicts once for each
   /// missing sample. input_std enters as process noise through B̅. instant_std_s enters as an
-  /// output error, multiplied by the output's rate. Returns false if the continuous plant is
-  /// unknown.
+  /// output error, multiplied by the output's rate. Returns false without a continuous plant.
   bool follow(const SampleInterval& interval) final {
     if (!hold_) return false;
     const double length_s = interval.length_s > 0.0 ? interval.length_s : period_s_;

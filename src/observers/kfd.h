@@ -1,5 +1,5 @@
-// Kalman filter with disturbance estimation (KFD), and the disturbance Kalman filter (DKF): thesis
-// 3.2 and 4.2.2.
+// Kalman filter with disturbance estimation (KFD), disturbance Kalman filter (DKF):
+// thesis 3.2, 4.2.2.
 #pragma once
 
 #include <breakwater/observers/kalman_estimator.h>

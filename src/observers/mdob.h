@@ -25,8 +25,7 @@ struct MdobDesign {
 /// It does not filter the angle: x̂ = [q; G_d(s) q] with the measured q (below Eq. 4.22).
 class Mdob final : public DisturbanceEstimator {
  public:
-  /// Throws std::invalid_argument unless inertia, cut-offs and period are positive and g_w is
-  /// finite.
+  /// Throws std::invalid_argument unless inertia, cut-offs and period are positive, and g_w finite.
   Mdob(const MdobDesign& design, double period_s);
 
   void reset(const Vector& x) override;

@@ -10,8 +10,7 @@
 
 namespace breakwater {
 
-/// Covariances of the process noise in one sample (Q), the measurement noise (R) and the first
-/// estimate (P0).
+/// Covariances of the process noise in one sample, the measurement noise and the first estimate.
 template <int N, int p>
 struct NonlinearKalmanDesign {
   Eigen::Matrix<double, N, N> Q;
@@ -19,8 +18,7 @@ struct NonlinearKalmanDesign {
   Eigen::Matrix<double, N, N> P0;
 };
 
-/// Throws std::invalid_argument unless Q is positive semidefinite and R and P0 are positive
-/// definite.
+/// Throws std::invalid_argument unless Q is positive semidefinite, and R and P0 positive definite.
 template <int N, int p>
 void check(const NonlinearKalmanDesign<N, p>& design) {
   if (!is_positive_semidefinite(design.Q)) {

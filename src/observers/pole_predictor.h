@@ -28,8 +28,7 @@ class PolePredictor {
   /// Starts from the first states `x` and 0 for the others. The interval is T_s again.
   void reset(const Eigen::Ref<const Eigen::VectorXd>& x);
 
-  /// One sample: u acted since the last sample, y is measured now. The first sample after a reset
-  /// ignores u.
+  /// One sample: u acted since the last one, y is measured now. The first one ignores u.
   void update(const Eigen::Ref<const Eigen::VectorXd>& u,
               const Eigen::Ref<const Eigen::VectorXd>& y);
 

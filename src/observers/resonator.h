@@ -11,8 +11,7 @@
 namespace breakwater {
 
 /// The matrix exp([0 ω; −ω −2 ζ ω] δ) that predicts [f; h], h = ḟ/ω, by one sample.
-/// The oscillator is f̈ + 2 ζ ω ḟ + ω² f = noise. `omega_rad_s` is ω, `damping` ζ in (0, 1),
-/// `period_s` δ.
+/// The oscillator is f̈ + 2 ζ ω ḟ + ω² f = noise with ζ = `damping` in (0, 1), δ = `period_s`.
 inline Eigen::Matrix2d resonator_step(double omega_rad_s, double damping, double period_s) {
   const double damped = omega_rad_s * std::sqrt(1.0 - damping * damping);
   const double decay = math::exp(-damping * omega_rad_s * period_s);

@@ -7,8 +7,7 @@
 namespace breakwater {
 namespace {
 
-// All instantiations are here: any other file that includes the filters' headers compiles them
-// again.
+// The only place that includes the filters' headers, because each one compiles them again.
 template <template <int, int, int> class Filter, typename... Adaptation>
 std::unique_ptr<DisturbanceEstimator> of_size(const KalmanDesign& design,
                                               const Adaptation&... adaptation) {

@@ -1,5 +1,4 @@
-// Strong tracking filter (STF): a Kalman filter that raises its covariance after a large
-// innovation.
+// Strong tracking filter (STF): a large innovation raises the covariance of a Kalman filter.
 #pragma once
 
 #include <algorithm>

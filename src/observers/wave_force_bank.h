@@ -25,8 +25,7 @@ struct WaveForceBankDesign {
   double period_s = 0.01;
 };
 
-/// Maximum likelihood among sea states: for each shape and each strength a Kalman filter of the
-/// axis
+/// Maximum likelihood among sea states: for each shape and strength a Kalman filter of the axis
 ///     m p̈ = F_known + f₁ + f₂ + b,  f̈ᵢ + 2 ζᵢ ωᵢ ḟᵢ + ωᵢ² fᵢ = white,  b random walk, p measured,
 /// with its stationary gain. Innovations e of variance S add −(ln S + e²/S)/2 to the filter's
 /// log-likelihood in each sample, with exponential forgetting. The estimate is the mean of ln ω, ln

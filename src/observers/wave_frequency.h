@@ -28,8 +28,7 @@ struct WaveFrequencyDesign {
 /// weighted by the candidates' likelihoods.
 class WaveFrequency {
  public:
-  /// Throws std::invalid_argument if a value is not positive or the periods are not in increasing
-  /// order.
+  /// Throws std::invalid_argument unless all values are positive and the periods increase.
   WaveFrequency(const WaveFrequencyDesign& design, double first_guess_rad_s);
 
   void reset(double position_m);

@@ -14,8 +14,8 @@ namespace {
 
 using tinyxml2::XMLElement;
 
-// What the engine's reader does with names of files (mjCReader, mjXReader in MuJoCo 2.2): includes
-// and folders are relative to the main file's folder, whichever file they stand in.
+// Finds files as the engine's reader does (mjCReader, mjXReader in MuJoCo 2.2). Includes and
+// folders are relative to the folder of the main file, also in an included file.
 class MjcfFiles {
  public:
   explicit MjcfFiles(const fs::path& mjcf) : folder_(mjcf.parent_path()) {
@@ -51,7 +51,7 @@ class MjcfFiles {
     visit(xml.RootElement());
   }
 
-  // tinyxml2 refuses what is nested too deeply to walk through.
+  // The recursion is safe, because tinyxml2 refuses deeply nested files.
   void visit(const XMLElement* element) {
     for (; element != nullptr; element = element->NextSiblingElement()) {
       const std::string kind = element->Name();

@@ -1,4 +1,4 @@
-// Which files the engine reads for a model.
+// The files that the engine reads for a model.
 #pragma once
 
 #include <filesystem>
@@ -6,9 +6,9 @@
 
 namespace breakwater {
 
-/// An MJCF file, what it includes, and the meshes, height fields, skins and textures of all of
-/// them, as far as they are there; each once, the file itself first. A file that is no XML has
-/// nothing but itself: Model::load says what is wrong with it. Throws as check_ends() of each.
+/// An MJCF file, its includes, and the meshes, height fields, skins and textures of all of them.
+/// Each existing file occurs once, the main file first. A file that is not XML gives only itself,
+/// and Model::load() reports its error. Throws as check_ends() does for each file.
 std::vector<std::filesystem::path> mjcf_files(const std::filesystem::path& mjcf);
 
 }  // namespace breakwater

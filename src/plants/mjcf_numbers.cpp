@@ -15,7 +15,7 @@
 namespace breakwater {
 namespace {
 
-// What is named so, or names something, may be called "nan".
+// Attributes with names, which may be "nan".
 bool holds_a_name(const tinyxml2::XMLAttribute& attribute) {
   static const std::set<std::string_view> names = {
       "name",   "class",    "childclass", "model",   "file",    "prefix", "joint",
@@ -24,8 +24,8 @@ bool holds_a_name(const tinyxml2::XMLAttribute& attribute) {
   return names.contains(attribute.Name());
 }
 
-// What cannot be negative, in whatever element: the engine takes a negative mass for 0, and others
-// as they are.
+// Attributes that must not be negative in any element. The engine reads a negative mass as 0 and
+// accepts the others.
 bool must_not_be_negative(const tinyxml2::XMLAttribute& attribute) {
   static const std::set<std::string_view> names = {
       "mass",    "diaginertia", "density",    "viscosity", "armature",  "damping",  "frictionloss",
@@ -35,8 +35,8 @@ bool must_not_be_negative(const tinyxml2::XMLAttribute& attribute) {
   return names.contains(attribute.Name());
 }
 
-// The engine allocates room for the numbers of <size>, whatever the machine has. User data are
-// for each of the elements.
+// The engine allocates memory for the numbers of <size> without a limit. It needs user data once
+// for each element.
 double largest(const tinyxml2::XMLElement& element, const tinyxml2::XMLAttribute& attribute) {
   constexpr double kLargestSize = 1e7;
   constexpr double kMostUserData = 1e3;
@@ -73,7 +73,7 @@ void check_element(const XmlFile& xml, const tinyxml2::XMLElement& element) {
   }
 }
 
-// How many elements of the model an element makes: a <composite> as many as its counts multiply to.
+// The number of model elements of an XML element; for a <composite> the product of its counts.
 double elements_of(const tinyxml2::XMLElement& element) {
   const char* counts = element.Attribute("count");
   if (counts == nullptr || std::string_view(element.Name()) != "composite") return 1.0;
@@ -121,7 +121,7 @@ class MjcfCheck {
                                        std::to_string(most_elements_));
   }
 
-  std::filesystem::path folder_;  // from where the engine looks for what is included
+  std::filesystem::path folder_;  // the folder for includes
   std::uint64_t most_elements_;
   double elements_ = 0.0;
   std::set<std::filesystem::path> seen_;
@@ -131,7 +131,7 @@ class MjcfCheck {
 
 void check_mjcf(const std::string& file, std::uint64_t most_elements) {
   MjcfCheck(file, most_elements);
-  mjcf_files(file);  // meshes and textures, too, must end
+  mjcf_files(file);  // meshes and textures must be regular files too
 }
 
 }  // namespace breakwater

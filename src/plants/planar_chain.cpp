@@ -37,7 +37,7 @@ void check(const PlanarJoint& joint) {
 PlanarChain::PlanarChain(std::vector<PlanarJoint> joints, const Eigen::Vector2d& tip_offset_m,
                          double tip_yaw_rad)
     : joints_(std::move(joints)), tip_offset_(tip_offset_m), tip_yaw_(tip_yaw_rad) {
-  if (joints_.empty()) throw std::invalid_argument("planar chain: has no joint");
+  if (joints_.empty()) throw std::invalid_argument("planar chain: needs at least one joint");
   effort_limits_.resize(this->joints());
   velocity_limits_.resize(this->joints());
   for (Eigen::Index i = 0; i < this->joints(); ++i) {
@@ -60,7 +60,7 @@ TipPose PlanarChain::tip_pose(const Angles& q_rad) const {
 
 void PlanarChain::tip_jacobian(const Angles& q_rad, TipJacobian& J) const {
   J.resize(3, joints());
-  // First the joints' positions, then each column sense·[z × (tip − joint); 1].
+  // Computes the joints' positions, then each column sense·[z × (tip − joint); 1].
   double angle = 0.0;
   Eigen::Vector2d position = Eigen::Vector2d::Zero();
   for (Eigen::Index i = 0; i < joints(); ++i) {
@@ -76,7 +76,7 @@ void PlanarChain::tip_jacobian(const Angles& q_rad, TipJacobian& J) const {
 }
 
 TipPose PlanarChain::tip_bias_acceleration(const Angles& q_rad, const Angles& dq_rad_s) const {
-  // A point fixed in a link that turns at ω has the centripetal acceleration −ω² r.
+  // A point fixed in a link with the rate ω has the centripetal acceleration −ω² r.
   double angle = 0.0;
   double rate = 0.0;
   Eigen::Vector2d acceleration = Eigen::Vector2d::Zero();
@@ -90,7 +90,7 @@ TipPose PlanarChain::tip_bias_acceleration(const Angles& q_rad, const Angles& dq
 }
 
 Eigen::MatrixXd PlanarChain::mass_matrix(const Angles& q_rad) const {
-  // Σ over links of m J_comᵀ J_com + I j_φᵀ j_φ.
+  // The sum of m J_comᵀ J_com + I j_φᵀ j_φ over all links.
   Eigen::MatrixXd M = Eigen::MatrixXd::Zero(joints(), joints());
   Eigen::Matrix2Xd joint_positions(2, joints());
   Eigen::Matrix2Xd J_com = Eigen::Matrix2Xd::Zero(2, joints());

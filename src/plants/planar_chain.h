@@ -13,26 +13,26 @@ using TipPose = Eigen::Vector3d;
 /// The Jacobian of X with respect to q, 3×n (Eq. 2.52).
 using TipJacobian = Eigen::Matrix<double, 3, Eigen::Dynamic>;
 
-/// One revolute joint and the link that it moves. Everything is in the plane of motion.
+/// One revolute joint and the link that it moves, in the plane of motion.
 struct PlanarJoint {
   std::string name;
-  Eigen::Vector2d offset_m = {0, 0};  ///< of the joint, in the frame of the link before it
-  double yaw_rad = 0.0;               ///< of the link's frame at q = 0, in the frame before it
+  Eigen::Vector2d offset_m = {0, 0};  ///< position in the frame of the link before it
+  double yaw_rad = 0.0;               ///< yaw of the link's frame at q = 0, in the frame before it
   double sense = 1.0;                 ///< +1 if the axis is +z, −1 if it is −z
   double effort_limit_Nm = 0.0;
   double velocity_limit_rad_s = 0.0;
 
   double link_mass_kg = 0.0;
-  Eigen::Vector2d link_com_m = {0, 0};  ///< of the link, in its own frame
+  Eigen::Vector2d link_com_m = {0, 0};  ///< centre of mass, in the link's frame
   double link_inertia_kgm2 = 0.0;       ///< about the link's centre of mass
 };
 
-/// A chain of any number of revolute joints that turn about parallel axes. Holds nothing that
-/// changes; no function below allocates once the results have their size.
+/// A chain of any number of revolute joints with parallel axes. It is constant. No function below
+/// allocates if the results have their size.
 class PlanarChain {
  public:
   /// `tip_offset_m` and `tip_yaw_rad` place the tip in the last link's frame. Throws
-  /// std::invalid_argument if there is no joint, or a number is not finite.
+  /// std::invalid_argument if there is no joint or a number is not finite.
   PlanarChain(std::vector<PlanarJoint> joints, const Eigen::Vector2d& tip_offset_m,
               double tip_yaw_rad);
 
@@ -43,7 +43,7 @@ class PlanarChain {
 
   using Angles = Eigen::Ref<const Eigen::VectorXd>;
 
-  /// X(q), Eq. 2.51 for any chain.
+  /// X(q), as Eq. 2.51, for any chain.
   TipPose tip_pose(const Angles& q_rad) const;
 
   /// J_aco(q), Eq. 2.52.
@@ -63,13 +63,13 @@ class PlanarChain {
   Eigen::VectorXd velocity_limits_;
 };
 
-/// Reads a chain from a URDF file. The tip is the frame of the one link without children; links
-/// joined by fixed joints are lumped. The motion must be planar: every joint is revolute about ±z
-/// or fixed, and no origin is rolled or pitched.
+/// Reads a chain from a URDF file. The tip is the frame of the only link without children. Links
+/// with fixed joints are lumped. The motion must be planar: every joint is revolute about ±z or
+/// fixed, and no origin has roll or pitch.
 ///
 /// Throws std::invalid_argument with one line, `FILE:LINE: element "name": reason`, if the file
-/// cannot be read, is no URDF, branches, is not planar, or lacks a mass or an effort or velocity
-/// limit. Thread-safe.
+/// cannot be read, is not URDF, branches or is not planar. Every moving link needs a mass, and
+/// every joint an effort and a velocity limit. Thread-safe.
 PlanarChain load_planar_chain(const std::string& urdf_file);
 
 }  // namespace breakwater

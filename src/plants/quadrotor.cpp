@@ -70,7 +70,7 @@ Vector6d QuadrotorModel::rigid_acceleration(const AttitudeTrig& attitude, const 
       -pitch_rate * a.sin_roll + yaw_rate * a.cos_pitch * a.cos_roll;
   Vector6d result = acceleration(attitude, of_body, U);
   const Eigen::Vector3d w = result.tail<3>();  // ω̇
-  // The relations of the rates, differentiated; q sin φ + r cos φ = ψ̇ cos θ.
+  // Derivatives of the relations of the rates; q sin φ + r cos φ = ψ̇ cos θ.
   const double turning = w(1) * a.sin_roll + w(2) * a.cos_roll + roll_rate * pitch_rate;
   const double yaw = (turning + yaw_rate * pitch_rate * a.sin_pitch) / cos_pitch;
   result(3) = w(0) + yaw * a.sin_pitch + yaw_rate * pitch_rate * a.cos_pitch;

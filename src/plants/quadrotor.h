@@ -14,22 +14,22 @@ inline constexpr const char* kPoseUnits = "m, m, m, rad, rad, rad";
 inline constexpr const char* kMotionUnits =
     "m, m, m, rad, rad, rad, m/s, m/s, m/s, rad/s, rad/s, rad/s";
 
-/// Table 3.4. Buoyancy and weight are what the table computes with g = 9.806 m/s².
+/// Table 3.4. Its buoyancy and weight follow from g = 9.806 m/s².
 struct QuadrotorParameters {
   double mass_kg = 1.38;
   Eigen::Vector3d inertia_kgm2{0.8540, 0.8540, 0.9361};
-  /// D(ζ̇) = linear·ζ̇ + quadratic·|ζ̇|·ζ̇, with the table's D_m, F_m for x, y, ψ and D_p, F_p for z,
-  /// φ, θ, as D(ζ) is printed [N/(m/s), N m/(rad/s); N/(m/s)², N m/(rad/s)²].
+  /// D(ζ̇) = linear·ζ̇ + quadratic·|ζ̇|·ζ̇ with the table's D_m, F_m for x, y, ψ and D_p, F_p for
+  /// z, φ, θ, as in the printed D(ζ). Units: N/(m/s), N m/(rad/s); N/(m/s)², N m/(rad/s)².
   Vector6d linear_drag{0.0436, 0.0436, 0.0082, 0.0082, 0.0082, 0.0436};
   Vector6d quadratic_drag{0.0196, 0.0196, 0.1037, 0.1037, 0.1037, 0.0196};
   double thruster_arm_m = 0.1090;  ///< h
   double gravity_m_s2 = 9.806;     ///< g
   double water_density_kg_m3 = 1000.0;
   double volume_m3 = 0.0011;     ///< V_r
-  double thrust_limit_N = 25.0;  ///< T_lim, of each thruster, both ways
+  double thrust_limit_N = 25.0;  ///< T_lim of each thruster, in both directions
 
   double buoyancy_N() const { return volume_m3 * water_density_kg_m3 * gravity_m_s2; }
-  /// What pulls down in water, mg − B = 2.7457 N: |G_z| of the table.
+  /// Net weight in water, mg − B = 2.7457 N: |G_z| of the table.
   double net_weight_N() const { return mass_kg * gravity_m_s2 - buoyancy_N(); }
   Vector6d inertia6() const;
   /// D(ζ̇) at a velocity relative to the water.
@@ -37,24 +37,24 @@ struct QuadrotorParameters {
 };
 
 enum class QuadrotorPhysics {
-  physical,  ///< G = [0, 0, mg − B]; no Coriolis force in the world's axes
+  physical,  ///< G = [0, 0, mg − B]; no Coriolis force in the world frame
   thesis     ///< G(ζ) and C(ζ̇) as printed, with a downward net weight
 };
 
-/// sin and cos of roll, pitch and yaw, which the model's terms share.
+/// sin and cos of roll, pitch and yaw, shared by the model's terms.
 struct AttitudeTrig {
   explicit AttitudeTrig(const Eigen::Ref<const Eigen::Vector3d>& roll_pitch_yaw);
   double sin_roll, cos_roll, sin_pitch, cos_pitch, sin_yaw, cos_yaw;
-  /// The body's z axis in the world: the first column of E(ζ), with sin φ sin ψ in its first row
+  /// The body's z axis in the world frame: the first column of E(ζ). Its first row has sin φ sin ψ
   /// (printed: sin θ sin ψ).
   Eigen::Vector3d thrust_axis() const;
 };
 
-/// The quadrotor as the thesis models it (Eqs. 3.13–3.15): M ζ̈ = E(ζ) U − D(ζ̇) − C − G(ζ) + F.
+/// The quadrotor's model in the thesis (Eqs. 3.13–3.15): M ζ̈ = E(ζ) U − D(ζ̇) − C − G(ζ) + F.
 ///
-/// ζ = [x y z φ θ ψ], world position with z up [m] and roll, pitch, yaw [rad] of R = Rz Ry Rx;
-/// ζ̇ its derivative; U = B_tcm T = [U_z τ_φ τ_θ τ_ψ] [N, N m]; F a force and torque from outside.
-/// Angular rates are taken for the body's, which holds near level flight.
+/// ζ = [x y z φ θ ψ]: position in the world with z up [m], and roll, pitch, yaw [rad] of R = Rz Ry
+/// Rx. U = B_tcm T = [U_z τ_φ τ_θ τ_ψ] [N, N m]. F is an external force and torque. The angles'
+/// rates count as the body's rates, which holds near level flight.
 class QuadrotorModel {
  public:
   QuadrotorModel(const QuadrotorParameters& parameters, QuadrotorPhysics physics)
@@ -62,16 +62,16 @@ class QuadrotorModel {
         physics_(physics),
         inverse_inertia_(parameters.inertia6().cwiseInverse()) {}
 
-  /// G(ζ) + the translational part of C(ζ̇): what the world's axes see besides thrust and drag.
+  /// G(ζ) and the translational part of C(ζ̇), in the world frame.
   Eigen::Vector3d weight_and_coriolis(const AttitudeTrig& attitude, const Vector6d& velocity) const;
 
   /// ζ̈ (Eq. 3.15).
   Vector6d acceleration(const AttitudeTrig& attitude, const Vector6d& velocity,
                         const Eigen::Vector4d& U, const Vector6d& outside = Vector6d::Zero()) const;
 
-  /// ζ̈ of the rigid body itself: as acceleration(), but drag, torques and the gyroscopic term act
-  /// on its body rates ω, and the angles' rates follow from φ̇ = p + ψ̇ sin θ, θ̇ = q cos φ − r sin φ,
-  /// ψ̇ = (q sin φ + r cos φ)/cos θ. Near a pitch of ±90° the cosine is held at 1e-6.
+  /// ζ̈ of the rigid body. Unlike in acceleration(), drag, torques and the gyroscopic term act on
+  /// its body rates ω = [p q r]. The angles' rates follow from φ̇ = p + ψ̇ sin θ, θ̇ = q cos φ − r
+  /// sin φ, ψ̇ = (q sin φ + r cos φ)/cos θ. Near a pitch of ±90° the cosine is limited to 1e-6.
   Vector6d rigid_acceleration(const AttitudeTrig& attitude, const Vector6d& velocity,
                               const Eigen::Vector4d& U) const;
 
@@ -87,14 +87,14 @@ class QuadrotorModel {
 /// B_tcm (thesis 3.4.1.1): U = B_tcm T.
 Eigen::Matrix4d thruster_matrix(double arm_m);
 
-/// The linear model of the twelve states [ζ; ζ̇] near level rest, driven by six forces and torques,
-/// with linear friction: what the controller's DLQR is designed with (3.4.3.1).
+/// Linear model of [ζ; ζ̇] near level rest, with six forces and torques as inputs and linear
+/// friction. It is the design model of the DLQR (3.4.3.1).
 StateSpace quadrotor_axes(const QuadrotorParameters& parameters);
 
 /// Roll, pitch, yaw of a unit quaternion [w x y z].
 Eigen::Vector3d roll_pitch_yaw(const Eigen::Ref<const Eigen::Vector4d>& quaternion);
 
-/// φ̇, θ̇, ψ̇ from body rates. Near a pitch of ±90° the cosine is held at 1e-6.
+/// φ̇, θ̇, ψ̇ from body rates. Near a pitch of ±90° the cosine is limited to 1e-6.
 Eigen::Vector3d attitude_rates(const AttitudeTrig& attitude,
                                const Eigen::Ref<const Eigen::Vector3d>& body_rates);
 

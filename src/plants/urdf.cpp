@@ -1,5 +1,5 @@
-// Reading a planar chain from URDF: urdfdom for the meaning, tinyxml2 for the line numbers and for
-// what urdfdom lets by.
+// Reads a planar chain from URDF. urdfdom gives the meaning. tinyxml2 gives the line numbers and
+// finds errors that urdfdom accepts.
 #include <console_bridge/console.h>
 #include <urdf_model/model.h>
 #include <urdf_parser/urdf_parser.h>
@@ -20,7 +20,7 @@ namespace {
 
 constexpr double kAngleTolerance = 1e-9;
 
-// urdfdom reports to a process-wide handler; this one keeps the first complaint.
+// urdfdom reports to a process-wide handler. This one stores the first message.
 class FirstComplaint : public console_bridge::OutputHandler {
  public:
   void log(const std::string& text, console_bridge::LogLevel level, const char*, int) override {
@@ -32,7 +32,7 @@ class FirstComplaint : public console_bridge::OutputHandler {
   std::string text_;
 };
 
-// An attribute that holds numbers, by URDF's specification.
+// An attribute with numbers in URDF's specification.
 struct NumberAttribute {
   const char* element;
   const char* name;
@@ -115,22 +115,22 @@ class UrdfFile {
                                 element + " \"" + name + "\": " + reason);
   }
 
-  // The yaw of a joint's <origin>, or of a link's <inertial>'s; nothing if it is rolled or pitched.
-  // Of its rpy itself: urdfdom keeps a quaternion, rounded by functions that differ by processor.
+  // The yaw of the <origin> of a joint or of a link's <inertial>; nothing if it has roll or pitch.
+  // It comes from rpy: urdfdom stores a quaternion with processor-dependent rounding.
   std::optional<double> planar_yaw(const char* element, const std::string& name) const {
     const tinyxml2::XMLElement* e = &find(element, name);
     if (std::strcmp(element, "link") == 0) e = e->FirstChildElement("inertial");
     if (e != nullptr) e = e->FirstChildElement("origin");
     const char* rpy = e == nullptr ? nullptr : e->Attribute("rpy");
     if (rpy == nullptr) return 0.0;
-    const std::vector<double> angles = *read_numbers(rpy);  // three, as check_numbers() has seen
+    const std::vector<double> angles = *read_numbers(rpy);  // check_numbers() has found three
     const double roll = angles[0], pitch = angles[1], yaw = angles[2];
     const auto [sin_roll, cos_roll] = math::sincos(roll);
     const auto [sin_pitch, cos_pitch] = math::sincos(pitch);
     const bool is_planar = std::abs(sin_roll) <= kAngleTolerance &&
                            std::abs(sin_pitch) <= kAngleTolerance && cos_roll * cos_pitch > 0.0;
     if (!is_planar) return std::nullopt;
-    return cos_pitch > 0.0 ? yaw : yaw + std::numbers::pi;  // turned over about both: about z
+    return cos_pitch > 0.0 ? yaw : yaw + std::numbers::pi;  // a turn about both axes is one about z
   }
 
  private:
@@ -145,7 +145,7 @@ class UrdfFile {
     fail_with(complaint.text());
   }
 
-  // Points at the joint or link that urdfdom's message names, if it names one.
+  // Reports the line of the joint or link in urdfdom's message, if there is one.
   [[noreturn]] void fail_with(const std::string& complaint) const {
     for (const auto* e = xml_.root()->FirstChildElement(); e != nullptr;
          e = e->NextSiblingElement()) {
@@ -163,7 +163,7 @@ class UrdfFile {
            complaint.find("'" + name + "'") != std::string::npos;
   }
 
-  // The joint or link of that name, or else the robot.
+  // The joint or link with this name, or the robot.
   const tinyxml2::XMLElement& find(const char* element, const std::string& name) const {
     for (const auto* e = xml_.root()->FirstChildElement(element); e != nullptr;
          e = e->NextSiblingElement(element)) {
@@ -181,7 +181,7 @@ class UrdfFile {
   urdf::ModelInterfaceSharedPtr model_;
 };
 
-// A frame in the plane: where a URDF origin puts a child in its parent.
+// A frame in the plane: the URDF origin of a child in its parent.
 struct PlanarFrame {
   Eigen::Vector2d position_m = {0, 0};
   double yaw_rad = 0.0;
@@ -204,7 +204,7 @@ PlanarFrame planar_origin(const UrdfFile& file, const urdf::Joint& joint) {
   return {{origin.position.x, origin.position.y}, *yaw};
 }
 
-// Adds a link's inertia, given where its frame is in the frame of the moving link that carries it.
+// Adds a link's inertia to the moving link. `frame` is the link's frame in that of the moving link.
 void lump(const UrdfFile& file, const urdf::Link& link, const PlanarFrame& frame,
           PlanarJoint& carrier) {
   if (!link.inertial) return;
@@ -240,7 +240,7 @@ PlanarJoint revolute_joint(const UrdfFile& file, const urdf::Joint& joint,
   if (!(std::isfinite(effort) && effort > 0.0 && std::isfinite(velocity) && velocity > 0.0)) {
     file.fail("joint", joint.name, "its effort and velocity limits must be positive");
   }
-  // Without them both are 0.
+  // Both are 0 if the file has none.
   const bool has_limits = joint.limits->lower != 0.0 || joint.limits->upper != 0.0;
   if (has_limits && !(joint.limits->lower < joint.limits->upper)) {
     file.fail("joint", joint.name, "its lower limit must be below its upper one");
@@ -258,7 +258,7 @@ PlanarJoint revolute_joint(const UrdfFile& file, const urdf::Joint& joint,
 PlanarChain read_chain(const std::string& urdf_file, const std::string& text) {
   const UrdfFile file(urdf_file, text);
   std::vector<PlanarJoint> joints;
-  PlanarFrame frame;  // of the current link, in the frame of the moving link that carries it
+  PlanarFrame frame;  // frame of the current link, in the frame of the moving link
   urdf::LinkConstSharedPtr link = file.model().getRoot();
   while (!link->child_joints.empty()) {
     if (link->child_joints.size() > 1) {
@@ -287,7 +287,7 @@ PlanarChain read_chain(const std::string& urdf_file, const std::string& text) {
   return {std::move(joints), frame.position_m, frame.yaw_rad};
 }
 
-// What was read last: a run asks for its chain again and again, a study's runs for the same one.
+// The last chain: the runs of a study read the same one again and again.
 struct LastChain {
   std::mutex mutex;
   std::string text;

@@ -13,9 +13,9 @@
 namespace breakwater {
 namespace {
 
-constexpr std::size_t kLongestShown = 80;  // of an XML declaration
+constexpr std::size_t kLongestShown = 80;  // longest part of an XML declaration in a message
 
-// Where the first byte is that is not UTF-8; npos: nowhere.
+// The position of the first byte that is not UTF-8; npos: none.
 std::size_t find_no_utf8(const std::string& text) {
   std::size_t at = 0;
   while (at < text.size()) {
@@ -74,7 +74,7 @@ XmlFile::XmlFile(std::string file, std::string text)
          std::string("is not well-formed XML (") + document_.ErrorName() + ")");
   }
   if (root() == nullptr) fail(1, "has no element");
-  // The parser reads on whatever it says.
+  // The parser accepts any declaration.
   const tinyxml2::XMLNode* first = document_.FirstChild();
   const auto* declaration = first->ToDeclaration();
   if (declaration == nullptr) return;
@@ -98,7 +98,7 @@ std::optional<std::vector<double>> read_numbers(const std::string& text) {
     const auto result = std::from_chars(begin, end, number);
     const bool is_whole = result.ptr == end && end != begin;
     if (!is_whole || result.ec == std::errc::invalid_argument) return std::nullopt;
-    // Of 1e999 and 1e-999 from_chars says that they are out of range, and not on which side.
+    // For 1e999 and 1e-999 from_chars reports "out of range", but not the side.
     if (result.ec == std::errc::result_out_of_range) {
       number = word.find("e-") == std::string::npos && word.find("E-") == std::string::npos
                    ? HUGE_VAL

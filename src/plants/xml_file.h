@@ -1,4 +1,4 @@
-// Files of models (MJCF, URDF) as XML, and their numbers: what the libraries that read them let by.
+// Model files (MJCF, URDF) as XML, and their numbers, with checks that other libraries omit.
 #pragma once
 
 #include <tinyxml2.h>
@@ -13,9 +13,9 @@ namespace breakwater {
 /// A well-formed XML file in UTF-8.
 class XmlFile {
  public:
-  /// Throws std::invalid_argument `FILE[:LINE]: reason` if it cannot be read or is none.
+  /// Throws std::invalid_argument `FILE[:LINE]: reason` if it cannot be read or is not such a file.
   explicit XmlFile(const std::string& file);
-  /// Of a file that has been read.
+  /// Parses the text of a file.
   XmlFile(std::string file, std::string text);
 
   const std::string& text() const { return text_; }
@@ -33,14 +33,14 @@ class XmlFile {
 /// Throws std::invalid_argument if a file is a device, a pipe or a socket.
 void check_ends(const std::filesystem::path& file);
 
-/// The bytes of a file. Throws std::invalid_argument if it cannot be read, or as check_ends().
+/// The bytes of a file. Throws as check_ends() does, and if the file cannot be read.
 std::string read_text(const std::string& file);
 
-/// The numbers that `text` is, with blanks between them, in the notation of C whatever the locale;
-/// nothing if a word of it is no number. Infinity and NaN are numbers here.
+/// The numbers in `text`, separated by blanks, in C notation for every locale. Returns nothing if a
+/// word is not a number. Infinity and NaN are numbers here.
 std::optional<std::vector<double>> read_numbers(const std::string& text);
 
-/// Whether a model can have such a number: finite, and not beyond ±1e30.
+/// Whether a number is valid in a model: finite and within ±1e30.
 bool is_sensible(double number);
 
 }  // namespace breakwater

@@ -1,11 +1,11 @@
-// What the quantities of one axis are called in logs and keys.
+// Names and units of an axis' quantities in logs and keys.
 #pragma once
 
 #include <string>
 
 namespace breakwater {
 
-/// Names' suffixes and units of a position, its rate, and the force along it.
+/// Suffixes and units of a position, its rate and the force along it.
 struct AxisUnits {
   std::string position_suffix;  ///< "rad"
   std::string position;         ///< "rad"

@@ -1,11 +1,11 @@
-// How an encoder makes a whole number of counts of an angle.
+// Conversion of a position to a whole number of counts.
 #pragma once
 
 namespace breakwater {
 
 enum class EncoderRounding {
-  nearest,  ///< to the nearest count: off by half a count at most
-  truncate  ///< towards 0, as Eq. 4.23's largest error of a whole count says
+  nearest,  ///< to the nearest count: an error of at most half a count
+  truncate  ///< towards 0: an error of up to a whole count, as in Eq. 4.23
 };
 
 }  // namespace breakwater

@@ -1,4 +1,4 @@
-// The variables of the process' environment.
+// Environment variables of the process.
 #pragma once
 
 #include <cstdlib>
@@ -7,7 +7,7 @@
 
 namespace breakwater {
 
-/// A variable's value; an empty one counts as none.
+/// A variable's value; none if it is unset or empty.
 inline std::optional<std::string> environment(const char* name) {
   const char* const value = std::getenv(name);
   if (value == nullptr || *value == '\0') return std::nullopt;

@@ -1,12 +1,12 @@
-// What a controller is given at one sampling instant.
+// The input of a controller at a sampling instant.
 #pragma once
 
 #include <Eigen/Core>
 
 namespace breakwater {
 
-/// The sensors' values at one sampling instant. Which entry of `y` is which channel, and in what
-/// unit, is fixed by whoever wires sensors to a controller; each controller says what it expects.
+/// The sensors' values at one sampling instant. Each controller says which entries of `y` it
+/// expects, and in which units. The rig connects the sensors accordingly.
 struct Sample {
   double time_s = 0.0;
   Eigen::VectorXd y;

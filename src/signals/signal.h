@@ -1,4 +1,4 @@
-// A named quantity that something publishes for the log.
+// A named quantity for the log.
 #pragma once
 
 #include <Eigen/Core>
@@ -7,17 +7,17 @@
 
 namespace breakwater {
 
-/// A view of a quantity that its owner keeps up to date. The owner outlives the view, and neither
-/// the address nor the size of `values` changes: a recorder copies from it at every sample.
+/// A view of a quantity that its owner updates. The owner must outlive the view. The address and
+/// the size of `values` are constant: a recorder copies from them at every sample.
 struct Signal {
-  std::string name;  ///< unit included, as it appears in the log: "d_hat_Nm"
-  /// "N m", "rad", "1"; where the values have different ones, each one's: "m, m, rad".
+  std::string name;  ///< with the unit, as in the log: "d_hat_Nm"
+  /// "N m", "rad", "1"; for values with different units a list: "m, m, rad".
   std::string unit;
-  std::string description;  ///< one line, with the equation where there is one
+  std::string description;  ///< one line, with the equation number if there is one
   std::span<const double> values;
 };
 
-/// What a Signal sees of its owner's quantity.
+/// The view of a number for a Signal.
 inline std::span<const double> view(const double& value) {
   return {&value, 1};
 }

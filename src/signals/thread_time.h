@@ -1,11 +1,11 @@
-// How long this thread has worked: what a solver or a filter takes, whoever else is busy.
+// Processor time of a thread, for the cost of solvers and filters.
 #pragma once
 
 #include <ctime>
 
 namespace breakwater {
 
-/// Processor time of the calling thread [s]; other load does not count. POSIX.
+/// Processor time of the calling thread [s], independent of other load. POSIX.
 inline double thread_time_s() {
   timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);

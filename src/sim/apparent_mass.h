@@ -9,17 +9,14 @@
 
 namespace breakwater {
 
-/// The apparent mass at a site for a short force along a fixed direction e of the world, with all
-/// joints free:
+/// The apparent mass at a site for a short force along a direction e of the world; joints are free:
 ///     m = 1 / (eᵀ J M⁻¹ Jᵀ e)    [kg]
-/// J (3 × n) is the site's translational Jacobian, M (n × n) the joint-space inertia with
-/// armatures.
+/// J (3 × n): translational Jacobian of the site; M (n × n): joint-space inertia with armatures.
 ///
 /// Source: O. Khatib, Int. J. Robotics Research 14 (1995) 19–36.
 class ApparentMass {
  public:
-  /// `direction` is a unit vector. Throws std::invalid_argument if the model has no such site or no
-  /// joint.
+  /// `direction` is a unit vector. Throws std::invalid_argument without such a site or any joint.
   ApparentMass(const Model& model, const std::string& site, const Eigen::Vector3d& direction);
 
   /// The value for the last configuration that the engine computed; infinite if the site cannot

@@ -164,8 +164,7 @@ double Simulation::time_of(std::int64_t k) const {
   return is_whole ? static_cast<double>(k) / rate : static_cast<double>(k) * timestep_s();
 }
 
-// Computes all sensors for the first sample. `stepping` is not set yet, so the callback does
-// nothing.
+// Computes all sensors for the first sample. The callback does nothing: `stepping` is not set yet.
 void Simulation::start() {
   const std::string fatal = call_engine([this] { mj_forward(model_.get(), data_.get()); });
   if (!fatal.empty()) fail(fatal);

@@ -21,8 +21,7 @@ namespace breakwater {
 
 /// One plant with one controller. MuJoCo's mjcb_control calls the controller every
 /// `steps_per_sample` physics steps. Its command is limited to the actuators' ctrlrange, if they
-/// have one, and held. The result is deterministic: the same set-up gives the same bits on any
-/// thread.
+/// have one, and held. The result is deterministic: equal set-ups give equal bits on any thread.
 ///
 /// After step(), the getters refer to the beginning of the step. They return the state, samples and
 /// command at that time, and the sensors that the engine computed for it, forces included.

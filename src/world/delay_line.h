@@ -7,7 +7,7 @@
 
 namespace breakwater {
 
-/// Gives what it was given `samples` calls ago; until there is such a value, the first one.
+/// Returns the input of `samples` calls ago, or the first input before that.
 class DelayLine {
  public:
   /// Throws std::invalid_argument if `samples` is negative.
@@ -21,7 +21,7 @@ class DelayLine {
     is_filled_ = true;
     values_[newest_] = value;
     newest_ = (newest_ + 1) % values_.size();
-    return values_[newest_];  // the oldest
+    return values_[newest_];  // the oldest value
   }
 
  private:

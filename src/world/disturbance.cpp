@@ -7,7 +7,7 @@
 namespace breakwater {
 namespace {
 
-// A sine's value and its derivative.
+// A sine and its derivative.
 double sine(double amplitude, double frequency_rad_s, double elapsed_s) {
   return amplitude * math::sin(frequency_rad_s * elapsed_s);
 }
@@ -15,7 +15,7 @@ double sine_rate(double amplitude, double frequency_rad_s, double elapsed_s) {
   return amplitude * frequency_rad_s * math::cos(frequency_rad_s * elapsed_s);
 }
 
-// A chirp's phase and how fast it grows.
+// A chirp's phase and its rate.
 struct Phase {
   double value;
   double rate;

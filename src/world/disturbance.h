@@ -1,4 +1,4 @@
-// A disturbance as a function of time: step, ramp, one sine or two, or a chirp.
+// A disturbance as a function of time: step, ramp, one or two sines, or a chirp.
 #pragma once
 
 namespace breakwater {
@@ -7,22 +7,22 @@ enum class DisturbanceKind { none, step, ramp, sine, two_sines, chirp };
 
 /// 0 before `start_s`, and from then on, with τ = t − start and amplitude A,
 ///     step: A;  ramp: A τ;  sine: A sin ωτ;  two sines: A sin ωτ + A₂ sin ω₂τ;
-///     chirp: A sin φ(τ), with a frequency φ̇ that goes evenly from ω to ω_e in the time T, and
-///            stays there:  φ = ωτ + (ω_e − ω) τ²/(2T) up to T, then φ(T) + ω_e (τ − T).
+///     chirp: A sin φ(τ). φ̇ changes linearly from ω to ω_e in the time T, and then stays:
+///            φ = ωτ + (ω_e − ω) τ²/(2T) up to T, then φ(T) + ω_e (τ − T).
 /// A ramp's amplitude is its slope, in the disturbance's unit per second.
 struct Disturbance {
   DisturbanceKind kind = DisturbanceKind::none;
   double amplitude = 0.0;
-  double frequency_rad_s = 0.0;  ///< ω, of a sine, of the first of two, of a chirp's beginning
+  double frequency_rad_s = 0.0;  ///< ω of a sine or of the first one, or start of a chirp
   double start_s = 0.0;
 
   double second_amplitude = 0.0;        ///< A₂
   double second_frequency_rad_s = 0.0;  ///< ω₂
-  double end_frequency_rad_s = 0.0;     ///< ω_e, of a chirp
-  double sweep_s = 1.0;                 ///< T > 0, of a chirp
+  double end_frequency_rad_s = 0.0;     ///< ω_e of a chirp
+  double sweep_s = 1.0;                 ///< T > 0 of a chirp
 
   double value(double time_s) const;
-  /// Its derivative, but for the jump of a step.
+  /// The derivative, without the jump of a step.
   double rate(double time_s) const;
 };
 

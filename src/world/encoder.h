@@ -9,19 +9,18 @@
 
 namespace breakwater {
 
-/// The position that an encoder calls 0; [x] is x in whole counts, as the rounding says.
+/// The origin of an encoder. [x] is x in whole counts, rounded or truncated.
 enum class EncoderOrigin {
-  counted,    ///< where it starts: it counts edges from there, y = Δ·([(q + φ)/Δ] − [φ/Δ])
-  calibrated  ///< q = 0, known to a fraction of a count: y = Δ·[(q + φ)/Δ] − φ
+  counted,    ///< the start: it counts edges from there, y = Δ·([(q + φ)/Δ] − [φ/Δ])
+  calibrated  ///< q = 0, known more exactly than a count: y = Δ·[(q + φ)/Δ] − φ
 };
 
-/// Counted, it reads 0 at q = 0 wherever between two edges that lies, as an incremental encoder
-/// does. Calibrated, φ decides whether q = 0 lies on a count or between two, and a loop that holds
-/// q at 0 between two counts hunts for ever. One that truncates reads 0 over two counts' width,
-/// around q = −φ.
+/// An encoder. Counted, it reads 0 at q = 0 for every phase, like an incremental encoder.
+/// Calibrated, φ determines whether q = 0 is on a count or between two. A loop that holds q at 0
+/// between two counts has a limit cycle. One that truncates reads 0 over two counts around −φ.
 struct Encoder {
-  double quantum = 0.0;  ///< Δ, one count, in the angle's unit; 0 means no quantisation
-  double phase = 0.0;    ///< φ, how far q = 0 lies from the middle between two edges
+  double quantum = 0.0;  ///< Δ, one count, in the angle's unit; 0: no quantisation
+  double phase = 0.0;    ///< φ, distance of q = 0 from the middle between two edges
   EncoderOrigin origin = EncoderOrigin::counted;
   EncoderRounding rounding = EncoderRounding::nearest;
 
@@ -38,11 +37,11 @@ struct Encoder {
   }
 };
 
-/// An encoder's counts for one revolution of what is measured (b_reso of Eq. 4.23).
+/// Counts of an encoder for one revolution of the measured shaft (b_reso of Eq. 4.23).
 struct EncoderCounts {
-  double bits = 0.0;            ///< n: 2ⁿ pulses per revolution of the encoder's own shaft
+  double bits = 0.0;            ///< n: 2ⁿ pulses per revolution of the encoder's shaft
   double multiplication = 1.0;  ///< edges counted per pulse
-  double gear_ratio = 1.0;      ///< revolutions of the encoder's shaft per revolution
+  double gear_ratio = 1.0;      ///< revolutions of the encoder's shaft per measured revolution
 
   double pulses_per_revolution() const {
     return math::pow(2.0, bits) * multiplication * gear_ratio;

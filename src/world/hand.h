@@ -1,11 +1,11 @@
-// A stiff hand that turns a link and lets go.
+// A stiff hand that turns a link and then releases it.
 #pragma once
 
 namespace breakwater {
 
 /// Grips a link at `start_s`, turns its absolute angle by `angle_rad` along a smoothstep of
-/// `rise_s`, holds it for `hold_s` and lets go: the forced displacement of thesis 2.4.3.3. While it
-/// grips, it pulls the link towards where it wants it, as a spring and a damper would.
+/// `rise_s`, holds it for `hold_s` and releases it. This is the forced displacement of thesis
+/// 2.4.3.3. The grip acts as a spring and a damper between the link and the target angle.
 struct Hand {
   double start_s = 0.0;
   double rise_s = 1.0;
@@ -17,11 +17,11 @@ struct Hand {
   double release_s() const { return start_s + rise_s + hold_s; }
   bool grips(double time_s) const { return time_s >= start_s && time_s < release_s(); }
 
-  /// How far the hand wants the link turned from where it gripped it [rad].
+  /// Target rotation of the link since the grip [rad].
   double target_rad(double time_s) const;
 
-  /// Its moment about the link's joint [N m], given how far the link is turned from where it was
-  /// gripped [rad] and how fast it turns [rad/s]. 0 while it does not grip.
+  /// The hand's moment about the link's joint [N m], from the link's rotation since the grip [rad]
+  /// and its rate [rad/s]. 0 without a grip.
   double moment_Nm(double time_s, double turned_rad, double rate_rad_s) const;
 
  private:

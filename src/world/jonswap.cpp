@@ -48,7 +48,7 @@ double JonswapSpectrum::density(double omega_rad_s) const {
          math::pow(gamma_, math::exp(-0.5 * offset * offset));
 }
 
-// The trapezoidal rule in ln ω, with ω_p, where σ steps, at a node.
+// Trapezoidal rule in ln ω. ω_p is a node, because σ changes there.
 double JonswapSpectrum::variance(double from_rad_s, double to_rad_s) const {
   const auto integrate = [this](double from, double to) {
     constexpr int kIntervals = 2000;

@@ -7,7 +7,7 @@
 
 namespace breakwater {
 
-/// 1/(τ s + 1), discretised exactly for an input held over each step. τ = 0 passes the input on.
+/// 1/(τ s + 1), discretised exactly for an input held over each step. τ = 0: output = input.
 class LowPass {
  public:
   /// Both in seconds. Throws std::invalid_argument if τ is negative or the step is not positive.

@@ -11,7 +11,7 @@
 namespace breakwater {
 namespace {
 
-// FNV-1a: std::hash promises no value, and a stream must be the same on every machine.
+// FNV-1a gives the same stream on every machine, unlike std::hash.
 std::uint64_t fnv1a(std::string_view text) {
   std::uint64_t hash = 14695981039346656037ULL;
   for (const unsigned char c : text) hash = (hash ^ c) * 1099511628211ULL;
@@ -32,7 +32,7 @@ Noise::Bits Noise::bits(std::uint64_t sample) const {
 
 double Noise::operator()(std::uint64_t sample) const {
   const Bits drawn = bits(sample);
-  // Box and Muller's transform; r123::boxmuller() takes <cmath>'s functions. u01 is never 0.
+  // Box–Muller transform; r123::boxmuller() uses the functions of <cmath>. u01 is never 0.
   const double radius = std::sqrt(-2.0 * math::log(r123::u01<double>(drawn.second)));
   return radius * math::sin(std::numbers::pi * r123::uneg11<double>(drawn.first));
 }

@@ -6,17 +6,17 @@
 
 namespace breakwater {
 
-/// White Gaussian noise that is a pure function of (seed, channel, sample): it depends on no
-/// thread, order of calls or case, so cases of one seed share it.
+/// White Gaussian noise as a pure function of seed, channel and sample. Threads, order of calls and
+/// the case do not affect it, so cases with the same seed have the same noise.
 class Noise {
  public:
   /// `channel` names the stream, for example a sensor.
   Noise(std::uint64_t seed, std::string_view channel);
 
-  /// The standard normal deviate of one sample.
+  /// The standard normal number of one sample.
   double operator()(std::uint64_t sample) const;
 
-  /// A deviate of one sample that is uniform in (0, 1), drawn from the same bits.
+  /// A number of one sample that is uniform in (0, 1), from the same bits.
   double uniform(std::uint64_t sample) const;
 
   /// The random bits of one sample.

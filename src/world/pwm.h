@@ -1,4 +1,4 @@
-// A drive whose output is a pulse width of finite resolution.
+// A drive with a pulse width of finite resolution.
 #pragma once
 
 #include <cmath>
@@ -7,7 +7,7 @@ namespace breakwater {
 
 /// Rounds a command to the nearest multiple of one step of the pulse width.
 struct Pwm {
-  double resolution = 0.0;  ///< what one step is worth, in the command's unit; 0: not quantised
+  double resolution = 0.0;  ///< one step, in the command's unit; 0: not quantised
 
   double output(double command) const {
     if (resolution == 0.0) return command;

@@ -11,7 +11,7 @@
 namespace breakwater {
 namespace {
 
-// The band of a realisation, over ω_p: outside lies 1 % of the waves' energy.
+// The band of a realisation, divided by ω_p: 1 % of the waves' energy is outside.
 constexpr double kLowest = 0.5;
 constexpr double kHighest = 3.0;
 
@@ -20,7 +20,7 @@ constexpr double kHighest = 3.0;
 double wave_number(double omega_rad_s, double water_depth_m, double gravity_m_s2) {
   const double deep = omega_rad_s * omega_rad_s / gravity_m_s2;
   if (water_depth_m == 0.0) return deep;
-  // Newton's method on x tanh x = y, x = k h, from a start that is right at both ends.
+  // Newton's method on x tanh x = y, x = k h. The start is exact in both limits.
   const double y = deep * water_depth_m;
   double x = y / std::sqrt(math::tanh(y));
   for (int i = 0; i < 20; ++i) {
@@ -53,7 +53,7 @@ SampledSpectrum acceleration_spectrum(const SeaState& sea, double depth_m, doubl
 }
 
 double mean_acceleration_frequency(const SeaState& sea, double depth_m) {
-  SeaState unit = sea;  // the mean does not depend on the height
+  SeaState unit = sea;  // the mean is independent of the height
   unit.significant_height_m = 1.0;
   const SampledSpectrum spectrum = acceleration_spectrum(unit, depth_m, kLowest, kHighest, 1000);
   double moment = 0.0, area = 0.0;
@@ -73,7 +73,7 @@ Waves::Waves(const SeaState& sea, double slope_low_pass_s)
   if (!(slope_low_pass_s >= 0.0)) {
     throw std::invalid_argument("waves: the low-pass's time constant must be 0 or more");
   }
-  if (sea.significant_height_m == 0.0) return;  // still water has no components
+  if (sea.significant_height_m == 0.0) return;  // still water
   const JonswapSpectrum spectrum(sea);
   const Noise frequencies(sea.seed, "wave frequencies");
   const Noise phases(sea.seed, "wave phases");
@@ -128,7 +128,7 @@ WaterMotion Waves::at(double time_s, const Eigen::Ref<const Eigen::Vector3d>& po
     w += speed * vertical * sine;
     du += speed * omega * horizontal * sine;
     dw -= speed * omega * vertical * cosine;
-    // −a k sin θ behind 1/(τ s + 1): gain 1/√(1 + (ωτ)²), lag atan ωτ.
+    // −a k sin θ after 1/(τ s + 1): gain 1/√(1 + (ωτ)²), lag atan ωτ.
     const double lag = omega * slope_low_pass_s_;
     slope -= c.amplitude_m * k * pressure * (sine + lag * cosine) / (1.0 + lag * lag);
   }

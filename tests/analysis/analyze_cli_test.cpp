@@ -11,7 +11,7 @@ TEST_F(Analyze, LeavesATableAPageAndTheNumbers) {
       ran("breakwater analyze motor_estimation --case idob,vfakfd --points 3 --from 5 --to 50 "
           "--settle 1");
   EXPECT_TRUE(has(result.out, "idob measured", "vfakfd measured", "phase margin [deg]"));
-  EXPECT_TRUE(has(result.err, "vfakfd: measured alone"));
+  EXPECT_TRUE(has(result.err, "vfakfd: only measured"));
   const std::filesystem::path out = "runs/analyze/motor_estimation";
   EXPECT_EQ(entries(out), (std::vector<std::string>{"analysis.csv", "margins.csv", "report.html"}));
   EXPECT_TRUE(has(read(out / "report.html"), "Loop gain"));
@@ -24,8 +24,8 @@ TEST_F(Analyze, NonsenseIsOneLineAndLeavesNothing) {
       "breakwater analyze ",
       {{"", "breakwater analyze: SCENARIO is required (see --help)"},
        {"arm_push",
-        "arm_push: has no loop of one axis that could be analysed (a scenario of your own has one "
-        "if it is an AxisScenario)"},
+        "arm_push: expected a scenario with one axis (a scenario of your own must be "
+        "an AxisScenario)"},
        {"motor_estimaton",
         "there is no scenario \"motor_estimaton\" (did you mean motor_estimation?)"},
        {"motor_estimation --case nobody",
