@@ -13,7 +13,7 @@ struct RowScan {
 };
 
 /// Computes Ω z from N columns (N < 0: `values` already has it) and returns its RowScan. All arrays
-/// have m entries, and columns the length `stride`. The bits are those of every vector length.
+/// have m entries, and columns the length `stride`. Every vector length gives the same bits.
 template <int N>
 RowScan scan_rows(const double* columns, Eigen::Index stride, const double* z, Eigen::Index m,
                   const double* lower, const double* upper, const double* weight, double tolerance,

@@ -7,7 +7,7 @@
 namespace breakwater {
 namespace {
 
-// The only place that includes the filters' headers, because each one compiles them again.
+// All instantiations are here: each inclusion of the filters' headers compiles them again.
 template <template <int, int, int> class Filter, typename... Adaptation>
 std::unique_ptr<DisturbanceEstimator> of_size(const KalmanDesign& design,
                                               const Adaptation&... adaptation) {

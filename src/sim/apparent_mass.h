@@ -16,7 +16,7 @@ namespace breakwater {
 /// Source: O. Khatib, Int. J. Robotics Research 14 (1995) 19–36.
 class ApparentMass {
  public:
-  /// `direction` is a unit vector. Throws std::invalid_argument without such a site or any joint.
+  /// `direction` is a unit vector. Throws std::invalid_argument if the site or a joint is missing.
   ApparentMass(const Model& model, const std::string& site, const Eigen::Vector3d& direction);
 
   /// The value for the last configuration that the engine computed; infinite if the site cannot
