@@ -1,5 +1,4 @@
-// Scenario arm_wall_contact: hybrid position/force control against a wall
-// (thesis 2.4.3.2, 2.4.3.4).
+// Scenario arm_wall_contact: position/force control against a wall (thesis 2.4.3.2, 2.4.3.4).
 #pragma once
 
 #include <breakwater/experiment/scenario.h>

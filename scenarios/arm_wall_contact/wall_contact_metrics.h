@@ -29,8 +29,8 @@ class WallContactMetrics {
  public:
   explicit WallContactMetrics(const WallContactWindow& window) : window_(window) {}
 
-  /// Call it at every physics step, with the values at its beginning. Returns whether the first
-  /// contact is in this step.
+  /// Call it at every physics step, with the values at its beginning. Returns whether it is the
+  /// first contact.
   bool after_step(double time_s, double force_N, double filtered_N, double tip_speed_x_m_s);
   /// Call it at the first contact.
   void set_impact_mass(double mass_kg) { impact_mass_kg_ = mass_kg; }

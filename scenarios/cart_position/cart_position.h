@@ -1,5 +1,4 @@
-// Scenario cart_position: position control of a cart with real friction, drive and encoder (thesis
-// 2.3.4 and 4.2.5).
+// Scenario cart_position: a cart with friction, drive and encoder (thesis 2.3.4, 4.2.5).
 #pragma once
 
 #include <breakwater/rigs/axis_scenario.h>

@@ -21,8 +21,7 @@ struct SlurmRequest {
   std::vector<std::string> of_task;  ///< further options of the command of each task: "--isolate"
 };
 
-/// The study of the points. Each task calls `breakwater COMMAND DIR --quiet OPTIONS --points
-/// POINTS`.
+/// The study of the points. A task calls `breakwater COMMAND DIR --quiet OPTIONS --points POINTS`.
 struct SlurmStudy {
   StudyFolder folder;
   SlurmSettings settings = {};
@@ -33,8 +32,7 @@ struct SlurmStudy {
 /// cluster or it does not answer.
 std::size_t most_tasks();
 
-/// Throws std::invalid_argument if a path for the scripts has a control character: a newline would
-/// begin a command there.
+/// Throws std::invalid_argument if a path has a control character: a newline would begin a command.
 void check_for_scripts(const StudyFolder& folder);
 
 struct SubmittedJob {
@@ -44,7 +42,7 @@ struct SubmittedJob {
 
 /// Submits `points` as one array job, DIR/slurm/N. If the request has no number of tasks, `seconds`
 /// is called: it returns the total processor time [s]. Throws std::invalid_argument with sbatch's
-/// message if it refuses.
+/// message.
 SubmittedJob submit(const SlurmStudy& study, const std::vector<std::size_t>& points,
                     const SlurmRequest& request, const std::function<double()>& seconds);
 

@@ -51,8 +51,7 @@ class Config {
   const std::map<std::string, ConfigEntry>& entries() const { return entries_; }
 
   /// The path of a file that a key names. A name from --set is relative to the working folder, a
-  /// name from a scenario file to the folder of that file (find_file). Throws as fail() if it is
-  /// not there.
+  /// name from a scenario file to the folder of that file (find_file). Throws as fail() if missing.
   std::string find_file_of(const std::string& key, const std::string& name) const;
 
   /// Throws std::invalid_argument `ORIGIN: KEY: MESSAGE`. The origin of a key that is not set is
@@ -74,8 +73,7 @@ class Config {
   std::map<std::string, ConfigEntry> entries_;
 };
 
-/// The key without its element: "a.b" for "a.b[2]" and for "a.b[2][1]". Elements are counted from
-/// 1.
+/// The key without its element: "a.b" for "a.b[2]" and for "a.b[2][1]". They count from 1.
 std::string whole_key(const std::string& key);
 /// Whether `key` names an element of the value of `other`, at any depth.
 bool is_element_of(const std::string& key, const std::string& other);

@@ -261,8 +261,8 @@ const Fields::Field* Fields::find(const std::string& key) const {
   return found != fields_.end() ? &*found : nullptr;
 }
 
-// The variables that a statement on a key concerns: the one of the part that is being bound, or all
-// of them outside of parts.
+// The variables that a statement on a key concerns: that of the part being bound, or all outside of
+// parts.
 std::vector<Fields::Variable*> Fields::at(const std::string& key) {
   std::vector<Variable*> variables;
   for (Field& field : fields_) {
@@ -384,8 +384,7 @@ void Fields::fail_if(const Config& config, const Field& field, const Error& erro
   if (error) config.fail(field.key + error->element, error->reason);
 }
 
-// Keys of a part that does not exist are unknown too. Report the wrong choice first: it is the
-// cause.
+// Keys of a part that does not exist are unknown too. Report the choice first: it is the cause.
 void Fields::check_choices(const Config& table) {
   std::set<std::string> choices;
   for (const Field& field : fields_) {
@@ -398,8 +397,7 @@ void Fields::check_choices(const Config& table) {
   }
 }
 
-// Each key of a table must exist, and its value must suit one of its variables, whichever case
-// runs.
+// Each key of a table must exist, and its value must suit one of its variables.
 void Fields::check(const Config& table) {
   std::set<std::string> keys;
   for (const Field& field : fields_) keys.insert(field.key);
@@ -416,8 +414,7 @@ void Fields::check(const Config& table) {
   }
 }
 
-// Sets the missing keys that have a default value. It comes first, since one of them may be a
-// choice.
+// Sets the missing keys that have a default value. One of them may be a choice, so set them first.
 void Fields::assign_standards(const Config& config) {
   for (Field& field : fields_) {
     field.was_read = config.find(field.key) != nullptr;

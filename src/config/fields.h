@@ -120,8 +120,8 @@ class Fields {
                   std::function<bool()> holds);
 
   /// Reads every key and makes file names absolute. Throws std::invalid_argument `ORIGIN: KEY:
-  /// reason` for the first wrong key: unknown, missing, of the wrong type, out of range, or the
-  /// name of a missing file.
+  /// reason` for the first wrong key: unknown, missing, of the wrong type, out of range, or without
+  /// its file.
   void read(const Config& config);
   /// The same, but keys may be missing: print() then asks for them.
   void read_incomplete(const Config& config);
@@ -130,8 +130,7 @@ class Fields {
   void check(const ScenarioFile& file);
 
   /// Reads the config of a finished run. It skips unknown keys, and values that this program does
-  /// not know, such as the name of a user's controller. Returns the missing keys that the run would
-  /// need.
+  /// not know, such as the name of a user's controller. Returns the missing keys.
   std::vector<std::string> read_finished(const Config& config);
 
   /// The ineffective keys of the config that was read, with the reason.
@@ -192,8 +191,7 @@ class Fields {
   bool has_chosen(const std::string& choice, const std::string& name) const;
   // The variable of the scenario or of the chosen part; null if there is none.
   const Variable* in_use(const Field& field) const;
-  // A message on missing keys: the first one with its meaning and the part that needs it, then the
-  // other names.
+  // The message on missing keys, with the meaning of the first one and the part that needs it.
   std::string missing_in_words(const std::vector<const Field*>& missing) const;
   // Assigns to every variable. Returns an error if the value does not suit `counts`, or, if
   // `counts` is null, if it suits no variable.

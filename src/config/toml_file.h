@@ -10,8 +10,8 @@ namespace breakwater {
 
 /// Parses a file, and stores its text in `text` unless that is null. Throws std::invalid_argument
 /// `FILE[:LINE]: reason` if it cannot be read or is not TOML. Files of more than 4 MiB, with
-/// control characters or with more than 32 levels are refused too: the recursive parser could
-/// overflow the stack.
+/// control characters or with more than 32 levels are refused too: they could overflow the parser's
+/// stack.
 toml::table parse_toml_file(const std::string& file, std::string* text = nullptr);
 
 /// The value of `text`, read as the right side of `key =`; nothing if it is not TOML. Throws

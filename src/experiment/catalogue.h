@@ -44,8 +44,7 @@ namespace detail {
 }  // namespace detail
 
 /// Scenarios, and the parts that they choose by name. main() makes it and passes it on. A kind is
-/// any struct with a `name` and a `kWhat` for messages. Kinds of one type keep the order in which
-/// they were added.
+/// any struct with a `name` and a `kWhat` for messages. Kinds of one type keep their order.
 class Catalogue {
  public:
   /// Throws std::invalid_argument if this type and name are already there.

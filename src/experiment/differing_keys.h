@@ -27,9 +27,9 @@ struct DifferingKey {
 };
 std::vector<DifferingKey> differing_keys(const std::vector<SavedRun>& runs);
 
-/// A label for each run: its case, with changed parts: "hpfc-5N with mine". Runs of the same case
-/// get the keys in which they differ, if these are few: "hpfc-5N, wall.distance_m=0.1". Otherwise
-/// the label is the folder.
+/// A label for each run: its case, with changed parts: "hpfc-5N with mine". Runs of one case get
+/// their differing keys, if these are few: "hpfc-5N, wall.distance_m=0.1". Otherwise the label is
+/// the folder.
 std::vector<std::string> labels_of(const Catalogue& catalogue, const std::vector<SavedRun>& runs);
 
 }  // namespace breakwater

@@ -18,8 +18,7 @@ bool is_same(const timespec& a, const timespec& b) {
   return a.tv_sec == b.tv_sec && a.tv_nsec == b.tv_nsec;
 }
 
-// No program can set the time of the last status change. It reveals a copy that kept its other
-// times.
+// No program can set the time of the last status change. It reveals a copy.
 bool is_untouched(const struct stat& then, const struct stat& now) {
   return is_same(then.st_mtim, now.st_mtim) && is_same(then.st_ctim, now.st_ctim) &&
          then.st_size == now.st_size;

@@ -8,8 +8,8 @@
 
 namespace breakwater {
 
-/// The `metrics` with these `names` (Scenario::main_metrics), in that order. Without names, the
-/// first two.
+/// The `metrics` with these `names` (Scenario::main_metrics), in that order. If empty, the first
+/// two.
 std::vector<Metric> main_metrics(const std::vector<std::string>& names,
                                  const std::vector<Metric>& metrics);
 

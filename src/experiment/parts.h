@@ -63,8 +63,7 @@ class PartKind {
         help(std::move(one_line)),
         settings_([bind, make] { return std::make_unique<PartOf<Settings>>(bind, make); }) {}
 
-  /// For a part without such a struct: `settings` makes the object that binds keys and makes the
-  /// part.
+  /// For a part without such a struct: `settings` makes the object that does both.
   PartKind(std::string part_name, std::string one_line,
            std::function<std::unique_ptr<Part>()> settings)
       : name(std::move(part_name)), help(std::move(one_line)), settings_(std::move(settings)) {}

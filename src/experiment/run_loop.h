@@ -17,8 +17,7 @@ using MetricsSoFar = std::function<std::vector<Metric>()>;
 
 /// Calls `step(k)` for k = 0 … steps − 1. It reports progress and checks for a stop request at the
 /// start, after the first step and at intervals. After the first step nothing allocates. Returns
-/// the failure if a step throws RunFailure. `measured`, if not empty, gives the present metrics
-/// when a user sees them.
+/// the failure if a step throws RunFailure. `measured`, if not empty, gives metrics for display.
 template <typename Step>
 std::optional<Failure> run_loop(std::int64_t steps, const RunControl& control, Step&& step,
                                 const MetricsSoFar& measured = {}) {
@@ -42,8 +41,8 @@ std::optional<Failure> run_loop(std::int64_t steps, const RunControl& control, S
 
 /// Calls `step(k)` at each physics step k < `steps`, which steps the simulation. At each control
 /// sample it calls `sample(time_s)` and, if `control.logs`, logs the signals as track "control". A
-/// complete run ends with the metrics of `measured`. Without `measured`, the caller adds them and
-/// any further tracks.
+/// complete run ends with the metrics of `measured`. Otherwise the caller adds them, and any
+/// further tracks.
 template <typename Step, typename Sample>
 Recording record_run(const Simulation& simulation, const PhysicsSettings& physics,
                      std::int64_t steps, std::vector<Signal> signals, const RunControl& control,

@@ -21,8 +21,7 @@ struct RunManifest {
   ModelHashes models;
 };
 
-/// Throws std::invalid_argument `FILE: KEY: reason` if the manifest is missing, damaged or not that
-/// of a run.
+/// Throws std::invalid_argument `FILE: KEY: reason` if the manifest is missing or damaged.
 RunManifest read_manifest(const std::filesystem::path& folder);
 
 /// Writes the `renderer` that drew `picture` ("video.mp4") into the manifest as

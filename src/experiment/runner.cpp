@@ -51,8 +51,8 @@ std::string manifest(const PreparedRun& run, const ModelHashes& models, const Re
   return entries.dump(2) + "\n";
 }
 
-// Destroyed last first: the first one may have made parent folders for all, and removes them only
-// if they are empty.
+// Destroyed last first: the first one may have made the parent folders, and removes only empty
+// ones.
 class RunFolders {
  public:
   RunFolders() = default;

@@ -60,8 +60,8 @@ PreparedRun prepare_run(const Catalogue& catalogue, const std::string& scenario,
                         const ScenarioFile& file, const std::string& case_name,
                         const std::vector<std::string>& sets);
 
-/// The same for one run of many. The tables of the file are checked, and whether the case is as
-/// shipped stays unknown.
+/// The same for one run of many. The file's tables are checked. Whether it is as shipped is
+/// unknown.
 PreparedRun prepare_point(const Catalogue& catalogue, const std::string& scenario,
                           const ScenarioFile& file, const std::string& case_name,
                           const std::vector<std::string>& sets);
@@ -70,8 +70,7 @@ struct RunOptions {
   bool csv = false;
   bool quiet = false;
   const std::atomic<bool>* stop = nullptr;
-  /// The models with which the runs were prepared, under SharedModels; null: each run reads its
-  /// own.
+  /// The models of the prepared runs, under SharedModels; null: each run reads its own.
   KnownModels* models = nullptr;
 };
 

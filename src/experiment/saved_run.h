@@ -17,8 +17,7 @@ namespace breakwater {
 /// The manifest, metrics, configuration and log of a run. A failed run has a reason and no metrics.
 class SavedRun {
  public:
-  /// Throws std::invalid_argument if the folder is not that of a run. The message, one line, says
-  /// what to do.
+  /// Throws std::invalid_argument with a hint, one line, if the folder is not that of a run.
   explicit SavedRun(const std::filesystem::path& folder);
 
   const std::filesystem::path& folder() const { return folder_; }

@@ -66,12 +66,10 @@ class Scenario {
   /// Warnings before a run with these settings, one line each.
   virtual std::vector<std::string> warnings() const { return {}; }
 
-  /// Runs the simulation. The recording has its failure, if any. Throws Interrupted if asked to
-  /// stop.
+  /// Runs the simulation. The recording has its failure. Throws Interrupted if asked to stop.
   virtual Recording run(const RunControl& control) const = 0;
 
-  /// Changes the model `model.mjcf` into the plant of the pictures: places a wall, for example. The
-  /// settings are read before.
+  /// Changes the model `model.mjcf` into the plant of the pictures: places a wall, for example.
   virtual void prepare_scene(Model&) const {}
   /// Changes the pictures during the run, besides the plant's qpos: shows a wall, for example.
   virtual void animate_scene(Model&, double /*time_s*/) const {}

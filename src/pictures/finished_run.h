@@ -34,8 +34,7 @@ class FinishedRun {
   const std::string& case_name() const { return saved_.case_name(); }
   const SavedRun& saved() const { return saved_; }
   const Catalogue& catalogue() const { return *catalogue_; }
-  /// Notes for the user, one line each: on the log, and on values taken for keys that an older
-  /// version did not have.
+  /// Notes, one line each: on the log, and on keys that an older version did not have.
   const std::vector<std::string>& notes() const { return notes_; }
   const Scenario& scenario() const { return *scenario_; }
   /// The place of the scenario's shot list, if any.
@@ -51,8 +50,7 @@ class FinishedRun {
   /// The plant for pictures.
   Model load_scene() const;
 
-  /// Whether an arrow or a line may use this name: a signal of the log, or a key of the
-  /// configuration.
+  /// Whether an arrow or a line may use this name: a signal or a key.
   bool has(const std::string& key_or_signal) const {
     return config_->number(key_or_signal) || saved_.has_signal(key_or_signal);
   }

@@ -87,8 +87,8 @@ void warn_if_slow(const Offscreen& offscreen) {
   if (const auto warning = offscreen.slowness()) fmt::print(stderr, "pictures: {}\n", *warning);
 }
 
-// Notes the renderer in the manifest if the picture is in its run's folder. A video also has the
-// renderer's name inside.
+// Notes the renderer in the manifest if the picture is in its run's folder. A video also contains
+// it.
 void report(const PictureArguments& arguments, const FinishedRun& run, const std::string& renderer,
             const std::string& what, const fs::path& file) {
   std::error_code error;

@@ -16,8 +16,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Resolution: a position to a millionth of its range, or a micrometre; a rotation to 1e-5; a force
-// to 1e-5 of its range.
+// Resolution: a position to 1e-6 of its range, or 1 µm; a rotation and a force to 1e-5.
 constexpr double kPositionSteps = 1e6;
 constexpr double kSmallestPosition_m = 1e-6;
 constexpr double kRotationUnit = 1e-5;

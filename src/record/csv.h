@@ -12,8 +12,7 @@ bool is_column_name(const std::string& name);
 /// The rule in words, for messages.
 inline constexpr const char* kColumnName = "a name is letters from A to Z or a to z, digits and _";
 
-/// Any text as a cell. A text that a spreadsheet would read as a formula gets an apostrophe in
-/// front.
+/// Any text as a cell. One that a spreadsheet would read as a formula gets an apostrophe.
 std::string csv_text(const std::string& text);
 
 /// One line of a CSV file (RFC 4180).

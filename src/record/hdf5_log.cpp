@@ -217,8 +217,7 @@ void check_storage(hid_t dataset, const Size& size) {
   check(size[0] <= bytes / sizeof(double) / size[1]);
 }
 
-// Throws unless write_dataset() may have written the dataset: the size in a damaged file could take
-// all memory.
+// Throws unless write_dataset() may have written the dataset: a damaged size could take all memory.
 Size checked_size(hid_t dataset) {
   const Handle type(hdf5().H5Dget_type(dataset), hdf5().H5Tclose);
   check(hdf5().H5Tequal(type, hdf5().IEEE_F64LE) > 0);
@@ -235,8 +234,7 @@ Size checked_size(hid_t dataset) {
 // Debian's serial HDF5 is not built thread-safe.
 std::mutex hdf5_in_use;
 
-// The step by which the file in memory grows. HDF5 clears each step, so it is not larger than
-// needed.
+// The step by which the file in memory grows. HDF5 clears each step: it must not be too large.
 std::size_t memory_step(const std::vector<Track>& tracks) {
   std::size_t bytes = kLeastMemoryStep;
   for (const Track& track : tracks) {
@@ -411,8 +409,7 @@ LogContents contents_of(std::FILE* sheet) {
   return log;
 }
 
-// The child's exit status; nothing if a signal ended it. A handled signal may end the child at
-// once.
+// The child's exit status; nothing if a signal ended it. A signal may end the child at once.
 std::optional<int> outcome_of(pid_t child) {
   int status = 0;
   bool is_stopped = false;

@@ -54,10 +54,9 @@ struct LogEntry {
 
 /// The readers check types, sizes and that the data are in the file. They do not follow links, and
 /// read texts of variable length (version 0.1) as empty. A damaged file may still be misread or
-/// crash HDF5, so call check_log() first. Use read_foreign_log() if the manifest has no hash of the
-/// log.
+/// crash HDF5, so call check_log() first. Without a hash, use read_foreign_log().
 
-/// All signals of a log, by group and name. Throws std::invalid_argument if the file is no log.
+/// All signals of a log, by group and name. Throws std::invalid_argument if it is no log.
 /// Thread-safe.
 std::vector<LogEntry> list_hdf5_signals(const std::string& file);
 
@@ -73,8 +72,8 @@ struct LogContents {
 
 /// Reads a log of unknown origin in a child process, since HDF5 crashes or never ends on some
 /// files. Throws std::invalid_argument if it is not a log, has more than 1 GB of values, or the
-/// child fails. Throws Interrupted if this process handles a signal. The child never outlives the
-/// call. Thread-safe.
+/// child fails. Throws Interrupted if this process handles a signal. The child ends with the call.
+/// Thread-safe.
 LogContents read_foreign_log(const std::string& file);
 
 }  // namespace breakwater

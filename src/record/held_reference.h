@@ -16,12 +16,12 @@ namespace breakwater {
 /// Splits the time from the reference's last change to the end of the run into eight equal parts,
 /// and watches the error e = reference − response. The reference is not held if the root mean
 /// square of e in the last part is at least half the distance to go. The error grows if each of the
-/// last four parts has a peak of |e| at least 1.5 times that of the part before. The lag of a ramp
-/// does not grow so fast.
+/// last four parts has a peak of |e| at least 1.5 times that of the part before. A ramp's lag grows
+/// more slowly.
 class HeldReference {
  public:
-  /// `what` follows the reference ("the position"), in `unit`. If no run can cover the window,
-  /// there is no warning.
+  /// `what` follows the reference ("the position"), in `unit`. A window that no run covers gives no
+  /// warning.
   HeldReference(const TimeWindow& window, std::string what, std::string unit)
       : window_(window), what_(std::move(what)), unit_(std::move(unit)) {}
 

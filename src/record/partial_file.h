@@ -8,8 +8,8 @@
 
 namespace breakwater {
 
-/// A file that is written under a temporary name beside the final one. commit() renames it;
-/// otherwise it is removed.
+/// A file that is written under a temporary name beside the final one. Without commit() it is
+/// removed.
 class PartialFile {
  public:
   explicit PartialFile(std::filesystem::path file);
@@ -30,8 +30,8 @@ class PartialFile {
   std::filesystem::path path_;
 };
 
-/// Writes a new file, complete at once. Returns false if the file exists; it then stays as it is.
-/// Throws OutputError.
+/// Writes a new file, complete at once. Returns false and keeps the file if it exists. Throws
+/// OutputError.
 bool create_file(const std::filesystem::path& file, const std::string& bytes);
 
 /// Writes a file completely. On an error it keeps the old file and throws OutputError.

@@ -11,8 +11,7 @@
 
 namespace breakwater {
 
-/// One finite number that describes a run. A metric that does not apply, or is not finite, is left
-/// out.
+/// One finite number that describes a run. One that does not apply or is not finite is left out.
 struct Metric {
   /// Throws std::invalid_argument, one line, unless the name is_column_name().
   Metric(std::string its_name, std::string its_unit, double its_value);
@@ -37,8 +36,7 @@ struct Failure {
 struct Recording {
   std::vector<Track> tracks;
   std::vector<Metric> metrics;  ///< empty if the run failed
-  /// Times measured by a clock: the only values that may differ between two equal runs. Empty if
-  /// the run failed.
+  /// Times measured by a clock: only they may differ between two equal runs. Empty if it failed.
   std::vector<Metric> costs;
   std::optional<Failure> failure;
   std::vector<std::string> warnings;  ///< problems of a complete run, one line each

@@ -27,13 +27,13 @@ class LeftBeside {
 /// complete and on the disk, and removes an earlier run. Without commit(), nothing is left, not
 /// even parent folders that were made for it.
 ///
-/// After a kill or a power failure, the earlier run or the new one is there. The next run with this
-/// name removes the rest.
+/// After a kill or a power failure, the earlier run or the new one is there. The next run removes
+/// the rest.
 class RunFolder {
  public:
   /// Throws std::invalid_argument if the target is a file, holds something other than an earlier
-  /// run, or cannot be made. Partial folders are looked up in `beside`, or in the parent folder if
-  /// that is null.
+  /// run, or cannot be made. `beside` lists the partial folders; if null, the parent folder is
+  /// read.
   explicit RunFolder(const std::filesystem::path& target, const LeftBeside* beside = nullptr);
   ~RunFolder();
   RunFolder(const RunFolder&) = delete;
@@ -44,8 +44,7 @@ class RunFolder {
   const std::filesystem::path& target() const { return target_; }
 
   /// Moves the folder to its target. Throws OutputError if that fails. If the data could not be
-  /// written to the disk, the folder is removed. A complete folder is kept under the name in the
-  /// error.
+  /// written to the disk, the folder is removed. A complete one is kept; the error names it.
   void commit();
 
  private:
@@ -64,8 +63,7 @@ bool is_run_folder(const std::filesystem::path& folder);
 bool is_unfinished_run(const std::filesystem::path& folder);
 
 /// The reason, in one line, why a folder must not be removed; empty if it may be. It may hold only
-/// files of a run. An unfinished run may be removed only if its process was on this computer and
-/// has ended.
+/// files of a run. The process of an unfinished run must have been on this computer and have ended.
 std::string why_not_removable(const std::filesystem::path& folder);
 
 /// Removes such a folder. If the process is killed meanwhile, an unfinished run is left. A finished
@@ -74,8 +72,7 @@ std::string why_not_removable(const std::filesystem::path& folder);
 bool remove_run(const std::filesystem::path& folder,
                 const std::function<bool(const std::filesystem::path&)>& may_go);
 
-/// For readers: restores the earlier run if a process was killed while it replaced `folder`. Every
-/// RunFolder does this too.
+/// For readers: restores the earlier run if a process was killed while it replaced `folder`.
 void restore_run(const std::filesystem::path& folder);
 
 /// Throws std::invalid_argument, one line, if log.h5 differs from the hash in manifest.json.

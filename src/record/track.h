@@ -23,8 +23,8 @@ class LogTooLong : public std::bad_alloc {
   }
 };
 
-/// Copies a set of signals row by row. Only the constructor allocates, unless more rows come than
-/// expected.
+/// Copies a set of signals row by row. Only the constructor allocates, unless there are too many
+/// rows.
 class Track {
  public:
   /// `name` is the name of the time base ("control"). The owners of the signals must outlive the

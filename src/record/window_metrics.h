@@ -56,8 +56,7 @@ class RunningVariance {
   double squared_deviation_ = 0.0;
 };
 
-/// Mean, spread, root mean square and extremes of the values in a window; nothing if there are
-/// none.
+/// Mean, spread, root mean square and extremes of a window; nothing if it is empty.
 class WindowStatistics {
  public:
   explicit WindowStatistics(const TimeWindow& window) : window_(window) {}
@@ -130,8 +129,7 @@ class SettlingTime {
   double settled_at_s_ = 0.0;
 };
 
-/// The time until the magnitude of a value first reaches a level; nothing if it never does, or the
-/// level is 0.
+/// The time until |value| first reaches a level; nothing if it never does, or the level is 0.
 class ReachTime {
  public:
   ReachTime(double from_s, double level) : from_s_(from_s), level_(level) {}

@@ -44,8 +44,7 @@ Asked asked_of(const Arguments& arguments) {
   ScenarioFile file(arguments.config.empty() ? data_file("data/estimate/estimate.toml").string()
                                              : arguments.config,
                     kEstimate);
-  // The file has a case for each estimator of Breakwater. All keys of another estimator are in
-  // --set.
+  // The file has a case for each estimator of Breakwater. Another one needs --set.
   const bool has_settings = file.has_case(arguments.observer);
   std::vector<std::string> sets;
   if (!arguments.csv.empty()) sets.push_back("csv.file=" + toml_string(arguments.csv));

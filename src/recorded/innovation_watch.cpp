@@ -64,8 +64,7 @@ std::optional<std::string> doubt_of(const Recording& recording) {
   const auto beyond = recording.metric("unexplained_share");
   const auto correlation = recording.metric("innovation_correlation_1");
   if (!count || !square || !beyond || !correlation) return std::nullopt;
-  // The number of independent squares if their correlation decays geometrically; at least one in
-  // 200.
+  // The number of independent squares for a geometric correlation; at least one in 200.
   const double memory = std::min(*correlation * *correlation, 0.99);
   const double n = *count * (1.0 - memory) / (1.0 + memory);
   const double largest = kPrediction * largest_mean(n) + kTransients;

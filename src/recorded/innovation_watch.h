@@ -10,8 +10,8 @@
 namespace breakwater {
 
 /// Compares innovations e with R = Δ²/12 + σ², the variance of the sensor's error, plus that of the
-/// error of the instant. An encoder that truncates has Δ²/3. The estimators' own variances have no
-/// common unit.
+/// error of the instant. An encoder that truncates has Δ²/3. Estimators' variances have no common
+/// unit.
 ///
 /// With a correct model and a small error of the estimator, e²/R is chi-square distributed. A value
 /// above 15.1, the 99.99 % quantile, is unexplained. It counts as 15.1 in the mean, so that a step

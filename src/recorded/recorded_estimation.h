@@ -11,8 +11,7 @@
 
 namespace breakwater {
 
-/// It has settings and a run as every scenario, but no plant. Its state hash is that of the
-/// estimates.
+/// It has settings and a run as every scenario, but no plant. Its hash is of the estimates.
 class RecordedEstimation final : public Scenario {
  public:
   explicit RecordedEstimation(const Catalogue& catalogue)

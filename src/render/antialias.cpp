@@ -57,8 +57,7 @@ End follow(const std::uint8_t* luma, const Edge& edge, std::ptrdiff_t step, int 
   return end;
 }
 
-// Returns the share of the neighbour across the edge in the pixel's new colour, and its place in
-// `across`.
+// Returns the share of the neighbour across the edge in the pixel's new colour, and sets `across`.
 float share(const std::uint8_t* luma, std::ptrdiff_t width, int x, int y, int height,
             std::ptrdiff_t& across) {
   const std::ptrdiff_t w = width;
@@ -95,8 +94,7 @@ float share(const std::uint8_t* luma, std::ptrdiff_t width, int x, int y, int he
   const End forth = follow(luma, edge, edge.along, room_after);
   const End& nearer = back.distance < forth.distance ? back : forth;
 
-  // The line between the ends covers this pixel only if the luminance changes the other way at the
-  // nearer end.
+  // The line between the ends covers this pixel only if the nearer end turns the other way.
   float along_edge = 0.0F;
   const bool below_middle = static_cast<float>(c) < edge.middle;
   if (nearer.found && (nearer.difference < 0.0F) != below_middle) {

@@ -35,8 +35,7 @@ struct Rectangle {
 
 enum class Align { left, center, right };
 
-/// Draws with Cairo on a picture of 4 bytes per pixel (blue, green, red, unused), rows from the
-/// top.
+/// Draws with Cairo on a picture of 4 bytes per pixel (blue, green, red, unused).
 class Canvas {
  public:
   /// The wanted font, and the font that replaces it if it is not installed.

@@ -35,7 +35,7 @@ class Chart {
         int height, double unit_px);
 
   /// Draws it with its corner at (left, top): the axes, the lines up to `now_s`, and a dot at the
-  /// end of the first line.
+  /// end of the first one.
   void draw(Canvas& canvas, int left, int top, double now_s);
 
   /// Adds a vertical mark with a caption: a moment of a strip.

@@ -8,8 +8,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "a pixel's blue is its lowest byte");
 
-// The compiler can vectorise these loops: sixteen bits are enough for the values, and the arrays do
-// not overlap.
+// The compiler can vectorise these loops: sixteen bits are enough, and the arrays do not overlap.
 
 void split(const std::uint8_t* __restrict pixels, std::uint16_t* __restrict blue,
            std::uint16_t* __restrict green, std::uint16_t* __restrict red, std::size_t count) {

@@ -38,8 +38,7 @@ class Offscreen {
     return context_->function<Function>(name);
   }
 
-  /// The name of the OpenGL renderer and of the library: "llvmpipe (LLVM 15.0.6, 256 bits),
-  /// OSMesa".
+  /// The name of the renderer and the library: "llvmpipe (LLVM 15.0.6, 256 bits), OSMesa".
   const std::string& renderer() const { return renderer_; }
   /// A warning, in one line, if it is a software renderer other than llvmpipe. Mesa's other
   /// renderers are about 15 times slower.

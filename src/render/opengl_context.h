@@ -42,8 +42,7 @@ class OpenGlContext {
   virtual void* find(const char* name) const = 0;
 };
 
-/// Makes a context of Mesa's software renderer, which draws directly into the target. Throws
-/// RenderError.
+/// Makes a context of Mesa's software renderer, which draws into the target. Throws RenderError.
 std::unique_ptr<OpenGlContext> make_osmesa_context(const OpenGlTarget& target);
 
 /// EGL devices to try, without any window system.

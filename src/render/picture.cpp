@@ -191,8 +191,7 @@ void Picture::draw_scene(PictureRun& run, Panel& panel, double time_s) {
 }
 
 // Mesa leaves 0 in the fourth byte where nothing is drawn. A translucent layer of alpha a over the
-// empty background leaves a² there, and a times its colour. Add the missing share 1 − a of the
-// background.
+// empty background leaves a² there, and a times its colour. Add the missing 1 − a of it.
 void Picture::fill_background() {
   std::vector<std::uint8_t>& pixels = offscreen_.pixels();
   const auto width = static_cast<std::size_t>(offscreen_.width());

@@ -66,8 +66,7 @@ struct PictureStyle {
   bool captions = true;  ///< case, time and speed
 };
 
-/// Draws pictures of up to four runs at any time. It has an OpenGL context, so it must stay on its
-/// thread.
+/// Draws pictures of up to four runs at any time. Its OpenGL context belongs to its thread.
 class Picture {
  public:
   /// The runs must outlive it. It uses their models meanwhile. Throws RenderError.

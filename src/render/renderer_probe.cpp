@@ -42,8 +42,7 @@ std::string drawn_or_why_not() {
   }
 }
 
-// Answers with one character and words. No exception may leave it: the frames above belong to the
-// parent.
+// Answers with one character and words. No exception may leave it: the parent's frames are above.
 [[noreturn]] void draw_in_child(int answer) noexcept {
   const std::string text = drawn_or_why_not();
   const bool is_said = write(answer, text.data(), text.size()) == static_cast<ssize_t>(text.size());

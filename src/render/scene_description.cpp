@@ -156,7 +156,7 @@ SceneJoint joint_of(const Model& model, int id) {
   joint.is_limited = m.jnt_limited[id] != 0;
   joint.range = numbers<2>(m.jnt_range + row_at(2, id));
   // The axis of the body that is most perpendicular to the joint, so that the pointer lies along
-  // the link if possible.
+  // the link.
   Eigen::Vector3d pointer = Eigen::Vector3d::UnitX();
   for (const Eigen::Vector3d& other : {Eigen::Vector3d(0, 1, 0), Eigen::Vector3d(0, 0, 1)}) {
     if (std::abs(other.dot(axis)) < std::abs(pointer.dot(axis)) - 1e-9) pointer = other;
@@ -224,8 +224,7 @@ SceneDescription describe_scene(const Model& model, const std::vector<int>& geom
     geom.rgba = numbers<4>(m.geom_rgba + row_at(4, id));
     const int material = m.geom_matid[id];
     if (material >= 0) {
-      // As the engine does it: the compiler's own grey means that the geom has no colour of its
-      // own.
+      // As the engine does it: the compiler's grey means that the geom has no colour.
       if (geom.rgba == std::array<double, 4>{0.5, 0.5, 0.5, 1.0}) {
         geom.rgba = numbers<4>(m.mat_rgba + row_at(4, material));
       }

@@ -12,8 +12,7 @@
 
 namespace breakwater {
 
-/// The pose of a body, camera or light in the world: position [m], and rotation as a unit
-/// quaternion (w, x, y, z).
+/// The pose of a body, camera or light in the world: position [m] and unit quaternion (w, x, y, z).
 struct Pose {
   std::array<double, 3> position_m{};
   std::array<double, 4> rotation{1.0, 0.0, 0.0, 0.0};

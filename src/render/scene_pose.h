@@ -5,12 +5,10 @@
 
 namespace breakwater {
 
-/// Geoms of groups below this are drawn: bodies and decoration. The other groups are for the
-/// physics alone.
+/// Geoms of groups below this are drawn: bodies and decoration. The others are for the physics.
 inline constexpr int kDrawnGroups = 3;
 
-/// Computes the poses of bodies, cameras, lights and tendons at data.qpos. It computes no forces:
-/// the log has them.
+/// Computes the poses of bodies, cameras, lights and tendons at data.qpos. Forces are in the log.
 inline void place_scene(const mjModel& model, mjData& data) {
   mj_kinematics(&model, &data);
   mj_comPos(&model, &data);

@@ -54,8 +54,8 @@ class SceneView {
   /// a band. It may be called several times before draw().
   void include_in_frame(std::span<const double> qpos);
 
-  /// Poses the plant, and takes over changed height fields. Throws RenderError, as draw() does, if
-  /// the engine fails.
+  /// Poses the plant, with changed height fields. Throws RenderError, as draw(), if the engine
+  /// fails.
   void pose(std::span<const double> qpos);
   /// Draws it into a part of the picture, in pixels from the left and the bottom.
   void draw(const mjrRect& viewport, const std::vector<SceneArrow>& arrows);
@@ -66,8 +66,8 @@ class SceneView {
     Point to;
   };
   std::optional<Ends> ends_of(const SceneArrow& arrow) const;
-  /// The moving parts as circles in the last drawn part of the picture [pixels from its left and
-  /// top]. Valid after draw().
+  /// The moving parts as circles in the last drawn part [pixels from left and top]. Valid after
+  /// draw().
   struct Circle {
     Point centre;
     double radius;
@@ -96,8 +96,7 @@ class SceneView {
   mjvCamera camera_;
   mjvOption options_;
   mjrRect viewport_{};
-  // The content of the frame, as tangents of the angles from the camera's axis; empty if lower >
-  // upper.
+  // The frame's content, as tangents of angles from the camera's axis; empty if lower > upper.
   Eigen::AlignedBox2d content_;
   std::vector<float> uploaded_heights_;
 };

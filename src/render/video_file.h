@@ -19,12 +19,10 @@ struct VideoFormat {
 };
 
 /// Writes H.264 in MP4. Browsers can play it before it is fully loaded (faststart). Frame k is
-/// shown at k/fps. It is written under a temporary name until finish(). Without finish() nothing is
-/// left.
+/// shown at k/fps. It is written under a temporary name until finish(). Otherwise nothing is left.
 class VideoFile {
  public:
-  /// Throws RenderError if FFmpeg's libraries lack the encoder, and OutputError if the file cannot
-  /// be made.
+  /// Throws RenderError if FFmpeg's libraries lack the encoder, or OutputError.
   VideoFile(const std::filesystem::path& file, const VideoFormat& format);
   ~VideoFile();
   VideoFile(const VideoFile&) = delete;

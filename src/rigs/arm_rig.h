@@ -67,7 +67,7 @@ void show_geoms(Model& model, const std::string& prefix, bool visible);
 /// The plant, controller and simulation of the arm, with the true values for log and metrics.
 ///
 /// The model must have a hinge NAME, the sensors NAME_pos and NAME_vel, and an actuator for each
-/// joint NAME of the URDF, in this order. It must also have the sensors tip_force, tip_touch and
+/// joint NAME of the URDF, in this order. It must also have the sensors tip_force, tip_touch,
 /// tip_vel.
 class ArmRig {
  public:

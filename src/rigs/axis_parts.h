@@ -44,8 +44,7 @@ struct AxisEstimatorKind : PartKind<DisturbanceEstimator, const NominalAxis&> {
 
 /// A controller of an axis and its name: key controller.name. It is given the chosen estimator. A
 /// controller that keeps it calls its reset() and, at each sample, its update(), before it uses the
-/// estimates. A controller that does not need it releases it, and the run has no metrics of
-/// estimates.
+/// estimates. A controller that does not need it releases it, without metrics of estimates.
 ///
 /// It gets samples whose first entry is the measured position, and writes one force.
 struct AxisControllerKind
@@ -64,8 +63,7 @@ using AxisLoop = ControlLoop<DisturbanceEstimator>;
 class AxisParts
     : public LoopParts<DisturbanceEstimator, AxisEstimatorKind, AxisControllerKind, AxisTask> {
  public:
-  /// `standard_controller` is the default value of controller.name. If it is empty, the key is
-  /// required.
+  /// `standard_controller` is the default value of controller.name. If empty, the key is required.
   AxisParts(const Catalogue& catalogue, const std::string& standard_controller)
       : LoopParts(catalogue, "observer.name", "", standard_controller) {}
 };

@@ -45,8 +45,8 @@ struct AxisSettings {
   PhysicsSettings physics;
   RunSettings run;
 
-  // The start, and whether the controller also gets the true state. These are not keys of all
-  // scenarios.
+  // The start, and whether the controller also gets the true state. Not all scenarios have these
+  // keys.
   double start_position = 0.0;
   double start_velocity = 0.0;
   StepReference reference;         ///< reference of the position
@@ -93,8 +93,7 @@ struct AxisDisturbances {
 /// std::invalid_argument `ORIGIN: KEY: reason`.
 void check_axis(const AxisSettings& settings, const Config& config);
 
-/// The linear part of the plant, continuous: its inertia from the model file and the settings, and
-/// its viscous friction.
+/// The linear part of the plant, continuous: its inertia and its viscous friction.
 StateSpace linear_axis(const AxisSettings& settings);
 
 /// The plant of one axis under a controller, with the true values for log and metrics.
@@ -118,8 +117,8 @@ class AxisRig {
   std::vector<Signal> signals() const;
 
   /// Runs for the duration of the settings, with a sample at the end. It is record_run(), where
-  /// each step is `step(k)` or one step of this rig. It warns if the measured position does not
-  /// hold its reference.
+  /// each step is `step(k)` or one step of this rig. It warns if the measured position misses its
+  /// reference.
   template <typename Step, typename Sample>
   requires std::invocable<Sample&, double> Recording run(const RunControl& control,
                                                          const AxisSettings& settings,

@@ -24,8 +24,7 @@ struct ControlLoop {
 template <typename Estimator, typename EstimatorKind, typename ControllerKind, typename Task>
 class LoopParts {
  public:
-  /// The keys of the two choices, and their default values. If a default value is empty, the key is
-  /// required.
+  /// The keys of the two choices, and their default values. Without one, the key is required.
   LoopParts(const Catalogue& catalogue, const std::string& estimator_key,
             const std::string& standard_estimator, const std::string& standard_controller)
       : estimator_(catalogue, estimator_key, standard_estimator),

@@ -57,8 +57,7 @@ struct PredictiveSettings {
 
   void bind(Fields& fields);
 
-  /// The design for an axis, with estimates at every control period. Throws a WrongKey if the
-  /// settings are wrong.
+  /// The design for an axis, with estimates at every control period. Throws a WrongKey.
   PredictiveControlDesign design(const AxisTask& task) const;
 
  private:

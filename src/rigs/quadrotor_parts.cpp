@@ -1,5 +1,4 @@
-// Breakwater's estimators and controllers of the quadrotor: their keys, and the functions that make
-// them.
+// Breakwater's estimators and controllers of the quadrotor: their keys, and how to make them.
 #include <breakwater/rigs/quadrotor_parts.h>
 
 #include <cmath>
@@ -143,8 +142,7 @@ void bind_kalman(Fields& fields, KalmanSettings& settings) {
                     });
 }
 
-// The vertical force's spectrum in a sea of this period, scaled to the standard deviation
-// `strength_N`.
+// The vertical force's spectrum in this sea, scaled to the standard deviation `strength_N`.
 ForceSpectrum force_spectrum(const SeaState& sea, double depth_m, double strength_N) {
   constexpr double kLowest = 0.1, kHighest = 5.0;  // multiples of ω_p with all of the force
   constexpr int kIntervals = 400;

@@ -34,9 +34,8 @@ struct QuadrotorEstimatorKind : PartKind<QuadrotorEstimator, const QuadrotorTask
   static constexpr const char* kWhat = "estimator of the quadrotor";
 };
 
-/// A controller of the quadrotor and its name: key controller.name. It is given the chosen
-/// estimator, as an AxisControllerKind is. It gets samples [x y z φ θ ψ] [m, rad] and writes four
-/// thrusts [N].
+/// A controller of the quadrotor and its name: key controller.name. It gets the estimator as an
+/// AxisControllerKind. It gets samples [x y z φ θ ψ] [m, rad] and writes four thrusts [N].
 struct QuadrotorControllerKind
     : PartKind<Controller, const QuadrotorTask&, std::shared_ptr<QuadrotorEstimator>> {
   using PartKind::PartKind;

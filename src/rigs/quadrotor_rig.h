@@ -56,8 +56,7 @@ struct QuadrotorTruth {
   double saturated = 0.0;                           ///< 1 if a thrust is at its limit
 };
 
-/// The plant, waves, estimator, controller and simulation of the quadrotor, with the true values
-/// for log and metrics.
+/// The quadrotor with waves, estimator, controller and simulation, and its true values for the log.
 ///
 /// The model must have a free body "quadrotor" with the sites t1 … t4, four thrusters and the
 /// sensors position and attitude.

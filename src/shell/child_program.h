@@ -13,8 +13,7 @@
 
 namespace breakwater {
 
-/// The running program, its name ("breakwater", or that of a user's program), and a program beside
-/// it.
+/// The running program, its name ("breakwater", or a user's), and a program beside it.
 std::string own_program();
 std::string own_program_name();
 std::string neighbour_program(const std::string& name);

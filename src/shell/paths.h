@@ -14,8 +14,7 @@ struct DataPlaces {
   std::vector<std::filesystem::path> scenarios = {};
   /// PREFIX/share/breakwater of the installation that it was built with; empty: none.
   std::filesystem::path installation = {};
-  /// The file with its code; empty: the file of the running process. A module of an interpreter
-  /// sets its own.
+  /// The file with its code; empty: the file of the running process. A Python module sets its own.
   std::filesystem::path program = {};
 };
 
@@ -34,14 +33,12 @@ struct SearchPath {
 
 /// The search path begins with the program's own scenarios and the folders in `variable`, separated
 /// by ':'. A missing one gives a warning. From the program's place upwards, each F/share/breakwater
-/// and each F with models/ and scenarios/ follow. The last folder is the installation that the
-/// program was built with.
+/// and each F with models/ and scenarios/ follow. The last one is the program's installation.
 SearchPath search_path(const std::string& variable, const std::filesystem::path& program,
                        const DataPlaces& places);
 
 /// Finds `name` ("models/arm.xml") in the search path of the running program and the environment
-/// variable BREAKWATER_PATH. Returns the first match, or nothing. The first call prints warnings on
-/// stderr.
+/// variable BREAKWATER_PATH. Returns nothing if there is none. The first call prints warnings.
 std::optional<std::filesystem::path> look_for(const std::string& name);
 
 /// The same, but throws std::invalid_argument with all searched places if there is none.
@@ -50,8 +47,7 @@ std::filesystem::path data_file(const std::string& name);
 /// "A, B, C": the places, for messages.
 std::string searched_places();
 
-/// Finds a file that a key names: an absolute path as given, otherwise in `folder`, and then with
-/// look_for().
+/// Finds a file that a key names: by an absolute path, in `folder`, or with look_for().
 std::optional<std::filesystem::path> find_file(const std::string& name,
                                                const std::filesystem::path& folder);
 

@@ -26,8 +26,7 @@ enum Status {
   kInterrupted = 130
 };
 
-/// After this call SIGINT, SIGTERM and `more` set interrupted(). A second signal ends the process
-/// at once.
+/// After this call SIGINT, SIGTERM and `more` set interrupted(). A second one ends the process.
 void stop_on_signals(std::initializer_list<int> more = {});
 const std::atomic<bool>& interrupted();
 /// The model compiler ignores signals. If `model_is_compiled` returns true after a signal, the

@@ -12,8 +12,8 @@ enum class Tone { good, doubtful, bad, faint };
 /// is unset or empty (no-color.org).
 bool is_colourful(std::FILE* stream);
 
-/// The text between the escape codes of this colour if `colourful`. Pad the text before: the codes
-/// have no width.
+/// The text between the escape codes of this colour if `colourful`. Pad before: codes have no
+/// width.
 std::string toned(const std::string& text, Tone tone, bool colourful);
 
 }  // namespace breakwater

@@ -27,8 +27,7 @@ struct MyControllerDesign {
 /// Its disturbance observer compensates friction, coupling and the contact force.
 class MyController final : public breakwater::ArmController {
  public:
-  /// Throws std::invalid_argument if mass or damping is not positive, if a gain is negative, or as
-  /// ArmController does.
+  /// Throws std::invalid_argument if mass or damping is not positive or a gain is negative.
   MyController(const breakwater::ArmSetup& arm, const MyControllerDesign& design);
 
  private:

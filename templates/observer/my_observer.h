@@ -24,8 +24,8 @@ namespace my_observer_lab {
 class MyObserver final : public breakwater::DisturbanceEstimator {
  public:
   /// `plant` is continuous: the input is a force, the states are position and velocity, the output
-  /// is the position. Throws std::invalid_argument if it is not such a plant, or if bandwidth or
-  /// period is not positive.
+  /// is the position. Throws std::invalid_argument for another plant, or if bandwidth or period is
+  /// not positive.
   MyObserver(const breakwater::StateSpace& plant, double bandwidth_rad_s, double period_s);
 
   void reset(const Vector& x) override;

@@ -12,8 +12,7 @@ namespace my_scenario_lab {
 
 /// A pendulum on a motor, J q̈ = u − d − c q̇. The disturbance d is unknown to estimator and
 /// controller: gravity, m g l sin q, and a push. The motor turns the pendulum from hanging to a
-/// reference angle; then a push disturbs it. The question is how well the pendulum is held and d is
-/// estimated.
+/// reference angle; then a push disturbs it. How well is it held, and d estimated?
 class MyScenario final : public breakwater::Scenario {
  public:
   explicit MyScenario(const breakwater::Catalogue& catalogue) : parts_(catalogue, "pd") {}
