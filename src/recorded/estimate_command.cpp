@@ -116,7 +116,7 @@ int estimate_main(const Catalogue& catalogue, int argc, const char* const* argv)
         ->type_name("FILE");
     app.add_option("--observer", arguments.observer,
                    "use this estimator of an axis (see " + own_program_name() +
-                       "  list --parts)\nor this case of the file (default: stf)")
+                       " list --parts)\nor this case of the file (default: stf)")
         ->type_name("NAME");
     app.add_option("--config", arguments.config,
                    "read settings from this file, such as an earlier result's config.toml")
@@ -132,8 +132,9 @@ int estimate_main(const Catalogue& catalogue, int argc, const char* const* argv)
                  "print the effective configuration and exit");
     app.footer(
         "The folder gets log.csv and log.h5 with the estimates of each row, metrics.json,\n"
-        "config.toml and manifest.json. The estimator predicts over gaps, and\n"
-        "a warning lists them. Exit status: 0 success, 1 a defect, 2 usage or input, 130 "
+        "config.toml and manifest.json. The estimator predicts over gaps, and a warning lists "
+        "them.\n"
+        "Exit status: 0 success, 1 a defect, 2 usage or input, 130 "
         "interrupted.");
     if (const auto status = parse(app, argc, argv)) return *status;
     return estimate(catalogue, arguments);

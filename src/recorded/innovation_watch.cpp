@@ -71,15 +71,13 @@ std::optional<std::string> doubt_of(const Recording& recording) {
   if (*square <= largest) return std::nullopt;
   return fmt::format(
       "the model does not explain the data: the squared innovations are {:.3g} times the variance "
-      "that "
-      "encoder and noise explain (expected: at most {:.3g} times). {:.0f} % of them are above 15.1 "
-      "times. The correlation of successive innovations is {:.2f}. Check {}",
+      "that encoder and noise explain (expected: at most {:.3g} times). {:.0f} % of them are above "
+      "15.1 times. The correlation of successive innovations is {:.2f}. Check {}",
       *square, largest, 100.0 * *beyond, *correlation,
       *correlation > kCorrelated
           ? "inertia, friction, scales and signs, and whether the observer is fast enough for the "
             "disturbance"
-          : "the times (csv.time_std_s), encoder.quantum, noise.std, "
-            "scales and signs");
+          : "the times (csv.time_std_s), encoder.quantum, noise.std, scales and signs");
 }
 
 }  // namespace breakwater
