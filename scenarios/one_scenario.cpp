@@ -1,4 +1,4 @@
-// main() of each scenario's own binary.
+// The main() of each scenario's own program.
 #include <breakwater/program/scenario_program.h>
 
 int main(int argc, char** argv) {

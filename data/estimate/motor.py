@@ -1,8 +1,8 @@
-"""Makes motor.csv, a record as a rig's: PYTHONPATH=build/python /usr/bin/python3 data/estimate/motor.py
+"""Makes motor.csv, a record like that of a rig: PYTHONPATH=build/python /usr/bin/python3 data/estimate/motor.py
 
-A small motor (1e-3 kg m^2, 2e-4 N m s/rad) follows a sine; from 1 s on a load of 0.05 N m opposes it. Its
-drive takes amperes (0.068 N m/A), its encoder counts 4096 a revolution, 500 times a second. The clock
-jitters by 20 us, and 40 rows are lost.
+A small motor (1e-3 kg m^2, 2e-4 N m s/rad) follows a sine. From 1 s on a load of 0.05 N m opposes it. The
+input is a current (0.068 N m/A), and the encoder has 4096 counts per turn. There are 500 samples per second.
+The clock jitters by 20 us, and 40 rows are lost.
 """
 
 import math

@@ -27,12 +27,12 @@ std::vector<MetricDefinition> ArmPush::metric_definitions() const {
 Fields ArmPush::fields() {
   Fields fields;
   arm_.bind(fields);
-  // It never controls a force.
+  // This scenario never controls a force.
   fields.only_for({"controller.ik_weights", "controller.ik_damping", "controller.ik_form"},
                   "controller.positioning", {"workspace"});
   fields.only_where({"controller.k_force", "controller.t_approach_s", "controller.t_contact_s",
                      "controller.design_stiffness_N_m", "controller.peak_margin_N"},
-                    "force is controlled, as it is not in this scenario", [] { return false; });
+                    "force is controlled (never in this scenario)", [] { return false; });
   fields.count("push.link", link_, between(1, 100), "number of the link whose end the hand pushes");
   fields.number("push.angle_rad", hand_.angle_rad, any(),
                 "angle by which the hand turns the link [rad]");
@@ -75,9 +75,9 @@ Recording ArmPush::run(const RunControl& control) const {
   double moment_Nm = 0.0;
   std::vector<Signal> signals = rig.signals();
   signals.push_back(
-      {"push_turned_rad", "rad", "how far the pushed link is turned", view(turned_rad)});
+      {"push_turned_rad", "rad", "angle by which the pushed link is turned", view(turned_rad)});
   signals.push_back(
-      {"push_moment_Nm", "N m", "the hand's moment about its joint", view(moment_Nm)});
+      {"push_moment_Nm", "N m", "moment of the hand about the joint", view(moment_Nm)});
   PushMetrics metrics({.grip_s = hand_.start_s,
                        .release_s = hand_.release_s(),
                        .start_angles_rad = arm_.start_angles_rad,

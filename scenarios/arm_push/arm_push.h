@@ -8,7 +8,7 @@
 namespace breakwater {
 
 /// The arm holds its start pose. A stiff hand pushes the end of one link, turns it, holds it and
-/// lets go: the torques saturate, and the question is how the arm comes back.
+/// lets go. The torques saturate; the question is how the arm returns.
 class ArmPush final : public Scenario {
  public:
   explicit ArmPush(const Catalogue& catalogue) : arm_(catalogue) {}

@@ -51,7 +51,7 @@ std::vector<MetricDefinition> PushMetrics::definitions() {
       {"settling_time_s", "s",
        "time from the release until the tip stays within metrics.settled_within_m of its start; "
        "absent if it never does"},
-      {"saturated_time_s", "s", "time for which any command is at its limit, from the grip on"},
+      {"saturated_time_s", "s", "time for which any command is at its limit, from the grip"},
       {"tip_error_m", "m", "distance of the tip from its start at the end of the run"},
       {"peak_speed_rad_s", "rad/s", "largest speed of any joint after the release"}};
 }

@@ -1,4 +1,4 @@
-// What the recovery from a push is judged by.
+// The metrics of the recovery from a push.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,9 +12,9 @@
 
 namespace breakwater {
 
-/// Which part of a run is judged, and against what.
+/// The times and reference values of the metrics.
 struct PushWindow {
-  double grip_s = 0.0;  ///< everything counts from here
+  double grip_s = 0.0;  ///< beginning of all metrics
   double release_s = 0.0;
   std::vector<double> start_angles_rad;
   TipPose start_pose = TipPose::Zero();
@@ -22,8 +22,8 @@ struct PushWindow {
   double period_s = 0.0;
 };
 
-/// Gathers the metrics of arm_push, step by step: definitions() has them.
-/// Metrics after the release are absent if the run ends before it.
+/// Collects the metrics of arm_push (see definitions()), step by step. Metrics after the release
+/// are absent if the run ends before it.
 class PushMetrics {
  public:
   explicit PushMetrics(const PushWindow& window)
@@ -52,7 +52,7 @@ class PushMetrics {
   std::optional<double> max_push_rad_;
   std::optional<double> last_free_s_;  // the last sample after the release
   double overshoot_rad_ = 0.0;
-  double last_offset_rad_ = 0.0;  // the largest of any joint
+  double last_offset_rad_ = 0.0;  // largest of all joints
   TipPose release_tip_offset_ = TipPose::Zero();
   TipPose tip_overshoot_ = TipPose::Zero();
   double saturated_s_ = 0.0;

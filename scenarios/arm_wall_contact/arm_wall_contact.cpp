@@ -26,12 +26,12 @@ Fields ArmWallContact::fields() {
   arm_.bind(fields);
   fields.number("wall.distance_m", wall_distance_m_, positive(),
                 "distance from the tip at the start pose to the wall's face [m]");
+  fields.number("wall.solid_from_s", wall_solid_from_s_, not_negative(),
+                "time at which the wall becomes solid: the stretched arm starts inside it [s]");
   fields.number(
-      "wall.solid_from_s", wall_solid_from_s_, not_negative(),
-      "time from which on the wall collides; the stretched arm starts inside the wall [s]");
-  fields.number("contact.stiffness_N_m", contact_.stiffness_N_m, positive(),
-                "K: stiffness of the chain of sensor, end effector, gears and links, not that of "
-                "the steel [N/m]");
+      "contact.stiffness_N_m", contact_.stiffness_N_m, positive(),
+      "K: contact stiffness of the chain of sensor, end effector, gears and links, not of "
+      "the steel [N/m]");
   fields.number("contact.damping_Ns_m", contact_.damping_Ns_m, not_negative(),
                 "B: damping of the same chain [N s/m]");
   fields.number("force.reference_N", force_reference_N_, positive(),
@@ -47,7 +47,7 @@ Fields ArmWallContact::fields() {
   fields.number("metrics.to_s", metrics_to_s_, positive(),
                 "end of the window of the force error [s]");
   fields.number("record.fine_from_s", fine_from_s_, not_negative(),
-                "time from which on forces are logged at the physics rate [s]");
+                "time from which forces are logged at the physics rate [s]");
   fields.number("record.fine_to_s", fine_to_s_, not_negative(),
                 "time until which forces are logged at the physics rate [s]");
   return fields;
@@ -114,7 +114,7 @@ Recording ArmWallContact::run(const RunControl& control) const {
                               .period_s = physics.control_period_s,
                               .start_pose = start_pose(arm_)});
 
-  // The tip goes to its start pose, and much later touches the wall and presses.
+  // The tip first moves to its start pose, and later touches the wall and presses.
   const TipPose pose = start_pose(arm_);
   HeldReference held_pose({0.0, force_from_s_}, "the tip", "m");
   HeldReference held_force({metrics_from_s_, metrics_to_s_}, "the force", "N");

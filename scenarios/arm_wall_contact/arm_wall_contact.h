@@ -1,5 +1,4 @@
-// Scenario arm_wall_contact: hybrid position/force control against a wall
-// (thesis 2.4.3.2, 2.4.3.4).
+// Scenario arm_wall_contact: position/force control against a wall (thesis 2.4.3.2, 2.4.3.4).
 #pragma once
 
 #include <breakwater/experiment/scenario.h>
@@ -8,8 +7,8 @@
 
 namespace breakwater {
 
-/// The arm moves to its start pose, from `force.from_s` on approaches the wall and presses on it
-/// with `force.reference_N`. Impact force and free-motion time are the numbers of interest.
+/// The arm moves to its start pose. At `force.from_s` it begins to approach the wall, and then
+/// presses on it with `force.reference_N`. The main metrics are impact force and free-motion time.
 class ArmWallContact final : public Scenario {
  public:
   explicit ArmWallContact(const Catalogue& catalogue) : arm_(catalogue) {}

@@ -82,16 +82,16 @@ std::vector<MetricDefinition> WallContactMetrics::definitions() {
       {"peak_force_filtered_N", "N",
        "largest force behind the sensor's low-pass, at the physics rate"},
       {"mean_force_error_N", "N",
-       "mean of reference less filtered force, from metrics.from_s to metrics.to_s"},
+       "mean of reference minus filtered force, from metrics.from_s to metrics.to_s"},
       {"std_force_error_N", "N", "standard deviation of the same error in the same window"},
       {"saturated_share", "1",
        "share of the samples in the window at which any command is at its limit"},
-      {"late_bounce_count", "1", "number of contact onsets in the window, seen at the samples"},
+      {"late_bounce_count", "1", "number of contact onsets in the window, counted at the samples"},
       {"force_decay_ratio", "1",
        "standard deviation of the contact force in the window's last fifth over that in its first "
        "fifth. Below 1 the contact still settles; 1 means a limit cycle"},
       {"force_frequency_Hz", "Hz",
-       "how often per second the contact force rises beyond the reference in the window, seen at "
+       "number of times per second that the contact force rises above the reference, counted at "
        "the samples"},
       {"impact_velocity_m_s", "m/s", "speed of the tip along x at the first contact"},
       {"impact_mass_kg", "kg",
@@ -99,11 +99,11 @@ std::vector<MetricDefinition> WallContactMetrics::definitions() {
       {"contact_impulse_Ns", "N s",
        "integral of the contact force over the first 0.2 s after the first contact"},
       {"bounce_count", "1", "number of contact onsets after the first"},
-      {"saturated_time_s", "s", "time for which any command is at its limit, from the switch on"},
+      {"saturated_time_s", "s", "time for which any command is at its limit, from the switch"},
       {"max_posture_error_rad", "rad",
-       "largest deviation of the tip's orientation from the start pose, from the switch on"},
+       "largest deviation of the tip's orientation from the start pose, from the switch"},
       {"max_y_error_m", "m",
-       "largest deviation of the tip's y from the start pose, from the switch on"}};
+       "largest deviation of the tip's y from the start pose, from the switch"}};
 }
 
 std::vector<Metric> WallContactMetrics::metrics(double simulated_s) const {

@@ -1,4 +1,4 @@
-// What a strike against the wall is judged by.
+// The metrics of a contact with the wall.
 #pragma once
 
 #include <cstdint>
@@ -12,29 +12,29 @@
 
 namespace breakwater {
 
-/// Which part of a run is judged.
+/// The times of the metrics.
 struct WallContactWindow {
-  double force_from_s = 0.0;  ///< the switch to force control: everything counts from here
+  double force_from_s = 0.0;  ///< the switch to force control: the beginning of all metrics
   double reference_N = 0.0;
-  double error_from_s = 0.0;  ///< the force error's window ...
-  double error_to_s = 0.0;    ///< ... and its end, not included
+  double error_from_s = 0.0;  ///< beginning of the force error's window ...
+  double error_to_s = 0.0;    ///< ... and its end, which is not included
   double step_s = 0.0;
   double period_s = 0.0;
   TipPose start_pose = TipPose::Zero();
 };
 
-/// Gathers the metrics of arm_wall_contact, step by step: definitions() has them.
-/// A metric that does not apply (no contact, a run that ends too early) is absent.
+/// Collects the metrics of arm_wall_contact (see definitions()), step by step. A metric that does
+/// not apply (no contact, a run that is too short) is absent.
 class WallContactMetrics {
  public:
   explicit WallContactMetrics(const WallContactWindow& window) : window_(window) {}
 
-  /// To be called at every physics step, with the values at its beginning. Returns whether it is
-  /// that of the first contact.
+  /// Call it at every physics step, with the values at its beginning. Returns whether it is the
+  /// first contact.
   bool after_step(double time_s, double force_N, double filtered_N, double tip_speed_x_m_s);
-  /// To be called at the first contact.
+  /// Call it at the first contact.
   void set_impact_mass(double mass_kg) { impact_mass_kg_ = mass_kg; }
-  /// To be called at every sample.
+  /// Call it at every sample.
   void after_sample(double time_s, double force_N, const TipPose& tip, bool saturated);
 
   static std::vector<MetricDefinition> definitions();
@@ -59,7 +59,7 @@ class WallContactMetrics {
   double impulse_Ns_ = 0.0;
   double peak_raw_N_ = 0.0;
   double peak_filtered_N_ = 0.0;
-  RunningVariance error_N_;  // of the force, in the window
+  RunningVariance error_N_;  // force error in the window
   double saturated_s_ = 0.0;
   RunningVariance first_fifth_N_;
   RunningVariance last_fifth_N_;

@@ -12,14 +12,14 @@ namespace breakwater {
 std::vector<MetricDefinition> CartConstrained::metric_definitions() const {
   return with_qp_metrics(
       {{"final_position_m", "m", "position at the end of the run"},
-       {"final_speed_m_s", "m/s", "size of the velocity at the end of the run"},
-       {"max_speed_m_s", "m/s", "largest size of the velocity"},
-       {"max_estimated_speed_m_s", "m/s", "largest size of the estimated velocity"},
+       {"final_speed_m_s", "m/s", "magnitude of the velocity at the end of the run"},
+       {"max_speed_m_s", "m/s", "largest magnitude of the velocity"},
+       {"max_estimated_speed_m_s", "m/s", "largest magnitude of the estimated velocity"},
        {"rms_velocity_estimate_error_m_s", "m/s",
-        "root mean square of estimated less true velocity"},
+        "root mean square of estimated minus true velocity"},
        {"velocity_estimate_travel_m_s", "m/s",
-        "sum of the sizes of all changes of the estimated velocity from sample to sample"},
-       {"max_input_N", "N", "largest size of the commanded force"},
+        "sum of the magnitudes of all changes of the estimated velocity from sample to sample"},
+       {"max_input_N", "N", "largest magnitude of the commanded force"},
        {"input_violation_time_s", "s",
         "time for which the commanded force is beyond its limits by more than "
         "metrics.violation_slack"},
@@ -38,8 +38,8 @@ Fields CartConstrained::fields() {
                  {"C", CartCondition::C},
                  {"D", CartCondition::D},
                  {"E", CartCondition::E}},
-                "condition of the run: A nominal; B and C a force of 1 N and 2 N; D and E half and "
-                "one and a half times the mass");
+                "A: nominal. B, C: a force of 1 N or 2 N. D, E: half or one and a half times the "
+                "nominal mass");
   axis_.bind(fields);
   fields.number("start.position_m", start_position_m_, any(),
                 "position of the cart at the start [m]");
@@ -57,7 +57,7 @@ Fields CartConstrained::fields() {
                 "in conditions B and C, the time at which the force begins [s]");
   fields.only_for({"disturbance.start_s"}, "condition", {"B", "C"});
   fields.number("metrics.violation_slack", violation_slack_, not_negative(),
-                "distance beyond a limit from which on the limit counts as violated [N, m/s]");
+                "excess over a limit above which the limit counts as violated [N, m/s]");
   fields.number("metrics.settled_within_m", settled_within_m_, positive(),
                 "distance from 0 within which the position counts as settled [m]");
   return fields;

@@ -5,17 +5,17 @@
 
 namespace breakwater {
 
-/// Table of conditions of 2.3.7.
+/// The conditions of the table in 2.3.7.
 enum class CartCondition {
-  A,  ///< nothing
-  B,  ///< a force of 1 N, half the input's limit
+  A,  ///< no disturbance
+  B,  ///< a force of 1 N, half of the input's limit
   C,  ///< a force of 2 N, the input's limit
-  D,  ///< half the mass that the controller believes
-  E   ///< one and a half times that mass
+  D,  ///< half of the nominal mass
+  E   ///< one and a half times the nominal mass
 };
 
-/// The cart starts displaced and moving and is to come to rest at 0. Does the controller keep its
-/// limits of input and velocity when a force pushes or the mass is wrong?
+/// The cart starts displaced and moving, and must come to rest at 0. The question is whether the
+/// controller keeps its limits of input and velocity under a force or a mass error.
 class CartConstrained final : public AxisScenario {
  public:
   explicit CartConstrained(const Catalogue& catalogue) : parts_(catalogue, "") {}
@@ -53,7 +53,7 @@ class CartConstrained final : public AxisScenario {
   double estimated_start_position_m_ = 0.0;
   double estimated_start_velocity_m_s_ = 0.0;
   double disturbance_start_s_ = 0.0;
-  // What counts as a limit, whatever the controller.
+  // The limits for the metrics, for any controller.
   double input_lower_N_ = 0.0;
   double input_upper_N_ = 0.0;
   double velocity_m_s_ = 0.0;

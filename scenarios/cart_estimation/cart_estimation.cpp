@@ -8,17 +8,17 @@
 namespace breakwater {
 namespace {
 
-constexpr double kSettledWithin = 0.05;  // of the step
-constexpr double kReached = 0.99;        // of it
+constexpr double kSettledWithin = 0.05;  // part of the step
+constexpr double kReached = 0.99;        // part of the step
 
-// The same cart, without noise.
+// The settings of the same cart without noise.
 AxisSettings without_noise(AxisSettings settings) {
   settings.noise_std = settings.input_noise_std = 0.0;
   return settings;
 }
 
-// How late an estimate is: sums of the disturbance d, its rate and the estimate's error over a
-// window. Nothing (NaN, or infinite) if the window has no samples or d does not move.
+// The delay of an estimate, from sums of the disturbance d, its rate and the estimate's error over
+// a window. It is NaN or infinite if the window has no samples or d is constant.
 class Lag {
  public:
   void add(double d, double rate, double error) {
@@ -29,9 +29,9 @@ class Lag {
     error_rate_ += error * rate;
   }
 
-  // T of d̂(t) = d(t) − T ḋ(t) by least squares: what a ramp's estimate is behind.
+  // T of d̂(t) = d(t) − T ḋ(t) by least squares: the delay of a ramp's estimate.
   double of_pure_delay_s() const { return -error_rate_ / rate_rate_; }
-  // T of d̂(t) = g d(t) − T ḋ(t), so that an estimate that is too large does not pass for late.
+  // T of d̂(t) = g d(t) − T ḋ(t): the gain g separates a wrong amplitude from a delay.
   double beside_gain_s() const {
     return -(error_rate_ - error_d_ * d_rate_ / d_d_) / (rate_rate_ - d_rate_ * d_rate_ / d_d_);
   }
@@ -56,16 +56,16 @@ std::vector<MetricDefinition> CartEstimation::metric_definitions() const {
            "for a step: time until the estimate first reaches 99 % of the step"},
           {"disturbance_lag_s", "s",
            "for a ramp or a sine: delay of the estimated disturbance, fitted by least squares; for "
-           "a sine, with a gain beside it"},
+           "a sine, together with a gain"},
           {"max_noise_N", "N",
-           "largest size of the noise's part of the estimated disturbance, from "
+           "largest magnitude of the noise's part of the estimated disturbance, from "
            "metrics.noise_from_s to metrics.noise_to_s"},
           {"max_noise_deviation_N", "N",
            "largest deviation of that part from its mean, from metrics.from_s to metrics.to_s"},
           {"rms_noise_N", "N",
            "root mean square of that part, from metrics.noise_from_s to metrics.noise_to_s"},
           {"steady_state_error_m", "m",
-           "mean of reference less position, from metrics.from_s to metrics.to_s"}};
+           "mean of reference minus position, from metrics.from_s to metrics.to_s"}};
 }
 
 Fields CartEstimation::fields() {
@@ -145,22 +145,22 @@ Recording CartEstimation::run(const RunControl& control) const {
   const AxisLoop loop = parts_.make(task());
   loop.controller->set_watched(control.logs);
   AxisRig rig(axis_, {.force = force}, *loop.controller);
-  // Beside it, the run as it would be without noise: what differs is what the noise does.
+  // Also simulate the loop without noise: the difference is the effect of the noise.
   const AxisLoop quiet_loop = parts_.make(task());
   quiet_loop.controller->set_watched(false);
   AxisRig quiet_rig(without_noise(axis_), {.force = force}, *quiet_loop.controller);
   double noise_N = 0.0;
   const Simulation& sim = rig.simulation();
   std::vector<Signal> signals = rig.signals();
-  signals.push_back(
-      {"d_hat_noise_N", "N", "what the noise adds to the estimated disturbance", view(noise_N)});
+  signals.push_back({"d_hat_noise_N", "N",
+                     "part of the estimated disturbance that the noise causes", view(noise_N)});
 
   const double end_s = axis_.run.duration_s;
   const TimeWindow window = TimeWindow{from_s_, axis_.judged_to_s}.within(end_s);
   WindowStatistics error(window), truth(window), position_error(window), noise_in_window(window);
   const TimeWindow noise_window = TimeWindow{noise_from_s_, noise_to_s_}.within(end_s);
   WindowStatistics noise(noise_window);
-  // A sine's delay beside its gain needs all of it that there is.
+  // The fit of a sine's delay and gain needs the whole settled time.
   const TimeWindow& lag_window = kind_ == Kind::ramp ? window : noise_window;
   Lag lag;
   SettlingTime settling(TimeWindow{force.start_s, axis_.judged_to_s}.within_and_on(end_s),

@@ -8,8 +8,8 @@
 namespace breakwater {
 
 /// A cart under PD control with disturbance cancellation (Eq. 4.10), with system and observation
-/// noise. Which disturbance model and which forgetting factor follows which disturbance, how fast,
-/// and at what price in noise?
+/// noise. The question is which disturbance model and forgetting factor follow which disturbance,
+/// how fast, and with how much noise.
 class CartEstimation final : public AxisScenario {
  public:
   explicit CartEstimation(const Catalogue& catalogue) : parts_(catalogue, "pd") {}

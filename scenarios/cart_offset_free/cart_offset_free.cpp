@@ -11,24 +11,25 @@ namespace breakwater {
 std::vector<MetricDefinition> CartOffsetFree::metric_definitions() const {
   return with_qp_metrics(
       {{"steady_state_error_m", "m",
-        "mean of measured position less reference, from metrics.from_s to metrics.to_s"},
-       {"true_position_error_m", "m", "mean of true position less reference, in the same window"},
+        "mean of measured position minus reference, from metrics.from_s to metrics.to_s"},
+       {"true_position_error_m", "m", "mean of true position minus reference, in the same window"},
        {"settling_time_s", "s",
         "time from the step of the reference until the measured position stays within "
         "metrics.settled_within times the reference, before the disturbance begins"},
-       {"max_speed_m_s", "m/s", "largest size of the velocity"},
-       {"max_input_N", "N", "largest size of the commanded force"},
+       {"max_speed_m_s", "m/s", "largest magnitude of the velocity"},
+       {"max_input_N", "N", "largest magnitude of the commanded force"},
        {"max_position_m", "m", "largest position"},
        {"std_position_m", "m",
         "standard deviation of the position, from metrics.from_s to metrics.to_s"},
-       {"rms_position_estimate_error_m", "m", "root mean square of estimated less true position"},
+       {"rms_position_estimate_error_m", "m", "root mean square of estimated minus true position"},
        {"max_early_disturbance_estimate_N", "N",
-        "largest size of the estimated disturbance between the step of the reference and the start "
+        "largest magnitude of the estimated disturbance between the step of the reference and the "
+        "start "
         "of the disturbance"},
        {"mean_disturbance_estimate_N", "N",
         "mean of the estimated disturbance, from metrics.from_s to metrics.to_s"},
        {"rms_disturbance_error_N", "N",
-        "root mean square of estimated less true disturbance, from metrics.from_s to "
+        "root mean square of estimated minus true disturbance, from metrics.from_s to "
         "metrics.to_s"}});
 }
 
@@ -53,9 +54,8 @@ Fields CartOffsetFree::fields() {
                 "start of the window of the means of the errors [s]");
   fields.number("metrics.to_s", axis_.judged_to_s, not_negative(),
                 "end of the window of the means of the errors [s]");
-  fields.number(
-      "metrics.settled_within", settled_within_, positive(),
-      "distance from r, over r, within which y counts as settled until the disturbance begins");
+  fields.number("metrics.settled_within", settled_within_, positive(),
+                "relative distance from r within which y counts as settled before the disturbance");
   return fields;
 }
 

@@ -5,15 +5,15 @@
 
 namespace breakwater {
 
-/// The cart is to go to a position and stay there while a force pushes it and its position sensor
-/// is off. Estimation is faster than control. Does an error remain?
+/// The cart must go to a position and stay there, while a force pushes it and its position sensor
+/// has an offset. Estimation is faster than control. The question is whether an error remains.
 class CartOffsetFree final : public AxisScenario {
  public:
   explicit CartOffsetFree(const Catalogue& catalogue) : parts_(catalogue, "mpc") {}
 
   std::string name() const override { return "cart_offset_free"; }
   std::string summary() const override {
-    return "predictive control of a cart under input and output disturbance: what error remains";
+    return "predictive control of a cart under input and output disturbance: the remaining error";
   }
   std::vector<std::string> main_metrics() const override {
     return {"steady_state_error_m", "settling_time_s"};

@@ -10,14 +10,14 @@
 namespace breakwater {
 namespace {
 
-const double kRisen = 1.0 - std::exp(-1.0);  // of Coulomb friction: after one time constant
+const double kRisen = 1.0 - std::exp(-1.0);  // part of the Coulomb friction after one time constant
 
 }  // namespace
 
 std::vector<MetricDefinition> CartPosition::metric_definitions() const {
   return with_qp_metrics(
       {{"steady_state_error_m", "m",
-        "mean of reference less position, from metrics.from_s to metrics.to_s"},
+        "mean of reference minus position, from metrics.from_s to metrics.to_s"},
        {"settling_time_s", "s",
         "time from the step of the reference until the error stays within metrics.settled_within "
         "times the step"},
@@ -46,7 +46,7 @@ Fields CartPosition::fields() {
                 "end of the window of the steady state [s]");
   fields.number(
       "metrics.settled_within", settled_within_, positive(),
-      "distance from the reference, over the step, within which the cart counts as settled");
+      "distance from the reference, relative to the step, within which the cart counts as settled");
   fields.number(
       "metrics.high_pass_Hz", high_pass_Hz_, positive(),
       "passband of the high-pass behind which the noise of the estimate is measured [Hz]");

@@ -1,5 +1,4 @@
-// Scenario cart_position: position control of a cart with real friction, drive and encoder (thesis
-// 2.3.4 and 4.2.5).
+// Scenario cart_position: a cart with friction, drive and encoder (thesis 2.3.4, 4.2.5).
 #pragma once
 
 #include <breakwater/rigs/axis_scenario.h>
@@ -7,9 +6,8 @@
 namespace breakwater {
 
 /// A cart with Coulomb and viscous friction, a drive of finite pulse-width resolution and an
-/// encoder goes to a position under PD control with disturbance cancellation (Eq. 4.10), or under
-/// predictive control. What the estimator must find is the friction, as the nominal model does not
-/// know it.
+/// encoder goes to a position. Its control is PD with disturbance cancellation (Eq. 4.10) or
+/// predictive control. The nominal model lacks the friction, so the estimator must find it.
 class CartPosition final : public AxisScenario {
  public:
   explicit CartPosition(const Catalogue& catalogue) : parts_(catalogue, "") {}

@@ -11,7 +11,7 @@
 namespace breakwater {
 namespace {
 
-// What is published under a name; empty if there is none such.
+// The signal that the estimator publishes under this name; empty if there is none.
 std::span<const double> published(const std::vector<Signal>& signals, const std::string& name) {
   for (const Signal& signal : signals) {
     if (signal.name == name) return signal.values;
@@ -31,10 +31,9 @@ std::vector<MetricDefinition> MotorEstimation::metric_definitions() const {
        "root mean square error of the estimated angle, in the same window"},
       {"rmse_disturbance_Nm", "N m",
        "root mean square error of the estimated disturbance, in the same window"},
-      {"peak_position_rad", "rad", "largest size of the true angle in the whole run"},
-      {"rms_position_rad", "rad", "root mean square of the true angle from disturbance.start_s on"},
-      {"rms_torque_Nm", "N m",
-       "root mean square of the applied torque from disturbance.start_s on"},
+      {"peak_position_rad", "rad", "largest magnitude of the true angle in the whole run"},
+      {"rms_position_rad", "rad", "root mean square of the true angle from disturbance.start_s"},
+      {"rms_torque_Nm", "N m", "root mean square of the applied torque from disturbance.start_s"},
       {"disturbance_settling_time_s", "s",
        "for a step: time until the estimated disturbance stays within metrics.settled_within times "
        "the step"},
@@ -44,7 +43,7 @@ std::vector<MetricDefinition> MotorEstimation::metric_definitions() const {
       {"lambda_mean_1", "1", "mean of the forgetting factor, from metrics.from_s to metrics.to_s"},
       {"lambda_min_1", "1", "smallest forgetting factor of the whole run"},
       {"slowest_pole_continuous_rad_s", "rad/s",
-       "mean of the real part of the estimator's slowest pole, taken to continuous time, from "
+       "mean of the real part of the estimator's slowest pole, converted to continuous time, from "
        "metrics.from_s to metrics.to_s"}};
 }
 
@@ -89,9 +88,10 @@ Fields MotorEstimation::fields() {
                 "start of the window of the errors, and end of the window of the transient [s]");
   fields.number("metrics.to_s", axis_.judged_to_s, not_negative(),
                 "end of the window of the errors [s]");
-  fields.number("metrics.settled_within", settled_within_, positive(),
-                "distance from the disturbance, over its amplitude, within which the estimate "
-                "counts as settled");
+  fields.number(
+      "metrics.settled_within", settled_within_, positive(),
+      "distance from the disturbance, relative to its amplitude, within which the estimate "
+      "counts as settled");
   return fields;
 }
 
@@ -106,7 +106,7 @@ Recording MotorEstimation::run(const RunControl& control) const {
   const AxisLoop loop = parts_.make(task());
   AxisRig rig(axis_, {.force = disturbance_}, *loop.controller);
   const Simulation& sim = rig.simulation();
-  // What tables of a differentiated encoder have: not what the controller works with.
+  // For comparison with tables of a differentiated encoder. The controller does not use it.
   double raw_velocity = 0.0;
   double last_angle = 0.0;
   double measurement_error = 0.0;
@@ -114,8 +114,8 @@ Recording MotorEstimation::run(const RunControl& control) const {
   signals.push_back({"velocity_raw_rad_s", "rad/s",
                      "raw difference of the measured angle over a sample; 0 at the first",
                      view(raw_velocity)});
-  signals.push_back({"measurement_error_rad", "rad", "angle as sampled less the true one",
-                     view(measurement_error)});
+  signals.push_back(
+      {"measurement_error_rad", "rad", "sampled minus true angle", view(measurement_error)});
 
   const double start_s = disturbance_.start_s;
   const double end_s = axis_.run.duration_s;

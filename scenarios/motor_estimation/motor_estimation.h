@@ -6,9 +6,9 @@
 
 namespace breakwater {
 
-/// A motor is held at 0 by PD control with disturbance cancellation (Eq. 4.22). Its angle comes
-/// from an encoder, with or without white noise; a torque disturbs it. How well does the estimator
-/// see what is not measured?
+/// PD control with disturbance cancellation (Eq. 4.22) holds a motor at 0. Its angle comes from an
+/// encoder, with or without white noise, and a torque disturbs it. The question is how well the
+/// estimator finds velocity and disturbance.
 class MotorEstimation final : public AxisScenario {
  public:
   explicit MotorEstimation(const Catalogue& catalogue) : parts_(catalogue, "pd") {}

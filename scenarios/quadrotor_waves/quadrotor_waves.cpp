@@ -16,7 +16,7 @@
 namespace breakwater {
 namespace {
 
-// A run counts as converged if it holds this close in the window (per axis, and at worst).
+// Bounds in the window for a converged run: RMS of each axis, and largest distance.
 constexpr double kConvergedRmse_m = 0.5;
 constexpr double kConvergedPeak_m = 2.0;
 constexpr int kOutputs = 6;
@@ -25,7 +25,7 @@ double wrapped(double angle_rad) {
   return std::remainder(angle_rad, 2.0 * std::numbers::pi);
 }
 
-// RMS per axis of a vector: √(mean |e|²/axes).
+// Root mean square per axis of a vector: √(mean |e|²/axes).
 class VectorStatistics {
  public:
   VectorStatistics(const TimeWindow& window, double axes) : squares_(window), axes_(axes) {}
@@ -134,8 +134,8 @@ class StationMetrics {
   WindowStatistics nees_;
 };
 
-// What one update of the filter costs, on the run's own samples: measured after the run, so that
-// the run depends on no clock.
+// Measures the time of an update of the filter on the run's own samples, after the run. The run
+// itself thus depends on no clock.
 double filter_time_us(const Track& log, QuadrotorEstimator& estimator) {
   const std::vector<double> poses = log.values("pose_measured");
   const std::vector<double> thrusts = log.values("thrust_applied_N");
@@ -213,7 +213,7 @@ std::vector<std::string> QuadrotorWaves::warnings() const {
 }
 
 std::vector<WavingSurface> QuadrotorWaves::waving_surfaces(const Model& model) const {
-  if (model.geoms_named("surface").empty()) return {};  // a model of the user's own
+  if (model.geoms_named("surface").empty()) return {};  // a user's own model
   return {{"surface", quadrotor_.water(model).surface_waves()}};
 }
 

@@ -9,8 +9,8 @@
 
 namespace breakwater {
 
-/// A buoyant quadrotor goes to a point 10 m under waves and stays there, by backstepping control
-/// that is fed by one of several nonlinear estimators.
+/// A buoyant quadrotor goes to a point 10 m under waves and stays there. Its backstepping control
+/// uses the state of one of several nonlinear estimators.
 class QuadrotorWaves final : public Scenario {
  public:
   explicit QuadrotorWaves(const Catalogue& catalogue) : quadrotor_(catalogue) {}

@@ -26,9 +26,9 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kTasksWithoutScheduler = 100;
-constexpr int kWarning_s = 60;  // before a time limit
+constexpr int kWarning_s = 60;  // this long before a time limit
 
-// A number of `scontrol show config`.
+// A number from `scontrol show config`.
 std::size_t limit_of(const std::vector<std::string>& config, const std::string& name) {
   for (const std::string& line : config) {
     if (!line.starts_with(name)) continue;
@@ -38,7 +38,7 @@ std::size_t limit_of(const std::vector<std::string>& config, const std::string& 
   throw std::invalid_argument("scontrol show config: has no " + name);
 }
 
-// `points` in `tasks` shares, a line each.
+// Distributes `points` over `tasks` shares, one line each.
 std::vector<std::string> shares(const std::vector<std::size_t>& points, std::size_t tasks) {
   std::vector<std::string> lines;
   for (std::size_t task = 0; task < tasks; ++task) {
@@ -54,7 +54,7 @@ std::size_t tasks_by_time(double seconds, double minutes) {
   return static_cast<std::size_t>(std::max(1.0, std::ceil(seconds / (60.0 * minutes))));
 }
 
-// A folder of its own for each submission.
+// Makes a new folder for each submission.
 fs::path new_submission(const StudyFolder& folder) {
   for (int n = 1;; ++n) {
     const fs::path submission = folder.path() / "slurm" / std::to_string(n);
@@ -63,7 +63,7 @@ fs::path new_submission(const StudyFolder& folder) {
   }
 }
 
-// A line of the script's head; quoted, so that a folder may have any name.
+// A line of the script's head. The quotes allow any folder name.
 std::string directive(const std::string& name, const std::string& value) {
   std::string quoted;
   for (const char c : value) {
@@ -73,14 +73,14 @@ std::string directive(const std::string& name, const std::string& value) {
   return fmt::format("#SBATCH --{}=\"{}\"\n", name, quoted);
 }
 
-// A name of a file in which % would be a field of sbatch's.
+// sbatch reads % in a file name as the beginning of a field: double it.
 std::string without_fields(const std::string& path) {
   std::string text;
   for (const char c : path) text += c == '%' ? std::string("%%") : std::string(1, c);
   return text;
 }
 
-// The words of a task's command, but for its points.
+// The command of a task, without its points.
 std::string task_command(const SlurmStudy& study, const SlurmRequest& request) {
   std::string text =
       fmt::format("{} {} {} --quiet", shell_quoted(own_program()), study.folder.kind().command,
@@ -119,7 +119,7 @@ std::string job_script(const SlurmStudy& study, const fs::path& submission, std:
   return text;
 }
 
-// The number of the job that was accepted, among warnings.
+// The number of the accepted job. Warnings may stand around it.
 std::string job_of(const std::vector<std::string>& said) {
   for (const std::string& line : said) {
     const std::string job = line.substr(0, line.find(';'));
@@ -135,7 +135,7 @@ std::string job_of(const std::vector<std::string>& said) {
 
 struct LineOfFile {
   fs::path file;
-  std::size_t line = 0;  // from 1
+  std::size_t line = 0;  // counted from 1
 };
 
 LineOfFile line_of_file(const std::string& text) {
@@ -166,7 +166,7 @@ void check_for_scripts(const StudyFolder& folder) {
 
 std::size_t most_tasks() {
   const std::vector<std::string> config = ask_slurm({"scontrol", "show", "config"});
-  return std::min(limit_of(config, "MaxArraySize") - 1,  // an index stays below
+  return std::min(limit_of(config, "MaxArraySize") - 1,  // an index must stay below it
                   limit_of(config, "MaxJobCount"));
 }
 
@@ -202,7 +202,7 @@ SubmittedJob submit(const SlurmStudy& study, const std::vector<std::size_t>& poi
 }
 
 void wait_for_queue(const StudyFolder& folder, std::size_t points) {
-  // Between two questions a quarter of the time so far: others ask the cluster too.
+  // Wait for a quarter of the time so far before the next query, to spare the cluster.
   constexpr std::time_t kLongest_s = 15;
   std::string trouble;
   std::time_t waited_s = 0;

@@ -12,28 +12,27 @@
 
 namespace breakwater {
 
-/// What is asked of the cluster.
+/// The request to the cluster.
 struct SlurmRequest {
-  std::size_t tasks = 0;             ///< 0: as many as `minutes` make
-  double minutes = 30.0;             ///< that a task is to take
-  std::size_t parallel = 0;          ///< tasks at a time; 0: no limit
-  std::vector<std::string> options;  ///< of sbatch, words apart
-  std::vector<std::string> of_task;  ///< further options of each task: "--isolate"
+  std::size_t tasks = 0;             ///< 0: determined by `minutes`
+  double minutes = 30.0;             ///< duration of a task
+  std::size_t parallel = 0;          ///< tasks at the same time; 0: no limit
+  std::vector<std::string> options;  ///< options for sbatch, one word each
+  std::vector<std::string> of_task;  ///< further options of the command of each task: "--isolate"
 };
 
-/// Whose points they are: each task calls `breakwater COMMAND DIR --quiet OPTIONS --points POINTS`.
+/// The study of the points. A task calls `breakwater COMMAND DIR --quiet OPTIONS --points POINTS`.
 struct SlurmStudy {
   StudyFolder folder;
   SlurmSettings settings = {};
-  std::string candidates = {};  ///< of a tuning: DIR/slurm/N/candidates, what its runs' keys are
+  std::string candidates = {};  ///< for a tuning: DIR/slurm/N/candidates, the keys of its runs
 };
 
-/// How many tasks one array job may have here. Throws std::invalid_argument if the cluster does not
-/// answer, or there is none.
+/// The largest number of tasks in one array job. Throws std::invalid_argument if there is no
+/// cluster or it does not answer.
 std::size_t most_tasks();
 
-/// Throws std::invalid_argument if a path that stands in scripts has a control character: a newline
-/// would begin a command there.
+/// Throws std::invalid_argument if a path has a control character: a newline would begin a command.
 void check_for_scripts(const StudyFolder& folder);
 
 struct SubmittedJob {
@@ -41,27 +40,29 @@ struct SubmittedJob {
   std::size_t tasks = 0;
 };
 
-/// Submits `points` as one array job, DIR/slurm/N. How many seconds of processor time they take
-/// altogether is asked for if the request does not say how many tasks there are to be. Throws
-/// std::invalid_argument with what sbatch says if it refuses.
+/// Submits `points` as one array job, DIR/slurm/N. If the request has no number of tasks, `seconds`
+/// is called: it returns the total processor time [s]. Throws std::invalid_argument with sbatch's
+/// message.
 SubmittedJob submit(const SlurmStudy& study, const std::vector<std::size_t>& points,
                     const SlurmRequest& request, const std::function<double()>& seconds);
 
-/// Until nothing of the study is in the queue, or a signal comes. That the cluster does not answer
-/// for a while is no end.
+/// Waits until the queue has no task of the study, or a signal comes. It goes on waiting if the
+/// cluster does not answer for a while.
 void wait_for_queue(const StudyFolder& folder, std::size_t points);
 
-/// Prints commands that together run `points`, one a line.
+/// Prints commands that together run `points`, one per line.
 void print_tasks(const SlurmStudy& study, const std::vector<std::size_t>& points,
                  const SlurmRequest& request);
 
-/// The points of "0-99,120" or of "@FILE:LINE", a line of such. Throws std::invalid_argument.
+/// The points of "0-99,120", or of the line "@FILE:LINE" with such a text. Throws
+/// std::invalid_argument.
 std::vector<std::size_t> points_of_task(const std::string& text, std::size_t size);
 
-/// DIR/slurm/N of the points "@DIR/slurm/N/tasks:LINE". Throws std::invalid_argument.
+/// The submission DIR/slurm/N of the points "@DIR/slurm/N/tasks:LINE". Throws
+/// std::invalid_argument.
 std::filesystem::path submission_of_task(const std::string& text);
 
-/// How many runs at a time a task may make: what its scheduler gave it.
+/// The number of parallel runs of a task, as its scheduler allows.
 std::size_t task_threads();
 
 }  // namespace breakwater

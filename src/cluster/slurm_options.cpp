@@ -5,20 +5,21 @@
 namespace breakwater {
 
 void add_slurm_options(CLI::App& app, SlurmRequest& request) {
-  app.add_option("--tasks", request.tasks, "how many tasks (default: by --minutes)")
+  app.add_option("--tasks", request.tasks,
+                 "split the work into this many tasks (default: by --minutes)")
       ->type_name("N")
       ->check(CLI::Range(1, 1000000))
       ->group(kOnCluster);
   app.add_option("--minutes", request.minutes,
-                 fmt::format("how long a task is to take (default: {:g})", request.minutes))
+                 fmt::format("plan this time for a task (default: {:g})", request.minutes))
       ->type_name("M")
       ->check(CLI::PositiveNumber)
       ->group(kOnCluster);
-  app.add_option("--parallel", request.parallel, "how many tasks at a time")
+  app.add_option("--parallel", request.parallel, "run at most this many tasks at a time")
       ->type_name("M")
       ->check(CLI::Range(1, 1000000))
       ->group(kOnCluster);
-  app.add_option("--sbatch", request.options, "further options of sbatch")
+  app.add_option("--sbatch", request.options, "pass these options to sbatch")
       ->type_name("OPTIONS")
       ->expected(1)
       ->take_all()

@@ -1,4 +1,4 @@
-// What every command that speaks Slurm is told of the cluster.
+// The options of every command that submits to Slurm.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -9,7 +9,7 @@ namespace breakwater {
 
 inline constexpr const char* kOnCluster = "On a cluster";  ///< the group of options
 
-/// --tasks, --minutes, --parallel and --sbatch; what the request has is their default.
+/// Adds --tasks, --minutes, --parallel and --sbatch. Their default values are those of the request.
 void add_slurm_options(CLI::App& app, SlurmRequest& request);
 
 }  // namespace breakwater

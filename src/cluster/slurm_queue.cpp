@@ -24,9 +24,8 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kMostLogsShown = 5;
 
-// What a job is told about itself: sbatch, called in one, would hand it on to the new job's tasks,
-// such as SLURM_CPUS_PER_TASK where they are given no number of their own. Where the cluster is,
-// and who asks it, is no job's.
+// Variables that describe the current job: sbatch inside a job would pass them on to the tasks of
+// the new job, such as SLURM_CPUS_PER_TASK. Variables about the cluster and the user may stay.
 bool is_of_a_job(std::string_view variable) {
   return (variable.starts_with("SLURM_") || variable.starts_with("SLURMD_")) &&
          variable != "SLURM_CONF" && variable != "SLURM_CLUSTERS" && variable != "SLURM_JWT";
@@ -41,12 +40,12 @@ std::vector<std::string> lines_of_file(const fs::path& file) {
 
 struct QueuedTask {
   std::string job;
-  std::size_t index = 0;  // in the array, from 1
+  std::size_t index = 0;  // in the array, counted from 1
   std::string state;
-  std::string reason;  // why it is pending
+  std::string reason;  // the reason for waiting
 };
 
-// All that this user has.
+// All tasks of this user.
 std::vector<QueuedTask> queued_tasks() {
   std::vector<QueuedTask> tasks;
   for (const std::string& line :
@@ -60,7 +59,7 @@ std::vector<QueuedTask> queued_tasks() {
     }
     QueuedTask task;
     if (parts.size() != 4) continue;
-    // Other jobs of the user's may be no arrays: their index is N/A.
+    // The user may have jobs that are no arrays. Their index is N/A.
     const char* const end = parts[1].data() + parts[1].size();
     if (std::from_chars(parts[1].data(), end, task.index).ptr != end) continue;
     task.job = parts[0];
@@ -82,14 +81,14 @@ std::string text_of(const std::string& job, const std::vector<QueuedTask>& tasks
   return parts.empty() ? "" : fmt::format("job {}: {}", job, fmt::join(parts, ", "));
 }
 
-// The last words of a task.
+// The last line of a task's log.
 std::string last_words(const fs::path& log) {
   std::string last;
   for (const std::string& line : lines_of_file(log)) {
     if (!line.empty()) last = line;
   }
   if (!last.empty()) return one_line(last);
-  return "there is nothing: it was cancelled before it began, or its node does not see the folder";
+  return "no log: the task was cancelled before it began, or its node cannot see the folder";
 }
 
 }  // namespace
@@ -118,7 +117,7 @@ std::vector<Submission> submissions(const StudyFolder& folder) {
     found[std::atoi(entry->path().filename().c_str())] = {entry->path(), job.front(),
                                                           lines_of_file(entry->path() / "tasks")};
   }
-  // What cannot be read may be in the queue: it must not be submitted again.
+  // A task with an unreadable state may still be in the queue. Do not submit it again.
   if (error && error != std::errc::no_such_file_or_directory) {
     throw std::invalid_argument(fmt::format("{}: cannot be read ({})",
                                             (folder.path() / "slurm").string(), error.message()));
@@ -154,7 +153,7 @@ std::optional<Queued> queued_if_known(const StudyFolder& folder, std::size_t poi
   try {
     return queued(folder, points);
   } catch (const std::invalid_argument& error) {
-    fmt::print(stderr, "{}: whether tasks of it are in a queue is not known here ({})\n",
+    fmt::print(stderr, "{}: cannot find out whether its tasks are in a queue ({})\n",
                folder.kind().command, one_line(error.what()));
     return std::nullopt;
   }
@@ -176,7 +175,7 @@ void print_slurm_status(const StudyFolder& folder, const ShardIndex& index) {
     if (!queue.text.empty()) fmt::print("in the queue: {}\n", queue.text);
     is_explained = queue.points;
   } catch (const std::invalid_argument& error) {
-    fmt::print("what is in the queue is not known here: {}\n", error.what());
+    fmt::print("cannot find out what is in the queue: {}\n", error.what());
     return;
   }
   std::vector<fs::path> logs;

@@ -1,4 +1,4 @@
-// What a study has submitted to a Slurm cluster, and what became of it.
+// The submissions of a study to a Slurm cluster, and their state.
 #pragma once
 
 #include <cstddef>
@@ -12,40 +12,38 @@
 
 namespace breakwater {
 
-/// One array job: DIR/slurm/N with job.sh, tasks (the points of each task, a line each), job (its
-/// number) and TASK.log; of a tuning also candidates (what its runs' keys are).
+/// One array job: DIR/slurm/N with job.sh, tasks (the points of each task, one line each), job (its
+/// number) and TASK.log. A tuning also has candidates (the keys of its runs).
 struct Submission {
   std::filesystem::path folder;
   std::string job;
   std::vector<std::string> tasks;
 };
 
-/// All that were accepted, in their order. Throws std::invalid_argument if DIR/slurm cannot be
-/// read.
+/// All accepted submissions in order. Throws std::invalid_argument if DIR/slurm cannot be read.
 std::vector<Submission> submissions(const StudyFolder& folder);
 
-/// What of a study is in the queue.
+/// The part of a study that is in the queue.
 struct Queued {
-  std::vector<bool> points;  ///< of the study: whether a task has it that is not over
-  bool is_asked = false;     ///< whether anything was submitted, so that squeue was asked
+  std::vector<bool> points;  ///< for each point of the study: whether an unfinished task has it
+  bool is_asked = false;     ///< whether squeue was asked, since there is a submission
   std::string text;          ///< "job 12: 3 RUNNING, 5 PENDING (Resources)"; empty if nothing is
 };
 
-/// Asks squeue, if anything was submitted. Throws std::invalid_argument, one line, if that fails.
+/// Asks squeue if there is a submission. Throws std::invalid_argument, one line, if that fails.
 Queued queued(const StudyFolder& folder, std::size_t points);
 
-/// The same where the cluster need not answer: nothing, once that is said on stderr.
+/// The same, but if the cluster does not answer it prints so on stderr and returns nothing.
 std::optional<Queued> queued_if_known(const StudyFolder& folder, std::size_t points);
 
-/// Throws std::invalid_argument, one line that begins with `what`, if something is in the queue.
+/// Throws std::invalid_argument, one line that begins with `what`, if a task is in the queue.
 void check_not_queued(const Queued& queue, const StudyFolder& folder, const std::string& what);
 
-/// Prints what the queue has, and the last words of tasks that ended before their points were done,
-/// unless these were submitted again.
+/// Prints the queue, and the last log lines of tasks that ended before their points were done.
+/// Points that were submitted again do not count.
 void print_slurm_status(const StudyFolder& folder, const ShardIndex& index);
 
-/// What a program of Slurm's prints. Throws std::invalid_argument `PROGRAM: REASON` with what it
-/// says if it fails.
+/// The output lines of a Slurm program. Throws std::invalid_argument `PROGRAM: REASON` if it fails.
 std::vector<std::string> ask_slurm(const std::vector<std::string>& words);
 
 }  // namespace breakwater

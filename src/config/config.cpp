@@ -15,7 +15,7 @@
 namespace breakwater {
 namespace {
 
-constexpr std::size_t kLongestWord = 200;  // of keys and names
+constexpr std::size_t kLongestWord = 200;  // longest shown key or name
 constexpr std::size_t kLongestShown = 40;
 
 using Entries = std::map<std::string, ConfigEntry>;
@@ -33,7 +33,7 @@ ConfigValue convert(const toml::node& node, const std::string& origin) {
   throw std::invalid_argument(origin + ": dates and tables in arrays are not used here");
 }
 
-// The value that `key` names an element of what `value`, the value of its whole key, is.
+// Returns the element that `key` names. `value` is the value of the whole key.
 ConfigValue& element_of(ConfigValue& value, const std::string& key) {
   ConfigValue* found = &value;
   std::size_t at = whole_key(key).size();
@@ -59,7 +59,7 @@ ConfigValue& element_of(ConfigValue& value, const std::string& key) {
   return *found;
 }
 
-// Refuses an array beside an element of it: which of the two counts would depend on their order.
+// Refuses an array beside one of its elements: their order would decide which one counts.
 void check_elements(const std::vector<std::string>& sets) {
   std::vector<std::string> keys;
   for (const std::string& assignment : sets) {
@@ -76,7 +76,7 @@ bool is_key_character(char c) {
   return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '-' || c == '.';
 }
 
-// The beginning of a word that a user gave, for one line of text.
+// The beginning of a user's word, short enough for one line of a message.
 std::string shown(const std::string& word) {
   std::string text = word.substr(0, kLongestShown);
   std::replace_if(
@@ -84,7 +84,7 @@ std::string shown(const std::string& word) {
   return word.size() > kLongestShown ? text + "..." : text;
 }
 
-// Cases and readings are folders' names too.
+// Folders have the names of cases and readings.
 void check_name(const std::string& name, const std::string& what, const std::string& origin) {
   const bool fits =
       !name.empty() && name.size() <= kLongestWord && name != "." && name != ".." &&
@@ -119,7 +119,7 @@ void flatten(const toml::table& table, const std::string& file, const std::strin
   }
 }
 
-// The names of a file's tables [WHAT.NAME], in its order, and their keys.
+// The names of the tables [WHAT.NAME] in the file's order, and their keys.
 std::vector<std::string> read_named(const toml::table& file_table, const std::string& what,
                                     const std::string& file,
                                     std::map<std::string, Entries>& named) {
@@ -140,7 +140,7 @@ std::vector<std::string> read_named(const toml::table& file_table, const std::st
     flatten(*keys.as_table(), file, "", named[name]);
     lines.emplace_back(keys.source().begin.line, name);
   }
-  std::sort(lines.begin(), lines.end());  // TOML tables are read sorted by name
+  std::sort(lines.begin(), lines.end());  // the TOML parser sorts tables by name
   for (const auto& line : lines) names.push_back(line.second);
   return names;
 }
@@ -195,7 +195,7 @@ void Config::set(const std::string& assignment) {
   const std::string text = assignment.substr(equals + 1);
   const std::string origin = "--set: " + key;
   const auto parsed = parse_toml_value(text, origin);
-  // What is not TOML is a bare word; whether the key is a string shows when it is read.
+  // Text that is not TOML is a bare word. read() checks later whether the key takes a string.
   ConfigValue value = parsed ? convert(*parsed->get("value"), origin) : ConfigValue{text};
   if (whole != key) {
     const ConfigEntry* array = find(whole);
@@ -321,7 +321,7 @@ Config ScenarioFile::config(const std::string& case_name,
   Config config(file_, entries_);
   config.apply(overrides_.at(case_name));
   if (!readings_.empty()) {
-    // Which one may be set; the sets then go on top of it.
+    // A set may choose the reading. The sets are then applied on top of it.
     Config choosing = config;
     for (const std::string& assignment : sets) {
       if (assignment.starts_with("reading=")) choosing.set(assignment);

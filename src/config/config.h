@@ -1,4 +1,4 @@
-// Scenario files and --set: where every value of a run comes from.
+// Scenario files and --set: the source of each value of a run.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 
 namespace breakwater {
 
-/// A TOML value as far as scenarios use them.
+/// A TOML value of the kinds that scenarios use.
 struct ConfigValue {
   using Array = std::vector<ConfigValue>;
   std::variant<bool, std::int64_t, double, std::string, Array> data;
@@ -24,20 +24,20 @@ inline constexpr const char* kSetOrigin = "--set";
 struct ConfigEntry {
   ConfigValue value;
   std::string origin;      ///< "FILE:LINE" or "--set"
-  bool is_chosen = false;  ///< by the case or --set, and not what all cases of the file have
+  bool is_chosen = false;  ///< set by the case or --set, not by the root of the file
 
   bool is_set() const { return origin == kSetOrigin; }
 };
 
-/// The keys that one run is to use, dotted ("contact.stiffness_N_m"), with their origins.
+/// The keys of one run, dotted ("contact.stiffness_N_m"), with their origins.
 class Config {
  public:
   Config(std::string file, std::map<std::string, ConfigEntry> entries)
       : file_(std::move(file)), entries_(std::move(entries)) {}
 
-  /// Applies one `key.path=value`; a value that is not TOML is taken as a string. Of a key that is
-  /// an array one element alone may be given (whole_key()), if the array is there. Throws
-  /// std::invalid_argument if it is not of that form, or there is no such element.
+  /// Applies one `key.path=value`. A value that is not TOML is taken as a string. The key may name
+  /// an element of an array that is there (whole_key()). Throws std::invalid_argument if the form
+  /// is wrong or the element does not exist.
   void set(const std::string& assignment);
 
   /// Overwrites with all of `overrides`.
@@ -46,19 +46,19 @@ class Config {
   void remove(const std::string& key) { entries_.erase(key); }
 
   const ConfigEntry* find(const std::string& key) const;
-  /// A key's number, whole or not; nothing if it is not there or is none.
+  /// The number of a key; nothing if the key is missing or is not a number.
   std::optional<double> number(const std::string& key) const;
   const std::map<std::string, ConfigEntry>& entries() const { return entries_; }
 
-  /// The file that a key names, found from where the key was written: the working folder for
-  /// --set, the scenario file's folder else (find_file). Throws as fail() if it is not there.
+  /// The path of a file that a key names. A name from --set is relative to the working folder, a
+  /// name from a scenario file to the folder of that file (find_file). Throws as fail() if missing.
   std::string find_file_of(const std::string& key, const std::string& name) const;
 
-  /// Throws std::invalid_argument `ORIGIN: KEY: MESSAGE`, the origin being the key's, or the file
-  /// where the key stands nowhere. The key may be an element's.
+  /// Throws std::invalid_argument `ORIGIN: KEY: MESSAGE`. The origin of a key that is not set is
+  /// the file. The key may name an element.
   [[noreturn]] void fail(const std::string& key, const std::string& message) const;
 
-  /// Calls `body`; an std::invalid_argument that it throws is blamed on `key` as fail() does.
+  /// Calls `body`. If it throws std::invalid_argument, fail() reports that for `key`.
   template <typename Body>
   auto blame(const std::string& key, Body&& body) const {
     try {
@@ -73,39 +73,36 @@ class Config {
   std::map<std::string, ConfigEntry> entries_;
 };
 
-/// The key without the element that it may name: "a.b" of "a.b[2]", the second of the array a.b,
-/// and of "a.b[2][1]", the first of that. Elements are counted from 1, as the values of a signal
-/// are.
+/// The key without its element: "a.b" for "a.b[2]" and for "a.b[2][1]". They count from 1.
 std::string whole_key(const std::string& key);
-/// Whether a key names an element of what another one does, or an element of such an element.
+/// Whether `key` names an element of the value of `other`, at any depth.
 bool is_element_of(const std::string& key, const std::string& other);
 
-/// A scenario file: its own keys; the cases, which are tables of overrides `[case.NAME]`; and,
-/// where it has them, readings: sets of keys `[readings.NAME]`, of which the root key `reading`
-/// picks one.
+/// A scenario file: its keys, its cases and its readings. A case is a table of overrides
+/// `[case.NAME]`. A reading is a table `[readings.NAME]`, chosen by the root key `reading`.
 class ScenarioFile {
  public:
-  /// Throws std::invalid_argument `FILE[:LINE]: reason` if it cannot be read or parsed, names
-  /// another scenario than `scenario`, or has a case or reading whose name is none for a folder:
-  /// names are [A-Za-z0-9._+-]+, and not ".", ".." or "all".
+  /// Throws std::invalid_argument `FILE[:LINE]: reason` if the file cannot be read or parsed, or is
+  /// not for `scenario`. A case or reading with an invalid name is refused too: a name matches
+  /// [A-Za-z0-9._+-]+ and is not ".", ".." or "all".
   ScenarioFile(const std::string& file, const std::string& scenario);
 
   const std::string& file() const { return file_; }
-  /// What was read: the file may be another by now.
+  /// The text that was read. The file may have changed since.
   const std::string& text() const { return text_; }
   /// In the file's order.
   const std::vector<std::string>& cases() const { return cases_; }
   bool has_case(const std::string& name) const { return overrides_.contains(name); }
-  /// Throws std::invalid_argument `PLACE: FILE has no case "NAME"` if there is none of that name.
+  /// Throws std::invalid_argument `PLACE: FILE has no case "NAME"`.
   void check_case(const std::string& name, const std::string& place) const;
   const std::string& default_case() const { return default_case_; }
 
-  /// Each table of keys alone: the file's own, the cases', the readings'.
+  /// The tables, not merged: the file's keys, each case, each reading.
   std::vector<Config> tables() const;
 
-  /// The file's keys with one case's, then the reading's, then `sets` (key=value) on top. Throws
-  /// std::invalid_argument if there is no such case or reading, a set is malformed, or one gives an
-  /// array and another an element of it.
+  /// The file's keys, overridden by those of the case, the reading and `sets` (key=value), in this
+  /// order. Throws std::invalid_argument if the case or reading does not exist, a set is malformed,
+  /// or `sets` has both an array and one of its elements.
   Config config(const std::string& case_name, const std::vector<std::string>& sets = {}) const;
 
  private:
@@ -121,7 +118,7 @@ class ScenarioFile {
   std::string default_case_;
 };
 
-/// The candidate that `word` most likely was meant to be, as " (did you mean X?)"; else "".
+/// " (did you mean X?)" with the candidate most similar to `word`; "" if none is similar.
 std::string did_you_mean(const std::string& word, const std::vector<std::string>& candidates);
 
 }  // namespace breakwater

@@ -16,12 +16,12 @@
 namespace breakwater {
 namespace {
 
-constexpr std::size_t kLongestValue = 200;  // of a value that is none
+constexpr std::size_t kLongestValue = 200;  // the longest shown text of a wrong value
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 using Error = std::optional<Refusal>;
 
-// The same thing under the names that scenarios have for it, units left out.
+// Names that different scenarios use for the same thing, without units.
 const std::vector<std::vector<std::string>>& synonyms() {
   static const std::vector<std::vector<std::string>> groups = {
       {"noise.std", "noise.position", "noise.angle", "sensor.angle_noise"},
@@ -42,12 +42,12 @@ const std::vector<std::vector<std::string>>& synonyms() {
   return groups;
 }
 
-// "noise.std" of "noise.std_rad".
+// "noise.std_rad" is called "noise.std".
 bool is_called(const std::string& key, const std::string& stem) {
   return key == stem || (key.starts_with(stem + "_") && key.find('_', stem.size() + 1) == key.npos);
 }
 
-// How the keys are called here that another scenario calls `key`, as " (here it is X)"; else "".
+// " (here it is X)" with this scenario's names of a key of another scenario; "" if it has none.
 std::string name_here(const std::string& key, const std::set<std::string>& keys) {
   std::vector<std::string> found;
   for (const std::vector<std::string>& group : synonyms()) {
@@ -61,7 +61,7 @@ std::string name_here(const std::string& key, const std::set<std::string>& keys)
   return found.empty() ? "" : fmt::format(" (here it is {})", fmt::join(found, " or "));
 }
 
-// "" for a key of the root.
+// "" for a root key.
 std::string table_of(const std::string& key) {
   const std::size_t dot = key.rfind('.');
   return dot == std::string::npos ? "" : key.substr(0, dot);
@@ -93,7 +93,7 @@ Error read_number(const ConfigValue& value, const Range& range, double& target) 
   return std::nullopt;
 }
 
-// Blames the element of this index.
+// Adds the index of the element that is wrong.
 Error in_element(std::size_t i, Error error) {
   if (error) error->element = fmt::format("[{}]", i + 1) + error->element;
   return error;
@@ -261,8 +261,8 @@ const Fields::Field* Fields::find(const std::string& key) const {
   return found != fields_.end() ? &*found : nullptr;
 }
 
-// What a statement on a key is about: the variable of the part that is being bound; outside of
-// parts, all that are bound to it.
+// The variables that a statement on a key concerns: that of the part being bound, or all outside of
+// parts.
 std::vector<Fields::Variable*> Fields::at(const std::string& key) {
   std::vector<Variable*> variables;
   for (Field& field : fields_) {
@@ -303,7 +303,7 @@ void Fields::add_condition(const std::vector<std::string>& keys, const Condition
 }
 
 std::string Fields::Field::doc() const {
-  // What several parts say of it in the same words is said once.
+  // Equal words of several parts are shown once.
   std::vector<std::pair<std::string, std::string>> docs;  // the words, and the parts' names
   for (const Variable& variable : variables) {
     if (variable.part.name.empty()) return variable.doc;
@@ -384,7 +384,7 @@ void Fields::fail_if(const Config& config, const Field& field, const Error& erro
   if (error) config.fail(field.key + error->element, error->reason);
 }
 
-// Keys of a part that is not there are unknown too, but that is not what is wrong.
+// Keys of a part that does not exist are unknown too. Report the choice first: it is the cause.
 void Fields::check_choices(const Config& table) {
   std::set<std::string> choices;
   for (const Field& field : fields_) {
@@ -397,7 +397,7 @@ void Fields::check_choices(const Config& table) {
   }
 }
 
-// A table of a file: whatever runs, a key that it has must be one, and its value suit somebody.
+// Each key of a table must exist, and its value must suit one of its variables.
 void Fields::check(const Config& table) {
   std::set<std::string> keys;
   for (const Field& field : fields_) keys.insert(field.key);
@@ -414,7 +414,7 @@ void Fields::check(const Config& table) {
   }
 }
 
-// What the config does not have, and need not: first of all, since a choice may be among them.
+// Sets the missing keys that have a default value. One of them may be a choice, so set them first.
 void Fields::assign_standards(const Config& config) {
   for (Field& field : fields_) {
     field.was_read = config.find(field.key) != nullptr;
@@ -440,7 +440,7 @@ std::string Fields::missing_in_words(const std::vector<const Field*>& missing) c
   std::vector<std::string> others;
   for (const Field* field : missing) {
     if (field == missing.front()) continue;
-    // Of a choice that is missing itself nothing is chosen.
+    // A missing choice chooses no part.
     const std::string& choice = in_use(*field)->part.choice;
     const bool is_chosen = std::none_of(missing.begin(), missing.end(),
                                         [&](const Field* other) { return other->key == choice; });
@@ -453,7 +453,7 @@ std::string Fields::missing_in_words(const std::vector<const Field*>& missing) c
 std::vector<const Fields::Field*> Fields::assign_all(const Config& config) {
   assign_standards(config);
   check_choices(config);
-  check(config);  // and now each choice has chosen
+  check(config);  // the choices are now known
   std::vector<const Field*> missing;
   for (Field& field : fields_) {
     const Variable* counts = in_use(field);
@@ -508,7 +508,7 @@ std::vector<std::string> Fields::read_finished(const Config& config) {
 std::string Fields::print(const std::string& scenario, const std::string& case_name) const {
   std::string text = fmt::format("scenario = {}\ndefault_case = {}\n", toml_string(scenario),
                                  toml_string(case_name));
-  // Keys of parts that are not chosen are there if they were given.
+  // Keys of parts that are not chosen are printed only if they were given.
   std::vector<const Field*> printed;
   for (const Field& field : fields_) {
     if (in_use(field) != nullptr || field.was_read) printed.push_back(&field);
@@ -537,7 +537,7 @@ std::string Fields::print(const std::string& scenario, const std::string& case_n
 std::vector<KeyHelp> Fields::help() const {
   std::vector<KeyHelp> all;
   for (const Field& field : fields_) {
-    const std::size_t first = all.size();  // its meanings stand from here on
+    const std::size_t first = all.size();  // the meanings of this key begin here
     for (const Variable& variable : field.variables) {
       KeyHelp help = {field.key, variable.part.choice, {}, variable.doc, variable.takes, "", {}};
       if (field.was_read || variable.standard) help.value = variable.print();

@@ -1,4 +1,4 @@
-// An enumeration's members by the names that files and options have for them.
+// The names of an enumeration's members in files and options.
 #pragma once
 
 #include <algorithm>

@@ -58,7 +58,7 @@ std::vector<std::pair<std::string, TomlEntry>> TomlEntry::entries() const {
       all.back().second.begin_ = key.source().begin;
     }
   }
-  // TOML tables are read sorted by name.
+  // The TOML parser sorts tables by name.
   std::stable_sort(all.begin(), all.end(),
                    [](const auto& a, const auto& b) { return a.second.begin_ < b.second.begin_; });
   return all;

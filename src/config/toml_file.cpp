@@ -11,15 +11,15 @@ namespace breakwater {
 namespace {
 
 constexpr std::size_t kLargestText = 4U << 20U;
-constexpr int kDeepest = 32;  // nested values, and parts of a dotted key
+constexpr int kDeepest = 32;  // levels of nested values, and parts of a dotted key
 
-// Reads a text as far as nesting, strings and comments go. What is not TOML it may take wrongly,
-// but only behind the place at which the parser gives up.
+// Scans nesting, strings and comments. In a text that is not TOML it may go wrong, but only after
+// the place where the parser stops.
 class Guard {
  public:
   explicit Guard(std::string_view text) : text_(text) {}
 
-  // What forbids to parse the text, at line(); nullptr: nothing.
+  // The reason not to parse the text, at line(); nullptr if there is none.
   const char* complaint() {
     if (text_.size() > kLargestText) return "is longer than 4 MiB";
     while (at_ < text_.size()) {
@@ -57,7 +57,7 @@ class Guard {
     }
   }
 
-  // One of four kinds: the one with a basic string's escapes or without, on one line or on many.
+  // There are four kinds of string: with or without escapes, on one line or on many.
   void skip_string(char quote) {
     const std::string three(3, quote);
     const bool is_long = text_.substr(at_, 3) == three;
@@ -73,7 +73,7 @@ class Guard {
       at_ += is_escape ? 2 : 1;
     }
     at_ = std::min(at_ + end.size(), text_.size());
-    // A long string may end in one or two quotes more.
+    // A string with three quotes may end in one or two more.
     while (is_long && at_ < text_.size() && text_[at_] == quote) ++at_;
   }
 
@@ -94,12 +94,12 @@ toml::table parse_toml_file(const std::string& file, std::string* text_of_file) 
   std::error_code error;
   const bool is_file = std::filesystem::is_regular_file(file, error);
   std::ifstream stream;
-  if (is_file) stream.open(file, std::ios::binary);  // to open a pipe may never end
+  if (is_file) stream.open(file, std::ios::binary);  // opening a pipe may block forever
   if (!is_file || !stream) {
     throw std::invalid_argument(file + ": cannot be read" +
                                 (error ? " (" + error.message() + ")" : ""));
   }
-  // To one character more than is allowed, which tells that there are more.
+  // Reads at most one character more than is allowed, which shows that the file is too long.
   std::string text;
   std::array<char, 1 << 14> block;
   while (stream && text.size() <= kLargestText) {
@@ -123,7 +123,7 @@ toml::table parse_toml_file(const std::string& file, std::string* text_of_file) 
 
 std::optional<toml::table> parse_toml_value(const std::string& text, const std::string& origin) {
   if (const char* complaint = Guard(text).complaint()) {
-    // Only these nest; anything else, a path with many dots say, is a bare word.
+    // Only these can nest. Any other text, such as a path with many dots, is a bare word.
     const std::size_t first = text.find_first_not_of(" \t");
     const bool may_nest = first != std::string::npos && (text[first] == '[' || text[first] == '{');
     if (!may_nest) return std::nullopt;
@@ -133,7 +133,7 @@ std::optional<toml::table> parse_toml_value(const std::string& text, const std::
     toml::table parsed = toml::parse("value = " + text);
     if (parsed.size() == 1 && parsed.contains("value")) return parsed;
   } catch (const toml::parse_error&) {
-    // A bare word, then.
+    // It is a bare word.
   }
   return std::nullopt;
 }

@@ -1,4 +1,4 @@
-// TOML of any origin, read without harm.
+// Safe parsing of TOML from any source.
 #pragma once
 
 #include <toml++/toml.h>
@@ -8,14 +8,14 @@
 
 namespace breakwater {
 
-/// Parses a file, whose text goes into `text` unless it is null. Throws std::invalid_argument
-/// `FILE[:LINE]: reason` if it cannot be read, is not TOML, or is such as no file of ours: of more
-/// than 4 MiB, with control characters, or nested so deeply (values or dotted keys) that the
-/// parser, which recurses, would not survive it.
+/// Parses a file, and stores its text in `text` unless that is null. Throws std::invalid_argument
+/// `FILE[:LINE]: reason` if it cannot be read or is not TOML. Files of more than 4 MiB, with
+/// control characters or with more than 32 levels are refused too: they could overflow the parser's
+/// stack.
 toml::table parse_toml_file(const std::string& file, std::string* text = nullptr);
 
-/// The value that `text` is, as if it stood behind `key =`; nothing if it is none. Throws
-/// std::invalid_argument `ORIGIN: reason` for what parse_toml_file() does not let pass either.
+/// The value of `text`, read as the right side of `key =`; nothing if it is not TOML. Throws
+/// std::invalid_argument `ORIGIN: reason` for a text that parse_toml_file() refuses for safety.
 std::optional<toml::table> parse_toml_value(const std::string& text, const std::string& origin);
 
 /// "FILE:LINE".

@@ -1,4 +1,4 @@
-// What a program has to choose from.
+// The scenarios, parts and commands that a program offers.
 #pragma once
 
 #include <algorithm>
@@ -14,24 +14,23 @@
 
 namespace breakwater {
 
-/// An experiment by its name.
+/// A scenario and its name.
 struct ScenarioKind {
   static constexpr const char* kWhat = "scenario";
 
   std::string name;
   std::unique_ptr<Scenario> (*make)(const Catalogue&);
-  /// Where NAME.toml, shots.toml and models of its own are. Empty, or not there any more: each of
-  /// them is scenarios/NAME/FILE where look_for() finds it.
+  /// The folder of NAME.toml, shots.toml and its own models. If it is empty or missing, look_for()
+  /// finds each of them as scenarios/NAME/FILE.
   std::filesystem::path folder = {};
 
-  /// The scenario file that belongs to it. Throws std::invalid_argument, naming all places where it
-  /// was looked for, if there is none.
+  /// Its scenario file. Throws std::invalid_argument with all searched places if there is none.
   std::filesystem::path file() const;
-  /// Its shot list, which need not be there.
+  /// Its shot list, which may be missing.
   std::filesystem::path shots() const;
 };
 
-/// What a part of the catalogue is, for people: "estimator of an axis", its name, one line of help.
+/// A part for a list: its kind ("estimator of an axis"), its name, one line of help.
 struct ListedPart {
   std::string what;
   std::string name;
@@ -44,12 +43,11 @@ namespace detail {
                                     const std::vector<std::string>& names);
 }  // namespace detail
 
-/// Scenarios, and the parts that they choose by name: a value that main() makes and passes on. What
-/// there may be is open: a kind is any struct with a `name` and, for messages, a `kWhat`; kinds of
-/// one type stand in the order in which they were added.
+/// Scenarios, and the parts that they choose by name. main() makes it and passes it on. A kind is
+/// any struct with a `name` and a `kWhat` for messages. Kinds of one type keep their order.
 class Catalogue {
  public:
-  /// Throws std::invalid_argument if there is one of that type and name already.
+  /// Throws std::invalid_argument if this type and name are already there.
   template <typename Kind>
   void add(Kind kind) {
     std::any& shelf = shelves_[typeid(Kind)];
@@ -62,7 +60,7 @@ class Catalogue {
     kinds.push_back(std::move(kind));
   }
 
-  /// All of one type.
+  /// All kinds of one type.
   template <typename Kind>
   const std::vector<Kind>& all() const {
     static const std::vector<Kind> none;
@@ -84,10 +82,10 @@ class Catalogue {
                        [&](const Kind& kind) { return kind.name == name; });
   }
 
-  /// Everything that has a line of help, in the order in which it was added.
+  /// All kinds with a line of help, in the order in which they were added.
   const std::vector<ListedPart>& parts() const { return parts_; }
 
-  /// One by its name. Throws std::invalid_argument if there is none of that name.
+  /// The kind with this name. Throws std::invalid_argument if there is none.
   template <typename Kind>
   const Kind& get(const std::string& name) const {
     for (const Kind& kind : all<Kind>()) {
@@ -101,7 +99,7 @@ class Catalogue {
   std::vector<ListedPart> parts_;
 };
 
-/// A new scenario by name. Throws std::invalid_argument if there is none of that name.
+/// Makes a scenario by its name. Throws std::invalid_argument if there is none.
 std::unique_ptr<Scenario> make_scenario(const Catalogue& catalogue, const std::string& name);
 
 }  // namespace breakwater

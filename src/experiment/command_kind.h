@@ -1,4 +1,4 @@
-// A command of a program, besides those that every program has.
+// A further command of a program.
 #pragma once
 
 #include <string>

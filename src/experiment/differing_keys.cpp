@@ -16,7 +16,7 @@ namespace {
 constexpr std::size_t kMostKeysInLabel = 3;
 const std::string kAbsent = "–";
 
-// As a user would write it.
+// The value as a user writes it.
 std::string text_of(const ConfigValue& value) {
   struct Print {
     std::string operator()(bool yes) const { return yes ? "true" : "false"; }
@@ -32,7 +32,7 @@ std::string text_of(const ConfigValue& value) {
   return std::visit(Print{}, value.data);
 }
 
-// 1 and 1.0 are the same.
+// 1 and 1.0 are equal.
 bool are_same(const ConfigValue& a, const ConfigValue& b) {
   const auto number = [](const ConfigValue& value) -> std::optional<double> {
     if (const auto* whole = std::get_if<std::int64_t>(&value.data)) {
@@ -55,7 +55,7 @@ Config config_of(const SavedRun& run) {
       .config(run.case_name());
 }
 
-// Two values that are not the same are not written the same.
+// Different values get different texts.
 std::string distinct_text(const ConfigValue& value, const std::vector<ConfigValue>& others) {
   const std::string text = text_of(value);
   const bool is_ambiguous = std::any_of(
@@ -65,7 +65,7 @@ std::string distinct_text(const ConfigValue& value, const std::vector<ConfigValu
   return is_ambiguous && number != nullptr ? fmt::format("{}", *number) : text;
 }
 
-// " with mine": without it a run with another part would pass for its case.
+// " with mine": the label must show that a run does not have its case's own part.
 std::string parts_in_words(const std::vector<ChangedKey>& changed) {
   std::string words;
   for (const ChangedKey& key : changed) {
@@ -92,7 +92,7 @@ std::vector<ChangedKey> changed_keys(const Catalogue& catalogue, const SavedRun&
                          distinct_text(other->value, {entry.value})});
     }
   } catch (const std::invalid_argument&) {
-    changed.clear();  // of another version, say
+    changed.clear();  // the run may be of another version
   }
   return changed;
 }
@@ -155,7 +155,7 @@ std::vector<std::string> labels_of(const Catalogue& catalogue, const std::vector
     try {
       keys = differing_keys(same);
     } catch (const std::invalid_argument&) {
-      continue;  // a configuration that cannot be read: the folder tells
+      continue;  // The configuration cannot be read: use the folder as the label.
     }
     if (keys.size() > kMostKeysInLabel) continue;
     for (const DifferingKey& key : keys) {

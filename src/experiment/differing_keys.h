@@ -1,4 +1,4 @@
-// In what finished runs differ: from their case as it is shipped, and among each other.
+// Differences of finished runs, from their shipped case and among each other.
 #pragma once
 
 #include <string>
@@ -9,27 +9,27 @@
 
 namespace breakwater {
 
-/// A key whose value in a run is not the shipped case's; values as TOML has them.
+/// A key of a run that differs from the shipped case. Values are written as in TOML.
 struct ChangedKey {
   std::string key;
   std::string value;
   std::string shipped;
 };
 
-/// The keys of a run that differ from its case in the scenario's own file. Empty where this program
+/// The keys of a run that differ from its case in the scenario's own file. Empty if the program
 /// does not have the scenario, or the file not the case.
 std::vector<ChangedKey> changed_keys(const Catalogue& catalogue, const SavedRun& run);
 
-/// A key that is not the same in all runs, and its value in each; "–" where a run does not have it.
+/// A key that differs between runs, and its value in each; "–" if a run does not have it.
 struct DifferingKey {
   std::string key;
   std::vector<std::string> values;
 };
 std::vector<DifferingKey> differing_keys(const std::vector<SavedRun>& runs);
 
-/// How to tell runs apart: by case, with the parts that a run has instead of its case's:
-/// "hpfc-5N with mine"; where several are of one case, by the keys in which these
-/// differ, if they are few: "hpfc-5N, wall.distance_m=0.1"; else by folder.
+/// A label for each run: its case, with changed parts: "hpfc-5N with mine". Runs of one case get
+/// their differing keys, if these are few: "hpfc-5N, wall.distance_m=0.1". Otherwise the label is
+/// the folder.
 std::vector<std::string> labels_of(const Catalogue& catalogue, const std::vector<SavedRun>& runs);
 
 }  // namespace breakwater

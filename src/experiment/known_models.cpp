@@ -10,7 +10,7 @@ namespace {
 
 struct stat status_of(const std::filesystem::path& file) {
   struct stat status = {};
-  stat(file.c_str(), &status);  // all zeros if it is gone
+  stat(file.c_str(), &status);  // all zeros if the file is gone
   return status;
 }
 
@@ -18,7 +18,7 @@ bool is_same(const timespec& a, const timespec& b) {
   return a.tv_sec == b.tv_sec && a.tv_nsec == b.tv_nsec;
 }
 
-// The time of the last change of status, which nobody can set, tells of a copy that kept its time.
+// No program can set the time of the last status change. It reveals a copy.
 bool is_untouched(const struct stat& then, const struct stat& now) {
   return is_same(then.st_mtim, now.st_mtim) && is_same(then.st_ctim, now.st_ctim) &&
          then.st_size == now.st_size;

@@ -13,27 +13,27 @@
 
 namespace breakwater {
 
-/// Hashes of models, each file read once, and how the file system described it then. Thread-safe.
+/// Hashes of models, and the status of each file when it was read, once. Thread-safe.
 ///
-/// A hash is that of what was compiled if its file is noted before it is compiled (SharedModels)
-/// and unchanged once the run has ended.
+/// A hash belongs to the compiled model if the file is noted before the compilation (SharedModels)
+/// and is unchanged after the run.
 class KnownModels {
  public:
-  /// Reads an MJCF file and all that it has read in, unless they are known.
+  /// Reads an MJCF file and all files that it includes, unless they are known.
   void note(const std::string& file);
-  /// model_hashes() of these files as they were when each was noted, at the latest now.
+  /// The model_hashes() of these files when they were first noted. It notes unknown ones now.
   const ModelHashes& of(const std::vector<std::string>& files);
 
-  /// Throws std::invalid_argument `FILE: was changed while it ran: start again` if one of the files
-  /// that of() was called for has other bytes now. While none was touched, it reads none.
+  /// Throws std::invalid_argument `FILE: was changed while it ran: start again` if a file given to
+  /// of() has changed. It reads only files with a changed status.
   void check_unchanged(const std::vector<std::string>& files) const;
-  /// The same of all files.
+  /// The same for all files.
   void check_unchanged() const;
 
  private:
   struct File {
     std::filesystem::path path = {};
-    struct stat status = {};  // of just before it was read
+    struct stat status = {};  // just before it was read
     std::string hash = {};
   };
   using Files = std::vector<const File*>;
@@ -41,9 +41,9 @@ class KnownModels {
   const Files& noted(const std::string& file);
   static void check(const File& file);
 
-  // What is in them stays as it is.
+  // The entries do not change.
   std::map<std::filesystem::path, File> files_;
-  std::map<std::string, Files> models_;  // an MJCF file, and all that it has read in
+  std::map<std::string, Files> models_;  // an MJCF file, and all files that it includes
   std::map<std::vector<std::string>, ModelHashes> hashes_;
   mutable std::mutex mutex_;
 };

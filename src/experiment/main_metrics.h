@@ -1,4 +1,4 @@
-// The few metrics that say most, where there is no room for all.
+// The most important metrics, for places without room for all.
 #pragma once
 
 #include <string>
@@ -8,8 +8,8 @@
 
 namespace breakwater {
 
-/// Those of `metrics` that `names` (Scenario::main_metrics) names, in its order; the first two if
-/// it names none.
+/// The `metrics` with these `names` (Scenario::main_metrics), in that order. If empty, the first
+/// two.
 std::vector<Metric> main_metrics(const std::vector<std::string>& names,
                                  const std::vector<Metric>& metrics);
 

@@ -1,4 +1,4 @@
-// Parts that a scenario chooses by their names, each with keys of its own: controllers, estimators.
+// Parts that a scenario chooses by name, each with its own keys: controllers, estimators.
 #pragma once
 
 #include <functional>
@@ -13,7 +13,7 @@
 
 namespace breakwater {
 
-/// Thrown by a part that cannot be made of its settings: the key that is to blame.
+/// Thrown by a part that cannot be made from its settings. It names the wrong key.
 class WrongKey : public std::invalid_argument {
  public:
   WrongKey(std::string key, const std::string& reason)
@@ -25,7 +25,7 @@ class WrongKey : public std::invalid_argument {
   std::string key_;
 };
 
-/// Calls `make`, and blames `key` for an std::invalid_argument that it throws.
+/// Calls `make`. If it throws std::invalid_argument, throws a WrongKey for `key` instead.
 template <typename Make>
 auto blame(const char* key, Make&& make) {
   try {
@@ -37,13 +37,12 @@ auto blame(const char* key, Make&& make) {
   }
 }
 
-/// One kind of part for one kind of place: its name, one line of help, the keys that it has and a
-/// function that makes it. What it makes (`Product`) and what it is told of the place where it goes
-/// (`Context`) are the place's: rigs/ has the places.
+/// One kind of part: its name, one line of help, its keys and a function that makes it. `Product`
+/// is the part and `Context` the data from its place. rigs/ defines the places.
 template <typename Product, typename... Context>
 class PartKind {
  public:
-  /// A part's settings for one run.
+  /// The settings of a part for one run.
   class Part {
    public:
     Part() = default;
@@ -54,9 +53,9 @@ class PartKind {
     virtual std::unique_ptr<Product> make(Context... context) const = 0;
   };
 
-  /// `Settings` is any struct that can be made of nothing. `bind` binds keys to it; `make` makes
-  /// the part of it, or throws std::invalid_argument: a WrongKey blames a key, any other the
-  /// choice.
+  /// `Settings` is any default-constructible struct. `bind` binds keys to it, and `make` makes the
+  /// part from it. `make` may throw std::invalid_argument: a WrongKey names a key, any other
+  /// exception concerns the choice.
   template <typename Settings>
   PartKind(std::string part_name, std::string one_line, void (*bind)(Fields&, Settings&),
            std::unique_ptr<Product> (*make)(const Settings&, Context...))
@@ -64,7 +63,7 @@ class PartKind {
         help(std::move(one_line)),
         settings_([bind, make] { return std::make_unique<PartOf<Settings>>(bind, make); }) {}
 
-  /// Of a part that is no struct: `settings` makes what keys are bound to and the part is made of.
+  /// For a part without such a struct: `settings` makes the object that does both.
   PartKind(std::string part_name, std::string one_line,
            std::function<std::unique_ptr<Part>()> settings)
       : name(std::move(part_name)), help(std::move(one_line)), settings_(std::move(settings)) {}
@@ -95,12 +94,11 @@ class PartKind {
   std::function<std::unique_ptr<Part>()> settings_;
 };
 
-/// Which of the catalogue's kinds a run takes, by a key of its own ("observer.name"), and the
-/// settings of each.
+/// The choice of a kind of the catalogue by a key ("observer.name"), and the settings of each kind.
 template <typename Kind>
 class PartChoice {
  public:
-  /// `standard` is what a file without the key gets; empty: the key must be there.
+  /// `standard` is the default value of the key. If it is empty, the key is required.
   PartChoice(const Catalogue& catalogue, std::string key, std::string standard = "")
       : key_(std::move(key)), standard_(std::move(standard)) {
     for (const Kind& kind : catalogue.all<Kind>()) parts_.emplace_back(kind.name, kind.settings());
@@ -122,13 +120,13 @@ class PartChoice {
     }
   }
 
-  /// The chosen part. Throws std::invalid_argument if its settings define none.
+  /// Makes the chosen part. Throws std::invalid_argument if its settings are wrong.
   template <typename... Context>
   auto make(Context&&... context) const {
     return parts_.at(chosen_).second->make(std::forward<Context>(context)...);
   }
 
-  /// The same, to check it: throws std::invalid_argument `ORIGIN: KEY: reason`.
+  /// The same, as a check: throws std::invalid_argument `ORIGIN: KEY: reason`.
   template <typename... Context>
   auto check(const Config& config, Context&&... context) const {
     try {

@@ -1,4 +1,4 @@
-// What a run is made of besides its configuration: the models' files and the program.
+// The origin of a run besides its configuration: the models' files and the program.
 #pragma once
 
 #include <filesystem>
@@ -8,20 +8,19 @@
 
 namespace breakwater {
 
-/// The model files that are given, and all that an MJCF file among them has read in.
+/// These model files, and all files that an MJCF file among them includes.
 std::vector<std::filesystem::path> model_paths(const std::vector<std::string>& files);
 
-/// Hashes (file_hash) of these by their portable_path, "models/arm.xml". Throws
+/// Hashes (file_hash) of files by their portable_path, "models/arm.xml". Throws
 /// std::invalid_argument `FILE: cannot be read`.
 using ModelHashes = std::map<std::string, std::string>;
 ModelHashes model_hashes(const std::vector<std::string>& files);
 
-/// What a point of a study is known by, and a run's manifest tells: 16 hexadecimal digits of the
+/// The key of a study's point, also in a run's manifest: 16 hexadecimal digits that depend on the
 /// effective configuration and the models.
 std::string point_key(const std::string& config_text, const ModelHashes& models);
 
-/// The hash of program_file(), read once. A version's name does not tell two builds of
-/// changed sources apart.
+/// The hash of program_file(), read once. It distinguishes builds of one version.
 const std::string& program_hash();
 
 }  // namespace breakwater

@@ -1,4 +1,4 @@
-// Numbers that somebody else has for a case's metrics: those that a publication prints, say.
+// Metrics of a case from other sources, such as a publication.
 #pragma once
 
 #include <functional>
@@ -10,33 +10,33 @@
 
 namespace breakwater {
 
-/// Whether a measured number agrees with another's, in words for people.
+/// Whether a measured number agrees with a reference value, in words.
 struct Agreement {
   bool is_met;
   std::string text;  ///< "reproduced"
-  std::string tone;  ///< of the text on a page: good, near, off or unknown
+  std::string tone;  ///< style of the text on a page: good, near, off or unknown
 };
 
-/// A number that somebody else has for a metric.
+/// A metric's value from another source.
 struct ReferenceValue {
   std::string metric;
   double number;
-  std::string text;                                  ///< as it is written there
-  bool is_near_zero;                                 ///< a part of it says nothing
+  std::string text;                                  ///< as the source writes it
+  bool is_near_zero;                                 ///< a relative deviation is meaningless
   std::function<Agreement(double measured)> agrees;  ///< how a measured number agrees with it
 };
 
-/// A source of such numbers: a kind of the catalogue.
+/// A source of reference values: a kind of the catalogue.
 struct ReferenceKind {
   static constexpr const char* kWhat = "source of reference values";
 
   std::string name;
-  std::string legend;  ///< the meaning of "*" beside a number that does not agree: a whole line
-  /// The values of one case of a scenario; empty: there are none.
+  std::string legend;  ///< the meaning of "*" beside a number that does not agree, one line
+  /// The values of one case of a scenario; empty if there are none.
   std::vector<ReferenceValue> (*of_case)(const std::string& scenario, const std::string& case_name);
 };
 
-/// The values that the catalogue's sources have for one case of a scenario.
+/// The reference values of all sources for one case of a scenario.
 std::vector<ReferenceValue> reference_values(const Catalogue& catalogue,
                                              const std::string& scenario,
                                              const std::string& case_name);

@@ -24,7 +24,7 @@ void look_into(const fs::path& folder, const std::function<bool(const fs::path&)
     found.runs.push_back(folder);
     return;
   }
-  // What cannot be read, or vanishes meanwhile, has nothing to list.
+  // A folder that cannot be read, or vanishes meanwhile, counts as empty.
   std::vector<fs::path> folders;
   for (fs::directory_iterator entries(folder, error), end; !error && entries != end;
        entries.increment(error)) {
@@ -57,7 +57,7 @@ ListedRun list_run(const fs::path& folder) {
   ListedRun run;
   run.folder = folder;
   std::error_code ignored;
-  // Not the manifest's time: a picture that is drawn later is noted there.
+  // The manifest's time is no use: drawing a picture changes it.
   run.written = fs::last_write_time(folder / "log.h5", ignored);
   if (ignored) run.written = fs::last_write_time(folder / "manifest.json", ignored);
   try {

@@ -11,25 +11,25 @@
 
 namespace breakwater {
 
-/// What lies below a folder.
+/// The contents of a folder.
 struct FoundRuns {
   std::vector<std::filesystem::path> runs;        ///< folders with a manifest.json
-  std::vector<std::filesystem::path> unfinished;  ///< hidden, of runs that were never done
-  std::vector<std::filesystem::path> others;      ///< what `is_other` took: a study, say
+  std::vector<std::filesystem::path> unfinished;  ///< hidden folders of unfinished runs
+  std::vector<std::filesystem::path> others;  ///< folders that `is_other` accepts, such as studies
 };
 
-/// The folder itself is looked at too. What is found is not looked into; symbolic links are not
-/// followed, and folders that cannot be read hold nothing. Throws std::invalid_argument if there is
-/// no such folder.
+/// Searches `below`, including the folder itself. It does not search inside the found folders, and
+/// does not follow symbolic links. A folder that cannot be read counts as empty. Throws
+/// std::invalid_argument if `below` does not exist.
 FoundRuns find_runs(const std::filesystem::path& below,
                     const std::function<bool(const std::filesystem::path&)>& is_other);
 
-/// A run as far as its small files tell; its log is not opened.
+/// The summary of a run from its small files. The log is not opened.
 struct ListedRun {
   enum class Status { complete, failed, damaged };
   std::filesystem::path folder;
   Status status = Status::damaged;
-  std::string reason;  ///< why it is not complete
+  std::string reason;  ///< if it is not complete
   std::string scenario;
   std::string case_name;
   std::string seed;

@@ -12,13 +12,12 @@
 
 namespace breakwater {
 
-/// A run's metrics, of what it has been through by now.
+/// Returns the metrics of a run up to now.
 using MetricsSoFar = std::function<std::vector<Metric>()>;
 
-/// Calls `step(k)` for k = 0 … steps − 1; reports progress and obeys a request to stop at the
-/// start, after the first step (from which on nothing allocates), and now and then. Returns the
-/// failure if a step throws RunFailure. `measured`, unless empty, gives the metrics as they are so
-/// far; it is called only where somebody wants to see them.
+/// Calls `step(k)` for k = 0 … steps − 1. It reports progress and checks for a stop request at the
+/// start, after the first step and at intervals. After the first step nothing allocates. Returns
+/// the failure if a step throws RunFailure. `measured`, if not empty, gives metrics for display.
 template <typename Step>
 std::optional<Failure> run_loop(std::int64_t steps, const RunControl& control, Step&& step,
                                 const MetricsSoFar& measured = {}) {
@@ -40,10 +39,10 @@ std::optional<Failure> run_loop(std::int64_t steps, const RunControl& control, S
   return std::nullopt;
 }
 
-/// A run: at each physics step k < `steps` calls `step(k)`, which steps the simulation, and where
-/// the control was sampled in it `sample(time_s)`, after which the signals are logged as track
-/// "control" if `control.logs`. A run that does not fail ends with the metrics that `measured`
-/// gives; without it they are the caller's to add, and where they are of use further tracks.
+/// Calls `step(k)` at each physics step k < `steps`, which steps the simulation. At each control
+/// sample it calls `sample(time_s)` and, if `control.logs`, logs the signals as track "control". A
+/// complete run ends with the metrics of `measured`. Otherwise the caller adds them, and any
+/// further tracks.
 template <typename Step, typename Sample>
 Recording record_run(const Simulation& simulation, const PhysicsSettings& physics,
                      std::int64_t steps, std::vector<Signal> signals, const RunControl& control,

@@ -91,7 +91,7 @@ void note_renderer(const std::filesystem::path& folder, const std::string& state
   const std::filesystem::path file = folder / "manifest.json";
   std::ifstream stream(file);
   auto manifest = nlohmann::ordered_json::parse(stream, nullptr, false);
-  // Another run may have taken its place since.
+  // Another run may have replaced it since.
   if (!manifest.is_object() || manifest.value("state_hash", "") != state_hash) return;
   auto& renderers = manifest["renderers"];
   if (!renderers.is_object()) renderers = nlohmann::ordered_json::object();

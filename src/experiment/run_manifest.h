@@ -1,4 +1,4 @@
-// manifest.json of a run's folder, read back.
+// Reads manifest.json of a run's folder.
 #pragma once
 
 #include <filesystem>
@@ -10,7 +10,7 @@
 
 namespace breakwater {
 
-/// What is empty was not known to the version that wrote it.
+/// A member is empty if the version that wrote the manifest did not know it.
 struct RunManifest {
   std::string scenario;
   std::string case_name;
@@ -21,12 +21,11 @@ struct RunManifest {
   ModelHashes models;
 };
 
-/// Throws std::invalid_argument `FILE: KEY: reason` if the folder has no manifest of a run, or a
-/// damaged one.
+/// Throws std::invalid_argument `FILE: KEY: reason` if the manifest is missing or damaged.
 RunManifest read_manifest(const std::filesystem::path& folder);
 
-/// Notes in the manifest of the run in `folder`, if that is still the one with this state hash,
-/// what drew `picture` ("video.mp4"): `renderers.PICTURE`. Throws OutputError.
+/// Writes the `renderer` that drew `picture` ("video.mp4") into the manifest as
+/// `renderers.PICTURE`, if the run in `folder` still has this state hash. Throws OutputError.
 void note_renderer(const std::filesystem::path& folder, const std::string& state_hash,
                    const std::string& picture, const std::string& renderer);
 

@@ -18,10 +18,10 @@ namespace breakwater {
 namespace {
 
 constexpr const char* kChanged =
-    "its settings are not those of Breakwater's own case of this name: not compared with printed "
+    "its settings differ from Breakwater's case of this name: no comparison with the printed "
     "values\n";
 
-// What is printed for a run's case, if the run is that case.
+// The printed values of a run's case, if the run has the shipped settings.
 std::vector<ReferenceValue> printed_for(const Catalogue& catalogue, const std::string& scenario,
                                         const RunSummary& run) {
   if (!run.is_as_shipped) return {};
@@ -150,7 +150,7 @@ std::string runs_json(const std::string& scenario, const std::vector<RunSummary>
 
 std::string comparison_table(const std::string& scenario, const std::vector<RunSummary>& runs,
                              const Catalogue& catalogue, std::size_t width) {
-  std::vector<Metric> rows;  // the union of all runs' metrics, in their order
+  std::vector<Metric> rows;  // all metrics of the runs, in their order
   for (const RunSummary& run : runs) {
     auto position = rows.begin();
     for (const Metric& metric : run.metrics) {

@@ -1,4 +1,4 @@
-// The tables that runs end with.
+// The tables at the end of runs.
 #pragma once
 
 #include <string>
@@ -10,26 +10,26 @@
 
 namespace breakwater {
 
-/// One run: each metric with its unit and, where there is one, its reference value (references.h).
+/// One run: each metric with its unit and its reference value, if any (references.h).
 std::string metrics_table(const std::string& scenario, const RunSummary& run,
                           const Catalogue& catalogue);
 
-/// Several runs side by side, one column each; rows are the metrics that any of them has, with the
-/// printed values and the deviations from them below. A deviation that does not agree is marked.
+/// Several runs, one column each. The rows are all their metrics, with the printed values and the
+/// deviations from them below. A mark shows a deviation that does not agree.
 std::string comparison_table(const std::string& scenario, const std::vector<RunSummary>& runs,
                              const Catalogue& catalogue, std::size_t width);
 
-/// One table for each of the matrix' metrics: cases down, values across. `runs` are those of the
-/// first value, then those of the second, ….
+/// One table for each metric of the matrix, with a row per case and a column per value. `runs` has
+/// the runs of the first value, then those of the second, ….
 std::string matrix_tables(const Matrix& matrix, const std::vector<RunSummary>& runs,
                           std::size_t width);
 
-/// The table with what did not come out (failed, or marked) in colour, if `colourful`.
+/// The table with failed runs and marked numbers in colour, if `colourful`.
 std::string with_colours(const std::string& table, bool colourful);
 
-/// Runs as JSON: `scenario`, and of each of `runs` its `case`, `folder`, `status`, where it failed
-/// `time_s` and `reason`, its `metrics`, and of those that are printed somewhere `printed`: `value`
-/// and whether ours `agrees` with it.
+/// Runs as JSON: `scenario` and `runs`. Each run has `case`, `folder`, `status`, `metrics` and
+/// `printed`. A failed run also has `time_s` and `reason`. A printed metric has its `value`, and
+/// `agrees` compares the run with it.
 std::string runs_json(const std::string& scenario, const std::vector<RunSummary>& runs,
                       const Catalogue& catalogue);
 

@@ -51,12 +51,12 @@ std::string manifest(const PreparedRun& run, const ModelHashes& models, const Re
   return entries.dump(2) + "\n";
 }
 
-// Given back last first: the first one may have made parent folders for all, and can remove them
-// only when they are empty again.
+// Destroyed last first: the first one may have made the parent folders, and removes only empty
+// ones.
 class RunFolders {
  public:
   RunFolders() = default;
-  // Delegates, so that the destructor runs if a later target is refused.
+  // Delegates, so that the destructor also runs if a later target is refused.
   explicit RunFolders(const std::vector<std::filesystem::path>& targets) : RunFolders() {
     for (const auto& target : targets) folders_.push_back(std::make_unique<RunFolder>(target));
   }
@@ -75,7 +75,7 @@ class RunFolders {
 RunSummary execute(const PreparedRun& run, RunFolder& folder, const RunOptions& options,
                    const RunControl& control) {
   const auto start = std::chrono::steady_clock::now();
-  // Others may have run for hours since it was prepared.
+  // The models may have changed since the preparation: other runs may have taken hours.
   if (options.models != nullptr) options.models->check_unchanged(run.model_files);
   const ModelHashes models = options.models != nullptr ? options.models->of(run.model_files)
                                                        : model_hashes(run.model_files);
@@ -88,7 +88,7 @@ RunSummary execute(const PreparedRun& run, RunFolder& folder, const RunOptions& 
           recording.failure, recording.warnings, recording.simulated_s, wall_s};
 }
 
-// The configuration of the project's own case of that name, with the seed and the compression of
+// The configuration of Breakwater's own case with this name, with the seed and the compression of
 // `scenario`; empty if there is none.
 std::string shipped_config(const Catalogue& catalogue, const Scenario& scenario,
                            const std::string& case_name) {
@@ -122,7 +122,7 @@ PreparedRun prepare_scenario(std::unique_ptr<Scenario> scenario, const ScenarioF
   for (const UnusedKey& unused : fields.unused()) {
     const ConfigEntry& entry = *config.find(unused.key);
     if (!entry.is_chosen) continue;
-    // What a case gives to a choice of its own is no fault of a user who chooses otherwise.
+    // A case may set keys for its own choice. A user who chooses another part made no mistake.
     const ConfigEntry* choice = config.find(unused.choice);
     const bool is_chosen_otherwise = choice != nullptr && choice->is_set() && !entry.is_set();
     if (!is_chosen_otherwise) run.vain.push_back({entry.origin, unused.key, unused.reason});
@@ -169,7 +169,7 @@ std::vector<RunSummary> execute_runs(const std::vector<PreparedRun>& runs,
   try {
     on_all_cores(runs.size(), [&](std::size_t i) {
       RunControl control{[&progress, i](double done) { progress.update(i, done); }, options.stop};
-      // Of one run; the numbers of several would chase each other.
+      // Only for a single run: the numbers of several would alternate.
       if (runs.size() == 1 && progress.is_seen()) {
         control.measured = [&](const std::vector<Metric>& so_far) {
           progress.note(brief(main_metrics(runs[i].scenario->main_metrics(), so_far)));

@@ -1,4 +1,4 @@
-// From a scenario file to finished run folders.
+// Runs cases of a scenario file and writes their folders.
 #pragma once
 
 #include <atomic>
@@ -16,53 +16,52 @@
 
 namespace breakwater {
 
-/// A key that its case or --set gives though it has no effect in the run.
+/// An ineffective key that the case or --set sets.
 struct VainKey {
   std::string origin;  ///< "FILE:LINE" or "--set"
   std::string key;
   std::string reason;
 };
 
-/// One case, read and checked, that may be run.
+/// One case, read, checked and ready to run.
 struct PreparedRun {
   std::unique_ptr<Scenario> scenario;
   std::string case_name;
-  std::string config_text;               ///< the effective configuration, as a scenario file
-  std::vector<VainKey> vain;             ///< what the case or --set gives
-  bool is_as_shipped = false;            ///< the project's own case, but for seed and compression
-  std::vector<std::string> model_files;  ///< that its keys name
+  std::string config_text;     ///< the effective configuration, as a scenario file
+  std::vector<VainKey> vain;   ///< ineffective keys of the case or --set
+  bool is_as_shipped = false;  ///< the project's own case, except for seed and compression
+  std::vector<std::string> model_files;  ///< the files that its keys name
 };
 
-/// What is left of a run once its folder is written.
+/// The results of a run whose folder is written.
 struct RunSummary {
   std::string case_name;
   std::filesystem::path folder;
   std::vector<Metric> metrics;
-  bool is_as_shipped = true;  ///< so that a comparison with printed values means something
+  bool is_as_shipped = true;  ///< required for a comparison with printed values
   std::optional<Failure> failure;
   std::vector<std::string> warnings;
   double simulated_s = 0.0;
   double wall_s = 0.0;
 };
 
-/// Whether the tables of a scenario file are known to be right, since one of its cases was
-/// prepared.
+/// Whether the tables of a scenario file were checked with an earlier case.
 enum class Tables { checked, unchecked };
 
-/// The run of a scenario that was made, by one case of a file, with `sets` (key=value) on top; as
-/// shipped or not is not known. It is called after its case, or `called`. Throws
+/// Prepares one case of a file for a given scenario, with `sets` (key=value) on top. Whether it is
+/// as shipped stays unknown. The run has the name of its case, or `called`. Throws
 /// std::invalid_argument, one line.
 PreparedRun prepare_scenario(std::unique_ptr<Scenario> scenario, const ScenarioFile& file,
                              const std::string& case_name, const std::vector<std::string>& sets,
                              Tables tables, const std::string& called = "");
 
-/// The same of a scenario's name; whether it is as shipped is found out.
+/// The same by the scenario's name. It also finds out whether the case is as shipped.
 PreparedRun prepare_run(const Catalogue& catalogue, const std::string& scenario,
                         const ScenarioFile& file, const std::string& case_name,
                         const std::vector<std::string>& sets);
 
-/// The same of a file whose tables are checked, for one run of very many: not known to be as
-/// shipped.
+/// The same for one run of many. The file's tables are checked. Whether it is as shipped is
+/// unknown.
 PreparedRun prepare_point(const Catalogue& catalogue, const std::string& scenario,
                           const ScenarioFile& file, const std::string& case_name,
                           const std::vector<std::string>& sets);
@@ -71,19 +70,18 @@ struct RunOptions {
   bool csv = false;
   bool quiet = false;
   const std::atomic<bool>* stop = nullptr;
-  /// Those that the runs were prepared with, while SharedModels lived; null: each run reads its
-  /// own.
+  /// The models of the prepared runs, under SharedModels; null: each run reads its own.
   KnownModels* models = nullptr;
 };
 
-/// Writes all that a run leaves into its folder, which then takes its place. `models` are those
-/// that it was made of. Throws OutputError.
+/// Writes all files of a run into its folder and moves this to its target. `models` are the hashes
+/// of its models. Throws OutputError.
 void write_run(const PreparedRun& run, const ModelHashes& models, const Recording& recording,
                double wall_s, RunFolder& folder, bool csv);
 
-/// Runs all of `runs`, on all cores, each into its folder of `targets`. Nothing runs unless all
-/// of them can be written. Throws std::invalid_argument, OutputError or Interrupted; a run that
-/// fails is in its summary. A known model that changed since it was read is an invalid argument.
+/// Runs all of `runs` on all cores, each into its folder of `targets`. It begins only if all
+/// folders can be written. Throws std::invalid_argument (also if a known model has changed),
+/// OutputError or Interrupted. A failed run is in its summary.
 std::vector<RunSummary> execute_runs(const std::vector<PreparedRun>& runs,
                                      const std::vector<std::filesystem::path>& targets,
                                      const RunOptions& options);

@@ -17,7 +17,7 @@ namespace breakwater {
 namespace fs = std::filesystem;
 namespace {
 
-// NAME is control/NAME.
+// NAME means control/NAME.
 SignalName place_of(const std::string& name) {
   SignalName place = signal_name(name);
   if (place.name.find('/') == std::string::npos) place.name = "control/" + place.name;
@@ -61,7 +61,7 @@ SavedRun::SavedRun(const fs::path& folder) : folder_(folder) {
   for (const auto& [path, data] : read_) check_rows(path, data);
 }
 
-// All that reads a log trusts in these.
+// Functions that use a log rely on these properties.
 void SavedRun::check_rows(const std::string& path, const LoggedSignal& data) const {
   const auto refuse = [&](const std::string& what) {
     throw std::invalid_argument(log_file() + ": " + path + ": " + what + "; run it again");
@@ -75,7 +75,7 @@ void SavedRun::check_rows(const std::string& path, const LoggedSignal& data) con
   if (data.width != 1) refuse("must have one value a row");
   for (std::size_t i = 0; i < data.rows; ++i) {
     const double time_s = data.values[i];
-    // The factor keeps sums and differences of any two times finite too.
+    // The factor keeps the sums and differences of two times finite.
     const bool is_finite = std::isfinite(4.0 * time_s);
     if (is_finite && (i == 0 || time_s > data.values[i - 1])) continue;
     refuse(fmt::format("must be finite and rise, is {} in row {}", time_s, i + 1));
@@ -95,7 +95,7 @@ std::vector<Metric> read_metrics(const fs::path& folder) {
     throw std::invalid_argument(file.string() + ": is no object of numbers; run it again");
   }
   for (const auto& [name, value] : metrics.items()) {
-    if (value.is_null()) continue;  // how version 0.1 wrote what is no finite number
+    if (value.is_null()) continue;  // version 0.1 wrote null for a number that is not finite
     if (!value.is_number()) {
       throw std::invalid_argument(file.string() + ": " + name +
                                   ": must be a number: the file is damaged; run it again");
@@ -154,7 +154,7 @@ Series SavedRun::signal(const std::string& name) const {
   const std::size_t index = std::max<std::size_t>(1, place_of(name).index);
   if (index > found.width || (place_of(name).index == 0 && found.width > 1)) {
     throw std::invalid_argument(log_file() + ": " + name + " has " + std::to_string(found.width) +
-                                " values; say which: NAME[1]");
+                                " values; choose one, as NAME[1]");
   }
   const LoggedSignal& values = dataset(found.group + "/" + found.name);
   Series series{dataset(found.group + "/time_s").values, std::vector<double>(values.rows)};

@@ -1,4 +1,4 @@
-// What any run's folder tells, whatever its scenario.
+// Reads the folder of any scenario's run.
 #pragma once
 
 #include <filesystem>
@@ -14,11 +14,10 @@
 
 namespace breakwater {
 
-/// A run's manifest, metrics, configuration and log. A failed run is one too: it has a reason and
-/// no metrics.
+/// The manifest, metrics, configuration and log of a run. A failed run has a reason and no metrics.
 class SavedRun {
  public:
-  /// Throws std::invalid_argument, one line that says what to do, if the folder is no run's.
+  /// Throws std::invalid_argument with a hint, one line, if the folder is not that of a run.
   explicit SavedRun(const std::filesystem::path& folder);
 
   const std::filesystem::path& folder() const { return folder_; }
@@ -28,27 +27,27 @@ class SavedRun {
   const std::string& state_hash() const { return manifest_.state_hash; }
   const std::string& config_text() const { return config_text_; }
   const std::optional<Failure>& failure() const { return manifest_.failure; }
-  /// What it is made of besides its configuration; empty where an older version wrote it.
+  /// Its origin besides the configuration; empty if an older version wrote it.
   const std::string& program() const { return manifest_.program; }
   const ModelHashes& models() const { return manifest_.models; }
-  /// In the scenario's order. Units are the ends of the names.
+  /// In the scenario's order. Each unit is the end of the name.
   const std::vector<Metric>& metrics() const { return metrics_; }
   std::optional<double> metric(const std::string& name) const;
-  /// Warnings for the user, one line each: that nothing vouches for the log.
+  /// Warnings, one line each: the log may have changed after the run.
   const std::vector<std::string>& notes() const { return notes_; }
 
   const std::vector<LogEntry>& signals() const { return signals_; }
   bool has_signal(const std::string& name) const;
-  /// A signal, GROUP/NAME, NAME of the group control, or NAME[3] for the third of its values.
+  /// A signal by GROUP/NAME, by NAME in the group control, or by NAME[3] for its third value.
   /// Throws std::invalid_argument if the log does not have it.
   Series signal(const std::string& name) const;
-  /// What the log says about it, found in the same way.
+  /// The log's entry for a signal, found in the same way.
   const LogEntry& entry(const std::string& name) const;
-  /// A signal's unit: of NAME[3] that of the third of its values.
+  /// The unit of a signal, or of one value for NAME[3].
   std::string unit(const std::string& name) const;
-  /// A dataset of the log, GROUP/NAME: as many rows as its group's GROUP/time_s, which is finite
-  /// and rises. It is kept as long as the run. Throws std::invalid_argument if the log does not
-  /// have it so.
+  /// A dataset of the log, GROUP/NAME. It has as many rows as GROUP/time_s of its group, whose
+  /// times are finite and increasing. The reference is valid as long as the run. Throws
+  /// std::invalid_argument if the log does not have it in this form.
   const LoggedSignal& dataset(const std::string& path) const;
 
  private:
@@ -62,15 +61,15 @@ class SavedRun {
   std::vector<Metric> metrics_;
   std::vector<LogEntry> signals_;
   std::vector<std::string> notes_;
-  bool is_read_whole_ = false;                        // since nothing vouches for its log
-  mutable std::map<std::string, LoggedSignal> read_;  // datasets, as they were asked for
+  bool is_read_whole_ = false;                        // no hash protects its log
+  mutable std::map<std::string, LoggedSignal> read_;  // the datasets that were read so far
 };
 
-/// The metrics of a run that did not fail, in the scenario's order. Throws std::invalid_argument,
-/// one line, if they are missing or damaged.
+/// The metrics of a complete run, in the scenario's order. Throws std::invalid_argument, one line,
+/// if they are missing or damaged.
 std::vector<Metric> read_metrics(const std::filesystem::path& folder);
 
-/// "N" of "peak_force_raw_N": the unit at the end of a metric's name, as people write it.
+/// The unit at the end of a metric's name, as people write it: "N" for "peak_force_raw_N".
 std::string unit_of(const std::string& metric);
 
 }  // namespace breakwater

@@ -1,4 +1,4 @@
-// What every scenario is.
+// The interface of all scenarios.
 #pragma once
 
 #include <atomic>
@@ -17,23 +17,23 @@ namespace breakwater {
 
 class Catalogue;
 
-/// What the outside may see and stop of a running scenario.
+/// The link between a running scenario and its caller.
 struct RunControl {
   std::function<void(double fraction_done)> progress;  ///< may be empty
   const std::atomic<bool>* stop = nullptr;             ///< ends the run when it becomes true
-  bool logs = true;  ///< else the recording's tracks may have no rows: metrics are all that counts
-  /// Told beside the progress what is measured so far; may be empty.
+  bool logs = true;  ///< false: only the metrics count, and the tracks may have no rows
+  /// Gets the present metrics together with the progress; may be empty.
   std::function<void(const std::vector<Metric>& so_far)> measured = {};
 };
 
 /// A table of all cases over the values of one key.
 struct Matrix {
-  std::string key;                   ///< empty: there is none
-  std::vector<std::string> values;   ///< of the key
+  std::string key;                   ///< empty: no matrix
+  std::vector<std::string> values;   ///< values of this key
   std::vector<std::string> metrics;  ///< one table each
 };
 
-/// An experiment: settings, and the run that they define. run() depends on nothing else.
+/// A scenario: settings, and the run that they define. run() depends on nothing else.
 class Scenario {
  public:
   Scenario() = default;
@@ -42,39 +42,38 @@ class Scenario {
   virtual ~Scenario() = default;
 
   virtual std::string name() const = 0;
-  /// One line: what it studies.
+  /// One line: the subject of the study.
   virtual std::string summary() const = 0;
 
-  /// Which metrics are shown where there is room for few, the most telling one first; those that
-  /// apply. Empty: the first ones that a run has.
+  /// The most important metrics for short displays, most important first; unsuitable ones are left
+  /// out. Empty: the first ones of a run.
   virtual std::vector<std::string> main_metrics() const { return {}; }
 
-  /// Every metric and cost that its runs may report, for the reference. May be empty.
+  /// All metrics and costs that a run may have, for the reference. May be empty.
   virtual std::vector<MetricDefinition> metric_definitions() const { return {}; }
 
-  /// What --matrix runs and prints.
+  /// The table of --matrix.
   virtual Matrix matrix() const { return {}; }
 
-  /// Its keys, bound to its settings.
+  /// The keys of the scenario, bound to its settings.
   virtual Fields fields() = 0;
-  /// What fields cannot check one by one, once they are read; also makes paths absolute. Throws
+  /// Checks after reading what single keys cannot show, and makes paths absolute. Throws
   /// std::invalid_argument `ORIGIN: KEY: reason`.
   virtual void check(const Config& config) = 0;
-  /// Settings that all scenarios have; valid once read.
+  /// The settings that all scenarios have; valid after reading.
   virtual const RunSettings& run_settings() const = 0;
 
-  /// What a user should know before a run with these settings, one line each.
+  /// Warnings before a run with these settings, one line each.
   virtual std::vector<std::string> warnings() const { return {}; }
 
-  /// Runs it. Failures of the run are in the recording; throws Interrupted if asked to stop.
+  /// Runs the simulation. The recording has its failure. Throws Interrupted if asked to stop.
   virtual Recording run(const RunControl& control) const = 0;
 
-  /// Makes of the file `model.mjcf` the plant as it looks in a run's pictures: a wall at its place,
-  /// say. The settings are read.
+  /// Changes the model `model.mjcf` into the plant of the pictures: places a wall, for example.
   virtual void prepare_scene(Model&) const {}
-  /// What changes in the pictures besides the plant's qpos: a wall that is not there yet, say.
+  /// Changes the pictures during the run, besides the plant's qpos: shows a wall, for example.
   virtual void animate_scene(Model&, double /*time_s*/) const {}
-  /// The water's surfaces in the pictures.
+  /// The water surfaces in the pictures.
   virtual std::vector<WavingSurface> waving_surfaces(const Model&) const { return {}; }
 };
 

@@ -33,7 +33,7 @@ void PhysicsSettings::bind(Fields& fields) {
                 {{"euler", Integrator::euler},
                  {"rk4", Integrator::rk4},
                  {"implicit", Integrator::implicit},
-                 {"Euler", Integrator::euler},  // as MJCF spells it
+                 {"Euler", Integrator::euler},  // the spelling of MJCF
                  {"RK4", Integrator::rk4}},
                 "the engine's integrator");
   fields.number("control.period_s", control_period_s, positive(),
@@ -42,13 +42,16 @@ void PhysicsSettings::bind(Fields& fields) {
 
 void PhysicsSettings::check(const Config& config, const RunSettings& run) const {
   if (run.duration_s / timestep_s > kMostSteps) {
-    config.fail("run.duration_s", "is too long for so short a physics.timestep_s");
+    config.fail("run.duration_s",
+                "has too many steps of physics.timestep_s: shorten the run or lengthen the step");
   }
   if (std::llround(run.duration_s / timestep_s) < 1) {
     config.fail("run.duration_s", "must be at least one physics.timestep_s");
   }
   if (control_period_s / timestep_s > kMostStepsPerSample) {
-    config.fail("control.period_s", "is too long for so short a physics.timestep_s");
+    config.fail(
+        "control.period_s",
+        "has too many steps of physics.timestep_s: shorten the period or lengthen the step");
   }
   check_multiple(config, "control.period_s", control_period_s, timestep_s, "physics.timestep_s");
 }

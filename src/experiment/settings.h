@@ -23,7 +23,7 @@ struct RunSettings {
 /// The keys of the plant's model: model.mjcf, model.most_elements.
 void bind_model(Fields& fields, ModelFile& model);
 
-/// The engine's step and the control period.
+/// The physics step and the control period.
 struct PhysicsSettings {
   double timestep_s = 0.0;
   Integrator integrator = Integrator::euler;
@@ -31,36 +31,36 @@ struct PhysicsSettings {
 
   void bind(Fields& fields);
   /// Throws std::invalid_argument `ORIGIN: KEY: reason` unless the control period is a whole
-  /// multiple of the timestep, and the run has at least one step and no absurd number of them.
+  /// multiple of the timestep, and the number of steps is reasonable.
   void check(const Config& config, const RunSettings& run) const;
 
   /// Physics steps per control sample.
   int steps_per_sample() const;
-  /// The number of the physics step that begins at `time_s`.
+  /// The number of the physics step that begins at `time_s` [s].
   std::int64_t step_at(double time_s) const;
-  /// The sampling instant nearest to `time_s` [s]: what begins then begins with a sample.
+  /// The sampling instant nearest to `time_s` [s].
   double sample_time_s(double time_s) const;
 };
 
-/// What happens to measurements that are no numbers, and how to make some.
+/// The reaction to measurements that are not numbers, and a fault that makes some.
 struct FaultSettings {
   NanPolicy nan_policy = NanPolicy::stop;
   SensorFault fault;
 
-  /// `channels` says which there are: "q1, q2, ..., force".
+  /// `channels` lists the possible channels: "q1, q2, ..., force".
   void bind(Fields& fields, const std::string& channels);
-  /// Throws std::invalid_argument, blaming fault.sensor, if there is no such channel.
+  /// Throws std::invalid_argument for fault.sensor if there is no such channel.
   void check(const Config& config, const std::vector<SensorChannel>& channels) const;
   void apply(SensingSetup& setup) const;
 };
 
-/// How an encoder rounds; files that do not have the key mean to the nearest count.
+/// Binds the rounding of an encoder. The default value is the nearest count.
 void bind_encoder_rounding(Fields& fields, const std::string& key, EncoderRounding& rounding);
 
-/// Whether `time_s` is a whole multiple of `step_s`, rounding apart.
+/// Whether `time_s` is a whole multiple of `step_s`, except for rounding errors.
 bool is_multiple(double time_s, double step_s);
 
-/// Throws std::invalid_argument, blaming `key`, unless `time_s` is a whole multiple of `step_s`.
+/// Throws std::invalid_argument for `key` unless `time_s` is a whole multiple of `step_s`.
 void check_multiple(const Config& config, const std::string& key, double time_s, double step_s,
                     const std::string& step_name);
 

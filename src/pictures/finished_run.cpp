@@ -24,11 +24,11 @@ FinishedRun::FinishedRun(const Catalogue& catalogue, const std::filesystem::path
   if (!catalogue.has<ScenarioKind>(saved_.scenario())) {
     if (!saved_.has_signal("qpos")) {
       throw NothingMoved(folder.string() + ": is a run of \"" + saved_.scenario() +
-                         "\", whose log has no qpos: nothing moved that could be drawn");
+                         "\", whose log has no qpos: there is no motion to draw");
     }
     throw std::invalid_argument(folder.string() + ": is a run of scenario \"" + saved_.scenario() +
-                                "\", which this program does not have: the program that made it "
-                                "can draw it");
+                                "\", which this program does not have: draw it with the program "
+                                "that made it");
   }
   const auto& kind = catalogue.get<ScenarioKind>(saved_.scenario());
   scenario_ = kind.make(catalogue);
@@ -42,7 +42,7 @@ FinishedRun::FinishedRun(const Catalogue& catalogue, const std::filesystem::path
   }
 }
 
-// Pictures need few keys, and none of a controller's: what this program does not know is no fault.
+// Pictures need few keys, and none of a controller. Unknown keys and values are no error here.
 void FinishedRun::read_settings(const ScenarioKind& kind) {
   Fields fields = scenario_->fields();
   const std::vector<std::string> missing = fields.read_finished(*config_);
@@ -54,8 +54,10 @@ void FinishedRun::read_settings(const ScenarioKind& kind) {
     const ConfigEntry* entry = values.find(key);
     if (entry == nullptr) continue;
     config_->apply({{key, *entry}});
-    notes_.push_back(fmt::format("{}: has no {}, being of another version: taken as in {}",
-                                 (folder() / "config.toml").string(), key, entry->origin));
+    notes_.push_back(
+        fmt::format("{}: has no {}, since it is of another version: using the value of "
+                    "{}",
+                    (folder() / "config.toml").string(), key, entry->origin));
   }
   fields.read_finished(*config_);
 }
@@ -88,7 +90,7 @@ Series FinishedRun::signal(const std::string& name) const {
   const std::size_t index = std::max<std::size_t>(1, wanted.index);
   if (index > all.size() || (wanted.index == 0 && all.size() > 1)) {
     throw std::invalid_argument(log_file() + ": " + name + ": the signal has " +
-                                std::to_string(all.size()) + " values; say which: NAME[1]");
+                                std::to_string(all.size()) + " values; choose one, as NAME[1]");
   }
   return std::move(all[index - 1]);
 }
@@ -106,7 +108,7 @@ std::string FinishedRun::fill_in(const std::string& text) const {
   while (open != std::string::npos) {
     const std::size_t end = filled.find('}', open);
     if (end == std::string::npos) {
-      throw std::invalid_argument("\"" + text + "\": a { without its }");
+      throw std::invalid_argument("\"" + text + "\": a { has no }");
     }
     const std::string key = filled.substr(open + 1, end - open - 1);
     const ConfigEntry* entry = config_->find(key);
@@ -116,7 +118,7 @@ std::string FinishedRun::fill_in(const std::string& text) const {
     } else if (entry != nullptr && std::holds_alternative<std::string>(entry->value.data)) {
       value = std::get<std::string>(entry->value.data);
     } else {
-      config_->fail(key, "is no number or text that \"" + text + "\" could name");
+      config_->fail(key, "must be a number or a text, since \"" + text + "\" shows it");
     }
     filled.replace(open, end - open + 1, value);
     open = filled.find('{', open + value.size());

@@ -1,4 +1,4 @@
-// A run's folder, read back.
+// The folder of a finished run.
 #pragma once
 
 #include <filesystem>
@@ -16,53 +16,52 @@
 
 namespace breakwater {
 
-/// Thrown of a run in which nothing moved that could be drawn: estimates of recorded data.
+/// Thrown if a run has no motion to draw, such as an estimation from recorded data.
 class NothingMoved : public std::invalid_argument {
  public:
   using std::invalid_argument::invalid_argument;
 };
 
-/// What a finished run left, its scenario with the run's settings, and its log.
+/// The results of a finished run, its scenario with the run's settings, and its log.
 class FinishedRun {
  public:
-  /// The catalogue outlives it. Throws std::invalid_argument, one line, if the folder is not a
-  /// run's or lacks a file, or the catalogue lacks its scenario: NothingMoved if its log has no
-  /// positions either.
+  /// The catalogue must outlive it. Throws std::invalid_argument, one line, if the folder is not
+  /// that of a run or lacks a file, or the catalogue lacks its scenario. If the log also has no
+  /// positions, it throws NothingMoved.
   FinishedRun(const Catalogue& catalogue, const std::filesystem::path& folder);
 
   const std::filesystem::path& folder() const { return saved_.folder(); }
   const std::string& case_name() const { return saved_.case_name(); }
   const SavedRun& saved() const { return saved_; }
   const Catalogue& catalogue() const { return *catalogue_; }
-  /// Notes to the user, one line each: on the log, and on the values taken for keys that an older
-  /// version did not have.
+  /// Notes, one line each: on the log, and on keys that an older version did not have.
   const std::vector<std::string>& notes() const { return notes_; }
   const Scenario& scenario() const { return *scenario_; }
-  /// Where its scenario's shot list is, if there is one.
+  /// The place of the scenario's shot list, if any.
   const std::filesystem::path& shots_file() const { return shots_file_; }
 
-  /// The times of the log's control samples [s]; two at least.
+  /// The times of the log's control samples [s], at least two.
   const std::vector<double>& times_s() const { return saved_.dataset("control/time_s").values; }
-  /// When the last sample's period ends [s].
+  /// The end of the last sample's period [s].
   double end_s() const { return times_s().back() + (times_s()[1] - times_s()[0]); }
   /// The generalised positions at these times.
   const LoggedSignal& qpos() const { return saved_.dataset("control/qpos"); }
 
-  /// The plant as it looks in pictures.
+  /// The plant for pictures.
   Model load_scene() const;
 
-  /// Whether the log has what an arrow or a line may name: a signal, or a key of the configuration.
+  /// Whether an arrow or a line may use this name: a signal or a key.
   bool has(const std::string& key_or_signal) const {
     return config_->number(key_or_signal) || saved_.has_signal(key_or_signal);
   }
-  /// A signal at the control rate, NAME or NAME[3] for the third of its values. Throws
+  /// A signal at the control rate: NAME, or NAME[3] for its third value. Throws
   /// std::invalid_argument if the log does not have it.
   Series signal(const std::string& name) const;
-  /// A vector signal's values, one series each.
+  /// The values of a vector signal, one series each.
   std::vector<Series> vector_signal(const std::string& name) const;
-  /// A number of the run's configuration, constant over time, or a signal.
+  /// A number of the run's configuration as a constant series, or a signal.
   Series value(const std::string& key_or_signal) const;
-  /// `text` with each {KEY} replaced by that key's value. Throws if there is no such key.
+  /// `text` with each {KEY} replaced by the value of the key. Throws if there is no such key.
   std::string fill_in(const std::string& text) const;
 
  private:

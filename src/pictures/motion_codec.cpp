@@ -7,7 +7,7 @@
 namespace breakwater {
 namespace {
 
-constexpr double kLargest = 4e15;  // whole numbers below it are exact, as they are in a browser
+constexpr double kLargest = 4e15;  // whole numbers below it are exact, also in a browser
 
 }  // namespace
 

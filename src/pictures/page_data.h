@@ -1,4 +1,4 @@
-// Data that a page carries with it.
+// Data inside a page.
 #pragma once
 
 #include <cstddef>
@@ -8,13 +8,13 @@
 
 namespace breakwater {
 
-/// RFC 4648, padded.
+/// Base64 by RFC 4648, padded.
 std::string base64(const void* bytes, std::size_t size);
 
-/// Bytes as base64 of a zlib stream (RFC 1950), which browsers call "deflate".
+/// Bytes as base64 of a zlib stream (RFC 1950), the format "deflate" of browsers.
 std::string packed_bytes(std::span<const std::uint8_t> bytes);
 
-/// JSON text that may stand within <script>: no '<' is left in it.
+/// JSON text that is safe within <script>: it has no '<'.
 std::string script_safe(std::string json);
 
 }  // namespace breakwater

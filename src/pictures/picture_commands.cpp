@@ -48,7 +48,7 @@ struct Size {
   int height;
 };
 
-// "1280x720".
+// Reads "1280x720".
 Size read_size(const std::string& text, const Size& otherwise) {
   if (text.empty()) return otherwise;
   Size size{};
@@ -87,8 +87,8 @@ void warn_if_slow(const Offscreen& offscreen) {
   if (const auto warning = offscreen.slowness()) fmt::print(stderr, "pictures: {}\n", *warning);
 }
 
-// A picture in its run's folder is noted there; of others, which may be elsewhere by now, videos
-// say it themselves.
+// Notes the renderer in the manifest if the picture is in its run's folder. A video also contains
+// it.
 void report(const PictureArguments& arguments, const FinishedRun& run, const std::string& renderer,
             const std::string& what, const fs::path& file) {
   std::error_code error;
@@ -99,7 +99,7 @@ void report(const PictureArguments& arguments, const FinishedRun& run, const std
   if (!arguments.quiet) fmt::print("{}: {}\n", what, file.string());
 }
 
-// Where a picture goes: it is a PNG, and is not called anything else.
+// The place of a picture. It is a PNG, and its name must say so.
 fs::path picture_file(const PictureArguments& arguments, const fs::path& otherwise) {
   if (arguments.out.empty()) return otherwise;
   fs::path file = arguments.out;
@@ -107,8 +107,8 @@ fs::path picture_file(const PictureArguments& arguments, const fs::path& otherwi
   std::transform(end.begin(), end.end(), end.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   if (end != ".png") {
-    throw std::invalid_argument(
-        fmt::format("--out {}: pictures are PNG: give it a name on .png", arguments.out));
+    throw std::invalid_argument(fmt::format(
+        "--out {}: pictures are PNG: choose a name that ends with .png", arguments.out));
   }
   return file;
 }
@@ -175,7 +175,7 @@ int still(const Catalogue& catalogue, const PictureArguments& arguments) {
   stage.style.width = size.width;
   stage.style.height = size.height;
   stage.style.look = read_look(arguments.look, kPrintLook);
-  stage.style.speed = 1.0;  // nothing moves
+  stage.style.speed = 1.0;  // a still has no speed
   const fs::path file = picture_file(arguments, runs.front().folder() / "still.png");
 
   Picture picture(stage.runs, stage.style);
@@ -203,7 +203,8 @@ int strip(const Catalogue& catalogue, const PictureArguments& arguments) {
 
 void describe_common(CLI::App& app, PictureArguments& arguments, const char* size,
                      const char* look) {
-  app.add_option("--camera", arguments.camera, "a camera of the model (default: the shot list's)")
+  app.add_option("--camera", arguments.camera,
+                 "use this camera of the model (default: the shot list's)")
       ->type_name("NAME");
   app.add_option("--size", arguments.size, size)->type_name("WxH");
   app.add_option("--look", arguments.look, look)->type_name("LOOK");
@@ -211,37 +212,41 @@ void describe_common(CLI::App& app, PictureArguments& arguments, const char* siz
 }
 
 void describe_video(CLI::App& app, PictureArguments& arguments) {
-  app.add_option("RUN", arguments.runs, "folders of finished runs, up to 4, side by side")
+  app.add_option("RUN", arguments.runs, "show these finished runs, up to 4, side by side")
       ->required();
-  describe_common(app, arguments, "of the whole picture (default: the shot list's)",
-                  "fast: without shadows; full (default); print: as smooth as can be");
-  app.add_option("--fps", arguments.fps, "frames a second (default: the shot list's)")
+  describe_common(app, arguments, "set the size of the whole picture (default: the shot list's)",
+                  "choose fast (without shadows), full (default) or print (smoothest)");
+  app.add_option("--fps", arguments.fps, "set the frames per second (default: the shot list's)")
       ->type_name("N")
       ->check(CLI::Range(1, 240));
-  app.add_option("--speed", arguments.wish.speed, "0.1: ten times slower than life")
+  app.add_option("--speed", arguments.wish.speed,
+                 "set the speed: 0.1 is ten times slower than real time")
       ->type_name("X")
       ->check([](const std::string& text) {
         return std::strtod(text.c_str(), nullptr) > 0.0 ? std::string() : text + " is not positive";
       });
-  app.add_option("--from", arguments.wish.from_s, "simulated time to begin with")->type_name("S");
-  app.add_option("--to", arguments.wish.to_s, "simulated time to end with")->type_name("S");
-  app.add_option("--out", arguments.out, "the file (default: RUN/video.mp4)")->type_name("FILE");
+  app.add_option("--from", arguments.wish.from_s, "begin at this simulated time")->type_name("S");
+  app.add_option("--to", arguments.wish.to_s, "end at this simulated time")->type_name("S");
+  app.add_option("--out", arguments.out, "write this file (default: RUN/video.mp4)")
+      ->type_name("FILE");
 }
 
 void describe_still(CLI::App& app, PictureArguments& arguments) {
-  app.add_option("RUN", arguments.runs, "folders of finished runs, up to 4, side by side")
+  app.add_option("RUN", arguments.runs, "show these finished runs, up to 4, side by side")
       ->required();
-  app.add_option("--at", arguments.at_s, "simulated time")->type_name("S")->required();
-  describe_common(app, arguments, "of the picture (default: the shot list's)",
-                  "fast, full, or print (default)");
-  app.add_option("--out", arguments.out, "the file (default: RUN/still.png)")->type_name("FILE");
+  app.add_option("--at", arguments.at_s, "draw this simulated time")->type_name("S")->required();
+  describe_common(app, arguments, "set the size of the picture (default: the shot list's)",
+                  "choose fast, full or print (default)");
+  app.add_option("--out", arguments.out, "write this file (default: RUN/still.png)")
+      ->type_name("FILE");
 }
 
 void describe_strip(CLI::App& app, PictureArguments& arguments) {
-  app.add_option("RUN", arguments.runs, "the folder of a finished run")->required()->expected(1);
-  describe_common(app, arguments, "of each of its pictures (default: 560x320)",
-                  "fast, full, or print (default)");
-  app.add_option("--out", arguments.out, "the file (default: RUN/strip.png)")->type_name("FILE");
+  app.add_option("RUN", arguments.runs, "draw the run of this folder")->required()->expected(1);
+  describe_common(app, arguments, "set the size of each of its pictures (default: 560x320)",
+                  "choose fast, full or print (default)");
+  app.add_option("--out", arguments.out, "write this file (default: RUN/strip.png)")
+      ->type_name("FILE");
 }
 
 struct Command {
@@ -262,9 +267,9 @@ const Command& find_command(const std::string& name) {
                        [&](const Command& c) { return c.name == name; });
 }
 
-// A picture that fails leaves its run whole: a status of its own.
+// If a picture fails, the run is still complete: the exit status is a different one.
 int draw(const Command& command, const Catalogue& catalogue, const PictureArguments& arguments) {
-  opengl_asked();  // what it refuses is refused at once
+  opengl_asked();  // refuse wrong environment variables at once
   try {
     return command.execute(catalogue, arguments);
   } catch (const RenderError& error) {
@@ -283,7 +288,7 @@ int picture_main(const Catalogue& catalogue, int argc, const char* const* argv) 
   return guarded(program, [&] {
     CLI::App app(command.summary, program);
     app.footer(
-        "It is drawn from the run's log, as the scenario's shots.toml says.\n"
+        "The program draws it from the run's log and the scenario's shots.toml.\n"
         "Exit status: 0 success, 1 a defect, 2 usage or input, 4 it could not be drawn or\n"
         "written, 130 interrupted.");
     PictureArguments arguments;

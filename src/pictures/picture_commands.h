@@ -7,8 +7,8 @@
 
 namespace breakwater {
 
-/// Exit statuses: 0 success, 1 a defect of ours, 2 usage or input, 4 the picture could not be made
-/// or written, 130 interrupted.
+/// Exit statuses: 0 success, 1 a defect of Breakwater, 2 usage or input, 4 the picture could not be
+/// made or written, 130 interrupted.
 std::vector<CommandKind> picture_commands();
 
 }  // namespace breakwater

@@ -16,14 +16,13 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// A position to a millionth of its way, or a micrometre; a rotation to a hundred-thousandth; a
-// force to a hundred-thousandth of its range.
+// Resolution: a position to 1e-6 of its range, or 1 µm; a rotation and a force to 1e-5.
 constexpr double kPositionSteps = 1e6;
 constexpr double kSmallestPosition_m = 1e-6;
 constexpr double kRotationUnit = 1e-5;
 constexpr double kSignalSteps = 1e5;
 
-// Pictures of a model are looked at: eight digits.
+// Eight digits are enough for pictures.
 double rounded(double value) {
   if (!std::isfinite(value) || value == 0.0) return 0.0;
   const double unit = std::pow(10.0, 7.0 - std::floor(std::log10(std::abs(value))));
@@ -44,7 +43,7 @@ std::string packed(const std::vector<Number>& numbers) {
       {reinterpret_cast<const std::uint8_t*>(numbers.data()), numbers.size() * sizeof(Number)});
 }
 
-// Vertices are numbered by 16 or 32 bits.
+// Vertices have indices of 16 or 32 bits.
 std::string packed_faces(const std::vector<int>& faces, std::size_t vertices) {
   if (vertices <= 65536) return packed(std::vector<std::uint16_t>(faces.begin(), faces.end()));
   return packed(std::vector<std::uint32_t>(faces.begin(), faces.end()));
@@ -56,7 +55,7 @@ Json pose_json(const Pose& pose) {
   return all;
 }
 
-// Assets that several runs share are in the page once.
+// The page has shared assets of several runs only once.
 class Assets {
  public:
   int of(const Json& asset) {
@@ -81,7 +80,7 @@ Json mesh_json(const SceneMesh& mesh) {
 }
 
 Json field_json(const SceneHeightField& field, bool is_waving) {
-  // What the waves say is not said twice.
+  // The waves give the other data.
   return {{"kind", "field"},
           {"rows", field.rows},
           {"columns", field.columns},
@@ -196,7 +195,7 @@ Json scene_json(const SceneDescription& scene, const std::vector<WavingSurface>&
        {{"pose", pose_json(scene.free_camera)}, {"fovy", rounded(scene.free_field_of_view_deg)}}}};
 }
 
-// The smallest and the largest of some values that are finite.
+// The smallest and the largest finite value.
 std::pair<double, double> range_of(std::span<const double> values) {
   double low = INFINITY;
   double high = -INFINITY;
@@ -208,13 +207,13 @@ std::pair<double, double> range_of(std::span<const double> values) {
   return low <= high ? std::pair(low, high) : std::pair(0.0, 0.0);
 }
 
-// Collects the channels of a run, and says where each is.
+// Collects the channels of a run, with their indices.
 class Channels {
  public:
   explicit Channels(std::size_t frames) : frames_(frames) {}
 
-  // A track as its seven numbers where it stands still, else as the number of its first channel and
-  // the unit of its positions.
+  // A constant track is written as its seven numbers. Any other is written as the index of its
+  // first channel and the unit of its positions.
   Json track(const PoseTrack& track) {
     const bool stands = std::all_of(track.begin(), track.end(), [&](const Pose& pose) {
       return pose.position_m == track.front().position_m && pose.rotation == track.front().rotation;
@@ -225,7 +224,7 @@ class Channels {
     double way = 0.0;
     for (const Pose& pose : track) {
       for (std::size_t k = 0; k < 3; ++k) columns[k].push_back(pose.position_m[k]);
-      // q and −q are the same rotation: the one nearer to the last.
+      // q and −q are the same rotation: choose the one nearer to the last.
       double dot = 0.0;
       for (std::size_t k = 0; k < 4; ++k) dot += pose.rotation[k] * last[k];
       for (std::size_t k = 0; k < 4; ++k)
@@ -331,8 +330,8 @@ Json run_json(const LabelledRun& labelled, PictureRun& staged, const Window& win
   }
   if (motion.is_incomplete) {
     notes.push_back(folder +
-                    ": its scenario changes colours or places of geoms in pictures, which the "
-                    "page shows as they are at the end");
+                    ": its pictures change colours or places of geoms, but the page shows "
+                    "only the last ones");
   }
   Channels channels(times_s.size());
   Json run;

@@ -1,4 +1,4 @@
-// What a page needs to play runs in three dimensions.
+// The data with which a page replays runs in three dimensions.
 #pragma once
 
 #include <string>
@@ -10,7 +10,7 @@
 
 namespace breakwater {
 
-/// A run and what it is called on the page.
+/// A run and its name on the page.
 struct LabelledRun {
   const FinishedRun& run;
   std::string label;
@@ -18,15 +18,15 @@ struct LabelledRun {
 
 struct ReplayData {
   std::string json;                ///< for data/report/replay.js; safe within <script>
-  std::vector<PictureRun> staged;  ///< the runs as pictures have them, for charts
-  Window window;                   ///< the shot list's, of these runs
-  Window whole;                    ///< all of the longest run
-  std::vector<std::string> notes;  ///< what the page cannot show, one line each
+  std::vector<PictureRun> staged;  ///< the runs prepared for pictures, for charts
+  Window window;                   ///< the shot list's window for these runs
+  Window whole;                    ///< the whole longest run
+  std::vector<std::string> notes;  ///< missing things on the page, one line each
 };
 
-/// The scenes and motions of up to kMostRuns runs: looks from the compiled models, poses from the
-/// logs, arrows as long as the log's signals, waves as their components. `camera` replaces the shot
-/// list's unless empty. Throws std::invalid_argument, one line, or RenderError.
+/// The scenes and motions of up to kMostRuns runs. Looks come from the compiled models, poses and
+/// arrows from the logs, and waves from their components. `camera`, if not empty, replaces that of
+/// the shot list. Throws std::invalid_argument, one line, or RenderError.
 ReplayData replay_data(const std::vector<LabelledRun>& runs, const ShotList& shots,
                        const std::string& camera = "");
 

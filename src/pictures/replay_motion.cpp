@@ -11,7 +11,7 @@ namespace {
 constexpr double kFramesPerSecond = 60.0;
 constexpr std::size_t kMostFrames = 40000;
 
-// A sum over what a page cannot follow: it differs where that does.
+// A checksum of properties that a page cannot change: it differs if one of them does.
 double looks_of(const Model& model) {
   double sum = 0.0;
   for (int i = 0; i < 3 * model->ngeom; ++i) sum += (i + 1) * model->geom_pos[i];
@@ -23,7 +23,7 @@ double looks_of(const Model& model) {
 
 TimeSpan span_of(double from_s, double to_s, double step_s) {
   if (!(to_s > from_s)) return {from_s, step_s, 0};
-  // The end belongs to the next span, or is the last frame.
+  // The end belongs to the next span or is the last frame.
   const auto count =
       static_cast<std::size_t>(std::max(1.0, std::ceil((to_s - from_s) / step_s - 1e-6)));
   return {from_s, (to_s - from_s) / static_cast<double>(count), count};

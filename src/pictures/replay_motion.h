@@ -1,4 +1,4 @@
-// How the things of a run's scene moved, at a video's rate.
+// The motion of a run's scene at the rate of a video.
 #pragma once
 
 #include <string>
@@ -9,25 +9,24 @@
 
 namespace breakwater {
 
-/// Times that rise by a constant step.
+/// Times with a constant step.
 struct TimeSpan {
   double from_s = 0.0;
   double step_s = 0.0;
   std::size_t count = 0;
 };
 
-/// When a replay's frames are: 60 a second, and in a window that is shown in slow motion as many
-/// for each second of watching, as far as the log has them. Fewer where that were more than a page
-/// can hold.
+/// The times of a replay's frames: 60 per second. A window in slow motion has 60 per second of
+/// watching, as far as the log has them. There are fewer if a page could not hold so many.
 std::vector<TimeSpan> replay_times(const std::vector<double>& log_times_s, const Window& window);
 
-/// The times one by one.
+/// The single times.
 std::vector<double> times_of(const std::vector<TimeSpan>& spans);
 
 /// Poses over time, one for each frame.
 using PoseTrack = std::vector<Pose>;
 
-/// A geom that is not always drawn: where that changes, the frame.
+/// A geom that is visible only at times, and the frames at which this changes.
 struct Visibility {
   int geom = 0;
   bool at_first = true;
@@ -35,17 +34,16 @@ struct Visibility {
 };
 
 struct ReplayMotion {
-  std::vector<PoseTrack> bodies;   ///< for each of the model's
-  std::vector<PoseTrack> cameras;  ///< the same
-  std::vector<PoseTrack> lights;   ///< the same
-  std::vector<int> geoms;          ///< those that are drawn at one frame at least
+  std::vector<PoseTrack> bodies;   ///< for each body of the model
+  std::vector<PoseTrack> cameras;  ///< for each camera
+  std::vector<PoseTrack> lights;   ///< for each light
+  std::vector<int> geoms;          ///< geoms that are visible in at least one frame
   std::vector<Visibility> visibility;
-  /// Whether something else of the model changed in the pictures: a colour, or where a geom is on
-  /// its body.
+  /// Whether something else changed in the pictures: a colour, or the place of a geom on its body.
   bool is_incomplete = false;
 };
 
-/// Poses of the run's scene at these times, from its log. Throws RenderError.
+/// The poses of the run's scene at these times, from its log. Throws RenderError.
 ReplayMotion replay_motion(PictureRun& run, const std::vector<double>& times_s);
 
 }  // namespace breakwater

@@ -1,4 +1,4 @@
-// shots.toml of a scenario: what a scenario's pictures show.
+// shots.toml: the content of a scenario's pictures.
 #pragma once
 
 #include <filesystem>
@@ -7,27 +7,27 @@
 
 namespace breakwater {
 
-/// One picture of a strip: an instant, or the first from then on at which a signal is positive.
+/// One picture of a strip: an instant, or the first one from then on with a positive signal.
 struct ShotMoment {
   std::string caption;
   double at_s = 0.0;
-  std::string first_positive;  ///< a signal; empty: at_s itself
-  double plus_s = 0.0;         ///< so much later
+  std::string first_positive;  ///< a signal; empty: the instant at_s
+  double plus_s = 0.0;         ///< delay after this instant
 };
 
-/// An arrow at a site of the model, as long as a signal says; one of three values is a vector.
+/// An arrow at a site of the model. A signal sets its length; a signal of three values is a vector.
 struct ShotArrow {
   enum class Frame { world, site };
 
   std::string signal;
-  std::string unit;              ///< of the number beside it; empty: no number
-  std::string site;              ///< {KEY} in it is that key of the run's configuration
-  std::string site_place;        ///< "FILE:LINE: arrow.site"
-  std::vector<double> along;     ///< where a positive value points; for a vector: a factor each
-  Frame frame = Frame::world;    ///< whose axes `along` has
-  std::vector<double> offset_m;  ///< of its start from the site, in the world
+  std::string unit;           ///< unit of the number beside it; empty: no number
+  std::string site;           ///< {KEY} in it is replaced by this key of the run's configuration
+  std::string site_place;     ///< "FILE:LINE: arrow.site"
+  std::vector<double> along;  ///< direction of a positive value; for a vector: one factor per value
+  Frame frame = Frame::world;    ///< frame of `along`
+  std::vector<double> offset_m;  ///< offset of the start from the site, in the world
   double metres_per_unit = 0.0;
-  double contact_mark_m = 0.0;  ///< radius of the ball at the site while there is a force; 0: none
+  double contact_mark_m = 0.0;  ///< radius of a ball at the site while there is a force; 0: none
 };
 
 /// A line of the strip chart: a signal of the log, or a number of the run's configuration.
@@ -42,11 +42,11 @@ struct ShotLine {
 enum class Corner { top_left, top_right, bottom_left, bottom_right };
 
 struct ShotList {
-  std::string title;         ///< in the lower corner that the chart leaves
-  std::string camera;        ///< empty: all of the model
+  std::string title;         ///< in the lower corner without the chart
+  std::string camera;        ///< empty: the whole model
   std::string camera_place;  ///< "FILE:LINE: camera"
   double from_s = 0.0;
-  double to_s = 0.0;  ///< beyond the run's end: its end
+  double to_s = 0.0;  ///< limited by the end of the run
   double speed = 1.0;
   int fps = 30;
   int width = 1280;
@@ -58,8 +58,8 @@ struct ShotList {
   std::vector<ShotLine> lines;
 };
 
-/// A scenario's shot list, or, if there is no such file, all of a run without arrows and chart.
-/// Throws std::invalid_argument `FILE:LINE: KEY: reason`.
+/// A scenario's shot list. Without a file, it shows the whole run without arrows and chart. Throws
+/// std::invalid_argument `FILE:LINE: KEY: reason`.
 ShotList shot_list(const std::filesystem::path& file);
 
 /// Reads a shot list. Throws as shot_list().

@@ -16,7 +16,7 @@ constexpr Colour kForce{0.84, 0.10, 0.10, 1.0};
 constexpr Colour kOtherForce{0.0, 0.35, 0.70, 1.0};
 constexpr double kLongestVideo_frames = 1e6;
 
-// What the shot list names; if the model has none such, the list is to blame.
+// Finds a name of the shot list in the model. An error names the shot list.
 template <typename Find>
 int of_shot_list(const std::string& place, Find&& find) {
   try {
@@ -88,12 +88,13 @@ std::size_t Window::frames(int fps) const {
   const double exact = (to_s - from_s) / speed * fps;
   if (!(std::round(exact) >= 1.0)) {
     throw std::invalid_argument(
-        fmt::format("video: {:g} s at speed {:g} and {} frames/s are no frame at all",
+        fmt::format("video: {:g} s at speed {:g} and {} frames/s give no frame: choose a longer "
+                    "window or a lower speed",
                     to_s - from_s, speed, fps));
   }
   if (exact > kLongestVideo_frames) {
     throw std::invalid_argument(fmt::format(
-        "video: {:g} s at speed {:g} and {} frames/s are {:.0f} frames: choose a shorter window",
+        "video: {:g} s at speed {:g} and {} frames/s give {:.0f} frames: choose a shorter window",
         to_s - from_s, speed, fps, exact));
   }
   return static_cast<std::size_t>(std::llround(exact));
@@ -103,16 +104,16 @@ std::deque<FinishedRun> open_runs(const Catalogue& catalogue,
                                   const std::vector<std::string>& folders) {
   if (folders.size() > kMostRuns) {
     throw std::invalid_argument(
-        fmt::format("{} runs: side by side there is room for {}", folders.size(), kMostRuns));
+        fmt::format("{} runs: at most {} fit side by side", folders.size(), kMostRuns));
   }
   std::deque<FinishedRun> runs;
   for (const std::string& folder : folders) {
     runs.emplace_back(catalogue, folder);
     const std::string& first = runs.front().scenario().name();
     if (runs.back().scenario().name() != first) {
-      throw std::invalid_argument(fmt::format("{}: is a run of {}, beside one of {}: {}", folder,
-                                              runs.back().scenario().name(), first,
-                                              "only runs of one scenario stand side by side"));
+      throw std::invalid_argument(fmt::format("{}: is a run of {}, but another one is of {}: {}",
+                                              folder, runs.back().scenario().name(), first,
+                                              "choose runs of one scenario"));
     }
   }
   return runs;
@@ -144,7 +145,7 @@ Window choose_window(const ShownRuns& runs, const ShotList& shots, const Wish& w
   if (wish.from_s) window.from_s = *wish.from_s;
   if (wish.to_s) window.to_s = *wish.to_s;
   if (wish.speed) window.speed = *wish.speed;
-  // One end alone moves a window that the other end is not in.
+  // A single end moves a window that does not contain it.
   if (wish.from_s && !wish.to_s && window.to_s <= window.from_s) window.to_s = end_s;
   if (wish.to_s && !wish.from_s && window.from_s >= window.to_s) window.from_s = begin_s;
 
@@ -154,8 +155,8 @@ Window choose_window(const ShownRuns& runs, const ShotList& shots, const Wish& w
                     window.to_s, begin_s, end_s));
   }
   if (!(window.to_s > window.from_s)) {
-    throw std::invalid_argument(
-        fmt::format("--from {:g}, --to {:g}: must rise", window.from_s, window.to_s));
+    throw std::invalid_argument(fmt::format(
+        "--from {:g}, --to {:g}: the end must be after the beginning", window.from_s, window.to_s));
   }
   return window;
 }

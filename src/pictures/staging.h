@@ -1,4 +1,4 @@
-// From finished runs and a shot list to what pictures are drawn from.
+// Prepares finished runs for pictures by a shot list.
 #pragma once
 
 #include <deque>
@@ -12,14 +12,14 @@
 
 namespace breakwater {
 
-/// Reads from a run all that its pictures show. `camera` replaces the shot list's unless empty. The
-/// run outlives it. With `missing`, arrows and lines of signals that the run's log does not have,
-/// since they are another controller's, are left out, and their names go there. Throws
-/// std::invalid_argument, one line.
+/// Reads the data for a run's pictures. `camera`, if not empty, replaces that of the shot list. The
+/// run must outlive the result. Arrows and lines may use signals that the log does not have, such
+/// as those of another controller. With `missing` they are left out, and `missing` gets their
+/// names. Throws std::invalid_argument, one line.
 PictureRun stage(const FinishedRun& run, const ShotList& shots, const std::string& camera,
                  std::vector<std::string>* missing = nullptr);
 
-/// What was asked for, in place of the shot list's.
+/// The user's choices, which replace those of the shot list.
 struct Wish {
   std::optional<double> from_s;
   std::optional<double> to_s;
@@ -31,45 +31,45 @@ struct Window {
   double to_s = 0.0;
   double speed = 1.0;
 
-  /// round((to − from)/speed·fps).
+  /// round((to − from)/speed·fps)
   std::size_t frames(int fps) const;
-  /// The simulated time that frame k shows.
+  /// The simulated time of frame k.
   double time_of(std::size_t k, int fps) const {
     return from_s + static_cast<double>(k) * speed / fps;
   }
 };
 
-/// Runs that are shown together.
+/// Runs in one picture.
 using ShownRuns = std::vector<const FinishedRun*>;
 ShownRuns pointers_to(const std::deque<FinishedRun>& runs);
 
-/// Up to this many runs are shown together.
+/// The largest number of runs in one picture.
 inline constexpr std::size_t kMostRuns = 4;
 
-/// Finished runs to be shown together. Throws std::invalid_argument, one line, if they are too many
-/// or of more than one scenario, or as FinishedRun.
+/// Opens finished runs for one picture. Throws std::invalid_argument, one line, if there are too
+/// many or of more than one scenario, or as FinishedRun.
 std::deque<FinishedRun> open_runs(const Catalogue& catalogue,
                                   const std::vector<std::string>& folders);
 
-/// All of the longest run, at the speed of life.
+/// The whole longest run, in real time.
 Window whole_window(const ShownRuns& runs);
 
-/// What a video of these runs shows: what is wished for, else the shot list's window as far as a
-/// run lasts, or all of the longest run at the speed of life if it lasts no part of it. Throws
+/// The window of a video of these runs: the wish, or the window of the shot list up to the end of
+/// the runs. If no run reaches that window, it is the whole longest run in real time. Throws
 /// std::invalid_argument if the wish is outside of all runs.
 Window choose_window(const ShownRuns& runs, const ShotList& shots, const Wish& wish);
 
-/// Everything that pictures of some runs are drawn from.
+/// The data for pictures of some runs.
 struct PictureStage {
   std::vector<PictureRun> runs;
-  PictureStyle style;              ///< of the shot list; its size and look are the caller's
-  std::vector<std::string> notes;  ///< what a user should know, one line each
+  PictureStyle style;              ///< from the shot list; the caller sets size and look
+  std::vector<std::string> notes;  ///< for the user, one line each
 };
-/// `camera` replaces the shot list's unless empty. The runs outlive it.
+/// `camera`, if not empty, replaces that of the shot list. The runs must outlive the result.
 PictureStage stage_pictures(const ShownRuns& runs, const ShotList& shots, const std::string& camera,
                             const Window& window);
 
-/// When a moment of the shot list is in that run; nothing if it does not come.
+/// The time of a moment of the shot list in a run; nothing if the run does not have it.
 std::optional<double> time_of(const ShotMoment& moment, const FinishedRun& run);
 
 }  // namespace breakwater

@@ -28,7 +28,7 @@ std::vector<Moment> moments_of(const FinishedRun& run, const ShotList& shots) {
   return moments;
 }
 
-// Why moments of the list are not in the strip, one line each.
+// The reasons why moments of the list are not in the strip, one line each.
 std::vector<std::string> notes_of_missing(const FinishedRun& run, const ShotList& shots) {
   std::vector<std::string> notes;
   for (const ShotMoment& moment : shots.moments) {

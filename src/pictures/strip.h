@@ -1,4 +1,4 @@
-// The moments of a shot list, in a row.
+// The moments of a shot list as a row of pictures.
 #pragma once
 
 #include <string>
@@ -10,8 +10,8 @@
 namespace breakwater {
 
 struct StripStyle {
-  std::string camera;  ///< in place of the shot list's, unless empty
-  int width = 560;     ///< of each picture
+  std::string camera;  ///< replaces that of the shot list, unless empty
+  int width = 560;     ///< width of each picture
   int height = 320;
   Look look = kPrintLook;
 };
@@ -23,9 +23,9 @@ struct Strip {
   std::vector<std::string> notes;
 };
 
-/// Pictures in a row, each with a letter, its caption and time below, and one chart for the whole
-/// width with the moments marked. Throws std::invalid_argument if none of the moments is in the
-/// run's log, or RenderError.
+/// Draws pictures in a row, each with a letter, its caption and its time below. A chart of the
+/// whole width has marks at the moments. Throws std::invalid_argument if none of the moments is in
+/// the run's log, or RenderError.
 Strip draw_strip(const FinishedRun& run, const ShotList& shots, const StripStyle& style);
 
 }  // namespace breakwater

@@ -1,4 +1,4 @@
-// A file, whole.
+// The bytes of a file.
 #pragma once
 
 #include <filesystem>

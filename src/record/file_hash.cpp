@@ -25,7 +25,7 @@ std::string file_hash(const std::filesystem::path& file) {
     stream.read(block.data(), static_cast<std::streamsize>(block.size()));
     XXH3_64bits_update(state.get(), block.data(), static_cast<std::size_t>(stream.gcount()));
   }
-  // A file that was read to its end is at its end; a folder, say, is not.
+  // A stream that reads a folder is not at its end.
   if (stream.bad() || !stream.eof()) {
     throw std::invalid_argument(file.string() + ": cannot be read");
   }

@@ -1,4 +1,4 @@
-// Bytes as one number.
+// Hashes of files and texts.
 #pragma once
 
 #include <filesystem>
@@ -12,10 +12,10 @@ namespace breakwater {
 /// `FILE: cannot be read`.
 std::string file_hash(const std::filesystem::path& file);
 
-/// The same of a text.
+/// The same for a text.
 std::string text_hash(std::string_view text);
 
-/// 16 hexadecimal digits that differ when any of `parts` does.
+/// 16 hexadecimal digits that change with any of `parts`.
 std::string fingerprint(const std::vector<std::string>& parts);
 
 }  // namespace breakwater

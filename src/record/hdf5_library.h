@@ -1,10 +1,10 @@
-// HDF5, started when the first log is written or read.
+// HDF5, initialised when the first log is written or read.
 #pragma once
 
 #include <hdf5.h>
 #include <hdf5_hl.h>
 
-// In HDF5's constants these call the library, to start it and to check its version: hdf5() does.
+// These macros call the library inside HDF5's constants, to start it. hdf5() starts it instead.
 #undef H5OPEN
 #define H5OPEN
 #undef H5CHECK
@@ -29,12 +29,10 @@ namespace breakwater {
   X(H5open)
 // clang-format on
 
-/// The functions and identifiers of HDF5 that logs need, by HDF5's own names. Linked in the
-/// ordinary way it would be a quarter of a short run's time: Debian's shared library brings thirty
-/// others for files on the web, which every process would load, whether it meets a log or not. Our
-/// programs hold its static library (hdf5_linked.cpp). Whatever else links this room loads the
-/// shared one, where it needs it (hdf5_loaded.cpp): the Python module, in whose process h5py's may
-/// be, and programs of users.
+/// The functions and identifiers of HDF5 that logs need, by HDF5's own names. Debian's shared
+/// library loads thirty other libraries, which costs a quarter of a short run's time. The programs
+/// therefore contain the static library (hdf5_linked.cpp). The Python module and users' programs
+/// load the shared one on first use (hdf5_loaded.cpp): h5py may be in the same process.
 struct Hdf5 {
 #define X(name) decltype(&::name) name = nullptr;
   BREAKWATER_HDF5_FUNCTIONS(X)
@@ -46,7 +44,7 @@ struct Hdf5 {
   hid_t DATASET_CREATE = 0;
 };
 
-/// Throws std::logic_error if the library, which it names, is not there.
+/// Throws std::logic_error with the library's name if it is not there.
 const Hdf5& hdf5();
 
 }  // namespace breakwater

@@ -1,4 +1,4 @@
-// HDF5, held by the program itself.
+// HDF5, linked into the program.
 #include <breakwater/record/hdf5_library.h>
 
 #include <stdexcept>

@@ -9,7 +9,7 @@
 namespace breakwater {
 namespace {
 
-constexpr const char* kLibrary = BREAKWATER_HDF5;  // of the version whose headers these are
+constexpr const char* kLibrary = BREAKWATER_HDF5;  // the version of the headers
 
 template <typename Pointer>
 void find(void* library, const char* name, Pointer& found) {
@@ -18,7 +18,7 @@ void find(void* library, const char* name, Pointer& found) {
 }
 
 Hdf5 load() {
-  // The high-level library, which links HDF5 itself: names are looked for in both.
+  // The high-level library links HDF5, so it gives the names of both.
   void* const library = dlopen(kLibrary, RTLD_LAZY | RTLD_LOCAL);
   if (library == nullptr) {
     throw std::logic_error(std::string(dlerror()) + " (Debian package libhdf5-hl-100)");

@@ -34,15 +34,15 @@ namespace {
 
 constexpr hsize_t kChunkRows = 8192;
 constexpr std::size_t kLeastMemoryStep = 1 << 16;
-constexpr std::size_t kHeaderBytes = 2048;  // of a dataset, about
+constexpr std::size_t kHeaderBytes = 2048;  // approximate size of a dataset's header
 constexpr std::size_t kLargestMemoryStep = 4 << 20;
 constexpr std::size_t kLongestText = 1 << 16;
-// A byte of deflated data cannot become more.
+// The largest ratio of deflate compression.
 constexpr hsize_t kMostDeflated = 1032;
-// How much of the processor's time reading a foreign log may take; far less, if nothing is wrong.
+// Limits of the processor's time for reading a foreign log. An intact log takes far less.
 constexpr rlim_t kForeignSeconds = 10;
 constexpr rlim_t kBytesASecond = 5'000'000;
-// How large its values may be, and what reading them may take: HDF5 may hold a chunk beside them.
+// Limits of a foreign log's values and of the memory to read them: HDF5 may also keep a chunk.
 constexpr std::size_t kForeignBytes = 1'000'000'000;
 constexpr rlim_t kForeignMemory = 2 * kForeignBytes + 200'000'000;
 
@@ -72,8 +72,7 @@ void check(bool is_sound) {
   if (!is_sound) throw std::runtime_error("not what a log holds");
 }
 
-// Of fixed length: HDF5 crashes on a damaged text of variable length, which it keeps elsewhere in
-// the file.
+// The length is fixed: HDF5 crashes on a damaged text of variable length.
 void write_text(hid_t object, const char* name, const std::string& text) {
   const Handle type(hdf5().H5Tcopy(hdf5().C_S1), hdf5().H5Tclose);
   require(hdf5().H5Tset_size(type, std::max<std::size_t>(1, text.size())));
@@ -92,7 +91,7 @@ void write_dataset(hid_t group, const Signal& signal, const std::vector<double>&
   const int rank = width == 1 ? 1 : 2;
   const Handle space(hdf5().H5Screate_simple(rank, size.data(), nullptr), hdf5().H5Sclose);
   const Handle properties(hdf5().H5Pcreate(hdf5().DATASET_CREATE), hdf5().H5Pclose);
-  require(hdf5().H5Pset_obj_track_times(properties, false));  // the same run gives the same file
+  require(hdf5().H5Pset_obj_track_times(properties, false));  // so that equal runs give equal files
   if (deflate_level > 0 && size[0] > 0) {
     const Size chunk = {std::min(size[0], kChunkRows), width};
     require(hdf5().H5Pset_chunk(properties, rank, chunk.data()));
@@ -105,11 +104,11 @@ void write_dataset(hid_t group, const Signal& signal, const std::vector<double>&
   require(
       hdf5().H5Dwrite(dataset, hdf5().NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()));
   write_text(dataset, "unit", signal.unit);
-  write_text(dataset, "units", signal.unit);  // as netCDF's conventions call it
+  write_text(dataset, "units", signal.unit);  // the name in netCDF's conventions
   write_text(dataset, "description", signal.description);
 }
 
-// Makes a dataset of the group the scale of a dimension: readers of netCDF take it for coordinates.
+// Makes a dataset the scale of a dimension: readers of netCDF take it for coordinates.
 void make_scale(hid_t group, const std::string& name) {
   const Handle scale(hdf5().H5Dopen2(group, name.c_str(), H5P_DEFAULT), hdf5().H5Dclose);
   require(hdf5().H5DSset_scale(scale, name.c_str()));
@@ -120,7 +119,7 @@ void attach_scale(hid_t group, hid_t dataset, const std::string& name, unsigned 
   require(hdf5().H5DSattach_scale(dataset, scale, dimension));
 }
 
-// 1 … width: the scale that all vectors of one width in a group have.
+// Writes 1 … width, the scale of all vectors of this width in the group.
 std::string write_index(hid_t group, std::size_t width) {
   std::string name = index_name(width);
   if (hdf5().H5Lexists(group, name.c_str(), H5P_DEFAULT) > 0) return name;
@@ -148,7 +147,7 @@ void write_track(hid_t file, const Track& track, int deflate_level) {
   }
 }
 
-// Empty if there is none, or none that write_text() wrote.
+// Empty if there is no text, or one that write_text() did not write.
 std::string read_text(hid_t object, const char* name) {
   if (hdf5().H5Aexists(object, name) <= 0) return "";
   const Handle attribute(hdf5().H5Aopen(object, name, H5P_DEFAULT), hdf5().H5Aclose);
@@ -165,7 +164,7 @@ std::string read_text(hid_t object, const char* name) {
   return text;
 }
 
-// Only what is in the group itself: a soft or external link could lead out of the file.
+// Whether the object is in the group itself: a soft or external link could lead out of the file.
 bool is_own(hid_t group, const std::string& name) {
   H5L_info_t info{};
   require(hdf5().H5Lget_info(group, name.c_str(), &info, H5P_DEFAULT));
@@ -191,7 +190,7 @@ std::vector<std::string> object_names(hid_t group) {
   return names;
 }
 
-// In the file itself, not in another one, and with filters that need no plug-in.
+// Requires data in the file itself, and filters that need no plug-in.
 void check_storage(hid_t dataset, const Size& size) {
   const Handle properties(hdf5().H5Dget_create_plist(dataset), hdf5().H5Pclose);
   const H5D_layout_t layout = hdf5().H5Pget_layout(properties);
@@ -218,8 +217,7 @@ void check_storage(hid_t dataset, const Size& size) {
   check(size[0] <= bytes / sizeof(double) / size[1]);
 }
 
-// Throws unless the dataset is one that write_dataset() may have written: what a damaged file
-// claims could take all memory.
+// Throws unless write_dataset() may have written the dataset: a damaged size could take all memory.
 Size checked_size(hid_t dataset) {
   const Handle type(hdf5().H5Dget_type(dataset), hdf5().H5Tclose);
   check(hdf5().H5Tequal(type, hdf5().IEEE_F64LE) > 0);
@@ -236,8 +234,7 @@ Size checked_size(hid_t dataset) {
 // Debian's serial HDF5 is not built thread-safe.
 std::mutex hdf5_in_use;
 
-// By how much the file in memory grows at a time, which HDF5 clears: about what it becomes, or a
-// part of it.
+// The step by which the file in memory grows. HDF5 clears each step: it must not be too large.
 std::size_t memory_step(const std::vector<Track>& tracks) {
   std::size_t bytes = kLeastMemoryStep;
   for (const Track& track : tracks) {
@@ -247,7 +244,7 @@ std::size_t memory_step(const std::vector<Track>& tracks) {
   return std::min(bytes, kLargestMemoryStep);
 }
 
-// The log's bytes. HDF5 itself writes no file: it crashes at exit if a disk was full.
+// The bytes of the log. HDF5 does not write the file itself: after a full disk it crashes at exit.
 std::string file_image(const std::string& file, const std::vector<Track>& tracks,
                        int deflate_level) {
   const std::lock_guard lock(hdf5_in_use);
@@ -273,7 +270,7 @@ bool is_time_base(const LogEntry& entry) {
   return entry.name == "time_s";
 }
 
-// All datasets but indices. The caller holds hdf5_in_use.
+// All datasets except indices. The caller holds hdf5_in_use.
 std::vector<LogEntry> list_datasets(const std::string& file) {
   hdf5().H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
   try {
@@ -317,7 +314,7 @@ LoggedSignal read_signal(const std::string& file, const std::string& dataset) {
   }
 }
 
-// A child process tells its parent values and texts, one after the other.
+// The child process sends its parent values and texts, one after the other.
 template <typename Values>
 void put(std::FILE* sheet, const Values& values) {
   const std::size_t count = values.size();
@@ -325,7 +322,7 @@ void put(std::FILE* sheet, const Values& values) {
   check(std::fwrite(values.data(), sizeof values[0], count, sheet) == count);
 }
 
-// The child may have ended anywhere: what is left of the sheet says how much there can be.
+// The child may have ended at any point, so the remaining bytes limit the size.
 template <typename Values>
 Values taken(std::FILE* sheet) {
   std::size_t count = 0;
@@ -341,16 +338,16 @@ Values taken(std::FILE* sheet) {
 
 using Counts = std::vector<std::size_t>;
 
-// How the child ends. One that a limit or a crash ends has told less than it promised.
+// Exit statuses of the child. If a limit or a crash ends it, its sheet is incomplete.
 enum { kTold, kTooMuch };
 
-// Limits for this process, and that it ends with its parent.
+// Sets limits for this process, and makes it end with its parent.
 void confine(const std::string& file, pid_t parent) {
-  // A signal is the parent's business.
+  // The parent handles these signals.
   std::signal(SIGINT, SIG_IGN);
   std::signal(SIGTERM, SIG_IGN);
   prctl(PR_SET_PDEATHSIG, SIGKILL);
-  if (getppid() != parent) _exit(kTold);  // it has ended already
+  if (getppid() != parent) _exit(kTold);  // the parent has already ended
 
   struct stat about = {};
   stat(file.c_str(), &about);
@@ -385,7 +382,7 @@ void confine(const std::string& file, pid_t parent) {
   } catch (const std::bad_alloc&) {
     _exit(kTooMuch);
   } catch (...) {
-    // The parent sees that something is missing.
+    // The parent notices the incomplete sheet.
   }
   _exit(kTold);
 }
@@ -412,12 +409,12 @@ LogContents contents_of(std::FILE* sheet) {
   return log;
 }
 
-// The child's exit status; nothing if a signal ended it. A signal to us may end it at once.
+// The child's exit status; nothing if a signal ended it. A signal may end the child at once.
 std::optional<int> outcome_of(pid_t child) {
   int status = 0;
   bool is_stopped = false;
   while (waitpid(child, &status, 0) < 0) {
-    if (errno != EINTR) return std::nullopt;  // nobody here may wait for children
+    if (errno != EINTR) return std::nullopt;  // this process must not wait for children
     bool (*const asked)() = stop_asked;
     if (is_stopped || asked == nullptr || !asked()) continue;
     is_stopped = true;
@@ -484,7 +481,7 @@ LogContents read_foreign_log(const std::string& file) {
   if (!told) throw OutputError(file + ": cannot be read (" + std::strerror(errno) + ")");
   {
     const std::lock_guard lock(hdf5_in_use);
-    hdf5();  // loaded once, here
+    hdf5();  // load it once, before the fork
     const pid_t parent = getpid();
     const pid_t child = fork();
     if (child < 0) throw OutputError(file + ": cannot be read (" + std::strerror(errno) + ")");

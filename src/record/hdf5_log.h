@@ -10,11 +10,10 @@
 
 namespace breakwater {
 
-/// Writes one group per track, named as the track, with its time base `time_s` and one dataset per
-/// signal: N, or N×width for a vector. Each dataset has the attributes `unit`, the same again as
-/// `units`, and `description`, UTF-8 of fixed length. The time base is attached as the scale of its
-/// first dimension, `index_WIDTH` (1 … width) as that of a vector's second one, so that readers of
-/// netCDF find coordinates.
+/// Writes one group per track, with the time base `time_s` and one dataset per signal: N, or
+/// N×width for a vector. Each dataset has the attributes `unit`, `units` (the same) and
+/// `description`, in UTF-8 of fixed length. The scales `time_s` and `index_WIDTH` (1 … width) are
+/// attached to the dimensions, so that readers of netCDF find coordinates.
 ///
 /// `deflate_level` 0 writes plain data; 1 to 9 compress it. Throws OutputError if the file
 /// cannot be written. Thread-safe.
@@ -40,25 +39,24 @@ struct SignalName {
 /// Throws std::invalid_argument if it is neither.
 SignalName signal_name(const std::string& text);
 
-/// What a log says about one of its datasets.
+/// A dataset of a log: its group, name and unit.
 struct LogEntry {
   std::string group;  ///< the track: "control"
-  std::string name;   ///< of the signal; time bases are left out
-  std::string unit;   ///< of all values, or each one's: "m, m, rad"
+  std::string name;   ///< the signal; time bases are not listed
+  std::string unit;   ///< for all values, or for each one: "m, m, rad"
   std::string description;
   std::size_t rows = 0;
   std::size_t width = 0;
 
-  /// Of one value, counted from 1.
+  /// The unit of one value, counted from 1.
   std::string unit_of(std::size_t index) const;
 };
 
-/// What these read is checked first: types, sizes, that the data are in the file. Links are not
-/// followed, texts of variable length (as version 0.1 wrote them) are taken as empty. A damaged
-/// file may still be misread, or crash HDF5 itself: check_log() comes first, and a log of which the
-/// manifest says nothing is read by read_foreign_log().
+/// The readers check types, sizes and that the data are in the file. They do not follow links, and
+/// read texts of variable length (version 0.1) as empty. A damaged file may still be misread or
+/// crash HDF5, so call check_log() first. Without a hash, use read_foreign_log().
 
-/// All signals of a log, by group and name. Throws std::invalid_argument if the file is no log.
+/// All signals of a log, by group and name. Throws std::invalid_argument if it is no log.
 /// Thread-safe.
 std::vector<LogEntry> list_hdf5_signals(const std::string& file);
 
@@ -66,16 +64,16 @@ std::vector<LogEntry> list_hdf5_signals(const std::string& file);
 /// log or has no such dataset. Thread-safe.
 LoggedSignal read_hdf5_signal(const std::string& file, const std::string& dataset);
 
-/// All of a log.
+/// The contents of a log.
 struct LogContents {
   std::vector<LogEntry> signals;
   std::map<std::string, LoggedSignal> datasets;  ///< by "GROUP/NAME", time bases too
 };
 
-/// Reads all of a log that anybody may have written, in a child process: on some files HDF5 crashes
-/// or never ends. Throws std::invalid_argument if it is no log, has more than 1 GB of values, or
-/// the child did not read it; Interrupted if a signal comes that this process handles. The child
-/// ends then, and with this process. Thread-safe.
+/// Reads a log of unknown origin in a child process, since HDF5 crashes or never ends on some
+/// files. Throws std::invalid_argument if it is not a log, has more than 1 GB of values, or the
+/// child fails. Throws Interrupted if this process handles a signal. The child ends with the call.
+/// Thread-safe.
 LogContents read_foreign_log(const std::string& file);
 
 }  // namespace breakwater

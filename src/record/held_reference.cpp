@@ -8,9 +8,9 @@
 namespace breakwater {
 namespace {
 
-constexpr double kHeldWithin = 0.5;  // of what was asked for
-constexpr double kGrowth = 1.5;      // of a part's peak over that of the part before
-// Rounding errors grow too: what is smaller counts for nothing [m, rad, N].
+constexpr double kHeldWithin = 0.5;  // part of the distance that was asked for
+constexpr double kGrowth = 1.5;      // ratio of a part's peak to the peak of the part before
+// Errors below this level are ignored, since rounding errors grow too [m, rad, N].
 constexpr double kSmallest = 1e-6;
 
 }  // namespace

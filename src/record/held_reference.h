@@ -1,4 +1,4 @@
-// Whether a run holds its reference, told sample by sample.
+// Checks, sample by sample, whether a run follows its reference.
 #pragma once
 
 #include <algorithm>
@@ -13,23 +13,24 @@
 
 namespace breakwater {
 
-/// Watches the error e = reference − what follows it, from the reference's last change to the run's
-/// end, in eight equal parts of that time. Not held: the last part's root mean square is half of
-/// what was asked for, or more. Growing: each of the last four parts has a peak of |e| 1.5 times
-/// that of the part before, or more. That is growth by a power of the time; a ramp's lag is none.
+/// Splits the time from the reference's last change to the end of the run into eight equal parts,
+/// and watches the error e = reference − response. The reference is not held if the root mean
+/// square of e in the last part is at least half the distance to go. The error grows if each of the
+/// last four parts has a peak of |e| at least 1.5 times that of the part before. A ramp's lag grows
+/// more slowly.
 class HeldReference {
  public:
-  /// `what` follows the reference ("the position"), in `unit`. A window that no run covers is no
-  /// window: nothing is said.
+  /// `what` follows the reference ("the position"), in `unit`. A window that no run covers gives no
+  /// warning.
   HeldReference(const TimeWindow& window, std::string what, std::string unit)
       : window_(window), what_(std::move(what)), unit_(std::move(unit)) {}
 
-  /// How far the reference is from where the plant was when it was given; of several the largest.
-  /// Without it only growth is watched for.
+  /// Gives the distance from the plant's position to the reference when the reference was set. The
+  /// largest of several counts. Without it, only growth is checked.
   void ask(double distance) { asked_ = std::max(asked_, std::abs(distance)); }
   void add(double time_s, double error);
 
-  /// Appends one line on what is wrong, if anything is.
+  /// Appends a line for each problem.
   void warn(std::vector<std::string>& warnings) const;
 
  private:

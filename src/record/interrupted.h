@@ -1,4 +1,4 @@
-// Thrown by work that was asked to stop.
+// The exception of work that was asked to stop.
 #pragma once
 
 #include <cstddef>
@@ -6,7 +6,7 @@
 
 namespace breakwater {
 
-/// Thrown by a run that was asked to stop; `finished_runs` were complete by then and are kept.
+/// Thrown by work that was asked to stop. The first `finished_runs` runs are complete and kept.
 class Interrupted : public std::runtime_error {
  public:
   explicit Interrupted(std::size_t finished_runs = 0)

@@ -6,10 +6,10 @@
 
 namespace breakwater {
 
-/// The meaning of a metric, or of a cost, that a run may report.
+/// The meaning of a metric or a cost.
 struct MetricDefinition {
-  std::string name;  ///< as the Metric has it
-  std::string unit;  ///< as the Metric has it
+  std::string name;  ///< as in the Metric
+  std::string unit;  ///< as in the Metric
   std::string text;  ///< one sentence without a full stop
 };
 

@@ -7,8 +7,8 @@
 
 namespace breakwater {
 
-/// Waits until what was written is on the disk. False if it cannot be, and errno says why; file
-/// systems that know no fsync (of folders above all) are taken at their word.
+/// Waits until the written data are on the disk. Returns false, and sets errno, if that fails. A
+/// file system without fsync (for folders, for example) counts as success.
 inline bool is_on_disk(int descriptor) {
   return fsync(descriptor) == 0 || errno == EINVAL || errno == ENOTSUP;
 }

@@ -5,7 +5,7 @@
 
 namespace breakwater {
 
-/// `FILE: cannot be … (reason)`: a full disk, a folder that may not be written.
+/// `FILE: cannot be … (reason)`, such as a full disk or a read-only folder.
 class OutputError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

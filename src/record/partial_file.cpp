@@ -33,7 +33,7 @@ void write(const PartialFile& partial, const std::string& bytes) {
   try {
     write_text_file(partial.path().string(), bytes);
   } catch (const OutputError& error) {
-    // It is the file's own name that means something to a user.
+    // The user knows only the final name.
     const std::string what = error.what();
     throw OutputError(partial.file().string() + what.substr(partial.path().string().size()));
   }
@@ -44,10 +44,10 @@ void write(const PartialFile& partial, const std::string& bytes) {
 bool create_file(const std::filesystem::path& file, const std::string& bytes) {
   PartialFile partial(file);
   write(partial, bytes);
-  // A second name, unlike a new one, takes the place of nothing.
+  // link() does not replace a file, unlike rename().
   if (link(partial.path().c_str(), file.c_str()) == 0) return true;
   if (errno == EEXIST) return false;
-  partial.commit();  // a file system without second names
+  partial.commit();  // the file system has no hard links
   return true;
 }
 

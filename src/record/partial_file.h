@@ -1,4 +1,4 @@
-// A file that is there whole, or as it was before.
+// A file that is either complete or unchanged.
 #pragma once
 
 #include <filesystem>
@@ -8,8 +8,8 @@
 
 namespace breakwater {
 
-/// A file that is written beside its name, which it takes when it is complete; it is removed if it
-/// never is.
+/// A file that is written under a temporary name beside the final one. Without commit() it is
+/// removed.
 class PartialFile {
  public:
   explicit PartialFile(std::filesystem::path file);
@@ -17,12 +17,12 @@ class PartialFile {
   PartialFile& operator=(const PartialFile&) = delete;
   ~PartialFile();
 
-  /// The name that it is to take.
+  /// The final name.
   const std::filesystem::path& file() const { return file_; }
-  /// Where to write it.
+  /// The temporary name, under which to write.
   const std::filesystem::path& path() const { return path_; }
 
-  /// Takes the name. Throws OutputError.
+  /// Renames it to the final name. Throws OutputError.
   void commit();
 
  private:
@@ -30,11 +30,11 @@ class PartialFile {
   std::filesystem::path path_;
 };
 
-/// Writes a file that is not there yet, whole at once. Returns false if there is one by now, which
-/// stays as it is. Throws OutputError.
+/// Writes a new file, complete at once. Returns false and keeps the file if it exists. Throws
+/// OutputError.
 bool create_file(const std::filesystem::path& file, const std::string& bytes);
 
-/// Writes all of a file, or leaves it as it was and throws OutputError.
+/// Writes a file completely. On an error it keeps the old file and throws OutputError.
 void replace_file(const std::filesystem::path& file, const std::string& bytes);
 
 }  // namespace breakwater

@@ -1,4 +1,4 @@
-// What tells a process from all others, on however many computers.
+// A name of a process, unique among several computers.
 #pragma once
 
 #include <unistd.h>
@@ -9,7 +9,7 @@ namespace breakwater {
 
 std::string host_name();
 
-/// "HOST-PID": two computers that share a file system may both have a process of this number.
+/// "HOST-PID", since two computers that share a file system may have processes of the same number.
 std::string process_name(pid_t process = getpid());
 
 }  // namespace breakwater

@@ -1,4 +1,4 @@
-// Everything that a run gives.
+// The results of a run.
 #pragma once
 
 #include <cmath>
@@ -11,8 +11,7 @@
 
 namespace breakwater {
 
-/// One finite number that a run is judged by. One that does not apply to a run, or is not finite,
-/// is not there.
+/// One finite number that describes a run. One that does not apply or is not finite is left out.
 struct Metric {
   /// Throws std::invalid_argument, one line, unless the name is_column_name().
   Metric(std::string its_name, std::string its_unit, double its_value);
@@ -22,13 +21,13 @@ struct Metric {
   double value;
 };
 
-/// Appends a metric, if it applies and is a finite number.
+/// Appends a metric if it has a finite value.
 inline void add(std::vector<Metric>& metrics, const std::string& name, const std::string& unit,
                 const std::optional<double>& value) {
   if (value && std::isfinite(*value)) metrics.push_back({name, unit, *value});
 }
 
-/// Why a run did not reach its end.
+/// The reason why a run did not reach its end.
 struct Failure {
   double time_s;
   std::string reason;
@@ -37,18 +36,17 @@ struct Failure {
 struct Recording {
   std::vector<Track> tracks;
   std::vector<Metric> metrics;  ///< empty if the run failed
-  /// What it took, by a clock: the only values that differ between two runs of the same. Empty if
-  /// the run failed.
+  /// Times measured by a clock: only they may differ between two equal runs. Empty if it failed.
   std::vector<Metric> costs;
   std::optional<Failure> failure;
-  std::vector<std::string> warnings;  ///< what one should know of a run that ended, one line each
+  std::vector<std::string> warnings;  ///< problems of a complete run, one line each
   std::uint64_t state_hash = 0;
   double simulated_s = 0.0;
   std::int64_t dropped_samples = 0;
 
-  /// The track of that name. Throws std::out_of_range if there is none.
+  /// The track with this name. Throws std::out_of_range if there is none.
   const Track& track(const std::string& name) const;
-  /// The value of a metric, or nothing if the run does not have it.
+  /// The value of a metric; nothing if the run does not have it.
   std::optional<double> metric(const std::string& name) const;
 };
 

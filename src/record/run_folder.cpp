@@ -24,11 +24,11 @@ namespace breakwater {
 namespace fs = std::filesystem;
 namespace {
 
-// A run that is not whole yet, or was replaced: nobody misses it.
+// A run that is incomplete or was replaced. It may be removed.
 constexpr const char* kPartialMark = ".partial-";
-// The run that was there, while it is replaced in two steps. Always whole.
+// The earlier run, while it is replaced in two steps. It is always complete.
 constexpr const char* kEarlierMark = ".earlier-";
-// A file in a partial folder that is whole, but could not be put anywhere else.
+// A file that marks a complete run in a partial folder, which could not be moved elsewhere.
 constexpr const char* kKeptMark = "kept";
 
 fs::path without_slash(const fs::path& folder) {
@@ -36,7 +36,7 @@ fs::path without_slash(const fs::path& folder) {
   return normal.has_filename() ? normal : normal.parent_path();
 }
 
-// ".run.partial-" of every host's, to which belong the host and the process' number.
+// ".run.partial-", without the host and the number of the process.
 std::string hidden_name(const fs::path& target, const char* mark) {
   return "." + target.filename().string() + mark;
 }
@@ -45,8 +45,8 @@ bool is_of_this_host(const std::string& suffix) {
   return suffix.substr(0, suffix.rfind('-')) == host_name();
 }
 
-// Whether nobody writes there any more, as far as can be told from here. This process' own number
-// is one that was given out again.
+// Whether the process that wrote there has ended, as far as this host knows. The number of this
+// process may have belonged to an earlier one.
 bool is_of_dead_process(const std::string& suffix) {
   if (!is_of_this_host(suffix)) return false;
   if (suffix.size() <= host_name().size() + 1) return false;  // no number
@@ -57,7 +57,7 @@ bool is_of_dead_process(const std::string& suffix) {
   return pid == getpid() || (pid > 0 && kill(pid, 0) != 0 && errno == ESRCH);
 }
 
-// The suffixes of what lies beside the target with that mark.
+// The suffixes of the folders beside the target with this mark.
 std::vector<std::string> suffixes(const fs::path& target, const char* mark,
                                   const LeftBeside* beside) {
   const std::string begin = hidden_name(target, mark);
@@ -71,7 +71,7 @@ void restore_earlier(const fs::path& target, const LeftBeside* beside) {
   fs::file_time_type latest_time;
   for (const std::string& suffix : suffixes(target, kEarlierMark, beside)) {
     const fs::path earlier = target.parent_path() / (hidden_name(target, kEarlierMark) + suffix);
-    // Should a process of another host still be at it, it only fails to replace what is put back.
+    // A process of another host may still be replacing the run. It then only fails to do so.
     const bool is_left = is_of_dead_process(suffix) || !is_of_this_host(suffix);
     if (!is_left || !is_run_folder(earlier)) continue;
     const fs::file_time_type time = fs::last_write_time(earlier / "manifest.json", error);
@@ -80,16 +80,16 @@ void restore_earlier(const fs::path& target, const LeftBeside* beside) {
       latest_time = time;
     }
   }
-  // Whoever is quicker has put it back.
+  // Another process may have been faster.
   if (!latest.empty()) fs::rename(latest, target, error);
 }
 
-// The partial folders that this process' threads write, and the right to make, swap or remove
-// folders just now. The folders' names tell processes apart, not threads.
+// The partial folders that threads of this process write, and the lock for making, swapping and
+// removing folders. The names of the folders tell processes apart, but not threads.
 std::mutex in_this_process;
 std::set<fs::path> written_here;
 
-// What our programs put into a run's folder, and what one of them leaves that is killed at it.
+// Files that the programs write into a run's folder, and their temporary files.
 bool is_of_a_run(const std::string& name) {
   static const std::set<std::string> names = {
       "config.toml", "log.csv",     "log.h5",      "manifest.json", "metrics.json", "strip.png",
@@ -99,7 +99,7 @@ bool is_of_a_run(const std::string& name) {
          (name.starts_with('.') && name.find(".partial-") != std::string::npos);
 }
 
-// Why a folder is not one that a run may take the place of; empty if it is.
+// The reason why a run may not replace a folder; empty if it may.
 std::string complaint_of(const fs::path& folder) {
   std::error_code error;
   if (!fs::is_directory(folder, error)) return "is a file, not a folder";
@@ -124,7 +124,7 @@ void remove_abandoned(const fs::path& target, const LeftBeside* left) {
   for (const std::string& suffix : suffixes(target, kEarlierMark, left)) {
     const fs::path earlier = beside(kEarlierMark, suffix);
     if (!is_of_dead_process(suffix) || !may_be_replaced(earlier)) continue;
-    // Half of a run that is being removed must not be taken for a run.
+    // An incomplete folder must not count as a run.
     fs::rename(earlier, beside(kPartialMark, suffix), ignored);
   }
   for (const std::string& suffix : suffixes(target, kPartialMark, left)) {
@@ -139,13 +139,13 @@ void remove_abandoned(const fs::path& target, const LeftBeside* left) {
   throw OutputError(target.string() + ": cannot be replaced (" + reason + ")");
 }
 
-// Puts `partial` in the place of `target`, which is left at `partial`.
+// Swaps `partial` and `target`.
 void exchange(const fs::path& partial, const fs::path& target) {
   if (renameat2(AT_FDCWD, partial.c_str(), AT_FDCWD, target.c_str(), RENAME_EXCHANGE) == 0) return;
-  // Not every file system can exchange.
+  // Some file systems cannot exchange.
   if (errno != EINVAL && errno != ENOSYS) cannot_replace(target, std::strerror(errno));
-  // In two steps the target is missing for a moment: if this process is killed in it, the next run
-  // or reader puts the earlier one back.
+  // In two steps the target is missing for a moment. If this process is killed then, the next run
+  // or reader restores the earlier run.
   const fs::path earlier =
       target.parent_path() / (hidden_name(target, kEarlierMark) + process_name());
   std::error_code error;
@@ -161,7 +161,7 @@ void exchange(const fs::path& partial, const fs::path& target) {
   if (error) cannot_replace(earlier, error.message());
 }
 
-// As exchange(), also where there is no target.
+// As exchange(), but the target may be missing.
 void put_in_place(const fs::path& partial, const fs::path& target) {
   std::error_code error;
   if (!fs::exists(fs::symlink_status(target, error))) {
@@ -170,14 +170,14 @@ void put_in_place(const fs::path& partial, const fs::path& target) {
     return;
   }
   exchange(partial, target);
-  // What stood there may have become something else while the run went on.
+  // The target may have changed during the run.
   if (!may_be_replaced(partial)) {
     exchange(partial, target);
     cannot_replace(target, "it holds something that is not a run; it is left alone");
   }
 }
 
-// Waits until a file, or the names in a folder, are on the disk.
+// Waits until a file, or the list of names in a folder, is on the disk.
 void sync(const fs::path& path) {
   const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC);
   const bool is_synced = descriptor >= 0 && is_on_disk(descriptor);
@@ -189,7 +189,7 @@ void sync(const fs::path& path) {
   }
 }
 
-// Lets the disk begin; the waits for one file after the other are then half as long.
+// Starts writing to the disk. The waits for one file after the other then take half the time.
 void begin_writing(const fs::path& file) {
   const int descriptor = open(file.c_str(), O_RDONLY | O_CLOEXEC);
   if (descriptor < 0) return;
@@ -198,7 +198,7 @@ void begin_writing(const fs::path& file) {
 }
 
 void sync_all(const fs::path& folder) {
-  std::error_code ignored;  // sync() finds it again
+  std::error_code ignored;  // sync() reports it later
   const auto entries = [&] { return fs::recursive_directory_iterator(folder, ignored); };
   for (const auto& entry : entries()) begin_writing(entry.path());
   for (const auto& entry : entries()) sync(entry.path());
@@ -211,7 +211,7 @@ std::vector<fs::path> missing_parents(const fs::path& folder) {
   return missing;
 }
 
-// Innermost first; a folder with something else in it by now is refused by remove() and stays.
+// Innermost first. remove() refuses a folder that is not empty.
 void remove_empty(const std::vector<fs::path>& folders) {
   std::error_code ignored;
   for (const fs::path& folder : folders) fs::remove(folder, ignored);
@@ -253,7 +253,7 @@ bool remove_run(const fs::path& folder, const std::function<bool(const fs::path&
   const fs::path whole = without_slash(folder);
   fs::path going = whole;
   if (!is_unfinished_run(whole)) {
-    // Half of a run must not be taken for a run.
+    // An incomplete folder must not count as a run.
     going = whole.parent_path() / (hidden_name(whole, kPartialMark) + process_name());
     std::error_code error;
     fs::rename(whole, going, error);
@@ -358,7 +358,7 @@ void RunFolder::commit() {
   fs::remove_all(partial_, ignored);
 }
 
-// Where the finished run is now, which no later one clears away.
+// Moves the finished run to a name that no later run removes, and returns this name.
 fs::path RunFolder::keep() {
   is_done_ = true;
   std::error_code error;

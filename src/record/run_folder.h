@@ -1,4 +1,4 @@
-// A run's folder: complete or absent.
+// The folder of a run: complete or absent.
 #pragma once
 
 #include <filesystem>
@@ -11,40 +11,40 @@
 
 namespace breakwater {
 
-/// What processes left beside the runs in a folder, listed once: where very many runs are written
-/// into it, listing it for each of them would take a time that grows with their square.
+/// A list of the folders that processes left beside the runs. It is made once: a new list for each
+/// of many runs would take quadratic time.
 class LeftBeside {
  public:
   explicit LeftBeside(const std::filesystem::path& folder);
-  /// What follows `begin` in the names that begin so.
+  /// The ends of the names that begin with `begin`.
   std::vector<std::string> behind(const std::string& begin) const;
 
  private:
   std::set<std::string> names_;
 };
 
-/// Files are written into a folder beside the final one, which takes its name only when whole and
-/// on the disk. An earlier run of that name is swapped out. Without commit(), nothing is left
-/// behind, not even the parent folders that were made for it.
+/// Files are written into a partial folder beside the target. commit() renames it when it is
+/// complete and on the disk, and removes an earlier run. Without commit(), nothing is left, not
+/// even parent folders that were made for it.
 ///
-/// Whenever the process is killed or the power fails, there is the earlier run or the new one; what
-/// is left over beside it goes with the next run of that name.
+/// After a kill or a power failure, the earlier run or the new one is there. The next run removes
+/// the rest.
 class RunFolder {
  public:
-  /// Throws std::invalid_argument if the target is a file, is a folder that holds something other
-  /// than an earlier run, or cannot be made. What is left beside it is looked for in `beside`, or
-  /// where that is null in its parent folder.
+  /// Throws std::invalid_argument if the target is a file, holds something other than an earlier
+  /// run, or cannot be made. `beside` lists the partial folders; if null, the parent folder is
+  /// read.
   explicit RunFolder(const std::filesystem::path& target, const LeftBeside* beside = nullptr);
   ~RunFolder();
   RunFolder(const RunFolder&) = delete;
   RunFolder& operator=(const RunFolder&) = delete;
 
-  /// Where to write.
+  /// The partial folder, in which to write.
   const std::filesystem::path& path() const { return partial_; }
   const std::filesystem::path& target() const { return target_; }
 
-  /// Puts the folder in its place. Throws OutputError if that fails: if the folder could not be
-  /// written to the disk, it goes; if it is whole, it is kept under the name that the error says.
+  /// Moves the folder to its target. Throws OutputError if that fails. If the data could not be
+  /// written to the disk, the folder is removed. A complete one is kept; the error names it.
   void commit();
 
  private:
@@ -53,33 +53,30 @@ class RunFolder {
   std::filesystem::path target_;
   std::filesystem::path partial_;
   std::vector<std::filesystem::path> made_parents_;  // innermost first
-  bool is_done_ = false;                             // committed, or kept
+  bool is_done_ = false;                             // committed or kept
 };
 
-/// Whether a folder is one that a run left, by its manifest.json.
+/// Whether a folder holds a finished run, by its manifest.json.
 bool is_run_folder(const std::filesystem::path& folder);
 
-/// Whether a folder is what a run that is not done writes into, or one that was killed has left:
-/// by its name.
+/// Whether a folder is the partial folder of an unfinished or killed run, by its name.
 bool is_unfinished_run(const std::filesystem::path& folder);
 
-/// Why a folder must not be removed as a run that nobody wants, in one line; empty if it may be. It
-/// holds only files that runs leave; one that is unfinished, of a process of this computer that is
-/// no more.
+/// The reason, in one line, why a folder must not be removed; empty if it may be. It may hold only
+/// files of a run. The process of an unfinished run must have been on this computer and have ended.
 std::string why_not_removable(const std::filesystem::path& folder);
 
-/// Removes such a folder: killed at it, what is left of it is an unfinished run. Once no other
-/// process finds it by its name, a finished one is looked at again: unless `may_go`, since by then
-/// it is another run, it is put back. Returns whether it was removed. Throws OutputError.
+/// Removes such a folder. If the process is killed meanwhile, an unfinished run is left. A finished
+/// run is first renamed, so that no other process finds it. If `may_go` then refuses it, because it
+/// has become another run, it is put back. Returns whether it was removed. Throws OutputError.
 bool remove_run(const std::filesystem::path& folder,
                 const std::function<bool(const std::filesystem::path&)>& may_go);
 
-/// For readers: where a process was killed while it replaced the run in `folder`, which is missing
-/// now, the earlier run is put back. Every RunFolder does so.
+/// For readers: restores the earlier run if a process was killed while it replaced `folder`.
 void restore_run(const std::filesystem::path& folder);
 
-/// Throws std::invalid_argument, one line, if the run's log.h5 is not what its manifest.json says.
-/// Returns whether the manifest says anything: one of before 0.2 has no `log_hash`.
+/// Throws std::invalid_argument, one line, if log.h5 differs from the hash in manifest.json.
+/// Returns whether the manifest has a `log_hash`; versions before 0.2 wrote none.
 bool check_log(const std::filesystem::path& folder);
 
 }  // namespace breakwater

@@ -1,4 +1,4 @@
-// One value over time, as a log has it.
+// A value over time, as in a log.
 #pragma once
 
 #include <algorithm>
@@ -7,7 +7,7 @@
 
 namespace breakwater {
 
-/// Rising times and the values then. Between them it is a straight line, outside it is constant.
+/// Increasing times and their values. It is linear between them and constant outside.
 struct Series {
   std::vector<double> times_s;
   std::vector<double> values;

@@ -5,8 +5,8 @@
 
 namespace breakwater {
 
-/// Asked where a signal breaks off a wait: true ends the work with Interrupted, false waits again.
-/// A program or the Python module sets it; null never stops. The handler of the signal has run.
+/// Called when a signal interrupts a wait: true stops the work with Interrupted, false goes on
+/// waiting. A program or the Python module sets it. Null never stops. The handler has run before.
 inline std::atomic<bool (*)()> stop_asked = nullptr;
 
 }  // namespace breakwater

@@ -9,14 +9,14 @@
 
 namespace breakwater {
 
-/// Each throws OutputError `FILE: cannot be written …` if it cannot write all of it.
+/// Each function throws OutputError `FILE: cannot be written …` if it cannot write the whole file.
 
 void write_text_file(const std::string& file, const std::string& text);
 
-/// One line per row, one column per value; the header names them, NAME or NAME_1, NAME_2, ….
+/// One line per row and one column per value. The header has the names: NAME, or NAME_1, NAME_2, ….
 void write_csv_log(const std::string& file, const Track& track);
 
-/// A flat object, finite numbers only.
+/// Writes a flat JSON object with finite numbers only.
 void write_metrics(const std::string& file, const std::vector<Metric>& metrics);
 
 }  // namespace breakwater

@@ -12,7 +12,7 @@ namespace {
 
 constexpr const char* kIndex = "index_";
 
-// A log would lose a signal that is named as another part of it.
+// A signal with the name of another part of the log would be lost.
 bool can_be_logged(const std::string& name) {
   return is_column_name(name) && name != "time_s" && !is_index_name(name);
 }

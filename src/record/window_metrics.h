@@ -1,4 +1,4 @@
-// Numbers that a run is judged by, gathered sample by sample.
+// Metrics, computed sample by sample.
 #pragma once
 
 #include <algorithm>
@@ -16,16 +16,15 @@ struct TimeWindow {
 
   bool contains(double time_s) const { return time_s >= from_s && time_s <= to_s; }
 
-  /// The window as a run from 0 to `end_s` may be judged by it: itself if the run covers it, else
-  /// one that nothing falls into, so that a metric of a part of it does not pass for the whole's.
-  /// An open end is the run's own.
+  /// The window itself if a run from 0 to `end_s` covers it. Otherwise it is empty: a metric of a
+  /// part of the window would be misleading. An open end is the end of the run.
   TimeWindow within(double end_s) const {
     constexpr double kOpen = std::numeric_limits<double>::infinity();
     if (from_s >= 0.0 && (to_s <= end_s || to_s == kOpen)) return *this;
     return {kOpen, -kOpen};
   }
 
-  /// The same, and on to the run's end where the run is longer: what has settled must stay so.
+  /// The same, extended to the end of a longer run: a settled value must stay settled.
   TimeWindow within_and_on(double end_s) const {
     TimeWindow window = within(end_s);
     if (window.to_s == to_s) window.to_s = std::numeric_limits<double>::infinity();
@@ -33,7 +32,7 @@ struct TimeWindow {
   }
 };
 
-/// Mean and variance of what was added so far, by Welford's recursion.
+/// Mean and variance of the added values, by Welford's recursion.
 class RunningVariance {
  public:
   void add(double value) {
@@ -45,7 +44,7 @@ class RunningVariance {
 
   std::int64_t count() const { return count_; }
   double mean() const { return mean_; }
-  /// The standard deviation of a sample: of two values and more, else nothing.
+  /// The sample standard deviation; nothing for less than two values.
   std::optional<double> standard_deviation() const {
     if (count_ < 2) return std::nullopt;
     return std::sqrt(squared_deviation_ / static_cast<double>(count_ - 1));
@@ -57,8 +56,7 @@ class RunningVariance {
   double squared_deviation_ = 0.0;
 };
 
-/// Mean, spread, root mean square and extremes of what falls into a window. Nothing, if nothing
-/// does.
+/// Mean, spread, root mean square and extremes of a window; nothing if it is empty.
 class WindowStatistics {
  public:
   explicit WindowStatistics(const TimeWindow& window) : window_(window) {}
@@ -82,7 +80,7 @@ class WindowStatistics {
   std::optional<double> smallest() const { return if_any(smallest_); }
   /// The largest |value|.
   std::optional<double> peak() const { return if_any(std::max(largest_, -smallest_)); }
-  /// The standard deviation of a sample: of two values and more.
+  /// The sample standard deviation; nothing for less than two values.
   std::optional<double> standard_deviation() const { return variance_.standard_deviation(); }
   /// The largest |value − mean|.
   std::optional<double> largest_deviation() const {
@@ -104,7 +102,7 @@ class WindowStatistics {
   double smallest_ = std::numeric_limits<double>::infinity();
 };
 
-/// How long an error takes from a window's beginning on until it stays within ±band to its end.
+/// The time from the beginning of a window until an error stays within ±band to its end.
 class SettlingTime {
  public:
   SettlingTime(const TimeWindow& window, double band) : window_(window), band_(band) {}
@@ -117,7 +115,7 @@ class SettlingTime {
     settled_ = is_inside;
   }
 
-  /// Nothing, if the error ends outside of the band or nothing falls into the window.
+  /// Nothing if the error ends outside the band, or the window has no values.
   std::optional<double> value() const {
     if (count_ == 0 || !settled_) return std::nullopt;
     return settled_at_s_ - window_.from_s;
@@ -131,8 +129,7 @@ class SettlingTime {
   double settled_at_s_ = 0.0;
 };
 
-/// How long a value takes from a time on until its size first reaches a level. Nothing, if it does
-/// not or the level is 0.
+/// The time until |value| first reaches a level; nothing if it never does, or the level is 0.
 class ReachTime {
  public:
   ReachTime(double from_s, double level) : from_s_(from_s), level_(level) {}
@@ -150,8 +147,8 @@ class ReachTime {
   std::optional<double> value_;
 };
 
-/// How often a value turns back by more than `band` from the farthest that it came. The first way
-/// is not a turn.
+/// The number of times that a value turns back by more than `band` from its farthest point. The
+/// first motion is not a turn.
 class ReversalCount {
  public:
   explicit ReversalCount(double band) : band_(band) {}
@@ -180,7 +177,7 @@ class ReversalCount {
 
   double band_;
   int count_ = 0;
-  double way_ = 0.0;  // 1, -1, or 0 before the first
+  double way_ = 0.0;  // direction: 1, -1, or 0 before the first motion
   double farthest_ = 0.0;
   double smallest_ = std::numeric_limits<double>::infinity();
   double largest_ = -std::numeric_limits<double>::infinity();

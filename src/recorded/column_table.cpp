@@ -15,7 +15,7 @@ namespace breakwater {
 namespace {
 
 constexpr const char* kBlank = " \t\r";
-constexpr char kBlanks = ' ';  // as a separator: any number of them
+constexpr char kBlanks = ' ';  // as a separator: any number of blanks
 constexpr std::size_t kLongestQuote = 40;
 constexpr std::size_t kLongestHeader = 200;
 
@@ -25,7 +25,7 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
 }
 
-// The end of the cell that begins at `from`: quotes keep a separator in it.
+// The end of the cell that begins at `from`. A separator between quotes does not end it.
 std::size_t end_of_cell(std::string_view line, std::size_t from, char separator) {
   bool is_quoted = false;
   for (std::size_t i = from; i < line.size(); ++i) {
@@ -71,7 +71,7 @@ class Reader {
     split(line_, separator_, cells_);
   }
 
-  // The next line that says something, split; false at the end.
+  // Splits the next line that is neither empty nor a comment; false at the end.
   bool next_row() {
     if (!next()) return false;
     split(line_, separator_, cells_);
@@ -85,7 +85,7 @@ class Reader {
   double number(std::size_t place, const std::string& column) {
     const std::string_view cell = cells_[place];
     digits_ = cell.starts_with('+') ? cell.substr(1) : cell;
-    // A point and a comma in one number: one of them groups thousands, nobody knows which.
+    // A number with both a point and a comma is ambiguous: one of them groups thousands.
     const std::size_t comma = digits_.find(',');
     if (separator_ != ',' && comma != std::string::npos && digits_.find('.') == std::string::npos) {
       digits_[comma] = '.';
@@ -101,7 +101,8 @@ class Reader {
   bool next() {
     while (std::getline(stream_, line_)) {
       ++number_;
-      if (number_ == 1 && line_.starts_with("\xef\xbb\xbf")) line_.erase(0, 3);  // as Excel writes
+      if (number_ == 1 && line_.starts_with("\xef\xbb\xbf"))
+        line_.erase(0, 3);  // Excel writes this mark
       const std::string_view text = trimmed(line_);
       if (!text.empty() && text.front() != '#') return true;
     }
@@ -113,17 +114,17 @@ class Reader {
   std::size_t number_ = 0;
   char separator_ = ',';
   std::string line_;
-  std::vector<std::string_view> cells_;  // of the line
+  std::vector<std::string_view> cells_;  // the cells of the current line
   std::string digits_;
 };
 
-// Where a column stands.
+// The index of a column.
 std::size_t place_of(const WantedColumn& column, const Reader& reader) {
   const std::vector<std::string_view>& header = reader.cells();
   const auto found = std::find(header.begin(), header.end(), column.name);
   if (found == header.end()) {
     const std::vector<std::string> names(header.begin(), header.end());
-    reader.fail(fmt::format("there is no column {}{}: the first line has {}; {} says which it is",
+    reader.fail(fmt::format("there is no column {}{}: the first line has {}; set {} to its name",
                             column.name, did_you_mean(column.name, names),
                             fmt::format("{}", fmt::join(names, ", ")).substr(0, kLongestHeader),
                             column.key));

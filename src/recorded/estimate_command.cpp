@@ -33,7 +33,7 @@ struct Arguments {
   bool quiet = false;
 };
 
-// The file, the case and the sets that the arguments ask for.
+// The file, the case and the sets of the arguments.
 struct Asked {
   ScenarioFile file;
   std::string case_name;
@@ -44,7 +44,7 @@ Asked asked_of(const Arguments& arguments) {
   ScenarioFile file(arguments.config.empty() ? data_file("data/estimate/estimate.toml").string()
                                              : arguments.config,
                     kEstimate);
-  // The file has settings for each of our estimators; another's are all in --set.
+  // The file has a case for each estimator of Breakwater. Another one needs --set.
   const bool has_settings = file.has_case(arguments.observer);
   std::vector<std::string> sets;
   if (!arguments.csv.empty()) sets.push_back("csv.file=" + toml_string(arguments.csv));
@@ -56,7 +56,7 @@ Asked asked_of(const Arguments& arguments) {
   return {std::move(file), std::move(case_name), std::move(sets)};
 }
 
-// The record need not be there yet; the user fills in this and all else that is required.
+// The record may still be missing: the user fills in its name and the other required keys.
 std::string editable_config(const Catalogue& catalogue, const Asked& asked,
                             const std::string& name) {
   RecordedEstimation estimation(catalogue);
@@ -108,33 +108,33 @@ int estimate(const Catalogue& catalogue, const Arguments& arguments) {
 int estimate_main(const Catalogue& catalogue, int argc, const char* const* argv) {
   const std::string program = own_program_name() + " " + kEstimate;
   return guarded(program, [&] {
-    CLI::App app("Runs a disturbance estimator on data of your own, without any simulation.",
-                 program);
+    CLI::App app("Runs a disturbance estimator on recorded data, without a simulation.", program);
     Arguments arguments;
     app.add_option("--csv", arguments.csv,
-                   "the record: a table with columns time_s, u and y\n"
-                   "(csv.time_column, ... name others)")
+                   "read this table with the columns time_s, u and y\n"
+                   "(the keys csv.time_column, ... set other names)")
         ->type_name("FILE");
     app.add_option("--observer", arguments.observer,
-                   "which estimator of an axis (" + own_program_name() +
-                       " list --parts), or which\nof the file's cases (default: stf)")
+                   "use this estimator of an axis (see " + own_program_name() +
+                       " list --parts)\nor this case of the file (default: stf)")
         ->type_name("NAME");
     app.add_option("--config", arguments.config,
-                   "settings of your own, such as an earlier result's config.toml")
+                   "read settings from this file, such as an earlier result's config.toml")
         ->type_name("FILE");
-    app.add_option(
-           "--set", arguments.sets,
-           "override keys: of the plant, the encoder, units (--print-config shows them all)")
+    app.add_option("--set", arguments.sets,
+                   "set a key of the plant, encoder, units, ... (--print-config shows all keys)")
         ->type_name("KEY=VALUE");
-    app.add_option("--out", arguments.out, "the folder of the result (default: runs/estimate/NAME)")
+    app.add_option("--out", arguments.out,
+                   "write the result to this folder (default: runs/estimate/NAME)")
         ->type_name("DIR");
     app.add_flag("--quiet", arguments.quiet, "print errors only");
     app.add_flag("--print-config", arguments.print_config,
                  "print the effective configuration and exit");
     app.footer(
-        "The folder has log.csv and log.h5 with the estimates of each row, metrics.json,\n"
-        "config.toml and manifest.json. Each interval counts as long as it is; gaps are predicted\n"
-        "over, and warned of. Exit status: 0 success, 1 a defect, 2 usage or input, 130 "
+        "The folder gets log.csv and log.h5 with the estimates of each row, metrics.json,\n"
+        "config.toml and manifest.json. The estimator predicts over gaps, and a warning lists "
+        "them.\n"
+        "Exit status: 0 success, 1 a defect, 2 usage or input, 130 "
         "interrupted.");
     if (const auto status = parse(app, argc, argv)) return *status;
     return estimate(catalogue, arguments);

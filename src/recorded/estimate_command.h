@@ -5,7 +5,7 @@
 
 namespace breakwater {
 
-/// Runs an estimator of the catalogue on recorded data, and leaves a folder as a run does.
+/// Runs an estimator of the catalogue on recorded data, and writes a folder like that of a run.
 CommandKind estimate_command();
 
 }  // namespace breakwater

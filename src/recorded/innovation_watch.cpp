@@ -8,11 +8,11 @@
 namespace breakwater {
 namespace {
 
-constexpr double kExplained = 15.1;  // chi-square of one degree of freedom: all but 1e-4
-constexpr double kQuantile = 3.09;   // of a standard normal: all but 1e-3
+constexpr double kExplained = 15.1;  // 99.99 % quantile of chi-square with one degree of freedom
+constexpr double kQuantile = 3.09;   // 99.9 % quantile of the standard normal distribution
 
-// Up to where the mean of n independent squares lies, all but one time in a thousand: chi-square by
-// Wilson and Hilferty.
+// The 99.9 % quantile of the mean of n independent normalised squares, by Wilson and Hilferty's
+// approximation of chi-square.
 double largest_mean(double n) {
   const double share = 2.0 / (9.0 * n);
   const double root = 1.0 - share + kQuantile * std::sqrt(share);
@@ -54,8 +54,8 @@ std::optional<double> InnovationWatch::correlation() const {
 }
 
 std::optional<std::string> doubt_of(const Recording& recording) {
-  // A prediction that knows the position no better than the code does makes 2 of the 1; transients
-  // of an estimator that is right may be some 7 % of the rows, which at 15.1 each are 1 more.
+  // A prediction with an error as large as that of the code doubles the mean from 1 to 2.
+  // Transients of a correct estimator may be 7 % of the rows, which add 1 at 15.1 each.
   constexpr double kPrediction = 2.0;
   constexpr double kTransients = 1.0;
   constexpr double kCorrelated = 0.5;
@@ -64,22 +64,20 @@ std::optional<std::string> doubt_of(const Recording& recording) {
   const auto beyond = recording.metric("unexplained_share");
   const auto correlation = recording.metric("innovation_correlation_1");
   if (!count || !square || !beyond || !correlation) return std::nullopt;
-  // So many of the squares count as independent, if each remembers the last one alone, but for
-  // one in 200 at the least.
+  // The number of independent squares for a geometric correlation; at least one in 200.
   const double memory = std::min(*correlation * *correlation, 0.99);
   const double n = *count * (1.0 - memory) / (1.0 + memory);
   const double largest = kPrediction * largest_mean(n) + kTransients;
   if (*square <= largest) return std::nullopt;
   return fmt::format(
-      "the model does not explain the data: innovations squared are {:.3g} times what encoder and "
-      "noise explain, at most {:.3g} are expected; {:.0f} % of them are beyond all chance, and one "
-      "correlates with the next by {:.2f}: {}",
+      "the model does not explain the data: the squared innovations are {:.3g} times the variance "
+      "that encoder and noise explain (expected: at most {:.3g} times). {:.0f} % of them are above "
+      "15.1 times. The correlation of successive innovations is {:.2f}. Check {}",
       *square, largest, 100.0 * *beyond, *correlation,
       *correlation > kCorrelated
-          ? "inertia, friction, a scale or a sign is wrong, or the observer slow for this "
+          ? "inertia, friction, scales and signs, and whether the observer is fast enough for the "
             "disturbance"
-          : "the times are off (csv.time_std_s), encoder.quantum or noise.std is too small, or a "
-            "scale or a sign is wrong");
+          : "the times (csv.time_std_s), encoder.quantum, noise.std, scales and signs");
 }
 
 }  // namespace breakwater

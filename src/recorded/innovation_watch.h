@@ -1,4 +1,4 @@
-// Whether an estimator's innovations are what its sensor's error explains.
+// Checks whether the sensor's error explains an estimator's innovations.
 #pragma once
 
 #include <cstdint>
@@ -9,30 +9,30 @@
 
 namespace breakwater {
 
-/// Innovations e against the variance of the sensor's error alone, R = Δ²/12 + σ² (Δ²/3
-/// where the encoder truncates) and what the instant's error makes of it: the estimators' own
-/// variances have no common unit.
+/// Compares innovations e with R = Δ²/12 + σ², the variance of the sensor's error, plus that of the
+/// error of the instant. An encoder that truncates has Δ²/3. Estimators' variances have no common
+/// unit.
 ///
-/// e²/R is chi-square distributed where the model is right and the estimator's own error small. One
-/// beyond what all but one of 10⁴ of such are, e² > 15.1 R, is not explained, and counts as 15.1 in
-/// the mean: a step of the disturbance shall not decide over a record. Rounding alone never gives
-/// one, since prediction and code are then at most a count apart: e² ≤ 12 R.
+/// With a correct model and a small error of the estimator, e²/R is chi-square distributed. A value
+/// above 15.1, the 99.99 % quantile, is unexplained. It counts as 15.1 in the mean, so that a step
+/// of the disturbance does not dominate a record. Rounding alone gives no such value: the
+/// prediction and the code then differ by at most a count, so e² ≤ 12 R.
 class InnovationWatch {
  public:
-  /// `sensor_std`: the root of SensorError::variance(); 0: nothing is known of it.
+  /// `sensor_std` is the root of SensorError::variance(); 0: unknown.
   explicit InnovationWatch(double sensor_std) : variance_(sensor_std * sensor_std) {}
 
-  /// `instant_error`: the output's speed times the standard deviation of the instant.
+  /// `instant_error` is the speed of the output times the standard deviation of the instant.
   void add(double innovation, double instant_error);
-  /// The next one does not follow the last one.
+  /// Separates the next innovation from the last one.
   void interrupt() { has_last_ = false; }
 
   std::optional<double> rms() const;
-  /// The mean of e²/R: 1 where the sensor's error explains the innovations.
+  /// The mean of e²/R: 1 if the sensor's error explains the innovations.
   std::optional<double> normalised_square() const;
-  /// How many are not explained, of all.
+  /// The share of unexplained innovations.
   std::optional<double> unexplained_share() const;
-  /// From one to the next: 0 of white noise, within ±2/√N.
+  /// The correlation of successive innovations: 0 within ±2/√N for white noise.
   std::optional<double> correlation() const;
 
  private:
@@ -46,8 +46,8 @@ class InnovationWatch {
   bool has_last_ = false;
 };
 
-/// "the model does not explain the data: ...", if a finished estimation shows it; nothing if the
-/// model does, or nothing is known.
+/// "the model does not explain the data: ..." if a finished estimation shows this; nothing if the
+/// model explains them or the sensor's error is unknown.
 std::optional<std::string> doubt_of(const Recording& recording);
 
 }  // namespace breakwater

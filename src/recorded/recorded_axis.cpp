@@ -36,7 +36,7 @@ RecordedTiming timing_of(const std::vector<double>& times_s, double period_s, do
   RecordedTiming timing;
   timing.period_s = period_s;
   if (period_s == 0.0) {
-    // The mean of what are no gaps by the median: jitter adds up to nothing in it.
+    // Use the mean of the intervals that are no gaps by the median: jitter cancels in it.
     std::vector<double> in_any_order = intervals;
     const double median = sample_median(in_any_order);
     double sum = 0.0;

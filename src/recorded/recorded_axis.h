@@ -1,4 +1,4 @@
-// What a lab recorded of one axis: a table of times, inputs and positions.
+// A record of an axis: a table of times, inputs and positions.
 #pragma once
 
 #include <cstddef>
@@ -7,7 +7,7 @@
 
 namespace breakwater {
 
-/// How a table says it: what its columns are called, and what 1 in them is worth.
+/// The names of the table's columns, and the value of 1 in each.
 struct RecordFormat {
   std::string time_column = "time_s";
   std::string input_column = "u";
@@ -17,28 +17,28 @@ struct RecordFormat {
   double position_scale = 1.0;  ///< rad, or m
 };
 
-/// Row k of all three belongs together.
+/// The three columns, all with the same rows.
 struct RecordedAxis {
-  std::vector<double> times_s;  ///< rising
+  std::vector<double> times_s;  ///< increasing
   std::vector<double> inputs;
   std::vector<double> positions;
 };
 
-/// Reads a table (column_table.h). Throws std::invalid_argument as read_columns() does, and if a
-/// time is not later than the one before, or there are fewer than two rows.
+/// Reads a table (column_table.h). Throws std::invalid_argument as read_columns() does, if a time
+/// is not later than the one before, or if there are fewer than two rows.
 RecordedAxis read_recorded_axis(const std::string& file, const RecordFormat& format = {});
 
-/// How regularly it was sampled. Nothing is interpolated: an interval is a period, or a gap.
+/// The regularity of the sampling. Nothing is interpolated: an interval is a period or a gap.
 struct RecordedTiming {
-  double period_s = 0.0;          ///< given, or the mean interval without the gaps
-  std::vector<std::size_t> gaps;  ///< rows behind an interval longer than `gap_periods`
-  double jitter_rms_s = 0.0;      ///< of the intervals that are no gaps, from the period
-  double jitter_max_s = 0.0;      ///< the largest of them, by amount
-  std::size_t irregular = 0;      ///< how many are off by more than `jitter_share`
+  double period_s = 0.0;          ///< as given, or the mean interval without the gaps
+  std::vector<std::size_t> gaps;  ///< the row after each interval longer than `gap_periods`
+  double jitter_rms_s = 0.0;      ///< deviation of the other intervals from the period
+  double jitter_max_s = 0.0;      ///< the largest magnitude of this deviation
+  std::size_t irregular = 0;      ///< number of intervals that deviate by more than `jitter_share`
 };
 
-/// `period_s` 0: the mean interval, where gaps are those of the median; `gap_periods` and
-/// `jitter_share` are in periods.
+/// `period_s` 0 takes the mean interval. The median interval then defines the gaps. `gap_periods`
+/// and `jitter_share` are in periods.
 RecordedTiming timing_of(const std::vector<double>& times_s, double period_s, double gap_periods,
                          double jitter_share);
 

@@ -23,56 +23,55 @@ constexpr std::size_t kRowsBetweenReports = 100000;
 
 Fields RecordedEstimation::fields() {
   Fields fields;
-  fields.file("csv.file", file_, "the record, a table of times, inputs and positions (--csv FILE)");
-  fields.text("csv.time_column", format_.time_column, "what its column of times is called");
-  fields.text("csv.input_column", format_.input_column, "that of inputs, u");
-  fields.text("csv.position_column", format_.position_column, "that of positions, y");
+  fields.file("csv.file", file_, "table of times, inputs and positions (--csv FILE)");
+  fields.text("csv.time_column", format_.time_column, "name of the column of times");
+  fields.text("csv.input_column", format_.input_column, "name of the column of inputs u");
+  fields.text("csv.position_column", format_.position_column, "name of the column of positions y");
   fields.standard("csv.time_column", {std::string("time_s")});
   fields.standard("csv.input_column", {std::string("u")});
   fields.standard("csv.position_column", {std::string("y")});
   fields.number("csv.time_scale", format_.time_scale, positive(),
-                "s for 1 of the column of times: 1e-3 of milliseconds");
+                "unit of the column of times in s: 1e-3 for milliseconds");
   fields.standard("csv.time_scale", {1.0});
-  fields.number(
-      "csv.time_std_s", time_std_s_, not_negative(),
-      "standard deviation of the times: by how much a row was really taken at another [s]");
+  fields.number("csv.time_std_s", time_std_s_, not_negative(),
+                "standard deviation of the error of the times [s]");
   fields.standard("csv.time_std_s", {0.0});
   fields.number("csv.input_scale", format_.input_scale, any(),
-                "N m (or N) for 1 of the column u: a torque constant, say, with its sign");
+                "unit of the column u in N m or N, with sign: a torque constant, for example");
   fields.number("csv.position_scale", format_.position_scale, any(),
-                "rad (or m) for 1 of the column y");
+                "unit of the column y in rad or m, with sign");
   fields.choice("csv.input_acts", input_acts_,
                 {{"after", InputActs::after}, {"before", InputActs::before}},
-                "u of a row acts after it, until the next one, or acted before it, since the last");
+                "interval in which u of a row acts: after the row, or before it");
   fields.number("csv.period_s", period_s_, not_negative(),
-                "T_s; 0: the mean interval, gaps left out [s]");
+                "T_s; 0: the mean interval without gaps [s]");
   fields.number("csv.gap_periods", gap_periods_, between(1, 1e9),
-                "in a longer interval rows are missing: it is predicted over [T_s]");
+                "longest normal interval: a longer one is a gap [T_s]");
   fields.number("csv.longest_gap_s", longest_gap_s_, not_negative(),
-                "behind a longer one the estimator starts again [s]");
+                "after a longer gap the estimator starts again [s]");
   fields.standard("csv.longest_gap_s", {1.0});
   fields.number("csv.jitter_share", jitter_share_, not_negative(),
-                "intervals off by more than this are warned of [T_s]");
+                "deviation of an interval from T_s above which a warning is printed [T_s]");
   fields.choice("plant.motion", motion_,
                 {{"rotation", Motion::rotation}, {"translation", Motion::translation}},
-                "rotation (rad, N m) or translation (m, N)");
+                "kind of motion: rotation (rad, N m) or translation (m, N)");
   fields.number("plant.inertia", inertia_, positive(),
                 "moving inertia [kg m^2] or mass [kg] (--set plant.inertia=VALUE)");
   fields.number("plant.viscous_friction", viscous_friction_, not_negative(),
-                "[N m s/rad] or [N s/m]");
+                "viscous friction [N m s/rad] or [N s/m]");
   fields.number(
       "encoder.quantum", quantum_, not_negative(),
-      "what one count is worth; 0: not quantised [rad or m] (--set encoder.quantum=VALUE)");
+      "encoder resolution, one count; 0: not quantised [rad or m] (--set encoder.quantum=VALUE)");
   fields.number("encoder.pulses_per_revolution", pulses_, not_negative(),
-                "b_reso of Eq. 4.26, or counts per metre; 0: not known");
+                "b_reso of Eq. 4.26, or counts per metre; 0: unknown");
   bind_encoder_rounding(fields, "encoder.rounding", rounding_);
   fields.only_where({"encoder.rounding"}, "encoder.quantum is not 0",
                     [this] { return quantum_ != 0.0; });
   fields.number("noise.std", noise_std_, not_negative(),
-                "standard deviation of y's white noise [rad or m]");
+                "standard deviation of the white noise of y [rad or m]");
   estimator_.bind(fields);
   fields.count("record.compression", run_.compression, between(0, 9),
-               "of log.h5, by deflate: 0 fastest, 9 smallest");
+               "compression of log.h5 by deflate: 0 is fastest, 9 gives the smallest file");
   return fields;
 }
 
@@ -120,19 +119,20 @@ std::vector<std::string> RecordedEstimation::warnings() const {
     if (timing_.gaps.size() > kMostGapsNamed) places += ", ...";
     const std::string what_is_done =
         follows_ ? fmt::format(
-                       "predicted over, the input from those beside it; behind one of "
-                       "more than {:.3g} s the estimator starts again",
+                       "the estimator predicts over a gap, with the inputs of the rows beside it. "
+                       "After more than {:.3g} s it starts again",
                        longest_gap_s_)
-                 : "nothing is interpolated; the estimator starts again behind each";
+                 : "the estimator starts again after each gap";
     lines.push_back(fmt::format("{}: {}{}: {}", file_, number_of(timing_.gaps.size(), "gap"),
                                 places, what_is_done));
   }
   if (timing_.irregular > 0 && !follows_) {
-    lines.push_back(fmt::format(
-        "{}: {} of {} intervals are off T_s = {:.6g} s by more than {:.3g} T_s, by {:.3g} s at "
-        "most: each is taken for one period",
-        file_, timing_.irregular, t.size() - 1, timing_.period_s, jitter_share_,
-        timing_.jitter_max_s));
+    lines.push_back(
+        fmt::format("{}: {} of {} intervals differ from T_s = {:.6g} s by more than {:.3g} T_s, by "
+                    "at most {:.3g} s. "
+                    "The estimator takes each for one period",
+                    file_, timing_.irregular, t.size() - 1, timing_.period_s, jitter_share_,
+                    timing_.jitter_max_s));
   }
   return lines;
 }
@@ -157,10 +157,12 @@ Recording RecordedEstimation::run(const RunControl& control) const {
       {"velocity_hat_" + units.velocity_suffix, units.velocity, "velocity, estimated",
        part(estimator->state(), 1)},
       {"velocity_raw_" + units.velocity_suffix, units.velocity,
-       "raw difference of y over an interval; 0 where there is none", view(raw_velocity)},
-      {"d_hat_" + units.force_suffix, units.force,
-       "disturbance, which opposes the input, estimated", part(estimator->disturbance(), 0)},
-      {"stretch", "1", "which stretch of the record without a gap, from 1 on", view(stretch)}};
+       "raw difference of y over an interval; 0 at the first row of a stretch", view(raw_velocity)},
+      {"d_hat_" + units.force_suffix, units.force, "estimated disturbance, which opposes the input",
+       part(estimator->disturbance(), 0)},
+      {"stretch", "1",
+       "number of the part of the record since the last restart of the estimator, from 1",
+       view(stretch)}};
   for (const Signal& signal : signals_of(*estimator, units.position)) signals.push_back(signal);
   const std::span<const double> innovation = published(*estimator, "innovation");
 

@@ -1,4 +1,4 @@
-// An estimator of an axis on what a lab recorded, without any simulation.
+// An estimator of an axis on recorded data, without a simulation.
 #pragma once
 
 #include <string>
@@ -11,8 +11,7 @@
 
 namespace breakwater {
 
-/// It has settings and a run as every scenario does, but no plant: its run is the estimator's, and
-/// its state hash that of the estimates.
+/// It has settings and a run as every scenario, but no plant. Its hash is of the estimates.
 class RecordedEstimation final : public Scenario {
  public:
   explicit RecordedEstimation(const Catalogue& catalogue)
@@ -23,7 +22,7 @@ class RecordedEstimation final : public Scenario {
   Fields fields() override;
   void check(const Config& config) override;
   const RunSettings& run_settings() const override { return run_; }
-  /// Gaps, and jitter where the estimator does not follow it.
+  /// Warns of gaps, and of jitter if the estimator takes all intervals as equal.
   std::vector<std::string> warnings() const override;
   Recording run(const RunControl& control) const override;
 
@@ -55,10 +54,10 @@ class RecordedEstimation final : public Scenario {
   double noise_std_ = 0.0;
   PartChoice<AxisEstimatorKind> estimator_;
 
-  RecordedAxis record_;  // once checked
+  RecordedAxis record_;  // filled by check()
   RecordedTiming timing_;
-  double largest_input_ = 0.0;  // by amount
-  bool follows_ = false;        // the estimator takes each interval as it is
+  double largest_input_ = 0.0;  // the largest magnitude
+  bool follows_ = false;        // the estimator uses the length of each interval
 };
 
 }  // namespace breakwater

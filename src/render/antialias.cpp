@@ -9,21 +9,21 @@
 namespace breakwater {
 namespace {
 
-// Luminance steps below this are no edges; FXAA's 1/16.
+// Smaller steps of luminance are no edges; FXAA uses 1/16.
 constexpr std::uint8_t kSmallestContrast = 16;
-// Steps below this share of the local maximum are none either; FXAA's 1/8.
+// Steps below this share of the local maximum are no edges either; FXAA uses 1/8.
 constexpr int kRelativeContrast = 8;
-// How far an edge is followed to each side.
+// How far to follow an edge to each side, in pixels.
 constexpr int kReach = 16;
-// How much single bright or dark pixels are dimmed.
+// How strongly to dim single bright or dark pixels.
 constexpr float kSubpixel = 0.5F;
 
-// One pixel's view of the luminance around it, for a given direction along and across the edge.
+// The luminance around one pixel, in the directions along and across the edge.
 struct Edge {
   std::ptrdiff_t along;
   std::ptrdiff_t across;  // towards the steeper side
   float middle;           // the luminance halfway across
-  float gradient;         // how fast the halfway luminance may change along the edge
+  float gradient;         // largest change of the halfway luminance along the edge
 };
 
 std::uint32_t blend(const std::uint8_t* a, const std::uint8_t* b, float share_of_b) {
@@ -37,11 +37,11 @@ std::uint32_t blend(const std::uint8_t* a, const std::uint8_t* b, float share_of
   return colour;
 }
 
-// How far one can go along the edge, and how the luminance differs there from the middle.
+// The end of an edge, and its difference of luminance from the middle.
 struct End {
   int distance;
   float difference;
-  bool found;  // else the picture or the reach ended first
+  bool found;  // false: the picture or the reach ended first
 };
 
 End follow(const std::uint8_t* luma, const Edge& edge, std::ptrdiff_t step, int room) {
@@ -57,7 +57,7 @@ End follow(const std::uint8_t* luma, const Edge& edge, std::ptrdiff_t step, int 
   return end;
 }
 
-// The share of the neighbour across the edge in the pixel's new colour; `across` returns where.
+// Returns the share of the neighbour across the edge in the pixel's new colour, and sets `across`.
 float share(const std::uint8_t* luma, std::ptrdiff_t width, int x, int y, int height,
             std::ptrdiff_t& across) {
   const std::ptrdiff_t w = width;
@@ -111,9 +111,9 @@ float share(const std::uint8_t* luma, std::ptrdiff_t width, int x, int y, int he
   return std::max(along_edge, smooth * smooth * kSubpixel);
 }
 
-// The two loops over all pixels are written so that the compiler makes vector code of them.
+// The compiler can vectorise the two loops over all pixels.
 
-// Rec. 601 in 1/256.
+// Rec. 601 in integers of 1/256.
 void take_luma(const std::uint8_t* __restrict pixels, std::uint8_t* __restrict luma,
                std::size_t count) {
   for (std::size_t i = 0; i < count; ++i) {
@@ -126,7 +126,7 @@ void take_luma(const std::uint8_t* __restrict pixels, std::uint8_t* __restrict l
   }
 }
 
-// Marks the pixels of a row, but for its first and last, that differ enough from a neighbour.
+// Marks the pixels of a row that differ enough from a neighbour, except the first and the last.
 void find_contrast(const std::uint8_t* __restrict row, const std::uint8_t* __restrict above,
                    const std::uint8_t* __restrict below, std::uint8_t* __restrict contrast,
                    std::size_t width) {
@@ -157,7 +157,7 @@ void EdgeSmoother::smooth(std::vector<std::uint8_t>& pixels, int width, int heig
     const std::uint8_t* const row = luma_.data() + y * w;
     find_contrast(row, row - w, row + w, contrast_.data(), static_cast<std::size_t>(width));
     for (int block = 0; block < width; block += 8) {
-      std::uint64_t any = 0;  // most of a picture is flat: eight pixels at a glance
+      std::uint64_t any = 0;  // most of a picture is flat: test eight pixels at once
       std::memcpy(&any, &contrast_[static_cast<std::size_t>(block)], sizeof(any));
       if (any == 0) continue;
       for (int x = std::max(block, 1); x < std::min(block + 8, width - 1); ++x) {

@@ -1,4 +1,4 @@
-// Clean edges without drawing more pixels.
+// Smooth edges without drawing more pixels.
 #pragma once
 
 #include <cstdint>
@@ -6,13 +6,12 @@
 
 namespace breakwater {
 
-/// Smooths the stairs on the edges of a picture, in place, after Lottes, "FXAA" (NVIDIA, 2009),
-/// in its "quality" form: where the luminance changes abruptly, it looks along the edge for both
-/// its ends, and blends a pixel with the one across the edge as far as the straight line between
-/// the ends would cover it. It costs a few milliseconds, for edges alone; 4 samples a pixel cost
-/// llvmpipe more than drawing the picture twice.
+/// Smooths the edges of a picture in place, after Lottes, "FXAA" (NVIDIA, 2009), in its "quality"
+/// form. At an abrupt change of luminance it finds both ends of the edge. It blends a pixel with
+/// the one across the edge, as far as the straight line between the ends covers it. This takes a
+/// few milliseconds. With llvmpipe, 4 samples per pixel would more than double the time.
 ///
-/// `pixels` has 4 bytes a pixel (blue, green, red, any). Keeps its memory between pictures.
+/// `pixels` has 4 bytes per pixel (blue, green, red, any). Keeps its memory between pictures.
 class EdgeSmoother {
  public:
   void smooth(std::vector<std::uint8_t>& pixels, int width, int height);

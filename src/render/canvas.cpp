@@ -116,7 +116,7 @@ void Canvas::text(const Point& at, const std::string& text, double size, const C
     x -= text_width(text, size, bold) * (align == Align::center ? 0.5 : 1.0);
   }
   cairo_new_path(c);
-  // Whole pixels, so that moving digits do not shimmer.
+  // Round to whole pixels, so that moving digits do not flicker.
   cairo_move_to(c, std::round(x), std::round(at.y));
   if (halo) {
     cairo_text_path(c, text.c_str());

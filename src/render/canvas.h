@@ -17,7 +17,7 @@ struct Colour {
   double alpha = 1.0;
 };
 
-/// In pixels from the left and the top.
+/// A point in pixels from the left and the top.
 struct Point {
   double x = 0.0;
   double y = 0.0;
@@ -35,16 +35,16 @@ struct Rectangle {
 
 enum class Align { left, center, right };
 
-/// Draws with Cairo on a picture of 4 bytes a pixel (blue, green, red, unused), rows from the top.
+/// Draws with Cairo on a picture of 4 bytes per pixel (blue, green, red, unused).
 class Canvas {
  public:
-  /// The font that texts are written in, and what stands in for it where it is not installed.
+  /// The wanted font, and the font that replaces it if it is not installed.
   static std::string font();
   std::string font_in_use();
 
-  /// On a picture of its own, white.
+  /// Makes a white picture of its own.
   Canvas(int width, int height);
-  /// On a picture that outlives it.
+  /// Draws on a picture that must outlive it.
   Canvas(std::uint8_t* pixels, int width, int height);
 
   int width() const { return width_; }
@@ -56,19 +56,19 @@ class Canvas {
             const std::vector<double>& dashes = {});
   void dot(const Point& center, double radius, const Colour& colour);
 
-  /// Text with its baseline at `at.y`; `halo`: a light rim, for text on a picture.
+  /// Draws text with its baseline at `at.y`. `halo` adds a light rim, for text on a picture.
   void text(const Point& at, const std::string& text, double size, const Colour& colour,
             Align align = Align::left, bool bold = false, bool halo = false);
   double text_width(const std::string& text, double size, bool bold = false);
 
-  /// Everything drawn until unclip() stays inside of `area`.
+  /// Limits drawing to `area` until unclip().
   void clip(const Rectangle& area);
   void unclip();
 
-  /// Another canvas' picture with its top left corner at a whole pixel.
+  /// Copies the picture of another canvas, with its top left corner at a whole pixel.
   void paste(const Canvas& other, int left, int top);
 
-  /// As a PNG file's bytes.
+  /// The bytes of a PNG file.
   std::string png() const;
 
  private:

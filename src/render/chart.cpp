@@ -16,13 +16,13 @@ constexpr Colour kPaper{1.0, 1.0, 1.0, 1.0};
 constexpr Colour kChartInk{0.13, 0.15, 0.18, 1.0};
 constexpr Colour kGrid{0.88, 0.89, 0.90, 1.0};
 constexpr Colour kMark{0.45, 0.47, 0.50, 1.0};
-// Okabe and Ito's palette, told apart by colour-blind readers too.
+// Okabe and Ito's palette, which colour-blind readers can distinguish.
 constexpr std::array<Colour, 4> kPalette = {
     {{0.835, 0.369, 0.0}, {0.0, 0.447, 0.698}, {0.0, 0.62, 0.451}, {0.8, 0.475, 0.655}}};
 constexpr double kTextUnits = 15.0;
-constexpr double kLegendGap = 2.4;  // between its entries, in text sizes
+constexpr double kLegendGap = 2.4;  // between its entries, in multiples of the text size
 
-// A step of 1, 2 or 5 times a power of ten that divides `span` into at most `parts`.
+// The smallest step of 1, 2 or 5 times a power of ten that divides `span` into at most `parts`.
 double nice_step(double span, double parts) {
   const double raw = span / parts;
   const double power = std::pow(10.0, std::floor(std::log10(raw)));
@@ -41,7 +41,7 @@ std::vector<double> ticks(double from, double to, double parts) {
   return values;
 }
 
-// As many decimals as the distance between ticks needs.
+// As many decimals as the distance between ticks requires.
 std::string tick_text(double value, const std::vector<double>& all) {
   const double step = all.size() > 1 ? all[1] - all[0] : 1.0;
   const int decimals = std::max(0, static_cast<int>(-std::floor(std::log10(step) + 1e-9)));
@@ -107,7 +107,7 @@ void Chart::draw_frame(const std::string& title) {
   }
   plot_ = {label_width + 1.2 * size, 2.1 * size, 0.0, 0.0};
   plot_.width = width - plot_.left - 1.4 * size;
-  // The legend stands beside the title if there is room, else below it.
+  // The legend is beside the title if there is room, and otherwise below it.
   double legend_line = 1.45 * size;
   const double legend = legend_width(size);
   if (legend > 0.0 && canvas.text_width(title, size, true) + legend > plot_.width) {
@@ -160,8 +160,8 @@ void Chart::draw_legend(double baseline) {
   }
 }
 
-// For every column of pixels, the first, the lowest, the highest and the last point in it, in their
-// order: the same picture as all points give.
+// Keeps the first, lowest, highest and last point in each column of pixels, in their order. The
+// picture is the same as with all points.
 std::vector<Point> Chart::trace(const ChartLine& line, double now_s) const {
   const std::vector<double>& times = line.series.times_s;
   const std::vector<double>& values = line.series.values;
@@ -195,7 +195,7 @@ void Chart::draw(Canvas& canvas, int left, int top, double now_s) {
   const auto shift = [&](Point p) { return Point{p.x + left, p.y + top}; };
   const double y_zero = std::clamp(0.0, range_.lowest, range_.highest);
   canvas.line({shift(place(range_.from_s, y_zero)), shift(place(range_.to_s, y_zero))}, kMark, 1.0);
-  for (std::size_t i = lines_.size(); i-- > 0;) {  // the first on top
+  for (std::size_t i = lines_.size(); i-- > 0;) {  // draw the first line last, on top
     std::vector<Point> points = trace(lines_[i], now);
     for (Point& p : points) p = shift(p);
     const std::vector<double> dashes =

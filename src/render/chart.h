@@ -1,4 +1,4 @@
-// A strip chart that is drawn up to the present.
+// A strip chart, drawn up to the present time.
 #pragma once
 
 #include <memory>
@@ -16,7 +16,7 @@ struct ChartLine {
   bool dashed = false;
 };
 
-/// What of time and values a chart shows.
+/// The ranges of time and values in a chart.
 struct ChartRange {
   double from_s = 0.0;
   double to_s = 1.0;
@@ -24,23 +24,24 @@ struct ChartRange {
   double highest = 1.0;
 };
 
-/// The range that holds all of the lines' values of that time, 0 included, and some room.
+/// The range of all values of the lines in this time, with 0 and a margin.
 ChartRange chart_range(const std::vector<ChartLine>& lines, double from_s, double to_s);
 
-/// One chart of one size. What does not change is drawn once.
+/// A chart of fixed size. Its constant parts are drawn once.
 class Chart {
  public:
-  /// `unit_px`: the height that text and line widths follow, 1/720 of a picture of usual size.
+  /// `unit_px` scales text and line widths. It is 1/720 of the height of a usual picture.
   Chart(const std::string& title, std::vector<ChartLine> lines, const ChartRange& range, int width,
         int height, double unit_px);
 
-  /// Draws it at a corner: all axes, the lines up to `now_s`, a dot on the first line's end.
+  /// Draws it with its corner at (left, top): the axes, the lines up to `now_s`, and a dot at the
+  /// end of the first one.
   void draw(Canvas& canvas, int left, int top, double now_s);
 
-  /// Vertical marks with captions: the moments of a strip.
+  /// Adds a vertical mark with a caption: a moment of a strip.
   void mark(double time_s, const std::string& caption);
 
-  /// Where a point is, from the chart's own top left corner.
+  /// The place of a point, from the top left corner of the chart.
   Point place(double time_s, double value) const;
 
   static Colour colour(std::size_t line);

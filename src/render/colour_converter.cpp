@@ -8,8 +8,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "a pixel's blue is its lowest byte");
 
-// The loops are written so that the compiler makes vector code of them: sixteen bits hold what is
-// in them, and the arrays do not overlap.
+// The compiler can vectorise these loops: sixteen bits are enough, and the arrays do not overlap.
 
 void split(const std::uint8_t* __restrict pixels, std::uint16_t* __restrict blue,
            std::uint16_t* __restrict green, std::uint16_t* __restrict red, std::size_t count) {
@@ -32,7 +31,7 @@ void to_luma(const std::uint16_t* __restrict blue, const std::uint16_t* __restri
   }
 }
 
-// Of two by two pixels.
+// Averages blocks of two by two pixels.
 void to_means(const std::uint16_t* __restrict upper, const std::uint16_t* __restrict lower,
               std::uint16_t* __restrict means, std::size_t count) {
   for (std::size_t i = 0; i < count; ++i) {
@@ -40,7 +39,7 @@ void to_means(const std::uint16_t* __restrict upper, const std::uint16_t* __rest
     std::uint32_t below = 0;
     std::memcpy(&above, upper + 2 * i, sizeof(above));
     std::memcpy(&below, lower + 2 * i, sizeof(below));
-    const std::uint32_t sums = above + below;  // two of sixteen bits
+    const std::uint32_t sums = above + below;  // two sums of sixteen bits
     means[i] = static_cast<std::uint16_t>(((sums & 0xFFFFU) + (sums >> 16U) + 2U) >> 2U);
   }
 }

@@ -1,4 +1,4 @@
-// A picture's colours as video encoders take them.
+// Conversion of a picture's colours for video encoders.
 #pragma once
 
 #include <cstddef>
@@ -7,24 +7,23 @@
 
 namespace breakwater {
 
-/// Bytes of one frame as the encoder takes it: planes Y', Cb, Cr, the latter two of half the width
-/// and half the height.
+/// The bytes of one frame: planes Y', Cb, Cr. Cb and Cr have half the width and half the height.
 std::size_t yuv420p_bytes(int width, int height);
 
-/// Converts R'G'B' of eight bits to Y'CbCr by Rec. ITU-R BT.709-6, limited range:
-/// Y' = .2126 R' + .7152 G' + .0722 B' on 16 … 235; Cb = (B' − Y')/1.8556 and
-/// Cr = (R' − Y')/1.5748 on 16 … 240, each of the mean of two by two pixels and centred between
-/// them. In integers, of 1/256: Y' is right to ±1, Cb and Cr to ±2.
+/// Converts R'G'B' of eight bits to Y'CbCr by Rec. ITU-R BT.709-6, limited range. Y' = 0.2126 R' +
+/// 0.7152 G' + 0.0722 B' is on 16 … 235. Cb = (B' − Y')/1.8556 and Cr = (R' − Y')/1.5748 are on 16
+/// … 240, for the mean of two by two pixels, centred between them. Uses integers of 1/256: Y' is
+/// exact to ±1, Cb and Cr to ±2.
 class ColourConverter {
  public:
-  /// Both even.
+  /// Both must be even.
   ColourConverter(int width, int height);
 
-  /// From 4 bytes a pixel (blue, green, red, unused) to yuv420p_bytes(). Allocates nothing.
+  /// Converts 4 bytes per pixel (blue, green, red, unused) to yuv420p_bytes(). Allocates nothing.
   void convert(const std::uint8_t* pixels, std::uint8_t* frame);
 
  private:
-  // A row's colours apart.
+  // The colours of a row, one array each.
   struct Row {
     explicit Row(std::size_t width) : blue(width), green(width), red(width) {}
     std::vector<std::uint16_t> blue, green, red;
@@ -33,7 +32,7 @@ class ColourConverter {
   std::size_t width_;
   std::size_t height_;
   Row upper_, lower_;
-  Row means_;  // of two by two pixels
+  Row means_;  // for blocks of two by two pixels
 };
 
 }  // namespace breakwater

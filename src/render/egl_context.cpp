@@ -54,7 +54,7 @@ bool has_word(const char* words, std::string_view word) {
   return false;
 }
 
-// All that EGL lists; none if it cannot list them.
+// All devices that EGL lists; none if it cannot list them.
 std::vector<EGLDeviceEXT> all_devices() {
   const auto query =
       extension<std::remove_pointer_t<PFNEGLQUERYDEVICESEXTPROC>>("eglQueryDevicesEXT");
@@ -72,7 +72,7 @@ bool is_software(EGLDeviceEXT device) {
   return query != nullptr && has_word(query(device, EGL_EXTENSIONS), "EGL_MESA_device_software");
 }
 
-// Those to try, in turn; nullptr stands for Mesa's own choice.
+// The devices to try, in order. nullptr means Mesa's own choice.
 std::vector<EGLDeviceEXT> chosen(const EglDevices& wanted) {
   std::vector<EGLDeviceEXT> devices = all_devices();
   if (wanted.number) {
@@ -97,10 +97,10 @@ EGLDisplay display_of(EGLDeviceEXT device) {
                            : get(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr);
 }
 
-// Draws into a surface of its own, a pbuffer, from which finish() reads the pixels.
+// Draws into a pbuffer. finish() reads the pixels from it.
 class EglContext : public OpenGlContext {
  public:
-  // Throws RenderError if the device cannot.
+  // Throws RenderError if the device is not suitable.
   EglContext(const OpenGlTarget& target, EGLDeviceEXT device)
       : target_(target), display_(display_of(device)) {
     try {
@@ -111,7 +111,7 @@ class EglContext : public OpenGlContext {
       if (size > largest) {
         throw no_opengl(fmt::format("EGL draws no picture of {}x{}", target.width, target.height));
       }
-      // Where nothing is ever drawn: black, and nothing in the fourth byte.
+      // The background: black, with 0 in the fourth byte.
       function<void(GLbitfield)>("glClear")(GL_COLOR_BUFFER_BIT);
       read_pixels_ = function<std::remove_pointer_t<decltype(read_pixels_)>>("glReadPixels");
     } catch (...) {
@@ -123,7 +123,7 @@ class EglContext : public OpenGlContext {
 
   const char* library() const override { return "EGL"; }
 
-  // OpenGL's rows go from below.
+  // OpenGL's first row is at the bottom.
   void finish() override {
     read_pixels_(0, 0, target_.width, target_.height, GL_BGRA, GL_UNSIGNED_BYTE, target_.pixels);
     const std::size_t row = 4 * static_cast<std::size_t>(target_.width);
@@ -165,7 +165,7 @@ class EglContext : public OpenGlContext {
     }
   }
 
-  // The display stays: other contexts of the process may be on it.
+  // Keep the display: other contexts of the process may use it.
   void release() {
     if (display_ == EGL_NO_DISPLAY) return;
     egl<decltype(eglMakeCurrent)>("eglMakeCurrent")(display_, EGL_NO_SURFACE, EGL_NO_SURFACE,
@@ -199,7 +199,7 @@ std::unique_ptr<OpenGlContext> make_egl_context(const OpenGlTarget& target,
     try {
       return std::make_unique<EglContext>(target, candidates[i]);
     } catch (const RenderError&) {
-      continue;  // the next one; the last is Mesa's software renderer, if that is there
+      continue;  // try the next one; the last is Mesa's software renderer, if installed
     }
   }
   return std::make_unique<EglContext>(target, candidates.back());

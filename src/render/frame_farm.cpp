@@ -28,9 +28,9 @@
 namespace breakwater {
 namespace {
 
-// So many frames are drawn or wait to be encoded, for each process.
+// Frames that are being drawn or wait for encoding, per process.
 constexpr std::size_t kSlotsPerProcess = 4;
-// So many frames a process is given at a time: it never waits for the next one.
+// Frames that a process has been given, so that it never waits for the next one.
 constexpr std::size_t kOrdersPerProcess = 2;
 constexpr int kPollMs = 200;
 
@@ -39,7 +39,7 @@ struct Order {
   std::size_t slot;
 };
 
-// A child that died is noticed by its answers' end.
+// The end of a dead child's answers is enough to notice its death.
 class IgnoredSigpipe {
  public:
   IgnoredSigpipe() : before_(std::signal(SIGPIPE, SIG_IGN)) {}
@@ -53,12 +53,12 @@ class IgnoredSigpipe {
   void (*before_)(int);
 };
 
-// Small enough to go through a pipe in one piece.
+// Small enough for one atomic write to a pipe.
 struct Answer {
   enum class Kind { ready, drawn, failed };
   Kind kind;
-  std::size_t frame;           // drawn
-  std::array<char, 400> text;  // ready: the renderer's name; failed: why
+  std::size_t frame;           // for Kind::drawn
+  std::array<char, 400> text;  // ready: the name of the renderer; failed: the reason
 
   void say(const std::string& words) {
     std::snprintf(text.data(), text.size(), "%s", words.c_str());
@@ -82,7 +82,7 @@ bool write_all(int file, const void* data, std::size_t size) {
   return put == static_cast<ssize_t>(size);
 }
 
-// Memory that children and parent share: the frames.
+// Memory for the frames, shared by the children and the parent.
 class SharedMemory {
  public:
   explicit SharedMemory(std::size_t bytes)
@@ -113,7 +113,7 @@ struct Child {
   Answer answer{};
   int status = EXIT_SUCCESS;
   try {
-    // This process is one of as many as there are cores.
+    // One thread is enough: there is a process for each core.
     setenv("LP_NUM_THREADS", "0", 1);
     const Drawer drawer = start(number);
     answer.kind = Answer::Kind::ready;
@@ -133,10 +133,10 @@ struct Child {
   } catch (...) {
     status = EXIT_FAILURE;
   }
-  _exit(status);  // what the parent has open and registered is the parent's
+  _exit(status);  // do not run the parent's exit handlers
 }
 
-// The child processes; none outlives it.
+// The child processes. They end with this object.
 class Children {
  public:
   Children(const FrameFarm& farm, std::uint8_t* slots,
@@ -154,7 +154,7 @@ class Children {
       const pid_t parent = getpid();
       const pid_t pid = fork();
       if (pid == 0) {
-        // A child ends with its parent, and leaves it to the parent to be interrupted.
+        // A child ends with its parent, and leaves interruptions to the parent.
         prctl(PR_SET_PDEATHSIG, SIGKILL);
         if (getppid() != parent) _exit(EXIT_FAILURE);
         std::signal(SIGINT, SIG_IGN);
@@ -179,7 +179,7 @@ class Children {
 
   std::vector<Child>& all() { return children_; }
 
-  // A child's end without an answer.
+  // The reason of a child's end without an answer.
   static std::string cause_of_death(Child& child) {
     int status = 0;
     waitpid(child.pid, &status, 0);
@@ -210,7 +210,7 @@ class Children {
   std::vector<Child> children_;
 };
 
-// Hands drawn frames on in their order, on its own thread.
+// Passes the drawn frames on in order, on its own thread.
 class Taker {
  public:
   Taker(const FrameFarm& farm, const std::uint8_t* slots, std::size_t slot_count,
@@ -242,14 +242,14 @@ class Taker {
     changed_.notify_all();
   }
 
-  // How many were taken. Throws what `take` threw.
+  // The number of frames that were passed on. Throws the exception of `take`.
   std::size_t taken() {
     const std::lock_guard lock(mutex_);
     if (error_) std::rethrow_exception(error_);
     return taken_;
   }
 
-  // Until more than `count` were taken, `take` threw, or some time has passed.
+  // Waits until more than `count` were passed on, `take` threw, or some time has passed.
   void wait_beyond(std::size_t count) {
     std::unique_lock lock(mutex_);
     changed_.wait_for(lock, std::chrono::milliseconds(kPollMs),
@@ -262,7 +262,7 @@ class Taker {
   std::vector<bool> drawn_;
   std::size_t taken_ = 0;
   std::exception_ptr error_;
-  std::jthread thread_;  // last: it uses the others
+  std::jthread thread_;  // last, since it uses the members above
 };
 
 }  // namespace
@@ -288,7 +288,7 @@ std::string draw_frames(const FrameFarm& farm, const std::function<Drawer(std::s
         const bool has_room = ordered < farm.frames && ordered < taken + slot_count;
         if (!has_room || child.pending > round) continue;
         const Order order{ordered, ordered % slot_count};
-        if (!write_all(child.orders, &order, sizeof(order))) continue;  // died: see below
+        if (!write_all(child.orders, &order, sizeof(order))) continue;  // it has died: see below
         ++child.pending;
         ++ordered;
       }
@@ -299,7 +299,7 @@ std::string draw_frames(const FrameFarm& farm, const std::function<Drawer(std::s
       pending += child.pending;
     }
     if (pending == 0 && ordered == farm.frames) {
-      taker.wait_beyond(taken);  // all is drawn; the rest is encoding
+      taker.wait_beyond(taken);  // all frames are drawn; wait for the encoding
       continue;
     }
     if (pending == 0) {

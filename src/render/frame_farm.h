@@ -1,4 +1,4 @@
-// Frames drawn by several processes, taken in order.
+// Frames drawn by several processes, and passed on in order.
 #pragma once
 
 #include <atomic>
@@ -11,10 +11,10 @@
 
 namespace breakwater {
 
-/// Draws frame `number` into memory of the farm's `frame_bytes`.
+/// Draws frame `number` into memory of `frame_bytes` bytes.
 using DrawFrame = std::function<void(std::size_t number, std::uint8_t* frame)>;
 
-/// What one process draws with, and what that calls itself, in at most 400 characters.
+/// The drawing function of one process, and the name of its renderer in at most 400 characters.
 struct Drawer {
   // NOLINTNEXTLINE(google-explicit-constructor): what has no name is just its function.
   Drawer(DrawFrame draw_frame, std::string name = "")
@@ -32,19 +32,19 @@ struct FrameFarm {
   std::function<void(double fraction_done)> progress;  ///< may be empty
 };
 
-/// Thrown when asked to stop.
+/// Thrown if the work was asked to stop.
 class Stopped : public std::runtime_error {
  public:
   Stopped() : std::runtime_error("stopped") {}
 };
 
-/// Each child process, forked from this one, calls `start` once, with its number, and what that
-/// returns for every frame that it is given; a frame is whoever's turn comes first. Mesa draws no
-/// faster with several contexts on the threads of one process, and children take no crash of a
-/// driver to the parent. `take` gets all frames in order, on a thread of its own.
+/// Draws frames in child processes, forked from this one. Each child calls `start` once, with its
+/// number, and the result for each of its frames. Frames go to the next free child. Several
+/// contexts in one process would not be faster with Mesa, and a crash of a driver would end the
+/// process. `take` gets all frames in order, on its own thread.
 ///
-/// Call it while no other thread runs. Returns the name of what drew. Throws RenderError with a
-/// child's message if one fails, what `take` throws, or Stopped.
+/// Call it while no other thread runs. Returns the name of the renderer. Throws RenderError with a
+/// child's message if one fails, the exception of `take`, or Stopped.
 std::string draw_frames(const FrameFarm& farm,
                         const std::function<Drawer(std::size_t process)>& start,
                         const std::function<void(const std::uint8_t* frame)>& take);

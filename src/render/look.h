@@ -1,16 +1,16 @@
-// How much trouble a picture is worth.
+// The quality of a picture.
 #pragma once
 
 namespace breakwater {
 
-/// Of textures that are drawn smaller than they are. Magnified ones are bilinear.
+/// Filters for textures drawn smaller than they are. Magnified textures are bilinear.
 enum class Minification {
   no_mipmaps,      ///< bilinear; patterns finer than a pixel alias
   nearest_mipmap,  ///< bilinear in the nearest mipmap
   trilinear        ///< between two mipmaps
 };
 
-/// What is drawn beyond plain lit geometry.
+/// The features and the quality of a picture.
 struct Look {
   bool shadows = true;
   bool sky = true;  ///< the model's own skybox, if it has one
@@ -20,12 +20,12 @@ struct Look {
   int samples = 1;        ///< per pixel and direction: 4 draws 16 times as many pixels
 };
 
-/// For videos that must be quick.
+/// For quick videos.
 inline constexpr Look kFastLook{
     .shadows = false, .sky = false, .minification = Minification::no_mipmaps};
 /// For videos.
 inline constexpr Look kFullLook{};
-/// For print, whatever it takes.
+/// For print, however long it takes.
 inline constexpr Look kPrintLook{
     .reflections = true, .minification = Minification::trilinear, .shadow_map = 4096, .samples = 4};
 

@@ -28,7 +28,7 @@ Choice choose() {
 }
 
 std::unique_ptr<OpenGlContext> make_context(const OpenGlTarget& target) {
-  // Once: MuJoCo keeps the functions of the first library.
+  // Choose once: MuJoCo keeps the functions of the first library.
   static const Choice choice = choose();
   return choice.is_osmesa ? make_osmesa_context(target) : make_egl_context(target, choice.devices);
 }

@@ -11,13 +11,13 @@
 
 namespace breakwater {
 
-/// An OpenGL context that draws into memory. It is current on the thread that makes it; a thread
-/// has one at a time. What draws: what MUJOCO_GL and MUJOCO_EGL_DEVICE_ID ask for, OSMesa or EGL;
-/// if they ask for nothing OSMesa where it is there, else Mesa's software renderer through EGL, so
-/// that pictures are the same on every machine. The first one that a process makes decides for all.
+/// An OpenGL context that draws into memory. It is current on the thread that makes it, and a
+/// thread has one at a time. MUJOCO_GL and MUJOCO_EGL_DEVICE_ID choose OSMesa or EGL. Without them
+/// it is OSMesa, or Mesa's software renderer through EGL if OSMesa is missing: pictures are then
+/// the same on every machine. The first choice of a process is valid for all later contexts.
 class Offscreen {
  public:
-  /// Throws RenderError if there is no such OpenGL, or if the size is more than it can do;
+  /// Throws RenderError if there is no such OpenGL, or the size is too large for it. Throws
   /// std::invalid_argument as opengl_asked().
   Offscreen(int width, int height);
   Offscreen(const Offscreen&) = delete;
@@ -26,22 +26,22 @@ class Offscreen {
   int width() const { return width_; }
   int height() const { return height_; }
 
-  /// Waits until all is drawn, and brings pixels() up to date.
+  /// Waits until everything is drawn, and updates pixels().
   void finish() { context_->finish(); }
-  /// Rows from the top; 4 bytes a pixel: blue, green, red, and 0 where nothing was drawn. May be
-  /// changed: what is drawn later does not build on it.
+  /// Rows from the top, with 4 bytes per pixel: blue, green, red, and 0 where nothing was drawn.
+  /// The caller may change them: each picture is drawn anew.
   std::vector<std::uint8_t>& pixels() { return pixels_; }
 
-  /// A function of OpenGL's. Throws RenderError if there is none of that name.
+  /// A function of OpenGL. Throws RenderError if there is none with this name.
   template <typename Function>
   Function* function(const char* name) const {
     return context_->function<Function>(name);
   }
 
-  /// What OpenGL calls itself, and the library: "llvmpipe (LLVM 15.0.6, 256 bits), OSMesa".
+  /// The name of the renderer and the library: "llvmpipe (LLVM 15.0.6, 256 bits), OSMesa".
   const std::string& renderer() const { return renderer_; }
-  /// What a user should know, in one line, if it is a software renderer other than llvmpipe: what
-  /// Mesa falls back to is some 15 times slower.
+  /// A warning, in one line, if it is a software renderer other than llvmpipe. Mesa's other
+  /// renderers are about 15 times slower.
   std::optional<std::string> slowness() const;
 
  private:

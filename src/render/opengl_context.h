@@ -1,4 +1,4 @@
-// An OpenGL context without a screen, whichever library makes it.
+// An OpenGL context without a screen, from any library.
 #pragma once
 
 #include <cstdint>
@@ -10,14 +10,14 @@
 
 namespace breakwater {
 
-/// Where its pictures go: rows from the top, 4 bytes a pixel, blue first.
+/// The memory for its pictures: rows from the top, 4 bytes per pixel, blue first.
 struct OpenGlTarget {
   int width;
   int height;
-  std::uint8_t* pixels;  ///< outlives the context
+  std::uint8_t* pixels;  ///< must outlive the context
 };
 
-/// Current on the thread that made it, until it goes.
+/// It is current on the thread that made it until it is destroyed.
 class OpenGlContext {
  public:
   OpenGlContext() = default;
@@ -27,10 +27,10 @@ class OpenGlContext {
 
   /// "OSMesa" or "EGL".
   virtual const char* library() const = 0;
-  /// Waits until all is drawn, and has it in the target.
+  /// Waits until everything is drawn into the target.
   virtual void finish() = 0;
 
-  /// A function of OpenGL's. Throws RenderError if there is none of that name.
+  /// A function of OpenGL. Throws RenderError if there is none with this name.
   template <typename Function>
   Function* function(const char* name) const {
     void* const address = find(name);
@@ -42,13 +42,13 @@ class OpenGlContext {
   virtual void* find(const char* name) const = 0;
 };
 
-/// Mesa's software renderer, which draws into the target itself. Throws RenderError.
+/// Makes a context of Mesa's software renderer, which draws into the target. Throws RenderError.
 std::unique_ptr<OpenGlContext> make_osmesa_context(const OpenGlTarget& target);
 
-/// EGL without any window system, on one of the devices that it lists: which of them to try.
+/// EGL devices to try, without any window system.
 struct EglDevices {
-  std::optional<int> number;   ///< this one alone
-  bool software_only = false;  ///< else all, in EGL's order: GPUs first, if there are any
+  std::optional<int> number;   ///< try only this one
+  bool software_only = false;  ///< false: all, in EGL's order: GPUs first, if any
 };
 /// Throws RenderError.
 std::unique_ptr<OpenGlContext> make_egl_context(const OpenGlTarget& target,

@@ -9,7 +9,7 @@ RenderError no_opengl(const std::string& reason) {
   return error;
 }
 
-// Global: MuJoCo finds there what it needs.
+// The symbols are global, so that MuJoCo finds them.
 OpenGlLibrary::OpenGlLibrary(const char* file, const char* debian_package)
     : file_(file), handle_(dlopen(file, RTLD_NOW | RTLD_GLOBAL)) {
   if (handle_ != nullptr) return;

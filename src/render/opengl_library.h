@@ -1,4 +1,4 @@
-// A library that has OpenGL, loaded when the first picture is drawn.
+// A library with OpenGL, loaded when the first picture is drawn.
 #pragma once
 
 #include <string>
@@ -7,20 +7,20 @@
 
 namespace breakwater {
 
-/// One line that begins as all do that say why nothing can be drawn.
+/// An error of one line, with the usual beginning for a machine that cannot draw.
 RenderError no_opengl(const std::string& reason);
 
-/// Not linked: programs that draw nothing do not load it, and run where it is not. MuJoCo looks for
-/// OpenGL in the libraries that the process has loaded, once: a process draws by one of them.
+/// It is not linked: programs that draw nothing do not load it, and also run without it. MuJoCo
+/// looks once for OpenGL in the loaded libraries, so a process draws with only one of them.
 class OpenGlLibrary {
  public:
   OpenGlLibrary(const char* file, const char* debian_package);
 
   bool is_there() const { return handle_ != nullptr; }
-  /// The loader's words if it is not there, with the package that has it.
+  /// The loader's error if the library is missing, with the package that has it.
   const std::string& complaint() const { return complaint_; }
 
-  /// Null if it has no function of that name.
+  /// The function with this name, or null.
   void* find(const char* name) const;
   /// Throws RenderError.
   template <typename Function>
@@ -37,7 +37,7 @@ class OpenGlLibrary {
   std::string complaint_;
 };
 
-/// Each is looked for at the first call.
+/// Each function loads its library at the first call.
 const OpenGlLibrary& osmesa_library();
 const OpenGlLibrary& egl_library();
 

@@ -5,8 +5,8 @@
 namespace breakwater {
 namespace {
 
-// What of GL/osmesa.h is used. Mesa ships neither that header nor the library since 25.1; where the
-// library is, this is its interface.
+// The used part of GL/osmesa.h. Mesa has neither this header nor the library since 25.1. Where the
+// library exists, it has this interface.
 using OsmesaHandle = struct osmesa_context*;
 using CreateContextExt = OsmesaHandle(GLenum format, GLint depth_bits, GLint stencil_bits,
                                       GLint accumulation_bits, OsmesaHandle shared);

@@ -14,11 +14,11 @@ namespace {
 constexpr Colour kInk{0.10, 0.12, 0.15, 1.0};
 constexpr Colour kBox{1.0, 1.0, 1.0, 0.82};
 constexpr Colour kGap{0.25, 0.27, 0.30, 1.0};
-constexpr double kMargin = 14.0;  // in units, of boxes from the border
-// Above and below the scene, where nothing is drawn: blue, green, red.
+constexpr double kMargin = 14.0;  // distance of boxes from the border, in units
+// Background above and below the scene: blue, green, red.
 constexpr std::array<double, 3> kTop = {224.0, 212.0, 200.0};
 constexpr std::array<double, 3> kBottom = {246.0, 243.0, 240.0};
-// A number too short to read is not written: its arrow is shorter than this.
+// An arrow shorter than this has no number: it would be unreadably small.
 constexpr double kShortestArrow_m = 0.004;
 
 std::size_t pixel_bytes(int width, int height) {
@@ -31,9 +31,9 @@ std::string speed_text(double speed) {
                      : fmt::format("{:.3g}\u00d7 faster", speed);
 }
 
-// Where a number of that half size stands beside an arrow: beyond its tip, or, if there is a part
-// of the plant, across the arrow's middle or tip or behind it, where there is most room; always
-// within the panel.
+// Finds a place for a number of half size `half` beside an arrow. The place is beyond the arrow's
+// tip. If a part of the plant is there, it is the place with most room: across the arrow's middle
+// or tip, or behind it. It is always within the panel.
 Point free_place(const Point& from, const Point& to, const Point& half, const Point& panel,
                  const std::vector<SceneView::Circle>& parts) {
   constexpr double kEnough = 2.0;  // pixels
@@ -116,7 +116,7 @@ Picture::Picture(std::vector<PictureRun>& runs, const PictureStyle& style)
   }
 }
 
-// What the run shows between the chart's ends, or at all, is in sight.
+// Includes the poses of the run in the chart's time range in the view, or all poses.
 void Picture::include_window(PictureRun& run, Panel& panel) {
   constexpr int kPoses = 24;
   const bool has_window = !run.lines.empty();
@@ -130,8 +130,8 @@ void Picture::include_window(PictureRun& run, Panel& panel) {
   }
 }
 
-// One to three runs stand in a row, four in a square. The chart of a wide picture is in a corner
-// of it, that of a narrow one below.
+// One to three runs are in a row, four in a square. The chart of a wide picture is in a corner,
+// that of a narrow one below the picture.
 void Picture::lay_out() {
   const std::size_t count = panels_.size();
   const std::size_t columns = count == 4 ? 2 : count;
@@ -190,9 +190,8 @@ void Picture::draw_scene(PictureRun& run, Panel& panel, double time_s) {
   panel.view->draw(viewport, arrows);
 }
 
-// Mesa leaves 0 in the fourth byte where nothing is drawn. Where one translucent layer of alpha a
-// is drawn over nothing it leaves a² there, and a times the colour: 1 − a of the background is
-// missing.
+// Mesa leaves 0 in the fourth byte where nothing is drawn. A translucent layer of alpha a over the
+// empty background leaves a² there, and a times its colour. Add the missing 1 − a of it.
 void Picture::fill_background() {
   std::vector<std::uint8_t>& pixels = offscreen_.pixels();
   const auto width = static_cast<std::size_t>(offscreen_.width());
@@ -208,7 +207,7 @@ void Picture::fill_background() {
     std::uint32_t sky = 0;
     std::memcpy(&sky, bytes.data(), sizeof(sky));
     std::uint8_t* const row = pixels.data() + 4 * width * y;
-    std::uint32_t all = ~0U;  // most rows are covered: this loop becomes vector code
+    std::uint32_t all = ~0U;  // most rows are covered: the compiler vectorises this test
     for (std::size_t x = 0; x < width; ++x) {
       std::uint32_t pixel = 0;
       std::memcpy(&pixel, row + 4 * x, sizeof(pixel));
@@ -254,7 +253,7 @@ void Picture::shrink() {
 void Picture::draw_arrow_numbers(Canvas& canvas, const PictureRun& run, const Panel& panel) const {
   const double unit = unit_px(panel.area.width, style_.height);
   canvas.clip(panel.area);
-  // The view is drawn with more samples a pixel than the canvas has.
+  // The view has more samples per pixel than the canvas.
   const double samples = style_.look.samples;
   for (std::size_t i = 0; i < panel.arrows.size(); ++i) {
     const SceneArrow& arrow = panel.arrows[i].arrow;
@@ -287,7 +286,7 @@ void Picture::draw_caption(Canvas& canvas, const PictureRun& run, const Panel& p
   const double unit = unit_px(panel.area.width, style_.height);
   const double margin = std::round(kMargin * unit);
   const double size = 20.0 * unit;
-  // Beside the chart, if that is above too.
+  // Next to the chart, if that is at the top too.
   double left = panel.area.left + margin;
   double right = panel.area.right() - margin;
   const Rectangle& chart = panel.chart_area;
@@ -297,7 +296,7 @@ void Picture::draw_caption(Canvas& canvas, const PictureRun& run, const Panel& p
     else
       left = chart.right() + margin;
   }
-  // A long text is written smaller, so that all of it is there.
+  // Shrink a long text, so that it fits.
   const double room = right - left - 1.4 * size;
   const auto fitted = [&](const std::string& text, double wished, bool is_bold) {
     return wished * std::min(1.0, room / std::max(canvas.text_width(text, wished, is_bold), 1.0));
@@ -307,7 +306,7 @@ void Picture::draw_caption(Canvas& canvas, const PictureRun& run, const Panel& p
   const std::string second = speed.empty() ? time : time + "   " + speed;
   const double first = fitted(run.caption, size, true);
   const double small = fitted(second, 17.0 * unit, false);
-  // Digits take the same room, so the box stands still.
+  // Digits have equal widths, so the box does not move.
   const double width =
       std::max(canvas.text_width(run.caption, first, true), canvas.text_width(second, small));
   canvas.clip(panel.area);

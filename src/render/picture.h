@@ -1,4 +1,4 @@
-// A whole picture: one run or several side by side, with arrows, captions and charts.
+// A complete picture: one run or several side by side, with arrows, captions and charts.
 #pragma once
 
 #include <functional>
@@ -21,27 +21,27 @@ namespace breakwater {
 
 /// An arrow over time, from the log.
 struct ArrowTrack {
-  SceneArrow arrow;                ///< its vector is set from the rest
-  std::vector<Series> components;  ///< one, or three
+  SceneArrow arrow;                ///< its vector is set from the other members
+  std::vector<Series> components;  ///< one or three
   Eigen::Vector3d along = Eigen::Vector3d::UnitX();
   double metres_per_unit = 1.0;
-  std::string unit;  ///< of the number beside it; empty: no number
-  std::string name;  ///< the signal's
+  std::string unit;  ///< unit of the number beside it; empty: no number
+  std::string name;  ///< name of the signal
 };
 
-/// What an arrow is at that time, and the number beside it.
+/// An arrow at one time, and the number beside it.
 struct ArrowNow {
   SceneArrow arrow;
   double number = 0.0;
 };
 ArrowNow arrow_at(const ArrowTrack& track, double time_s);
 
-/// All that is drawn of one run.
+/// The data for pictures of one run.
 struct PictureRun {
   Model model;
   std::function<void(Model&, double time_s)> animate;  ///< may be empty
   std::vector<WavingSurface> surfaces;                 ///< water
-  int camera = -1;                                     ///< a camera_id()
+  int camera = -1;                                     ///< from camera_id()
   std::vector<double> times_s;
   LoggedSignal qpos;  ///< one row for each time
   std::vector<ArrowTrack> arrows;
@@ -49,16 +49,16 @@ struct PictureRun {
   std::string caption;
 };
 
-/// The run's positions at that time, from its log; beyond its ends those there.
+/// The run's positions at a time, from its log. Before and after the log they are constant.
 void interpolate_qpos(const PictureRun& run, double time_s, std::vector<double>& qpos);
 
 struct PictureStyle {
   int width = 1280;
   int height = 720;
   Look look;
-  std::string title;        ///< in the lower corner that the chart leaves
+  std::string title;        ///< in the lower corner without the chart
   std::string chart_title;  ///< a chart is drawn if the run has lines
-  bool chart_right = true;  ///< in which corner of a wide picture
+  bool chart_right = true;  ///< corner of a wide picture
   bool chart_bottom = true;
   ChartRange chart_range;
   double speed = 1.0;  ///< 0.1: "10 × slower"
@@ -66,32 +66,31 @@ struct PictureStyle {
   bool captions = true;  ///< case, time and speed
 };
 
-/// Draws pictures of up to four runs at any time of theirs. It holds an OpenGL context, so it stays
-/// on its thread.
+/// Draws pictures of up to four runs at any time. Its OpenGL context belongs to its thread.
 class Picture {
  public:
-  /// The runs outlive it, and their models are its own meanwhile. Throws RenderError.
+  /// The runs must outlive it. It uses their models meanwhile. Throws RenderError.
   Picture(std::vector<PictureRun>& runs, const PictureStyle& style);
 
-  /// The picture at that time: 4 bytes a pixel (blue, green, red, unused), rows from the top.
-  /// Beyond a run's end it stands still. Valid until the next.
+  /// The picture at a time: 4 bytes per pixel (blue, green, red, unused), rows from the top. After
+  /// its end a run stands still. Valid until the next call.
   const std::uint8_t* draw(double time_s);
 
   const Offscreen& offscreen() const { return offscreen_; }
-  /// Where a run's chart is; width 0: it has none.
+  /// The area of a run's chart; width 0: no chart.
   const Rectangle& chart_area(std::size_t run) const { return panels_[run].chart_area; }
   const Chart& chart(std::size_t run) const { return *panels_[run].chart; }
 
-  /// The height that text and lines follow in a picture of this size: 1 at 1280x720.
+  /// The scale of text and lines in a picture of this size: 1 at 1280x720.
   static double unit_px(double width, double height);
 
  private:
   struct Panel {
-    Rectangle area;  // of the scene, in whole pixels
+    Rectangle area;  // the scene's area, in whole pixels
     Rectangle chart_area;
     std::unique_ptr<SceneView> view;
     std::unique_ptr<Chart> chart;
-    std::vector<ArrowNow> arrows;  // of the picture last drawn
+    std::vector<ArrowNow> arrows;  // the arrows of the last picture
   };
 
   void lay_out();

@@ -5,7 +5,7 @@
 
 namespace breakwater {
 
-/// One line: no OpenGL, no encoder, a drawing process that died. The run it was to show is whole.
+/// An error of one line: no OpenGL, no encoder, a dead drawing process. The run is not affected.
 class RenderError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

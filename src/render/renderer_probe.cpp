@@ -18,7 +18,7 @@ namespace {
 
 constexpr int kSide = 64;
 
-// Whether a library is there that may draw as is asked.
+// Whether a library of the wanted kind is installed.
 bool has_library() {
   switch (opengl_asked().library) {
     case OpenGlAsked::Library::osmesa:
@@ -35,13 +35,14 @@ std::string drawn_or_why_not() {
   try {
     return "+" + Offscreen(kSide, kSide).renderer();
   } catch (const std::invalid_argument& error) {
-    return "!" + std::string(error.what());  // nonsense in the environment, which no library mends
+    return "!" +
+           std::string(error.what());  // a wrong environment variable, which no library can correct
   } catch (const std::exception& error) {
     return (has_library() ? "!" : "-") + std::string(error.what());
   }
 }
 
-// Answers in one character and words. Nothing may leave it: the frames above are the parent's.
+// Answers with one character and words. No exception may leave it: the parent's frames are above.
 [[noreturn]] void draw_in_child(int answer) noexcept {
   const std::string text = drawn_or_why_not();
   const bool is_said = write(answer, text.data(), text.size()) == static_cast<ssize_t>(text.size());
@@ -74,7 +75,7 @@ RendererProbe probe_renderer(const std::optional<std::string>& mujoco_gl) {
     throw std::system_error(errno, std::generic_category(), "fork");
   }
   if (child == 0) {
-    if (mujoco_gl) {  // the library itself, whatever device is asked for
+    if (mujoco_gl) {  // test the library itself, on any device
       setenv("MUJOCO_GL", mujoco_gl->c_str(), 1);
       unsetenv("MUJOCO_EGL_DEVICE_ID");
     }

@@ -1,4 +1,4 @@
-// What can draw on this machine.
+// Tests whether this machine can draw.
 #pragma once
 
 #include <optional>
@@ -9,11 +9,11 @@ namespace breakwater {
 struct RendererProbe {
   enum class Outcome { draws, no_library, no_context };
   Outcome outcome = Outcome::no_context;
-  std::string words;  ///< Offscreen::renderer(), or one line: why not
+  std::string words;  ///< Offscreen::renderer(), or the reason of the failure in one line
 };
 
-/// Makes an Offscreen with MUJOCO_GL as it is or, for a moment, as given; in a process of its own:
-/// a process draws by one library, and a driver may crash. Call it while no other thread runs.
+/// Makes an Offscreen with the present MUJOCO_GL, or with the given one. It uses a new process: a
+/// process draws with one library only, and a driver may crash. Call it while no other thread runs.
 /// Throws std::invalid_argument as opengl_asked().
 RendererProbe probe_renderer(const std::optional<std::string>& mujoco_gl = std::nullopt);
 

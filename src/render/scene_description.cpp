@@ -104,7 +104,7 @@ SceneTexture texture_of(const mjModel& m, int id) {
   return texture;
 }
 
-// The numbers that assets get in the description, in the order in which they are needed.
+// The numbers of assets in the description, in the order of first use.
 class Numbering {
  public:
   template <typename Asset, typename Make>
@@ -155,14 +155,15 @@ SceneJoint joint_of(const Model& model, int id) {
   joint.axis = triple(R * axis);
   joint.is_limited = m.jnt_limited[id] != 0;
   joint.range = numbers<2>(m.jnt_range + row_at(2, id));
-  // The body's axis that is most across, so that the pointer lies along the link if it can.
+  // The axis of the body that is most perpendicular to the joint, so that the pointer lies along
+  // the link.
   Eigen::Vector3d pointer = Eigen::Vector3d::UnitX();
   for (const Eigen::Vector3d& other : {Eigen::Vector3d(0, 1, 0), Eigen::Vector3d(0, 0, 1)}) {
     if (std::abs(other.dot(axis)) < std::abs(pointer.dot(axis)) - 1e-9) pointer = other;
   }
   pointer = (pointer - pointer.dot(axis) * axis).normalized();
   joint.body_pointer = triple(pointer);
-  // At qpos0 the body stands as the file has it; the pointer is wanted at position 0.
+  // At qpos0 the body is posed as in the file, but the pointer is for position 0.
   const double at_file = m.qpos0[m.jnt_qposadr[id]];
   const Eigen::Quaterniond back(Eigen::AngleAxisd(joint.is_hinge ? -at_file : 0.0, axis));
   joint.pointer = triple(R * (back * pointer));
@@ -223,7 +224,7 @@ SceneDescription describe_scene(const Model& model, const std::vector<int>& geom
     geom.rgba = numbers<4>(m.geom_rgba + row_at(4, id));
     const int material = m.geom_matid[id];
     if (material >= 0) {
-      // As the engine has it: the compiler's own grey says that the geom has no colour of its own.
+      // As the engine does it: the compiler's grey means that the geom has no colour.
       if (geom.rgba == std::array<double, 4>{0.5, 0.5, 0.5, 1.0}) {
         geom.rgba = numbers<4>(m.mat_rgba + row_at(4, material));
       }

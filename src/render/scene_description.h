@@ -1,5 +1,5 @@
-// What a model looks like, as data: for a program of another kind that draws it, a page in a
-// browser say. Poses are apart from it: ScenePoser.
+// The look of a model as data, for another program that draws it, such as a page in a browser.
+// ScenePoser gives the poses.
 #pragma once
 
 #include <array>
@@ -12,8 +12,7 @@
 
 namespace breakwater {
 
-/// Where a body, camera or light is, in the world: position [m], and its rotation as a unit
-/// quaternion (w, x, y, z).
+/// The pose of a body, camera or light in the world: position [m] and unit quaternion (w, x, y, z).
 struct Pose {
   std::array<double, 3> position_m{};
   std::array<double, 4> rotation{1.0, 0.0, 0.0, 0.0};
@@ -21,8 +20,8 @@ struct Pose {
 
 struct SceneMesh {
   std::vector<float> vertices;   ///< x, y, z each, in the geom's frame [m]
-  std::vector<float> normals;    ///< as many
-  std::vector<float> texcoords;  ///< u, v each; empty: none
+  std::vector<float> normals;    ///< one for each vertex
+  std::vector<float> texcoords;  ///< u, v each; empty if there are none
   std::vector<int> faces;        ///< three vertices each, counter-clockwise from outside
 };
 
@@ -30,7 +29,7 @@ struct SceneHeightField {
   int rows = 0;                  ///< along y
   int columns = 0;               ///< along x
   std::array<double, 3> size{};  ///< half lengths along x and y, height of a full value [m]
-  std::vector<float> heights;    ///< 0 … 1, rows × columns, x and y rising
+  std::vector<float> heights;    ///< 0 … 1, rows × columns, with increasing x and y
 };
 
 struct SceneTexture {
@@ -40,25 +39,25 @@ struct SceneTexture {
   std::vector<std::uint8_t> rgb;
 };
 
-/// One shape that is drawn, rigid on a body.
+/// A visible shape, rigid on a body.
 struct SceneGeom {
   enum class Shape { plane, height_field, sphere, capsule, ellipsoid, cylinder, box, mesh };
 
-  int id = 0;  ///< the model's
+  int id = 0;  ///< in the model
   std::string name;
   int body = 0;
   Shape shape = Shape::sphere;
-  std::array<double, 3> size{};  ///< as MJCF has it: half lengths; a plane's 0: without end [m]
+  std::array<double, 3> size{};  ///< as in MJCF: half lengths [m]; 0 for an infinite plane
   Pose pose;                     ///< in the body's frame
   std::array<double, 4> rgba{};
   double emission = 0.0;
   double specular = 0.5;
-  double shininess = 0.5;  ///< 1/128 of OpenGL's exponent
-  int texture = -1;        ///< of SceneDescription::textures; −1: none
+  double shininess = 0.5;  ///< OpenGL's exponent divided by 128
+  int texture = -1;        ///< index of SceneDescription::textures; −1: none
   std::array<double, 2> texture_repeat{1.0, 1.0};
   bool texture_is_uniform = false;  ///< repeats are per metre, not per geom
-  int mesh = -1;                    ///< of meshes
-  int height_field = -1;            ///< of height_fields
+  int mesh = -1;                    ///< index of meshes
+  int height_field = -1;            ///< index of height_fields
 };
 
 struct SceneCamera {
@@ -67,16 +66,16 @@ struct SceneCamera {
 };
 
 struct SceneLight {
-  bool is_directional = false;  ///< else a spot
+  bool is_directional = false;  ///< false: a spot
   bool casts_shadow = true;
   std::array<double, 3> ambient{};
   std::array<double, 3> diffuse{};
   std::array<double, 3> specular{};
-  double cutoff_deg = 45.0;  ///< of a spot
-  double exponent = 10.0;    ///< of a spot: intensity goes with cos^exponent
+  double cutoff_deg = 45.0;  ///< for a spot
+  double exponent = 10.0;    ///< for a spot: the intensity is proportional to cos^exponent
 };
 
-/// A hinge or slide, in the frame of its body's parent while its position is 0.
+/// A hinge or slide joint, in the frame of the parent of its body, at position 0.
 struct SceneJoint {
   std::string name;
   bool is_hinge = false;
@@ -86,14 +85,14 @@ struct SceneJoint {
   std::array<double, 3> axis{};
   bool is_limited = false;
   std::array<double, 2> range{};    ///< [rad or m]
-  std::array<double, 3> pointer{};  ///< a unit vector across the axis, when its position is 0 …
-  std::array<double, 3> body_pointer{};  ///< … and the same fixed to the body
+  std::array<double, 3> pointer{};  ///< unit vector perpendicular to the axis, at position 0 …
+  std::array<double, 3> body_pointer{};  ///< … and the same, fixed to the body
 };
 
 struct SceneDescription {
   std::vector<std::string> bodies;  ///< names; 0 is the world
   std::vector<SceneTexture> textures;
-  int sky = -1;  ///< the texture around all; −1: none
+  int sky = -1;  ///< texture of the sky; −1: none
   std::vector<SceneMesh> meshes;
   std::vector<SceneHeightField> height_fields;
   std::vector<SceneGeom> geoms;
@@ -105,31 +104,31 @@ struct SceneDescription {
   double extent_m = 1.0;
   double near_m = 0.01;
   double far_m = 100.0;
-  Pose free_camera;  ///< one that sees all of it
+  Pose free_camera;  ///< shows the whole model
   double free_field_of_view_deg = 45.0;
-  int skipped = 0;  ///< skins and tendons, which it does not hold
+  int skipped = 0;  ///< number of skins and tendons, which it does not describe
 };
 
-/// Whether SceneView draws a geom now: by its group, and unless it is wholly transparent.
+/// Whether SceneView now draws a geom: its group is drawn, and it is not fully transparent.
 bool is_drawn(const Model& model, int geom);
 
-/// The look of those geoms of the model, and of what they need.
+/// The look of these geoms of the model, with their assets.
 SceneDescription describe_scene(const Model& model, const std::vector<int>& geoms);
 
-/// A site of the model: its body, and where it is in the body's frame.
+/// A site of the model: its body and its place in the body's frame.
 struct SiteOnBody {
   int body = 0;
   Pose pose;
 };
 SiteOnBody site_on_body(const Model& model, int site);
 
-/// Says where things are for given positions of the joints. Kinematics alone, as SceneView's.
+/// Computes poses for given positions of the joints, by the kinematics of SceneView.
 class ScenePoser {
  public:
-  /// The model outlives it. Throws RenderError.
+  /// The model must outlive it. Throws RenderError.
   explicit ScenePoser(const Model& model);
 
-  /// Throws RenderError if the engine cannot.
+  /// Throws RenderError if the engine fails.
   void pose(std::span<const double> qpos);
   Pose body(int id) const;
   Pose camera(int id) const;  ///< looks along −z, y up

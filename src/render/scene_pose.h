@@ -1,16 +1,14 @@
-// What pictures of a model show of it.
+// The visible parts of a model, and their poses.
 #pragma once
 
 #include <mujoco/mujoco.h>
 
 namespace breakwater {
 
-/// Geoms of groups below this are drawn: bodies, and what is for the eye alone. What is only for
-/// the physics is in the others.
+/// Geoms of groups below this are drawn: bodies and decoration. The others are for the physics.
 inline constexpr int kDrawnGroups = 3;
 
-/// Where bodies, cameras, lights and tendons are at data.qpos. Positions only: forces are the log's
-/// business.
+/// Computes the poses of bodies, cameras, lights and tendons at data.qpos. Forces are in the log.
 inline void place_scene(const mjModel& model, mjData& data) {
   mj_kinematics(&model, &data);
   mj_comPos(&model, &data);

@@ -18,13 +18,13 @@ namespace breakwater {
 namespace {
 
 constexpr int kMaxGeoms = 2000;
-// What is framed at this width to height stays in sight when a picture is narrower.
+// The content at the first aspect ratio stays visible in a narrower picture.
 constexpr double kFramedAspect = 4.0 / 3.0;
 constexpr double kFullAspect = 16.0 / 9.0;
-constexpr double kRoom = 1.12;     // a frame is so much larger than what is in it …
-constexpr double kClosest = 0.25;  // … and not smaller than so much of the camera's own
+constexpr double kRoom = 1.12;     // size of a frame relative to its content
+constexpr double kClosest = 0.25;  // smallest frame relative to the camera's own
 constexpr double kArrowRadius_m = 0.006;
-constexpr float kGlow = 0.45F;  // arrows are seen in shadow too
+constexpr float kGlow = 0.45F;  // makes arrows visible in shadow
 
 Eigen::Map<const Eigen::Vector3d> vector(const mjtNum* values) {
   return Eigen::Map<const Eigen::Vector3d>(values);
@@ -48,7 +48,7 @@ struct Bead {
   double radius;
 };
 
-// Balls along a geom's longest axis that cover it, more or less.
+// Spheres along the longest axis of a geom that approximately cover it.
 std::vector<Bead> beads_of(const mjvGeom& geom) {
   constexpr int kMostBeads = 9;
   using RowMajor = Eigen::Matrix<float, 3, 3, Eigen::RowMajor>;
@@ -72,7 +72,7 @@ std::vector<Bead> beads_of(const mjvGeom& geom) {
   return beads;
 }
 
-// Calls the engine; what it refuses ends the picture.
+// Calls the engine. An error of the engine ends the picture.
 template <typename Body>
 void draw_by_engine(const std::string& what, Body body) {
   const std::string fatal = call_engine(body);
@@ -141,7 +141,7 @@ SceneView::SceneView(const Offscreen& offscreen, Model& model, int camera, const
     mjv_defaultFreeCamera(&m, &camera_);
   }
   m.vis.quality.shadowsize = look.shadow_map;
-  m.vis.quality.offsamples = 0;  // drawn into the window's buffer, which Offscreen reads
+  m.vis.quality.offsamples = 0;  // draw into the window's buffer, which Offscreen reads
   m.vis.global.offwidth = m.vis.global.offheight = 1;
   mjv_defaultOption(&options_);
   for (int i = 0; i < mjNGROUP; ++i) {
@@ -214,7 +214,7 @@ void SceneView::add(const SceneArrow& arrow) {
     add_geom([&](mjvGeom& geom) {
       mjv_makeConnector(&geom, mjGEOM_ARROW, kArrowRadius_m, segment.from.x(), segment.from.y(),
                         segment.from.z(), segment.to.x(), segment.to.y(), segment.to.z());
-      geom.size[2] *= 2.0F;  // MuJoCo 2.2 draws half of what it is told
+      geom.size[2] *= 2.0F;  // MuJoCo 2.2 draws half of this length
     });
   }
   if (arrow.contact_mark_m > 0.0) {
@@ -263,7 +263,7 @@ void SceneView::include_in_frame(std::span<const double> qpos) {
   }
 }
 
-// A narrow part shows the content with some room around it, or else what it would show at 4:3.
+// A narrow picture shows the content with a margin, or the view that a 4:3 picture would show.
 void SceneView::fit_frame(double aspect) {
   if (aspect >= kFramedAspect) return;
   for (mjvGLCamera& camera : scene_.camera) {
@@ -304,7 +304,7 @@ std::optional<SceneView::Ends> SceneView::ends_of(const SceneArrow& arrow) const
   return Ends{from->point, to->point};
 }
 
-// As OpenGL does, by the camera's frustum.
+// Projects as OpenGL does, with the camera's frustum.
 std::optional<SceneView::Projected> SceneView::project(const Eigen::Vector3d& point) const {
   const mjvGLCamera camera = mjv_averageCamera(&scene_.camera[0], &scene_.camera[1]);
   const CameraAxes axes(camera);

@@ -1,4 +1,4 @@
-// One run's plant, drawn at one instant after the other.
+// A view of one run's plant at successive times.
 #pragma once
 
 #include <mujoco/mujoco.h>
@@ -20,54 +20,54 @@ namespace breakwater {
 
 class Offscreen;
 
-/// An arrow in the scene: a force, say.
+/// An arrow in the scene, such as a force.
 struct SceneArrow {
-  int site = 0;                                        ///< where it starts
-  Eigen::Vector3d offset_m = Eigen::Vector3d::Zero();  ///< of its start from the site, world
-  Eigen::Vector3d vector_m = Eigen::Vector3d::Zero();  ///< how far it reaches
-  bool in_site_frame = false;                          ///< the vector; else it is the world's
-  double contact_mark_m = 0.0;  ///< radius of a ball at the site itself; 0: none
+  int site = 0;  ///< its start
+  Eigen::Vector3d offset_m =
+      Eigen::Vector3d::Zero();  ///< offset of the start from the site, in the world
+  Eigen::Vector3d vector_m = Eigen::Vector3d::Zero();  ///< direction and length
+  bool in_site_frame = false;   ///< frame of vector_m: the site's, or the world's if false
+  double contact_mark_m = 0.0;  ///< radius of a ball at the site; 0: none
   Colour colour;
 };
 
-/// The positions between two logged ones, each joint on its shortest way: part 0 is the first.
+/// The positions between two logged ones, each joint on its shortest way. `part` 0 gives the first.
 void interpolate_qpos(const mjModel& model, std::span<const double> first,
                       std::span<const double> second, double part, std::vector<double>& qpos);
 
-/// The number of the model's camera of that name; −1 for none, one that shows all of it, if the
-/// name is empty. Throws std::invalid_argument that lists the cameras if there is none of that
-/// name.
+/// The index of the model's camera with this name; −1, a view of the whole model, for an empty
+/// name. Throws std::invalid_argument with a list of the cameras if there is no such camera.
 int camera_id(const Model& model, const std::string& name);
 
 /// Draws a model.
 class SceneView {
  public:
-  /// Into `offscreen`, whose context is current. The model outlives it; `camera` is a camera_id().
-  /// Throws RenderError.
+  /// Draws into `offscreen`, whose context is current. The model must outlive it. `camera` is from
+  /// camera_id(). Throws RenderError.
   SceneView(const Offscreen& offscreen, Model& model, int camera, const Look& look);
   ~SceneView();
   SceneView(const SceneView&) = delete;
   SceneView& operator=(const SceneView&) = delete;
 
-  /// What is to be in sight in parts of a picture that are narrower than 4:3, in which the camera's
-  /// own frame would leave a band: all bounded geoms at these positions, as far as they are in the
-  /// camera's frame of 16:9. May be called for several positions, before draw().
+  /// Makes narrow pictures show the bounded geoms at these positions, as far as they are in the
+  /// camera's frame of 16:9. In a picture narrower than 4:3 the camera's own frame would show only
+  /// a band. It may be called several times before draw().
   void include_in_frame(std::span<const double> qpos);
 
-  /// Poses the plant. Height fields that changed since are taken over. Throws RenderError, as
-  /// draw() does, if the engine cannot.
+  /// Poses the plant, with changed height fields. Throws RenderError, as draw(), if the engine
+  /// fails.
   void pose(std::span<const double> qpos);
-  /// Draws it into a part of the picture, given in pixels from the left and the bottom.
+  /// Draws it into a part of the picture, in pixels from the left and the bottom.
   void draw(const mjrRect& viewport, const std::vector<SceneArrow>& arrows);
-  /// Where an arrow is in the part of the picture last drawn, in pixels from that part's left and
-  /// top; nothing if it is behind the camera. Valid after draw().
+  /// The ends of an arrow in the last drawn part, in pixels from its left and top; nothing if it is
+  /// behind the camera. Valid after draw().
   struct Ends {
     Point from;
     Point to;
   };
   std::optional<Ends> ends_of(const SceneArrow& arrow) const;
-  /// What moves, as circles in the part of the picture last drawn [pixels from its left and top].
-  /// Valid after draw().
+  /// The moving parts as circles in the last drawn part [pixels from left and top]. Valid after
+  /// draw().
   struct Circle {
     Point centre;
     double radius;
@@ -82,7 +82,7 @@ class SceneView {
   Segment place(const SceneArrow& arrow) const;
   struct Projected {
     Point point;
-    double per_metre;  // pixels, at that depth
+    double per_metre;  // pixels at this depth
   };
   std::optional<Projected> project(const Eigen::Vector3d& point) const;
   void fit_frame(double aspect);
@@ -96,7 +96,7 @@ class SceneView {
   mjvCamera camera_;
   mjvOption options_;
   mjrRect viewport_{};
-  // What is in the frame, as tangents of the angles from the camera's axis; empty: lower > upper.
+  // The frame's content, as tangents of angles from the camera's axis; empty if lower > upper.
   Eigen::AlignedBox2d content_;
   std::vector<float> uploaded_heights_;
 };

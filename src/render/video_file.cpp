@@ -18,10 +18,10 @@ extern "C" {
 namespace breakwater {
 namespace {
 
-// Quick enough to keep up with drawing; x264's own quality scale, where 18 looks like the original.
+// Fast enough to keep up with drawing. On x264's quality scale, 18 looks like the original.
 constexpr const char* kPreset = "superfast";
 constexpr const char* kQuality = "19";
-// One: more change the file's bits, and the other cores draw.
+// More than one would change the bits of the file. The other cores are busy with drawing.
 constexpr int kThreads = 1;
 
 struct Planes {
@@ -69,7 +69,7 @@ VideoFile::VideoFile(const std::filesystem::path& file, const VideoFormat& forma
   s.encoder = avcodec_alloc_context3(codec);
   s.frame = av_frame_alloc();
   s.packet = av_packet_alloc();
-  // By its name the file is opened a second time, to put the index in front.
+  // The muxer needs the name: it opens the file again to put the index in front.
   avformat_alloc_output_context2(&s.container, nullptr, "mp4", partial_.path().c_str());
   if (s.encoder == nullptr || s.frame == nullptr || s.packet == nullptr || s.container == nullptr) {
     throw RenderError("video: no memory for the encoder");
@@ -123,7 +123,7 @@ void VideoFile::check(int status) const {
   throw OutputError(partial_.file().string() + ": cannot be written (" + reason.data() + ")");
 }
 
-// A null frame asks for what the encoder still holds.
+// A null frame asks for the remaining frames of the encoder.
 void VideoFile::encode(const void* frame) {
   Streams& s = *streams_;
   check(avcodec_send_frame(s.encoder, static_cast<const AVFrame*>(frame)));
@@ -140,7 +140,7 @@ void VideoFile::encode(const void* frame) {
 
 void VideoFile::append(const std::uint8_t* frame) {
   AVFrame& f = *streams_->frame;
-  // The encoder only reads, and copies what it keeps.
+  // The encoder only reads, and makes its own copies.
   const Planes source = planes(const_cast<std::uint8_t*>(frame), format_.width, format_.height);
   for (std::size_t i = 0; i < 3; ++i) {
     f.data[i] = source.data[i];

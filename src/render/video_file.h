@@ -1,4 +1,4 @@
-// An MP4 file that grows frame by frame.
+// An MP4 file, written frame by frame.
 #pragma once
 
 #include <cstdint>
@@ -18,21 +18,19 @@ struct VideoFormat {
   std::string encoder = "libx264";
 };
 
-/// Writes H.264 in MP4 that browsers play before they have all of it (faststart). Frame k is shown
-/// at k/fps. Written beside its name, which it takes when finish() is done; without that nothing
-/// is left.
+/// Writes H.264 in MP4. Browsers can play it before it is fully loaded (faststart). Frame k is
+/// shown at k/fps. It is written under a temporary name until finish(). Otherwise nothing is left.
 class VideoFile {
  public:
-  /// Throws RenderError if FFmpeg's libraries lack the encoder, OutputError if the file cannot be
-  /// made.
+  /// Throws RenderError if FFmpeg's libraries lack the encoder, or OutputError.
   VideoFile(const std::filesystem::path& file, const VideoFormat& format);
   ~VideoFile();
   VideoFile(const VideoFile&) = delete;
   VideoFile& operator=(const VideoFile&) = delete;
 
-  /// Appends a frame of ColourConverter's. Throws OutputError if the disk is full.
+  /// Appends a frame of a ColourConverter. Throws OutputError if the disk is full.
   void append(const std::uint8_t* frame);
-  /// The file's comment: what drew it, say.
+  /// Sets the comment of the file, such as the renderer's name.
   void note(const std::string& comment);
   void finish();
 

@@ -1,4 +1,4 @@
-// Breakwater's controllers of the arm: the keys of each, and how it is made of them.
+// Breakwater's controllers of the arm: their keys, and the functions that make them.
 #include <breakwater/control/implicit_force_pfc.h>
 #include <breakwater/control/soft_contact.h>
 #include <breakwater/control/workspace_control.h>
@@ -7,7 +7,7 @@
 namespace breakwater {
 namespace {
 
-// Those of the PFC, and of what comes before force control.
+// The settings of the PFC, and of the positioning before force control.
 struct PfcSettings {
   Positioning positioning = Positioning::joint;
   std::vector<double> t_ref_s;
@@ -15,15 +15,16 @@ struct PfcSettings {
   int basis_functions = 0;
 
   void bind(Fields& fields) {
-    fields.choice("controller.positioning", positioning,
-                  {{"joint", Positioning::joint}, {"workspace", Positioning::workspace}},
-                  "how it holds the start pose without force control: joint or workspace");
+    fields.choice(
+        "controller.positioning", positioning,
+        {{"joint", Positioning::joint}, {"workspace", Positioning::workspace}},
+        "hold of the start pose before force control: each joint, or the tip (workspace)");
     fields.numbers("controller.t_ref_s", t_ref_s, positive(),
                    "target response time of each joint's PFC [s]");
     fields.count("controller.coincidence_points", coincidence_points, between(1, 100),
-                 "n of the PFC");
+                 "n: number of coincidence points of the PFC");
     fields.count("controller.basis_functions", basis_functions, between(1, 3),
-                 "1 step, 2 and ramp, 3 and parabola");
+                 "basis functions of the PFC: 1 step; 2 step and ramp; 3 step, ramp and parabola");
   }
   PfcDesign design(double response_time_s, double period_s) const {
     return {response_time_s, period_s, coincidence_points, basis_functions};
@@ -64,12 +65,13 @@ struct ProposedSettings {
 void bind_proposed(Fields& fields, ProposedSettings& settings) {
   settings.pfc.bind(fields);
   fields.numbers("controller.ik_weights", settings.ik_weights, positive(),
-                 "W_e of the inverse kinematics, for x, y, phi");
+                 "W_e: weights of the inverse kinematics for x, y and phi");
   fields.number("controller.ik_damping", settings.ik_damping, positive(),
-                "lambda of the inverse kinematics");
+                "lambda: damping of the inverse kinematics");
   fields.choice("controller.ik_form", settings.ik_form,
                 {{"printed", LmForm::printed}, {"sugihara", LmForm::sugihara}},
-                "printed (Eqs. 2.66, 2.68; three joints), or sugihara for any number");
+                "form of the inverse kinematics: printed (Eqs. 2.66, 2.68; three joints), or "
+                "sugihara (any number)");
 }
 
 void check_proposed(const ProposedSettings& settings, const ArmSetup& arm) {
@@ -91,14 +93,14 @@ std::unique_ptr<Controller> make_proposed(const ProposedSettings& settings, cons
 
 void bind_drac(Fields& fields, WorkspaceControlDesign& design) {
   fields.number("controller.k_position", design.k_p, not_negative(),
-                "position gain K_phx or K_px; the velocity gain is 2 sqrt(it) [1/s^2]");
+                "K_p: position gain K_phx or K_px; the velocity gain is 2 sqrt(K_p) [1/s^2]");
   fields.number("controller.singular_value_floor", design.singular_value_floor, not_negative(),
-                "of the pseudo-inverse");
+                "singular values below this count as 0 in the pseudo-inverse");
 }
 
 void bind_hpfc(Fields& fields, WorkspaceControlDesign& design) {
   bind_drac(fields, design);
-  fields.number("controller.k_force", design.k_f, not_negative(), "force gain K_phf");
+  fields.number("controller.k_force", design.k_f, not_negative(), "K_phf: force gain");
 }
 
 std::unique_ptr<Controller> make_hpfc(const WorkspaceControlDesign& design, const ArmSetup& arm) {
@@ -122,16 +124,18 @@ struct SoftContactSettings {
 void bind_tlsc(Fields& fields, SoftContactSettings& settings) {
   settings.pfc.bind(fields);
   fields.number("controller.t_hold_s", settings.hold_s, positive(),
-                "target response time of x at the start pose, on the path [s]");
-  fields.number("controller.t_across_s", settings.across_s, positive(), "of y and phi [s]");
+                "target response time of x at the start pose, for positioning workspace [s]");
+  fields.number("controller.t_across_s", settings.across_s, positive(),
+                "target response time of y and phi [s]");
   fields.number("controller.t_approach_s", settings.approach_s, positive(),
-                "of the speed towards the wall [s]");
+                "target response time of the speed towards the wall [s]");
   fields.number("controller.t_contact_s", settings.contact_s, positive(),
-                "of the way to go in contact [s]");
-  fields.number("controller.design_stiffness_N_m", settings.stiffness_N_m, positive(),
-                "K_d, of the wall that the approach is prepared for [N/m]");
+                "target response time of the remaining distance in contact [s]");
+  fields.number(
+      "controller.design_stiffness_N_m", settings.stiffness_N_m, positive(),
+      "K_d: design stiffness, the contact stiffness for which the speed is limited [N/m]");
   fields.number("controller.peak_margin_N", settings.margin_N, positive(),
-                "what the filtered peak may exceed the reference by there [N]");
+                "allowed excess of the filtered peak force over the reference at K_d [N]");
 }
 
 std::unique_ptr<Controller> make_tlsc(const SoftContactSettings& settings, const ArmSetup& arm) {
@@ -162,7 +166,8 @@ std::vector<ArmControllerKind> arm_controllers() {
            make_hpfc},
           {"drac", "resolved acceleration control with implicit force control (2.4.3.1)", bind_drac,
            make_drac},
-          {"tlsc", "soft contact, as fast as the torques can stop again", bind_tlsc, make_tlsc}};
+          {"tlsc", "torque-limited soft contact: as fast as the torques can still stop the arm",
+           bind_tlsc, make_tlsc}};
 }
 
 }  // namespace breakwater

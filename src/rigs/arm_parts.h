@@ -1,4 +1,4 @@
-// The parts of a scenario with the arm: what the catalogue's controllers are told.
+// The interface between a scenario with the arm and its controllers.
 #pragma once
 
 #include <vector>
@@ -8,24 +8,24 @@
 
 namespace breakwater {
 
-/// What a controller of the arm is told: all but how the arm and the wall really are.
+/// The data for a controller of the arm, without the true properties of the arm and the wall.
 struct ArmSetup {
-  PlanarChain chain;                       ///< of the URDF
-  AccelerationControlDesign acceleration;  ///< of the joints' control, with its observer
-  ArmTask task;                            ///< what to do, and from when on to control the force
-  double period_s = 0.0;                   ///< T_s, of the samples
+  PlanarChain chain;                       ///< from the URDF
+  AccelerationControlDesign acceleration;  ///< for the joints, with their observer
+  ArmTask task;                            ///< the task, and the time at which force control begins
+  double period_s = 0.0;                   ///< sampling period T_s
 };
 
-/// A controller of the arm by its name: key controller.name. It gets samples [q (n) [rad]; F_x [N];
-/// F_x before the sensor's low-pass [N]] and writes n torques [N m]; F_x is positive when the tip
-/// presses towards +x. One that derives from ArmController gives accelerations instead, and has the
-/// disturbance observer, the kinematics and the phases there.
+/// A controller of the arm and its name: key controller.name. It gets samples [q (n) [rad]; F_x
+/// [N]; F_x before the sensor's low-pass [N]] and writes n torques [N m]. F_x is positive when the
+/// tip presses towards +x. A class that derives from ArmController gives accelerations instead. It
+/// has the disturbance observer, the kinematics and the phases there.
 struct ArmControllerKind : PartKind<Controller, const ArmSetup&> {
   using PartKind::PartKind;
   static constexpr const char* kWhat = "controller of the arm";
 };
 
-/// Breakwater's own.
+/// The controllers of Breakwater.
 std::vector<ArmControllerKind> arm_controllers();
 
 }  // namespace breakwater

@@ -21,7 +21,7 @@ double quantum_rad(const ArmSettings& settings) {
   return counts > 0.0 ? 2.0 * std::numbers::pi / counts : 0.0;
 }
 
-// A joint as its estimator is told: J_n q̈ = τ − d, whatever couples it with others.
+// A joint as its estimator models it: J_n q̈ = τ − d. The coupling with other joints is part of d.
 NominalAxis nominal_joint(const ArmSettings& settings, const PlanarChain& chain, int joint) {
   const double inertia_kgm2 = settings.nominal_inertia_kgm2[static_cast<std::size_t>(joint)];
   return {
@@ -95,7 +95,7 @@ SensingSetup sensing_setup(const ArmSettings& settings, const ArmRole& role,
 
 constexpr double kFrictionOfModel = -1.0;
 
-// Actuator i must drive the chain's joint i, with its limits.
+// Actuator i must drive joint i of the chain, with its limits.
 void check_actuators(const Model& model, const PlanarChain& chain) {
   const std::string place = model.file() + ": ";
   if (model->nu != chain.joints()) {
@@ -111,7 +111,7 @@ void check_actuators(const Model& model, const PlanarChain& chain) {
       throw std::invalid_argument(place + "actuator " + std::to_string(i + 1) +
                                   " must drive the hinge \"" + name + "\"");
     }
-    // The controllers limit their torque by the URDF, and the plant by the MJCF.
+    // The controllers limit their torque as in the URDF, and the plant as in the MJCF.
     const double effort = chain.joint(i).effort_limit_Nm;
     const mjtNum* range = model->actuator_ctrlrange + static_cast<std::ptrdiff_t>(2) * i;
     const bool has_its_limits = model->actuator_gear[static_cast<std::ptrdiff_t>(6) * i] == 1.0 &&
@@ -134,23 +134,24 @@ TipPose start_pose(const ArmSettings& settings) {
 
 void ArmSettings::bind(Fields& fields) {
   bind_model(fields, mjcf);
-  fields.file("model.urdf", urdf, "what the controllers know of it");
+  fields.file("model.urdf", urdf, "URDF file of the arm, the controllers' nominal model");
   physics.bind(fields);
   run.bind(fields);
   fields.numbers("task.start_angles_rad", start_angles_rad, any(),
                  "q_0^ref, the start posture; its tip pose is X_0^ref [rad]");
   fields.number("plant.friction_Nm", friction_Nm, between(kFrictionOfModel, 1e3),
-                "Coulomb friction of each joint; -1: the model file's [N m]");
+                "Coulomb friction of each joint; -1: that of the model file [N m]");
   fields.standard("plant.friction_Nm", {kFrictionOfModel});
   controller.bind(fields);
   fields.numbers("observer.nominal_inertia_kgm2", nominal_inertia_kgm2, positive(),
-                 "diagonal of J_n [kg m^2]");
+                 "diagonal of J_n: nominal inertia of each joint [kg m^2]");
   observer.bind(fields);
-  fields.choice("observer.feed", observer_feed,
-                {{"clipped", ObserverFeed::clipped}, {"unclipped", ObserverFeed::unclipped}},
-                "the torque that the observer sees: after (clipped) or before saturation");
+  fields.choice(
+      "observer.feed", observer_feed,
+      {{"clipped", ObserverFeed::clipped}, {"unclipped", ObserverFeed::unclipped}},
+      "torque that the observer gets: after saturation (clipped) or before it (unclipped)");
   fields.number("sensor.encoder_counts_per_turn", encoder_counts_per_turn, between(0, 1e12),
-                "of each joint; 0: no quantisation");
+                "encoder counts per turn of each joint; 0: not quantised");
   bind_encoder_rounding(fields, "sensor.encoder_rounding", encoder_rounding);
   fields.only_where({"sensor.encoder_rounding"}, "sensor.encoder_counts_per_turn is not 0",
                     [this] { return encoder_counts_per_turn != 0.0; });
@@ -174,7 +175,7 @@ void check_arm(const ArmSettings& settings, const ArmRole& role, const Config& c
   one_per_joint("observer.nominal_inertia_kgm2", settings.nominal_inertia_kgm2.size());
 
   if (settings.friction_Nm < 0.0 && settings.friction_Nm != kFrictionOfModel) {
-    config.fail("plant.friction_Nm", "must be -1, for the model file's, or not negative");
+    config.fail("plant.friction_Nm", "must be -1 (the value of the model file) or not negative");
   }
   for (int i = 0; i < chain.joints(); ++i) {
     settings.observer.check(config, nominal_joint(settings, chain, i));
@@ -183,11 +184,11 @@ void check_arm(const ArmSettings& settings, const ArmRole& role, const Config& c
   check_actuators(Model::load_physics(settings.mjcf, role.geoms), chain);
   const std::vector<SensorChannel> channels = sensing_setup(settings, role, chain).channels;
   settings.faults.check(config, channels);
-  ArmRig rig(settings, role);  // or what the model lacks is said
+  ArmRig rig(settings, role);  // throws if the model lacks something
 }
 
 void show_geoms(Model& model, const std::string& prefix, bool visible) {
-  // The groups of MJCF: 0 to 2 are drawn, 3 to 5 are not.
+  // MJCF draws the groups 0 to 2, and not 3 to 5.
   constexpr int kShown = 2;
   constexpr int kHidden = 5;
   for (const int geom : model.geoms_named(prefix)) {
@@ -252,16 +253,17 @@ std::vector<Signal> ArmRig::signals() const {
   const std::span<const double> measured = view(sim.sample().y);
   std::vector<Signal> signals = {
       {"qpos", "rad", "the engine's generalised positions", sim.qpos()},
-      {"q_true_rad", "rad", "joint angles, true", view(q_)},
-      {"dq_true_rad_s", "rad/s", "joint velocities, true", view(dq_)},
-      {"x_true_m", "m", "tip x, true", view(tip_[0])},
-      {"y_true_m", "m", "tip y, true", view(tip_[1])},
-      {"phi_true_rad", "rad", "tip angle, true", view(tip_[2])},
-      {"force_true_N", "N", "normal contact force, true", view(*contact_force_)},
-      {"q_measured_rad", "rad", "joint angles as sampled", measured.first(n)},
-      {"force_measured_N", "N", "filtered force as sampled", measured.subspan(n, 1)},
-      {"force_raw_measured_N", "N", "the same before the low-pass", measured.subspan(n + 1, 1)},
-      {"torque_command_Nm", "N m", "joint torques asked for", view(sim.command())},
+      {"q_true_rad", "rad", "true joint angles", view(q_)},
+      {"dq_true_rad_s", "rad/s", "true joint velocities", view(dq_)},
+      {"x_true_m", "m", "true x of the tip", view(tip_[0])},
+      {"y_true_m", "m", "true y of the tip", view(tip_[1])},
+      {"phi_true_rad", "rad", "true angle of the tip", view(tip_[2])},
+      {"force_true_N", "N", "true normal contact force", view(*contact_force_)},
+      {"q_measured_rad", "rad", "sampled joint angles", measured.first(n)},
+      {"force_measured_N", "N", "sampled force behind the low-pass", measured.subspan(n, 1)},
+      {"force_raw_measured_N", "N", "sampled force before the low-pass",
+       measured.subspan(n + 1, 1)},
+      {"torque_command_Nm", "N m", "commanded joint torques", view(sim.command())},
       {"torque_applied_Nm", "N m", "joint torques after saturation", view(sim.actuation())},
       {"saturated", "1", "1 where any torque is at its limit", view(saturated_)}};
   for (const Signal& signal : controller_->signals()) signals.push_back(signal);
@@ -270,7 +272,7 @@ std::vector<Signal> ArmRig::signals() const {
 
 std::vector<Signal> ArmRig::fine_signals() const {
   return {{"qpos", "rad", "the engine's generalised positions", simulation_->qpos()},
-          {"force_true_N", "N", "normal contact force, true", view(*contact_force_)},
+          {"force_true_N", "N", "true normal contact force", view(*contact_force_)},
           {"force_sensor_N", "N", "force sensor, before its low-pass", view(*force_sensor_)},
           {"force_filtered_N", "N", "force sensor, behind its low-pass", view(filtered_force_N())}};
 }

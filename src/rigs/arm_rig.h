@@ -1,4 +1,4 @@
-// The arm, wired: what the arm's scenarios share.
+// The arm with its controller and simulation, shared by the arm's scenarios.
 #pragma once
 
 #include <functional>
@@ -14,7 +14,7 @@
 
 namespace breakwater {
 
-/// Keys that all arm scenarios have.
+/// The keys of all arm scenarios.
 struct ArmSettings {
   explicit ArmSettings(const Catalogue& catalogue)
       : controller(catalogue, "controller.name"), observer(catalogue, "observer.name", "idob") {}
@@ -24,7 +24,7 @@ struct ArmSettings {
   PhysicsSettings physics;
   RunSettings run;
 
-  double friction_Nm = 0.0;              ///< Coulomb, of each joint; negative: the model file's
+  double friction_Nm = 0.0;  ///< Coulomb friction of each joint; negative: that of the model file
   std::vector<double> start_angles_rad;  ///< q_0^ref
   PartChoice<ArmControllerKind> controller;
 
@@ -41,37 +41,37 @@ struct ArmSettings {
   void bind(Fields& fields);
 };
 
-/// What differs between the arm's scenarios.
+/// The differences between the arm's scenarios.
 struct ArmRole {
   double force_control_from_s = std::numeric_limits<double>::infinity();
   double force_reference_N = 0.0;
   double convert_gain_N_m = 1.0;  ///< K_f
   double force_filter_time_constant_s = 0.0;
   bool starts_at_reference = false;  ///< at q_0^ref instead of keyframe "home"
-  /// Geoms that the run looks up or makes collide: see Model::load_physics().
+  /// Geoms that the run looks up or makes collide; see Model::load_physics().
   std::vector<std::string> geoms;
   std::function<void(Model&)>
       prepare_model;  ///< may be empty; called before the simulation is made
 };
 
-/// Checks what fields cannot: sizes, periods, the design of controller and observer. Throws
-/// std::invalid_argument `ORIGIN: KEY: reason`.
+/// Checks what the single fields cannot: sizes, periods, the design of controller and observer.
+/// Throws std::invalid_argument `ORIGIN: KEY: reason`.
 void check_arm(const ArmSettings& settings, const ArmRole& role, const Config& config);
 
-/// The tip's X at q_0^ref.
+/// The tip pose X at q_0^ref.
 TipPose start_pose(const ArmSettings& settings);
 
-/// Shows the geoms whose names begin so in pictures, or hides them; they must be for the eye alone.
+/// Shows or hides the geoms with this prefix in pictures. They must be decoration alone.
 void show_geoms(Model& model, const std::string& prefix, bool visible);
 
-/// The arm's plant, controller and simulation, and the truth about it for log and metrics.
+/// The plant, controller and simulation of the arm, with the true values for log and metrics.
 ///
-/// The model must have, for each joint NAME of the URDF, a hinge NAME with the sensors NAME_pos
-/// and NAME_vel and, in the same order, one actuator; and the sensors tip_force, tip_touch and
+/// The model must have a hinge NAME, the sensors NAME_pos and NAME_vel, and an actuator for each
+/// joint NAME of the URDF, in this order. It must also have the sensors tip_force, tip_touch,
 /// tip_vel.
 class ArmRig {
  public:
-  /// Throws std::invalid_argument if a model lacks something.
+  /// Throws std::invalid_argument if the model lacks something.
   ArmRig(const ArmSettings& settings, const ArmRole& role);
   ArmRig(const ArmRig&) = delete;
   ArmRig& operator=(const ArmRig&) = delete;
@@ -80,7 +80,7 @@ class ArmRig {
   const Simulation& simulation() const { return *simulation_; }
   const PlanarChain& chain() const { return chain_; }
 
-  /// Brings the truth below up to date with the simulation's last step.
+  /// Updates the true values below from the last step of the simulation.
   void observe();
   const Eigen::VectorXd& q() const { return q_; }
   const Eigen::VectorXd& dq() const { return dq_; }
@@ -89,7 +89,7 @@ class ArmRig {
   const double& filtered_force_N() const;
   double tip_speed_x_m_s() const { return *tip_speed_x_; }
 
-  /// All that the log holds at the control rate: true, measured, estimated, commanded.
+  /// The signals of the log at the control rate: true, measured, estimated and commanded.
   std::vector<Signal> signals() const;
   /// The forces at the tip and the generalised positions, for the log at the physics rate.
   std::vector<Signal> fine_signals() const;

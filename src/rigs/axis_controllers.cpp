@@ -1,4 +1,4 @@
-// Breakwater's controllers of an axis: the keys of each, and how it is made of them.
+// Breakwater's controllers of an axis: their keys, and the functions that make them.
 #include <breakwater/control/disturbance_cancelling_pd.h>
 #include <breakwater/control/lqr_control.h>
 #include <breakwater/rigs/axis_parts.h>
@@ -15,8 +15,10 @@ struct PdGains {
 };
 
 void bind_pd(Fields& fields, PdGains& gains) {
-  fields.number("controller.kp", gains.k_p, not_negative(), "K_p [force per position]");
-  fields.number("controller.kd", gains.k_d, not_negative(), "K_d [force per velocity]");
+  fields.number("controller.kp", gains.k_p, not_negative(),
+                "K_p: position gain [force per position]");
+  fields.number("controller.kd", gains.k_d, not_negative(),
+                "K_d: velocity gain [force per velocity]");
 }
 
 std::unique_ptr<Controller> make_pd(const PdGains& gains, const AxisTask& task,
@@ -41,10 +43,12 @@ std::unique_ptr<Controller> regulator(const RegulatorSettings& settings, const A
     throw WrongKey("controller.period_s", "must be control.period_s for a regulator");
   }
   if (task.reference.value != 0.0) {
-    throw std::invalid_argument("a regulator brings the axis to 0, and knows no reference");
+    throw std::invalid_argument(
+        "a regulator brings the axis to 0 and has no reference: set the reference to 0");
   }
   if (uses_true_state && !task.senses_true_state) {
-    throw std::invalid_argument("this scenario does not give the true state: take lqr_observer");
+    throw std::invalid_argument(
+        "this scenario does not measure the true state: choose lqr_observer");
   }
   return std::make_unique<LqrControl>(std::move(estimator), settings.regulator(task.axis.plant).K,
                                       task.start_state, uses_true_state, task.axis.force_limit);
@@ -72,12 +76,14 @@ std::unique_ptr<Controller> make_mpc(const PredictiveSettings& settings, const A
 }  // namespace
 
 std::vector<AxisControllerKind> axis_controllers() {
-  return {{"pd", "PD control that cancels the estimated disturbance (Eqs. 4.10, 4.22)", bind_pd,
-           make_pd},
-          {"lqr", "regulator on the true state", bind_regulator, make_lqr},
-          {"lqr_observer", "regulator on estimates, which cancels the disturbance", bind_regulator,
-           make_lqr_observer},
-          {"mpc", "constrained predictive control (2.3)", bind_mpc, make_mpc}};
+  return {
+      {"pd", "PD control that cancels the estimated disturbance (Eqs. 4.10, 4.22)", bind_pd,
+       make_pd},
+      {"lqr", "linear quadratic regulator of the true state", bind_regulator, make_lqr},
+      {"lqr_observer",
+       "linear quadratic regulator of the estimated state, with cancellation of the disturbance",
+       bind_regulator, make_lqr_observer},
+      {"mpc", "constrained predictive control (2.3)", bind_mpc, make_mpc}};
 }
 
 }  // namespace breakwater

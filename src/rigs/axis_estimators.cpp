@@ -1,4 +1,4 @@
-// Breakwater's estimators of an axis: the keys of each, and how it is made of them.
+// Breakwater's estimators of an axis: their keys, and the functions that make them.
 #include <breakwater/observers/asymmetric_fakfd.h>
 #include <breakwater/observers/filter_bank.h>
 #include <breakwater/observers/idob.h>
@@ -33,7 +33,7 @@ struct Poles {
 
 void bind_poles(Fields& fields, Poles& settings) {
   fields.number_groups("observer.poles_rad_s", settings.poles_rad_s, any(),
-                       "continuous poles [1/s]; of several joints of all, or a row a joint");
+                       "continuous poles, the same for all joints or a row for each joint [1/s]");
 }
 
 Estimator make_state_observer(const Poles& settings, const NominalAxis& axis) {
@@ -55,7 +55,7 @@ struct MdobCutoffs {
 
 void bind_mdob(Fields& fields, MdobCutoffs& settings) {
   fields.number("observer.derivative_cutoff_rad_s", settings.derivative_rad_s, not_negative(),
-                "g_d of the pseudo-derivative; 0: the raw difference [rad/s]");
+                "g_d: cut-off of the pseudo-derivative; 0: the raw difference [rad/s]");
   fields.number("observer.low_pass_cutoff_rad_s", settings.observer_rad_s, positive(),
                 "g_w [rad/s]");
 }
@@ -75,7 +75,7 @@ struct DisturbanceModel {
 
   void bind(Fields& fields) {
     fields.count("observer.disturbance_order", order, between(0, 2),
-                 "the disturbance is a step (0), ramp (1) or parabola (2)");
+                 "disturbance model: step (0), ramp (1) or parabola (2)");
   }
   ExtendedPlant extend(const NominalAxis& axis) const {
     return sample_with_disturbance_model(axis.plant, order, axis.period_s);
@@ -84,7 +84,7 @@ struct DisturbanceModel {
 
 enum class ProcessNoise { input, all, disturbance };
 
-// Of the Kalman filters; those with a variable forgetting factor know no R.
+// The noise of the Kalman filters. Filters with a variable forgetting factor have no R.
 struct KalmanNoise {
   DisturbanceModel model;
   ProcessNoise process_noise_on = ProcessNoise::input;
@@ -98,10 +98,11 @@ struct KalmanNoise {
                   {{"input", ProcessNoise::input},
                    {"all", ProcessNoise::all},
                    {"disturbance", ProcessNoise::disturbance}},
-                  "input (B Q B^T, the KFD), all (Q I) or disturbance (the DKF)");
-    fields.number("observer.process_noise", process_noise, not_negative(), "Q");
+                  "place of the process noise: input (B Q B^T, the KFD), all states (Q I) or "
+                  "disturbance (the DKF)");
+    fields.number("observer.process_noise", process_noise, not_negative(), "Q: process noise");
     fields.numbers("observer.initial_covariance", initial_covariance, positive(),
-                   "diagonal of P0, of position, velocity, d, ...");
+                   "diagonal of the initial covariance P0 of position, velocity, d, ...");
   }
   void bind_observation(Fields& fields) {
     fields.number("observer.observation_noise", observation_noise, positive(), "R");
@@ -154,27 +155,29 @@ struct FakfdSettings {
 void bind_fakfd(Fields& fields, FakfdSettings& settings) {
   bind_kfd(fields, settings.noise);
   fields.number("observer.gamma", settings.gamma, between(1, 100),
-                "the factor of all states (Eq. 4.6)");
+                "gamma: forgetting of all states, 1/lambda (Eq. 4.6)");
   fields.number("observer.lambda", settings.lambda, between(0.01, 1),
-                "the same as a forgetting factor, 1/gamma");
+                "lambda: the same as a forgetting factor, 1/gamma");
   fields.number("observer.gamma_d", settings.gamma_d, between(1, 100),
-                "that of the disturbance and its derivatives, on top (Eq. 4.7)");
+                "further forgetting of the disturbance and its derivatives (Eq. 4.7)");
   for (const char* key : {"observer.gamma", "observer.lambda", "observer.gamma_d"}) {
     fields.standard(key, {1.0});
   }
   const char* const form = "observer.covariance_form";
-  fields.choice(form, settings.form,
-                {{"symmetric", CovarianceForm::symmetric},
-                 {"printed", CovarianceForm::printed},
-                 {"left", CovarianceForm::left}},
-                "of Eq. 4.5, G = Gamma: symmetric sqrt(G) (I - K C) P sqrt(G), printed (G - K C) P "
-                "or left G (I - K C) P");
+  fields.choice(
+      form, settings.form,
+      {{"symmetric", CovarianceForm::symmetric},
+       {"printed", CovarianceForm::printed},
+       {"left", CovarianceForm::left}},
+      "Eq. 4.5 with G = Gamma: symmetric sqrt(G) (I - K C) P sqrt(G), printed (G - K C) P "
+      "or left G (I - K C) P");
   fields.standard(form, {std::string("symmetric")});
 }
 
 Estimator make_fakfd(const FakfdSettings& settings, const NominalAxis& axis) {
   if (settings.gamma != 1.0 && settings.lambda != 1.0) {
-    throw WrongKey("observer.lambda", "must be 1 where observer.gamma says the same otherwise");
+    throw WrongKey("observer.lambda",
+                   "must be 1 if observer.gamma is not 1, since both set the same factor");
   }
   const KalmanDesign design = settings.noise.design(axis);
   const Eigen::VectorXd gamma = scalar_gamma(design.plant, settings.gamma / settings.lambda)
@@ -190,8 +193,10 @@ struct ForgettingLimits {
   double lambda_max = 0.0;
 
   void bind(Fields& fields) {
-    fields.number("observer.lambda_min", lambda_min, between(0, 1), "of the forgetting factor");
-    fields.number("observer.lambda_max", lambda_max, between(0, 1), "of the forgetting factor");
+    fields.number("observer.lambda_min", lambda_min, between(0, 1),
+                  "lower bound of the forgetting factor");
+    fields.number("observer.lambda_max", lambda_max, between(0, 1),
+                  "upper bound of the forgetting factor");
   }
   void apply(VfakfdDesign& design) const {
     design.lambda_min = lambda_min;
@@ -214,7 +219,9 @@ void bind_vfakfd(Fields& fields, VfakfdSettings& settings) {
 
 Estimator make_vfakfd(const VfakfdSettings& settings, const NominalAxis& axis) {
   if (settings.alpha == 0.0 && axis.pulses_per_revolution == 0.0) {
-    throw WrongKey("observer.alpha", "0 means Eq. 4.26, which needs a quantised encoder");
+    throw WrongKey(
+        "observer.alpha",
+        "must be positive without a quantised encoder: 0 selects Eq. 4.26, which needs b_reso");
   }
   VfakfdDesign design;
   design.alpha = Eigen::VectorXd::Constant(
@@ -257,9 +264,10 @@ struct FilterBankSettings {
 };
 
 void bind_filter_bank(Fields& fields, FilterBankSettings& settings) {
-  fields.number("observer.largest_disturbance", settings.largest_d, not_negative(),
-                "D, how large a disturbance can be [N m, or N]; 0: as large as the drive's force, "
-                "or a record's inputs");
+  fields.number(
+      "observer.largest_disturbance", settings.largest_d, not_negative(),
+      "D: largest possible disturbance; 0: the drive's largest force, or the largest input "
+      "of a record [N m, or N]");
   fields.standard("observer.largest_disturbance", {0.0});
 }
 
@@ -267,7 +275,7 @@ Estimator make_filter_bank(const FilterBankSettings& settings, const NominalAxis
   const double largest_d = settings.largest_d > 0.0 ? settings.largest_d : axis.force_limit;
   if (!(largest_d > 0.0) || !std::isfinite(largest_d)) {
     throw WrongKey("observer.largest_disturbance",
-                   "0 means as large as the inputs, which have no largest value above 0: give one");
+                   "must be positive here: 0 selects the largest input, which is 0 or unlimited");
   }
   return std::make_unique<FilterBank>(
       FilterBankDesign{axis.plant, axis.period_s, axis.sensor, largest_d});
@@ -276,16 +284,19 @@ Estimator make_filter_bank(const FilterBankSettings& settings, const NominalAxis
 }  // namespace
 
 std::vector<AxisEstimatorKind> axis_estimators() {
-  return {{"state_observer", "by poles, without a disturbance", bind_poles, make_state_observer},
-          {"mdob", "the conventional disturbance observer", bind_mdob, make_mdob},
-          {"idob", "disturbance observer by poles", bind_poles, make_idob},
-          {"kfd", "Kalman filter with a disturbance model", bind_kfd, make_kfd},
-          {"fakfd", "the same with fixed forgetting factors", bind_fakfd, make_fakfd},
-          {"vfakfd", "the same with a variable one", bind_vfakfd, make_vfakfd},
-          {"qvff", "the same, designed for quantisation and noise", bind_qvff, make_qvff},
-          {"stf", "strong tracking filter", bind_stf, make_stf},
-          {"qbank", "a bank of filters with the encoder's exact likelihood", bind_filter_bank,
-           make_filter_bank}};
+  return {
+      {"state_observer", "state observer with placed poles, without a disturbance", bind_poles,
+       make_state_observer},
+      {"mdob", "minimal-order disturbance observer, the conventional one", bind_mdob, make_mdob},
+      {"idob", "identity disturbance observer with placed poles", bind_poles, make_idob},
+      {"kfd", "Kalman filter with a disturbance model", bind_kfd, make_kfd},
+      {"fakfd", "KFD with constant forgetting factors", bind_fakfd, make_fakfd},
+      {"vfakfd", "KFD with a variable forgetting factor", bind_vfakfd, make_vfakfd},
+      {"qvff", "VFAKFD designed for quantisation and noise", bind_qvff, make_qvff},
+      {"stf", "strong tracking filter: KFD that raises its covariance after a change", bind_stf,
+       make_stf},
+      {"qbank", "multiple-model estimator with the exact likelihood of the encoder",
+       bind_filter_bank, make_filter_bank}};
 }
 
 }  // namespace breakwater

@@ -1,4 +1,4 @@
-// The parts of a scenario on one axis: what the catalogue's estimators and controllers are told.
+// The interface between a scenario with one axis and its estimators and controllers.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,36 +15,36 @@
 
 namespace breakwater {
 
-/// What may be known of an axis: not how it really is.
+/// The nominal model of an axis.
 struct NominalAxis {
-  StateSpace plant;       ///< continuous: position and velocity under a force, position measured
-  double period_s = 0.0;  ///< T_s, of the samples
-  double force_limit = std::numeric_limits<double>::infinity();  ///< of the drive
-  SensorError sensor;                                            ///< as a data sheet would tell it
+  StateSpace plant;  ///< continuous: the input is a force, the states are position and velocity,
+                     ///< the output is the position
+  double period_s = 0.0;                                         ///< sampling period T_s
+  double force_limit = std::numeric_limits<double>::infinity();  ///< limit of the drive
+  SensorError sensor;                                            ///< as in a data sheet
   double pulses_per_revolution = 0.0;  ///< b_reso, or counts per metre; 0: not quantised
   AxisUnits units;
-  int joint = 0;   ///< which of a manipulator's it is, from 0 on ...
-  int joints = 1;  ///< ... of how many
+  int joint = 0;   ///< index in a manipulator, from 0 ...
+  int joints = 1;  ///< ... and the manipulator's number of joints
 };
 
-/// What a controller of an axis is to do.
+/// The task of a controller of an axis.
 struct AxisTask {
   NominalAxis axis;
-  StepReference reference;                                ///< of the position
-  Eigen::Vector2d start_state = Eigen::Vector2d::Zero();  ///< what to believe at first
+  StepReference reference;                                ///< reference of the position
+  Eigen::Vector2d start_state = Eigen::Vector2d::Zero();  ///< initial state of the estimator
   bool senses_true_state = false;  ///< samples are [measured position; position; velocity]
 };
 
-/// An estimator of an axis by its name: key observer.name.
+/// An estimator of an axis and its name: key observer.name.
 struct AxisEstimatorKind : PartKind<DisturbanceEstimator, const NominalAxis&> {
   using PartKind::PartKind;
   static constexpr const char* kWhat = "estimator of an axis";
 };
 
-/// A controller of an axis by its name: key controller.name. It is given the estimator that was
-/// chosen beside it. One that keeps it calls its reset() and, at each sample, its update(), before
-/// it reads from it; one that has no use for it lets it go, and the run's metrics of estimates are
-/// absent.
+/// A controller of an axis and its name: key controller.name. It is given the chosen estimator. A
+/// controller that keeps it calls its reset() and, at each sample, its update(), before it uses the
+/// estimates. A controller that does not need it releases it, without metrics of estimates.
 ///
 /// It gets samples whose first entry is the measured position, and writes one force.
 struct AxisControllerKind
@@ -59,16 +59,16 @@ inline const NominalAxis& what_is_known(const AxisTask& task) {
 
 using AxisLoop = ControlLoop<DisturbanceEstimator>;
 
-/// Which estimator and which controller an axis has.
+/// The chosen estimator and controller of an axis.
 class AxisParts
     : public LoopParts<DisturbanceEstimator, AxisEstimatorKind, AxisControllerKind, AxisTask> {
  public:
-  /// `standard_controller`: of files without the key controller.name; empty: it must be there.
+  /// `standard_controller` is the default value of controller.name. If empty, the key is required.
   AxisParts(const Catalogue& catalogue, const std::string& standard_controller)
       : LoopParts(catalogue, "observer.name", "", standard_controller) {}
 };
 
-/// Breakwater's own.
+/// The estimators and controllers of Breakwater.
 std::vector<AxisEstimatorKind> axis_estimators();
 std::vector<AxisControllerKind> axis_controllers();
 

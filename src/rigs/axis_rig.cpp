@@ -87,37 +87,39 @@ void AxisSettings::bind(Fields& fields) {
   physics.bind(fields);
   run.bind(fields);
   fields.number("plant." + key(axis.inertia_name, "ratio"), inertia_ratio, positive(),
-                "the plant's " + axis.inertia_name + " over its model file's");
+                "the plant's " + axis.inertia_name + ", divided by that of its model file");
   fields.number("plant." + key("viscous_friction", axis.friction_suffix), viscous_friction,
-                not_negative(), "of the plant [" + u.force + " per " + u.velocity + "]");
+                not_negative(),
+                "viscous friction of the plant [" + u.force + " per " + u.velocity + "]");
   fields.number("plant." + key("coulomb_friction", u.force_suffix), coulomb_friction,
-                not_negative(), "of the plant [" + u.force + "]");
+                not_negative(), "Coulomb friction of the plant [" + u.force + "]");
   fields.number("nominal." + key(axis.inertia_name, axis.inertia_suffix), nominal_inertia,
-                positive(), "what controller and observer believe");
+                positive(), "nominal value for the controller and the observer");
   fields.number("nominal." + key("viscous_friction", axis.friction_suffix), nominal_friction,
-                not_negative(), "what controller and observer believe");
+                not_negative(), "nominal value for the controller and the observer");
   fields.number("drive." + key("limit", u.force_suffix), drive_limit, not_negative(),
                 "0: none [" + u.force + "]");
   fields.number("drive." + key("resolution", u.force_suffix), drive_resolution, not_negative(),
-                "one step of the PWM; 0: not quantised [" + u.force + "]");
+                "step of the drive's PWM; 0: not quantised [" + u.force + "]");
   if (axis.counts_pulses) {
     fields.count("encoder.bits", encoder_bits, between(0, 60),
-                 "n: 2^n pulses per revolution; 0: not quantised");
+                 "n: the encoder has 2^n pulses per turn of its shaft; 0: not quantised");
     fields.number("encoder.multiplication", encoder_multiplication, positive(),
-                  "edges counted per pulse");
+                  "number of edges that count in a pulse");
     fields.number("encoder.gear_ratio", encoder_gear_ratio, positive(),
-                  "revolutions of the encoder's shaft per revolution");
+                  "turns of the encoder's shaft per turn of the axis");
     fields.only_where({"encoder.multiplication", "encoder.gear_ratio"}, "encoder.bits is not 0",
                       [this] { return encoder_bits != 0; });
   } else {
     fields.number("encoder." + key("resolution", u.position_suffix), encoder_resolution,
-                  not_negative(), "one count; 0: not quantised [" + u.position + "]");
+                  not_negative(),
+                  "encoder resolution, one count; 0: not quantised [" + u.position + "]");
   }
   fields.number("encoder." + key("phase", u.position_suffix), encoder_phase, any(),
-                "how far the start lies from the middle between two edges [" + u.position + "]");
+                "distance of the start from the middle of a count [" + u.position + "]");
   fields.choice("encoder.origin", encoder_origin,
                 {{"counted", EncoderOrigin::counted}, {"calibrated", EncoderOrigin::calibrated}},
-                "what it calls 0: where it starts (counted), or the true 0 (calibrated)");
+                "zero of the encoder: the start (counted), or the true 0 (calibrated)");
   bind_encoder_rounding(fields, "encoder.rounding", encoder_rounding);
   fields.only_where(
       {"encoder." + key("phase", u.position_suffix), "encoder.origin", "encoder.rounding"},
@@ -125,9 +127,9 @@ void AxisSettings::bind(Fields& fields) {
   fields.number("noise." + key("std", u.position_suffix), noise_std, not_negative(),
                 "standard deviation of the measurement's white noise [" + u.position + "]");
   fields.number("noise." + key("input_std", u.force_suffix), input_noise_std, not_negative(),
-                "standard deviation of a force drawn at each sample [" + u.force + "]");
+                "standard deviation of a random force, constant in each sample [" + u.force + "]");
   fields.count("sensor.delay_samples", delay_samples, between(0, 1e6),
-               "age of a measurement, in control periods");
+               "delay of the measurement in control periods");
   faults.bind(fields, axis.channel);
 }
 
@@ -215,13 +217,12 @@ std::vector<Signal> AxisRig::signals() const {
        view(*position_)},
       {"velocity_true_" + units_.velocity_suffix, units_.velocity, "velocity, true",
        view(*velocity_)},
-      {"d_true_" + units_.force_suffix, units_.force, "disturbance, which opposes the drive, true",
+      {"d_true_" + units_.force_suffix, units_.force, "true disturbance, which opposes the drive",
        view(disturbance_)},
-      {"position_measured_" + units_.position_suffix, units_.position, "position as sampled",
+      {"position_measured_" + units_.position_suffix, units_.position, "sampled position",
        view(sim.sample().y).first(1)},
-      {"command_" + units_.force_suffix, units_.force, "what the controller asks for",
-       view(sim.command())},
-      {"applied_" + units_.force_suffix, units_.force, "what the drive does, saturated and rounded",
+      {"command_" + units_.force_suffix, units_.force, "commanded input", view(sim.command())},
+      {"applied_" + units_.force_suffix, units_.force, "applied input, saturated and rounded",
        view(sim.actuation())},
       {"saturated", "1", "1 where the drive is at its limit", view(saturated_)}};
   for (const Signal& signal : controller_.signals()) signals.push_back(signal);

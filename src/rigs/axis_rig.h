@@ -1,4 +1,4 @@
-// One axis, the motor or the cart, wired: what their scenarios share.
+// An axis (motor or cart) with its controller and simulation, shared by its scenarios.
 #pragma once
 
 #include <concepts>
@@ -18,25 +18,25 @@
 
 namespace breakwater {
 
-/// Which axis, by the names in its model.
+/// The names and units of an axis in its model.
 struct Axis {
   std::string joint;
   std::string actuator;
   std::string position_sensor;
   std::string velocity_sensor;
-  std::string channel;          ///< what the position's sensor channel is called
-  bool counts_pulses;           ///< its encoder is given by pulses per revolution
+  std::string channel;          ///< name of the position's sensor channel
+  bool counts_pulses;           ///< the key of its encoder is pulses per revolution
   std::string inertia_name;     ///< "inertia", "mass"
   std::string inertia_suffix;   ///< "kgm2"
-  std::string friction_suffix;  ///< of a viscous friction: "Nms_rad"
+  std::string friction_suffix;  ///< suffix of the viscous friction: "Nms_rad"
   AxisUnits units;
 };
 
-/// models/motor.xml and models/cart.xml.
+/// The axes of models/motor.xml and models/cart.xml.
 Axis motor_axis();
 Axis cart_axis();
 
-/// Keys that all scenarios on one axis have.
+/// The keys of all scenarios on one axis.
 struct AxisSettings {
   explicit AxisSettings(Axis which) : axis(std::move(which)) {}
 
@@ -45,31 +45,33 @@ struct AxisSettings {
   PhysicsSettings physics;
   RunSettings run;
 
-  // Not keys of all: where it starts, and whether the controller also gets the true state.
+  // The start, and whether the controller also gets the true state. Not all scenarios have these
+  // keys.
   double start_position = 0.0;
   double start_velocity = 0.0;
-  StepReference reference;         ///< of the position
-  double judged_to_s = 0.0;        ///< metrics' windows end: a shorter run is not judged
+  StepReference reference;         ///< reference of the position
+  double judged_to_s = 0.0;        ///< end of the metrics' windows: a shorter run has no metrics
   bool senses_true_state = false;  ///< samples are [measured position; position; velocity]
 
-  double inertia_ratio = 1.0;     ///< of the plant to its model file
-  double viscous_friction = 0.0;  ///< of the plant
+  double inertia_ratio = 1.0;     ///< ratio of the plant's inertia to that of its model file
+  double viscous_friction = 0.0;  ///< friction of the plant
   double coulomb_friction = 0.0;
-  double nominal_inertia = 0.0;  ///< what controller and observer believe
+  double nominal_inertia = 0.0;  ///< for the controller and the observer
   double nominal_friction = 0.0;
 
   double drive_limit = 0.0;       ///< 0: none
-  double drive_resolution = 0.0;  ///< of the PWM; 0: not quantised
+  double drive_resolution = 0.0;  ///< step of the PWM; 0: not quantised
 
   int encoder_bits = 0;  ///< 0: not quantised
   double encoder_multiplication = 1.0;
   double encoder_gear_ratio = 1.0;
-  double encoder_resolution = 0.0;  ///< instead of pulses; 0: not quantised
+  double encoder_resolution = 0.0;  ///< one count, in place of pulses; 0: not quantised
   double encoder_phase = 0.0;
   EncoderOrigin encoder_origin = EncoderOrigin::counted;
   EncoderRounding encoder_rounding = EncoderRounding::nearest;
-  double noise_std = 0.0;        ///< of the measurement
-  double input_noise_std = 0.0;  ///< of a force that is drawn at each control sample
+  double noise_std = 0.0;  ///< noise of the measurement
+  double input_noise_std =
+      0.0;  ///< standard deviation of a random force that is drawn at each control sample
   int delay_samples = 0;
   FaultSettings faults;
 
@@ -77,47 +79,46 @@ struct AxisSettings {
 
   double quantum() const;                ///< Δ of the encoder; 0: not quantised
   double pulses_per_revolution() const;  ///< b_reso, or counts per metre; 0: not quantised
-  double force_limit() const;            ///< of the drive; infinity: none
-  NominalAxis nominal() const;           ///< what estimator and controller are told
+  double force_limit() const;            ///< limit of the drive; infinity: none
+  NominalAxis nominal() const;  ///< the nominal model, for the estimator and the controller
 };
 
-/// What acts on the axis besides its drive and friction, and on its sensor (Eqs. 2.5, 2.36, 2.37).
+/// Further inputs of the axis besides drive and friction, and of its sensor (Eqs. 2.5, 2.36, 2.37).
 struct AxisDisturbances {
   Disturbance force;     ///< d, which opposes the drive
-  Disturbance position;  ///< d_o, added to what is measured
+  Disturbance position;  ///< d_o, added to the measurement
 };
 
-/// Checks what fields cannot: the names in the model file, periods. Throws std::invalid_argument
-/// `ORIGIN: KEY: reason`.
+/// Checks what the single fields cannot: the names in the model file, periods. Throws
+/// std::invalid_argument `ORIGIN: KEY: reason`.
 void check_axis(const AxisSettings& settings, const Config& config);
 
-/// The plant without what is not linear in it, continuous: its inertia as the model file and the
-/// settings have it, and its viscous friction.
+/// The linear part of the plant, continuous: its inertia and its viscous friction.
 StateSpace linear_axis(const AxisSettings& settings);
 
-/// The plant of one axis under a controller, and the truth about it for log and metrics.
+/// The plant of one axis under a controller, with the true values for log and metrics.
 class AxisRig {
  public:
-  /// The controller outlives the rig.
+  /// The controller must outlive the rig.
   AxisRig(const AxisSettings& settings, const AxisDisturbances& disturbances,
           Controller& controller);
   AxisRig(const AxisRig&) = delete;
   AxisRig& operator=(const AxisRig&) = delete;
 
-  /// One physics step. What acts on the axis is held over it, so that a disturbance that begins at
-  /// a step begins there exactly, whatever the integrator.
+  /// One physics step. The forces on the axis are held during it. A disturbance that begins at a
+  /// step thus begins there exactly, for any integrator.
   void step();
 
   const Simulation& simulation() const { return *simulation_; }
-  /// d of the last step's beginning, without noise and friction.
+  /// d at the beginning of the last step, without noise and friction.
   double disturbance() const { return disturbance_; }
 
-  /// All that the log holds at the control rate: true, measured, estimated, commanded.
+  /// The signals of the log at the control rate: true, measured, estimated and commanded.
   std::vector<Signal> signals() const;
 
-  /// A run of the settings' duration, with the sample at its end: record_run() where each step is
-  /// `step(k)`, or one of this rig alone. It is warned of if the measured position, which is what a
-  /// loop sees, does not hold its reference.
+  /// Runs for the duration of the settings, with a sample at the end. It is record_run(), where
+  /// each step is `step(k)` or one step of this rig. It warns if the measured position misses its
+  /// reference.
   template <typename Step, typename Sample>
   requires std::invocable<Sample&, double> Recording run(const RunControl& control,
                                                          const AxisSettings& settings,

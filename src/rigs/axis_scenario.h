@@ -6,15 +6,15 @@
 
 namespace breakwater {
 
-/// A scenario of one axis tells of what its loop is made, so that the loop can be taken out of it
-/// and probed: `analyze` does. Valid once its settings are read and checked.
+/// A scenario of one axis that describes its loop, so that `analyze` can build and probe it. Valid
+/// after its settings are read and checked.
 class AxisScenario : public Scenario {
  public:
-  /// The plant as this case has it.
+  /// The plant of this case.
   virtual AxisSettings plant() const = 0;
-  /// What its controller is to do.
+  /// The task of its controller.
   virtual AxisTask task() const = 0;
-  /// Which estimator and controller it has.
+  /// The choice of its estimator and controller.
   virtual const AxisParts& parts() const = 0;
 };
 

@@ -10,8 +10,7 @@
 
 namespace breakwater {
 
-/// A controller, and the estimator that it keeps up to date; null if it let go the one that it was
-/// given.
+/// A controller and the estimator that it updates; null if it released the given one.
 template <typename Estimator>
 struct ControlLoop {
   std::unique_ptr<Controller> controller;
@@ -20,12 +19,12 @@ struct ControlLoop {
   bool estimates() const { return estimator != nullptr; }
 };
 
-/// Which estimator and which controller a loop has. The estimator is told `what_is_known(task)`,
-/// the controller the whole task and the estimator.
+/// The chosen estimator and controller of a loop. The estimator gets `what_is_known(task)`; the
+/// controller gets the task and the estimator.
 template <typename Estimator, typename EstimatorKind, typename ControllerKind, typename Task>
 class LoopParts {
  public:
-  /// Keys of the two choices, and what each is in files without it; empty: it must be there.
+  /// The keys of the two choices, and their default values. Without one, the key is required.
   LoopParts(const Catalogue& catalogue, const std::string& estimator_key,
             const std::string& standard_estimator, const std::string& standard_controller)
       : estimator_(catalogue, estimator_key, standard_estimator),
@@ -36,7 +35,7 @@ class LoopParts {
     controller_.bind(fields);
   }
 
-  /// Throws std::invalid_argument `ORIGIN: KEY: reason` unless make() succeeds.
+  /// Throws std::invalid_argument `ORIGIN: KEY: reason` if make() would fail.
   void check(const Config& config, const Task& task) const {
     controller_.check(config, task,
                       std::shared_ptr<Estimator>(estimator_.check(config, what_is_known(task))));
@@ -49,7 +48,7 @@ class LoopParts {
     return {std::move(controller), kept.lock()};
   }
 
-  /// Another of the same, alone.
+  /// Makes another estimator of the same kind, without a controller.
   std::unique_ptr<Estimator> make_estimator(const Task& task) const {
     return estimator_.make(what_is_known(task));
   }

@@ -84,7 +84,7 @@ void PredictiveSettings::bind(Fields& fields) {
                 "on the states, or stop");
   fields.choice("solver.soften_first", soften_first,
                 {{"position", SoftenFirst::position}, {"velocity", SoftenFirst::velocity}},
-                "state whose constraints give way first");
+                "state whose constraints are softened first");
   fields.number("solver.softness", softness, positive(),
                 "softness of a softened constraint: 1 over the weight on its squared violation");
 
@@ -144,7 +144,7 @@ PredictiveControlDesign PredictiveSettings::design(const AxisTask& task) const {
     const StateSpace extended = extend_by_disturbance_model(sampled, 0, period_s).sampled;
     lmpc.A = extended.A;
     lmpc.B = extended.B;
-    // Q ⊕ q_d, and P ⊕ q_d: the disturbance has no Riccati solution, as no input reaches it.
+    // Q ⊕ q_d and P ⊕ q_d. The disturbance has no Riccati solution, since no input acts on it.
     const double last = last_weight == LastWeight::riccati ? 1.0 : last_factor;
     const auto extend = [](Eigen::MatrixXd& weight, double q) {
       weight.conservativeResizeLike(Eigen::MatrixXd::Zero(weight.rows() + 1, weight.cols() + 1));
@@ -214,7 +214,7 @@ std::vector<MetricDefinition> with_qp_metrics(std::vector<MetricDefinition> defi
       {"qp_unsolved_count", "1",
        "number of optimisations whose problem, as it was given, was not solved"},
       {"qp_softened_count", "1",
-       "number of unsolved optimisations in which bounds had to give way"},
+       "number of unsolved optimisations in which constraints were softened"},
       {"qp_capped_count", "1",
        "number of unsolved optimisations that were left with an approximate solution"},
       {"qp_time_mean_us", "us", "cost, in manifest.json: mean time of an optimisation"},

@@ -9,7 +9,7 @@
 
 namespace breakwater {
 
-/// Keys `controller.…` of the period and the weights, which a regulator has too.
+/// The keys `controller.…` of the period and the weights, which a regulator also has.
 struct RegulatorSettings {
   double period_s = 0.0;
   double q_position = 0.0;
@@ -20,14 +20,14 @@ struct RegulatorSettings {
 
   /// Weights on position and velocity.
   Eigen::MatrixXd state_weight() const;
-  /// The regulator that they and r define. Throws a WrongKey if there is none.
+  /// The regulator with these weights and r. Throws a WrongKey if there is none.
   LqrDesign regulator(const StateSpace& nominal_plant) const;
 };
 
 enum class LastWeight { factor, riccati };
 enum class SoftenFirst { position, velocity };
 
-/// Keys `controller.…`, `constraint.…` and `solver.…` of predictive control.
+/// The keys `controller.…`, `constraint.…` and `solver.…` of predictive control.
 struct PredictiveSettings {
   RegulatorSettings weights;
   DisturbanceUse disturbance_use = DisturbanceUse::predict;
@@ -57,17 +57,16 @@ struct PredictiveSettings {
 
   void bind(Fields& fields);
 
-  /// The controller of an axis, with estimates at every control period. Throws a WrongKey if the
-  /// settings define none.
+  /// The design for an axis, with estimates at every control period. Throws a WrongKey.
   PredictiveControlDesign design(const AxisTask& task) const;
 
  private:
   void check(const NominalAxis& axis) const;
 };
 
-/// Where `controller` is predictive control: adds the metrics and costs of its optimisations.
+/// If `controller` is predictive control, adds the metrics and costs of its optimisations.
 void add_qp_metrics(const Controller& controller, Recording& recording);
-/// The definitions, and then those of add_qp_metrics().
+/// Appends the definitions of the metrics of add_qp_metrics().
 std::vector<MetricDefinition> with_qp_metrics(std::vector<MetricDefinition> definitions);
 
 }  // namespace breakwater

@@ -1,4 +1,4 @@
-// Breakwater's estimators and controllers of the quadrotor: the keys of each, and how it is made.
+// Breakwater's estimators and controllers of the quadrotor: their keys, and how to make them.
 #include <breakwater/rigs/quadrotor_parts.h>
 
 #include <cmath>
@@ -38,10 +38,10 @@ void bind_kalman(Fields& fields, KalmanSettings& settings) {
        {"spectrum", DisturbanceOrder::spectrum}},
       "model of the disturbance: none; zero or second order, at the thrusters; resonator or "
       "spectrum (two resonators for each axis), of the waves' force");
-  fields.choice(
-      "estimator.kinematics", settings.design.kinematics,
-      {{"level", AttitudeKinematics::level}, {"exact", AttitudeKinematics::exact}},
-      "kinematics of the attitude: level (the angles' rates are taken for the body's), or exact");
+  fields.choice("estimator.kinematics", settings.design.kinematics,
+                {{"level", AttitudeKinematics::level}, {"exact", AttitudeKinematics::exact}},
+                "kinematics of the attitude: level (the angular rates equal the derivatives of the "
+                "angles), or exact");
   fields.choice(
       "estimator.process_noise", settings.design.noise,
       {{"printed", ProcessNoiseSource::printed},
@@ -60,7 +60,8 @@ void bind_kalman(Fields& fields, KalmanSettings& settings) {
   fields.choice(
       "estimator.measurement_covariance", settings.covariance,
       {{"printed", MeasurementCovariance::printed}, {"actual", MeasurementCovariance::actual}},
-      "R: printed (diag(V), whatever V means), or actual (the covariance of the noise)");
+      "R: printed (diag(V), for any noise.interpretation), or actual (the covariance of the "
+      "noise)");
   fields.number("estimator.input_noise", settings.design.input_noise, positive(),
                 "W_s: variance of the noise of a thruster's input [N^2]");
   fields.number("estimator.tuned_velocity_std_m_s", settings.design.velocity_std_m_s, positive(),
@@ -74,16 +75,17 @@ void bind_kalman(Fields& fields, KalmanSettings& settings) {
   fields.choice(
       "estimator.wave_frequency", settings.frequency_source,
       {{"given", WaveFrequencySource::given}, {"estimated", WaveFrequencySource::estimated}},
-      "source of the waves' frequency: a given T_p, or an estimate on line");
+      "source of the waves' frequency: a given T_p, or an online estimate");
   fields.number("estimator.assumed_period_s", settings.assumed_period_s, not_negative(),
-                "T_p that the estimator is given, or from which it starts to estimate; 0: "
+                "T_p of the estimator, or the initial value of its estimate; 0: "
                 "wave.peak_period_s [s]");
-  fields.choice("estimator.wave_force", settings.force_source,
-                {{"given", WaveForceSource::given}, {"estimated", WaveForceSource::estimated}},
-                "for spectrum: the standard deviation of the force is resonator_force_std_N, or is "
-                "estimated on line");
+  fields.choice(
+      "estimator.wave_force", settings.force_source,
+      {{"given", WaveForceSource::given}, {"estimated", WaveForceSource::estimated}},
+      "for spectrum: the standard deviation of the force is resonator_force_std_N (given) or "
+      "estimated online");
   fields.number("estimator.wave_torque_arm_m", settings.torque_arm_m, not_negative(),
-                "for spectrum: torque of the waves over their horizontal force, z_B/C_m [m]");
+                "for spectrum: ratio of the waves' torque to their horizontal force, z_B/C_m [m]");
   ResonatorDesign& resonator = settings.design.resonator;
   fields.number("estimator.resonator_damping", resonator.damping, between(0.001, 0.999),
                 "damping ratio of the resonators");
@@ -119,7 +121,7 @@ void bind_kalman(Fields& fields, KalmanSettings& settings) {
   fields.only_for({"estimator.resonator_damping"}, "estimator.disturbance", {"resonator"});
   fields.only_for({"estimator.wave_force", "estimator.wave_torque_arm_m"}, "estimator.disturbance",
                   {"spectrum"});
-  // Files of before these keys know none of them.
+  // Older files do not have these keys.
   fields.standard("estimator.process_noise_states", {std::string("all")});
   fields.standard("estimator.kinematics", {std::string("level")});
   fields.standard("estimator.wave_force", {std::string("estimated")});
@@ -140,9 +142,9 @@ void bind_kalman(Fields& fields, KalmanSettings& settings) {
                     });
 }
 
-// The vertical force's spectrum in a sea of this period, as strong as is said.
+// The vertical force's spectrum in this sea, scaled to the standard deviation `strength_N`.
 ForceSpectrum force_spectrum(const SeaState& sea, double depth_m, double strength_N) {
-  constexpr double kLowest = 0.1, kHighest = 5.0;  // over ω_p: all of the force
+  constexpr double kLowest = 0.1, kHighest = 5.0;  // multiples of ω_p with all of the force
   constexpr int kIntervals = 400;
   SeaState unit = sea;  // the shape does not depend on the height
   unit.significant_height_m = 1.0;
@@ -151,9 +153,10 @@ ForceSpectrum force_spectrum(const SeaState& sea, double depth_m, double strengt
   for (const double density : water.density) {
     variance += density * (water.omega_rad_s[1] - water.omega_rad_s[0]);
   }
-  constexpr double kNothing = 1e-200;  // (m/s²)² of a wave of 1 m
+  constexpr double kNothing = 1e-200;  // (m/s²)² for a wave of 1 m
   if (!(variance > kNothing)) {
-    throw std::invalid_argument("no waves of this period reach the depth that is to be held");
+    throw std::invalid_argument(
+        "no waves of this period reach the reference depth: choose a longer period");
   }
   ForceSpectrum force{water.omega_rad_s, water.density, {}};
   for (double& density : force.density) density *= strength_N * strength_N / variance;
@@ -168,8 +171,8 @@ ForceSpectrum seen_by(const AxisNoise& axis, ForceSpectrum spectrum) {
   return spectrum;
 }
 
-// The seas that the spectrum's bank knows: one period, or fifteen from 4 to 14 s. What counts of a
-// spectrum is what an axis shows of a force in the middle of the bank's strengths.
+// The seas of the spectrum's multiple-model estimator: one period, or fifteen from 4 to 14 s. The
+// resonators fit the visible part of the spectrum of a force of medium strength.
 void describe_waves(QuadrotorEstimatorDesign& design, const KalmanSettings& settings,
                     const SeaState& assumed, const QuadrotorTask& task) {
   constexpr double kShortest_s = 4.0, kLongest_s = 14.0;
@@ -204,7 +207,7 @@ void describe_waves(QuadrotorEstimatorDesign& design, const KalmanSettings& sett
     for (Resonator& r : pair) r.std /= middle_N;
     bank.shapes.push_back(pair);
     if (settings.torque_arm_m == 0.0) continue;
-    ForceSpectrum torque = force;  // of a horizontal axis
+    ForceSpectrum torque = force;  // about a horizontal axis
     for (double& density : torque.density) {
       density *= kHorizontalShare * settings.torque_arm_m * settings.torque_arm_m;
     }
@@ -220,7 +223,7 @@ std::unique_ptr<QuadrotorEstimator> make_kalman(const KalmanSettings& settings,
   design.position_std_m = printed ? std::sqrt(task.position_noise) : task.position_std_m;
   design.angle_std_rad = printed ? std::sqrt(task.angle_noise) : task.angle_std_rad;
   design.period_s = task.period_s;
-  // The resonators' place is where the force's energy is, at the depth that is to be held.
+  // Place the resonators where the force has its energy, at the reference depth.
   SeaState assumed = task.sea;
   if (settings.assumed_period_s > 0.0) assumed.peak_period_s = settings.assumed_period_s;
   design.wave_frequency_rad_s = mean_acceleration_frequency(assumed, -task.reference_m.z());
@@ -243,7 +246,7 @@ struct BacksteppingSettings {
 void bind_backstepping(Fields& fields, BacksteppingSettings& settings) {
   fields.choice("controller.gains", settings.gains,
                 {{"retuned", Gains::retuned}, {"dlqr", Gains::dlqr}, {"printed", Gains::printed}},
-                "gains: retuned for the physical plant, dlqr with Q_z = 1e4, or as printed");
+                "gains: retuned (for the physical plant), dlqr (with Q_z = 1e4), or printed");
   fields.flag("controller.compensate", settings.compensates,
               "subtract the estimated disturbance from the input");
   fields.number("controller.position_clamp_m", settings.position_clamp_m, not_negative(),
@@ -280,13 +283,14 @@ std::unique_ptr<Controller> make_backstepping(const BacksteppingSettings& settin
 }  // namespace
 
 std::vector<QuadrotorEstimatorKind> quadrotor_estimators() {
-  return {
-      {"kalman", "UKF or EKF with one of five disturbance models (3.4)", bind_kalman, make_kalman}};
+  return {{"kalman",
+           "unscented or extended Kalman filter with one of five disturbance models (3.4)",
+           bind_kalman, make_kalman}};
 }
 
 std::vector<QuadrotorControllerKind> quadrotor_controllers() {
-  return {{"backstepping", "backstepping on the estimated motion (3.4.2.1)", bind_backstepping,
-           make_backstepping}};
+  return {{"backstepping", "backstepping control with the estimated motion (3.4.2.1)",
+           bind_backstepping, make_backstepping}};
 }
 
 }  // namespace breakwater

@@ -1,5 +1,4 @@
-// The parts of a scenario with the quadrotor: what the catalogue's estimators and controllers are
-// told.
+// The interface between a scenario with the quadrotor and its estimators and controllers.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,31 +12,30 @@
 
 namespace breakwater {
 
-/// What an estimator and a controller of the quadrotor are told.
+/// The task and the nominal model of the quadrotor.
 struct QuadrotorTask {
   QuadrotorModel plant;
-  double period_s = 0.0;  ///< T_s, of the samples
+  double period_s = 0.0;  ///< sampling period T_s
   Eigen::Vector3d reference_m = Eigen::Vector3d::Zero();
-  double position_std_m = 0.0;  ///< of the measurement's noise
+  double position_std_m = 0.0;  ///< from the measurement noise
   double angle_std_rad = 0.0;
-  double position_noise = 0.0;  ///< V_m and V_p as they are given, whatever they are taken for
+  double position_noise = 0.0;  ///< V_m and V_p as given, before their interpretation
   double angle_noise = 0.0;
-  SeaState sea;  ///< that is to be expected
+  SeaState sea;  ///< the expected sea
 };
 
 inline const QuadrotorTask& what_is_known(const QuadrotorTask& task) {
   return task;
 }
 
-/// An estimator of the quadrotor by its name: key estimator.name.
+/// An estimator of the quadrotor and its name: key estimator.name.
 struct QuadrotorEstimatorKind : PartKind<QuadrotorEstimator, const QuadrotorTask&> {
   using PartKind::PartKind;
   static constexpr const char* kWhat = "estimator of the quadrotor";
 };
 
-/// A controller of the quadrotor by its name: key controller.name. It is given the estimator that
-/// was chosen beside it, as AxisControllerKind is. It gets samples [x y z φ θ ψ] [m, rad] and
-/// writes four thrusts [N].
+/// A controller of the quadrotor and its name: key controller.name. It gets the estimator as an
+/// AxisControllerKind. It gets samples [x y z φ θ ψ] [m, rad] and writes four thrusts [N].
 struct QuadrotorControllerKind
     : PartKind<Controller, const QuadrotorTask&, std::shared_ptr<QuadrotorEstimator>> {
   using PartKind::PartKind;
@@ -46,7 +44,7 @@ struct QuadrotorControllerKind
 
 using QuadrotorLoop = ControlLoop<QuadrotorEstimator>;
 
-/// Which estimator and which controller the quadrotor has.
+/// The chosen estimator and controller of the quadrotor.
 class QuadrotorParts : public LoopParts<QuadrotorEstimator, QuadrotorEstimatorKind,
                                         QuadrotorControllerKind, QuadrotorTask> {
  public:
@@ -54,7 +52,7 @@ class QuadrotorParts : public LoopParts<QuadrotorEstimator, QuadrotorEstimatorKi
       : LoopParts(catalogue, "estimator.name", "kalman", "backstepping") {}
 };
 
-/// Breakwater's own.
+/// The estimators and controllers of Breakwater.
 std::vector<QuadrotorEstimatorKind> quadrotor_estimators();
 std::vector<QuadrotorControllerKind> quadrotor_controllers();
 

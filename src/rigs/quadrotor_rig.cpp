@@ -15,7 +15,7 @@ Eigen::Vector3d vector3(const std::vector<double>& values) {
   return {values[0], values[1], values[2]};
 }
 
-// V as a standard deviation.
+// The standard deviation that V means.
 double deviation(const QuadrotorSettings& settings, double V) {
   using Interpretation = QuadrotorSettings::NoiseInterpretation;
   return settings.interpretation == Interpretation::variance ? std::sqrt(V) : V;
@@ -62,7 +62,7 @@ void QuadrotorSettings::bind(Fields& fields) {
   fields.choice(
       "plant.model", physics_kind,
       {{"physical", QuadrotorPhysics::physical}, {"thesis", QuadrotorPhysics::thesis}},
-      "physics of plant, estimator and controller: physical, or thesis with G and C as printed");
+      "physics of plant, estimator and controller: physical, or thesis (with G and C as printed)");
   physics.bind(fields);
   run.bind(fields);
   fields.numbers("task.start_m", start_m, any(), "start position x, y, z, at rest [m]");
@@ -191,15 +191,16 @@ std::vector<Signal> QuadrotorRig::signals() const {
   const Simulation& sim = simulation_;
   std::vector<Signal> signals = {
       {"qpos", "m, m, m, 1, 1, 1, 1", "the engine's generalised positions", sim.qpos()},
-      {"motion_true", kMotionUnits, "zeta and its rate, true", view(truth_.motion)},
-      {"pose_measured", kPoseUnits, "x, y, z, roll, pitch, yaw as sampled", view(sim.sample().y)},
-      {"thrust_command_N", "N", "thrusts asked for", view(sim.command())},
+      {"motion_true", kMotionUnits, "true zeta and its rate", view(truth_.motion)},
+      {"pose_measured", kPoseUnits, "sampled x, y, z, roll, pitch, yaw", view(sim.sample().y)},
+      {"thrust_command_N", "N", "commanded thrusts", view(sim.command())},
       {"thrust_applied_N", "N", "thrusts after saturation", view(sim.actuation())},
       {"saturated", "1", "1 where any thrust is at its limit", view(truth_.saturated)},
-      {"error_m", "m", "reference less position, true", view(truth_.error)},
-      {"wave_force_N", "N", "of the waves, in the world, true", view(truth_.wave_force)},
-      {"wave_torque_Nm", "N m", "of the waves, in the world, true", view(truth_.wave_torque)},
-      {"surface_elevation_m", "m", "of the surface above the vehicle", view(truth_.elevation_m)}};
+      {"error_m", "m", "reference minus true position", view(truth_.error)},
+      {"wave_force_N", "N", "true force of the waves, in the world", view(truth_.wave_force)},
+      {"wave_torque_Nm", "N m", "true torque of the waves, in the world", view(truth_.wave_torque)},
+      {"surface_elevation_m", "m", "elevation of the surface above the vehicle",
+       view(truth_.elevation_m)}};
   for (const Signal& signal : loop_.controller->signals()) signals.push_back(signal);
   return signals;
 }

@@ -1,4 +1,4 @@
-// The quadrotor under waves, wired: what scenarios with it share.
+// The quadrotor under waves with its simulation, shared by its scenarios.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,7 +12,7 @@
 
 namespace breakwater {
 
-/// Keys that all scenarios with the quadrotor have.
+/// The keys of all scenarios with the quadrotor.
 struct QuadrotorSettings {
   enum class NoiseInterpretation { variance, standard_deviation };
 
@@ -36,28 +36,27 @@ struct QuadrotorSettings {
   void bind(Fields& fields);
 
   QuadrotorModel plant() const { return {parameters, physics_kind}; }
-  /// All that estimator and controller are told.
+  /// The task and nominal model for estimator and controller.
   QuadrotorTask task() const;
   /// The water's force on a model with the free body "quadrotor".
   UnderwaterForce water(const Model& model) const;
 };
 
-/// Checks what fields cannot: sizes, depths, periods, what the model has, the design of estimator
-/// and controller. Throws std::invalid_argument `ORIGIN: KEY: reason`.
+/// Checks what the single fields cannot: sizes, depths, periods, the parts of the model, the design
+/// of estimator and controller. Throws std::invalid_argument `ORIGIN: KEY: reason`.
 void check_quadrotor(const QuadrotorSettings& settings, const Config& config);
 
-/// The truth about a sample.
+/// The true values at a sample.
 struct QuadrotorTruth {
   Eigen::Matrix<double, 12, 1> motion = Eigen::Matrix<double, 12, 1>::Zero();  ///< ζ and its rate
   Eigen::Vector3d wave_force = Eigen::Vector3d::Zero();                        ///< in the world [N]
   Eigen::Vector3d wave_torque = Eigen::Vector3d::Zero();                       ///< [N m]
-  Eigen::Vector3d error = Eigen::Vector3d::Zero();  ///< reference less position [m]
-  double elevation_m = 0.0;                         ///< of the surface above the vehicle
-  double saturated = 0.0;                           ///< 1 where any thrust is at its limit
+  Eigen::Vector3d error = Eigen::Vector3d::Zero();  ///< reference minus position [m]
+  double elevation_m = 0.0;                         ///< elevation of the surface above the vehicle
+  double saturated = 0.0;                           ///< 1 if a thrust is at its limit
 };
 
-/// The quadrotor's plant, waves, estimator, controller and simulation, and the truth about it for
-/// log and metrics.
+/// The quadrotor with waves, estimator, controller and simulation, and its true values for the log.
 ///
 /// The model must have a free body "quadrotor" with the sites t1 … t4, four thrusters and the
 /// sensors position and attitude.
@@ -68,20 +67,20 @@ class QuadrotorRig {
   QuadrotorRig(const QuadrotorRig&) = delete;
   QuadrotorRig& operator=(const QuadrotorRig&) = delete;
 
-  /// One physics step, with the waves' states of its beginning.
+  /// One physics step, with the states of the waves at its beginning.
   void step();
 
   const Simulation& simulation() const { return simulation_; }
   const QuadrotorLoop& loop() const { return loop_; }
 
-  /// From where it starts to where it is to be.
+  /// The distance from the start to the reference.
   double distance_to_go_m() const { return (reference_ - start_).norm(); }
 
-  /// Brings the truth up to date with the simulation's last step.
+  /// Updates the true values from the last step of the simulation.
   void observe();
   const QuadrotorTruth& truth() const { return truth_; }
 
-  /// All that the log holds at the control rate: true, measured, estimated, commanded.
+  /// The signals of the log at the control rate: true, measured, estimated and commanded.
   std::vector<Signal> signals() const;
 
  private:

@@ -43,7 +43,7 @@ void on_all_cores(std::size_t count, const std::function<void(std::size_t)>& wor
     try {
       for (std::size_t i = 1; i < std::min(all, count); ++i) others.emplace_back(take_pieces);
     } catch (const std::system_error&) {
-      // The machine has none left: those that there are do the work.
+      // No further thread can be started: the existing ones do the work.
     }
     take_pieces();
   }

@@ -1,4 +1,4 @@
-// Work in pieces on all cores.
+// Work in pieces on several cores.
 #pragma once
 
 #include <cstddef>
@@ -6,13 +6,13 @@
 
 namespace breakwater {
 
-/// How many this process may use: fewer than there are where a scheduler or taskset gave it some.
+/// The number of cores that a scheduler or taskset lets this process use.
 std::size_t usable_cores();
 
-/// Calls work(i) for i = 0 … count − 1, in that order of starting, on at most `threads` threads,
-/// this one included; 0: as many as usable_cores(). Where the machine gives fewer threads, those
-/// that it gives do all the work. After the first exception no piece is begun; once those under way
-/// have ended, it is thrown.
+/// Calls work(i) for i = 0 … count − 1, started in this order, on at most `threads` threads. These
+/// include the calling thread; 0 means usable_cores(). If fewer threads can be started, they do all
+/// the work. After an exception no new piece begins. It is thrown again when the running pieces
+/// have ended.
 void on_all_cores(std::size_t count, const std::function<void(std::size_t)>& work,
                   std::size_t threads = 0);
 

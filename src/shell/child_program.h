@@ -1,4 +1,4 @@
-// Another program, called and waited for.
+// Calls other programs and waits for them.
 #pragma once
 
 #include <sys/types.h>
@@ -13,41 +13,41 @@
 
 namespace breakwater {
 
-/// The running program, its name ("breakwater", or a user's "door_lab"), and one that stands beside
-/// it.
+/// The running program, its name ("breakwater", or a user's), and a program beside it.
 std::string own_program();
 std::string own_program_name();
 std::string neighbour_program(const std::string& name);
 
-/// A word that a shell takes as it is, whatever is in it.
+/// A word, quoted so that a shell takes it literally.
 std::string shell_quoted(const std::string& word);
-/// The same, quoted only if it must be: "/tmp/x", "'/tmp/my study'".
+/// The same, with quotes only if they are necessary: "/tmp/x", "'/tmp/my study'".
 std::string shell_word(const std::string& word);
 
-/// Calls a program, words[0] being its path or a name to be found. Returns its exit status. If it
-/// cannot be called or a signal ends it, says so on stderr as `WHAT: …` and returns 4. An
-/// interruption of ours is passed on to it.
+/// Calls a program. words[0] is its path, or a name to search for. Returns its exit status. If it
+/// cannot be called or is ended by a signal, prints `WHAT: …` on stderr and returns 4. An
+/// interruption of this process is passed on to it.
 int call_program(const std::string& what, std::vector<std::string> words);
 
-/// A program that runs beside this one, and what it writes to its stdout; words[0] as above.
+/// A program that runs beside this one, with its standard output. words[0] is as above.
 class ReadProgram {
  public:
-  /// With its stderr too, or that is ours; without variables of the environment that `leave_out`
-  /// picks by their names. Throws std::invalid_argument `PROGRAM: cannot be called (…)`.
+  /// Also reads its stderr if `with_stderr`; otherwise it shares the stderr of this process.
+  /// `leave_out` selects environment variables to remove. Throws std::invalid_argument `PROGRAM:
+  /// cannot be called (…)`.
   explicit ReadProgram(std::vector<std::string> words, bool with_stderr = false,
                        bool (*leave_out)(std::string_view name) = nullptr);
-  /// Waits for it.
+  /// Waits for its end.
   ~ReadProgram();
   ReadProgram(const ReadProgram&) = delete;
   ReadProgram& operator=(const ReadProgram&) = delete;
 
-  /// The next line without its end; empty if a signal came meanwhile; nothing when it has ended.
+  /// The next line without its end; empty if a signal came meanwhile; nothing after its end.
   std::optional<std::string> next();
-  /// Whether next() has something to give, within so many seconds.
+  /// Whether next() has a result within `seconds`.
   bool has_news(double seconds) const;
-  /// Waits for its end. Returns its status as waitpid() gives it.
+  /// Waits for its end. Returns the status of waitpid().
   int wait();
-  /// Once: a second signal would end it within a run.
+  /// Interrupts it, only once: a second signal would end it during a run.
   void interrupt();
   pid_t process() const { return process_; }
 
@@ -58,7 +58,7 @@ class ReadProgram {
   std::unique_ptr<FILE, int (*)(FILE*)> said_{nullptr, std::fclose};
 };
 
-/// How a program ended: its status as waitpid() gives it, and its lines.
+/// The end of a program: its status from waitpid(), and its lines.
 struct EndedProgram {
   int status = 0;
   std::vector<std::string> said;  ///< on stdout and stderr
@@ -66,12 +66,12 @@ struct EndedProgram {
   std::optional<int> exit_status() const;  ///< nothing if a signal ended it
   /// "signal 9 (Killed)", "status 1"
   std::string end() const;
-  /// Whether it brought its end upon itself by a signal. Any other signal comes from outside: of
-  /// the system that has no memory left, of a scheduler, of somebody.
+  /// Whether it caused the signal that ended it. Other signals come from outside: from the system
+  /// without memory, a scheduler or a user.
   bool has_crashed() const;
-  /// The last line, which tells why it did not succeed, and is then none of `said`.
+  /// Removes the last of the lines, which has the reason of the failure, and returns it.
   std::string take_reason();
-  /// On stderr, as if it had not been read.
+  /// Prints the lines on stderr.
   void repeat_said() const;
 };
 

@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kVariable = "BREAKWATER_PATH";
-// A link that can be read even where the program's file has been replaced.
+// This link can be read even if the program's file was replaced.
 constexpr const char* kOwnProgram = "/proc/self/exe";
 
 bool is_folder(const fs::path& path) {
@@ -31,7 +31,7 @@ bool is_source_tree(const fs::path& folder) {
   return is_folder(folder / "models") && is_folder(folder / "scenarios");
 }
 
-// The search path of this process, made when it is first asked for.
+// The search path of this process, made on first use.
 class OwnSearch {
  public:
   void set(const DataPlaces& places) {

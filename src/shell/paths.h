@@ -1,4 +1,4 @@
-// Where files are found: scenarios' own, the project's, an installation's.
+// The places of files: of scenarios, of the project and of an installation.
 #pragma once
 
 #include <filesystem>
@@ -8,55 +8,50 @@
 
 namespace breakwater {
 
-/// What a program knows of where its files are.
+/// The folders that a program searches for its files.
 struct DataPlaces {
-  /// Folders of its own scenarios.
+  /// The folders of its own scenarios.
   std::vector<std::filesystem::path> scenarios = {};
-  /// PREFIX/share/breakwater of the installation that it was built against; empty: none.
+  /// PREFIX/share/breakwater of the installation that it was built with; empty: none.
   std::filesystem::path installation = {};
-  /// The file that holds its code; empty: that of the running process. A module of an interpreter
-  /// names itself.
+  /// The file with its code; empty: the file of the running process. A Python module sets its own.
   std::filesystem::path program = {};
 };
 
-/// Said once, at the beginning of main() and before any file is looked for: program() does.
+/// Sets the places. program() calls it at the beginning of main(), before any file is searched.
 void set_data_places(const DataPlaces& places);
 
-/// The file that holds the running code, to be read.
+/// The file with the running code, for reading.
 std::filesystem::path program_file();
 
-/// Where a file may be, in the order in which it is looked for.
+/// The places of a file in their search order.
 struct SearchPath {
-  std::vector<std::filesystem::path> candidates;  ///< all of them, for messages
-  std::vector<std::filesystem::path> folders;     ///< those that are there
+  std::vector<std::filesystem::path> candidates;  ///< all places, for messages
+  std::vector<std::filesystem::path> folders;     ///< the existing ones
   std::vector<std::string> warnings;              ///< one line each
 };
 
-/// The folders of the program's own scenarios; those of `variable`, with ':' between them, of which
-/// one that is no folder is warned of; then, from the program's place upwards, each
-/// F/share/breakwater, and each F that holds models/ and scenarios/, as the source tree does; at
-/// last the installation that the program was built against.
+/// The search path begins with the program's own scenarios and the folders in `variable`, separated
+/// by ':'. A missing one gives a warning. From the program's place upwards, each F/share/breakwater
+/// and each F with models/ and scenarios/ follow. The last one is the program's installation.
 SearchPath search_path(const std::string& variable, const std::filesystem::path& program,
                        const DataPlaces& places);
 
-/// `name` ("models/arm.xml") in the first folder that has it, of the search path of the environment
-/// variable BREAKWATER_PATH and the running program; nothing if none has. At its first use warnings
-/// go to stderr.
+/// Finds `name` ("models/arm.xml") in the search path of the running program and the environment
+/// variable BREAKWATER_PATH. Returns nothing if there is none. The first call prints warnings.
 std::optional<std::filesystem::path> look_for(const std::string& name);
 
-/// The same. Throws std::invalid_argument, naming all places where it was looked for, if none has.
+/// The same, but throws std::invalid_argument with all searched places if there is none.
 std::filesystem::path data_file(const std::string& name);
 
 /// "A, B, C": the places, for messages.
 std::string searched_places();
 
-/// A file that a key names: as given if absolute; else in `folder` if it is there; else where
-/// look_for() finds it, if it does.
+/// Finds a file that a key names: by an absolute path, in `folder`, or with look_for().
 std::optional<std::filesystem::path> find_file(const std::string& name,
                                                const std::filesystem::path& folder);
 
-/// How to write a path into a config: a name by which look_for() finds it, if there is one; else
-/// absolute.
+/// The path for a config: a name that look_for() finds, or otherwise the absolute path.
 std::string portable_path(const std::filesystem::path& file);
 
 }  // namespace breakwater

@@ -22,9 +22,9 @@ std::atomic<bool> signalled = false;
 bool (*is_deaf)() = [] { return false; };
 static_assert(std::atomic<bool>::is_always_lock_free, "used in a signal handler");
 
-// From a signal on we look each second whether work is deaf. Work that is deaf twice in a row has
-// had its second to end by itself; it may have begun long after the signal. Files that are
-// written meanwhile survive such an end, as they do any.
+// After a signal, a check each second finds out whether the work ignores it. The process ends at
+// the second such check in a row: the work may have begun long after the signal. A file that is
+// being written survives this, as any other end.
 constexpr unsigned kBetweenLooks_s = 1;
 std::atomic<bool> was_deaf = false;
 
@@ -46,7 +46,7 @@ void on_alarm(int) {
   _exit(kInterrupted);
 }
 
-// Throws nothing where standard error cannot be written either.
+// Throws nothing even if standard error cannot be written.
 int failed(Status status, const std::string& line) {
   std::fputs((one_line(line) + "\n").c_str(), stderr);
   return status;
@@ -75,7 +75,7 @@ int caught(const std::string& program, const std::function<int()>& body) {
                                                                     kept == 1 ? " is" : "s are")));
   } catch (const std::exception& error) {
     if (std::ferror(stdout) != 0 || std::ferror(stderr) != 0) {
-      // guarded() tells why.
+      // guarded() prints the reason.
       const auto* const printing = dynamic_cast<const std::system_error*>(&error);
       errno = printing != nullptr ? printing->code().value() : EIO;
       return kLaterOutputFailed;
@@ -92,7 +92,7 @@ void stop_on_signals(std::initializer_list<int> more) {
   stop_asked = [] { return signalled.load(); };
   struct sigaction action = {};
   action.sa_handler = on_alarm;
-  action.sa_flags = SA_RESTART;  // no look breaks off what goes on
+  action.sa_flags = SA_RESTART;  // the check does not interrupt system calls
   sigaction(SIGALRM, &action, nullptr);
   action.sa_handler = on_signal;
   action.sa_flags = SA_RESETHAND;
@@ -130,12 +130,12 @@ void warn(const std::string& program, const std::vector<std::string>& warnings) 
 }
 
 int guarded(const std::string& program, const std::function<int()>& body) {
-  // A file that may not grow any more is then an error like that of a full disk.
+  // A file size limit then gives an error, as a full disk does.
   std::signal(SIGXFSZ, SIG_IGN);
   const int status = caught(program, body);
   const int printing = errno;
   const int error = std::fflush(stdout) != 0 ? errno : printing;
-  static bool is_said = false;  // one command may be guarded within another
+  static bool is_said = false;  // guarded() may be nested
   if (std::ferror(stdout) == 0 || std::exchange(is_said, true)) return status;
   failed(kLaterOutputFailed,
          fmt::format("standard output: cannot be written ({})", std::strerror(error)));

@@ -1,4 +1,4 @@
-// All our programs share this: exit statuses, interruption, errors in one line.
+// Exit statuses, interruption and one-line errors, shared by all programs.
 #pragma once
 
 #include <fmt/format.h>
@@ -26,25 +26,24 @@ enum Status {
   kInterrupted = 130
 };
 
-/// From now on SIGINT, SIGTERM and `more` set interrupted(); a second one ends the process at once.
+/// After this call SIGINT, SIGTERM and `more` set interrupted(). A second one ends the process.
 void stop_on_signals(std::initializer_list<int> more = {});
 const std::atomic<bool>& interrupted();
-/// The engine's compiler looks for no signal. Once a signal has come, the process ends within two
-/// seconds of this saying that the compiler is at work, whichever was first. main() calls this
-/// once, at its beginning.
+/// The model compiler ignores signals. If `model_is_compiled` returns true after a signal, the
+/// process ends within two seconds. main() calls this once, at its beginning.
 void end_soon_while(bool (*model_is_compiled)());
 
-/// Returns the status to exit with, or nothing if the arguments were taken.
+/// Returns the exit status, or nothing if the arguments are correct.
 std::optional<int> parse(CLI::App& app, int argc, const char* const* argv);
 
-/// The text with control characters spelt out: what a user gave may hold any.
+/// The text with control characters spelt out, since users may give any text.
 std::string one_line(const std::string& text);
 
-/// A line each on standard error: `PROGRAM: warning: …`.
+/// Prints each warning on standard error: `PROGRAM: warning: …`.
 void warn(const std::string& program, const std::vector<std::string>& warnings);
 
-/// Calls `body`, which returns a status. Everything that can go wrong becomes one line and a
-/// status, standard output that cannot be written too.
+/// Calls `body` and returns its status. Every error becomes one line and a status, also a standard
+/// output that cannot be written.
 int guarded(const std::string& program, const std::function<int()>& body);
 
 }  // namespace breakwater

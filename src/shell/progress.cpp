@@ -81,7 +81,7 @@ void Progress::draw() {
   }
   if (in_place_) {
     if (!note_.empty()) line += "   " + note_;
-    // A line that is broken could not be written over.
+    // A line that wraps could not be rewritten.
     line = "\r\033[K" + line.substr(0, terminal_width(STDERR_FILENO).value_or(kUsualWidth) - 1);
   } else {
     line += '\n';

@@ -9,13 +9,13 @@
 
 namespace breakwater {
 
-/// One line on stderr, rewritten in place: how much of some jobs is done, and how long it still
-/// takes. Silent unless stderr is a terminal. Thread-safe.
+/// One line on stderr, rewritten in place: the finished part of some jobs and the remaining time.
+/// Silent unless stderr is a terminal. Thread-safe.
 class Progress {
  public:
   Progress(std::string what, std::size_t jobs, bool quiet);
-  /// Jobs that take unequally long, in proportion to `weights`. Unless quiet, it speaks on what is
-  /// no terminal too: a line every half minute.
+  /// The jobs take times in proportion to `weights`. Unless quiet, it also prints a line every half
+  /// minute if stderr is not a terminal.
   Progress(std::string what, std::vector<double> weights, bool quiet);
   ~Progress();
   Progress(const Progress&) = delete;
@@ -23,9 +23,9 @@ class Progress {
 
   void update(std::size_t job, double fraction_done);
   void finish(std::size_t job) { update(job, 1.0); }
-  /// What stands behind the line from now on, as far as the terminal is wide enough.
+  /// Sets the text behind the line, as far as the terminal is wide enough.
   void note(std::string text);
-  /// Whether anybody sees it: a note is worth making.
+  /// Whether a user can see a note.
   bool is_seen() const { return visible_ && in_place_; }
 
  private:
@@ -43,7 +43,7 @@ class Progress {
   std::mutex mutex_;
 };
 
-/// How wide tables may be: the terminal on stdout; else COLUMNS, or 80.
+/// The width of tables: that of the terminal on stdout, otherwise COLUMNS or 80.
 std::size_t output_width();
 
 }  // namespace breakwater

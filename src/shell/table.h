@@ -7,10 +7,10 @@
 
 namespace breakwater {
 
-/// Rows of cells under a header. The first column is set left, the others right.
+/// Rows of cells under a header. The first column is aligned left, the others right.
 class Table {
  public:
-  /// The first `labels` columns say what a row is.
+  /// The first `labels` columns identify the rows.
   explicit Table(std::vector<std::string> header, std::size_t labels = 1)
       : rows_{std::move(header)}, labels_(labels) {}
 
@@ -19,17 +19,17 @@ class Table {
     rows_.push_back(std::move(row));
   }
 
-  /// A table that is wider than `width` characters is cut into several, each with the labels. One
-  /// of a single label is turned over before, rows for columns, if that takes fewer lines.
+  /// Splits a table wider than `width` characters into several, each with the labels. A table with
+  /// one label is transposed before if that takes fewer lines.
   std::string print(std::size_t width) const;
 
  private:
-  std::vector<std::vector<std::string>> rows_;  // all as long as the first
+  std::vector<std::vector<std::string>> rows_;  // all as long as the first one
   std::size_t labels_;
 };
 
-/// The text in lines of at most `width` characters, cut at spaces; a longer word is a line of its
-/// own. One line at least.
+/// Breaks the text at spaces into lines of at most `width` characters. A longer word has its own
+/// line. Returns at least one line.
 std::vector<std::string> wrapped(const std::string& text, std::size_t width);
 
 /// "1 run", "2 runs".

@@ -1,4 +1,4 @@
-// Everything that `breakwater` does, with one controller of the arm more.
+// The `breakwater` program with one more controller of the arm.
 #include <breakwater/program/program.h>
 
 #include "my_controller.h"

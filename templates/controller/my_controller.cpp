@@ -18,9 +18,10 @@ MyController::MyController(const ArmSetup& arm, const MyControllerDesign& design
       J_plus_(arm.chain.joints(), 3) {
   if (!(design.virtual_mass_kg > 0.0) || !(design.virtual_damping_Ns_m > 0.0) ||
       !(design.k_p >= 0.0) || !(design.singular_value_floor >= 0.0)) {
-    throw std::invalid_argument("mass and damping must be positive, gains not negative");
+    throw std::invalid_argument(
+        "mass and damping must be positive, and the gains must not be negative");
   }
-  publish({"virtual_acceleration_m_s2", "m/s^2", "of the tip in x, by the admittance",
+  publish({"virtual_acceleration_m_s2", "m/s^2", "acceleration of the tip in x by the admittance",
            breakwater::view(virtual_acceleration_m_s2_)});
 }
 
@@ -42,17 +43,19 @@ void MyController::decide(Eigen::Ref<Eigen::VectorXd> a) {
 
 namespace {
 
-// Keys that Breakwater's own controllers have too keep their names: a file's value serves both.
+// Keys with the names of Breakwater's own controllers: a file needs each value only once.
 void bind(Fields& fields, MyControllerDesign& design) {
   fields.number("controller.virtual_mass_kg", design.virtual_mass_kg, breakwater::positive(),
-                "M of the admittance [kg]");
+                "M: mass of the admittance [kg]");
   fields.number("controller.virtual_damping_Ns_m", design.virtual_damping_Ns_m,
-                breakwater::positive(), "D of the admittance; free motion is at F^ref/D [N s/m]");
+                breakwater::positive(),
+                "D: damping of the admittance; the speed of free motion is F^ref/D [N s/m]");
   fields.number("controller.k_position", design.k_p, breakwater::not_negative(),
-                "of what is held; the velocity gain is 2 sqrt(it) [1/s^2]");
+                "K_p: position gain; the velocity gain is 2 sqrt(K_p) [1/s^2]");
   fields.number("controller.singular_value_floor", design.singular_value_floor,
-                breakwater::not_negative(), "of the pseudo-inverse");
-  // Files that know nothing of this controller need not have its keys.
+                breakwater::not_negative(),
+                "singular values below this count as 0 in the pseudo-inverse");
+  // Files for other controllers may leave out these keys.
   fields.standard("controller.virtual_mass_kg", {design.virtual_mass_kg});
   fields.standard("controller.virtual_damping_Ns_m", {design.virtual_damping_Ns_m});
 }
@@ -65,7 +68,8 @@ std::unique_ptr<breakwater::Controller> make(const MyControllerDesign& design,
 }  // namespace
 
 breakwater::ArmControllerKind my_controller_kind() {
-  return {"my_controller", "the tip as a virtual mass and damper under the force error", bind,
+  return {"my_controller",
+          "admittance control: the tip as a mass and damper, driven by the force error", bind,
           make};
 }
 

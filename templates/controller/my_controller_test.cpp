@@ -1,4 +1,4 @@
-// The controller alone, on joints that are what it believes them to be: q̈ = J_n⁻¹ u.
+// Tests the controller alone, with joints that match the nominal model: q̈ = J_n⁻¹ u.
 #include "my_controller.h"
 
 #include <cmath>
@@ -24,7 +24,7 @@ breakwater::PlanarJoint joint(double offset_m) {
   return joint;
 }
 
-// Three links of 0.2 m; `load_planar_chain(FILE)` reads a URDF instead.
+// Three links of 0.2 m. `load_planar_chain(FILE)` would read a URDF.
 breakwater::ArmSetup setup() {
   const breakwater::PlanarChain chain({joint(0.0), joint(0.2), joint(0.2)}, {0.2, 0.0}, 0.0);
 
@@ -44,7 +44,7 @@ breakwater::ArmSetup setup() {
   return {chain, acceleration, task, acceleration.period_s};
 }
 
-// From the stretched arm to the start angles, then on in free space.
+// The arm goes from the stretched pose to the start angles, and then moves in free space.
 void bends_its_elbow_and_approaches() {
   const breakwater::ArmSetup arm = setup();
   const my_controller_lab::MyControllerDesign design;

@@ -1,4 +1,4 @@
-// Everything that `breakwater` does, with one estimator of an axis more.
+// The `breakwater` program with one more estimator of an axis.
 #include <breakwater/program/program.h>
 
 #include "my_observer.h"

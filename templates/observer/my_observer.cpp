@@ -14,15 +14,15 @@ using breakwater::StateSpace;
 
 MyObserver::MyObserver(const StateSpace& plant, double bandwidth_rad_s, double period_s) {
   if (plant.states() != 2 || plant.inputs() != 1 || plant.outputs() != 1) {
-    throw std::invalid_argument("the observer is one of a second-order axis");
+    throw std::invalid_argument("the plant must be an axis of second order");
   }
   const StateSpace sampled =
       breakwater::zero_order_hold(breakwater::extend_by_input_disturbance(plant), period_s);
   transition_ = sampled.A;
   input_ = sampled.B;
   const breakwater::PoleGroup poles(3, {-bandwidth_rad_s, 0.0});
-  // The gain H of the predictor Φ − H C that has these poles; Φ − H C = Φ (I − L C) with L = Φ⁻¹ H,
-  // and (I − L C) Φ has the same.
+  // The gain H of the predictor Φ − H C with these poles. With L = Φ⁻¹ H, (I − L C) Φ has the same
+  // poles, since Φ − H C = Φ (I − L C).
   const Eigen::MatrixXd H = breakwater::place_observer_poles(
       sampled.A, sampled.C, breakwater::sample_poles({poles}, period_s));
   gain_ = transition_.partialPivLu().solve(H);
@@ -37,7 +37,7 @@ void MyObserver::reset(const Vector& x) {
 }
 
 void MyObserver::update(const Vector& held_input, const Vector& y) {
-  // Nothing acted before the first sample.
+  // No input acted before the first sample.
   if (has_begun_) estimate_ = transition_ * estimate_ + input_ * held_input(0);
   has_begun_ = true;
   innovation_ = y(0) - estimate_(0);
@@ -52,8 +52,8 @@ struct Settings {
 
 void bind(Fields& fields, Settings& settings) {
   fields.number("observer.bandwidth_rad_s", settings.bandwidth_rad_s, breakwater::positive(),
-                "omega_o: all poles are at minus it [rad/s]");
-  // Files that know nothing of this observer need not have its key.
+                "omega_o: bandwidth; all poles are at -omega_o [rad/s]");
+  // Files for other observers may leave out this key.
   fields.standard("observer.bandwidth_rad_s", {settings.bandwidth_rad_s});
 }
 
@@ -67,7 +67,7 @@ std::unique_ptr<breakwater::DisturbanceEstimator> make(const Settings& settings,
 }  // namespace
 
 breakwater::AxisEstimatorKind my_observer_kind() {
-  return {"my_observer", "extended state observer, by its bandwidth", bind, make};
+  return {"my_observer", "extended state observer with a given bandwidth", bind, make};
 }
 
 }  // namespace my_observer_lab

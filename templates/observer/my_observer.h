@@ -1,4 +1,4 @@
-// An extended state observer (ESO) of one axis: state and disturbance by one number, its bandwidth.
+// An extended state observer (ESO) of one axis. Its bandwidth is its only parameter.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,21 +10,22 @@
 
 namespace my_observer_lab {
 
-/// The axis J q̈ = u − d − c q̇ is extended by its disturbance, ḋ = 0, to x̄ = [q; q̇; d], and sampled
-/// under a held input, x̄(k+1) = Φ x̄(k) + Γ u(k). The observer predicts, and then corrects by what
-/// is measured now,
-///     x̄⁻(k) = Φ x̂(k−1) + Γ u(k−1),   x̂(k) = x̄⁻(k) + L (y(k) − C x̄⁻(k)),
-/// so that its error follows e(k) = (I − L C) Φ e(k−1). All three poles are at −ω_o, sampled
-/// exactly: at e^{−ω_o T_s}, inside of the unit circle for every ω_o and T_s. The larger ω_o T_s,
-/// the more it believes what it measures, noise and all.
+/// The axis J q̈ = u − d − c q̇ is extended by its disturbance, ḋ = 0, to x̄ = [q; q̇; d]. It is
+/// sampled with a held input, x̄(k+1) = Φ x̄(k) + Γ u(k). The observer predicts, and then corrects
+/// with the measurement:
+///     x̄⁻(k) = Φ x̂(k−1) + Γ u(k−1),   x̂(k) = x̄⁻(k) + L (y(k) − C x̄⁻(k)).
+/// Its error is e(k) = (I − L C) Φ e(k−1). All three poles are at −ω_o, sampled exactly: at e^{−ω_o
+/// T_s}, inside the unit circle for every ω_o and T_s. A larger ω_o T_s gives more weight to the
+/// measurement, including its noise.
 ///
 /// Source: Z. Gao, "Scaling and bandwidth-parameterization based controller tuning", ACC 2003; the
 /// sampled form: R. Miklosovic, A. Radke, Z. Gao, "Discrete implementation and generalization of
 /// the extended state observer", ACC 2006.
 class MyObserver final : public breakwater::DisturbanceEstimator {
  public:
-  /// `plant`: continuous, position and velocity under a force, the position measured. Throws
-  /// std::invalid_argument unless it is one, and bandwidth and period are positive.
+  /// `plant` is continuous: the input is a force, the states are position and velocity, the output
+  /// is the position. Throws std::invalid_argument for another plant, or if bandwidth or period is
+  /// not positive.
   MyObserver(const breakwater::StateSpace& plant, double bandwidth_rad_s, double period_s);
 
   void reset(const Vector& x) override;
@@ -50,7 +51,7 @@ class MyObserver final : public breakwater::DisturbanceEstimator {
   std::vector<breakwater::Signal> signals_;
 };
 
-/// For the catalogue: its name, its keys, and how it is made of them.
+/// The estimator for the catalogue: its name, its keys, and the function that makes it.
 breakwater::AxisEstimatorKind my_observer_kind();
 
 }  // namespace my_observer_lab

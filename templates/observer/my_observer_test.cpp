@@ -1,4 +1,4 @@
-// The observer alone, against what is known in closed form.
+// Tests the observer alone, with results in closed form.
 #include "my_observer.h"
 
 #include <Eigen/LU>
@@ -31,12 +31,12 @@ void all_poles_are_where_they_are_put() {
   expect_near("the second invariant", 0.5 * (trace * trace - (F * F).trace()), 3.0 * beta * beta,
               1e-9);
   expect_near("the determinant", F.determinant(), beta * beta * beta, 1e-9);
-  // Of a double integrator the gain is known (Miklosovic, Radke, Gao 2006), d being opposite to u.
+  // The gain for a double integrator is known (Miklosovic, Radke, Gao 2006). d is opposite to u.
   expect_near("l1", observer.L()(0), 1.0 - beta * beta * beta, 1e-9);
   expect_near("l3", observer.L()(2), -std::pow((1.0 - beta) / period_s, 3) * period_s, 1e-6);
 }
 
-// An axis that moves by Newton's law under a constant disturbance.
+// The axis moves by Newton's law under a constant disturbance.
 void a_constant_disturbance_is_found() {
   const double inertia = 2.0;
   const double period_s = 1e-3;

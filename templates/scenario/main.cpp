@@ -1,4 +1,4 @@
-// Everything that `breakwater` does, with one scenario more.
+// The `breakwater` program with one more scenario.
 #include <breakwater/program/program.h>
 
 #include "my_scenario/my_scenario.h"

@@ -249,9 +249,12 @@ TEST_F(NonsenseIn, IsOneLine) {
         "HERE/pair.xml: a <pair> of a geom whose contact is given by stiffness and damping would "
         "override it"},
        {"--duration 1e-9", "--duration: must be at least one physics.timestep_s"},
-       {"--duration 1e300", "--duration: is too long for so short a physics.timestep_s"},
+       {"--duration 1e300",
+        "--duration: has too many steps of physics.timestep_s: shorten the run or lengthen the "
+        "step"},
        {"--set control.period_s=1e9",
-        "--set: control.period_s: is too long for so short a physics.timestep_s"},
+        "--set: control.period_s: has too many steps of physics.timestep_s: shorten the period or "
+        "lengthen the step"},
        {"--set controller.t_ref_s=[1e9,1,1]",
         "--set: controller.t_ref_s: PFC: the target response time is too long for the period"},
        {"--config " + std::string(300, 'x'),

@@ -351,10 +351,11 @@ TEST(OwnParts, ARegulatorIsRefusedWhereItCannotWork) {
     });
   };
   EXPECT_EQ(complaint("cart_position", "lqr_observer"),
-            "--set: controller.name: a regulator brings the axis to 0, and knows no reference");
+            "--set: controller.name: a regulator brings the axis to 0 and has no reference: "
+            "set the reference to 0");
   EXPECT_EQ(complaint("motor_estimation", "lqr"),
-            "--set: controller.name: this scenario does not give the true state: take "
-            "lqr_observer");
+            "--set: controller.name: this scenario does not measure the true state: "
+            "choose lqr_observer");
 }
 
 }  // namespace

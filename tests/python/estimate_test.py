@@ -80,7 +80,7 @@ class Estimate(unittest.TestCase):
             self.assertNotIn("replay", done.stdout)
         done = breakwater(self.folder, "video", "est")
         self.assertEqual(done.returncode, 2)
-        self.assertRegex(done.stderr, 'est: is a run of "estimate", .* nothing moved that could be drawn\n$')
+        self.assertRegex(done.stderr, 'est: is a run of "estimate", .* there is no motion to draw\n$')
 
     def test_every_estimator_works_and_a_whole_python_record_says_the_same(self):
         for name in ("qvff", "qbank", "kfd", "dkf", "fakfd", "idob", "mdob", "state_observer", "vfakfd"):

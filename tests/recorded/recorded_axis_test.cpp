@@ -64,7 +64,7 @@ TEST_F(RecordedAxisFile, WhatIsWrongIsSaidWithItsLine) {
   EXPECT_EQ(error_of(""), " is empty");
   EXPECT_EQ(error_of("time,u,y\n"),
             "1: there is no column time_s (did you mean time?): the first line has time, u, y; "
-            "csv.time_column says which it is");
+            "set csv.time_column to its name");
   EXPECT_EQ(error_of("time_s,u,y,u\n"), "1: there are two columns u");
   EXPECT_EQ(error_of(head + "0,1,2\n"), " has fewer than two rows");
   EXPECT_EQ(error_of(head + "0,1,2\n1,2\n"), "3: has 2 values, the first line 3");

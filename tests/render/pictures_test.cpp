@@ -209,7 +209,7 @@ TEST_F(Pictures, RunsOfDifferentScenariosDoNotStandSideBySide) {
   push("run");
   wall("wall");
   expect_failure("breakwater still run wall --at 0.1", 2,
-                 "wall: is a run of arm_wall_contact, beside one of arm_push");
+                 "wall: is a run of arm_wall_contact, but another one is of arm_push");
 }
 
 TEST_F(Pictures, ACameraThatTheModelLacksFailsTheVideoAlone) {
@@ -266,14 +266,18 @@ TEST_F(Pictures, NonsenseIsRefusedInOneLine) {
        {"video run --size 321x180", "--size 321x180: sides must be even, from 64 to 7680"},
        {"video run --size big", "--size big: must be of the form 1280x720"},
        {"video run --from 3 --to 4", "--from 3, --to 4: the log lasts from 0 s to 0.5 s"},
-       {"video run --from 0.3 --to 0.1", "--from 0.3, --to 0.1: must rise"},
-       {"video run --speed 1000", "video: 0.5 s at speed 1000 and 30 frames/s are no frame at all"},
+       {"video run --from 0.3 --to 0.1",
+        "--from 0.3, --to 0.1: the end must be after the beginning"},
+       {"video run --speed 1000",
+        "video: 0.5 s at speed 1000 and 30 frames/s give no frame: choose"
+        " a longer window or a lower speed"},
        {"video run --look nice", "--look nice: must be fast, full or print"},
-       {"video run run run run run", "5 runs: side by side there is room for 4"},
+       {"video run run run run run", "5 runs: at most 4 fit side by side"},
        {"video run --fps 0", "breakwater video: --fps: Value 0 not in range 1 to 240 (see --help)"},
        {"video", "breakwater video: RUN is required (see --help)"},
        {"still run", "breakwater still: --at is required (see --help)"},
-       {"still run --at 0.1 --out s.jpg", "--out s.jpg: pictures are PNG: give it a name on .png"},
+       {"still run --at 0.1 --out s.jpg",
+        "--out s.jpg: pictures are PNG: choose a name that ends with .png"},
        {"still run --at 7", "--at 7: the log lasts from 0 s to 0.5 s"},
        {"still run --at nan", "--at nan: the log lasts from 0 s to 0.5 s"},
        {"video run --size 99999999999x180",
@@ -294,8 +298,8 @@ TEST_F(Pictures, NonsenseIsRefusedInOneLine) {
   const std::string manifest = read("run/manifest.json");
   write("run/manifest.json", testing::replaced(manifest, "arm_push", "door"));
   expect_refused("breakwater video run",
-                 "run: is a run of scenario \"door\", which this program does not have: the "
-                 "program that made it can draw it");
+                 "run: is a run of scenario \"door\", which this program does not have: draw "
+                 "it with the program that made it");
   write("run/manifest.json", manifest);
   fs::resize_file(folder_ / "run/log.h5", 3000);
   expect_refused("breakwater video run",

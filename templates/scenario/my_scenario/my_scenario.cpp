@@ -14,9 +14,9 @@
 
 namespace my_scenario_lab {
 
-using namespace breakwater;  // a scenario uses much of it
+using namespace breakwater;  // a scenario uses many of its names
 
-// ---- its keys ----------------------------------------------------------------------------------
+// ---- keys --------------------------------------------------------------------------------------
 
 Fields MyScenario::fields() {
   Fields fields;
@@ -24,32 +24,34 @@ Fields MyScenario::fields() {
   physics_.bind(fields);
   run_.bind(fields);
   fields.number("plant.mass_ratio", mass_ratio_, positive(),
-                "the plant's masses and inertias over its model file's");
+                "masses and inertias of the plant, divided by those of its model file");
   fields.number("plant.viscous_friction_Nms_rad", friction_Nms_rad_, not_negative(),
-                "of the hinge [N m s/rad]");
+                "viscous friction of the hinge [N m s/rad]");
   fields.number("sensor.resolution_rad", resolution_rad_, not_negative(),
-                "one count of the encoder; 0: not quantised [rad]");
+                "encoder resolution, one count; 0: not quantised [rad]");
   fields.number("nominal.inertia_kgm2", nominal_inertia_kgm2_, positive(),
-                "J, what estimator and controller believe [kg m^2]");
+                "J: nominal inertia of the estimator and the controller [kg m^2]");
   parts_.bind(fields);
   fields.number("task.reference_rad", reference_.value, between(-3.0, 3.0),
-                "where the pendulum is held; 0 hangs [rad]");
+                "reference of the angle; 0 is the hanging pose [rad]");
   fields.number("task.reference_from_s", reference_.from_s, not_negative(),
-                "from when on; before, at 0 [s]");
+                "time of the step of the reference from 0 [s]");
   fields.choice("push.kind", push_.kind,
                 {{"none", DisturbanceKind::none},
                  {"step", DisturbanceKind::step},
                  {"sine", DisturbanceKind::sine}},
-                "none, step or sine");
-  fields.number("push.amplitude_Nm", push_.amplitude, any(), "against the motor [N m]");
-  fields.number("push.frequency_rad_s", push_.frequency_rad_s, any(), "of a sine [rad/s]");
-  fields.number("push.start_s", push_.start_s, not_negative(), "when it begins [s]");
+                "shape of the push");
+  fields.number("push.amplitude_Nm", push_.amplitude, any(),
+                "amplitude of the push, against the motor [N m]");
+  fields.number("push.frequency_rad_s", push_.frequency_rad_s, any(),
+                "frequency of a sine [rad/s]");
+  fields.number("push.start_s", push_.start_s, not_negative(), "time at which the push begins [s]");
   fields.only_for({"push.amplitude_Nm", "push.start_s"}, "push.kind", {"step", "sine"});
   fields.only_for({"push.frequency_rad_s"}, "push.kind", {"sine"});
-  fields.number("metrics.from_s", from_s_, not_negative(), "the errors' window begins [s]");
-  fields.number("metrics.to_s", to_s_, not_negative(), "the errors' window ends [s]");
+  fields.number("metrics.from_s", from_s_, not_negative(), "start of the window of the errors [s]");
+  fields.number("metrics.to_s", to_s_, not_negative(), "end of the window of the errors [s]");
   fields.number("metrics.settled_within_rad", settled_within_rad_, positive(),
-                "settled: the pendulum stays this close to the reference [rad]");
+                "distance from the reference within which the pendulum counts as settled [rad]");
   return fields;
 }
 
@@ -66,9 +68,9 @@ void MyScenario::check(const Config& config) {
   if (to_s_ <= from_s_) config.fail("metrics.to_s", "must be later than metrics.from_s");
 }
 
-// ---- the plant ---------------------------------------------------------------------------------
+// ---- plant -------------------------------------------------------------------------------------
 
-// By name the model must have: joint "hinge", actuator "motor", sensors "angle" and "rate".
+// The model must have the joint "hinge", the actuator "motor" and the sensors "angle" and "rate".
 Model MyScenario::plant() const {
   Model model = Model::load_physics(mjcf_);
   model.set_physics(physics_.timestep_s, physics_.integrator);
@@ -99,7 +101,7 @@ AxisTask MyScenario::task() const {
   return task;
 }
 
-// m g l sin q at the reference: what holds the pendulum there.
+// m g l sin q at the reference: the torque that holds the pendulum there.
 double MyScenario::hold_torque_Nm(const Model& model) const {
   const int body = model.id(mjOBJ_BODY, "pendulum");
   const double* centre_m = model->body_ipos + 3 * body;
@@ -107,7 +109,7 @@ double MyScenario::hold_torque_Nm(const Model& model) const {
   return model->body_mass[body] * -model->opt.gravity[2] * length_m * std::sin(reference_.value);
 }
 
-// ---- a run -------------------------------------------------------------------------------------
+// ---- run ---------------------------------------------------------------------------------------
 
 Recording MyScenario::run(const RunControl& control) const {
   const AxisLoop loop = parts_.make(task());
@@ -117,17 +119,17 @@ Recording MyScenario::run(const RunControl& control) const {
   Simulation sim(std::move(model), *loop.controller, sensing(), physics_.steps_per_sample());
   sim.add(push);
 
-  // What the log has: views of what is brought up to date at each sample.
+  // The signals of the log: views of variables that are updated at each sample.
   double target_rad = 0.0;
   double push_Nm = 0.0;
   std::vector<Signal> signals = {
       {"qpos", "rad", "the engine's generalised positions", sim.qpos()},
-      {"angle_true_rad", "rad", "true", view(sim.sensor("angle"))},
-      {"rate_true_rad_s", "rad/s", "true", view(sim.sensor("rate"))},
-      {"angle_measured_rad", "rad", "as sampled", view(sim.sample().y)},
-      {"target_rad", "rad", "where it is to be", view(target_rad)},
-      {"push_Nm", "N m", "against the motor", view(push_Nm)},
-      {"torque_Nm", "N m", "the motor's, within its limit", view(sim.actuation())}};
+      {"angle_true_rad", "rad", "true angle", view(sim.sensor("angle"))},
+      {"rate_true_rad_s", "rad/s", "true velocity", view(sim.sensor("rate"))},
+      {"angle_measured_rad", "rad", "sampled angle", view(sim.sample().y)},
+      {"target_rad", "rad", "reference of the angle", view(target_rad)},
+      {"push_Nm", "N m", "torque of the push, against the motor", view(push_Nm)},
+      {"torque_Nm", "N m", "torque of the motor, within its limit", view(sim.actuation())}};
   for (const Signal& signal : loop.controller->signals()) signals.push_back(signal);
 
   const TimeWindow window = TimeWindow{from_s_, to_s_}.within(run_.duration_s);

@@ -1,5 +1,4 @@
-// Scenario my_scenario: a pendulum is held against gravity by any estimator and controller of an
-// axis.
+// Scenario my_scenario: any estimator and controller of an axis hold a pendulum against gravity.
 #pragma once
 
 #include <string>
@@ -11,10 +10,9 @@
 
 namespace my_scenario_lab {
 
-/// A pendulum on a motor, J q̈ = u − d − c q̇, where the disturbance d is all that estimator and
-/// controller are not told: gravity, m g l sin q, and a push. The motor turns the pendulum from
-/// hanging to a reference angle; then something pushes it. How well is it held, and what does the
-/// estimator make of it?
+/// A pendulum on a motor, J q̈ = u − d − c q̇. The disturbance d is unknown to estimator and
+/// controller: gravity, m g l sin q, and a push. The motor turns the pendulum from hanging to a
+/// reference angle; then a push disturbs it. How well is it held, and d estimated?
 class MyScenario final : public breakwater::Scenario {
  public:
   explicit MyScenario(const breakwater::Catalogue& catalogue) : parts_(catalogue, "pd") {}
@@ -32,26 +30,26 @@ class MyScenario final : public breakwater::Scenario {
   breakwater::AxisTask task() const;
   double hold_torque_Nm(const breakwater::Model& model) const;
 
-  // Which plant.
+  // The plant.
   breakwater::ModelFile mjcf_;
   double mass_ratio_ = 1.0;
   double friction_Nms_rad_ = 0.0;
   double resolution_rad_ = 0.0;
-  // What is done with it.
+  // The experiment.
   breakwater::PhysicsSettings physics_;
   breakwater::RunSettings run_;
   breakwater::StepReference reference_;
   breakwater::Disturbance push_;
-  // Who does it, and what they believe.
+  // The estimator and controller, and their nominal model.
   breakwater::AxisParts parts_;
   double nominal_inertia_kgm2_ = 0.0;
-  // How it is judged.
+  // The windows and limits of the metrics.
   double from_s_ = 0.0;
   double to_s_ = 0.0;
   double settled_within_rad_ = 0.0;
 };
 
-/// For the catalogue: its name, how it is made, and where its files are.
+/// The scenario for the catalogue: its name, the function that makes it, and its folder.
 breakwater::ScenarioKind my_scenario_kind();
 
 }  // namespace my_scenario_lab
