@@ -49,7 +49,8 @@ struct ExecutorOptions {
   /// records which point has begun.
   bool is_task = false;
   std::function<bool()> is_over = {};  ///< true: begin no further point
-  std::function<void(std::size_t done_index, double fraction)> progress = {};  ///< of `points`
+  std::function<void(std::size_t done_index, double fraction)> progress =
+      {};                                                  ///< index in `points`
   std::function<void(const PointResult&)> on_result = {};  ///< an exception ends the study
   KnownModels* models = nullptr;  ///< the models of the points' keys; null: own ones
 };
