@@ -42,7 +42,7 @@ TEST_F(Analyze, NonsenseIsOneLineAndLeavesNothing) {
         "--set: observer.nam: unknown key (did you mean observer.name?)"}});
 }
 
-TEST_F(Analyze, ALoopThatRunsAwayIsAFailedRun) {
+TEST_F(Analyze, AnUnstableLoopIsAFailedRun) {
   const testing::ProgramResult result =
       run("breakwater analyze motor_estimation --case idob --set sensor.delay_samples=1000 "
           "--points 2 --from 1 --to 50 --settle 60");

@@ -77,7 +77,7 @@ void expect_near(Complex a, Complex b, double share, double omega) {
   EXPECT_NEAR(std::abs(a - b), 0.0, share * std::abs(b)) << a << " and " << b << " at " << omega;
 }
 
-TEST(LoopAnalysis, OfAStationaryKalmanFilterIsThatOfItsMatrices) {
+TEST(LoopAnalysis, ForAStationaryKalmanFilterMatchesItsMatrices) {
   const Prepared prepared("motor_estimation", "dkf", {"encoder.bits=0"});
   const LoopAnalysis analysis = prepared.analyse({.points = 0});
   ASSERT_EQ(analysis.designed.reason, "");
@@ -96,7 +96,7 @@ TEST(LoopAnalysis, OfAStationaryKalmanFilterIsThatOfItsMatrices) {
   }
 }
 
-TEST(LoopAnalysis, MeasuredIsAsDesignedWithoutAnEncoder) {
+TEST(LoopAnalysis, MeasuredMatchesTheDesignWithoutAnEncoder) {
   for (const std::string name : {"idob", "mdob", "dkf"}) {
     const Prepared prepared("motor_estimation", name, {"encoder.bits=0"});
     const LoopAnalysis analysis =
@@ -141,14 +141,14 @@ TEST(BodeChart, MarksAreOnTheTurnOfTheLine) {
                   "at 15 rad/s: 0.00 dB, -859.4 deg"));
 }
 
-TEST(LoopAnalysis, WhatAdaptsIsMeasuredAlone) {
+TEST(LoopAnalysis, AdaptiveFiltersAreOnlyMeasured) {
   const Prepared prepared("motor_estimation", "vfakfd", {});
   const LoopAnalysis analysis = prepared.analyse({.points = 0});
   EXPECT_NE(analysis.designed.reason, "");
   EXPECT_TRUE(analysis.designed.points.empty());
 }
 
-TEST(LoopAnalysis, ADelayTakesItsPartOfTheMargin) {
+TEST(LoopAnalysis, ADelayReducesTheMargin) {
   const LoopAnalysis prompt =
       Prepared("motor_estimation", "idob", {"encoder.bits=0"}).analyse({.points = 0});
   const LoopAnalysis late =
@@ -158,7 +158,7 @@ TEST(LoopAnalysis, ADelayTakesItsPartOfTheMargin) {
               2e-5);
 }
 
-TEST(LoopAnalysis, ALoopThatIsNotStableHasNoResponse) {
+TEST(LoopAnalysis, AnUnstableLoopHasNoResponse) {
   const LoopAnalysis analysis =
       Prepared("motor_estimation", "idob", {"encoder.bits=0", "sensor.delay_samples=200"})
           .analyse({.points = 0});

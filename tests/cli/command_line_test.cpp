@@ -29,7 +29,7 @@ class CommandLine : public testing::ProgramTest {
   }
 };
 
-TEST_F(CommandLine, HelpSaysHow) {
+TEST_F(CommandLine, HelpExplainsTheUse) {
   const ProgramResult help = ran("arm_wall_contact --help");
   EXPECT_TRUE(has(help.out, "--case", "--config", "--set", "--seed", "--duration", "--out", "--csv",
                   "--quiet", "--list-cases", "--print-config"));
@@ -292,7 +292,7 @@ TEST_F(CommandLine, TakesMjcfsNamesOfIntegrators) {
   }
 }
 
-TEST_F(CommandLine, SaysWhichKeysAreSetInVain) {
+TEST_F(CommandLine, WarnsOfIneffectiveKeys) {
   const std::string why = "controller.k_force: has an effect only where controller.name is hpfc\n";
   const auto brief = [this](const std::string& words) {
     const ProgramResult result = ran("arm_wall_contact --duration 0.01 --out run " + words);
@@ -311,7 +311,7 @@ TEST_F(CommandLine, SaysWhichKeysAreSetInVain) {
   EXPECT_EQ(brief("--config vain.toml"), "");
 }
 
-TEST_F(CommandLine, TheMatrixTakesWhatAllCasesTake) {
+TEST_F(CommandLine, TheMatrixAcceptsKeysOfAllCases) {
   const std::string matrix = "cart_constrained --matrix ";
   expect_refusals(
       matrix, {{"--print-config", "--print-config: prints one case, not all of --matrix"},
@@ -322,7 +322,7 @@ TEST_F(CommandLine, TheMatrixTakesWhatAllCasesTake) {
 }
 
 // A program of the user's own lies where no data is.
-TEST_F(CommandLine, AForeignProgramIsToldWhereTheDataWasSought) {
+TEST_F(CommandLine, AnExternalProgramListsTheSearchedFolders) {
   fs::copy_file(testing::bin_folder() / "arm_wall_contact", folder_ / "mine");
   const std::string mine =
       fs::canonical(folder_ / "mine").lexically_relative(testing::bin_folder());
@@ -339,7 +339,7 @@ TEST_F(CommandLine, AForeignProgramIsToldWhereTheDataWasSought) {
   EXPECT_TRUE(result.out.starts_with("proposed-2N\n"));
 }
 
-TEST_F(CommandLine, NewMakesAProjectOrSaysWhyNotInOneLine) {
+TEST_F(CommandLine, NewMakesAProjectOrGivesAReasonInOneLine) {
   ran("breakwater new observer own --out folder");
   EXPECT_TRUE(fs::exists(folder_ / "folder/own.cpp"));
   expect_refusals(
@@ -355,7 +355,7 @@ TEST_F(CommandLine, NewMakesAProjectOrSaysWhyNotInOneLine) {
        {"observer", "breakwater new: NAME is required (see --help)"}});
 }
 
-TEST_F(CommandLine, AnEntryOfThePathThatIsNoFolderIsWarnedOf) {
+TEST_F(CommandLine, WarnsOfAPathEntryThatIsNotAFolder) {
   setenv("BREAKWATER_PATH", "/nowhere", 1);
   const ProgramResult result = run("arm_wall_contact --list-cases");
   unsetenv("BREAKWATER_PATH");
@@ -381,7 +381,7 @@ TEST_F(CommandLine, ABrokenSensorEndsTheRun) {
 
 // DRAC cancels its Jacobian's rate by J̇q̇ and feeds its observer what it asks for, not what the
 // drives give: sampled ten times too slowly, it runs away.
-TEST_F(CommandLine, ARunThatDivergesSaysWhenAndWhat) {
+TEST_F(CommandLine, ADivergingRunNamesTimeAndSignal) {
   const ProgramResult result =
       run("arm_wall_contact --case drac-2N --set control.period_s=0.02 --duration 30 --out run");
   EXPECT_EQ(result.status, 3);
@@ -429,7 +429,7 @@ TEST_F(CommandLine, AnInterruptedRunLeavesNothing) {
   }
 }
 
-TEST_F(CommandLine, ANewProjectSaysWhatToPasteInTheTree) {
+TEST_F(CommandLine, ANewProjectPrintsItsBuildCommands) {
   const ProgramResult result = ran("breakwater new controller mine");
   const std::vector<std::string> said = testing::lines_of(result.out);
   ASSERT_EQ(said.size(), 6U) << result.out;
@@ -453,7 +453,7 @@ class LargeModels : public CommandLine {
       "model.mjcf=motor.xml";
 };
 
-TEST_F(LargeModels, FilesThatNeverEndAreRefusedInOneLine) {
+TEST_F(LargeModels, EndlessFilesAreRefusedInOneLine) {
   ASSERT_EQ(mkfifo((folder_ / "fifo").c_str(), 0600), 0);
   for (const std::string file : {"/dev/zero", "HERE/fifo"}) {
     const std::string path = file[0] == '/' ? file : (folder_ / "fifo").string();
@@ -467,7 +467,7 @@ TEST_F(LargeModels, FilesThatNeverEndAreRefusedInOneLine) {
   expect_refused("breakwater run motor_estimation --out run --config fifo", "fifo: cannot be read");
 }
 
-TEST_F(LargeModels, MoreElementsThanTheKeyAllowsAreRefused) {
+TEST_F(LargeModels, RefusesMoreElementsThanTheKeyAllows) {
   motor_with(
       "<worldbody><body><composite type='particle' count='3000 3000 1' spacing='1'>"
       "<geom size='.1'/></composite></body></worldbody>");

@@ -76,14 +76,14 @@ TEST_F(MutatedInput, IsRefusedInOneLineOrLegalForAReason) {
 }
 
 // The same by the program itself: a sample here, all in the study.
-TEST_F(MutatedInput, ASampleFaresAsWellInTheProgram) {
+TEST_F(MutatedInput, ASampleIsHandledByTheProgram) {
   std::vector<Mutant> mutants = testing::all_mutants();
   std::shuffle(mutants.begin(), mutants.end(), std::mt19937(1));
   for (std::size_t i = 0; i < 60; ++i) run_program_on(mutants[i]);
 }
 
 // One of each kind of legal mutant runs, or fails as runs fail.
-TEST_F(MutatedInput, WhatIsLegalRunsOrFailsAsRunsDo) {
+TEST_F(MutatedInput, LegalInputRunsOrFailsAsARun) {
   std::map<const Legal*, int> done;
   for (const Mutant& mutant : testing::all_mutants()) {
     const Legal* reason = testing::find_legal(mutant);

@@ -80,7 +80,7 @@ class Reports : public testing::ProgramTest {
   }
 };
 
-TEST_F(Reports, AKilledReproductionGoesOnAndGivesTheSamePage) {
+TEST_F(Reports, AKilledReproductionContinuesToTheSamePage) {
   const ProgramResult whole = done(reproduce("whole"));
   EXPECT_TRUE(
       has(whole.out, "2 reproduced, 0 within the class, 0 not reproduced, 1 held, 0 did not hold"));
@@ -147,7 +147,7 @@ sets = ["run.duration_s=2", "metrics.from_s=1", "metrics.to_s=2")";
   return text + "]\n";
 }
 
-TEST_F(Reports, StatementsOfOnesOwnHoldOrDoNotAndWhatIsNotMeasuredIsNoSuccess) {
+TEST_F(Reports, OwnStatementsHoldOrDoNotHoldOrAreNotMeasured) {
   write("tiny.toml",
         "title = \"My motor\"\n" +
             statements(
@@ -166,7 +166,7 @@ TEST_F(Reports, StatementsOfOnesOwnHoldOrDoNotAndWhatIsNotMeasuredIsNoSuccess) {
   EXPECT_TRUE(lacks(html, ">reproduced<"));
 }
 
-TEST_F(Reports, ShowsBesideTheRestAndSaysWhyACellDoesNotComeOut) {
+TEST_F(Reports, ShowsCellsWithoutVerdictAndReasonsOfFailures) {
   write("tiny.toml",
         statements(
             {"metric = \"rmse_velocity_rad_s\", below = 0.0, why = \"since it is, \\\"truly\\\"\"",
@@ -200,7 +200,7 @@ note = "Two gains for one cell."
                   ",hypothesis: does not hold,it is lighter\n"));
 }
 
-TEST_F(Reports, AMetricThatNoRunHasIsAnErrorOfTheList) {
+TEST_F(Reports, AnUnknownMetricIsAnErrorOfTheList) {
   const std::string misspelt =
       "metric: no run of motor_estimation has rmse_velocty_rad_s (did you mean "
       "rmse_velocity_rad_s?)";
@@ -219,7 +219,7 @@ TEST_F(Reports, AMetricThatNoRunHasIsAnErrorOfTheList) {
   }
 }
 
-TEST_F(Reports, AnEditedModelNeverStandsBesideTheNumbersOfAnother) {
+TEST_F(Reports, ResultsOfDifferentModelsAreNotMixed) {
   const std::string own = testing::text_of(testing::source_file("models/motor.xml"));
   write("motor.xml", own);
   write("tiny.toml",
@@ -263,7 +263,7 @@ TEST_F(Reports, ReproduceRefusesNonsense) {
        {"--out study", "study: holds something that is not a reproduction; give another --out"}});
 }
 
-TEST_F(Reports, CompareTellsWhatIsWrong) {
+TEST_F(Reports, CompareExplainsErrors) {
   motor("kfd", "--case kfd --duration 6");
   ran("arm_push --quiet --duration 0.2 --out push");
   EXPECT_EQ(run("motor_estimation --quiet --duration 6 --set fault.sensor=angle fault.at_s=2 "
@@ -312,7 +312,7 @@ TEST_F(Reports, CompareTellsWhatIsWrong) {
   EXPECT_TRUE(has(read("page/report.html"), "This run failed at 2"));
 }
 
-TEST_F(Reports, RunsAreToldApartByTheKeysInWhichTheyDiffer) {
+TEST_F(Reports, LabelsOfRunsHaveTheKeysInWhichTheyDiffer) {
   motor("a", "--case kfd --duration 6");
   motor("b", "--case kfd --duration 6 --set run.seed=7");
   motor("c", "--case mdob --duration 6");
@@ -385,7 +385,7 @@ TEST_F(Reports, CompareOfSetsOfRunsIsPairedBySeed) {
 }
 
 // Folder names are what they are: no mathematics of matplotlib's, no formula of a spreadsheet's.
-TEST_F(Reports, CompareTakesAnyFolderNameForText) {
+TEST_F(Reports, CompareTreatsFolderNamesAsText) {
   for (const char* name : {"$\\bad{$", "=cmd|calc"}) motor(name, "--case kfd");
   const ProgramResult result =
       ran("breakwater compare $\\bad{$ =cmd|calc --out both --csv --svg --signal d_hat_Nm "
@@ -397,7 +397,7 @@ TEST_F(Reports, CompareTakesAnyFolderNameForText) {
       << csv.substr(0, csv.find('\n'));
 }
 
-TEST_F(Reports, AMetricThatIsNamedAsAFormulaIsRefused) {
+TEST_F(Reports, AMetricNamedLikeAFormulaIsRefused) {
   for (const char* name : {"a", "b"}) motor(name, "--case kfd");
   write("b/metrics.json", R"({"=cmd|calc": 1.0})");
   expect_refused("breakwater compare a b --csv",

@@ -65,7 +65,7 @@ TEST_F(RunFolderCli, TheSameRunGivesTheSameLogFile) {
   EXPECT_EQ(json("a/manifest.json")["log_hash"].get<std::string>().size(), 16U);
 }
 
-TEST_F(RunFolderCli, ADamagedLogIsRefusedByAllThatOpenIt) {
+TEST_F(RunFolderCli, EveryReaderRefusesADamagedLog) {
   ran(kRun + "run");
   ran(kRun + "whole");
   ran("breakwater report run --out page");
@@ -95,7 +95,7 @@ TEST_F(RunFolderCli, ARunWithItsPicturesIsReplacedByTheNext) {
   EXPECT_FALSE(fs::exists(folder_ / "run/replay.html"));
 }
 
-TEST_F(RunFolderCli, AReaderFindsTheRunThatAKilledOneWasReplacing) {
+TEST_F(RunFolderCli, AReaderFindsTheOldRunAfterAKill) {
   ran(kRun + "run");
   std::array<char, 256> host = {};
   gethostname(host.data(), host.size() - 1);

@@ -128,7 +128,7 @@ TEST_F(ConfigTest, SetTakesTomlAndBareWords) {
   EXPECT_EQ(settings_.name, "quoted");
 }
 
-TEST_F(ConfigTest, SaysWhereAndWhatIsWrong) {
+TEST_F(ConfigTest, MessagesNamePlaceAndReason) {
   for (const auto& [set, line] :
        Rows{{"motion.sped_m_s=1", "motion.sped_m_s: unknown key (did you mean motion.speed_m_s?)"},
             {"motion.speed_m_s=-1", "motion.speed_m_s: must be positive, is -1"},
@@ -201,7 +201,7 @@ TEST_F(ConfigTest, SaysWhichElementIsWrong) {
   EXPECT_EQ(together({"motion.gains[1]=3", "motion.gains[2]=3", "motion.gains[1]=4"}), "");
 }
 
-TEST_F(ConfigTest, AFileThatIsEditedLaterIsKnownAsItWasRead) {
+TEST_F(ConfigTest, KeepsTheFileAsItWasRead) {
   const ScenarioFile scenario = file();
   std::ofstream(path_, std::ios::app) << "# edited\n";
   EXPECT_EQ(scenario.text(), kText);
@@ -270,12 +270,12 @@ TEST_F(ConfigTest, ACasesNameIsAFoldersName) {
   EXPECT_EQ(complaint("all"), "FILE:17: case.all: means all of them");
 }
 
-TEST_F(ConfigTest, AKeyThatIsGivenTwiceIsRefused) {
+TEST_F(ConfigTest, AKeyGivenTwiceIsRefused) {
   EXPECT_EQ(read_run("slow", "\"motion.steps\" = 5\n" + std::string(kText)),
             "FILE:1: motion.steps: is given twice");
 }
 
-TEST_F(ConfigTest, TomlThatWouldEndTheProgramIsRefused) {
+TEST_F(ConfigTest, RefusesTomlThatWouldCrashTheParser) {
   constexpr int kDeep = 100000;
   const std::string key = repeated("a.", kDeep) + "a";
   const std::string arrays = repeated("[", kDeep);
@@ -310,7 +310,7 @@ TEST_F(ConfigTest, TomlThatWouldEndTheProgramIsRefused) {
   EXPECT_EQ(read("slow", {"motion.gains=[" + repeated("1.5, ", 1000) + "]"}), "");
 }
 
-TEST_F(ConfigTest, AShotListIsReadBehindTheSameGuard) {
+TEST_F(ConfigTest, ShotListsHaveTheSameGuard) {
   std::ofstream(path_) << repeated("a.", 100000) << "a = 1\n";
   EXPECT_THROW(read_shot_list(path_.string()), std::invalid_argument);
 }
@@ -352,7 +352,7 @@ TEST_F(ConfigTest, PrintsAFileThatReadsTheSame) {
   EXPECT_EQ(again.poles, settings_.poles);
 }
 
-TEST(DidYouMean, GuessesWhatIsNearAndNothingElse) {
+TEST(DidYouMean, SuggestsOnlySimilarNames) {
   const std::vector<std::string> names = {"proposed-2N", "hpfc-2N", "drac-5N"};
   EXPECT_EQ(did_you_mean("propsed-2N", names), " (did you mean proposed-2N?)");
   EXPECT_EQ(did_you_mean("hpfc2N", names), " (did you mean hpfc-2N?)");

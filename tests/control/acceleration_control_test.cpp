@@ -35,7 +35,7 @@ struct Plant {
   }
 };
 
-TEST(AccelerationControl, MakesTheJointsAccelerateAsAsked) {
+TEST(AccelerationControl, GivesTheCommandedJointAcceleration) {
   // Whatever the true inertia and load, after the observer has settled q̈ = a.
   AccelerationControl control(design());
   Plant plant;
@@ -57,7 +57,7 @@ TEST(AccelerationControl, MakesTheJointsAccelerateAsAsked) {
   EXPECT_LT((control.d_hat() - expected).cwiseAbs().maxCoeff(), 1e-8);
 }
 
-TEST(AccelerationControl, AccelerationLimitsKeepTheTorqueWithin) {
+TEST(AccelerationControl, AccelerationLimitsKeepTheTorqueLimits) {
   // Eq. 2.84 at its ends gives Eq. 2.81 at its ends.
   AccelerationControl control(design());
   control.reset(Eigen::Vector2d(0, 0));
@@ -75,7 +75,7 @@ TEST(AccelerationControl, AccelerationLimitsKeepTheTorqueWithin) {
   EXPECT_TRUE(torque.isApprox(Eigen::Vector2d(-20, -10), 1e-12));
 }
 
-TEST(AccelerationControl, ClippedFeedDoesNotWindUpUnclippedDoes) {
+TEST(AccelerationControl, OnlyTheUnclippedFeedWindsUp) {
   // A joint held fast while ten times its torque limit is asked for.
   const Eigen::Vector2d a(100.0, 200.0);
   double d_hat[2] = {0.0, 0.0};

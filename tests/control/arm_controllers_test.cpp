@@ -141,7 +141,7 @@ TEST_F(ArmControllers, ProposedHoldsItsPostureBeforeForceControl) {
   EXPECT_EQ(signal(by_tip, "x_ref_m")(0), task_.start_pose[0]);
 }
 
-TEST_F(ArmControllers, ProposedNeverAsksForMoreThanTheTorqueLimit) {
+TEST_F(ArmControllers, ProposedNeverExceedsTheTorqueLimit) {
   task_.force_reference_N = 2000.0;
   task_.convert_gain_N_m = 20.0;
   ImplicitForcePfc proposed(chain_, acceleration_, task_, pfc_design());

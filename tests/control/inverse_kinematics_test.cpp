@@ -65,7 +65,7 @@ TEST(LmInverseKinematics, StaysFiniteAtTheStretchedPosture) {
   EXPECT_LE(step.cwiseAbs().maxCoeff(), M_PI);
 }
 
-TEST(LmInverseKinematics, SugiharaServesAnyNumberOfJoints) {
+TEST(LmInverseKinematics, SugiharaWorksForAnyNumberOfJoints) {
   LmDesign design;
   design.form = LmForm::sugihara;
   testing::Random random;

@@ -43,7 +43,7 @@ LmpcDesign cart_design(int prediction_steps, int control_steps, double period_s 
   return design;
 }
 
-TEST(Lmpc, WithTheRiccatiPenaltyItIsTheRegulator) {
+TEST(Lmpc, WithTheRiccatiPenaltyEqualsTheRegulator) {
   testing::Random random;
   for (const int horizon : {1, 2, 5, 20, 114}) {
     LmpcDesign design = cart_design(horizon, horizon);
@@ -64,7 +64,7 @@ TEST(Lmpc, WithTheRiccatiPenaltyItIsTheRegulator) {
 
 // The thesis' form weighs the input's change. Seen with the last input as a state it is a regulator
 // too, but only with the Riccati solution of that larger plant.
-TEST(Lmpc, LongHorizonInChangesIsTheRegulatorOfTheLargerPlant) {
+TEST(Lmpc, LongHorizonInChangesEqualsTheRegulatorOfTheExtendedPlant) {
   LmpcDesign design = cart_design(400, 400);
   Eigen::MatrixXd A = Eigen::Matrix3d::Identity();
   A.topLeftCorner(2, 2) = design.A;
@@ -147,7 +147,7 @@ TEST(Lmpc, SatisfiesOptimalityAtEveryStepOfARun) {
   EXPECT_EQ(lmpc.statistics().unsolved, 0);
 }
 
-TEST(Lmpc, DisturbanceWeightChangesNothing) {
+TEST(Lmpc, DisturbanceWeightHasNoEffect) {
   const StateSpace plant = cart(0.1);
   const StateSpace extended = extend_by_disturbance_model(plant, 0, 0.1).sampled;
   const auto changes = [&](double q_disturbance) {
@@ -217,7 +217,7 @@ TEST(Lmpc, SoftensStateBoundsInTheirOrderButNeverInputs) {
 }
 
 // What is reserved has moved further than the input may change at once.
-TEST(Lmpc, ChangesGiveWayToInputsLast) {
+TEST(Lmpc, RelaxesInputChangesLast) {
   LmpcDesign design = cart_design(10, 3);
   design.change_bounds = {{0, -0.1, 0.1, steps(0, 2)}};
   design.input_bounds = {{0, -1.0, 1.0, steps(0, 2)}};
@@ -237,7 +237,7 @@ TEST(Lmpc, ChangesGiveWayToInputsLast) {
 }
 
 // A penalty too stiff for double precision: the solver gives up, and its solution is approximate.
-TEST(Lmpc, WhatIsLeftAtTheCapStaysWithinTheInputsBounds) {
+TEST(Lmpc, AtTheIterationLimitTheInputStaysWithinItsBounds) {
   LmpcDesign design = impossible_design();
   design.change_bounds = {{0, -0.7, 0.7, steps(0, 9)}};
   design.softness = 1e-8;
@@ -257,7 +257,7 @@ TEST(Lmpc, WhatIsLeftAtTheCapStaysWithinTheInputsBounds) {
   EXPECT_GE(lmpc.statistics().unsolved, lmpc.statistics().capped);
 }
 
-TEST(Lmpc, StopsWhenToldTo) {
+TEST(Lmpc, StopsIfConfigured) {
   LmpcDesign design = impossible_design();
   design.on_infeasible = OnInfeasible::stop;
   Lmpc lmpc(design);
@@ -266,7 +266,7 @@ TEST(Lmpc, StopsWhenToldTo) {
       ControlFailure);
 }
 
-TEST(Lmpc, NoNumberIsAFailure) {
+TEST(Lmpc, NanIsAFailure) {
   for (const QpSolverKind solver : {QpSolverKind::active_set, QpSolverKind::hildreth}) {
     LmpcDesign design = impossible_design();
     design.solver = solver;
@@ -277,7 +277,7 @@ TEST(Lmpc, NoNumberIsAFailure) {
   }
 }
 
-TEST(Lmpc, KnowsAnEmptyInputSet) {
+TEST(Lmpc, DetectsAnEmptyInputSet) {
   LmpcDesign design = cart_design(10, 3);
   design.change_bounds = {{0, -0.1, 0.1, steps(0, 2)}};
   design.input_bounds = {{0, 1.0, 2.0, steps(0, 2)}};

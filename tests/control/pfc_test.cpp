@@ -11,7 +11,7 @@ namespace {
 
 constexpr double T_s = 1e-3;
 
-TEST(Pfc, GainsFromOneSecondAreThoseOfEq286) {
+TEST(Pfc, GainsFromOneSecondMatchEq286) {
   const Pfc pfc({1.0, T_s, 3, 3});
   EXPECT_EQ(pfc.coincidence_points(), (std::vector<int>{333, 500, 1000}));
   EXPECT_NEAR(pfc.alpha(), std::exp(-0.003), 1e-15);
@@ -57,7 +57,7 @@ TEST(Pfc, CollocationMeetsTheReferenceTrajectory) {
   }
 }
 
-TEST(Pfc, WithMorePointsItIsTheLeastSquaresFit) {
+TEST(Pfc, WithMorePointsIsTheLeastSquaresFit) {
   // Eight points, two bases: the normal equations, written out (Eqs. 2.78, 2.80).
   const Pfc pfc({0.8, T_s, 8, 2});
   const double s = -0.2, q = 0.3, dq = 0.5;
@@ -119,7 +119,7 @@ TEST(Pfc, BothClosedLoopsAreStable) {
 }
 
 // The reference's error is 5 % then; the loop's, which only follows it, that of its two poles.
-TEST(Pfc, ErrorAtTheTargetResponseTimeIsThatOfThePoles) {
+TEST(Pfc, ErrorAtTheTargetResponseTimeMatchesThePoles) {
   const Pfc pfc({1.0, T_s, 3, 3});
   double q = 0.0, dq = 0.0;
   for (int k = 0; k < 1000; ++k) {

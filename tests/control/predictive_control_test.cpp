@@ -64,7 +64,7 @@ double run_loop(Controller& controller, double drive_limit, double noise, int sa
 }
 
 // At its limit the drive cannot hold the disturbance; the estimate must not run away for that.
-TEST(PredictiveControl, TellsItsEstimatorWhatTheDriveCanDo) {
+TEST(PredictiveControl, PassesTheDriveLimitsToTheEstimator) {
   PredictiveControlDesign limited = design(DisturbanceUse::cancel);
   limited.force_limit = kLimit;
   PredictiveControl controller(idob(), limited);
@@ -101,7 +101,7 @@ TEST(PredictiveControl, CancelsAtEachSampleOrAtEachDecision) {
   EXPECT_LE(changes(CancelAt::decision), 10);
 }
 
-TEST(LqrControl, TellsItsEstimatorWhatTheDriveCanDo) {
+TEST(LqrControl, PassesTheDriveLimitsToTheEstimator) {
   const StateSpace plant = zero_order_hold(damped_inertia(1.0, 0.5), kPeriod);
   const Eigen::MatrixXd K =
       dlqr(plant.A, plant.B, Eigen::Matrix2d::Identity(), Eigen::MatrixXd::Ones(1, 1)).K;

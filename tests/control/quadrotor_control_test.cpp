@@ -18,7 +18,7 @@ Backstepping law(QuadrotorPhysics physics, const BacksteppingGains& alpha) {
   return {QuadrotorModel({}, physics), {.alpha = alpha}};
 }
 
-TEST(BacksteppingGains, DlqrGivesThePrintedOnesWithAHeavierZ) {
+TEST(BacksteppingGains, DlqrGivesThePrintedGainsWithAHeavierZ) {
   const BacksteppingGains alpha = dlqr_gains({}, kPeriod_s);
   EXPECT_LT((alpha - printed_gains()).cwiseAbs().maxCoeff(), 2e-4) << alpha.transpose();
   EXPECT_NEAR(dlqr_gains({}, kPeriod_s, 1e3)(2), 0.994, 5e-4);  // as printed
@@ -27,7 +27,7 @@ TEST(BacksteppingGains, DlqrGivesThePrintedOnesWithAHeavierZ) {
 // x and θ make a chain of four integrators. The attitude's loop, s² + (α5 + α11) s + 1 + α5 α11,
 // must be faster than the position's; on the thesis' plant its body-fixed weight doubles the
 // lateral force and the law takes half of it back, which stabilises.
-TEST(BacksteppingGains, PrintedOnesAreUnstableOnThePhysicalPlant) {
+TEST(BacksteppingGains, PrintedGainsAreUnstableOnThePhysicalPlant) {
   const auto pole = [](QuadrotorPhysics physics, const BacksteppingGains& alpha) {
     return slowest_pole(law(physics, alpha), QuadrotorModel({}, physics));
   };
@@ -145,7 +145,7 @@ TEST(WaveFrequency, FindsThePeriodOfAForce) {
 
 // The printed Q of the highest derivative alone is a walk of it, which can be said in deviations
 // too.
-TEST(QuadrotorEstimators, NoiseOnTheHighestStateIsAWalkOfItAlone) {
+TEST(QuadrotorEstimators, NoiseOnTheHighestStateMakesItARandomWalk) {
   const QuadrotorModel model({}, QuadrotorPhysics::thesis);
   const auto after_a_climb = [&](const QuadrotorEstimatorDesign& design) {
     auto estimator = make_quadrotor_estimator(design, model);

@@ -21,7 +21,7 @@ double peak_by_integration(double speed, double stiffness, double braking, doubl
   return largest;
 }
 
-TEST(ContactPeak, IsThatOfTheMotionIntegrated) {
+TEST(ContactPeak, MatchesTheIntegratedMotion) {
   for (const double speed : {0.02, 0.2, 0.6}) {
     for (const double braking : {0.3, 4.0, 20.0}) {
       for (const double lag : {0.0, 0.01, 0.05}) {
@@ -35,7 +35,7 @@ TEST(ContactPeak, IsThatOfTheMotionIntegrated) {
   EXPECT_NEAR(contact_peak_N(0.2, 1000.0, 4.0, 0.0), 1000.0 * 0.04 / 8.0, 1e-9);
 }
 
-TEST(ContactSpeed, IsTheLargestThatIsAllowed) {
+TEST(ContactSpeed, IsTheLargestAllowedSpeed) {
   for (const double allowed : {0.5, 4.2, 7.2}) {
     for (const double braking : {0.5, 4.0}) {
       const double v = contact_speed(1000.0, braking, 0.05, 0.005, allowed);
@@ -49,7 +49,7 @@ TEST(ContactSpeed, IsTheLargestThatIsAllowed) {
   EXPECT_LT(contact_speed(1000.0, 4.0, 0.05, 0.005, 1e-9), 1e-4);
 }
 
-TEST(ServoSpeed, IsContinuousWithItsSlopeAndCanBeBraked) {
+TEST(ServoSpeed, HasAContinuousSlopeAndCanBrake) {
   constexpr double kLambda = 18.0, kA = 3.0, kStep = 1e-9;
   const double near = kA / (2.0 * kLambda * kLambda);
   const auto slope = [&](double way) {
@@ -239,7 +239,7 @@ TEST_F(SoftContactLaw, MeetsAWallOnceAndPressesWithTheReference) {
   }
 }
 
-TEST_F(SoftContactLaw, AllowedMoreItIsFasterAndHitsHarder) {
+TEST_F(SoftContactLaw, WithAHigherLimitIsFasterAndHitsHarder) {
   const Course soft = run(1000.0, 2.0);
   design_.peak_margin_N = 5.0;
   const Course hard = run(1000.0, 2.0);
@@ -260,7 +260,7 @@ TEST_F(SoftContactLaw, HoldsItsPoseBeforeForceControl) {
   EXPECT_EQ(signal(law, "phase"), 1.0);
 }
 
-TEST_F(SoftContactLaw, RefusesWhatItCannotBeMadeOf) {
+TEST_F(SoftContactLaw, RefusesInvalidParameters) {
   design_.wall_stiffness_N_m = 0.0;
   EXPECT_THROW(SoftContact(chain_, acceleration_, task_, design_), std::invalid_argument);
   design_.wall_stiffness_N_m = 1000.0;

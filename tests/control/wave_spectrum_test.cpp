@@ -74,7 +74,7 @@ double distance_of(const ForceSpectrum& s, const ResonatorPair& pair) {
   return sum;
 }
 
-TEST(AccelerationSpectrum, IsJonswapsTimesTheDecay) {
+TEST(AccelerationSpectrum, IsTheJonswapSpectrumTimesTheDecay) {
   SeaState sea;
   sea.significant_height_m = 2.0;
   const SampledSpectrum s = acceleration_spectrum(sea, kDepth_m, 0.5, 3.0, 200);
@@ -97,7 +97,7 @@ TEST(AccelerationSpectrum, IsJonswapsTimesTheDecay) {
 }
 
 // The density's area is σ², and its shape that of the sampled resonator.
-TEST(ResonatorFit, DensityIsTheResonators) {
+TEST(ResonatorFit, DensityMatchesTheResonator) {
   const Resonator r{0.9, 0.1, 0.2};
   double area = 0.0;
   for (double w = 5e-4; w < 60.0; w += 1e-3) area += spectral_density(r, w) * 1e-3;
@@ -112,7 +112,7 @@ TEST(ResonatorFit, DensityIsTheResonators) {
   }
 }
 
-TEST(ResonatorFit, FindsAPairAgain) {
+TEST(ResonatorFit, RecoversAKnownPair) {
   const ResonatorPair truth = {{{0.7, 0.05, 0.1}, {1.2, 0.15, 0.15}}};
   ForceSpectrum s;
   for (int i = 0; i < 3000; ++i) {
@@ -132,7 +132,7 @@ TEST(ResonatorFit, FindsAPairAgain) {
 // No neighbour is nearer, by a distance of the test's own; nor is the best single resonator that a
 // search over its place and damping finds. Before it is scaled to the force's variance, the pair
 // has 0.90 to 1.05 of it, so that the scaled one is the nearest but for that.
-TEST(ResonatorFit, IsTheNearestToTheForce) {
+TEST(ResonatorFit, IsTheBestFitToTheForce) {
   for (const double period_s : {4.0, 6.0, 8.0, 10.0, 14.0}) {
     const ForceSpectrum s = force_of(period_s, 0.17);
     const ResonatorPair pair = fit_resonators(s);
@@ -171,7 +171,7 @@ TEST(ResonatorFit, IsTheNearestToTheForce) {
   }
 }
 
-TEST(ResonatorFit, WalkIsTheNearest) {
+TEST(ResonatorFit, RandomWalkIsTheBestFit) {
   ForceSpectrum s = force_of(8.0, 0.17);
   const auto distance = [&](double std_N) {
     double sum = 0.0;
@@ -279,7 +279,7 @@ TEST(WaveForceBank, FindsThePeriod) {
 
 // ψ̇ = (q sin φ + r cos φ)/cos θ and the others, differentiated numerically along the motion of a
 // rotation matrix with body rates under torques and drag.
-TEST(QuadrotorModel, RigidAccelerationIsThatOfTheBody) {
+TEST(QuadrotorModel, RigidAccelerationMatchesTheBody) {
   const QuadrotorModel model({}, QuadrotorPhysics::physical);
   const QuadrotorParameters& p = model.parameters();
   testing::Random random(2);
@@ -439,7 +439,7 @@ TEST(WaveForces, UkfIsTheKalmanFilterOfALinearVehicle) {
 }
 
 // A second resonator without a force of its own leaves the filter of one.
-TEST(WaveForces, WithOneSilentIsTheFilterOfOne) {
+TEST(WaveForces, WithOneZeroForceEqualsTheFilterOfOneForce) {
   const QuadrotorModel model = linear_vehicle();
   using Waves1 = WaveForces<1, 2>;
   ResonatorPair pair = kSea;
@@ -467,7 +467,7 @@ TEST(WaveForces, WithOneSilentIsTheFilterOfOne) {
 }
 
 // Where the process is the model's own, (x − x̂)ᵀ P⁻¹ (x − x̂) of all 30 states is χ² of 30.
-TEST(WaveForces, NeesIsInItsBandWhereTheModelIsTrue) {
+TEST(WaveForces, NeesIsInItsBandWithATrueModel) {
   const QuadrotorModel model({}, QuadrotorPhysics::physical);
   DisturbanceWalks walks{.velocity_std_m_s = 2e-4, .rate_std_rad_s = 1e-4};
   const Waves2 process(model, walks, kSea, kHorizontalShare, kPeriod_s, AttitudeKinematics::exact);

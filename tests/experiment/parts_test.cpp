@@ -83,7 +83,7 @@ class PartsTest : public ::testing::Test {
   std::vector<UnusedKey> unused_;
 };
 
-TEST_F(PartsTest, AKeyMustBeThereOnlyWhereItsPartIsChosen) {
+TEST_F(PartsTest, AKeyIsRequiredOnlyForTheChosenPart) {
   EXPECT_EQ(make("toy.name = \"named\"\ntoy.label = \"x\"\n[case.one]\n"), "x");
   EXPECT_EQ(make("toy.name = \"small\"\n[case.one]\n"),
             "FILE: toy.size: is missing: its size; toy.name = \"small\" needs it");
@@ -91,7 +91,7 @@ TEST_F(PartsTest, AKeyMustBeThereOnlyWhereItsPartIsChosen) {
             "FILE: toy.label: is missing: what stands on it; toy.name = \"named\" needs it");
 }
 
-TEST_F(PartsTest, AStandardStandsInForAKeyThatIsNotThere) {
+TEST_F(PartsTest, AMissingKeyHasItsDefaultValue) {
   EXPECT_EQ(make("toy.name = \"large\"\n[case.one]\n"), "l30.000000");
   EXPECT_EQ(make("[case.one]\n", "one", "large"), "l30.000000");
   EXPECT_EQ(make("[case.one]\n"), "FILE: toy.name: is missing: toy: small, large, named");
@@ -107,17 +107,17 @@ TEST_F(PartsTest, TwoPartsMayShareAKeyEachWithItsOwnRange) {
             "FILE:4: toy.size: must be from 0 to 1, is 12");
 }
 
-TEST_F(PartsTest, AValueThatSuitsNoPartIsRefusedInACaseThatDoesNotRun) {
+TEST_F(PartsTest, RefusesAnInvalidValueInEveryCase) {
   EXPECT_EQ(make("toy.name = \"small\"\ntoy.size = 0.25\n[case.one]\n[case.two]\ntoy.size = 5\n"),
             "FILE:7: toy.size: must be from 0 to 1, is 5");
 }
 
-TEST_F(PartsTest, ACaseThatDoesNotRunLeavesNothingBehind) {
+TEST_F(PartsTest, OtherCasesDoNotAffectTheRun) {
   EXPECT_EQ(make("[case.one]\n[case.two]\ntoy.name = \"small\"\ntoy.size = 11\n", "one", "large"),
             "l30.000000");
 }
 
-TEST_F(PartsTest, AKeyOfAPartThatIsNotChosenIsSaidToBeUnused) {
+TEST_F(PartsTest, ReportsAKeyOfAnotherPartAsUnused) {
   ASSERT_EQ(make("toy.label = \"x\"\ntoy.size = 0.25\n[case.one]\ntoy.name = \"named\"\n"), "x");
   ASSERT_EQ(unused_.size(), 1U);
   EXPECT_EQ(unused_[0].key, "toy.size");
@@ -140,14 +140,14 @@ TEST_F(PartsTest, APartOfAnotherProgramIsNamedBeforeItsKeys) {
             "FILE:5: " + complaint);
 }
 
-TEST_F(PartsTest, APartBlamesItsKeyOrTheChoice) {
+TEST_F(PartsTest, APartsErrorNamesItsKeyOrTheChoice) {
   EXPECT_EQ(make("toy.name = \"small\"\ntoy.size = 0.5\n[case.one]\n"),
             "FILE:4: toy.size: must not be a half");
   EXPECT_EQ(make("toy.name = \"named\"\ntoy.label = \"\"\n[case.one]\n"),
             "FILE:3: toy.name: nothing stands on it");
 }
 
-TEST_F(PartsTest, ThePrintedFileHasWhatWasGivenAndWhatIsNeededAndReadsBack) {
+TEST_F(PartsTest, ThePrintedFileIsCompleteAndRoundTrips) {
   ASSERT_EQ(make("toy.name = \"large\"\ntoy.label = \"x\"\n[case.one]\n"), "l30.000000");
   EXPECT_EQ(printed_, R"(scenario = "test"
 default_case = "one"
@@ -168,13 +168,13 @@ label = "x"
 }
 
 // An older file, from before `small` and `large` were there.
-TEST_F(PartsTest, AFileStaysUsableWhenPartsAreAddedThatItDoesNotChoose) {
+TEST_F(PartsTest, AFileStaysValidWhenOtherPartsAreAdded) {
   const std::string old = "toy.name = \"named\"\ntoy.label = \"x\"\n[case.one]\n";
   ASSERT_EQ(make(old), "x");
   EXPECT_TRUE(lacks(printed_, "size"));
 }
 
-TEST_F(PartsTest, AFinishedRunOfAnUnknownPartIsReadAsFarAsItGoes) {
+TEST_F(PartsTest, ReadsARunOfAnUnknownPartPartially) {
   std::ofstream(path_) << "scenario = \"test\"\ndefault_case = \"one\"\nspeed = 3\n"
                           "toy.name = \"theirs\"\ntoy.colour = \"red\"\n[case.one]\n";
   PartChoice<ToyKind> choice(catalogue_, "toy.name");
@@ -270,7 +270,7 @@ Recording run_with_theirs(const std::string& scenario, const std::vector<std::st
 }
 
 // Under a step of 10 N m, an estimate of 6 is 4 off, and the PD control gives way by 4/K_p.
-TEST(OwnParts, AnEstimatorFromOutsideGoesIntoTheMotor) {
+TEST(OwnParts, TheMotorTakesAnExternalEstimator) {
   const Recording run =
       run_with_theirs("motor_estimation",
                       {"observer.name=constant", "observer.constant_value=6", "run.duration_s=10",
@@ -281,7 +281,7 @@ TEST(OwnParts, AnEstimatorFromOutsideGoesIntoTheMotor) {
 }
 
 // A mass on a spring of its controller's: ω = √(k/m), and no estimate to judge.
-TEST(OwnParts, AControllerFromOutsideGoesIntoEachExperimentOfAnAxis) {
+TEST(OwnParts, EachAxisExperimentTakesAnExternalController) {
   for (const char* scenario : {"motor_estimation", "cart_estimation", "cart_position",
                                "cart_offset_free", "cart_constrained"}) {
     const Recording run = run_with_theirs(
@@ -296,7 +296,7 @@ TEST(OwnParts, AControllerFromOutsideGoesIntoEachExperimentOfAnAxis) {
   }
 }
 
-TEST(OwnParts, AControllerFromOutsideGoesIntoTheArmAndTheQuadrotor) {
+TEST(OwnParts, ArmAndQuadrotorTakeAnExternalController) {
   for (const char* scenario : {"arm_wall_contact", "arm_push", "quadrotor_waves"}) {
     const Recording run = run_with_theirs(
         scenario, {"controller.name=spring", "controller.spring_constant=0.1", "run.duration_s=1"});
@@ -306,7 +306,7 @@ TEST(OwnParts, AControllerFromOutsideGoesIntoTheArmAndTheQuadrotor) {
 }
 
 // The default case has a factor for its estimator, the FAKFD; who takes another one did not set it.
-TEST(OwnParts, WhatACaseGivesToAChoiceOfItsOwnIsNotWarnedOf) {
+TEST(OwnParts, DoesNotWarnOfKeysForTheChoiceOfACase) {
   const Catalogue catalogue = standard_catalogue();
   const ScenarioFile file(catalogue.get<ScenarioKind>("cart_estimation").file().string(),
                           "cart_estimation");
@@ -324,7 +324,7 @@ TEST(OwnParts, WhatACaseGivesToAChoiceOfItsOwnIsNotWarnedOf) {
 }
 
 // The poles are wrong, not the choice of an observer that has poles.
-TEST(OwnParts, AWrongKeyIsBlamedAndNotTheChoice) {
+TEST(OwnParts, TheErrorNamesTheWrongKey) {
   const auto complaint = [](const std::vector<std::string>& sets) {
     return complaint_of([&] { run_with_theirs("motor_estimation", sets); });
   };
@@ -342,7 +342,7 @@ TEST(OwnParts, AWrongKeyIsBlamedAndNotTheChoice) {
           .starts_with("--set: observer.lambda_min: "));
 }
 
-TEST(OwnParts, ARegulatorIsRefusedWhereItCannotWork) {
+TEST(OwnParts, RefusesARegulatorThatCannotWork) {
   const auto complaint = [](const std::string& scenario, const std::string& controller) {
     return complaint_of([&] {
       run_with_theirs(scenario, {"controller.name=" + controller, "controller.period_s=0.01",

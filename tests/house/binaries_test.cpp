@@ -8,7 +8,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // An empty entry of such a path is the user's working folder: whoever can write there runs code.
-TEST(Binaries, LookForLibrariesInNoFolderOfTheirOwn) {
+TEST(Binaries, HaveNoRunPath) {
   int count = 0;
   for (const auto& entry : fs::directory_iterator(testing::bin_folder())) {
     const std::string section =

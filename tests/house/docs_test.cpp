@@ -10,7 +10,7 @@ namespace fs = std::filesystem;
 
 // A fenced block behind <!-- FILE --> is a piece of that file, word for word: of a template, which
 // the install tests build and run, or of a test.
-TEST(Docs, CodeIsWordForWordThatOfTheTemplates) {
+TEST(Docs, CodeEqualsTheTemplates) {
   int blocks = 0;
   const std::regex pattern("<!-- ((?:templates|tests)/\\S+) -->\n```[a-z]*\n([^`]*)```");
   for (const auto& entry : fs::recursive_directory_iterator(testing::source_file("docs"))) {
@@ -32,7 +32,7 @@ TEST(Docs, CodeIsWordForWordThatOfTheTemplates) {
 }
 
 // The libraries' users need no look into src/: what the pages include is installed.
-TEST(Docs, HeadersThatAreNamedAreThere) {
+TEST(Docs, NamedHeadersExist) {
   const std::regex pattern("<breakwater/([a-z_]+/[a-z_]+\\.h)>");
   for (const auto& entry : fs::recursive_directory_iterator(testing::source_file("docs"))) {
     if (entry.path().extension() != ".md") continue;

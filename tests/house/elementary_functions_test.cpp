@@ -32,7 +32,7 @@ const std::set<std::string> kSameEverywhere = {
 };
 
 // render and pages draw and write what is finished; record only writes down.
-TEST(House, WhatReachesAStateCallsNoFunctionThatDiffersByProcessor) {
+TEST(House, StateCodeCallsNoProcessorDependentFunction) {
   std::set<std::string> libm;
   for (const std::string& name : symbols("nm -D --defined-only '" BREAKWATER_LIBM "'")) {
     if (!kSameEverywhere.contains(name)) libm.insert(name);

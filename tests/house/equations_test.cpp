@@ -111,7 +111,7 @@ std::vector<Entry> entries_of_the_page() {
   return entries;
 }
 
-TEST(Equations, ReadAsTheyAreWritten) {
+TEST(Equations, AreParsedAsWritten) {
   const auto text = [](const std::string& source) {
     std::ostringstream out;
     for (const Equation& equation : named(source)) out << equation << ' ';
@@ -125,7 +125,7 @@ TEST(Equations, ReadAsTheyAreWritten) {
   EXPECT_EQ(text("the thesis' 2.4.3, and 4.2; Eq. 2.4.3, Eq. 2.5.1"), "");
 }
 
-TEST(Equations, EachOfTheThesisIsOnThePageOnce) {
+TEST(Equations, ThePageHasEachEquationOfTheThesisOnce) {
   std::map<Equation, int> count;
   for (const Entry& entry : entries_of_the_page()) {
     for (const Equation& equation : entry.equations) ++count[equation];
@@ -160,7 +160,7 @@ TEST(Equations, TheFilesOfARowNameItsEquations) {
   EXPECT_GT(rows, 50);
 }
 
-TEST(Equations, WhatTheCodeNamesHasARow) {
+TEST(Equations, EachEquationInTheCodeHasARow) {
   std::set<Equation> in_rows;
   for (const Entry& entry : entries_of_the_page()) {
     if (entry.is_row) in_rows.insert(entry.equations.begin(), entry.equations.end());

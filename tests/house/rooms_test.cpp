@@ -99,7 +99,7 @@ TEST(House, RoomsLeaveOutWhatTheyDoNotNeed) {
 }
 
 // Only rigs and scenarios know the thesis' plants.
-TEST(House, NoRoomKnowsAScenario) {
+TEST(House, NoRoomNamesAScenario) {
   const fs::path src = testing::source_file("src");
   for (const auto& entry : fs::directory_iterator(testing::source_file("scenarios"))) {
     if (!entry.is_directory()) continue;
@@ -124,7 +124,7 @@ void expect_only_in(const std::regex& header, const std::set<std::string>& rooms
   }
 }
 
-TEST(House, TheEngineIsKnownInSimAndRenderAlone) {
+TEST(House, OnlySimAndRenderIncludeTheEngine) {
   expect_only_in(std::regex("mujoco|mjdata|mjmodel"), {"sim", "render"});
 }
 
@@ -174,7 +174,7 @@ TEST(House, TheEnvironmentIsReadInOnePlace) {
                  [](const std::string& file) { return file == "src/signals/environment.h"; });
 }
 
-TEST(House, OffscreenRenderingIsKnownInRenderAlone) {
+TEST(House, OnlyRenderUsesOffscreenRendering) {
   expect_only_in(std::regex("EGL/|GL/|libav"), {"render"});
 }
 
@@ -191,7 +191,7 @@ TEST(House, FileFormatsStayInTheirRooms) {
   expect_only_in(std::regex("^sqlite3"), {"study"});
 }
 
-TEST(House, LowestRoomsKnowEigenAlone) {
+TEST(House, TheLowestRoomsIncludeOnlyEigen) {
   for (const Include& include : all_includes()) {
     if (include.room != "math" && include.room != "linear" && include.room != "signals") continue;
     const bool is_standard = include.header.find('/') == std::string::npos &&
@@ -214,7 +214,7 @@ TEST(House, EveryScenarioHasItsFolder) {
   }
 }
 
-TEST(House, ScenariosAreBuiltAsAUsersOwn) {
+TEST(House, ScenariosAreBuiltLikeAUsersScenario) {
   const std::string rules = testing::text_of(testing::source_file("scenarios/CMakeLists.txt"));
   EXPECT_TRUE(lacks(rules, "add_executable("));
   EXPECT_TRUE(has(rules, "breakwater_program(${scenario} ONE_SCENARIO"));

@@ -4,11 +4,11 @@
 namespace breakwater::testing {
 namespace {
 
-TEST(HardQpStudy, FeasibleOnesAreSolvedAndNeverCalledInfeasible) {
+TEST(HardQpStudy, FeasibleProblemsAreSolved) {
   expect_hard_feasible_qps_are_solved(100000);
 }
 
-TEST(HardQpStudy, InfeasibleOnesAreProvenAndNeverSolved) {
+TEST(HardQpStudy, InfeasibleProblemsAreProven) {
   expect_hard_infeasible_qps_are_proven(100000);
 }
 

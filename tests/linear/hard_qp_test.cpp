@@ -4,11 +4,11 @@
 namespace breakwater::testing {
 namespace {
 
-TEST(HardQp, FeasibleOnesAreSolvedAndNeverCalledInfeasible) {
+TEST(HardQp, FeasibleProblemsAreSolved) {
   expect_hard_feasible_qps_are_solved(4000);
 }
 
-TEST(HardQp, InfeasibleOnesAreProvenAndNeverSolved) {
+TEST(HardQp, InfeasibleProblemsAreProven) {
   expect_hard_infeasible_qps_are_proven(4000);
 }
 

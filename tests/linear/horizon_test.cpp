@@ -99,7 +99,7 @@ INSTANTIATE_TEST_SUITE_P(Qp, Horizons,
                                   std::to_string(steps.param.second);
                          });
 
-TEST_P(Horizons, ProductsAreThoseOfTheMatrices) {
+TEST_P(Horizons, ProductsMatchTheMatrices) {
   Random random;
   const auto [prediction_steps, control_steps] = GetParam();
   for (Eigen::Index n = 1; n <= 4; ++n) {
@@ -146,7 +146,7 @@ TEST_P(Horizons, ProductsAreThoseOfTheMatrices) {
 }
 
 // The solver that knows the horizon, and the one that does not.
-TEST(ActiveSet, TheHorizonChangesNothing) {
+TEST(ActiveSet, TheSparseHorizonGivesTheSameSolution) {
   Random random;
   int changes = 0;
   for (int k = 0; k < 8; ++k) {
@@ -177,7 +177,7 @@ TEST(ActiveSet, TheHorizonChangesNothing) {
   EXPECT_GT(changes, 1000) << "the constraints hardly mattered";
 }
 
-TEST(Horizon, RefusesWhatIsNone) {
+TEST(Horizon, RefusesInvalidSizes) {
   Random random;
   const Horizon good = random_horizon(random, 2, 5, 3);
   const auto expect_refused = [&](auto&& spoil) {

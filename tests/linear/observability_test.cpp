@@ -7,7 +7,7 @@ namespace breakwater {
 namespace {
 
 // Eq. 2.14: U_o = [1 0 0; 0 1 0; 0 −c/J −1/J], regular but for an input that does nothing.
-TEST(Observability, OfTheMotorIsThatOfEq214) {
+TEST(Observability, ForTheMotorMatchesEq214) {
   Eigen::Matrix3d A;
   A << 0, 1, 0, 0, -0.3, -2.0, 0, 0, 0;
   EXPECT_EQ(observability_rank(A, Eigen::RowVector3d(1, 0, 0)), 3);
@@ -27,7 +27,7 @@ TEST(Observability, RankDoesNotDependOnUnitsOrPeriod) {
   }
 }
 
-TEST(Observability, CountsWhatCannotBeSeen) {
+TEST(Observability, CountsUnobservableStates) {
   // Two separate oscillators, of which only the first is measured.
   Eigen::Matrix4d A = Eigen::Matrix4d::Zero();
   A.topLeftCorner<2, 2>() << 0, 1, -4, 0;

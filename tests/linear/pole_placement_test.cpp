@@ -63,7 +63,7 @@ TEST(PolePlacement, SamplesPoles) {
             1e-15);
 }
 
-TEST(PolePlacement, RefusesWhatCannotBePlaced) {
+TEST(PolePlacement, RefusesImpossiblePoles) {
   const Eigen::Matrix2d A = (Eigen::Matrix2d() << 0, 1, 0, 0).finished();
   const Eigen::RowVector2d C(1, 0);
   EXPECT_THROW(place_observer_poles(A, C, {{-1.0}}), std::invalid_argument);          // too few

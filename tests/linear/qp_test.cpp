@@ -66,7 +66,7 @@ TEST_P(BothSolvers, SolveByHand) {
   EXPECT_NEAR(solution.mu(0), -0.5, 1e-12);
 }
 
-TEST_P(BothSolvers, UnconstrainedIsNewton) {
+TEST_P(BothSolvers, WithoutActiveConstraintsTheyTakeTheNewtonStep) {
   Random random;
   QpModel model = random_qp_model(random, kQpSizes[0]);
   const auto solver = make(model);
@@ -79,7 +79,7 @@ TEST_P(BothSolvers, UnconstrainedIsNewton) {
   EXPECT_EQ(solution.mu.norm(), 0.0);
 }
 
-TEST_P(BothSolvers, WithoutRowsItIsNewtonToo) {
+TEST_P(BothSolvers, WithoutConstraintsTheyTakeTheNewtonStep) {
   Random random;
   const QpModel model{random_qp_model(random, kQpSizes[0]).H, QpModel::RowMajor(0, 5)};
   const auto solver = make(model);
@@ -93,7 +93,7 @@ TEST_P(BothSolvers, WithoutRowsItIsNewtonToo) {
   }
 }
 
-TEST_P(BothSolvers, NothingThatIsNoNumberIsSolved) {
+TEST_P(BothSolvers, NanIsNeverSolved) {
   Random random;
   const QpModel model = random_qp_model(random, kQpSizes[0]);
   const QpInput good = random_feasible_input(random, model);
@@ -139,7 +139,7 @@ TEST_P(BothSolvers, CrossedBoundsAreInfeasible) {
 }
 
 // z_1 ≤ 0 and z_1 + tilt z_2 ≥ by: from `by`/tilt on some z_2 satisfies both.
-TEST(Infeasibility, MarginIsHowFarNoZSatisfiesTheRows) {
+TEST(Infeasibility, TheMarginIsTheSmallestViolation) {
   struct Case {
     const char* name;
     double tilt, by, softness, y_1, y_2, least, most;
@@ -166,7 +166,7 @@ TEST(Infeasibility, MarginIsHowFarNoZSatisfiesTheRows) {
   }
 }
 
-TEST_P(BothSolvers, RefuseWhatIsNoProblem) {
+TEST_P(BothSolvers, RefuseInvalidProblems) {
   const Eigen::MatrixXd eye = Eigen::MatrixXd::Identity(2, 2);
   EXPECT_THROW(make({-eye, eye}), std::invalid_argument);
   EXPECT_THROW(make({Eigen::MatrixXd::Zero(2, 2), eye}), std::invalid_argument);
@@ -202,7 +202,7 @@ QpModel slow_model() {
   return model;
 }
 
-TEST(Hildreth, CapIsToldAndItsAnswerViolates) {
+TEST(Hildreth, TheIterationLimitIsReportedAndItsAnswerViolatesConstraints) {
   const QpModel model = slow_model();
   QpInput input(2, 2);
   input.g << -1.0, -1.0;
@@ -304,7 +304,7 @@ TEST(Hildreth, GoesOnWhereMultipliersGrowTogether) {
 }
 
 // However few sweeps a solve has, and whatever the multipliers were before.
-TEST(Hildreth, AnInfeasibleStretchLeavesNoHugeMultipliers) {
+TEST(Hildreth, MultipliersStaySmallAfterInfeasibleProblems) {
   Random random;
   for (int k = 0; k < 12; ++k) {
     QpModel model = random_qp_model(random, kQpSizes[k % 3]);
@@ -442,7 +442,7 @@ TEST(ActiveSet, WarmAndColdAgree) {
 }
 
 // Two equations contradict each other by less than their sums are rounded by.
-TEST(ActiveSet, RoundingIsNoCapOnIterations) {
+TEST(ActiveSet, RoundingDoesNotExhaustTheIterations) {
   QpModel model = unit_model();
   model.Omega << 0.3, 0.7, 0.3, 0.7;
   QpInput input(2, 2);
@@ -456,7 +456,7 @@ TEST(ActiveSet, RoundingIsNoCapOnIterations) {
   EXPECT_LT((model.Omega * solution.z - input.upper).cwiseAbs().maxCoeff(), 1e-3);
 }
 
-TEST(ActiveSet, CapIsTold) {
+TEST(ActiveSet, TheIterationLimitIsReported) {
   Random random;
   const QpModel model = random_qp_model(random, kQpSizes[3]);
   const QpInput input = random_feasible_input(random, model);
@@ -466,7 +466,7 @@ TEST(ActiveSet, CapIsTold) {
 }
 
 // What is begun anew from nothing has the whole cap again, and its own answer.
-TEST(ActiveSet, AColdRetryHasABudgetOfItsOwn) {
+TEST(ActiveSet, AColdRetryHasItsOwnBudget) {
   Random random;
   int retried = 0;
   for (int k = 0; k < 2000; ++k) {
@@ -494,7 +494,7 @@ TEST(ActiveSet, AColdRetryHasABudgetOfItsOwn) {
 }
 
 // With both attempts at their caps, what comes back is where the second one stopped.
-TEST(ActiveSet, AtTheCapTwiceItIsNotTheUnconstrainedMinimum) {
+TEST(ActiveSet, TwoFailuresDoNotGiveTheUnconstrainedMinimum) {
   Random random;
   int capped = 0;
   for (int k = 0; k < 1000; ++k) {

@@ -30,7 +30,7 @@ TEST(Riccati, StableAndFreeCostsNothing) {
 }
 
 // A = a, B = 1, Q = 0, R = r: P = (a² − 1) r stabilises, P = 0 is cheaper.
-TEST(Riccati, StabilisesWhatQDoesNotSee) {
+TEST(Riccati, StabilisesUnweightedStates) {
   for (const double a : {1.01, 2.0, -30.0}) {
     const LqrDesign design = dlqr(a * kOne, kOne, 0.0 * kOne, 0.5 * kOne);
     EXPECT_NEAR(design.P(0, 0), 0.5 * (a * a - 1.0), 1e-10 * a * a) << a;

@@ -69,7 +69,7 @@ TEST(Math, IsWithinUnitsInTheLastPlace) {
   EXPECT_LT(largest_error(math::erfc, std::erfc, {-6.0, 26.0}), 4.0);
 }
 
-TEST(Math, OfTwoArgumentsIsWithinUnitsInTheLastPlace) {
+TEST(Math, WithTwoArgumentsIsWithinUnitsInTheLastPlace) {
   testing::Random random;
   double of_atan2 = 0.0, of_pow = 0.0;
   for (int i = 0; i < 40000; ++i) {
@@ -84,7 +84,7 @@ TEST(Math, OfTwoArgumentsIsWithinUnitsInTheLastPlace) {
   EXPECT_LT(of_pow, 1.0);
 }
 
-TEST(Math, SineAndCosineTogetherAreThoseApart) {
+TEST(Math, SineAndCosineTogetherEqualTheSeparateFunctions) {
   for (const Range range : {Range{-100.0, 100.0}, Range{0.0, kHuge}}) {
     for (const double x : arguments(range)) {
       const auto [sine, cosine] = math::sincos(x);
@@ -100,7 +100,7 @@ bool same(double a, double b) {
 }
 
 // As C99's Annex F has them, which glibc follows.
-TEST(Math, SpecialArgumentsAreThoseOfTheStandard) {
+TEST(Math, SpecialArgumentsFollowTheStandard) {
   const std::vector<std::pair<Function, Function>> pairs = {
       {math::sin, std::sin},   {math::cos, std::cos},   {math::tan, std::tan},
       {math::asin, std::asin}, {math::exp, std::exp},   {math::expm1, std::expm1},

@@ -74,7 +74,7 @@ TEST(DisturbanceModel, RefusesNonsense) {
   EXPECT_THROW(extend_by_disturbance_model(cart(0.1), 0, 0.0), std::invalid_argument);
 }
 
-TEST(KalmanDesign, RefusesWhatIsNoCovariance) {
+TEST(KalmanDesign, RefusesAnInvalidCovariance) {
   const ExtendedPlant plant = extend_by_disturbance_model(cart(0.1), 0, 0.1);
   const Eigen::MatrixXd I3 = Eigen::MatrixXd::Identity(3, 3);
   const Eigen::MatrixXd I1 = Eigen::MatrixXd::Identity(1, 1);

@@ -204,7 +204,7 @@ class FilterBankStudy : public ::testing::TestWithParam<EncoderRounding> {
   bool truncates() const { return GetParam() == EncoderRounding::truncate; }
 };
 
-TEST_P(FilterBankStudy, AgainstRivalsTunedForEachOfSeventyRows) {
+TEST_P(FilterBankStudy, IsComparedWithFiltersTunedForEachOfSeventyRows) {
   const std::vector<Behind> encoders = {
       bits(4), bits(8), bits(12), bits(48), {"48 bits, σ = .01", std::exp2(48), 0.01}};
   const std::vector<Acting> disturbances = {{"step 10", kStepOf10},
@@ -222,7 +222,7 @@ TEST_P(FilterBankStudy, AgainstRivalsTunedForEachOfSeventyRows) {
 
 // Other encoders and other disturbances than those that its constants were found with. Behind dry
 // friction, which jumps wherever the shaft turns back, a tuned DKF is better in 9 rows of 10.
-TEST_P(FilterBankStudy, OnFortyRowsThatNobodyTunedOn) {
+TEST_P(FilterBankStudy, IsTestedOnFortyUnseenRows) {
   const std::vector<Behind> encoders = {
       bits(5), bits(6), bits(10), bits(16), {"6 bits, gear 25", 25.0 * std::exp2(6)}};
   const std::vector<Acting> disturbances = {

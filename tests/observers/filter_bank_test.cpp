@@ -75,7 +75,7 @@ INSTANTIATE_TEST_SUITE_P(CodeInterval, Interval,
                                            Bounds{4, 5}, Bounds{-9, -4}, Bounds{-5, 7}),
                          [](const auto& row) { return "n" + std::to_string(row.index); });
 
-TEST(CodeInterval, FarTailsKeepTheirLogarithm) {
+TEST(CodeInterval, FarTailsHaveAFiniteLogarithm) {
   // P(z > a) ≈ φ(a)/a.
   for (const double a : {50.0, 1e3, 1e6}) {
     const double expected = -0.5 * a * a - std::log(a) - 0.5 * std::log(2.0 * std::numbers::pi);
@@ -157,7 +157,7 @@ TEST(FilterBank, IsTheMixtureOfTextbookFiltersBehindWhiteNoise) {
   }
 }
 
-TEST(FilterBank, ItsConstantModelIsTheLibrarysKalmanFilter) {
+TEST(FilterBank, ItsConstantModelEqualsTheKalmanFilter) {
   constexpr double kPeriod = 1e-2, kNoise = 0.01;
   FilterBank bank(design(0.0, kNoise, kPeriod));
   const ExtendedPlant plant =
@@ -184,7 +184,7 @@ TEST(FilterBank, ItsConstantModelIsTheLibrarysKalmanFilter) {
 
 // What "bandwidth w" means: the steady filters' poles, where T_s is small beside them, lie on the
 // circle of radius w, s⁶ = −w⁶ and s⁸ = w⁸ in the left half plane, as spectral factorisation says.
-TEST(FilterBank, BandwidthsAreTheRadiusOfItsFiltersPoles) {
+TEST(FilterBank, BandwidthsMatchTheRadiusOfThePoles) {
   constexpr double kPeriod = 1e-3, kNoise = 0.01;
   const FilterBank bank(design(0.0, kNoise, kPeriod));
   for (const FilterBank::Model& model : bank.models()) {
@@ -208,7 +208,7 @@ TEST(FilterBank, BandwidthsAreTheRadiusOfItsFiltersPoles) {
 
 // A code tells no more than its interval: after one sample the constant model's position has the
 // exact mean and variance of the truncated prior, by quadrature.
-TEST(FilterBank, OneCodeIsBayesRule) {
+TEST(FilterBank, OneCodeUpdatesByBayesRule) {
   const double quantum = quantum_of(8);
   FilterBank bank(design(quantum, 0.0));
   const double prior = bank.models()[0].P(0, 0);
@@ -225,7 +225,7 @@ TEST(FilterBank, OneCodeIsBayesRule) {
   EXPECT_NEAR(model.P(0, 0), prior * static_cast<double>(square - mean * mean), 1e-9 * prior);
 }
 
-TEST(FilterBank, ACodeThatStaysIsNoNewsUnlessItCouldHaveLeft) {
+TEST(FilterBank, AnUnchangedCodeInformsOnlyIfItCouldHaveChanged) {
   const double quantum = quantum_of(8);
   FilterBank bank(design(quantum, 0.0));
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(1);
@@ -253,7 +253,7 @@ double share_of(const FilterBank& bank, Kind kind) {
 
 // Between 4 and 4.5 s the sensor fails, in each of three ways. From 7 s on the estimate is as good
 // as it was, at all rates from 10 Hz to 10 kHz; meanwhile everything is a number.
-TEST_P(Recovery, FromNoNumbersAJumpAndASaturatedCode) {
+TEST_P(Recovery, AfterNanAJumpAndASaturatedCode) {
   const double period = GetParam();
   const double quantum = quantum_of(12);
   const auto from = static_cast<int>(std::lround(4.0 / period));
@@ -305,7 +305,7 @@ INSTANTIATE_TEST_SUITE_P(FilterBank, Recovery, ::testing::Values(1e-1, 1e-2, 1e-
                          });
 
 // The encoder itself is the oracle: its positions lie in the range, fill it, and err by as much.
-TEST(SensorError, CodesTellWhereTheEncoderWas) {
+TEST(SensorError, CodesBoundThePosition) {
   for (const EncoderRounding rounding : {EncoderRounding::nearest, EncoderRounding::truncate}) {
     const Encoder encoder{.quantum = 0.2, .rounding = rounding};
     SensorError error = sensor(encoder.quantum, 0.03);
@@ -332,7 +332,7 @@ TEST(SensorError, CodesTellWhereTheEncoderWas) {
 }
 
 // An encoder that truncates, and a bank that is told so or takes it for one that rounds.
-TEST(FilterBank, IsAsGoodBehindAnEncoderThatTruncatesOnlyIfItIsTold) {
+TEST(FilterBank, NeedsTheTruncationOfTheEncoderAsAParameter) {
   const double quantum = quantum_of(8);
   const auto error = [&](EncoderRounding encoder, EncoderRounding told) {
     FilterBankDesign known = design(quantum, 0.0);
@@ -353,7 +353,7 @@ TEST(FilterBank, IsAsGoodBehindAnEncoderThatTruncatesOnlyIfItIsTold) {
 }
 
 // A number that is none in the input, too, and a reset that forgets everything.
-TEST(FilterBank, ForgetsAllInAReset) {
+TEST(FilterBank, ResetRestoresTheInitialState) {
   const double quantum = quantum_of(12);
   FilterBank used(design(quantum, 0.0)), fresh(design(quantum, 0.0));
   Eigen::VectorXd u = Eigen::VectorXd::Zero(1), y = u;
@@ -376,7 +376,7 @@ TEST(FilterBank, ForgetsAllInAReset) {
   }
 }
 
-TEST(FilterBank, RefusesWhatIsNoAxis) {
+TEST(FilterBank, RefusesAPlantThatIsNotAnAxis) {
   EXPECT_NO_THROW(FilterBank(design(1e-3, 0.0)));
   FilterBankDesign wrong = design(1e-3, 0.0);
   wrong.plant.A(1, 0) = -1.0;  // a spring

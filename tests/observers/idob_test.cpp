@@ -36,7 +36,7 @@ TEST(Idob, ErrorDynamicsHaveThePlacedPoles) {
   }
 }
 
-TEST(Idob, ErrorDecaysAsTheErrorDynamicsSay) {
+TEST(Idob, ErrorFollowsTheErrorDynamics) {
   // On its own model with a constant disturbance, e(k+1) = (Ā − H C̄) e(k), whatever the input.
   const double T = 0.01, J = 2.0, d = 3.0;
   const StateSpace sampled = zero_order_hold(inertia(J), T);

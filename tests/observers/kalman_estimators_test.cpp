@@ -74,7 +74,7 @@ TEST(Kfd, IsTheTextbookFilter) {
   }
 }
 
-TEST(Kfd, FixedSizesGiveTheSameAsDynamicOnes) {
+TEST(Kfd, FixedAndDynamicSizesAgree) {
   Random random(4);
   const KalmanDesign design = random_design(random, 2, 1, 1, 0);
   Kfd<> dynamic(design);
@@ -91,7 +91,7 @@ TEST(Kfd, FixedSizesGiveTheSameAsDynamicOnes) {
 
 // One output of a fixed size has a recursion of its own: against the matrices', with an output that
 // is the first state and with one that is any combination.
-TEST(AdaptiveFilters, FixedSizesGiveTheSameAsDynamicOnes) {
+TEST(AdaptiveFilters, FixedAndDynamicSizesAgree) {
   Random random(15);
   for (int trial = 0; trial < 10; ++trial) {
     KalmanDesign design = random_design(random, 2, 1, 1, 0);
@@ -133,7 +133,7 @@ TEST(AdaptiveFilters, FixedSizesGiveTheSameAsDynamicOnes) {
   }
 }
 
-TEST(AdaptiveFilters, ThatNeverForgetAreThePlainKalmanFilter) {
+TEST(AdaptiveFilters, WithoutForgettingEqualTheKalmanFilter) {
   Random random(5);
   for (int trial = 0; trial < 20; ++trial) {
     const Eigen::Index n = 1 + trial % 4, p = 1 + trial % 2;
@@ -220,7 +220,7 @@ TEST(AsymmetricFakfd, IsEquation45AsPrintedAndItsLeftForm) {
                std::invalid_argument);
 }
 
-TEST(Vfakfd, LambdaIsThatOfEquation420) {
+TEST(Vfakfd, LambdaFollowsEquation420) {
   Random random(7);
   KalmanDesign design = random_design(random, 2, 1, 1, 0);
   const double alpha = 0.3;
@@ -264,7 +264,7 @@ TEST(Vfakfd, RefusesNonsense) {
   EXPECT_THROW(Vfakfd<>(design, {Eigen::VectorXd::Ones(2), zero, 0.8, 1.0}), std::invalid_argument);
 }
 
-TEST(Qvff, IsDeafToWhatItsSensorExplainsAndHearsTheRest) {
+TEST(Qvff, IgnoresInnovationsWithinTheSensorErrorOnly) {
   const ExtendedPlant plant =
       extend_by_disturbance_model(zero_order_hold({(Eigen::Matrix2d() << 0, 1, 0, 0).finished(),
                                                    Eigen::Vector2d(0, 1), Eigen::RowVector2d(1, 0)},
@@ -413,7 +413,7 @@ TEST(KalmanEstimators, CovarianceOfRandomPlantsStaysPositiveDefinite) {
   }
 }
 
-TEST(DisturbanceEstimators, FindAConstantDisturbanceOfTheirOwnPlant) {
+TEST(DisturbanceEstimators, FindAConstantDisturbanceOnTheNominalPlant) {
   Random random(10);
   for (int trial = 0; trial < 10; ++trial) {
     // A damped inertia on a spring.
@@ -440,7 +440,7 @@ TEST(DisturbanceEstimators, FindAConstantDisturbanceOfTheirOwnPlant) {
   }
 }
 
-TEST(DisturbanceEstimators, ResetStartsAnew) {
+TEST(DisturbanceEstimators, ResetRestoresTheInitialState) {
   Random random(11);
   const KalmanDesign design = random_design(random, 2, 1, 1, 1);
   for (const auto& filter : one_of_each(design, 1e-2)) {
@@ -460,7 +460,7 @@ TEST(DisturbanceEstimators, ResetStartsAnew) {
   }
 }
 
-TEST(ObserverPoles, AreThoseOfTheirMatrixInBothPlanes) {
+TEST(ObserverPoles, AreEigenvaluesOfTheMatrixInBothPlanes) {
   const double T = 0.01;
   const StateSpace plant{(Eigen::Matrix2d() << 0, 1, 0, 0).finished(), Eigen::Vector2d(0, 1),
                          Eigen::RowVector2d(1, 0)};

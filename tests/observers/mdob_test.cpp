@@ -18,7 +18,7 @@ void begin(Mdob& observer) {
   observer.update(number(NAN), number(0.0));
 }
 
-TEST(Mdob, HeldStillItSeesTheTorqueThroughItsLowPass) {
+TEST(Mdob, AtRestEstimatesTheFilteredTorque) {
   // q = 0 under torque τ: the disturbance is τ, seen as τ (1 − e^{−g_w t}), exactly at samples.
   const double T = 1e-3, g_w = 80.0, torque = 7.0;
   Mdob observer({1.5, 300.0, g_w}, T);
@@ -29,7 +29,7 @@ TEST(Mdob, HeldStillItSeesTheTorqueThroughItsLowPass) {
   }
 }
 
-TEST(Mdob, SeesNothingOnItsOwnNominalPlant) {
+TEST(Mdob, EstimatesZeroOnItsNominalPlant) {
   // Free acceleration: τ = J q̈ needs no disturbance. In the limit of a short period the answer
   // vanishes with it.
   const double J = 0.8, torque = 2.0;

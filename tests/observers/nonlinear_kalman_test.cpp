@@ -71,7 +71,7 @@ NonlinearKalmanDesign<N, p> design(double q, double r, double p0) {
   return d;
 }
 
-TEST(NonlinearKalman, AllAreTheKalmanFilterOfALinearProcess) {
+TEST(NonlinearKalman, AllEqualTheKalmanFilterForALinearProcess) {
   const Linear process;
   const auto d = design<4, 2>(0.01, 0.1, 1.0);
   Ekf<Linear, 2> ekf(process, d, 0.0);
@@ -102,7 +102,7 @@ TEST(NonlinearKalman, AllAreTheKalmanFilterOfALinearProcess) {
 }
 
 // Two entries a row, whose sum has one order only.
-TEST(NonlinearKalman, SparseProductsAreTheDenseOnes) {
+TEST(NonlinearKalman, SparseProductsEqualDenseOnes) {
   constexpr int N = 30;
   using Square = Eigen::Matrix<double, N, N>;
   testing::Random random;
@@ -147,7 +147,7 @@ TEST(NonlinearKalman, PIsSymmetricToTheBit) {
 }
 
 // Also where it had a 0 before: the filter carries what is not 0 alone.
-TEST(NonlinearKalman, ChangedProcessIsTheOneThatIsCarried) {
+TEST(NonlinearKalman, PredictsWithTheChangedProcess) {
   Linear process;
   const auto d = design<4, 2>(0.01, 0.1, 1.0);
   Ukf<Linear, 2> changed(process, d);
@@ -164,7 +164,7 @@ TEST(NonlinearKalman, ChangedProcessIsTheOneThatIsCarried) {
 }
 
 // One step against the textbook's loop over all 2n points, drawn again for the measurement.
-TEST(NonlinearKalman, UkfIsTheTextbooks) {
+TEST(NonlinearKalman, UkfEqualsTheTextbook) {
   const Pendulum process;
   const auto d = design<3, 1>(1e-4, 0.01, 0.3);
   Ukf<Pendulum, 1> ukf(process, d);
@@ -206,7 +206,7 @@ TEST(NonlinearKalman, UkfIsTheTextbooks) {
   }
 }
 
-TEST(NonlinearKalman, StructureChangesNothing) {
+TEST(NonlinearKalman, StructureDoesNotChangeTheEstimate) {
   const auto d = design<3, 1>(1e-4, 0.01, 0.3);
   Ukf<Pendulum, 1> structured(Pendulum(), d);
   Ukf<DensePendulum, 1> dense(DensePendulum(), d);
@@ -225,7 +225,7 @@ TEST(NonlinearKalman, StructureChangesNothing) {
 
 // The error, measured by the filter's own covariance, is χ² when the model is true: its mean over
 // M runs of n states lies in n ± 1.96 √(2n/M) in 95 of 100 cases.
-TEST(NonlinearKalman, NeesIsInItsBandWhenTheModelIsTrue) {
+TEST(NonlinearKalman, NeesIsInItsBandWithATrueModel) {
   const Pendulum process;
   auto d = design<3, 1>(0.0, 1e-4, 0.01);
   d.Q.diagonal() << 1e-8, 1e-5, 1e-6;
@@ -263,7 +263,7 @@ TEST(NonlinearKalman, NeesIsInItsBandWhenTheModelIsTrue) {
 }
 
 // What had a negative eigenvalue keeps its eigenvectors and its other eigenvalues.
-TEST(NonlinearKalman, RaisesTheEigenvaluesThatAreTooSmall) {
+TEST(NonlinearKalman, RaisesSmallEigenvalues) {
   const double sine = std::sin(0.7), cosine = std::cos(0.7);
   Eigen::Matrix3d vectors;
   vectors << cosine, -sine, 0, sine, cosine, 0, 0, 0, 1;

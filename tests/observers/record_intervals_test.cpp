@@ -58,7 +58,7 @@ TEST(PolePredictor, HasItsPolesOverEachInterval) {
   expect_poles(two, {real, complex});
 }
 
-TEST(RecordIntervals, APeriodButForTheRoundingOfItsTimesIsOne) {
+TEST(RecordIntervals, EqualPeriodsWithRoundedTimesAreOnePeriod) {
   std::vector<double> times;
   for (int k = 0; k < 5000; ++k) times.push_back(1e4 + 1e-3 * k);
   const std::vector<double> inputs(times.size(), 0.0);
@@ -71,7 +71,7 @@ TEST(RecordIntervals, APeriodButForTheRoundingOfItsTimesIsOne) {
   EXPECT_FALSE(RecordIntervals(rows).is_regular());
 }
 
-TEST(RecordIntervals, WhatWasHeldOverAGapLiesOnTheLineBetweenItsEnds) {
+TEST(RecordIntervals, InterpolatesTheInputOverAGap) {
   std::vector<double> times;
   std::vector<double> inputs;
   for (int k = 0; k < 100; ++k) {
@@ -95,7 +95,7 @@ TEST(RecordIntervals, WhatWasHeldOverAGapLiesOnTheLineBetweenItsEnds) {
   EXPECT_NEAR(before.held_input()(0), 3.0 * 52.0, 1e-9);
 }
 
-TEST(RecordIntervals, HowWellAMissingInputIsKnownIsWhatTheRecordSays) {
+TEST(RecordIntervals, TakesTheUncertaintyOfAMissingInputFromTheRecord) {
   testing::Random random(4);
   std::vector<double> times;
   std::vector<double> inputs;
@@ -116,7 +116,7 @@ TEST(RecordIntervals, HowWellAMissingInputIsKnownIsWhatTheRecordSays) {
 }
 
 // Where n − 1 samples are missing, the state and P are what n predictions give.
-TEST(KalmanEstimators, PredictOverAGapAsOverSoManySamples) {
+TEST(KalmanEstimators, PredictOverAGapAsOverSingleSamples) {
   const double T = 1e-2;
   const ExtendedPlant plant = sample_with_disturbance_model(damped_inertia(0.5, 0.1), 1, T);
   const Eigen::Index N = plant.states();

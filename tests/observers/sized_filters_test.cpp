@@ -16,7 +16,7 @@ constexpr double kPeriod = 0.01;
 
 // What runs and Python take is the filter whose sizes are known at run time alone, over intervals
 // that change too.
-TEST(SizedFilters, AreTheFiltersOfAnySize) {
+TEST(SizedFilters, EqualTheFiltersOfDynamicSize) {
   const SensorError sensor{Eigen::VectorXd::Constant(1, 1e-3), Eigen::VectorXd::Constant(1, 1e-4)};
   for (const int order : {0, 1, 2}) {
     const ExtendedPlant plant =
@@ -59,7 +59,7 @@ TEST(SizedFilters, AreTheFiltersOfAnySize) {
 }
 
 // Two outputs, or more states than are compiled in.
-TEST(SizedFilters, TakeAnySize) {
+TEST(SizedFilters, WorkWithDynamicSize) {
   StateSpace plant{Eigen::MatrixXd::Zero(4, 4), Eigen::MatrixXd::Zero(4, 1),
                    Eigen::MatrixXd::Zero(2, 4)};
   plant.A.topRightCorner(2, 2).setIdentity();

@@ -33,7 +33,7 @@ TEST(StateObserver, ErrorHasThePlacedPolesAndDisturbanceBiasesIt) {
   EXPECT_GT(error_after(1.0), 1e-3);
 }
 
-TEST(StateObserver, RefusesPolesThatAreNotStable) {
+TEST(StateObserver, RefusesUnstablePoles) {
   const StateSpace plant = damped_inertia(0.625, 0.78);
   using Poles = std::vector<PoleGroup>;
   for (const PoleGroup& group : {PoleGroup{-20.0, 5.0}, PoleGroup{-20.0, 0.0},

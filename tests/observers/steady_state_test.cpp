@@ -17,7 +17,7 @@ using testing::random_plant;
 
 // P(k|k) of the filter after it has settled, and what the Riccati solution X = P(k+1|k) says of it.
 // A factor Γ makes it the solution for A √Γ, with P(k|k) = √Γ (X − X Cᵀ (C X Cᵀ + R)⁻¹ C X) √Γ.
-TEST(KalmanEstimators, SettleAtTheSolutionOfTheRiccatiEquation) {
+TEST(KalmanEstimators, ConvergeToTheSolutionOfTheRiccatiEquation) {
   Random random(21);
   std::vector<testing::RiccatiProblem> problems;  // of the dual: Aᵀ, Cᵀ
   std::vector<Eigen::MatrixXd> settled, roots;

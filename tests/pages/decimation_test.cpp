@@ -33,7 +33,7 @@ TEST(Decimation, KeepsEveryPeakAtItsTime) {
   EXPECT_EQ(thin.times_s.back(), series.times_s.back());
 }
 
-TEST(Decimation, APeakBesideWhatIsNoNumberSurvives) {
+TEST(Decimation, APeakBesideNanStays) {
   Series series = impact();
   series.values[30520] = std::numeric_limits<double>::quiet_NaN();
   series.values[30400] = std::numeric_limits<double>::quiet_NaN();
@@ -44,7 +44,7 @@ TEST(Decimation, APeakBesideWhatIsNoNumberSurvives) {
   EXPECT_EQ(largest, 7.93);
 }
 
-TEST(Decimation, ExtremesOfAnyPartSurvive) {
+TEST(Decimation, KeepsTheExtremesOfAnyPart) {
   testing::Random random(7);
   Series series;
   for (int i = 0; i < 9973; ++i) {
@@ -77,7 +77,7 @@ TEST(Decimation, AStepStaysAStep) {
   EXPECT_EQ(thin.at(5200.0), 1.0);
 }
 
-TEST(Decimation, ShortSeriesAreLeftAsTheyAre) {
+TEST(Decimation, ShortSeriesDoNotChange) {
   const Series series{{0.0, 1.0, 2.0}, {3.0, 1.0, 2.0}};
   EXPECT_EQ(decimate(series, 10).values, series.values);
   EXPECT_TRUE(decimate(Series{}, 10).values.empty());

@@ -147,7 +147,7 @@ TEST(QuantileBands, AreTheOrderStatistics) {
 }
 
 // What the page says of pairs is what comparison.csv says.
-TEST(StudyReport, SaysWhatIsBetter) {
+TEST(StudyReport, NamesTheBetterCandidate) {
   Study study = make_study({}, {"idob", "stf", "kfd"}, 12);
   study.goals = {{"y_m", Goal::min}};
   study.metrics = {"y_m"};
@@ -199,7 +199,7 @@ TEST(QuantileBands, ManyValuesAreGroupedWithTheirNeighbours) {
   EXPECT_EQ(group_values(key, 11).centre, key.values);
 }
 
-TEST(StudyNumbers, ASampleKeepsWhatIsComparedTogetherAndCountsEveryFailure) {
+TEST(StudyNumbers, ASampleKeepsPairsTogetherAndCountsEveryFailure) {
   Folder folder("sample", make_study({list_of("a", range(0.0, 1.0, 400))}, {"idob", "stf"}, 10));
   std::size_t failed = 0;
   folder.fill([&](const StudyPoint& point, PointResult& result) {
@@ -225,7 +225,7 @@ TEST(StudyNumbers, ASampleKeepsWhatIsComparedTogetherAndCountsEveryFailure) {
 }
 
 // y = Σ a_i x_i of uniform x_i: S_i = T_i = a_i²/Σ a². Failed where x_1 < 0.25: x_1 alone decides.
-TEST(StudyIndices, AreThoseOfALinearOutputAndOfItsFailures) {
+TEST(StudyIndices, MatchALinearOutputAndItsFailures) {
   Study study =
       make_study({uniform("x.a", 0, 1), uniform("x.b", 0, 1), uniform("x.c", 0, 1)}, {"idob"}, 2);
   study.method = Method::saltelli;
@@ -279,7 +279,7 @@ TEST(ChartScale, TicksAreRoundAndInside) {
 }
 
 // log(0.1,1000,n) has values of ten digits; what is told apart by no fewer keeps them.
-TEST(StudyGroups, LabelsAreShortWhereAllAreToldApart) {
+TEST(StudyGroups, LabelsAreAsShortAsTheirValuesAllow) {
   StudyKey key;
   key.values = {0.3437543855, 281.1706626, 20000.0, 123456.0, 0.015};
   EXPECT_EQ(group_values(key, 10).labels,
@@ -330,7 +330,7 @@ TEST_P(LargeStudy, HasAPageOfLessThan2MB) {
 INSTANTIATE_TEST_SUITE_P(Shapes, LargeStudy, ::testing::Values("grid", "lhs", "saltelli"),
                          [](const auto& shape) { return std::string(shape.param); });
 
-TEST(HeatMaps, HaveTheirRowsWholeLabels) {
+TEST(HeatMaps, HaveCompleteRowLabels) {
   HeatMap map;
   map.x_labels = {"a word of twenty-six letters", "b"};
   map.y_labels = {"joint-space-position"};
@@ -370,7 +370,7 @@ TEST(StudyReport, HostileNamesStayText) {
   }
 }
 
-TEST(StudyReport, OfNothingIsAPageToo) {
+TEST(StudyReport, AnEmptyStudyHasAPage) {
   Folder folder("nothing", make_study({list_of("a", {1, 2})}, {"idob"}, 1));
   EXPECT_TRUE(has(folder.page(), "not yet run"));
   folder.fill([](const StudyPoint&, PointResult& result) { fail(result, ""); });

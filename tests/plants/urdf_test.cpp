@@ -56,7 +56,7 @@ TEST(Urdf, NamesFileElementAndReason) {
             ":1: has no revolute joint");
 }
 
-TEST(Urdf, RefusesWhatIsNoNumber) {
+TEST(Urdf, RefusesNonNumbers) {
   for (const auto& [from, to, reason] :
        Rows{{"iyz='0'", "iyz='banana'", ":5: <inertia> iyz=\"banana\": must be a number"},
             {"<mass value='1'", "<mass value='nan'",
@@ -88,7 +88,7 @@ TEST(Urdf, RefusesABranch) {
             ":3: link \"base\": has more than one child: only a chain can be used");
 }
 
-TEST(Urdf, RefusesWhatIsNoUrdf) {
+TEST(Urdf, RefusesOtherFiles) {
   EXPECT_TRUE(complaint("<robot name='r'>\n<link name='base'>\n").starts_with(":"));
   EXPECT_TRUE(complaint("").starts_with(":"));
   EXPECT_TRUE(complaint("<mujoco/>").starts_with(":"));

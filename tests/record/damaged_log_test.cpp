@@ -47,7 +47,7 @@ class DamagedLog : public ::testing::Test {
   const fs::path log_ = folder_ / "log.h5";
 };
 
-TEST_F(DamagedLog, IsReadOrRefusedWhateverBytesItsHeadHolds) {
+TEST_F(DamagedLog, IsReadOrRefusedForAnyBytesInItsHead) {
   for (const int deflate_level : {0, 6}) {
     write_small_log(log_, deflate_level);
     ASSERT_EQ(outcome([&] { read_all(log_); }), "read");
@@ -65,7 +65,7 @@ TEST_F(DamagedLog, IsReadOrRefusedWhateverBytesItsHeadHolds) {
 }
 
 // HDF5 would end this very process on some of them.
-TEST_F(DamagedLog, IsReadByAChildWhateverBytesItHolds) {
+TEST_F(DamagedLog, IsReadByAChildForAnyBytes) {
   for (const int deflate_level : {0, 6}) {
     write_small_log(log_, deflate_level);
     const LogContents all = read_foreign_log(log_.string());
@@ -99,7 +99,7 @@ TEST_F(DamagedLog, IsReadByAChildWhateverBytesItHolds) {
 }
 
 // A dataset of 8 MB that deflates to 8 kB, under two names and under many.
-TEST_F(DamagedLog, ThatHoldsMoreThanItsReaderMayTakeIsRefused) {
+TEST_F(DamagedLog, IsRefusedIfLargerThanTheReaderAllows) {
   const auto write_links = [&](int count) {
     write(
         "c.create_dataset('x', data=np.zeros((10**6, 1)), chunks=(10**5, 1), compression=9); "
@@ -169,7 +169,7 @@ TEST_F(EndlessLog, ItsReaderEndsWithItsParent) {
   prctl(PR_SET_CHILD_SUBREAPER, 0);
 }
 
-TEST_F(DamagedLog, IsFoundOutByTheManifest) {
+TEST_F(DamagedLog, IsDetectedByTheManifest) {
   const std::string manifest = R"({"scenario": "s", "state_hash": "0")";
   for (const int deflate_level : {0, 6}) {
     write_small_log(log_, deflate_level);
@@ -197,7 +197,7 @@ TEST_F(DamagedLog, IsFoundOutByTheManifest) {
   EXPECT_FALSE(check_log(folder_));
 }
 
-TEST_F(DamagedLog, ThatClaimsMoreThanItHoldsIsRefused) {
+TEST_F(DamagedLog, IsRefusedIfItClaimsMoreDataThanItHas) {
   EXPECT_EQ(outcome_of("c.create_dataset('x', (10**18,), 'f8')"), "refused");
   EXPECT_EQ(outcome_of("c.create_dataset('x', (2, 10**9), 'f8')"), "refused");
   for (const char* rows : {"10**18", "10**9"}) {
@@ -210,7 +210,7 @@ TEST_F(DamagedLog, ThatClaimsMoreThanItHoldsIsRefused) {
             "refused");
 }
 
-TEST_F(DamagedLog, OfOtherTypesAndRanksIsRefused) {
+TEST_F(DamagedLog, IsRefusedWithOtherTypesAndRanks) {
   EXPECT_EQ(outcome_of("c['x'] = [1.0, 2.0]"), "read");
   for (const char* data : {"1.0", "[[[1.0]]]", "[1, 2]", "np.float32([1])", "'text'", "['a', 'b']",
                            "np.zeros(2, 'f8,f8')", "h5py.Empty('f8')", "np.array([1.0], '>f8')"}) {
@@ -221,7 +221,7 @@ TEST_F(DamagedLog, OfOtherTypesAndRanksIsRefused) {
             "refused");
 }
 
-TEST_F(DamagedLog, LeadsToNoOtherFile) {
+TEST_F(DamagedLog, DoesNotOpenOtherFiles) {
   write_small_log(folder_ / "other.h5", 0);
   for (const char* link : {"c['x'] = h5py.ExternalLink('other.h5', '/control/time_s')",
                            "f['x'] = h5py.ExternalLink('other.h5', '/control')",
@@ -242,7 +242,7 @@ TEST_F(DamagedLog, LeadsToNoOtherFile) {
 }
 
 // As version 0.1 wrote them, of variable length.
-TEST_F(DamagedLog, TextsOfVariableLengthAreTakenAsEmpty) {
+TEST_F(DamagedLog, ReadsTextsOfVariableLengthAsEmpty) {
   ASSERT_EQ(outcome_of("c['x_m'] = [1.0, 2.0]; c['x_m'].attrs['unit'] = 'm'; "
                        "c['x_m'].attrs['description'] = 'a length'"),
             "read");

@@ -19,7 +19,7 @@ std::string warning_of(const std::function<double(double)>& error, double asked 
   return warnings.empty() ? "" : warnings.front();
 }
 
-TEST(HeldReference, WhatComesToItIsHeld) {
+TEST(HeldReference, IsHeldByAConvergingOutput) {
   for (const double asked : {0.0, 1.0}) {
     EXPECT_EQ(warning_of([](double t) { return std::exp(-t); }, asked), "");
     EXPECT_EQ(warning_of([](double t) { return std::exp(-0.1 * t) * std::cos(9 * t); }, asked), "");
@@ -29,7 +29,7 @@ TEST(HeldReference, WhatComesToItIsHeld) {
   EXPECT_EQ(warning_of([](double t) { return 0.01 * std::sin(20 * t); }), "");
 }
 
-TEST(HeldReference, AnErrorOfTheReferencesSizeIsSaid) {
+TEST(HeldReference, ReportsAnErrorOfTheReferencesSize) {
   EXPECT_EQ(warning_of([](double) { return -0.9; }),
             "the position does not hold its reference: over the last 1 s its error is 0.9 m (rms), "
             "of 1 m to go");
@@ -38,7 +38,7 @@ TEST(HeldReference, AnErrorOfTheReferencesSizeIsSaid) {
   EXPECT_EQ(warning_of([](double) { return -0.9; }, 5.0), "") << "most of it is done";
 }
 
-TEST(HeldReference, AnErrorThatGrowsIsSaid) {
+TEST(HeldReference, ReportsAGrowingError) {
   const auto grows = [](double t) { return 1e-3 * std::exp(0.6 * t) * std::cos(30 * t); };
   for (const double asked : {0.0, 1.0}) {
     EXPECT_TRUE(has(warning_of(grows, asked), "grows to the end"));
@@ -48,7 +48,7 @@ TEST(HeldReference, AnErrorThatGrowsIsSaid) {
   EXPECT_EQ(warning_of([](double t) { return 1e-16 * std::exp(2 * t); }, 0.0), "") << "rounding";
 }
 
-TEST(HeldReference, OfATimeThatIsNotCoveredNothingIsSaid) {
+TEST(HeldReference, ReportsNothingForATimeOutsideTheRun) {
   EXPECT_EQ(warning_of([](double) { return 1.0; }, 1.0, 6.0), "");
 }
 

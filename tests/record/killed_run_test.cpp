@@ -110,11 +110,11 @@ TEST_F(KilledRun, IsAbsentOrWhole) {
   kill_at_each_step({}, false, {"none", "new"});
 }
 
-TEST_F(KilledRun, LeavesTheEarlierOneOrTheNewOne) {
+TEST_F(KilledRun, LeavesTheOldOrTheNewRun) {
   kill_at_each_step({}, true, {"earlier", "new"});
 }
 
-TEST_F(KilledRun, LeavesTheEarlierOneOrTheNewOneWhereNamesCannotBeExchanged) {
+TEST_F(KilledRun, LeavesTheOldOrTheNewRunWithoutExchangeOfNames) {
   kill_at_each_step(kNoExchange, true, {"earlier", "new"});
 }
 
@@ -131,7 +131,7 @@ std::set<std::string> synced_before(const std::vector<std::string>& steps, std::
   return synced;
 }
 
-TEST_F(KilledRun, IsOnTheDiskBeforeItTakesItsName) {
+TEST_F(KilledRun, IsSyncedBeforeItGetsItsName) {
   const std::set<std::string> all = {".", "log.csv", "manifest.json"};
   const std::string partial = base_.string() + "/.run.partial-";
   ASSERT_EQ(write("first"), 0);
@@ -148,7 +148,7 @@ TEST_F(KilledRun, IsOnTheDiskBeforeItTakesItsName) {
   }
 }
 
-TEST_F(KilledRun, ThatCannotTakeItsNameIsKeptUnderAnother) {
+TEST_F(KilledRun, IsKeptUnderAnotherNameIfItsNameIsTaken) {
   for (const Settings& settings : {Settings{}, kNoExchange}) {
     fs::remove_all(base_);
     fs::create_directories(base_);
@@ -171,7 +171,7 @@ TEST_F(KilledRun, ThatCannotTakeItsNameIsKeptUnderAnother) {
   }
 }
 
-TEST_F(KilledRun, ThatCanBePutNowhereIsKeptWhereItIs) {
+TEST_F(KilledRun, IsKeptInPlaceIfItCannotBeMoved) {
   ASSERT_EQ(write("earlier"), 0);
   EXPECT_EQ(write("new", {{"STEPS_REFUSE", "all"}}), 2);
   const std::string error = text_of(errors_);
@@ -184,7 +184,7 @@ TEST_F(KilledRun, ThatCanBePutNowhereIsKeptWhereItIs) {
   EXPECT_EQ(text_of(kept / "log.csv"), "new");
 }
 
-TEST_F(KilledRun, ThatTheDiskDoesNotTakeLeavesNothing) {
+TEST_F(KilledRun, LeavesNothingOnAFullDisk) {
   EXPECT_EQ(write("new", {{"STEPS_BAD_DISK", "/log.csv"}}), 2);
   EXPECT_TRUE(names().empty());
   ASSERT_EQ(write("earlier"), 0);

@@ -144,7 +144,7 @@ TEST_F(IrregularRecord, JitterAndLostRowsCostLittleBesideTheCleanRecord) {
   }
 }
 
-TEST_F(IrregularRecord, TheDefaultFilterDoesNotTakeAClockThatJittersForALoad) {
+TEST_F(IrregularRecord, TheDefaultFilterDoesNotEstimateALoadFromJitter) {
   testing::Random random(3);
   const std::vector<Row> rows = moved_motor(instants(0.04, random));
   const Recording recording = estimate(rows, "stf");
@@ -164,7 +164,7 @@ TEST_F(IrregularRecord, OneLostRowDoesNotStartTheFilterAgain) {
 }
 
 // The rows say that they were taken once a period, and were not.
-TEST_F(IrregularRecord, UncertainInstantsAreAnErrorOfTheSensorThatGrowsWithTheSpeed) {
+TEST_F(IrregularRecord, UncertainTimesActAsASensorErrorThatGrowsWithTheSpeed) {
   testing::Random random(5);
   std::vector<Row> rows = moved_motor(instants(0.2, random));
   for (std::size_t k = 0; k < rows.size(); ++k) {
@@ -183,7 +183,7 @@ TEST_F(IrregularRecord, UncertainInstantsAreAnErrorOfTheSensorThatGrowsWithTheSp
   EXPECT_LE(error(known, rows), 0.02 * kLoad);
 }
 
-TEST_F(IrregularRecord, AModelThatDoesNotExplainTheDataIsSaid) {
+TEST_F(IrregularRecord, WarnsOfAModelThatDoesNotExplainTheData) {
   testing::Random none;
   const std::vector<Row> rows = moved_motor(instants(0.0, none));
   for (const char* observer : {"stf", "qvff", "qbank", "idob"}) {

@@ -172,7 +172,7 @@ TEST(Allocation, EstimatorsDoNotAllocate) {
 }
 
 // Jitter, gaps with inputs that are missing, and instants that are uncertain.
-TEST(Allocation, EstimatorsDoNotAllocateWhereIntervalsChange) {
+TEST(Allocation, EstimatorsDoNotAllocateWithVariableIntervals) {
   const double T = 1e-3;
   const StateSpace motor = damped_inertia(1e-3, 2e-4);
   const SensorError sensor{Eigen::VectorXd::Constant(1, 1e-3), Eigen::VectorXd::Zero(1)};
@@ -205,7 +205,7 @@ TEST(Allocation, EstimatorsDoNotAllocateWhereIntervalsChange) {
   }
 }
 
-TEST(Allocation, ObserversOfSeveralOutputsDoNotAllocateWhereIntervalsChange) {
+TEST(Allocation, ObserversOfSeveralOutputsDoNotAllocateWithVariableIntervals) {
   StateSpace joints{Eigen::MatrixXd::Zero(4, 4), Eigen::MatrixXd::Zero(4, 2),
                     Eigen::MatrixXd::Zero(2, 4)};
   joints.A.topRightCorner(2, 2).setIdentity();

@@ -31,7 +31,7 @@ TEST(ArmObservers, EachHoldsTheContact) {
   }
 }
 
-TEST(ArmObservers, EachComesBackFromAPush) {
+TEST(ArmObservers, EachRecoversFromAPush) {
   for (const char* name : {"kfd", "stf", "qvff", "qbank"}) {
     const Recording run =
         run_case("arm_push", "proposed-link1", {"observer.name=" + std::string(name)});
@@ -41,7 +41,7 @@ TEST(ArmObservers, EachComesBackFromAPush) {
 }
 
 // A row of poles a joint, or one for all.
-TEST(ArmObservers, OneRowOfPolesIsThatOfEachJoint) {
+TEST(ArmObservers, OneRowOfPolesIsForEachJoint) {
   const auto hash = [&](const std::string& poles) {
     return run_case("arm_push", "proposed-link1",
                     {"run.duration_s=1", "observer.poles_rad_s=" + poles})

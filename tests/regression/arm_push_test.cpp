@@ -10,7 +10,7 @@ namespace {
 using testing::completed_run;
 using testing::run_case;
 
-TEST(Push, ProposedComesBack) {
+TEST(Push, ProposedRecovers) {
   for (const char* name : {"proposed-link1", "proposed-link2", "proposed-link3"}) {
     for (const char* angle :
          {"push.angle_rad=1.5707963267948966", "push.angle_rad=-1.5707963267948966"}) {
@@ -26,7 +26,7 @@ TEST(Push, ProposedComesBack) {
   }
 }
 
-TEST(Push, ProposedHeldJointByJointComesBackWithoutOvershoot) {
+TEST(Push, ProposedWithJointPositioningRecoversWithoutOvershoot) {
   for (const char* name : {"proposed-link1", "proposed-link2", "proposed-link3"}) {
     for (const char* angle :
          {"push.angle_rad=1.5707963267948966", "push.angle_rad=-1.5707963267948966"}) {
@@ -57,7 +57,7 @@ TEST(Push, ConventionalControllersNeedTheClippedFeed) {
 
 // And the proposed method, fed unclipped, does not run away: PFC never asks for more than the
 // limit, so there is nothing to clip.
-TEST(Push, FeedDoesNotMatterToTheProposedMethod) {
+TEST(Push, FeedDoesNotAffectTheProposedMethod) {
   const Recording clipped = run_case("arm_push", "proposed-link2");
   const Recording unclipped = run_case("arm_push", "proposed-link2", {"observer.feed=unclipped"});
   EXPECT_NEAR(*unclipped.metric("overshoot_rad"), *clipped.metric("overshoot_rad"), 1e-6);

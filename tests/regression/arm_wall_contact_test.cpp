@@ -81,7 +81,7 @@ TEST(WallContact, OrderingsOfTheThesis) {
   }
 }
 
-TEST(WallContact, TuningDoesWhatTheThesisSays) {
+TEST(WallContact, TuningHasTheEffectsOfTheThesis) {
   for (const std::string force : {"-2N", "-5N"}) {
     const Recording tuned = run_case(kScenario, "tuned" + force, kImpactOnly);
     const Recording untuned = run_case(kScenario, "proposed" + force, kImpactOnly);
@@ -126,7 +126,7 @@ TEST(WallContact, SteadyForceIsTheReferenceAndTheDepthIsForceOverStiffness) {
 // The arm with its force sensor as a second body on a slide: a spring of 1 kN/m and a damper of
 // 10 N s/m between link and tip, and a wall that is stiff. The chain's compliance then is where a
 // load cell has it, not in the contact.
-TEST(WallContact, ALoadCellAsASlideGivesTheSamePeaks) {
+TEST(WallContact, AnElasticLoadCellGivesTheSamePeaks) {
   using testing::replaced;
   std::string mjcf = replaced(
       testing::text_of(testing::source_file("models/arm.xml")),

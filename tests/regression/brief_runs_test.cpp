@@ -104,7 +104,7 @@ struct Window {
 };
 
 // One sample before the window's end its metrics are not there; at its end they are.
-TEST(BriefRuns, AMetricOfAWindowIsThereOnceTheWindowIsOver) {
+TEST(BriefRuns, AMetricOfAWindowExistsAfterTheWindow) {
   const std::vector<Window> windows = {
       {"motor_estimation",
        "vfakfd",
@@ -140,14 +140,14 @@ TEST(BriefRuns, AMetricOfAWindowIsThereOnceTheWindowIsOver) {
   }
 }
 
-TEST(BriefRuns, AMetricOfTheWholeRunIsThereHoweverShortTheRun) {
+TEST(BriefRuns, AMetricOfTheWholeRunExistsInAnyRun) {
   const std::vector<std::string> brief = {"run.duration_s=0.1"};
   EXPECT_TRUE(run_case("motor_estimation", "vfakfd", brief).metric("peak_position_rad"));
   EXPECT_TRUE(run_case("cart_offset_free", "proposed", brief).metric("max_input_N"));
   EXPECT_TRUE(run_case("cart_constrained", "proposed-idob", brief).metric("max_input_N"));
 }
 
-TEST(BriefRuns, TheQuadrotorsWindowIsTheLastPartOfARunOrNothing) {
+TEST(BriefRuns, TheQuadrotorsWindowIsTheLastPartOfALongRun) {
   const auto metrics = [](const char* window) {
     return run_case("quadrotor_waves", "ukf-zero", {"run.duration_s=3", window}).metrics;
   };
@@ -155,7 +155,7 @@ TEST(BriefRuns, TheQuadrotorsWindowIsTheLastPartOfARunOrNothing) {
   EXPECT_TRUE(metrics("metrics.window_s=3.1").empty());
 }
 
-TEST(BriefRuns, NothingHasSettledBeforeItsTimeIsOver) {
+TEST(BriefRuns, NoSettlingTimeExistsInAShortRun) {
   const auto settling_s = [](const char* scenario, const char* name, const char* metric,
                              const std::vector<std::string>& sets) {
     return run_case(scenario, name, sets).metric(metric);

@@ -18,7 +18,7 @@ std::vector<std::string> condition(const std::string& name, std::vector<std::str
   return more;
 }
 
-TEST(OffsetFree, OnlyThePlainObserverLeavesAnError) {
+TEST(OffsetFree, OnlyThePlainObserverHasAnError) {
   for (const char* name : {"proposed", "direct_rejection", "time_varying_constraint"}) {
     const Recording run = completed_run("cart_offset_free", name);
     EXPECT_LT(std::abs(*run.metric("steady_state_error_m")), 1e-4) << name;
@@ -56,7 +56,7 @@ TEST(OffsetFree, MovedBoundsWinOverTheInputsChange) {
   EXPECT_TRUE(stopped.failure);
 }
 
-TEST(OffsetFree, OutputDisturbanceAloneLeavesNone) {
+TEST(OffsetFree, OutputDisturbanceAloneLeavesNoError) {
   for (const char* name :
        {"proposed", "general_mpc", "direct_rejection", "time_varying_constraint"}) {
     const Recording run = run_case("cart_offset_free", name, {"disturbance.input_N=0"});
@@ -92,7 +92,7 @@ TEST(OffsetFree, KalmanFilterUnderNoise) {
   }
 }
 
-TEST(OffsetFree, PositionLimitUnderNoiseIsPassedByLittle) {
+TEST(OffsetFree, NoiseExceedsThePositionLimitByLittle) {
   std::vector<double> furthest;
   for (int seed = 1; seed <= 5; ++seed) {
     const Recording run =
@@ -138,7 +138,7 @@ TEST_P(ConstrainedBySolver, OnlyTheProposedControllerKeepsTheInputLimit) {
   EXPECT_NEAR(*lqr.metric("final_position_m"), -2.01, 0.02);
 }
 
-TEST_P(ConstrainedBySolver, WithinTheLimitAllWithAnObserverComeBack) {
+TEST_P(ConstrainedBySolver, WithinTheLimitAllWithAnObserverRecover) {
   for (const char* name : {"lqr-obs-idob", "tpw-mpc-idob", "mpc-idob", "proposed-idob",
                            "proposed-time_varying-idob"}) {
     const Recording run = run_case("cart_constrained", name, condition("B", GetParam()));
@@ -172,7 +172,7 @@ TEST(Constrained, ExactSolverSolvesEveryProblemOfTheMatrix) {
   }
 }
 
-TEST(Constrained, HildrethSaysWhereItStopsAtItsCap) {
+TEST(Constrained, HildrethReportsTheIterationLimit) {
   const Recording run = run_case("cart_constrained", "proposed-idob", condition("C", kHildreth));
   EXPECT_GT(*run.metric("qp_unsolved_count"), 50.0);
   EXPECT_EQ(*run.metric("qp_iterations_max"), 40.0);
@@ -196,7 +196,7 @@ TEST(Constrained, InfeasibleInFlightIsSoftenedOrStops) {
   EXPECT_EQ(stopped.failure->reason, "no input satisfies the constraints");
 }
 
-TEST(CartPosition, LimitedPositionIsPreferredToTheReference) {
+TEST(CartPosition, ThePositionLimitHasPriorityOverTheReference) {
   const Recording free = run_case("cart_position", "mpc-long");
   EXPECT_LT(std::abs(*free.metric("steady_state_error_m")), 2e-3);
   EXPECT_LE(*free.metric("qp_unsolved_count"), 0.0);

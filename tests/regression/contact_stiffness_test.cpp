@@ -25,7 +25,7 @@ Recording run_with(const std::string& name, double stiffness_N_m, const std::str
 
 class EachController : public ::testing::TestWithParam<const char*> {};
 
-TEST_P(EachController, StifferContactHitsHarderButNeverBeyondProportion) {
+TEST_P(EachController, ForceGrowsAtMostInProportionToTheStiffness) {
   double stiffness = 200.0;
   Recording softer = run_with(GetParam(), stiffness, "31.5");
   ASSERT_FALSE(softer.failure);
@@ -95,7 +95,7 @@ struct Start {
 class EachStart : public ::testing::TestWithParam<Start> {};
 
 // Seen from 50 to 100 s. 5 % of the reference lies between what still decays and what goes on.
-TEST_P(EachStart, SettlesBelowAndDoesNotAbove) {
+TEST_P(EachStart, SettlesOnlyBelowTheLimit) {
   const Start& start = GetParam();
   const double reference_N = std::string(start.name).ends_with("5N") ? 5.0 : 2.0;
   const Recording settled = run_with(start.name, start.settles_N_m, "100");

@@ -14,7 +14,7 @@ std::vector<std::string> warnings(const std::string& scenario, const std::string
   return run_case(scenario, case_name, sets).warnings;
 }
 
-TEST(ReferenceOfARun, IsSaidWhereItIsNotHeld) {
+TEST(ReferenceOfARun, IsReportedIfNotHeld) {
   const std::vector<std::tuple<std::string, std::string, std::vector<std::string>>> runs = {
       // An IDOB that is told a hundredth of the mass, and a loop that hardly pulls.
       {"cart_position", "idob", {"nominal.mass_kg=0.005"}},
@@ -37,7 +37,7 @@ bool loses_its_reference(const std::string& scenario, const std::string& name) {
 }
 
 // The cases at the wall, which are long, are left out.
-TEST(ReferenceOfARun, IsHeldInTheShippedCasesButForThoseThatLoseIt) {
+TEST(ReferenceOfARun, IsHeldInTheShippedCasesExceptTheKnownOnes) {
   for (const std::string& scenario : testing::scenario_names()) {
     if (scenario == "arm_wall_contact") continue;
     const ScenarioFile file = testing::scenario_file(scenario);

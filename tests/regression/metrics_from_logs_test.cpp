@@ -45,7 +45,7 @@ double largest_size(const Values& values) {
   return largest;
 }
 
-TEST(MetricsFromLogs, RawVelocityOfTheMotorIsTheDifferenceOfWhatIsMeasured) {
+TEST(MetricsFromLogs, RawVelocityOfTheMotorIsTheRawDifference) {
   const Recording run = run_case("motor_estimation", "mdob", {"encoder.bits=8"});
   const Values angle = of(run, "position_measured_rad");
   const Values times = run.track("control").times();
@@ -59,7 +59,7 @@ TEST(MetricsFromLogs, RawVelocityOfTheMotorIsTheDifferenceOfWhatIsMeasured) {
 }
 
 // From the disturbance on; the torque is what the drive gives, not what is asked of it.
-TEST(MetricsFromLogs, AngleAndTorqueOfTheMotorCountFromTheDisturbanceOn) {
+TEST(MetricsFromLogs, AngleAndTorqueOfTheMotorCountFromTheDisturbance) {
   const Recording run = run_case("motor_estimation", "idob",
                                  {"encoder.bits=8", "drive.limit_Nm=10.5", "disturbance.start_s=2",
                                   "disturbance.kind=two_sines"});
@@ -74,7 +74,7 @@ TEST(MetricsFromLogs, AngleAndTorqueOfTheMotorCountFromTheDisturbanceOn) {
       run_case("motor_estimation", "idob", {"run.duration_s=0.5"}).metric("rms_torque_Nm"));
 }
 
-TEST(MetricsFromLogs, LateForceAtTheWallIsThatOfTheContactForce) {
+TEST(MetricsFromLogs, LateForceAtTheWallMatchesTheContactForce) {
   const Recording run = run_case(
       "arm_wall_contact", "proposed-2N",
       {"contact.stiffness_N_m=5000", "metrics.from_s=31", "metrics.to_s=33", "run.duration_s=33"});
@@ -134,7 +134,7 @@ TEST(MetricsFromLogs, AStepHasNoLag) {
   EXPECT_FALSE(run_case("cart_estimation", "order1").metric("disturbance_lag_s"));
 }
 
-TEST(MetricsFromLogs, AnEstimateHasRisenWhereItFirstReachesItsLevel) {
+TEST(MetricsFromLogs, TheRiseOfAnEstimateEndsAtItsLevel) {
   const auto first = [](const Recording& run, double level) {
     const Values estimate = of(run, "d_hat_N");
     std::size_t i = 0;
@@ -150,7 +150,7 @@ TEST(MetricsFromLogs, AnEstimateHasRisenWhereItFirstReachesItsLevel) {
   EXPECT_NEAR(*step.metric("reach_time_99pct_s"), first(step, 0.99 * 5.0) - 25.0, 1e-9);
 }
 
-TEST(MetricsFromLogs, NoiseAboutItsMean) {
+TEST(MetricsFromLogs, NoiseIsMeasuredAboutItsMean) {
   const Recording run =
       run_case("cart_estimation", "gamma-1.02", {"metrics.from_s=20", "metrics.to_s=40"});
   Values noise = between(run, of(run, "d_hat_noise_N"), 20.0, 40.0);
@@ -159,7 +159,7 @@ TEST(MetricsFromLogs, NoiseAboutItsMean) {
   EXPECT_NEAR(*run.metric("max_noise_deviation_N"), largest_size(noise), 1e-12);
 }
 
-TEST(MetricsFromLogs, OfTheOffsetFreeCart) {
+TEST(MetricsFromLogs, MatchForTheOffsetFreeCart) {
   const Recording run = run_case("cart_offset_free", "proposed",
                                  {"noise.enabled=true", "metrics.from_s=30", "metrics.to_s=40"});
   const Values position = of(run, "position_true_m");
@@ -174,7 +174,7 @@ TEST(MetricsFromLogs, OfTheOffsetFreeCart) {
               largest_size(between(run, of(run, "d_hat_N"), 5.0, 9.9999)), 1e-12);
 }
 
-TEST(MetricsFromLogs, OfTheConstrainedCart) {
+TEST(MetricsFromLogs, MatchForTheConstrainedCart) {
   const Recording run = run_case("cart_constrained", "proposed-idob");
   const Values estimate = of(run, "velocity_hat_m_s");
   double travel = 0.0;

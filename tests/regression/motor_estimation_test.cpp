@@ -121,7 +121,7 @@ constexpr Row kRows[] = {{"1e-2", 4, 0.879, 0.805, 0.238, 0.109},
 class QuantisedRow : public ::testing::TestWithParam<Row> {};
 
 // All of Table 4.8's quantised cells, and the order of its methods.
-TEST_P(QuantisedRow, ComesOutAsPrintedBehindAnEncoderThatTruncates) {
+TEST_P(QuantisedRow, IsReproducedWithATruncatingEncoder) {
   const Row& row = GetParam();
   const Sets sets = cell(row.period_s, row.bits);
   const auto is_printed = [&row](int column, double measured) {
@@ -154,7 +154,7 @@ TEST_P(QuantisedRow, ComesOutAsPrintedBehindAnEncoderThatTruncates) {
 // In every row, whether the encoder counts from where it starts, so that the shaft comes to rest
 // within one count, or knows the true 0, so that the loop hunts about a reference between two.
 // Behind an encoder that truncates QVFF has the better transients, but not always the better rest.
-TEST_P(QuantisedRow, StfBeatsVfakfdBehindEveryEncoderAndQvffBehindOneThatRounds) {
+TEST_P(QuantisedRow, StfBeatsVfakfdWithEveryEncoderAndQvffWithARoundingOne) {
   const Row& row = GetParam();
   for (const char* rounding : {"nearest", "truncate"}) {
     for (const char* origin : {"counted", "calibrated"}) {
@@ -239,7 +239,7 @@ INSTANTIATE_TEST_SUITE_P(MotorEstimation, WhiteNoise, ::testing::Bool(),
 
 // Where the adaptive ones lose against a plain observer: a disturbance that moves (a sine of 1
 // rad/s behind a coarse encoder), a small one, a wrong inertia, and the transient of any.
-TEST(MotorEstimation, WhereVfakfdQvffAndStfLoseAgainstIdob) {
+TEST(MotorEstimation, VfakfdQvffAndStfLoseAgainstIdobInSomeCases) {
   const Sets sine = cell("1e-3", 8) + Sets{"disturbance.kind=sine"};
   for (const char* name : {"vfakfd", "qvff", "stf"}) {
     EXPECT_GT(metric(name, sine), 1.5 * metric("idob", sine)) << name;
@@ -258,7 +258,7 @@ TEST(MotorEstimation, WhereVfakfdQvffAndStfLoseAgainstIdob) {
 }
 
 // Fixed factors (4.3.4): the smaller λ, the faster and the noisier. VFAKFD escapes.
-TEST(MotorEstimation, FixedFactorsTradeNoiseForSpeedAndAVariableOneDoesNot) {
+TEST(MotorEstimation, OnlyFixedFactorsTradeNoiseForSpeed) {
   const Sets sets = white_noise("0.1");
   double noise = 0.0;
   for (const char* lambda : {"0.998", "0.98", "0.95", "0.90", "0.80"}) {
@@ -297,7 +297,7 @@ TEST(MotorEstimation, FixedFactorsTradeNoiseForSpeedAndAVariableOneDoesNot) {
       testing::run_case("motor_estimation", "idob", cell("1e-2", 8)).metric("lambda_mean_1"));
 }
 
-TEST(MotorEstimation, IdobKeepsItsPolesWhateverHappens) {
+TEST(MotorEstimation, IdobKeepsItsPoles) {
   const Recording run = testing::run_case("motor_estimation", "idob", cell("1e-2", 8));
   const auto re = run.track("control").values("poles_continuous_re_rad_s");
   for (std::size_t i = 0; i < re.size(); i += 3) {
@@ -323,7 +323,7 @@ TEST(MotorEstimation, TwoSinesAndAChirpHaveTheirKeys) {
   EXPECT_NEAR(chirp[4000], 3.0 * std::sin(8.0 + 6.0), 1e-9);
 }
 
-TEST(MotorEstimation, FilesWithoutTheKeysOfNewerDisturbancesHaveTheShippedValues) {
+TEST(MotorEstimation, OldFilesHaveTheShippedValuesOfNewerKeys) {
   const ScenarioFile shipped = testing::scenario_file("motor_estimation");
   const auto path = testing::temporary_path("motor_estimation.toml");
   std::ofstream older(path);
@@ -354,7 +354,7 @@ TEST(MotorEstimation, NoDisturbanceNoMotion) {
             0.0);
 }
 
-TEST(MotorEstimation, DelayCosts) {
+TEST(MotorEstimation, DelayIncreasesTheError) {
   const Sets sets = cell("1e-2", 12);
   const double fresh = metric("idob", sets, "peak_position_rad");
   const double old = metric("idob", sets + Sets{"sensor.delay_samples=2"}, "peak_position_rad");

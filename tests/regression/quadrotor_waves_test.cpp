@@ -105,7 +105,7 @@ TEST(QuadrotorWaves, ResonatorHoldsStation) {
 }
 
 // NEES of [ζ, ζ̇] should be 12. One resonator is too sure of itself in a sea of 2 m and more.
-TEST(QuadrotorWaves, SpectrumIsAsSureAsItMayBe) {
+TEST(QuadrotorWaves, SpectrumIsConsistent) {
   for (const char* height : {"0.5", "2", "3"}) {
     const Medians spectrum("spectrum", {std::string("wave.significant_height_m=") + height});
     EXPECT_GT(spectrum.of("nees_mean"), 9.0) << height;
@@ -127,7 +127,7 @@ TEST(QuadrotorWaves, EstimatedFrequencyFollowsTheSea) {
   EXPECT_LE(run.of("vertical_force_rmse_N"), 0.7 * run.of("vertical_force_rmse_of_zero_N"));
 }
 
-TEST(QuadrotorWaves, IsTheSameRunTwice) {
+TEST(QuadrotorWaves, IsReproducible) {
   const std::vector<std::string> sets = {"run.duration_s=5", "metrics.window_s=2"};
   const Recording one = run_case("quadrotor_waves", "resonator", sets);
   EXPECT_EQ(one.state_hash, run_case("quadrotor_waves", "resonator", sets).state_hash);
@@ -135,14 +135,14 @@ TEST(QuadrotorWaves, IsTheSameRunTwice) {
             run_case("quadrotor_waves", "resonator", {sets[0], sets[1], "run.seed=2"}).state_hash);
 }
 
-TEST(QuadrotorWaves, SetsWinOverTheReading) {
+TEST(QuadrotorWaves, SetsHavePriorityOverTheReading) {
   const PreparedRun run = testing::prepare("quadrotor_waves", "ukf-zero",
                                            {"controller.gains=printed", "reading=literal"});
   EXPECT_TRUE(has(run.config_text, "gains = \"printed\"", "interpretation = \"variance\"",
                   "disturbance = \"zero\""));
 }
 
-TEST(QuadrotorWaves, WarnsOfGainsThatAreUnstable) {
+TEST(QuadrotorWaves, WarnsOfUnstableGains) {
   const auto warnings = [&](const char* gains) {
     return testing::prepare("quadrotor_waves", "resonator", {gains}).scenario->warnings().size();
   };

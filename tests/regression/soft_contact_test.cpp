@@ -37,7 +37,7 @@ struct Promise {
 
 class Tlsc : public ::testing::TestWithParam<Promise> {};
 
-TEST_P(Tlsc, KeepsItsPromisesOverSeeds) {
+TEST_P(Tlsc, KeepsItsLimitsOverSeeds) {
   const auto [force, free_s, peak_N] = GetParam();
   for (const char* seed : {"11", "12", "13"}) {
     SCOPED_TRACE(seed);
@@ -73,7 +73,7 @@ INSTANTIATE_TEST_SUITE_P(SoftContact, Tlsc,
                          ::testing::Values(Promise{"2N", 0.490, 4.2}, Promise{"5N", 0.395, 7.6}),
                          [](const auto& row) { return "at" + std::string(row.param.force); });
 
-TEST(SoftContact, IsTheSameWhereTheFrictionIsTheModelsByName) {
+TEST(SoftContact, IsTheSameWithTheFrictionOfTheModel) {
   const Sets brief = {"run.duration_s=11", "wall.solid_from_s=9", "force.from_s=10",
                       "metrics.from_s=10"};
   Sets named = brief;

@@ -159,7 +159,7 @@ Result result_of(const Trial& trial) {
   return result;
 }
 
-TEST(UnusedKeys, ChangeNoStateWhenTheyChange) {
+TEST(UnusedKeys, DoNotChangeTheStateHash) {
   const std::vector<Trial> trials = all_trials();
   std::vector<Result> results(trials.size());
   on_all_cores(trials.size(), [&](std::size_t i) { results[i] = result_of(trials[i]); });

@@ -39,7 +39,7 @@ TEST(WholeModels, GiveEveryScenarioTheSameStatesAndMetrics) {
   }
 }
 
-TEST(WholeModels, TheArmStrikesTheWallInThatTime) {
+TEST(WholeModels, TheArmHitsTheWallInTheShortenedRun) {
   const Recording run =
       run_case("arm_wall_contact", testing::scenario_file("arm_wall_contact").default_case(),
                shortened("arm_wall_contact"));

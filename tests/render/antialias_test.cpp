@@ -44,7 +44,7 @@ double mean_error(const std::vector<std::uint8_t>& a, const std::vector<std::uin
   return sum / count;
 }
 
-TEST(EdgeSmoother, HalvesTheErrorOfSlantedEdgesAtLeast) {
+TEST(EdgeSmoother, AtLeastHalvesTheErrorOfSlantedEdges) {
   for (const double slope : {0.08, 0.15, 0.3, 0.45, -0.12}) {
     const auto exact = half_plane(slope, 16);
     const auto jagged = half_plane(slope, 1);
@@ -75,7 +75,7 @@ TEST(EdgeSmoother, LeavesStraightEdgesAndFlatAreasAlone) {
   EXPECT_LE(largest, 12);
 }
 
-TEST(EdgeSmoother, DependsOnThePictureAlone) {
+TEST(EdgeSmoother, DependsOnlyOnThePicture) {
   EdgeSmoother used;
   auto first = half_plane(0.2, 1);
   used.smooth(first, kSize, kSize);

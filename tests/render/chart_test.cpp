@@ -42,7 +42,7 @@ Point dot_of(Canvas& canvas) {
   return {x_sum / count, y_sum / count};
 }
 
-TEST(Chart, TheDotIsWhereTheLineEnds) {
+TEST(Chart, TheDotIsAtTheEndOfTheLine) {
   Chart chart("t", {ramp()}, {0.0, 2.0, 0.0, 10.0}, kWidth, kHeight, 1.0);
   // Its frame says where (0 s, 0) and (2 s, 10) are; the dot moves straight between them.
   const Point origin = chart.place(0.0, 0.0);
@@ -58,7 +58,7 @@ TEST(Chart, TheDotIsWhereTheLineEnds) {
   }
 }
 
-TEST(Chart, NothingOfTheFutureIsDrawn) {
+TEST(Chart, DrawsNoFutureValues) {
   Chart chart("t", {ramp()}, {0.0, 2.0, 0.0, 10.0}, kWidth, kHeight, 1.0);
   Canvas early(kWidth, kHeight);
   chart.draw(early, 0, 0, 1.0);
@@ -72,7 +72,7 @@ TEST(Chart, NothingOfTheFutureIsDrawn) {
   }
 }
 
-TEST(Chart, APeakNarrowerThanAPixelIsSeen) {
+TEST(Chart, DrawsAPeakNarrowerThanAPixel) {
   ChartLine spike{"spike", {}, false};
   for (int i = 0; i <= 100000; ++i) {
     spike.series.times_s.push_back(2.0 * i / 100000.0);
@@ -90,7 +90,7 @@ TEST(Chart, APeakNarrowerThanAPixelIsSeen) {
   EXPECT_TRUE(seen);
 }
 
-TEST(Chart, TheRangeHoldsAllValuesOfTheWindowAndZero) {
+TEST(Chart, TheRangeContainsAllValuesOfTheWindowAndZero) {
   const ChartRange range = chart_range({ramp()}, 0.5, 1.5);
   EXPECT_EQ(range.from_s, 0.5);
   EXPECT_EQ(range.to_s, 1.5);
@@ -99,7 +99,7 @@ TEST(Chart, TheRangeHoldsAllValuesOfTheWindowAndZero) {
   EXPECT_LT(range.highest, 9.0);
 }
 
-TEST(Series, IsStraightBetweenItsPoints) {
+TEST(Series, InterpolatesLinearly) {
   const Series series = ramp().series;
   EXPECT_DOUBLE_EQ(series.at(0.5), 2.5);
   EXPECT_DOUBLE_EQ(series.at(1.0), 5.0);

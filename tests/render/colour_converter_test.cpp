@@ -21,7 +21,7 @@ Ycbcr rec709(double red, double green, double blue) {
           128.0 + 224.0 * (red / 255.0 - y) / 1.5748};
 }
 
-TEST(ColourConverter, IsTheRecommendations) {
+TEST(ColourConverter, MatchesTheRecommendation) {
   constexpr int kWidth = 62, kHeight = 34;  // no multiple of a vector
   constexpr std::size_t kPixels = kWidth * kHeight;
   std::vector<std::uint8_t> pixels(4 * kPixels);

@@ -47,7 +47,7 @@ class Pictures : public testing::ProgramTest {
                                               "metrics.json"};
 };
 
-TEST_F(Pictures, AVideoHasExactlyWhatWasAskedFor) {
+TEST_F(Pictures, AVideoHasTheRequestedFormat) {
   wall("run");
   const std::string slow =
       "breakwater video run --from 5.4 --to 5.7 --speed 0.1 --fps 30 --size 320x180 --look fast";
@@ -81,7 +81,7 @@ TEST_F(Pictures, AVideoHasExactlyWhatWasAskedFor) {
   EXPECT_EQ(probe(folder_ / "short.mp4", "nb_read_frames"), "3");  // round(2.75)
 }
 
-TEST_F(Pictures, AVideoChangesNothingOfTheRun) {
+TEST_F(Pictures, AVideoDoesNotChangeTheRun) {
   push("plain");
   const ProgramResult result = ran("arm_push --duration 0.5 --video --out filmed");
   EXPECT_EQ(state_hash("plain"), state_hash("filmed"));
@@ -152,7 +152,7 @@ TEST_F(Pictures, OsmesaAndEglDrawTheSame) {
   EXPECT_GT(mean_difference(Png(folder_ / "run/still.png"), Png(folder_ / "egl.png")), 3.0);
 }
 
-TEST_F(Pictures, WhereOsmesaIsNotEglDraws) {
+TEST_F(Pictures, WithoutOsmesaEglDraws) {
   push("run");
   write("libOSMesa.so.8", "no library");
   const Environment path("LD_LIBRARY_PATH", folder_);
@@ -199,7 +199,7 @@ TEST_F(Pictures, NonsenseInTheEnvironmentIsRefusedBeforeTheRun) {
   }
 }
 
-TEST_F(Pictures, AFolderThatIsNotThereIsSaid) {
+TEST_F(Pictures, ReportsAMissingFolder) {
   push("run");
   expect_failure("breakwater still run --at 0.1 --look fast --size 128x96 --out nowhere/s.png", 4,
                  "nowhere/s.png: cannot be written (No such file or directory)");
@@ -221,7 +221,7 @@ TEST_F(Pictures, ACameraThatTheModelLacksFailsTheVideoAlone) {
   EXPECT_TRUE(has(result.err, "arm_push/shots.toml:"));
 }
 
-TEST_F(Pictures, ASiteThatTheModelLacksIsSaidWithTheShotListsLine) {
+TEST_F(Pictures, AMissingSiteIsReportedWithTheLineOfTheShotList) {
   push("run");
   const std::string shots = testing::text_of(testing::source_file("scenarios/arm_push/shots.toml"));
   // A shot list alone, without the scenario's other files, takes the place of the shipped one.
@@ -308,7 +308,7 @@ TEST_F(Pictures, AnInterruptedVideoLeavesNothing) {
                  "interrupted");
 }
 
-TEST_F(Pictures, ASlowRendererIsSaid) {
+TEST_F(Pictures, ReportsASlowRenderer) {
   push("run");
   const Environment driver("GALLIUM_DRIVER", "softpipe");
   const ProgramResult result =

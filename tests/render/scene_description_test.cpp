@@ -79,7 +79,7 @@ TEST(SceneDescription, HasShapesSizesAndColours) {
   EXPECT_NEAR(scene.cameras[0].field_of_view_deg, 33.0, 1e-9);
 }
 
-TEST(SceneDescription, HasWhatItsGeomsNeedOnceAndNothingElse) {
+TEST(SceneDescription, HasEachNeededAssetOnce) {
   const Model model = robot();
   const SceneDescription scene = whole(model);
   EXPECT_EQ(scene.meshes.size(), 1U);
@@ -115,7 +115,7 @@ TEST(SceneDescription, HasWhatItsGeomsNeedOnceAndNothingElse) {
   EXPECT_EQ(one.geoms.size(), 1U);
 }
 
-TEST(SceneDescription, KnowsWhatIsDrawn) {
+TEST(SceneDescription, ListsTheDrawnGeoms) {
   const Model model = robot();
   const auto drawn = [&](const char* name) { return is_drawn(model, model.id(mjOBJ_GEOM, name)); };
   EXPECT_TRUE(drawn("own") && drawn("painted") && drawn("ground"));

@@ -50,7 +50,7 @@ Point centre(const std::vector<std::uint8_t>& pixels, bool red) {
 }
 
 // A checker far finer than the pixels: mipmaps make a grey of it, without them it aliases.
-TEST(SceneView, TexturesAreMinifiedAsTheLookSays) {
+TEST(SceneView, TexturesAreMinifiedAsTheLookSpecifies) {
   Model model = load(R"(<mujoco><asset>
       <texture name="fine" type="2d" builtin="checker" rgb1="0 0 0" rgb2="1 1 1" width="64" height="64"/>
       <material name="fine" texture="fine" texrepeat="400 400"/></asset>
@@ -78,7 +78,7 @@ TEST(SceneView, TexturesAreMinifiedAsTheLookSays) {
   EXPECT_GT(aliased, 2.0 * spread(Minification::trilinear));
 }
 
-TEST(SceneView, APinholeCameraSeesTheBallWhereItIs) {
+TEST(SceneView, APinholeCameraSeesTheBallAtItsPosition) {
   Model model = ball();
   Offscreen offscreen(kWidth, kHeight);
   ASSERT_FALSE(offscreen.slowness()) << offscreen.renderer();
@@ -152,7 +152,7 @@ TEST(InterpolateQpos, TurnsTheShortestWay) {
 }
 
 // Half-transparent blue over nothing: half of the background shows, not black.
-TEST(Picture, ATranslucentThingLetsTheBackgroundThrough) {
+TEST(Picture, ATranslucentGeomShowsTheBackground) {
   std::vector<PictureRun> runs;
   runs.push_back({.model = load(R"(<mujoco><worldbody>
       <camera name="side" pos="0 -4 0" xyaxes="1 0 0 0 0 1" fovy="40"/>
@@ -174,7 +174,7 @@ TEST(Picture, ATranslucentThingLetsTheBackgroundThrough) {
 }
 
 // What moves besides qpos: a height field whose heights a scenario changes.
-TEST(Picture, ShowsWhatTheScenarioMoves) {
+TEST(Picture, ShowsTheMovingParts) {
   const auto run = [](bool moves) {
     PictureRun staged{.model = load(R"(<mujoco><asset>
       <hfield name="water" nrow="2" ncol="2" size="1 1 0.5 0.1"/></asset><worldbody>

@@ -120,7 +120,7 @@ constexpr double kSamePicture = 2.0;
 
 using Gallery = testing::ProgramTest;
 
-TEST_F(Gallery, ShowsWhatIsDrawnNow) {
+TEST_F(Gallery, ShowsThePresentPictures) {
   ran("arm_wall_contact --quiet --duration 32 --out run");
   const auto still_at = [&](const std::string& time_s) {
     ran("breakwater still run --size 960x540 --out still.png --at " + time_s);

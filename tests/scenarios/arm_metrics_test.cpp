@@ -53,7 +53,7 @@ WallContactMetrics wall_history(int steps) {
   return metrics;
 }
 
-TEST(WallContactMetrics, OfAHistoryWithTwoBounces) {
+TEST(WallContactMetrics, AreRightForAHistoryWithTwoBounces) {
   const auto m = wall_history(400).metrics(4.0);
   EXPECT_NEAR(*value(m, "free_motion_time_s"), 0.5, 1e-12);
   EXPECT_EQ(*value(m, "peak_force_raw_N"), 4.0);
@@ -105,7 +105,7 @@ std::vector<Metric> late_history(const std::array<double, 4>& force_N) {
   return metrics.metrics(2.5);
 }
 
-TEST(WallContactMetrics, OfTheLateForce) {
+TEST(WallContactMetrics, AreRightForTheLateForce) {
   const auto bounces = late_history({0.0, 0.0, 2.0, 3.0});
   EXPECT_EQ(*value(bounces, "late_bounce_count"), 25.0);
   EXPECT_EQ(*value(bounces, "force_frequency_Hz"), 25.0);
@@ -151,7 +151,7 @@ std::vector<Metric> push_history(int samples) {
   return metrics.metrics();
 }
 
-TEST(PushMetrics, OfAHistory) {
+TEST(PushMetrics, AreRightForAHistory) {
   const auto m = push_history(31);
   EXPECT_NEAR(*value(m, "max_push_rad"), 1.9, 1e-12);
   EXPECT_NEAR(*value(m, "overshoot_rad"), 0.03, 1e-12);

@@ -64,7 +64,7 @@ class ClusterRuns : public testing::TuningFolder {
   std::string path_ = std::getenv("PATH");
 };
 
-TEST_F(ClusterRuns, ChangeNoByte) {
+TEST_F(ClusterRuns, GiveTheSameBytesAsLocalRuns) {
   tuned("t.toml --out here --quiet");
   const ProgramResult result = done(on_slurm("there --tasks 9 --sbatch --qos=low"));
   expect_same("here", "there");
@@ -84,7 +84,7 @@ TEST_F(ClusterRuns, ChangeNoByte) {
                   "36 of the validation\n"));
 }
 
-TEST_F(ClusterRuns, ThatAreMissingAreSubmittedAgain) {
+TEST_F(ClusterRuns, AreSubmittedAgainWhenMissing) {
   write("t.toml", kSmall);
   tuned("t.toml --out here --quiet");
   setenv("FAILS", "2,3", 1);
@@ -95,7 +95,7 @@ TEST_F(ClusterRuns, ThatAreMissingAreSubmittedAgain) {
   EXPECT_EQ(lines_of_shards("there"), results("there").size() - 1);
 }
 
-TEST_F(ClusterRuns, ThatNobodyMakesEndIt) {
+TEST_F(ClusterRuns, StopAfterThreeJobsWithoutResult) {
   write("t.toml", kSmall);
   tuned("t.toml --out here --quiet");
   setenv("FAILS", "1,2,3", 1);
@@ -115,7 +115,7 @@ TEST_F(ClusterRuns, ThatNobodyMakesEndIt) {
   expect_same("here", "there");
 }
 
-TEST_F(ClusterRuns, TakeTheMinutesThatTheyAreGiven) {
+TEST_F(ClusterRuns, FitIntoTheMinutesOfATask) {
   write("t.toml", std::string(kSmall) + "[set]\n\"trouble.takes_s\" = 0.1\n");
   // 8 runs of 0.1 s, or a little more, in tasks of 0.6 s.
   const ProgramResult result = done(on_slurm("there --minutes 0.01"));
@@ -123,7 +123,7 @@ TEST_F(ClusterRuns, TakeTheMinutesThatTheyAreGiven) {
   EXPECT_EQ(lines_of_shards("there"), results("there").size() - 1);
 }
 
-TEST_F(ClusterRuns, OfOneRunThatToldHowLongTheyTakeAreNotSubmitted) {
+TEST_F(ClusterRuns, LeaveOutTheRunMadeForTheEstimate) {
   write("t.toml",
         "scenario = \"ishigami\"\nalgorithm = \"bobyqa\"\nbudget = 5\n"
         "[search]\n\"x.first\" = { uniform = [-3, 3] }\n\"x.second\" = { uniform = [0, 1] }\n"
@@ -135,7 +135,7 @@ TEST_F(ClusterRuns, OfOneRunThatToldHowLongTheyTakeAreNotSubmitted) {
 }
 
 // The command may be a job itself: what it is told of that is nothing for its tasks.
-TEST_F(ClusterRuns, AreNotToldOfTheJobThatSubmitsThem) {
+TEST_F(ClusterRuns, DoNotInheritTheSubmittingJob) {
   write("t.toml", kSmall);
   setenv("SLURM_JOB_ID", "3", 1);
   setenv("SLURM_CPUS_PER_TASK", "64", 1);
@@ -162,7 +162,7 @@ TEST_F(ClusterRuns, MayCrash) {
   EXPECT_EQ(results("s").size(), 1U + 16);
 }
 
-TEST_F(ClusterRuns, WhereTheyRunIsNoPartOfATuning) {
+TEST_F(ClusterRuns, MayRunElsewhereInTheSameTuning) {
   write("t.toml", std::string(kSmall) + "[slurm]\naccount = \"mine\"\nmodules = [\"none\"]\n");
   ASSERT_EQ(on_slurm("s --quiet --tasks 1").status, 130);  // there is no such module
   EXPECT_TRUE(has(tune("s --status").out, "module load none has failed"));
@@ -174,7 +174,7 @@ TEST_F(ClusterRuns, WhereTheyRunIsNoPartOfATuning) {
 }
 
 // In a script a newline would begin a command.
-TEST_F(ClusterRuns, ControlCharactersGoIntoNoScript) {
+TEST_F(ClusterRuns, WriteNoControlCharactersIntoScripts) {
   for (const std::string key :
        {"account", "partition", "constraint", "modules", "environment", "options"}) {
     write("t.toml", std::string(kSmall) + "[slurm]\n" + key + " = \"a=b\\nrm -rf x\"\n");
@@ -192,7 +192,7 @@ TEST_F(ClusterRuns, ControlCharactersGoIntoNoScript) {
   }
 }
 
-TEST_F(ClusterRuns, OneCandidateAtATimeIsWarnedOf) {
+TEST_F(ClusterRuns, WarnOfASearchWithOneCandidateAtATime) {
   write("t.toml",
         "scenario = \"ishigami\"\nalgorithm = \"bobyqa\"\nbudget = 5\nseeds = { count = 3 }\n"
         "[search]\n\"x.first\" = { uniform = [-3, 3] }\n\"x.second\" = { uniform = [0, 1] }\n"
@@ -207,7 +207,7 @@ TEST_F(ClusterRuns, OneCandidateAtATimeIsWarnedOf) {
   EXPECT_EQ(jobs("s"), 5U);
 }
 
-TEST_F(ClusterRuns, InTheQueueAreLeftThere) {
+TEST_F(ClusterRuns, StayInTheQueue) {
   write("t.toml", kSmall);
   setenv("FAILS", "1,2,3", 1);
   ASSERT_EQ(on_slurm("s --quiet --tasks 1").status, 130);

@@ -36,7 +36,7 @@ TEST(Evaluation, GathersManyRuns) {
   EXPECT_EQ(fitness(tuning(), one, 7), (std::vector<double>{2.0, -4.0}));
 }
 
-TEST(Evaluation, ASurvivorDominatesAFailureAndAKeptConstraintABrokenOne) {
+TEST(Evaluation, RanksFeasibleAboveViolatedAboveFailed) {
   const Evaluation good = evaluate(tuning(), {run(1e9, -1e9, 2)}, false);
   const Evaluation bad = evaluate(tuning(), {run(0, 1, 2.1)}, false);
   const Evaluation worse = evaluate(tuning(), {run(0, 1, 50)}, false);
@@ -79,7 +79,7 @@ TEST(Evaluation, WorldsAreAllCombinations) {
   EXPECT_EQ(Worlds().size(), 1U);
 }
 
-TEST(Evaluation, AFileReadsBackTheSame) {
+TEST(Evaluation, AFileRoundTrips) {
   const std::string text = R"toml(
 scenario = "s"
 budget = 80

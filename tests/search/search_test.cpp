@@ -72,7 +72,7 @@ TEST(Search, FindsTheFrontOfDTLZ2) {
   }
 }
 
-TEST(Search, FrontsAndVolumesArePagmos) {
+TEST(Search, FrontsAndVolumesMatchPagmo) {
   testing::Random random;
   for (const std::size_t objectives : {2, 3, 4}) {
     Vectors points;
@@ -118,7 +118,7 @@ TEST(Search, FindsAMinimum) {
 }
 
 // To resume by replay, the same answers must lead to the same questions.
-TEST(Search, AsksTheSameAgainAndKeepsToItsBudget) {
+TEST(Search, RepeatsItsPointsAndKeepsToItsBudget) {
   const auto f = [](const std::vector<double>& u) {
     if (u[0] > 0.7) return std::vector<double>{1e13 * (1.0 + u[1]), 1e13 * (1.0 + u[1])};
     return std::vector<double>{u[0], 1.0 - u[0] + u[1]};
@@ -142,7 +142,7 @@ TEST(Search, AsksTheSameAgainAndKeepsToItsBudget) {
   }
 }
 
-TEST(Search, WhatIsThrownComesThrough) {
+TEST(Search, PassesExceptionsOn) {
   struct Stop {};
   for (const auto& [name, algorithm] : search_algorithms()) {
     const std::size_t objectives = has_several_objectives(algorithm) ? 2 : 1;
@@ -157,7 +157,7 @@ TEST(Search, WhatIsThrownComesThrough) {
   }
 }
 
-TEST(Search, SaysWhatDoesNotFit) {
+TEST(Search, RefusesInvalidSettings) {
   using enum SearchAlgorithm;
   EXPECT_NE(objection({.algorithm = nsga2, .objectives = 1}), "");
   EXPECT_NE(objection({.algorithm = cmaes, .objectives = 2}), "");

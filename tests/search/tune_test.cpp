@@ -15,7 +15,7 @@ using testing::ProgramResult;
 
 class Tune : public testing::TuningFolder {};
 
-TEST_F(Tune, LeavesAFrontThatCanBeRun) {
+TEST_F(Tune, WritesAFrontWhosePointsRun) {
   write("t.toml", kTuning);
   const ProgramResult result = tuned("t.toml --out s");
   // Without noise both seeds of a candidate, and all six that validate it, are one run.
@@ -60,7 +60,7 @@ TEST_F(Tune, LeavesAFrontThatCanBeRun) {
   EXPECT_GT(std::stod(volumes[8][2]), 0.0);
 }
 
-TEST_F(Tune, WorkersAndKillsChangeNoByte) {
+TEST_F(Tune, WorkersAndKillsChangeNoResult) {
   write("t.toml", kTuning);
   const std::string one = "t.toml --quiet --jobs 1 --out ", two = "t.toml --quiet --jobs 2 --out ";
   tuned(one + "one");
@@ -194,7 +194,7 @@ TEST_F(Tune, WorldsAreCombinationsOrAList) {
 }
 
 // From 1 to 3 s and from 4 to 6 s: nobody asks for a window from 4 to 3 s.
-TEST_F(Tune, WorldsOfAListAreCheckedAsTheyAre) {
+TEST_F(Tune, WorldsOfAListAreCheckedSeparately) {
   const std::string text =
       "scenario = \"motor_estimation\"\nbudget = 16\npopulation = 8\n"
       "[search]\n\"controller.kp\" = { uniform = [5, 10] }\n[objective]\n"
@@ -307,7 +307,7 @@ TEST_F(Tune, ACrashIsAFailedRun) {
   tuned("s --quiet");
 }
 
-TEST_F(Tune, ProcessesOfTheirOwnChangeNoByte) {
+TEST_F(Tune, SeparateProcessesChangeNoResult) {
   write("t.toml", brief(""));
   const ProgramResult here = tuned("t.toml --out one --quiet");
   const ProgramResult apart = tuned("t.toml --out apart --isolate --quiet");
@@ -326,7 +326,7 @@ TEST_F(Tune, WithIsolateTheFileIsCheckedBeforeItBegins) {
   EXPECT_GT(results("s").size(), 1U);
 }
 
-TEST_F(Tune, ARunThatIsKilledFromOutsideIsLeftUndone) {
+TEST_F(Tune, ARunKilledFromOutsideStaysUndone) {
   write("t.toml", brief("[set]\n\"trouble.killed_above\" = 2\n"));
   const ProgramResult killed = tune("t.toml --out s --isolate --quiet");
   EXPECT_EQ(killed.status, 2);
@@ -358,7 +358,7 @@ TEST_F(Tune, ADryRunSaysHowLongItTakes) {
       "tune: warning: noisy: the candidate in the middle fails: at 0.5 s: x_1 is too large\n");
 }
 
-TEST_F(Tune, WhatMakesNoGenerationIsNotCounted) {
+TEST_F(Tune, IncompleteGenerationsAreNotCounted) {
   write("t.toml", testing::replaced(kTuning, "64", "20"));
   EXPECT_TRUE(
       tuned("t.toml --out s --dry-run")
@@ -368,7 +368,7 @@ TEST_F(Tune, WhatMakesNoGenerationIsNotCounted) {
   EXPECT_TRUE(has(tune("s --status").out, "64 of 64 runs of the search are done, "));
 }
 
-TEST_F(Tune, SaysWhatATargetIsInstead) {
+TEST_F(Tune, NamesTheKindOfAWrongTarget) {
   fs::create_directory(folder_ / "empty");
   swept("ishigami --out swept --quiet");
   write("t.toml", brief(""));
@@ -386,7 +386,7 @@ TEST_F(Tune, SaysWhatATargetIsInstead) {
         "(a key with brackets needs quotes)"}});
 }
 
-TEST_F(Tune, SaysIfNobodySurvives) {
+TEST_F(Tune, ReportsThatNoCandidateSurvives) {
   write("t.toml", std::string(kSmall) + "[constraint]\ny_1 = { max = -99 }\n");
   const ProgramResult result = tune("t.toml --out s");
   EXPECT_EQ(result.status, 3);

@@ -26,7 +26,7 @@ void work(bool is_deaf_before, bool is_deaf_after) {
   std::exit(interrupted() ? 0 : 1);
 }
 
-TEST(Process, ASignalEndsDeafWorkWhicheverBeginsFirst) {
+TEST(Process, ASignalEndsWorkThatIgnoresIt) {
   struct Row {
     bool is_deaf_before, is_deaf_after;
     int status;

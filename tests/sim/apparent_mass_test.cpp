@@ -8,7 +8,7 @@
 namespace breakwater::apparent_mass_test {
 namespace {
 
-TEST(ApparentMass, OfASliderIsItsOwnAndThatOfItsArmature) {
+TEST(ApparentMass, ForASliderIsItsMassPlusItsArmature) {
   const Model model = testing::model_of(R"(<mujoco><worldbody><body>
       <inertial pos="0 0 0" mass="2" diaginertia="1e-3 1e-3 1e-3"/>
       <joint type="slide" axis="1 0 0" armature="3"/><site name="tip"/></body></worldbody></mujoco>)");

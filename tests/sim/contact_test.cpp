@@ -61,7 +61,7 @@ TEST(Contact, StaticDepthIsForceOverStiffness) {
   }
 }
 
-TEST(Contact, ImpactIsThatOfAMassOnASpringAndDamper) {
+TEST(Contact, ImpactMatchesAMassOnASpringAndDamper) {
   // m ẍ = −K x − B ẋ from ẋ = v: x = v/ω e^{−σt} sin ωt, until the force would pull. The mass is
   // the ball's and the little, d/((1−d) w), that author_contact() says is added; w = 1/(3·1.7 kg),
   // the engine's mean over three directions of which the ball moves in one.
@@ -88,7 +88,7 @@ TEST(Contact, NeverPulls) {
   EXPECT_EQ(ball.data().sensordata[0], 0.0);
 }
 
-TEST(Contact, RefusesWhatItCannotAuthor) {
+TEST(Contact, RefusesUnsupportedContacts) {
   Model model = ball_and_wall(1.0, 0.0);
   const int ball = model.id(mjOBJ_GEOM, "ball"), wall = model.id(mjOBJ_GEOM, "wall");
   EXPECT_THROW(author_contact(model, ball, wall, {0.0, 1.0}), std::invalid_argument);

@@ -70,7 +70,7 @@ class MjcfFiles : public ::testing::Test {
   const testing::TemporaryPath folder_{"mjcf_files"};
 };
 
-TEST_F(MjcfFiles, AreExactlyThoseWithoutWhichTheEngineDoesNotLoadIt) {
+TEST_F(MjcfFiles, AreExactlyTheFilesThatTheEngineNeeds) {
   const std::string model = (folder_ / "robot.xml").string();
   ASSERT_NO_THROW(Model::load(model));
   EXPECT_EQ(found(), std::set<std::string>({"robot.xml", "parts/assets.xml", "parts/arm.xml",
@@ -92,7 +92,7 @@ TEST_F(MjcfFiles, AreExactlyThoseWithoutWhichTheEngineDoesNotLoadIt) {
   }
 }
 
-TEST_F(MjcfFiles, FoldersAreStrippedWhereTheModelSaysSo) {
+TEST_F(MjcfFiles, FoldersAreStrippedIfTheModelDemandsIt) {
   write("robot.xml", R"(<mujoco>
   <compiler meshdir="shapes/deep" strippath="true"/>
   <asset><mesh name="hull" file="C/elsewhere/hull.stl"/></asset>
@@ -102,7 +102,7 @@ TEST_F(MjcfFiles, FoldersAreStrippedWhereTheModelSaysSo) {
   EXPECT_EQ(found(), std::set<std::string>({"robot.xml", "shapes/deep/hull.stl"}));
 }
 
-TEST_F(MjcfFiles, WhatIsNoModelHasItselfAlone) {
+TEST_F(MjcfFiles, AnotherFileHasOnlyItself) {
   for (const char* text : {"", "<mujoco>", "nothing", "<mujoco><include/></mujoco>",
                            R"(<mujoco><include file="robot.xml"/></mujoco>)",
                            R"(<mujoco><include file="nowhere.xml"/></mujoco>)"}) {

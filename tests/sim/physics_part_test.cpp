@@ -63,7 +63,7 @@ void expect_same_but_geoms(const Model& whole, const Model& physics) {
 #undef X
 }
 
-TEST(PhysicsPart, OfTheShippedModelsHasTheSameNumbersAndStates) {
+TEST(PhysicsPart, GivesTheSameStatesForTheShippedModels) {
   for (const char* name : {"arm", "cart", "motor", "quadrotor"}) {
     const Names geoms = std::string(name) == "arm" ? Names{"wall"} : Names{};
     Both models = both(testing::source_file("models/" + std::string(name) + ".xml"), geoms);
@@ -117,7 +117,7 @@ constexpr const char* kAllReasons = R"(<mujoco>
     <tendonpos name="long" tendon="string"/></sensor>
 </mujoco>)";
 
-TEST(PhysicsPart, KeepsTheGeomsThatAnythingRefersTo) {
+TEST(PhysicsPart, KeepsReferencedGeoms) {
   Both models = both_of(kAllReasons);
   const Model& part = models.physics;
   for (const char* name :
@@ -144,7 +144,7 @@ TEST(PhysicsPart, KeepsTheGeomsThatAnythingRefersTo) {
   expect_same_bits(states(models.whole, 3000), states(models.physics, 3000));
 }
 
-TEST(PhysicsPart, KeepsWhatARunNamesAndWhatThatCanTouch) {
+TEST(PhysicsPart, KeepsNamedGeomsAndTheirContactPartners) {
   const std::string file = testing::source_file("models/arm.xml");
   EXPECT_EQ(Model::load_physics(file)->ngeom, 0);  // the wall is not solid in the file
   const Model part = Model::load_physics(file, {"wall"});
@@ -160,7 +160,7 @@ TEST(PhysicsPart, KeepsWhatARunNamesAndWhatThatCanTouch) {
   }
 }
 
-TEST(PhysicsPart, LeavesAllToARangefinder) {
+TEST(PhysicsPart, KeepsAllGeomsForARangefinder) {
   const char* const mjcf = R"(<mujoco><worldbody>
     <geom name="seen" type="box" size="1 1 1" pos="0 0 -3" contype="0" conaffinity="0"/>
     <body name="probe"><joint name="slide" type="slide" axis="0 0 1"/>
@@ -191,7 +191,7 @@ mjModel* listed(const Model& model) {
   return with_contact_pairs(*model.get());
 }
 
-TEST(ContactPairs, GiveTheContactsOfTheSearchToTheBit) {
+TEST(ContactPairs, EqualTheSearchedContactsToTheBit) {
   Model searched = testing::model_of(tumbling(""));
   Model listing = testing::model_of(tumbling(""));
   listing.list_contacts();
@@ -217,7 +217,7 @@ TEST(ContactPairs, GiveTheContactsOfTheSearchToTheBit) {
   EXPECT_GE(most, 2);
 }
 
-TEST(ContactPairs, AreNotMadeWhereTheyMightDiffer) {
+TEST(ContactPairs, AreNotUsedIfTheyMightDiffer) {
   for (const char* unlike : {"friction=\"0.3\"", "solref=\"0.01 1\"", "condim=\"6\"",
                              "margin=\"0.01\"", "priority=\"1\"", "solmix=\"2\""}) {
     EXPECT_EQ(listed(testing::model_of(tumbling(unlike))), nullptr) << unlike;

@@ -130,7 +130,7 @@ TEST(QuadrotorForces, FreeSink) {
   EXPECT_NEAR(states.back()(2), -10.0 - fallen, 1e-9);
 }
 
-TEST(QuadrotorForces, PlanarPitchAgreesWithTheOde) {
+TEST(QuadrotorForces, PlanarPitchMatchesTheOde) {
   const Thrusts thrusts = [](double t) {
     const double push = 0.02 * std::sin(2.0 * t);
     return Eigen::Vector4d(0.7, 0.7 + push, 0.7, 0.7 - push);
@@ -144,7 +144,7 @@ TEST(QuadrotorForces, PlanarPitchAgreesWithTheOde) {
 }
 
 // The ODE takes φ̇, θ̇, ψ̇ for the body's rates, so it is close only while the angles are small.
-TEST(QuadrotorForces, SmallMotionAgreesWithTheOde) {
+TEST(QuadrotorForces, SmallMotionMatchesTheOde) {
   const Thrusts thrusts = [](double t) -> Eigen::Vector4d {
     return Eigen::Vector4d::Constant(0.7) +
            0.05 * Eigen::Vector4d(std::sin(2.0 * t), std::sin(3.0 * t), -std::sin(2.0 * t),

@@ -48,14 +48,14 @@ TEST(Simulation, Rk4IntegratesAHeldTorqueExactly) {
   EXPECT_EQ(controller.resets, 1);
 }
 
-TEST(Simulation, EulerDoesNot) {
+TEST(Simulation, EulerDoesNotIntegrateExactly) {
   FunctionController controller([](const Sample&, Eigen::Ref<Eigen::VectorXd> u) { u(0) = 1.0; });
   Simulation simulation(motor(1e-3, Integrator::euler), controller, shaft(), 10);
   run(simulation, 1000);
   EXPECT_GT(std::abs(simulation.data().qpos[0] - 0.5), 1e-4);
 }
 
-TEST(Simulation, CartMovesAsMassAndFrictionSay) {
+TEST(Simulation, CartMovesByItsMassAndFriction) {
   const double M = 0.625, C = 0.78, F = 2.0;
   FunctionController controller([F](const Sample&, Eigen::Ref<Eigen::VectorXd> u) { u(0) = F; });
   Model model = Model::load(testing::source_file("models/cart.xml"));
@@ -84,7 +84,7 @@ TEST(Simulation, ControllerIsCalledAtItsOwnRateWithFreshAngles) {
   }
 }
 
-TEST(Simulation, TellsOfTheStepsBeginning) {
+TEST(Simulation, ShowsTheStateAtTheBeginningOfAStep) {
   FunctionController controller([](const Sample&, Eigen::Ref<Eigen::VectorXd> u) { u(0) = 2.0; });
   Simulation simulation(motor(), controller, shaft(), 2);
   run(simulation, 3);
@@ -97,7 +97,7 @@ TEST(Simulation, TellsOfTheStepsBeginning) {
   EXPECT_FALSE(simulation.sampled());
 }
 
-TEST(Simulation, SaturatesAndSaysSo) {
+TEST(Simulation, SaturatesAndRecordsIt) {
   Model model = Model::load(testing::source_file("models/arm.xml"));
   SensingSetup sensing;
   sensing.channels = {{.name = "q1", .sensor = "joint1_pos"}};
@@ -192,7 +192,7 @@ TEST(Simulation, EndsOnAnEngineWarning) {
   EXPECT_TRUE(has(reason, "Time = "));  // the engine's own words
 }
 
-TEST(Simulation, EndsOnACommandThatIsNoNumber) {
+TEST(Simulation, EndsOnANanCommand) {
   FunctionController controller([](const Sample& y, Eigen::Ref<Eigen::VectorXd> u) {
     u(0) = y.time_s < 0.05 - 1e-9 ? 0.0 : std::nan("");
   });
@@ -265,7 +265,7 @@ std::uint64_t hash_of_a_run(double torque) {
   return simulation.state_hash();
 }
 
-TEST(Simulation, SameRunSameHashOnAnyThread) {
+TEST(Simulation, EqualRunsHaveEqualHashesOnAnyThread) {
   const std::uint64_t expected = hash_of_a_run(1.0);
   EXPECT_EQ(hash_of_a_run(1.0), expected);
   EXPECT_NE(hash_of_a_run(1.0 + 1e-15), expected);
@@ -277,7 +277,7 @@ TEST(Simulation, SameRunSameHashOnAnyThread) {
   for (const auto hash : hashes) EXPECT_EQ(hash, expected);
 }
 
-TEST(Simulation, RefusesWhatDoesNotFit) {
+TEST(Simulation, RefusesMismatchedSizes) {
   FunctionController controller([](const Sample&, Eigen::Ref<Eigen::VectorXd>) {});
   SensingSetup unknown = shaft();
   unknown.channels[0].sensor = "shaft_angle";
@@ -301,7 +301,7 @@ TEST(EngineGuard, ReturnsTheTextOfAFatalError) {
 }
 
 // mju_error_s, as the engine calls it itself.
-TEST(EngineGuardDeathTest, AnErrorOutsideOfItIsToldBeforeTheAbort) {
+TEST(EngineGuardDeathTest, AnErrorOutsideIsPrintedBeforeTheAbort) {
   EXPECT_DEATH(
       {
         call_engine([] {});
@@ -318,13 +318,13 @@ std::string refusal(const std::function<void(mjModel&)>& spoil,
   return complaint_of([&] { body(model); });
 }
 
-TEST(EngineGuard, WhatTheEngineCannotDeriveIsRefused) {
+TEST(EngineGuard, RefusesAModelWithoutEnoughStack) {
   const std::string text =
       refusal([](mjModel& m) { m.nstack = 1; }, [](Model& model) { model.scale_inertia(2.0); });
   EXPECT_TRUE(text.ends_with("models/arm.xml: Stack overflow")) << text;
 }
 
-TEST(EngineGuard, ASimulationThatDoesNotFitIntoMemoryIsRefused) {
+TEST(EngineGuard, RefusesASimulationTooLargeForMemory) {
   const auto spoil = [](mjModel& m) { m.njmax = 8000000; };  // so many rows squared
   for (const std::string& text :
        {refusal(spoil, [](Model& model) { model.make_data(); }),
@@ -338,7 +338,7 @@ TEST(EngineGuard, ASimulationThatDoesNotFitIntoMemoryIsRefused) {
   }
 }
 
-TEST(SharedModels, AreCompiledOnceWhoeverComesFirst) {
+TEST(SharedModels, AreCompiledOnceByAnyThread) {
   const std::string file = testing::source_file("models/arm.xml");
   int compiled = 0;
   const SharedModels shared([&](const std::string& which) {
@@ -353,7 +353,7 @@ TEST(SharedModels, AreCompiledOnceWhoeverComesFirst) {
   EXPECT_EQ(compiled, 1);
 }
 
-TEST(EngineGuard, MemoryThatTheMachineDoesNotGiveIsNoMistakeOfTheModel) {
+TEST(EngineGuard, LackOfMemoryIsNotAnErrorOfTheModel) {
   const Model model = motor();
   mju_user_malloc = [](std::size_t) -> void* { return nullptr; };
   EXPECT_THROW(model.make_data(), OutOfMemory);

@@ -74,7 +74,7 @@ std::vector<double> differences(std::size_t n, double shift, testing::Random& ra
   return all;
 }
 
-TEST(Comparisons, TestsAndIntervalsAreSciPys) {
+TEST(Comparisons, TestsAndIntervalsMatchSciPy) {
   testing::Random random;
   Questions questions;
   for (const std::size_t n : {1, 2, 7, 50, 2000}) {
@@ -147,7 +147,7 @@ TEST(Comparisons, TestsAndIntervalsAreSciPys) {
 }
 
 // Table 5 of Demšar (2006): q_0.05 for the Nemenyi test.
-TEST(Comparisons, CriticalDifferencesAreThePrintedOnes) {
+TEST(Comparisons, CriticalDifferencesMatchThePrintedTable) {
   const std::vector<double> printed = {1.960, 2.343, 2.569, 2.728, 2.850,
                                        2.949, 3.031, 3.102, 3.164};
   for (std::size_t k = 2; k <= 10; ++k) {
@@ -167,7 +167,7 @@ TEST(Comparisons, HolmStepsDown) {
 }
 
 // Of samples of a distribution whose quantiles are known.
-TEST(Comparisons, IntervalsCoverWhatTheyPromise) {
+TEST(Comparisons, IntervalsHaveTheirNominalCoverage) {
   testing::Random random(3);
   for (const double p : {0.5, 0.9}) {
     int covered = 0;
@@ -237,7 +237,7 @@ PairedResults two(std::size_t n, double shift, Goal goal, testing::Random& rando
   return results;
 }
 
-TEST(Comparisons, AThingIsSeldomBetterThanItself) {
+TEST(Comparisons, EqualCandidatesSeldomDiffer) {
   testing::Random random(11);
   int better = 0, worse = 0;
   for (int i = 0; i < 1000; ++i) {
@@ -270,7 +270,7 @@ TEST(Comparisons, TheVerdictFollowsTheGoal) {
   EXPECT_EQ(verdict(0.0, Goal::min), ComparisonVerdict::no_difference_shown);
 }
 
-TEST(Comparisons, PairsWithoutBothAreLeftOutAndFailuresCountedApart) {
+TEST(Comparisons, IncompletePairsAreLeftOutAndFailuresCountedApart) {
   PairedResults results =
       results_of({"y", "never"}, {Eigen::MatrixXd(3, 3), Eigen::MatrixXd::Constant(3, 3, kNaN)});
   results.values[0] << 1, 2, 3,  //
@@ -293,7 +293,7 @@ TEST(Comparisons, PairsWithoutBothAreLeftOutAndFailuresCountedApart) {
   EXPECT_TRUE(comparison.ranks.empty());  // one world has all three
 }
 
-TEST(Comparisons, RowsOfFewerWorldsAreMarked) {
+TEST(Comparisons, RowsWithFewerTestConditionsAreMarked) {
   PairedResults results =
       results_of({"gappy", "whole"}, {Eigen::MatrixXd(3, 3), Eigen::MatrixXd::Ones(3, 3)});
   results.baseline = 0;
@@ -319,7 +319,7 @@ TEST(Comparisons, RowsOfFewerWorldsAreMarked) {
 
 // A key that only "a" knows: nine values in each of two worlds are eighteen runs of it, but two of
 // the others, and two pairs of those.
-TEST(Comparisons, TheSamePairCountsOnce) {
+TEST(Comparisons, EqualPairsCountOnce) {
   PairedResults results = results_of({"y"}, {Eigen::MatrixXd(18, 3)});
   results.goals = {{"y", Goal::min}};
   results.failed.col(2).head(9).setOnes();
@@ -384,7 +384,7 @@ int shown(int blocks, double shift, bool are_seeds_worlds) {
 }
 
 // The numbers of docs/how-to/comparing.md.
-TEST(Blocks, AThingIsSeldomBetterThanItselfWhateverItsSeeds) {
+TEST(Blocks, EqualCandidatesSeldomDifferForAnySeeds) {
   for (const int blocks : {5, 8, 12}) {
     const int wrong = shown(blocks, 0.0, false);
     RecordProperty("of_itself_" + std::to_string(blocks), wrong);
@@ -454,7 +454,7 @@ TEST(Blocks, MediansAreOverSeedsThenOverBlocks) {
 }
 
 // Eight values of a key that does nothing, in each of two samples: the same two blocks again.
-TEST(Blocks, ValuesOfAKeyWithoutEffectAreNoBlocks) {
+TEST(Blocks, ValuesOfAnIneffectiveKeyAreNotBlocks) {
   testing::Random random(5);
   const PairedResults of_two = blocks_and_seeds(2, 3, 1.0, random);
   PairedResults results = of_two;
@@ -477,7 +477,7 @@ TEST(Blocks, ValuesOfAKeyWithoutEffectAreNoBlocks) {
   EXPECT_EQ(comparison.interactions.front().key, "busy");
 }
 
-TEST(Blocks, RanksAreOfBlocks) {
+TEST(Blocks, RanksAreComputedFromBlocks) {
   PairedResults results = results_of({"y"}, {Eigen::MatrixXd(14, 3)});
   results.samples = Eigen::VectorXi(14);
   for (int row = 0; row < 14; ++row) {
@@ -507,7 +507,7 @@ PairedResults over_key(const std::vector<double>& of_values, int seeds, double n
   return results;
 }
 
-TEST(Crossing, ASignThatTurnsWithAKeyIsSaid) {
+TEST(Crossing, ReportsAKeyThatChangesTheSign) {
   testing::Random random(7);
   const PairedResults results = over_key({-0.62, -0.93, -0.22, 2.2, 5.1}, 5, 0.05, random);
   const CandidateComparison comparison = compare_candidates(results);
@@ -532,7 +532,7 @@ TEST(Crossing, ASignThatTurnsWithAKeyIsSaid) {
 }
 
 // Blocks of a drawn key and of much else: neighbours are together, and what repeats are blocks.
-TEST(Crossing, ADrawnKeyIsTestedOverBlocks) {
+TEST(Crossing, ARandomKeyIsTestedOverBlocks) {
   testing::Random random(8);
   std::vector<double> of_values;
   for (int i = 0; i < 40; ++i) of_values.push_back(0.1 * (i - 20) + deviate(random));
@@ -545,7 +545,7 @@ TEST(Crossing, ADrawnKeyIsTestedOverBlocks) {
 }
 
 // The difference is the same over the key, or is nothing: in 1000 studies 50 may be said to turn.
-TEST(Crossing, IsSeldomSaidOfWhatDoesNotTurn) {
+TEST(Crossing, IsSeldomReportedWithoutAChangeOfSign) {
   testing::Random random(9);
   int said[3] = {0, 0, 0};
   for (int i = 0; i < 1000; ++i) {
@@ -571,7 +571,7 @@ VariedKey list_of(const std::string& key, const std::vector<std::string>& values
   return varied;
 }
 
-TEST(Keys, ThoseThatAreVariedTogetherAreOneEffect) {
+TEST(Keys, KeysVariedTogetherAreOneEffect) {
   Study study;
   study.vary = {list_of("a", {"1", "2", "3", "4"}), list_of("b", {"9", "7", "8", "6"}),
                 list_of("c", {"0", "0", "1", "1"}), list_of("d", {"5", "5", "5", "5"})};
@@ -590,7 +590,7 @@ TEST(Keys, ThoseThatAreVariedTogetherAreOneEffect) {
 }
 
 // A candidate that never has what is wanted is not just absent from the table.
-TEST(Comparisons, WhatIsNeverMeasuredIsSaid) {
+TEST(Comparisons, ReportsMetricsThatWereNeverMeasured) {
   const Eigen::MatrixXd never = Eigen::MatrixXd::Constant(8, 2, kNaN);
   PairedResults results = results_of({"settling_s", "repairs"}, {never, never});
   results.goals = {{"settling_s", Goal::min}};

@@ -31,7 +31,7 @@ struct Named {
   double first, second;
 };
 
-TEST(Distribution, QuantilesAreSciPys) {
+TEST(Distribution, QuantilesMatchSciPy) {
   const std::vector<Named> distributions = {
       {DistributionKind::uniform, "uniform", 0.06, 0.12},
       {DistributionKind::uniform, "uniform", -3.0, 1e6},
@@ -61,7 +61,7 @@ TEST(Distribution, QuantilesAreSciPys) {
   }
 }
 
-TEST(Distribution, RangesAreKeptToTheirEnds) {
+TEST(Distribution, ValuesStayWithinTheRange) {
   for (const DistributionKind kind : {DistributionKind::uniform, DistributionKind::log_uniform}) {
     for (const auto& [a, b] :
          {std::pair(0.1, 0.7), std::pair(3.0, 3.0000000000000004), std::pair(1e-300, 1e-3)}) {
@@ -78,7 +78,7 @@ std::string reason(DistributionKind kind, double first, double second) {
   return complaint_of([&] { const Distribution made(kind, first, second); });
 }
 
-TEST(Distribution, SaysWhatIsWrong) {
+TEST(Distribution, RefusesInvalidArguments) {
   using enum DistributionKind;
   EXPECT_EQ(reason(uniform, 0.12, 0.06), "the range [0.12, 0.06] is upside down");
   EXPECT_EQ(reason(log_uniform, 2.0, 1.0), "the range [2, 1] is upside down");

@@ -46,7 +46,7 @@ Shares of_ishigami() {
   return {{V1 / V, V2 / V, 0.0}, {(V1 + V13) / V, V2 / V, V13 / V}};
 }
 
-TEST(Sensitivity, IshigamisIndicesAreThoseOfTheClosedForm) {
+TEST(Sensitivity, IshigamisIndicesMatchTheClosedForm) {
   const Shares truth = of_ishigami();
   EXPECT_NEAR(truth.first_order[0], 0.3139, 5e-5);
   EXPECT_NEAR(truth.total[2], 0.2437, 5e-5);
@@ -66,7 +66,7 @@ TEST(Sensitivity, IshigamisIndicesAreThoseOfTheClosedForm) {
 // y = Σ aᵢ xᵢ of standard normal x: Sᵢ = Tᵢ = aᵢ²/Σ a².
 const Eigen::Vector3d kGains(1.0, 2.0, 0.5);
 
-TEST(Sensitivity, OfALinearModelFirstOrderIsTotal) {
+TEST(Sensitivity, ForALinearModelFirstOrderEqualsTotal) {
   const Model linear = [](const Eigen::VectorXd& u) {
     return 1e4 + kGains.dot(u.unaryExpr(&normal_quantile));
   };
@@ -100,7 +100,7 @@ Eigen::MatrixXd linear_outputs(testing::Random& random, Eigen::Index n) {
 }
 
 // As the estimators are written, of rows that are drawn again.
-TEST(Sensitivity, AReplicateIsTheEstimateOfRowsDrawnAgain) {
+TEST(Sensitivity, AReplicateIsTheEstimateFromResampledRows) {
   testing::Random random(3);
   constexpr Eigen::Index n = 20;
   const Eigen::MatrixXd f = linear_outputs(random, n).array() + 3.0;
@@ -118,7 +118,7 @@ TEST(Sensitivity, AReplicateIsTheEstimateOfRowsDrawnAgain) {
   }
 }
 
-TEST(Sensitivity, IntervalsHoldTheTruthAsOftenAsTheySay) {
+TEST(Sensitivity, IntervalsHaveTheirNominalCoverage) {
   testing::Random random(5);
   constexpr int kTrials = 400;
   Eigen::Array3i first_order = Eigen::Array3i::Zero(), total = Eigen::Array3i::Zero();
@@ -143,7 +143,7 @@ TEST(Sensitivity, IntervalsHoldTheTruthAsOftenAsTheySay) {
 }
 
 // Failure where x₁ > 0.7 and x₂ > 0.6: p = 0.12, Vᵢ = p²(1 − pᵢ)/pᵢ, V = p(1 − p).
-TEST(Sensitivity, OfFailuresIsThatOfTheirIndicator) {
+TEST(Sensitivity, ForFailuresUsesTheirIndicator) {
   const Model fails = [](const Eigen::VectorXd& u) { return u(0) > 0.7 && u(1) > 0.6 ? 1.0 : 0.0; };
   const SensitivityIndices indices = sensitivity_indices(outputs(fails, 8192, 3, 2));
   const double p = 0.12, V = p * (1.0 - p);
@@ -170,7 +170,7 @@ TEST(Sensitivity, RowsWithAMissingOutputAreDropped) {
   }
 }
 
-TEST(Sensitivity, OfNothingIsAbsent) {
+TEST(Sensitivity, WithoutVarianceIsAbsent) {
   const auto is_absent = [](const Eigen::MatrixXd& f) {
     const SensitivityIndices indices = sensitivity_indices(f);
     return indices.first_order.empty() && indices.total.empty();
@@ -188,7 +188,7 @@ TEST(Sensitivity, OfNothingIsAbsent) {
 }
 
 // One row that differs is in two of three replicates; no interval is better than a wrong one.
-TEST(Sensitivity, OfOneFailureHasNoInterval) {
+TEST(Sensitivity, WithOneFailureHasNoInterval) {
   for (const double rest : {0.0, 0.1, 1.0 / 3.0, -7.7}) {
     Eigen::MatrixXd f = Eigen::MatrixXd::Constant(100, 5, rest);
     f(17, 0) = f(17, 2) = f(17, 3) = 1.0;
@@ -201,7 +201,7 @@ TEST(Sensitivity, OfOneFailureHasNoInterval) {
   }
 }
 
-TEST(Sensitivity, IsThatOfAnyUnit) {
+TEST(Sensitivity, DoesNotDependOnTheUnit) {
   const Eigen::MatrixXd f = outputs(ishigami, 512, 3, 4);
   const SensitivityIndices plain = sensitivity_indices(f);
   for (const double unit : {1e-200, 1e-3, 1e250}) {
@@ -213,7 +213,7 @@ TEST(Sensitivity, IsThatOfAnyUnit) {
   }
 }
 
-TEST(Sensitivity, SaysWhatIsWrong) {
+TEST(Sensitivity, RefusesInvalidArguments) {
   const Eigen::MatrixXd f = Eigen::MatrixXd::Random(8, 4);
   EXPECT_THROW(sensitivity_indices(f.leftCols(2)), std::invalid_argument);
   EXPECT_THROW(sensitivity_indices(f, {.replicates = -1}), std::invalid_argument);

@@ -101,7 +101,7 @@ TEST_F(Executor, KeepsEveryPointUnderItsKey) {
   EXPECT_EQ(ShardIndex(source_.shards(), 4).models(), models);
 }
 
-TEST_F(Executor, ASourceMayHaveKeysOfItsOwn) {
+TEST_F(Executor, ASourceMayHaveItsOwnKeys) {
   class Own : public Source {
    public:
     using Source::Source;
@@ -116,13 +116,13 @@ TEST_F(Executor, ASourceMayHaveKeysOfItsOwn) {
   EXPECT_EQ(results_by_key(own.shards()).at("2/" + hash + "/2").number, 2U);
 }
 
-TEST_F(Executor, NoResultIsOfAModelThatChangedMeanwhile) {
+TEST_F(Executor, AModelThatChangesGivesNoResult) {
   source_.during[2] = [&] { source_.write(source_.model(), "<mujoco><!-- other --></mujoco>"); };
   expect_changed();
   EXPECT_EQ(kept(), 2U) << "those before it";
 }
 
-TEST_F(Executor, AChangeOfNeitherSizeNorTimeIsSeen) {
+TEST_F(Executor, DetectsAChangeWithEqualSizeAndTime) {
   source_.during[2] = [&] {
     std::this_thread::sleep_for(std::chrono::milliseconds(50));  // a file system's clock ticks
     const auto time = fs::last_write_time(source_.model());
@@ -141,7 +141,7 @@ TEST_F(Executor, AnIncludedFileCountsToo) {
   EXPECT_EQ(kept(), 1U);
 }
 
-TEST_F(Executor, AModelThatIsGoneOrHalfWrittenRefusesNoPoint) {
+TEST_F(Executor, AMissingOrIncompleteModelRefusesNoPoint) {
   source_.during[1] = [&] { fs::remove(source_.model()); };
   expect_changed(": cannot be read");
   EXPECT_EQ(kept(), 1U);
@@ -174,7 +174,7 @@ TEST_F(Executor, ModelsThatWereReadBeforeMustBeTheSame) {
 }
 
 // What is compiled before its hash is known would be known by another file's.
-TEST_F(Executor, AHashIsThatOfWhatWasCompiled) {
+TEST_F(Executor, AHashBelongsToTheCompiledFile) {
   source_.before[0] = [&] {
     Model::load(source_.model().string());
     source_.write(source_.model(), "<mujoco><!-- other --></mujoco>");
@@ -194,7 +194,7 @@ TEST_F(Executor, AFileOfTwoModelsHasOneHash) {
   EXPECT_THROW(models.check_unchanged({other}), std::invalid_argument);
 }
 
-TEST_F(Executor, WhatTheMachineLacksIsNoResult) {
+TEST_F(Executor, LackOfMemoryOrFilesIsNoResult) {
   source_.during[1] = [] { throw OutOfMemory("arm.xml: Could not allocate memory"); };
   EXPECT_THROW(run(source_), OutOfMemory);
   EXPECT_EQ(kept(), 1U);
@@ -229,7 +229,7 @@ TEST_F(Executor, NoMemoryNamesThePoint) {
   EXPECT_EQ(kept(), 1U);
 }
 
-TEST_F(Executor, PointsOfOneKeyWriteOneFolder) {
+TEST_F(Executor, PointsWithOneKeyWriteOneFolder) {
   class Same : public Source {
    public:
     using Source::Source;

@@ -39,7 +39,7 @@ TEST(Plan, ProbesOfAGridHaveEachValueOnce) {
   EXPECT_EQ(probed(Plan(study(Method::grid))), around_the_first);
 }
 
-TEST(Points, AreEachOnceAndInOrder) {
+TEST(Points, AreSortedWithoutRepetition) {
   EXPECT_EQ(parse_points("7,2-4,3", 8), (std::vector<std::size_t>{2, 3, 4, 7}));
   EXPECT_EQ(print_points({2, 3, 4, 7}), "2-4,7");
   for (const char* text : {"", "8", "4-2", "1,", "1-", "x"}) {

@@ -32,7 +32,7 @@ bool hits_each_interval_once(const Eigen::VectorXd& u) {
          *intervals.rbegin() == static_cast<double>(u.size() - 1);
 }
 
-TEST(Sampling, SobolPointsAreSciPys) {
+TEST(Sampling, SobolPointsMatchSciPy) {
   const std::vector<std::pair<Eigen::Index, Eigen::Index>> sizes = {
       {4096, 3}, {1024, 40}, {64, 3667}};
   std::ostringstream input;
@@ -102,7 +102,7 @@ double mean_of(const std::vector<double>& values) {
 
 // The hypercubes are as even as SciPy's: within four standard errors of their mean discrepancy.
 // Random points have 6.6 times theirs, Sobol' points 0.27 times.
-TEST(Sampling, DiscrepancyOfLatinHypercubesIsThatOfSciPys) {
+TEST(Sampling, DiscrepancyOfLatinHypercubesMatchesSciPy) {
   constexpr int kSets = 200;
   constexpr Eigen::Index kPoints = 64, kDimension = 3;
   std::ostringstream input;
@@ -147,7 +147,7 @@ void expect_all_orders(int n, std::size_t orders, double chi_squared_0_1_percent
 }
 
 // Four numbers are permuted at once, five among sixteen.
-TEST(Sampling, LatinHypercubesPermutationsAreAllAsLikely) {
+TEST(Sampling, AllPermutationsOfLatinHypercubesAreEquallyLikely) {
   expect_all_orders(4, 24, 49.7);
   expect_all_orders(5, 120, 173.6);
 }
@@ -195,14 +195,14 @@ TEST(Sampling, DependsOnTheSeedAndNotOnTheOrder) {
   }
 }
 
-TEST(Sampling, AStudyGrowsAtItsEnd) {
+TEST(Sampling, ALargerStudyKeepsTheFirstPoints) {
   for (const SamplingMethod method : {random, sobol, saltelli}) {
     const Eigen::MatrixXd few = points(method, 32, 3, 7), many = points(method, 64, 3, 7);
     EXPECT_EQ(few, many.topRows(few.rows()));
   }
 }
 
-TEST(Sampling, SaysWhatIsWrong) {
+TEST(Sampling, RefusesInvalidArguments) {
   for (const SamplingMethod method : kMethods) {
     EXPECT_THROW(make_sampler(method, 0, 3, 1), std::invalid_argument);
     EXPECT_THROW(make_sampler(method, 3, 0, 1), std::invalid_argument);

@@ -108,7 +108,7 @@ TEST_F(Shards, GiveBackAllOfAResult) {
   EXPECT_TRUE(results.at("failed").reason.ends_with(" more"));
 }
 
-TEST_F(Shards, OfOneProcessTellWhichPointIsBegun) {
+TEST_F(Shards, NameThePointThatAProcessHasBegun) {
   EXPECT_TRUE(results_of_process(folder_, getpid()).results.empty());
   EXPECT_EQ(results_of_process(folder_, getpid()).begun, std::nullopt);
   Shard made(folder_);
@@ -152,7 +152,7 @@ TEST_F(Shards, GiveBackEveryBitOfANumber) {
   }
 }
 
-TEST_F(Shards, ALineThatWasCutOffIsNotThere) {
+TEST_F(Shards, ATruncatedLineDoesNotCount) {
   const std::string bytes = bytes_of({result_of(0, "first"), result_of(1, "second")});
   const std::size_t first = bytes.find('\n') + 1;
   for (std::size_t length = first; length <= bytes.size(); ++length) {
@@ -167,7 +167,7 @@ TEST_F(Shards, ALineThatWasCutOffIsNotThere) {
   }
 }
 
-TEST_F(Shards, ADamagedByteCostsItsLineAndNoNumberIsWrong) {
+TEST_F(Shards, ADamagedByteLosesOnlyItsLine) {
   const std::vector<PointResult> all = {result_of(0, "first"), result_of(1, "second", 0.7),
                                         result_of(2, "third", 0.3)};
   const std::string bytes = bytes_of(all);
@@ -215,7 +215,7 @@ TEST_F(Shards, AShortWriteDoesNotSpoilTheNextLine) {
   EXPECT_EQ(ShardIndex(folder_, 4).models(), (ModelHashes{{"arm.xml", "0"}}));
 }
 
-TEST_F(Shards, OfTwoLinesOfOneKeyTheLaterCounts) {
+TEST_F(Shards, TheLaterOfTwoLinesWithOneKeyCounts) {
   const std::string one = bytes_of({result_of(0, "key", 1.0)});
   const std::string two = bytes_of({result_of(7, "key", 2.0)});
   const auto value = [&] { return results_by_key(folder_).at("key").metrics[0].second; };
@@ -235,7 +235,7 @@ TEST_F(Shards, OfTwoLinesOfOneKeyTheLaterCounts) {
   }
 }
 
-TEST_F(Shards, LinesThatAreNoneOfOursDoNotCount) {
+TEST_F(Shards, ForeignLinesDoNotCount) {
   const std::string own = bytes_of({result_of(0, "own")});
   const std::string point = "point\t1\tkey\tcomplete\t\t0.1\t";
   const std::vector<std::string> others = {
@@ -271,7 +271,7 @@ TEST_F(Shards, LinesThatAreNoneOfOursDoNotCount) {
   EXPECT_EQ(results_by_key(folder_).at("key").metrics[0].second, 1.0);
 }
 
-TEST_F(Shards, OtherFilesAndNoFolderHoldNothing) {
+TEST_F(Shards, OtherFilesAndMissingFoldersAreEmpty) {
   const std::string own = bytes_of({result_of(0, "own")});
   write(own, "notes.txt");
   write("", "empty.shard");
@@ -282,13 +282,13 @@ TEST_F(Shards, OtherFilesAndNoFolderHoldNothing) {
   EXPECT_THROW(results_by_key(folder_), std::invalid_argument);
 }
 
-TEST_F(Shards, AFolderThatCannotBeReadIsNotAnEmptyOne) {
+TEST_F(Shards, AnUnreadableFolderIsNotEmpty) {
   write("text", "file");
   EXPECT_THROW(ShardIndex(folder_ / "file", 1), std::invalid_argument);
   EXPECT_THROW(results_by_key(folder_ / "file"), std::invalid_argument);
 }
 
-TEST_F(Shards, WhatMayNotBeOnTheDiskIsSaid) {
+TEST_F(Shards, ReportsAFailedSync) {
   Shard made(folder_);
   made.finish();
   made.add(result_of(0, "key"));
@@ -314,7 +314,7 @@ TEST_F(Shards, ModelsOfTwoVersionsAreNotMixed) {
                   "another version of a.xml"));
 }
 
-TEST_F(Shards, ThereMayBeVeryManyShards) {
+TEST_F(Shards, VeryManyShardsWork) {
   const std::string last = bytes_of({result_of(0, "last")});
   for (int i = 0; i < 66000; ++i) write("", "a-" + std::to_string(i) + ".shard");
   write(last, "b.shard");
@@ -330,7 +330,7 @@ TEST_F(Shards, APointIsFoundByTheBeginningOfItsKey) {
   EXPECT_THROW(index.find("ab"), std::invalid_argument);
 }
 
-TEST_F(Shards, CannotBeWrittenWhereThereIsNoFolder) {
+TEST_F(Shards, CannotBeWrittenWithoutAFolder) {
   Shard made(folder_ / "nowhere");
   EXPECT_THROW(made.add(result_of(0, "key")), OutputError);
 }

@@ -66,7 +66,7 @@ TEST_P(EachShippedStudy, CanRun) {
 }
 
 // docs/studies/NAME.csv, where there is one, is the results.csv of this very study.
-TEST_P(EachShippedStudy, TableIsItsOwn) {
+TEST_P(EachShippedStudy, ItsTableIsFromThisStudy) {
   const fs::path file = testing::source_file("docs/studies/" + GetParam() + ".csv");
   if (!fs::exists(file)) GTEST_SKIP() << "no table of it is kept";
   const Sweep sweep(catalogue_, study_of(GetParam()));

@@ -12,7 +12,7 @@ using testing::ProgramResult;
 
 class SweepComparison : public testing::SweepFolder {};
 
-TEST_F(SweepComparison, CandidatesAreComparedInTheSameWorlds) {
+TEST_F(SweepComparison, CandidatesAreComparedInTheSameTestConditions) {
   write("study.toml", R"toml(
 scenario = "ishigami"
 seeds = { first = 1, count = 2 }
@@ -61,7 +61,7 @@ goal = { y_1 = "min" }
 }
 
 // Five walls and five seeds: x.third = 1.5 is worse in all 25 pairs, and yet in five worlds alone.
-TEST_F(SweepComparison, SeedsRepeatWhatTheVariedKeysMake) {
+TEST_F(SweepComparison, SeedsRepeatASample) {
   write("study.toml", R"toml(
 scenario = "ishigami"
 case = "noisy"
@@ -106,7 +106,7 @@ metrics = ["y_1"]
 }
 
 // x.third makes 0.1 x₃⁴ sin x₁ of y: its sign is that of x.first.
-TEST_F(SweepComparison, ASignThatTurnsWithAVariedKeyIsSaid) {
+TEST_F(SweepComparison, ReportsAVariedKeyThatChangesTheSign) {
   write("study.toml", R"toml(
 scenario = "ishigami"
 case = "noisy"
@@ -145,7 +145,7 @@ TEST_F(SweepComparison, KeysVariedTogetherAreOneEffect) {
   EXPECT_TRUE(has(page, said + ": their effects cannot be told apart"));
 }
 
-TEST_F(SweepComparison, ThePageOpensWithTheFirstMetricThatIsNamed) {
+TEST_F(SweepComparison, ThePageOpensWithTheFirstNamedMetric) {
   int count = 0;
   const auto first = [&](const std::string& options) {
     const std::string out = std::to_string(++count);
@@ -162,7 +162,7 @@ TEST_F(SweepComparison, ThePageOpensWithTheFirstMetricThatIsNamed) {
   EXPECT_EQ(first("--goal y_1=min --goal " + second + "=max"), "y_1");  // not by the alphabet
 }
 
-TEST_F(SweepComparison, RowsOfFewerWorldsAreMarked) {
+TEST_F(SweepComparison, RowsWithFewerTestConditionsAreMarked) {
   write("study.toml", R"toml(
 scenario = "ishigami"
 [vary]
@@ -178,7 +178,7 @@ baseline = "trouble.fails_above = 10"
 }
 
 // A slip of the pen costs no study.
-TEST_F(SweepComparison, AMisspeltMetricIsFoundByTheFirstRuns) {
+TEST_F(SweepComparison, TheFirstRunsRevealAMisspeltMetric) {
   expect_refusals(
       "ishigami_lab sweep ishigami --case plain,noisy --seeds 1..9 --out misspelt ",
       {{"--goal y_2=max",
@@ -188,7 +188,7 @@ TEST_F(SweepComparison, AMisspeltMetricIsFoundByTheFirstRuns) {
         "y_1?)"}});
 }
 
-TEST_F(SweepComparison, SensitivityIndicesOfTheIshigamiFunctionAreTheClosedForm) {
+TEST_F(SweepComparison, SensitivityIndicesOfTheIshigamiFunctionMatchTheClosedForm) {
   const double pi = std::numbers::pi;
   const std::string from_minus_to_plus_pi = "=uniform(-3.141592653589793,3.141592653589793)";
   swept("ishigami --method saltelli --samples 4096 --vary x.first" + from_minus_to_plus_pi +

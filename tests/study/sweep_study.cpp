@@ -8,7 +8,7 @@ namespace {
 
 using SweepStudy = testing::SweepFolder;
 
-TEST_F(SweepStudy, AHundredKillsChangeNoByte) {
+TEST_F(SweepStudy, AHundredKillsDoNotChangeTheResults) {
   const std::string study =
       "ishigami --vary x.first=lin(-3,3,20) --vary x.second=lin(-3,3,20) --seeds 1..5 "
       "--set trouble.takes_s=0.005 --jobs 2 --out ";
@@ -18,7 +18,7 @@ TEST_F(SweepStudy, AHundredKillsChangeNoByte) {
 }
 
 // Each kill at another moment of a short study's life: while it makes its folder, runs, collects.
-TEST_F(SweepStudy, AKillAtAnyMomentOfAShortStudyChangesNoByte) {
+TEST_F(SweepStudy, AKillAtAnyTimeDoesNotChangeTheResults) {
   const std::string study = "ishigami --vary x.first=lin(-3,3,50) --out ";
   swept(study + "whole");
   for (int i = 0; i < 100; ++i) {

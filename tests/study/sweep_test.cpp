@@ -37,7 +37,7 @@ class Sweep : public testing::SweepFolder {
   }
 };
 
-TEST_F(Sweep, AGridIsOneRowARunInOrder) {
+TEST_F(Sweep, AGridHasOneRowPerRunInOrder) {
   swept(
       "ishigami --case plain,noisy --vary x.first=0.1,0.2 --vary x.second=lin(-1,1,3) "
       "--seeds 1..2 --out s");
@@ -100,7 +100,7 @@ baseline = "plain"
   EXPECT_EQ(read("a/results.csv"), read("c/results.csv"));
 }
 
-TEST_F(Sweep, WorkersProcessesAndKillsChangeNoByte) {
+TEST_F(Sweep, WorkersProcessesAndKillsDoNotChangeTheResults) {
   const std::string study =
       "ishigami --vary x.first=lin(-3,3,12) --vary x.second=lin(-3,3,12) "
       "--set trouble.fails_above=2 --set trouble.takes_s=0.002 --out ";
@@ -113,7 +113,7 @@ TEST_F(Sweep, WorkersProcessesAndKillsChangeNoByte) {
   }
 }
 
-TEST_F(Sweep, ATornOrDamagedLineIsRunAgain) {
+TEST_F(Sweep, ARunWithADamagedLineIsRepeated) {
   const std::string study = "ishigami --vary x.first=lin(0,1,20) --out s --jobs 1";
   swept(study);
   const std::string whole = read("s/results.csv");
@@ -128,7 +128,7 @@ TEST_F(Sweep, ATornOrDamagedLineIsRunAgain) {
   EXPECT_EQ(read("s/results.csv"), whole);
 }
 
-TEST_F(Sweep, APointIsTheRunOfItsConfiguration) {
+TEST_F(Sweep, APointEqualsTheRunOfItsConfiguration) {
   ran("breakwater sweep motor_estimation --case idob --vary encoder.bits=6,8 --seeds 2..3 "
       "--duration 0.2 --out s");
   const auto rows = results("s");
@@ -160,7 +160,7 @@ TEST_F(Sweep, ThreadsShareModelsAndTheShard) {
   EXPECT_EQ(read("1/results.csv"), read("4/results.csv"));
 }
 
-TEST_F(Sweep, KeepsTheFoldersThatItIsToldTo) {
+TEST_F(Sweep, KeepsTheChosenFolders) {
   for (const auto& [keep, count] :
        std::map<std::string, std::size_t>{{"metrics", 0}, {"failed", 1}, {"all", 3}}) {
     swept("ishigami --vary x.first=0,1,3 --set trouble.fails_above=2 --keep " + keep + " --out " +
@@ -180,7 +180,7 @@ TEST_F(Sweep, KeepsTheFoldersThatItIsToldTo) {
   }
 }
 
-TEST_F(Sweep, AFailureIsCountedOrStopsIt) {
+TEST_F(Sweep, AFailureCountsOrStopsTheStudy) {
   const std::string study =
       "ishigami --vary x.first=lin(0,3,30) --set trouble.fails_above=1 --jobs 1 --out ";
   EXPECT_TRUE(has(swept(study + "counted").out, "20 failed"));
@@ -193,7 +193,7 @@ TEST_F(Sweep, AFailureIsCountedOrStopsIt) {
   EXPECT_EQ(results("stopped").size(), 12U);
 }
 
-TEST_F(Sweep, ACrashCostsOneRunInAProcessOfItsOwn) {
+TEST_F(Sweep, ACrashInASeparateProcessLosesOneRun) {
   const std::string study =
       "ishigami --vary x.first=lin(0,3,31) --set trouble.crashes_above=2.85 --isolate --out s";
   EXPECT_TRUE(has(swept(study).out, "2 crashed"));
@@ -205,7 +205,7 @@ TEST_F(Sweep, ACrashCostsOneRunInAProcessOfItsOwn) {
 }
 
 // All that differs stands in one place.
-TEST_F(Sweep, AKilledStudyLeavesTheSamePage) {
+TEST_F(Sweep, AKilledStudyGivesTheSamePage) {
   const std::string study =
       "ishigami --vary x.first=lin(-3,3,40) --case plain,noisy --seeds 1..3 "
       "--set trouble.takes_s=0.003 ";
@@ -223,7 +223,7 @@ TEST_F(Sweep, AKilledStudyLeavesTheSamePage) {
   EXPECT_EQ(without_machine("whole"), without_machine("elsewhere/killed"));
 }
 
-TEST_F(Sweep, TasksOfAnySchedulerTogetherAreTheStudy) {
+TEST_F(Sweep, TasksOfAnySchedulerCompleteTheStudy) {
   const std::string study = "ishigami --vary x.first=lin(0,1,25) --out ";
   swept(study + "whole");
   write("tasks.sh", swept(study + "tasks --print-tasks --tasks 4").out);
@@ -242,7 +242,7 @@ TEST_F(Sweep, ADryRunCountsAndLeavesNothing) {
   EXPECT_FALSE(fs::exists(folder_ / "s"));
 }
 
-TEST_F(Sweep, AnInterruptionSaysHowToGoOn) {
+TEST_F(Sweep, AnInterruptionExplainsHowToContinue) {
   const ProgramResult result =
       sweep("ishigami --vary x.first=lin(0,1,200) --set trouble.takes_s=0.05 --out s", 1.0, SIGINT);
   EXPECT_EQ(result.status, 130);
@@ -252,7 +252,7 @@ TEST_F(Sweep, AnInterruptionSaysHowToGoOn) {
   EXPECT_LT(results("s").size(), 201U);
 }
 
-TEST_F(Sweep, GoesOnWithNothingElse) {
+TEST_F(Sweep, RefusesToContinueAnotherStudy) {
   swept("ishigami --vary x.first=1,2 --out s");
   expect_refusals("ishigami_lab sweep ",
                   {{"ishigami --vary x.first=1,3 --out s",
@@ -278,7 +278,7 @@ TEST_F(Sweep, GoesOnWithNothingElse) {
   EXPECT_EQ(read("mine/thesis.tex"), "text");
 }
 
-TEST_F(Sweep, BeginsAnewWithoutAUsersOwnFiles) {
+TEST_F(Sweep, RerunKeepsTheUsersFiles) {
   swept("ishigami --vary x.first=1,2 --out s");
   write("s/notes.txt", "mine");
   swept("s --rerun");
@@ -300,7 +300,7 @@ TEST_F(Sweep, BeginsAnewWithoutAUsersOwnFiles) {
   EXPECT_EQ(read("exp/thesis.tex"), "text");
 }
 
-TEST_F(Sweep, AFailureStopsProcessesOfTheirOwnToo) {
+TEST_F(Sweep, AFailureStopsSeparateProcessesToo) {
   const ProgramResult stopped = sweep(
       "ishigami --vary x.first=lin(0,3,300) --set trouble.fails_above=0.5 --set "
       "trouble.takes_s=0.01 --isolate --jobs 2 --on-failure stop --out s");
@@ -309,7 +309,7 @@ TEST_F(Sweep, AFailureStopsProcessesOfTheirOwnToo) {
   EXPECT_LT(results("s").size(), 200U);
 }
 
-TEST_F(Sweep, ACrashHasThePointsOwnKey) {
+TEST_F(Sweep, ACrashHasTheKeyOfItsPoint) {
   const std::string run_of = "ishigami --set x.first=3 --set trouble.crashes_above=2 ";
   swept(run_of + "--isolate --out s");
   const std::string config = ran("ishigami_lab run " + run_of + "--print-config").out;
@@ -325,7 +325,7 @@ TEST_F(Sweep, ACrashBeforeAnyPointIsNoResult) {
   EXPECT_TRUE(has(sweep("s --status").out, "0 of 2 points are done"));
 }
 
-TEST_F(Sweep, APointThatAnotherProcessDoesIsNotTheOneThatCrashed) {
+TEST_F(Sweep, APointOfAnotherProcessIsNotTheCrashedOne) {
   ReadProgram study(
       {(testing::bin_folder() / "../tests/ishigami_lab").string(), "sweep", "ishigami", "--vary",
        "x.first=lin(-3,3,64)", "--set", "trouble.crashes_above=2", "--set", "trouble.takes_s=0.04",
@@ -359,7 +359,7 @@ TEST_F(Sweep, TwoProcessesWithTheSamePointsBothSucceed) {
   EXPECT_EQ(first.wait(), 0);
 }
 
-TEST_F(Sweep, APointThatIsKilledFromOutsideIsLeftUndone) {
+TEST_F(Sweep, APointKilledFromOutsideStaysUndone) {
   const std::string study =
       "ishigami --vary x.first=lin(0,3,31) --set trouble.killed_above=2.85 --isolate --out s";
   const ProgramResult killed = sweep(study);
@@ -415,7 +415,7 @@ TEST_F(Sweep, AnElementOfAnArrayIsAKey) {
             "controller.name is proposed or tlsc\n");
 }
 
-TEST_F(Sweep, AReplayIsTheRunThatItWasOrSaysSo) {
+TEST_F(Sweep, AReplayEqualsTheRunOrReportsADifference) {
   swept("ishigami --vary x.first=1,2 --out s");
   const std::string key = results("s").at(1).at(0);
   swept("s --replay " + key.substr(0, 8));
@@ -431,7 +431,7 @@ TEST_F(Sweep, AReplayIsTheRunThatItWasOrSaysSo) {
   EXPECT_TRUE(has(differs.err, "is not the run of results.csv"));
 }
 
-TEST_F(Sweep, AReplayOfWhatIsRefusedHasNoFolder) {
+TEST_F(Sweep, AReplayOfARefusedPointHasNoFolder) {
   ran("breakwater sweep motor_estimation --vary metrics.from_s=0.1,0.5 --vary "
       "metrics.to_s=1.0,0.3 --duration 0.01 --out s");
   std::string key;
@@ -454,7 +454,7 @@ TEST_F(Sweep, ASeedIsExact) {
   EXPECT_EQ(run("/usr/bin/python3 look.py").out, "9007199254740993\n");
 }
 
-TEST_F(Sweep, BlanksAroundValuesAreNoneOfThem) {
+TEST_F(Sweep, BlanksAroundValuesAreIgnored) {
   for (const std::string seeds : {"1, 2", "1 .. 2", " 1..2 "}) {
     swept("ishigami --case 'plain, noisy' --vary 'x.first= 1 , 2' --seeds '" + seeds + "' --out s");
     EXPECT_EQ(results("s").size(), 9U);
@@ -464,7 +464,7 @@ TEST_F(Sweep, BlanksAroundValuesAreNoneOfThem) {
   EXPECT_EQ(results("words").size(), 3U);
 }
 
-TEST_F(Sweep, ADryRunOfOneRunSaysSo) {
+TEST_F(Sweep, ADryRunOfOneRunReportsIt) {
   const ProgramResult result = sweep("ishigami --dry-run");
   EXPECT_TRUE(result.out.starts_with("1 run: 1 sample, 1 seed, 1 candidate\n")) << result.out;
 }
@@ -478,7 +478,7 @@ TEST_F(Sweep, ADryRunDoesNotLookAtEveryPoint) {
   EXPECT_LT(result.seconds, 20.0);
 }
 
-TEST_F(Sweep, WhatIsToGoIsWeighedByCandidate) {
+TEST_F(Sweep, TheRemainingTimeIsEstimatedPerCandidate) {
   swept("ishigami --case plain,noisy --vary x.first=1,2 --out s");
   const fs::path shards = folder_ / "s/shards";
   std::vector<PointResult> points;
@@ -497,13 +497,13 @@ TEST_F(Sweep, WhatIsToGoIsWeighedByCandidate) {
   EXPECT_TRUE(has(sweep("s --status").out, "2.0 s of processor time to go"));
 }
 
-TEST_F(Sweep, SubmissionsThatCannotBeReadAreNotNone) {
+TEST_F(Sweep, UnreadableSubmissionsAreNotIgnored) {
   fs::create_directory(folder_ / "s");
   write("s/slurm", "no folder");
   EXPECT_THROW(queued(StudyFolder(folder_ / "s", kSweep), 1), std::invalid_argument);
 }
 
-TEST_F(Sweep, TwoStudiesAreNotBegunInOneFolder) {
+TEST_F(Sweep, TwoStudiesCannotBeginInOneFolder) {
   const ScenarioFile file(testing::source_file("tests/study/ishigami/ishigami.toml"), "ishigami");
   const StudyFolder study(folder_ / "s", kSweep);
   study.make("a = 1\n", file);
@@ -515,7 +515,7 @@ TEST_F(Sweep, TwoStudiesAreNotBegunInOneFolder) {
   EXPECT_TRUE(has(read("s/study.toml"), "a = 2\n"));
 }
 
-TEST_F(Sweep, TwoSweepsOfOneStudyAreWarnedOf) {
+TEST_F(Sweep, WarnsOfTwoSweepsOfOneStudy) {
   const std::vector<std::string> study = {
       (testing::bin_folder() / "../tests/ishigami_lab").string(),
       "sweep",
@@ -566,7 +566,7 @@ TEST_F(Sweep, AModelThatChangesBetweenProcessesEndsTheStudy) {
   EXPECT_EQ(results("s").size(), 8U);
 }
 
-TEST_F(Sweep, ModelsThatChangedAreNotGoneOnWith) {
+TEST_F(Sweep, AStudyDoesNotContinueWithChangedModels) {
   fs::copy_file(testing::source_file("models/motor.xml"), folder_ / "own.xml");
   const std::string study =
       "breakwater sweep motor_estimation --set model.mjcf=own.xml --seeds 1..2 --duration 0.01 "

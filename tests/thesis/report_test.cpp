@@ -42,7 +42,7 @@ TEST(Verdict, NumbersHaveTwoBands) {
   EXPECT_EQ(judge(kNever, printed, standard), Verdict::not_reproduced);
 }
 
-TEST(Verdict, WhatRoundsToThePrintedDigitsIsReproduced) {
+TEST(Verdict, AValueThatRoundsToThePrintedDigitsIsReproduced) {
   const PrintedResults& printed = printed_results();
   const auto half_unit = [&](const char* path) { return printed.find(path).value().half_unit; };
   EXPECT_DOUBLE_EQ(half_unit("motor_estimation.table_4_8.Ts_1e-2.n48[5]"), 0.05);     // 66.0
@@ -66,7 +66,7 @@ TEST(Verdict, WhatRoundsToThePrintedDigitsIsReproduced) {
   EXPECT_EQ(judge(461.2, {461.0, "461", 0.5}, at_least), Verdict::not_reproduced);
 }
 
-TEST(Verdict, WordsAreDeserved) {
+TEST(Verdict, AMeasuredNumberGetsTheWordOfItsBand) {
   const PrintedResults& printed = printed_results();
   const std::string path = "cart_estimation.table_4_4.ramp.first";
   const PrintedResult result = printed.find(path).value();
@@ -79,7 +79,7 @@ TEST(Verdict, WordsAreDeserved) {
   EXPECT_EQ(judge(0.02, *printed.find(high), printed.standard(high)), Verdict::not_reproduced);
 }
 
-TEST(Verdict, NeverIsAnAnswer) {
+TEST(Verdict, AnInfiniteTimeIsAResult) {
   const PrintedResults& printed = printed_results();
   const std::string path = "cart_estimation.table_4_7.step.conventional";
   EXPECT_EQ(judge(kNever, *printed.find(path), printed.standard(path)), Verdict::reproduced);
@@ -127,7 +127,7 @@ TEST(Verdict, FlipsWithTheMeasuredValue) {
   EXPECT_EQ(verdict({0.1, 0.2, 0.528}), Verdict::not_reproduced);
 }
 
-TEST(Verdict, AFailedRunIsNoSuccess) {
+TEST(Verdict, AFailedRunIsNotReproduced) {
   CellSpec cell = cell_of("converged", "quadrotor_waves.converges.ukf_second");
   cell.if_failed = 0.0;
   Measured measured;
@@ -137,7 +137,7 @@ TEST(Verdict, AFailedRunIsNoSuccess) {
   EXPECT_EQ(judged(cell, measured).verdict, Verdict::reproduced);
 }
 
-TEST(Verdict, AFailedRunHoldsNothingUnlessTheCellSaysWhat) {
+TEST(Verdict, AFailedRunHasNoValueUnlessTheCellDefinesOne) {
   CellSpec cell = statement_of("max_speed_m_s", 1.0);
   cell.if_failed = std::numeric_limits<double>::quiet_NaN();
   Measured measured = runs_of("max_speed_m_s", {1.2, 1.2, 1.2});
@@ -152,7 +152,7 @@ TEST(Verdict, AFailedRunHoldsNothingUnlessTheCellSaysWhat) {
   EXPECT_EQ(judged(cell, measured).verdict, Verdict::not_reproduced);
 }
 
-TEST(Verdict, AnAbsentMetricIsNotMeasuredUnlessTheCellSaysThatItMeansNever) {
+TEST(Verdict, AnAbsentMetricIsNotMeasuredUnlessTheCellDefinesItAsInfinite) {
   CellSpec cell = statement_of("setling_time_s", 1.0);
   Measured measured = runs_of("settling_time_s", {0.1});
   const Judged misspelt = judged(cell, measured);
@@ -181,7 +181,7 @@ TEST(Verdict, OneRunWithoutTheMetricLeavesTheCellNotMeasured) {
   }
 }
 
-TEST(Verdict, APartOfNothingIsNotMeasured) {
+TEST(Verdict, ARatioWithoutDenominatorIsNotMeasured) {
   CellSpec cell = statement_of("peak_N", -1e300);
   cell.over = Quantity{"other", "peak_N"};
   cell.absent_is_never = true;
@@ -198,7 +198,7 @@ TEST(Verdict, APartOfNothingIsNotMeasured) {
   EXPECT_EQ(judged(cell, measured).verdict, Verdict::reproduced);
 }
 
-TEST(Verdict, OverAnotherMetricOfTheSameRunIsThePartOfEachRun) {
+TEST(Verdict, ARatioOfMetricsOfOneRunIsComputedPerRun) {
   CellSpec cell = statement_of("|error_N|", 1.0);
   cell.over = Quantity{"any", "error_of_zero_N"};
   cell.divisor = 2.0;
@@ -213,7 +213,7 @@ TEST(Verdict, OverAnotherMetricOfTheSameRunIsThePartOfEachRun) {
   EXPECT_EQ(values_of(cell, measured), (std::vector<double>{1.5, 2.0, 2.5}));
 }
 
-TEST(Verdict, WhatIsShownHasNone) {
+TEST(Verdict, AShownCellHasNoVerdict) {
   CellSpec cell = cell_of("peak_N");
   cell.shows = "not claimed";
   const Judged shown = judged(cell, runs_of("peak_N", {3.0}));
@@ -221,7 +221,7 @@ TEST(Verdict, WhatIsShownHasNone) {
   EXPECT_EQ(verdict_word(shown, cell, false), "shown");
 }
 
-TEST(Verdict, WhatHoldsByConstructionIsVacuousAndAHypothesisIsCalledSo) {
+TEST(Verdict, VacuousCellsAndHypothesesAreLabelled) {
   CellSpec cell = cell_of("peak_N");
   cell.says = "small";
   cell.holds.below = 2.0;
@@ -248,13 +248,13 @@ TEST(Verdict, SixOfTenDoNotConverge) {
             Verdict::not_reproduced);
 }
 
-TEST(Median, IsInTheMiddle) {
+TEST(Median, IsTheMiddleValue) {
   EXPECT_EQ(median({3.0, 1.0, 2.0}), 2.0);
   EXPECT_EQ(median({4.0, 1.0, 2.0, 3.0}), 2.5);
   EXPECT_EQ(median({1.0, kNever, kNever}), kNever);
 }
 
-TEST(Measurement, IsWhatTheShardKept) {
+TEST(Measurement, EqualsTheResultInTheShard) {
   const testing::TemporaryPath folder{"shards"};
   std::filesystem::create_directories(folder);
   {
@@ -353,7 +353,7 @@ TEST(Experiments, TheTablesOfClaimsNameEverySectionAndNoOther) {
   EXPECT_EQ(named, sections);
 }
 
-TEST(Experiments, EveryCellOfOursIsSettled) {
+TEST(Experiments, EveryShippedCellHasACriterion) {
   const Experiments experiments = own_experiments(Effort::full);
   for (const SectionSpec& section : experiments.sections) {
     EXPECT_FALSE(section.docs.empty());
@@ -368,7 +368,7 @@ TEST(Experiments, EveryCellOfOursIsSettled) {
   }
 }
 
-TEST(Experiments, MistakesAreSaidWithTheirLine) {
+TEST(Experiments, MessagesNameTheLineOfAMistake) {
   const testing::TemporaryPath file{"experiments.toml"};
   const auto message = [&](const std::string& text) -> std::string {
     std::ofstream(file) << text;
@@ -440,7 +440,7 @@ TEST(Experiments, MistakesAreSaidWithTheirLine) {
   EXPECT_THROW(read_experiments(file.string(), Effort::quick), std::invalid_argument);
 }
 
-TEST(Experiments, OnlyOursAreTheThesis) {
+TEST(Experiments, OnlyTheShippedListIsThatOfTheThesis) {
   EXPECT_FALSE(own_experiments().is_own);
   const testing::TemporaryPath file{"mine.toml", "title = \"Mine\"\n"};
   const Experiments mine = read_experiments(file.string(), Effort::quick);
@@ -448,7 +448,7 @@ TEST(Experiments, OnlyOursAreTheThesis) {
   EXPECT_EQ(mine.title, "Mine");
 }
 
-TEST(Score, SaysHeldOfWhatIsNotTheThesis) {
+TEST(Score, CountsStatementsOfOtherListsAsHeld) {
   Score score;
   EXPECT_EQ(score.text(), "0 reproduced, 0 within the class, 0 not reproduced");
   score.holds = 2;
@@ -501,7 +501,7 @@ class DamagedRun : public ::testing::Test {
   nlohmann::json metrics_;
 };
 
-TEST_F(DamagedRun, EveryValueOfTheManifestMayBeWrong) {
+TEST_F(DamagedRun, HandlesEveryWrongValueOfTheManifest) {
   const std::set<std::string> needed = {"scenario", "case", "seed", "status"};
   const std::set<std::string> read = {"scenario", "case",   "seed",      "status",
                                       "program",  "models", "state_hash"};
@@ -543,7 +543,7 @@ TEST_F(DamagedRun, EveryValueOfTheManifestMayBeWrong) {
   EXPECT_EQ(complaints_of("manifest.json", manifest_)[0], "");
 }
 
-TEST_F(DamagedRun, EveryValueOfTheMetricsMayBeWrong) {
+TEST_F(DamagedRun, HandlesEveryWrongValueOfTheMetrics) {
   ASSERT_FALSE(metrics_.empty());
   for (const auto& [key, value] : metrics_.items()) {
     for (const char* wrong : {"true", "\"1\"", "[]", "{}"}) {
@@ -567,7 +567,7 @@ TEST_F(DamagedRun, EveryValueOfTheMetricsMayBeWrong) {
   EXPECT_TRUE(has(complaints()[0], "it has no metrics.json"));
 }
 
-TEST(SavedRun, UnitsAreTheEndsOfNames) {
+TEST(SavedRun, UnitsComeFromTheEndsOfNames) {
   EXPECT_EQ(unit_of("rmse_velocity_rad_s"), "rad/s");
   EXPECT_EQ(unit_of("max_speed_m_s"), "m/s");
   EXPECT_EQ(unit_of("free_motion_time_s"), "s");
@@ -575,7 +575,7 @@ TEST(SavedRun, UnitsAreTheEndsOfNames) {
   EXPECT_EQ(unit_of("bounce_count"), "");
 }
 
-TEST(Latex, HasNoCharacterOfItsOwn) {
+TEST(Latex, EscapesItsSpecialCharacters) {
   EXPECT_EQ(latex_escaped("peak_force 50 % {a} $x$ #1 & ~^\\"),
             "peak\\_force 50 \\% \\{a\\} \\$x\\$ \\#1 \\& "
             "\\textasciitilde{}\\textasciicircum{}\\textbackslash{}");
@@ -586,18 +586,18 @@ TEST(Latex, HasNoCharacterOfItsOwn) {
             "\\midrule\n1 & 2 \\\\\n\\bottomrule\n\\end{tabular}\n");
 }
 
-TEST(Csv, QuotesWhatNeedsIt) {
+TEST(Csv, QuotesCellsThatNeedIt) {
   EXPECT_EQ(csv_line({"a", "b,c", "d\"e", ""}), "a,\"b,c\",\"d\"\"e\",\n");
 }
 
-TEST(Base64, IsThatOfRfc4648) {
+TEST(Base64, MatchesRfc4648) {
   for (const auto& [plain, coded] : std::vector<std::pair<std::string, std::string>>{
            {"", ""}, {"f", "Zg=="}, {"fo", "Zm8="}, {"foo", "Zm9v"}, {"foobar", "Zm9vYmFy"}}) {
     EXPECT_EQ(base64(plain.data(), plain.size()), coded);
   }
 }
 
-TEST(Page, EscapesWhatComesFromRuns) {
+TEST(Page, EscapesTextsOfRuns) {
   kainjow::mustache::data page;
   page.set("title", "<script>alert(1)</script> & co");
   page.set("scenario", "\"quoted\" <b>");
@@ -615,7 +615,7 @@ TEST(Page, EscapesWhatComesFromRuns) {
                   "default-src 'none'"));
 }
 
-TEST(Numbers, OfPagesAreShortAndCountsAreWhole) {
+TEST(Numbers, OnPagesAreShortAndCountsAreWhole) {
   for (const auto& [value, text] :
        std::vector<std::pair<double, std::string>>{{1460.0, "1460"},
                                                    {20000.0, "20000"},
@@ -631,7 +631,7 @@ TEST(Numbers, OfPagesAreShortAndCountsAreWhole) {
   }
 }
 
-TEST(Differences, AreSharesMultiplesOrDifferences) {
+TEST(Differences, ArePercentagesMultiplesOrDifferences) {
   EXPECT_EQ(difference_in_words(2.0, 2.0), "=");
   EXPECT_EQ(difference_in_words(1.041, 1.0), "+4.1 %");
   EXPECT_EQ(difference_in_words(-1.5, -1.0), "-50.0 %");

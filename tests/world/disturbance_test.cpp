@@ -87,7 +87,7 @@ TEST(Pwm, RoundsToItsSteps) {
   EXPECT_EQ(Pwm{}.output(0.123), 0.123);
 }
 
-TEST(DelayLine, GivesWhatItWasGivenSoManyCallsAgo) {
+TEST(DelayLine, DelaysItsInputByAFixedNumberOfCalls) {
   for (int delay = 0; delay < 4; ++delay) {
     DelayLine line(delay);
     for (int k = 0; k < 20; ++k) EXPECT_EQ(line.update(k), std::max(k - delay, 0)) << delay;

@@ -20,7 +20,7 @@ TEST(Hand, TurnsSmoothlyAndLetsGo) {
   EXPECT_EQ(kHand.moment_Nm(5.0, 0.7, 0.0), 0.0);
 }
 
-TEST(Hand, PullsTowardsWhereItIs) {
+TEST(Hand, PullsTowardsItsPosition) {
   // Where the link is just where and as fast as the hand, it feels nothing.
   const double t = 3.4, dt = 1e-6;
   const double rate = (kHand.target_rad(t + dt) - kHand.target_rad(t - dt)) / (2 * dt);

@@ -52,7 +52,7 @@ TEST(Encoder, CountsFromWhereItStarts) {
   EXPECT_DOUBLE_EQ(early.measure(0.0201), 0.1);
 }
 
-TEST(Encoder, CalibratedItIsWithinHalfACountAtAnyPhase) {
+TEST(Encoder, WithCalibrationTheErrorIsHalfACountAtAnyPhase) {
   for (const double phase : {0.0, 0.013, -0.04}) {
     const Encoder encoder{0.1, phase, EncoderOrigin::calibrated};
     for (double angle = -2.0; angle < 2.0; angle += 0.00317) {
@@ -63,7 +63,7 @@ TEST(Encoder, CalibratedItIsWithinHalfACountAtAnyPhase) {
   }
 }
 
-TEST(Encoder, CountsPerRevolutionAreThoseOfEquation423) {
+TEST(Encoder, CountsPerRevolutionFollowEquation423) {
   const EncoderCounts counts{8, 4, 50};
   EXPECT_EQ(counts.pulses_per_revolution(), 256 * 4 * 50);
   EXPECT_DOUBLE_EQ(counts.quantum_rad(), 2 * M_PI / (256 * 4 * 50));
