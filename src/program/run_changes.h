@@ -21,8 +21,8 @@ void add_run_changes(CLI::App& app, RunChanges& options, const std::string& conf
 /// range.
 std::string is_number(const std::string& text);
 
-/// --set's, and OPTION=VALUE as that of a key, if it was given. Throws std::invalid_argument if
-/// both give it.
+/// Adds OPTION=VALUE as a set of `key`, if the option was given. Throws std::invalid_argument if a
+/// --set has the same key.
 void add_set(std::vector<std::string>& sets, const std::string& option, const std::string& key,
              const std::string& value);
 /// All sets, including that of --duration.

@@ -218,8 +218,8 @@ void collect_variables(const toml::node& node, std::vector<std::string>& names) 
   }
 }
 
-// Refuses a key of a table's cells, columns and rows that is none of a cell's, no column's `key`
-// and no {VARIABLE} of any text there.
+// Refuses unknown keys in the cells, columns and rows of a table. Known are the keys of cells, the
+// `key` of a column, and the {VARIABLES} of the texts.
 void check_cell_keys(const TomlEntry& table) {
   std::vector<std::string> keys = {"title",   "key",        "run",        "metric",    "over",
                                    "divisor", "absent",     "if_failed",  "statistic", "printed",

@@ -52,8 +52,8 @@ std::filesystem::path run_folder(const std::filesystem::path& out, const std::st
 /// run of the scenario has a cell's metric, or `FILE: …` if a model file changed meanwhile.
 Measured measure(const Reproduction& reproduction);
 
-/// The value of a cell for each repetition; NaN where it was not measured. A metric that a run does
-/// not have, but others of its scenario have, is infinite if the cell says that this means never.
+/// The value of a cell for each repetition; NaN if not measured. If `absent_is_never` is set, a
+/// metric that only other runs of the scenario have is infinite.
 std::vector<double> values_of(const CellSpec& cell, const Measured& measured);
 
 /// sample_median(); NaN if a value is NaN.

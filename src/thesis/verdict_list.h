@@ -7,10 +7,10 @@
 
 namespace breakwater {
 
-/// A CSV text with a line for each entry of the page's tables, in their order. It has the place,
-/// the measured median or share over `runs` with the smallest and largest value (all digits, or
-/// empty), and the printed result or statement. The verdict (or "shown") and the reason for a
-/// result that is not reproduced follow.
+/// A CSV text with a line for each entry of the page's tables, in their order. Columns: the
+/// place; the measured median or share over `runs`; the smallest and largest value (all digits, or
+/// empty); the printed result or statement. The verdict (or "shown") and the reason for a result
+/// that is not reproduced follow.
 std::string verdict_list(const Reproduction& reproduction, const Measured& measured);
 
 }  // namespace breakwater
