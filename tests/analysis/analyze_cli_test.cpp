@@ -1,4 +1,4 @@
-// The command `analyze` as users call it.
+// The command `analyze`.
 #include "cli/program.h"
 
 namespace breakwater {

@@ -1,5 +1,5 @@
-// Loops of motor_estimation in the frequency domain: as designed against the loop's matrices, and
-// as measured against the design.
+// Loops of motor_estimation in the frequency domain: the design against the loop's matrices, and
+// the measured response against the design.
 
 #include <Eigen/Dense>
 
@@ -29,11 +29,11 @@ struct Prepared {
   const AxisScenario* axis;
 };
 
-// The loop of plant, stationary disturbance Kalman filter and PD control, written down as one
-// system: x of the plant, z⁻ = [x̂; d̂] predicted.
+// The loop of plant, stationary disturbance Kalman filter and PD control as one system: x is the
+// plant's state, z⁻ = [x̂; d̂] the predicted one.
 struct KalmanLoop {
   Eigen::MatrixXd A, from_force, from_noise;
-  Eigen::MatrixXd d_hat, command;  // rows over the state
+  Eigen::MatrixXd d_hat, command;  // rows to multiply with the state
   double d_hat_of_noise, command_of_noise;
 
   KalmanLoop(double q, double k_p, double k_d, double period_s) {
@@ -104,7 +104,7 @@ TEST(LoopAnalysis, MeasuredMatchesTheDesignWithoutAnEncoder) {
     ASSERT_EQ(analysis.measured.points.size(), 4U);
     const AxisTask task = prepared.axis->task();
     for (const LoopPoint& point : analysis.measured.points) {
-      // Designed points are dense: the nearest two, between which it is near to a straight line.
+      // The designed points are dense, so the curve is almost straight between two of them.
       const auto& designed = analysis.designed.points;
       auto next = std::find_if(designed.begin(), designed.end(), [&](const LoopPoint& other) {
         return other.omega_rad_s >= point.omega_rad_s;
@@ -126,7 +126,7 @@ TEST(LoopAnalysis, MeasuredMatchesTheDesignWithoutAnEncoder) {
   }
 }
 
-// A delay of 1 s: its phase falls by ω rad, and the marks are more than half a turn apart.
+// A delay of 1 s lowers the phase by ω rad. The marks are more than half a turn apart.
 TEST(BodeChart, MarksAreOnTheTurnOfTheLine) {
   BodeLoop loop;
   loop.label = "it";

@@ -54,7 +54,7 @@ TEST(LoopMargins, AreRightForAConditionallyStableLoop) {
 }
 
 TEST(LoopMargins, AreRightForADelay) {
-  // e^{−s}/s: phase margin 90° − 1 rad, another 0.571 s; −180° at π/2.
+  // e^{−s}/s: the phase margin is 90° − 1 rad, the delay margin 0.571 s; −180° at π/2.
   const LoopMargins margins = margins_of([](auto s) { return std::exp(-s) / s; });
   EXPECT_NEAR(margins.delay_margin_s, 0.5 * std::numbers::pi - 1.0, 1e-4);
   EXPECT_NEAR(margins.gain_margin, 0.5 * std::numbers::pi, 1e-3);

@@ -26,7 +26,7 @@ DisturbanceCancellingPdDesign design() {
           .units = rotation_units()};
 }
 
-// Runs the loop on the exactly sampled plant with a constant disturbance; returns the last state.
+// Runs the loop on the exactly sampled plant with a constant disturbance. Returns the last state.
 Eigen::Vector2d run_loop(DisturbanceCancellingPd& controller, double disturbance, double limit,
                          int samples) {
   const StateSpace plant = zero_order_hold(damped_inertia(1.0, 0.0), kPeriod);
@@ -69,7 +69,7 @@ TEST(DisturbanceCancellingPd, FollowsEquation422) {
 }
 
 TEST(DisturbanceCancellingPd, PassesTheDriveLimitsToTheEstimator) {
-  // At its limit the drive cannot hold d = 5; the estimate must not run away for that.
+  // The drive's limit is too small for d = 5. The estimate must stay bounded.
   auto limited = design();
   limited.force_limit = 2.0;
   DisturbanceCancellingPd controller(idob(damped_inertia(1.0, 0.0)), limited);

@@ -1,4 +1,4 @@
-// Linear predictive control: against the regulator, its optimality conditions and its bounds.
+// Linear predictive control against the regulator, its optimality conditions and its bounds.
 #include <breakwater/control/lmpc.h>
 
 #include <Eigen/LU>
@@ -62,8 +62,8 @@ TEST(Lmpc, WithTheRiccatiPenaltyEqualsTheRegulator) {
   }
 }
 
-// The thesis' form weighs the input's change. Seen with the last input as a state it is a regulator
-// too, but only with the Riccati solution of that larger plant.
+// The thesis' form weights the change of the input. With the last input as a state it is a
+// regulator too, but with the Riccati solution of this extended plant.
 TEST(Lmpc, LongHorizonInChangesEqualsTheRegulatorOfTheExtendedPlant) {
   LmpcDesign design = cart_design(400, 400);
   Eigen::MatrixXd A = Eigen::Matrix3d::Identity();
@@ -81,7 +81,7 @@ TEST(Lmpc, LongHorizonInChangesEqualsTheRegulatorOfTheExtendedPlant) {
   EXPECT_NEAR(change, -(lqr.K * state)(0), 1e-9);
 }
 
-// The cost summed along the plant, against which ΔU must be a minimum.
+// The cost summed along the plant. ΔU must minimise it.
 double cost(const LmpcDesign& design, Eigen::VectorXd x, double u, const Eigen::VectorXd& reference,
             const Eigen::VectorXd& changes) {
   double sum = 0.0;
@@ -176,7 +176,7 @@ TEST(Lmpc, ReservedInputMovesTheBounds) {
 }
 
 LmpcDesign impossible_design() {
-  // From 1 m/s no input of 1 N gets below 0.5 m/s, or keeps the position below 0, at the next step.
+  // From 1 m/s an input of 1 N cannot reach 0.5 m/s, or a position below 0, at the next step.
   LmpcDesign design = cart_design(10, 10);
   design.input_bounds = {{0, -1.0, 1.0, steps(0, 9)}};
   design.state_bounds = {{1, -0.5, 0.5, steps(1, 10)}, {0, -9.0, 0.0, steps(1, 10)}};
@@ -216,7 +216,7 @@ TEST(Lmpc, SoftensStateBoundsInTheirOrderButNeverInputs) {
   EXPECT_EQ(lmpc.statistics().capped, 0);
 }
 
-// What is reserved has moved further than the input may change at once.
+// The reserved input has moved further than the input may change in a step.
 TEST(Lmpc, RelaxesInputChangesLast) {
   LmpcDesign design = cart_design(10, 3);
   design.change_bounds = {{0, -0.1, 0.1, steps(0, 2)}};
@@ -236,7 +236,7 @@ TEST(Lmpc, RelaxesInputChangesLast) {
                ControlFailure);
 }
 
-// A penalty too stiff for double precision: the solver gives up, and its solution is approximate.
+// A penalty beyond double precision: the solver stops with an approximate solution.
 TEST(Lmpc, AtTheIterationLimitTheInputStaysWithinItsBounds) {
   LmpcDesign design = impossible_design();
   design.change_bounds = {{0, -0.7, 0.7, steps(0, 9)}};

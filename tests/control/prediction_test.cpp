@@ -1,4 +1,4 @@
-// The prediction matrices against the plant, stepped.
+// The prediction matrices against steps of the plant.
 #include <breakwater/control/prediction.h>
 
 #include "support.h"

@@ -1,4 +1,4 @@
-// 1e5 quadratic programs of poor condition, with dependent rows.
+// 1e5 ill-conditioned quadratic programs with dependent constraints.
 #include "linear/hard_qp.h"
 
 namespace breakwater::testing {

@@ -1,4 +1,4 @@
-// A few thousand quadratic programs of poor condition, with dependent rows.
+// A few thousand ill-conditioned quadratic programs with dependent constraints.
 #include "linear/hard_qp.h"
 
 namespace breakwater::testing {

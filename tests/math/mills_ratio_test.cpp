@@ -1,4 +1,4 @@
-// Mills' ratio, against the C library's erfc in extended precision.
+// Mills' ratio against the C library's erfc in extended precision.
 #include <breakwater/math/mills_ratio.h>
 
 #include <gtest/gtest.h>

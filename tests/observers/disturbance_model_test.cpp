@@ -59,7 +59,7 @@ TEST(DisturbanceModel, EveryInputHasItsOwnChain) {
 
 TEST(DisturbanceModel, RefusesAnUnobservablePairWithItsRank) {
   StateSpace plant{Eigen::Matrix2d::Zero(), Eigen::Vector2d(1, 0), Eigen::RowVector2d(1, 0)};
-  plant.A.diagonal() << 1.0, 0.5;  // nothing shows the second state
+  plant.A.diagonal() << 1.0, 0.5;  // the second state is unobservable
   try {
     extend_by_disturbance_model(plant, 0, 0.01);
     FAIL() << "took an unobservable pair";

@@ -14,8 +14,8 @@ namespace {
 
 constexpr double kPeriod = 0.01;
 
-// What runs and Python take is the filter whose sizes are known at run time alone, over intervals
-// that change too.
+// The sized filters of runs and of Python equal the filters of dynamic size, also over variable
+// intervals.
 TEST(SizedFilters, EqualTheFiltersOfDynamicSize) {
   const SensorError sensor{Eigen::VectorXd::Constant(1, 1e-3), Eigen::VectorXd::Constant(1, 1e-4)};
   for (const int order : {0, 1, 2}) {
@@ -58,7 +58,7 @@ TEST(SizedFilters, EqualTheFiltersOfDynamicSize) {
   }
 }
 
-// Two outputs, or more states than are compiled in.
+// Two outputs, or more states than the compiled sizes.
 TEST(SizedFilters, WorkWithDynamicSize) {
   StateSpace plant{Eigen::MatrixXd::Zero(4, 4), Eigen::MatrixXd::Zero(4, 1),
                    Eigen::MatrixXd::Zero(2, 4)};

@@ -41,7 +41,7 @@ std::unique_ptr<DisturbanceEstimator> estimator(int kind, double inertia) {
   return std::make_unique<FilterBank>(FilterBankDesign{plant, kPeriod, encoder(), 50.0 * inertia});
 }
 
-// Each axis has the estimates and signals that it has alone.
+// Each axis has the estimates and signals of a separate estimator.
 TEST(StackedEstimator, EqualsSeparateAxes) {
   for (const int kind : {0, 1, 2}) {
     Estimators stacked, alone;
@@ -82,7 +82,7 @@ TEST(StackedEstimator, EqualsSeparateAxes) {
   }
 }
 
-// Three IDOBs are the thesis' one of all joints (Eqs. 2.54–2.58).
+// Three IDOBs equal the thesis' IDOB of all joints (Eqs. 2.54–2.58).
 TEST(StackedEstimator, WithIdobsEqualsTheIdobOfAllJoints) {
   StateSpace plant{Eigen::MatrixXd::Zero(6, 6), Eigen::MatrixXd::Zero(6, 3),
                    Eigen::MatrixXd::Zero(3, 6)};
@@ -111,8 +111,8 @@ TEST(StackedEstimator, WithIdobsEqualsTheIdobOfAllJoints) {
   }
 }
 
-// The filter of a triple integrator is Butterworth's of order 3, w³ = √(Q/R)/(T_s J): what the
-// arm's scenario files say of their KFD.
+// The filter of a triple integrator has Butterworth poles of order 3, w³ = √(Q/R)/(T_s J), as in
+// the arm's scenario files.
 TEST(Kfd, ForARandomWalkConvergesToButterworthPoles) {
   for (const double inertia : kInertia) {
     Kfd<> kfd(walk(inertia));

@@ -1,4 +1,4 @@
-// Fewer points must show the same peaks.
+// Decimated series must have the same peaks.
 #include <breakwater/pages/decimation.h>
 
 #include <cmath>
@@ -16,7 +16,7 @@ Series impact() {
     series.times_s.push_back(t);
     series.values.push_back(std::sin(t) * 1e-3);
   }
-  series.values[30527] = 7.93;  // one sample high
+  series.values[30527] = 7.93;  // a peak of one sample
   series.values[61234] = -5.5;
   return series;
 }

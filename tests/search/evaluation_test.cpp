@@ -1,4 +1,4 @@
-// What candidates' runs are worth.
+// Evaluations of candidates from their runs.
 #include <breakwater/search/evaluation.h>
 
 #include <gtest/gtest.h>
@@ -55,7 +55,7 @@ TEST(Evaluation, RanksFeasibleAboveViolatedAboveFailed) {
   for (std::size_t i = 1; i < in_order.size(); ++i) {
     EXPECT_TRUE(pagmo::pareto_dominance(in_order[i - 1], in_order[i])) << i;
   }
-  // No two alike.
+  // No two are equal.
   EXPECT_TRUE(pagmo::pareto_dominance(fitness(tuning(), failed, 3), fitness(tuning(), failed, 4)));
 }
 

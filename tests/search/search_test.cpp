@@ -1,4 +1,4 @@
-// Searches on problems whose fronts and minima are known, and pagmo's own front and volume.
+// Searches on problems with known fronts and minima, and pagmo's own front and volume.
 #include <breakwater/search/search.h>
 
 #include <cmath>
@@ -58,7 +58,7 @@ TEST(Search, FindsTheFrontOfZDT1) {
   }
 }
 
-// Front: the unit sphere's part of positive coordinates. Volume below (1, 1, 1): 1 − π/6.
+// Front: the part of the unit sphere with positive coordinates. Volume below (1, 1, 1): 1 − π/6.
 TEST(Search, FindsTheFrontOfDTLZ2) {
   const pagmo::problem dtlz2{pagmo::dtlz(2, 7, 3)};
   const Asked asked = run({.dimension = 7, .objectives = 3, .budget = 6000, .population = 60},
@@ -117,7 +117,7 @@ TEST(Search, FindsAMinimum) {
   }
 }
 
-// To resume by replay, the same answers must lead to the same questions.
+// A resumed tuning replays the answers, so equal answers must lead to equal points.
 TEST(Search, RepeatsItsPointsAndKeepsToItsBudget) {
   const auto f = [](const std::vector<double>& u) {
     if (u[0] > 0.7) return std::vector<double>{1e13 * (1.0 + u[1]), 1e13 * (1.0 + u[1])};

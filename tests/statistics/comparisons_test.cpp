@@ -1,4 +1,4 @@
-// Tests, intervals and verdicts: SciPy's numbers, the definitions, and a thing against itself.
+// Statistical tests, intervals and verdicts, against SciPy, the definitions, and equal candidates.
 #include <breakwater/statistics/paired_comparison.h>
 
 #include <fmt/format.h>
@@ -25,7 +25,7 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-// Problems for SciPy, and what we say.
+// Collects problems for SciPy with our results.
 class Questions {
  public:
   void ask(const std::string& question, double answer, double tolerance = 1e-11) {
@@ -105,7 +105,8 @@ TEST(Comparisons, TestsAndIntervalsMatchSciPy) {
     ASSERT_FALSE(signed_rank_test(d).is_exact);
     questions.ask("pratt" + words(d), signed_rank_test(d).p, 1e-9);
   }
-  for (const std::size_t n : {25, 30}) {  // smaller ones draw themselves: SciPy counts no ties
+  for (const std::size_t n :
+       {25, 30}) {  // smaller samples have ties when resampled, and SciPy leaves ties out
     std::vector<double> x = differences(n, 0.0, random);
     for (double& one : x) one = std::exp(one);  // skew
     const std::vector<double> replicates =
@@ -166,7 +167,7 @@ TEST(Comparisons, HolmStepsDown) {
   EXPECT_TRUE(holm({}).empty());
 }
 
-// Of samples of a distribution whose quantiles are known.
+// Samples of a distribution with known quantiles.
 TEST(Comparisons, IntervalsHaveTheirNominalCoverage) {
   testing::Random random(3);
   for (const double p : {0.5, 0.9}) {
@@ -179,8 +180,8 @@ TEST(Comparisons, IntervalsHaveTheirNominalCoverage) {
       ASSERT_TRUE(interval);
       covered += interval->lower <= p && p <= interval->upper;
     }
-    EXPECT_GE(covered, 1880) << p;  // 95 % less three standard deviations
-    EXPECT_LE(covered, 1990) << p;  // and not all
+    EXPECT_GE(covered, 1880) << p;  // 95 % minus three standard deviations
+    EXPECT_LE(covered, 1990) << p;  // the intervals are not too wide
   }
   EXPECT_FALSE(quantile_interval({1, 2, 3, 4, 5}, 0.5, 0.95));
   EXPECT_TRUE(quantile_interval({1, 2, 3, 4, 5, 6}, 0.5, 0.95));
@@ -209,7 +210,7 @@ TEST(Comparisons, BitsAreTheSameEverywhere) {
   EXPECT_EQ(hash, 0x28ddc68830cbbdeeULL) << std::hex << hash;
 }
 
-// Results of candidates "a", "b", …, none of which failed.
+// Results of candidates "a", "b", … without failures.
 PairedResults results_of(const std::vector<std::string>& metrics,
                          const std::vector<Eigen::MatrixXd>& values) {
   PairedResults results;
@@ -221,7 +222,7 @@ PairedResults results_of(const std::vector<std::string>& metrics,
   return results;
 }
 
-// One metric "y" of two candidates over n worlds, whose worlds matter more than the candidates.
+// One metric "y" of two candidates in n test conditions, which matter more than the candidates.
 PairedResults two(std::size_t n, double shift, Goal goal, testing::Random& random) {
   Eigen::MatrixXd y(n, 2);
   for (Eigen::Index i = 0; i < y.rows(); ++i) {
@@ -247,7 +248,7 @@ TEST(Comparisons, EqualCandidatesSeldomDiffer) {
     worse += comparison.metrics.front().verdict == ComparisonVerdict::worse;
   }
   EXPECT_LE(better + worse, 60);
-  EXPECT_GE(better + worse, 10);  // it can
+  EXPECT_GE(better + worse, 10);  // the test can show a difference
   ::testing::Test::RecordProperty("better", better);
 }
 
@@ -278,7 +279,7 @@ TEST(Comparisons, IncompletePairsAreLeftOutAndFailuresCountedApart) {
       4, 4, kNaN;
   results.failed(1, 1) = results.failed(2, 2) = 1.0;
   const CandidateComparison comparison = compare_candidates(results);
-  ASSERT_EQ(comparison.metrics.size(), 3U);  // b-a, c-a, c-b; of "never" none
+  ASSERT_EQ(comparison.metrics.size(), 3U);  // b-a, c-a, c-b; no row for "never"
   EXPECT_EQ(comparison.metrics[0].pairs, 2U);
   EXPECT_EQ(comparison.metrics[0].difference.value, 0.5);
   EXPECT_EQ(comparison.metrics[0].probability_smaller, 0.25);
@@ -290,7 +291,7 @@ TEST(Comparisons, IncompletePairsAreLeftOutAndFailuresCountedApart) {
   EXPECT_EQ(comparison.failures[2].alone, 1U);
   EXPECT_EQ(comparison.failures[2].reference_alone, 1U);
   EXPECT_EQ(comparison.failures[2].p, 1.0);
-  EXPECT_TRUE(comparison.ranks.empty());  // one world has all three
+  EXPECT_TRUE(comparison.ranks.empty());  // only one test condition has all three
 }
 
 TEST(Comparisons, RowsWithFewerTestConditionsAreMarked) {
@@ -311,14 +312,14 @@ TEST(Comparisons, RowsWithFewerTestConditionsAreMarked) {
                              "* fewer than 3 blocks: in the others a run failed or lacks the "
                              "metric, or both runs equal those of another block";
   }
-  EXPECT_EQ(marked, 2U);  // as many worlds in b as in c, but others
+  EXPECT_EQ(marked, 2U);  // b and c have equally many test conditions, but different ones
   EXPECT_TRUE(is_said);
   results.values[0] = results.values[1];
   EXPECT_TRUE(lacks(comparison_text(compare_candidates(results), 200), "*"));
 }
 
-// A key that only "a" knows: nine values in each of two worlds are eighteen runs of it, but two of
-// the others, and two pairs of those.
+// A key that affects only "a", with nine values in each of two test conditions. "a" has eighteen
+// different runs, the others two each, and their pair two.
 TEST(Comparisons, EqualPairsCountOnce) {
   PairedResults results = results_of({"y"}, {Eigen::MatrixXd(18, 3)});
   results.goals = {{"y", Goal::min}};
@@ -336,7 +337,7 @@ TEST(Comparisons, EqualPairsCountOnce) {
   EXPECT_EQ(b_beside_a.pairs, 18U);
   EXPECT_EQ(b_beside_a.verdict, ComparisonVerdict::worse);
   EXPECT_EQ(b_beside_a.median.value, 5.5);
-  EXPECT_FALSE(b_beside_a.median.interval);  // of two runs there is none
+  EXPECT_FALSE(b_beside_a.median.interval);  // two runs are too few
   EXPECT_TRUE(b_beside_a.reference_median.interval);
   const MetricComparison& c_beside_b = comparison.metrics[2];
   EXPECT_EQ(c_beside_b.pairs, 2U);
@@ -348,8 +349,8 @@ TEST(Comparisons, EqualPairsCountOnce) {
                   "In 18 blocks b has 2 different runs, c has 2 different runs: "));
 }
 
-// Blocks of a sample, each repeated by seeds: the difference's deviation between blocks is 1, and
-// one hundredth of its variance lies within them.
+// Samples, each repeated by seeds. The difference has a deviation of 1 between blocks. A hundredth
+// of its variance is within blocks.
 PairedResults blocks_and_seeds(int blocks, int seeds, double shift, testing::Random& random) {
   PairedResults results = two(static_cast<std::size_t>(blocks * seeds), 0.0, Goal::min, random);
   results.samples = Eigen::VectorXi(blocks * seeds);
@@ -370,7 +371,7 @@ MetricComparison compared(const PairedResults& results) {
   return compare_candidates(results, {.bootstrap = {.replicates = 300}}).metrics.front();
 }
 
-// How often of 1000 studies of 5 seeds the verdict is better or worse.
+// The number of 1000 studies with 5 seeds whose verdict is better or worse.
 int shown(int blocks, double shift, bool are_seeds_worlds) {
   testing::Random random(static_cast<unsigned>(blocks));
   int count = 0;
@@ -393,7 +394,7 @@ TEST(Blocks, EqualCandidatesSeldomDifferForAnySeeds) {
     RecordProperty("of_itself_seeds_as_worlds_" + std::to_string(blocks), of_seeds);
     EXPECT_GE(of_seeds, 250) << blocks << ": seeds that count as worlds mislead";
   }
-  EXPECT_EQ(shown(5, 3.0, false), 0);  // five blocks say nothing
+  EXPECT_EQ(shown(5, 3.0, false), 0);  // five blocks can show nothing
 }
 
 TEST(Blocks, TheVerdictHasPower) {
@@ -405,7 +406,7 @@ TEST(Blocks, TheVerdictHasPower) {
   }
 }
 
-// Five walls, five seeds of a small noise: 25 pairs, p = 2·2⁻²⁵, and yet five worlds.
+// Five walls and five seeds with small noise: 25 pairs with p = 2·2⁻²⁵, but only five blocks.
 TEST(Blocks, SeedsRepeatABlock) {
   testing::Random random(3);
   PairedResults results = blocks_and_seeds(5, 5, 8.0, random);
@@ -429,7 +430,8 @@ TEST(Blocks, SeedsRepeatABlock) {
   EXPECT_FALSE(compared(results).between);
 }
 
-// The median over a block's seeds, then over blocks: a long block counts as much as a short one.
+// The median over the seeds of a block, then over blocks: a large block counts as much as a small
+// one.
 TEST(Blocks, MediansAreOverSeedsThenOverBlocks) {
   PairedResults results = results_of({"y"}, {Eigen::MatrixXd::Zero(7, 2)});
   results.baseline = 1;
@@ -440,7 +442,7 @@ TEST(Blocks, MediansAreOverSeedsThenOverBlocks) {
   results.failed.col(1) << 1, 0, 0, 0, 1, 0, 0;
   const CandidateComparison comparison = compare_candidates(results);
   const MetricComparison& one = comparison.metrics.front();
-  EXPECT_EQ(one.difference.value, 6.0);  // of 2, 6, 30
+  EXPECT_EQ(one.difference.value, 6.0);  // median of 2, 6, 30
   EXPECT_EQ(one.median.value, 6.0);
   EXPECT_EQ(one.blocks, 3U);
   EXPECT_EQ(one.pairs, 6U);
@@ -448,12 +450,12 @@ TEST(Blocks, MediansAreOverSeedsThenOverBlocks) {
   const FailureComparison& failures = comparison.failures.front();
   EXPECT_EQ(failures.failures, 3U);
   EXPECT_EQ(failures.reference_failures, 2U);
-  EXPECT_EQ(failures.alone, 1U);  // the first block; in the second each failed once
+  EXPECT_EQ(failures.alone, 1U);  // only in the first block; in the second one each failed once
   EXPECT_EQ(failures.reference_alone, 0U);
   EXPECT_EQ(failures.verdict, ComparisonVerdict::too_few_blocks);
 }
 
-// Eight values of a key that does nothing, in each of two samples: the same two blocks again.
+// Eight values of an ineffective key in each of two samples: still two blocks.
 TEST(Blocks, ValuesOfAnIneffectiveKeyAreNotBlocks) {
   testing::Random random(5);
   const PairedResults of_two = blocks_and_seeds(2, 3, 1.0, random);
@@ -473,7 +475,7 @@ TEST(Blocks, ValuesOfAnIneffectiveKeyAreNotBlocks) {
   EXPECT_EQ(comparison.metrics.front().blocks, 2U);
   EXPECT_EQ(comparison.metrics.front().pairs, 6U);
   EXPECT_EQ(comparison.metrics.front().difference.value, compared(of_two).difference.value);
-  ASSERT_EQ(comparison.interactions.size(), 1U);  // with the key that does something
+  ASSERT_EQ(comparison.interactions.size(), 1U);  // with the effective key
   EXPECT_EQ(comparison.interactions.front().key, "busy");
 }
 
@@ -491,7 +493,7 @@ TEST(Blocks, RanksAreComputedFromBlocks) {
   EXPECT_EQ(comparison.ranks[0].critical_difference, critical_difference(3, 7, 0.05));
 }
 
-// A key of one value a block, and differences that it makes.
+// A key with one value per block and given differences.
 PairedResults over_key(const std::vector<double>& of_values, int seeds, double noise,
                        testing::Random& random) {
   const auto blocks = static_cast<int>(of_values.size());
@@ -525,13 +527,13 @@ TEST(Crossing, ReportsAKeyThatChangesTheSign) {
   EXPECT_TRUE(has(text, "too few blocks †",
                   "\n† y, new beside old: the sign turns with contact.stiffness_N_m (p = "));
   EXPECT_TRUE(has(by_key_csv(comparison), "\ny,new,old,contact.stiffness_N_m,500,5,seeds,-0."));
-  // Without seeds nothing says how far each difference is one of chance.
+  // Without seeds the random part of a difference is unknown.
   EXPECT_FALSE(compare_candidates(over_key({-0.62, -0.93, -0.22, 2.2, 5.1}, 1, 0.0, random))
                    .interactions[0]
                    .turns);
 }
 
-// Blocks of a drawn key and of much else: neighbours are together, and what repeats are blocks.
+// Random values of a key, among others: neighbours form groups, whose repeats are blocks.
 TEST(Crossing, ARandomKeyIsTestedOverBlocks) {
   testing::Random random(8);
   std::vector<double> of_values;
@@ -544,7 +546,8 @@ TEST(Crossing, ARandomKeyIsTestedOverBlocks) {
   EXPECT_EQ(comparison.interactions[0].values[0].label, "500 to 4000");
 }
 
-// The difference is the same over the key, or is nothing: in 1000 studies 50 may be said to turn.
+// The difference does not depend on the key or is zero. In 1000 studies at most 50 may report a
+// change of sign.
 TEST(Crossing, IsSeldomReportedWithoutAChangeOfSign) {
   testing::Random random(9);
   int said[3] = {0, 0, 0};
@@ -589,7 +592,7 @@ TEST(Keys, KeysVariedTogetherAreOneEffect) {
   EXPECT_EQ(names(), (std::vector<std::string>{"a", "b"}));  // each b has several a
 }
 
-// A candidate that never has what is wanted is not just absent from the table.
+// A candidate that never has a metric with a goal is reported.
 TEST(Comparisons, ReportsMetricsThatWereNeverMeasured) {
   const Eigen::MatrixXd never = Eigen::MatrixXd::Constant(8, 2, kNaN);
   PairedResults results = results_of({"settling_s", "repairs"}, {never, never});
@@ -597,7 +600,7 @@ TEST(Comparisons, ReportsMetricsThatWereNeverMeasured) {
   const CandidateComparison nobody = compare_candidates(results);
   EXPECT_EQ(nobody.never, (std::vector<std::vector<std::string>>{{}, {}}));
   results.values[0].col(0).setLinSpaced(1.0, 2.0);
-  results.values[1].col(0).setZero();  // it has no goal: what b does not have is nothing to miss
+  results.values[1].col(0).setZero();  // without a goal: b misses nothing
   const CandidateComparison comparison = compare_candidates(results);
   EXPECT_TRUE(comparison.metrics.empty());
   EXPECT_EQ(comparison.never, (std::vector<std::vector<std::string>>{{}, {"settling_s"}}));

@@ -1,4 +1,4 @@
-// Quantiles against SciPy's, and what is no distribution.
+// Quantiles against SciPy's, and invalid distributions.
 #include <breakwater/statistics/distribution.h>
 
 #include <bit>
@@ -14,7 +14,7 @@ namespace {
 constexpr double kInf = std::numeric_limits<double>::infinity();
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-// Into both tails, where a Sobol' point of 2⁵² lies.
+// Arguments up to both tails, as far as those of 2⁵² Sobol' points.
 std::vector<double> arguments() {
   std::vector<double> all;
   for (int i = 1; i < 400; ++i) all.push_back(i / 400.0);
@@ -102,7 +102,7 @@ TEST(Distribution, RefusesInvalidArguments) {
   }
 }
 
-// On every processor: a study's points are known by the hash of their configuration.
+// On every processor: a study identifies a point by the hash of its configuration.
 TEST(Distribution, BitsAreTheSameEverywhere) {
   std::uint64_t hash = 14695981039346656037ULL;
   for (const DistributionKind kind :

@@ -83,7 +83,7 @@ TEST(Sensitivity, ForALinearModelFirstOrderEqualsTotal) {
   }
 }
 
-// Rows drawn independently, as the bootstrap takes them.
+// Rows that are independent, as the bootstrap assumes.
 Eigen::MatrixXd linear_outputs(testing::Random& random, Eigen::Index n) {
   Eigen::MatrixXd f(n, 5);
   for (Eigen::Index row = 0; row < n; ++row) {
@@ -99,7 +99,7 @@ Eigen::MatrixXd linear_outputs(testing::Random& random, Eigen::Index n) {
   return f;
 }
 
-// As the estimators are written, of rows that are drawn again.
+// The estimators as written, on resampled rows.
 TEST(Sensitivity, AReplicateIsTheEstimateFromResampledRows) {
   testing::Random random(3);
   constexpr Eigen::Index n = 20;
@@ -135,7 +135,7 @@ TEST(Sensitivity, IntervalsHaveTheirNominalCoverage) {
       total(i) += holds(indices.total[i]);
     }
   }
-  // 90 %, with a standard error of 1.5 %; percentiles of few rows hold it a little less often.
+  // 90 % with a standard error of 1.5 %. Percentiles of few rows have a slightly lower coverage.
   for (int i = 0; i < 3; ++i) {
     EXPECT_NEAR(first_order(i), 0.9 * kTrials, 0.05 * kTrials) << i;
     EXPECT_NEAR(total(i), 0.9 * kTrials, 0.05 * kTrials) << i;
@@ -187,7 +187,7 @@ TEST(Sensitivity, WithoutVarianceIsAbsent) {
   EXPECT_FALSE(is_absent(3.0 * ones + 1e-9 * random.matrix(100, 5)));
 }
 
-// One row that differs is in two of three replicates; no interval is better than a wrong one.
+// The single failed row is in two of three replicates. No interval is better than a wrong one.
 TEST(Sensitivity, WithOneFailureHasNoInterval) {
   for (const double rest : {0.0, 0.1, 1.0 / 3.0, -7.7}) {
     Eigen::MatrixXd f = Eigen::MatrixXd::Constant(100, 5, rest);

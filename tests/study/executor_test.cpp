@@ -1,4 +1,4 @@
-// The engine of studies, with runs that are made up.
+// The engine of studies with artificial runs.
 #include <breakwater/study/executor.h>
 
 #include <sys/resource.h>
@@ -18,7 +18,7 @@ namespace breakwater::executor_test {
 namespace {
 namespace fs = std::filesystem;
 
-// Calls `during`, and gives one number.
+// Calls `during` and returns one number.
 class Made : public Scenario {
  public:
   explicit Made(std::function<void()> during) : during_(std::move(during)) {}
@@ -40,7 +40,7 @@ class Made : public Scenario {
   RunSettings settings_;
 };
 
-// Points of one model file; while some of them run, something happens.
+// Points with one model file. Something happens while some of them run.
 class Source : public PointSource {
  public:
   explicit Source(const fs::path& folder) : folder_(folder) {
@@ -66,7 +66,7 @@ class Source : public PointSource {
   fs::path folder(std::size_t, const std::string&, bool) const override { return {}; }
   bool logs(std::size_t) const override { return false; }
 
-  std::map<std::size_t, std::function<void()>> before;  // as they are prepared
+  std::map<std::size_t, std::function<void()>> before;  // called before the preparation
   std::map<std::size_t, std::function<void()>> during;
 
  private:
@@ -75,7 +75,7 @@ class Source : public PointSource {
 
 class Executor : public ::testing::Test {
  protected:
-  // On one thread: points in their order.
+  // Runs the points in order on one thread.
   std::size_t run(const PointSource& source, KnownModels* models = nullptr) {
     Shard shard(source_.shards());
     ExecutorOptions options;
@@ -124,7 +124,8 @@ TEST_F(Executor, AModelThatChangesGivesNoResult) {
 
 TEST_F(Executor, DetectsAChangeWithEqualSizeAndTime) {
   source_.during[2] = [&] {
-    std::this_thread::sleep_for(std::chrono::milliseconds(50));  // a file system's clock ticks
+    std::this_thread::sleep_for(
+        std::chrono::milliseconds(50));  // longer than the resolution of the file system's clock
     const auto time = fs::last_write_time(source_.model());
     source_.write(source_.model(), "<mujocO/>");
     fs::last_write_time(source_.model(), time);
@@ -173,7 +174,7 @@ TEST_F(Executor, ModelsThatWereReadBeforeMustBeTheSame) {
   EXPECT_EQ(kept(), 0U);
 }
 
-// What is compiled before its hash is known would be known by another file's.
+// If the hash were computed after the compilation, it could belong to a newer file.
 TEST_F(Executor, AHashBelongsToTheCompiledFile) {
   source_.before[0] = [&] {
     Model::load(source_.model().string());

@@ -25,12 +25,12 @@ std::set<std::vector<std::string>> probed(const Plan& plan) {
   return values;
 }
 
-// A value of a list may be right only beside those that it stands with: 3 … 4, but not 3 … 2.
+// A value in a list may be valid only with its neighbours: 3 … 4, but not 3 … 2.
 TEST(Plan, ProbesOfAListAreItsSamples) {
   const std::set<std::vector<std::string>> samples = {{"1", "2"}, {"3", "4"}, {"5", "6"}};
   const Plan list(study(Method::list));
   EXPECT_EQ(probed(list), samples);
-  EXPECT_EQ(list.probes().size(), 2U + 2U);  // each case, each further sample
+  EXPECT_EQ(list.probes().size(), 2U + 2U);  // each case and each further sample
 }
 
 TEST(Plan, ProbesOfAGridHaveEachValueOnce) {

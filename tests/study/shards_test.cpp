@@ -1,4 +1,4 @@
-// Lines of shards: whole and right, or not there.
+// Lines of shards are complete and right, or ignored.
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -26,7 +26,7 @@ PointResult result_of(std::size_t number, const std::string& key, double value =
   return result;
 }
 
-// A disk that is full for a while: no file of this process may grow beyond a size.
+// Simulates a full disk: no file of this process may grow beyond a size.
 class FullDisk {
  public:
   explicit FullDisk(std::uintmax_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
@@ -50,18 +50,18 @@ class Shards : public ::testing::Test {
  protected:
   Shards() { fs::create_directories(folder_); }
 
-  // A shard with these bytes alone.
+  // Writes a shard with only these bytes.
   void write(const std::string& bytes, const std::string& name = "host-1-0.shard") {
     std::ofstream(folder_ / name, std::ios::binary) << bytes;
   }
-  // The only shard that there is.
+  // The only shard in the folder.
   fs::path shard() const {
     std::vector<fs::path> files;
     for (const auto& entry : fs::directory_iterator(folder_)) files.push_back(entry.path());
     EXPECT_EQ(files.size(), 1U);
     return files.front();
   }
-  // The bytes of a shard with these results, which is removed.
+  // The bytes of a shard with these results. The shard is removed.
   std::string bytes_of(const std::vector<PointResult>& results) {
     {
       Shard made(folder_);
@@ -180,7 +180,7 @@ TEST_F(Shards, ADamagedByteLosesOnlyItsLine) {
       write(damaged);
       const auto results = results_by_key(folder_);
       const ShardIndex index(folder_, 3);
-      // Without its end it is one line with the next one.
+      // A line without its end joins the next one.
       const std::size_t kept = position == end ? 1 : 2;
       ASSERT_EQ(results.size(), kept) << position;
       ASSERT_EQ(index.done(), kept) << position;
@@ -223,7 +223,7 @@ TEST_F(Shards, TheLaterOfTwoLinesWithOneKeyCounts) {
   EXPECT_EQ(value(), 2.0);
   write(two + one);
   EXPECT_EQ(value(), 1.0);
-  // Of two shards that which was written later, whatever their names.
+  // The newer one of two shards counts, for any names.
   const auto now = fs::file_time_type::clock::now();
   for (const auto& [later, expected] : {std::pair("a.shard", 1.0), std::pair("b.shard", 2.0)}) {
     fs::remove(folder_ / "host-1-0.shard");
@@ -244,7 +244,7 @@ TEST_F(Shards, ForeignLinesDoNotCount) {
       "0123456789abcdef\t\n",
       "{\"key\":\"key\",\"values\":{\"a\":1.0}}\n",
       point + "\ta=1\n",                         // no checksum
-      "0123456789abcdef\t" + point + "\ta=1\n",  // of something else
+      "0123456789abcdef\t" + point + "\ta=1\n",  // checksum of another line
       std::string("\0\xff\xfe binary\n", 11),
       std::string(100000, '[') + "\n",
       with_checksum(""),
@@ -266,7 +266,7 @@ TEST_F(Shards, ForeignLinesDoNotCount) {
     EXPECT_TRUE(results.contains("own")) << other;
     EXPECT_TRUE(ShardIndex(folder_, 2).has(0)) << other;
   }
-  // The same line, were it ours.
+  // The same line with a right checksum.
   write(with_checksum(point + "\ta=1") + own);
   EXPECT_EQ(results_by_key(folder_).at("key").metrics[0].second, 1.0);
 }
@@ -295,7 +295,7 @@ TEST_F(Shards, ReportsAFailedSync) {
   for (const auto& entry : fs::directory_iterator("/proc/self/fd")) {
     std::error_code ignored;
     if (fs::equivalent(entry.path(), shard(), ignored)) {
-      close(std::stoi(entry.path().filename()));  // as if the file system had lost it
+      close(std::stoi(entry.path().filename()));  // simulates a loss by the file system
       break;
     }
   }

@@ -17,7 +17,7 @@ TEST_F(SweepStudy, AHundredKillsDoNotChangeTheResults) {
   EXPECT_EQ(read("whole/results.csv"), read("killed/results.csv"));
 }
 
-// Each kill at another moment of a short study's life: while it makes its folder, runs, collects.
+// Kills at all moments of a short study: while it makes its folder, runs or collects.
 TEST_F(SweepStudy, AKillAtAnyTimeDoesNotChangeTheResults) {
   const std::string study = "ishigami --vary x.first=lin(-3,3,50) --out ";
   swept(study + "whole");

@@ -1,4 +1,4 @@
-// `breakwater sweep` as users meet it.
+// The command `breakwater sweep`.
 #include <sys/wait.h>
 
 #include <chrono>
@@ -25,7 +25,7 @@ using testing::ProgramResult;
 
 class Sweep : public testing::SweepFolder {
  protected:
-  // Whether the study s has a result; not if it takes too long.
+  // Whether the study s has a result, with a time limit.
   bool wait_for_a_result() const {
     const fs::path shards = folder_ / "s/shards";
     const auto begin = std::chrono::steady_clock::now();
@@ -60,7 +60,7 @@ TEST_F(Sweep, AGridHasOneRowPerRunInOrder) {
                      7 * std::pow(std::sin(std::stod(rows[i][4])), 2) +
                      0.1 * std::pow(0.5, 4) * std::sin(std::stod(rows[i][3])) +
                      (rows[i][1] == "noisy" ? 0.1 * std::sin(std::stod(rows[i][2])) : 0.0);
-    EXPECT_EQ(std::stod(rows[i][7]), y);  // 17 digits are all of it
+    EXPECT_EQ(std::stod(rows[i][7]), y);  // 17 digits identify the double
     EXPECT_EQ(rows[i][8].empty(), std::stod(rows[i][4]) <= 0.0);
   }
   EXPECT_EQ(keys.size(), rows.size() - 1);
@@ -88,14 +88,14 @@ baseline = "plain"
       "plain --out b");
   EXPECT_EQ(read("a/results.csv"), read("b/results.csv"));
   EXPECT_EQ(results("a").size(), 33U);
-  // An option comes before the file, however that writes its key.
+  // An option has priority over the file, in any spelling of the key.
   swept("study.toml --vary x.first=uniform(5,6) --set x.third=0.5 --baseline noisy --out d");
   const auto rows = results("d");
   ASSERT_EQ(rows.size(), 33U);
   const auto first = static_cast<std::size_t>(std::find(rows[0].begin(), rows[0].end(), "x.first") -
                                               rows[0].begin());
   EXPECT_GE(std::stod(rows[1][first]), 5.0);
-  // The study that it left is a study file too.
+  // The study file in the folder is valid too.
   swept("a/study.toml --out c");
   EXPECT_EQ(read("a/results.csv"), read("c/results.csv"));
 }
@@ -120,8 +120,8 @@ TEST_F(Sweep, ARunWithADamagedLineIsRepeated) {
   fs::path shard;
   for (const auto& entry : fs::directory_iterator(folder_ / "s/shards")) shard = entry.path();
   const std::string text = testing::text_of(shard);
-  std::string damaged = text.substr(0, text.size() - 7);      // the last line is torn
-  damaged[damaged.find('\n', damaged.size() / 2) + 20] ^= 1;  // and one is not its own
+  std::string damaged = text.substr(0, text.size() - 7);      // the last line is truncated
+  damaged[damaged.find('\n', damaged.size() / 2) + 20] ^= 1;  // and one line is damaged
   std::ofstream(shard, std::ios::binary) << damaged;
   EXPECT_TRUE(has(sweep("s --status").out, "18 of 20 points are done"));
   swept(study);
@@ -150,7 +150,7 @@ TEST_F(Sweep, APointEqualsTheRunOfItsConfiguration) {
                  "results.csv names them");
 }
 
-// `./dev tsan` watches it.
+// `./dev tsan` runs it.
 TEST_F(Sweep, ThreadsShareModelsAndTheShard) {
   for (const std::string jobs : {"1", "4"}) {
     ran("breakwater sweep motor_estimation --case idob,stf --vary encoder.bits=6,8 --seeds 1..3 "
@@ -186,7 +186,7 @@ TEST_F(Sweep, AFailureCountsOrStopsTheStudy) {
   EXPECT_TRUE(has(swept(study + "counted").out, "20 failed"));
   EXPECT_EQ(results("counted").size(), 31U);
   EXPECT_EQ(results("counted").back()[4], "failed");
-  EXPECT_EQ(results("counted").back()[6], "");  // no metric of it
+  EXPECT_EQ(results("counted").back()[6], "");  // this run has no metrics
   const ProgramResult stopped = sweep(study + "stopped --on-failure stop");
   EXPECT_EQ(stopped.status, 3);
   EXPECT_TRUE(has(stopped.err, "failed: at 0.5 s: x_1 is too large"));
@@ -204,7 +204,7 @@ TEST_F(Sweep, ACrashInASeparateProcessLosesOneRun) {
   }
 }
 
-// All that differs stands in one place.
+// All differences are in one place.
 TEST_F(Sweep, AKilledStudyGivesTheSamePage) {
   const std::string study =
       "ishigami --vary x.first=lin(-3,3,40) --case plain,noisy --seeds 1..3 "
@@ -238,7 +238,7 @@ TEST_F(Sweep, ADryRunCountsAndLeavesNothing) {
       "ishigami --vary x.first=lin(0,1,1000) --seeds 1..10 --set trouble.takes_s=0.01 "
       "--jobs 2 --dry-run --out s");
   EXPECT_TRUE(has(result.out, "10000 runs: 1000 samples, 10 seeds, 1 candidate",
-                  "about 5"));  // 50 s and a little
+                  "about 5"));  // slightly more than 50 s
   EXPECT_FALSE(fs::exists(folder_ / "s"));
 }
 
@@ -261,7 +261,7 @@ TEST_F(Sweep, RefusesToContinueAnotherStudy) {
                    {"s --vary x.first=1,3",
                     "s: is a study's folder, and its study.toml says what is run: leave --case, "
                     "--vary, --out and the like out"}});
-  // Another program: what it did not make itself it does not go on with.
+  // Results of another program are not continued.
   ran("/bin/sed -i 's/^program = .*/program = \"0123456789abcdef\"/' s/study.toml");
   const ProgramResult other = sweep("s");
   EXPECT_EQ(other.status, 2);
@@ -269,7 +269,7 @@ TEST_F(Sweep, RefusesToContinueAnotherStudy) {
                   "): go on with what it was begun with, or begin anew with --rerun\n"));
   swept("s --rerun");
   swept("s");
-  // Somebody's own folder.
+  // A folder with other files.
   write("mine/thesis.tex", "text");
   expect_refusals(
       "ishigami_lab sweep ",
@@ -287,7 +287,7 @@ TEST_F(Sweep, RerunKeepsTheUsersFiles) {
   expect_refused("ishigami_lab sweep s --rerun --replay " + results("s")[1][0],
                  "sweep: --rerun excludes --replay (see --help)");
   EXPECT_EQ(results("s").size(), 3U);
-  // A study file that lies where its author keeps other things is no study's folder.
+  // A study file in a folder with other files does not make it a study's folder.
   write("exp/study.toml", "scenario = \"ishigami\"\ncase = \"plain\"\nseeds = [1]\n");
   write("exp/thesis.tex", "text");
   expect_refusals(
@@ -335,7 +335,7 @@ TEST_F(Sweep, APointOfAnotherProcessIsNotTheCrashedOne) {
   swept("s --points 50-52");
   while (study.next()) continue;
   EXPECT_EQ(study.wait(), 0);
-  std::map<std::string, int> crashes;  // by the points' numbers
+  std::map<std::string, int> crashes;  // by number of the point
   for (const auto& entry : fs::directory_iterator(folder_ / "s/shards")) {
     std::istringstream shard(testing::text_of(entry.path()));
     for (std::string line; std::getline(shard, line);) {
@@ -368,7 +368,7 @@ TEST_F(Sweep, APointKilledFromOutsideStaysUndone) {
                   "s: 2 runs were left undone: the same command goes on\n"));
   EXPECT_EQ(results("s").size(), 30U);
   EXPECT_EQ(sweep(study).status, 2);
-  // A scheduler's task too; not where its own points are done.
+  // A scheduler's task too, except where its points are done.
   const ProgramResult task = sweep("s --isolate --points 20-30");
   EXPECT_EQ(task.status, 2);
   EXPECT_TRUE(has(task.err, "s: 2 runs were left undone"));
@@ -390,12 +390,12 @@ TEST_F(Sweep, AnElementOfAnArrayIsAKey) {
   ASSERT_EQ(elements.size(), 5U);
   EXPECT_EQ(elements[3][3], "0.9");
   EXPECT_EQ(elements[3][4], "-41");
-  // Points of the same keys, and so the same runs, in the same order.
+  // The points have the same keys and so the same runs, in the same order.
   for (std::size_t i = 1; i < elements.size(); ++i) {
     EXPECT_TRUE(lines("arrays/results.csv")[i].starts_with(elements[i][0] + ","));
     EXPECT_TRUE(has(lines("arrays/results.csv")[i], "," + elements[i][6]));
   }
-  // The study's own file says the same, and a study file spells it likewise.
+  // The file in the folder gives the same study, and so does a study file in this spelling.
   ran("breakwater sweep elements --quiet");
   EXPECT_TRUE(has(read("elements/study.toml"), "\"controller.t_ref_s[3]\" = [0.7, 0.9]\n"));
 
@@ -420,7 +420,7 @@ TEST_F(Sweep, AReplayEqualsTheRunOrReportsADifference) {
   const std::string key = results("s").at(1).at(0);
   swept("s --replay " + key.substr(0, 8));
   EXPECT_TRUE(fs::exists(folder_ / "s/runs" / key / "log.h5"));
-  // As if another machine had made them.
+  // Simulates a result from another machine.
   PointResult other = ShardIndex(folder_ / "s/shards", 2).read(0);
   fs::remove_all(folder_ / "s/shards");
   fs::create_directory(folder_ / "s/shards");
@@ -469,12 +469,12 @@ TEST_F(Sweep, ADryRunOfOneRunReportsIt) {
   EXPECT_TRUE(result.out.starts_with("1 run: 1 sample, 1 seed, 1 candidate\n")) << result.out;
 }
 
-// 100 000 points of other lengths, of which the mean is 2 (first: 0.5, mean: 1).
+// 100 000 points with different lengths, whose mean is 2 (first: 0.5, mean: 1).
 TEST_F(Sweep, ADryRunDoesNotLookAtEveryPoint) {
   const ProgramResult result = sweep(
       "ishigami --vary x.first=lin(0,1,100) --vary run.duration_s=lin(0.5,1.5,1000) --set "
       "trouble.takes_s=0.36 --jobs 2 --dry-run");
-  EXPECT_TRUE(has(result.out, "about 10."));  // 10 h and a little
+  EXPECT_TRUE(has(result.out, "about 10."));  // slightly more than 10 h
   EXPECT_LT(result.seconds, 20.0);
 }
 
@@ -490,7 +490,7 @@ TEST_F(Sweep, TheRemainingTimeIsEstimatedPerCandidate) {
     Shard(shards).add(point);
   }
   EXPECT_TRUE(has(sweep("s --status").out, "50.0 s of processor time to go"));
-  // One candidate is not begun, and a point of the other ran twice.
+  // One candidate has not begun, and one point of the other ran twice.
   fs::remove_all(shards);
   fs::create_directory(shards);
   for (const std::size_t i : {0, 0, 2}) Shard(shards).add(points.at(i));
@@ -508,7 +508,7 @@ TEST_F(Sweep, TwoStudiesCannotBeginInOneFolder) {
   const StudyFolder study(folder_ / "s", kSweep);
   study.make("a = 1\n", file);
   EXPECT_TRUE(has(read("s/study.toml"), file_hash(file.file())));
-  EXPECT_NO_THROW(study.make("a = 1\n", file));  // by another process at the same time
+  EXPECT_NO_THROW(study.make("a = 1\n", file));  // as another process at the same time
   EXPECT_NO_THROW(study.make("a = 1\n\n[slurm]\naccount = \"mine\"\n", file));
   EXPECT_THROW(study.make("a = 2\n", file), std::invalid_argument);
   study.make_anew("a = 2\n", file);
@@ -544,7 +544,7 @@ TEST_F(Sweep, WarnsOfTwoSweepsOfOneStudy) {
   }
 }
 
-// Each of its processes, of one point, would be content with what it reads itself.
+// Each process runs one point, so it alone would not notice the change.
 TEST_F(Sweep, AModelThatChangesBetweenProcessesEndsTheStudy) {
   fs::copy_file(testing::source_file("models/motor.xml"), folder_ / "own.xml");
   ReadProgram study(
@@ -559,7 +559,7 @@ TEST_F(Sweep, AModelThatChangesBetweenProcessesEndsTheStudy) {
   EXPECT_EQ(WEXITSTATUS(study.wait()), 2);
   EXPECT_TRUE(has(said, "own.xml has changed since"));
   EXPECT_FALSE(fs::exists(folder_ / "s/results.csv"));
-  // Nothing of the other version is among the results.
+  // The results have none of the other version.
   fs::copy_file(testing::source_file("models/motor.xml"), folder_ / "own.xml",
                 fs::copy_options::overwrite_existing);
   ran("breakwater sweep s");
