@@ -1,4 +1,4 @@
-// The binaries as users call them: help, cases, nonsense, failures, what is left behind.
+// The binaries: help, cases, invalid input, failures, and the files that they leave.
 #include <sys/stat.h>
 #include <csignal>
 
@@ -64,7 +64,7 @@ TEST_F(CommandLine, ARunLeavesItsFolder) {
   EXPECT_EQ(manifest["status"], "complete");
   EXPECT_EQ(manifest["state_hash"].get<std::string>().size(), 16U);
   EXPECT_EQ(manifest["versions"]["mujoco"], "2.2.2");
-  // A run that ends before force control has nothing to say about it.
+  // A run that ends before force control has no force metrics.
   EXPECT_TRUE(json(run + "/metrics.json").empty());
   const LoggedSignal qpos = read_hdf5_signal((folder_ / run / "log.h5").string(), "control/qpos");
   EXPECT_EQ(qpos.rows, 500U);
@@ -84,7 +84,7 @@ TEST_F(CommandLine, ConfigOfARunGivesTheSameBits) {
   EXPECT_EQ(read("a/config.toml"), read("b/config.toml"));
   EXPECT_EQ(state_hash("a"), state_hash("b"));
   EXPECT_EQ(json("b/manifest.json")["case"], "drac-5N");
-  // And the printed configuration is that configuration.
+  // The printed configuration is the same.
   EXPECT_EQ(run("arm_wall_contact --config a/config.toml --print-config").out,
             read("a/config.toml"));
   // Another seed gives other bits.
@@ -92,7 +92,7 @@ TEST_F(CommandLine, ConfigOfARunGivesTheSameBits) {
   EXPECT_NE(state_hash("a"), state_hash("b"));
 }
 
-// Early enough to have the impact, and the contact's solver, in a short run.
+// Early enough for the impact, and so the contact solver, in a short run.
 TEST_F(CommandLine, AllCasesOnTwoThreadsGiveTheBitsOfOne) {
   const auto early = [this](const std::string& words) {
     return ran("arm_wall_contact " + words +
@@ -106,7 +106,7 @@ TEST_F(CommandLine, AllCasesOnTwoThreadsGiveTheBitsOfOne) {
     EXPECT_TRUE(json("one/metrics.json").contains("peak_force_raw_N")) << name;
     EXPECT_EQ(state_hash("one"), state_hash("all/" + name)) << name;
   }
-  // Again into the same folder: replaced.
+  // A second call replaces the folder.
   early("--case all --out all");
 }
 
@@ -120,14 +120,14 @@ TEST_F(CommandLine, TakesModelsFromTheUsersFolder) {
   ran("arm_wall_contact --set model.mjcf=heavy.xml --duration 0.5 --out heavy");
   ran("arm_wall_contact --duration 0.5 --out light");
   EXPECT_NE(state_hash("heavy"), state_hash("light"));
-  // Its own config finds the model again from elsewhere.
+  // Its own config finds the model from another folder.
   fs::create_directories(folder_ / "elsewhere");
   done(run_program({"arm_wall_contact", "--config", "../heavy/config.toml", "--out", "again"},
                    folder_ / "elsewhere"));
   EXPECT_EQ(state_hash("elsewhere/again"), state_hash("heavy"));
 }
 
-// ---- nonsense in: one line, exit 2, at once, nothing left behind -------------------------------
+// ---- invalid input: one line, exit 2, at once, nothing left behind -----------------------------
 
 class NonsenseIn : public CommandLine {
  protected:
@@ -268,7 +268,7 @@ TEST_F(NonsenseIn, IsOneLine) {
        {"--set wall.distance_m", "--set: wall.distance_m: must be of the form key.path=value"},
        {"--set wall.solid_from_s=31", "--set: wall.solid_from_s: must not be after force.from_s"}});
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-  // A sanitizer's operator new ends the program where it should throw bad_alloc.
+  // A sanitizer's operator new ends the program in place of bad_alloc.
   expect_refused(
       "arm_wall_contact "
       "--duration 1e7",
@@ -302,7 +302,7 @@ TEST_F(CommandLine, WarnsOfIneffectiveKeys) {
   EXPECT_EQ(brief("--set controller.k_force=1"), "arm_wall_contact: warning: --set: " + why);
   EXPECT_EQ(brief("--set controller.k_force=1 --quiet"), "");
   EXPECT_EQ(brief("--set controller.k_force=1 --case hpfc-2N"), "");
-  // Some of the cases use it.
+  // Some cases use it.
   EXPECT_EQ(brief("--set controller.k_force=1 --case all"), "");
   copy_with(kWallFile, "vain.toml", "[case.drac-2N]", "[case.drac-2N]\ncontroller.k_force = 1");
   EXPECT_TRUE(brief("--config vain.toml --case drac-2N")
@@ -321,7 +321,7 @@ TEST_F(CommandLine, TheMatrixAcceptsKeysOfAllCases) {
             "observer.name is vfakfd\n");
 }
 
-// A program of the user's own lies where no data is.
+// A user's program in a folder without data.
 TEST_F(CommandLine, AnExternalProgramListsTheSearchedFolders) {
   fs::copy_file(testing::bin_folder() / "arm_wall_contact", folder_ / "mine");
   const std::string mine =
@@ -375,12 +375,12 @@ TEST_F(CommandLine, ABrokenSensorEndsTheRun) {
   EXPECT_EQ(manifest["reason"], "sensor force is not finite");
   EXPECT_EQ(manifest["time_s"], 0.235);
   EXPECT_FALSE(fs::exists(folder_ / "run/metrics.json"));
-  // Its log is readable, up to the sample before.
+  // Its log is readable up to the previous sample.
   EXPECT_EQ(read_hdf5_signal((folder_ / "run/log.h5").string(), "control/time_s").rows, 235U);
 }
 
-// DRAC cancels its Jacobian's rate by J̇q̇ and feeds its observer what it asks for, not what the
-// drives give: sampled ten times too slowly, it runs away.
+// DRAC compensates J̇q̇ and gives its observer the commanded torque, not the applied one. With a
+// ten times longer sampling period it becomes unstable.
 TEST_F(CommandLine, ADivergingRunNamesTimeAndSignal) {
   const ProgramResult result =
       run("arm_wall_contact --case drac-2N --set control.period_s=0.02 --duration 30 --out run");
@@ -442,7 +442,7 @@ TEST_F(CommandLine, ANewProjectPrintsItsBuildCommands) {
                          "--preset release");
 }
 
-// A motor's model with more in its world, and maybe a higher bound on its elements.
+// A motor model with additional elements, and optionally a higher limit of elements.
 class LargeModels : public CommandLine {
  protected:
   void motor_with(const std::string& part) const {

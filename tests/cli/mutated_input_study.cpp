@@ -1,4 +1,4 @@
-// All broken scenario files and models, each by the program itself.
+// All broken scenario files and models, each with the real program.
 #include <breakwater/shell/all_cores.h>
 #include "cli/mutated_input.h"
 

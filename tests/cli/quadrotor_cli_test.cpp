@@ -1,4 +1,4 @@
-// What quadrotor_waves says to nonsense on the command line.
+// Invalid input to quadrotor_waves.
 #include "cli/program.h"
 
 namespace breakwater {

@@ -1,4 +1,4 @@
-// Run folders as users meet them: full disks, damaged logs, killed runs.
+// Run folders with full disks, damaged logs and killed runs.
 #include <array>
 #include <nlohmann/json.hpp>
 
@@ -13,7 +13,7 @@ const std::string kRun = "cart_position --quiet --duration 0.2 --out ";
 
 class RunFolderCli : public testing::ProgramTest {};
 
-// A small file system of its own, which only this command sees.
+// A small private file system for this command.
 constexpr const char* kFillUp = R"(
 mount -t tmpfs -o size=1m none . && cd "$PWD" && echo mounted || exit
 run() { "$0" --quiet --duration "$1" --set record.compression=0 --out "$2" 2>&1; echo "status $?"; }
@@ -79,7 +79,7 @@ TEST_F(RunFolderCli, EveryReaderRefusesADamagedLog) {
                                   {"still run --at 0.1 --out still.png", line},
                                   {"video run --out video.mp4", line}});
 
-  // Without the hash, as before version 0.2: the data are taken as they are.
+  // Without the hash, as before version 0.2, the data are not checked.
   auto manifest = nlohmann::ordered_json::parse(read("run/manifest.json"));
   manifest.erase("log_hash");
   write("run/manifest.json", manifest.dump());

@@ -1,4 +1,4 @@
-// Which errors are those of a reference that is not held.
+// Errors of references that are not held.
 #include <breakwater/record/held_reference.h>
 
 #include <cmath>
@@ -8,7 +8,7 @@
 namespace breakwater {
 namespace {
 
-// The warning of a run of 8 s that was to go 1 m, or `asked`; "" if there is none.
+// The warning for a run of 8 s with a reference of 1 m or `asked`; "" if there is none.
 std::string warning_of(const std::function<double(double)>& error, double asked = 1.0,
                        double end_s = 8.0) {
   HeldReference held({0.0, 8.0}, "the position", "m");

@@ -1,4 +1,4 @@
-// Run folders of processes that are killed, of file systems that refuse, of disks that fail.
+// Run folders after kills, refused calls and failing disks.
 #include <fcntl.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -21,8 +21,8 @@ class KilledRun : public ::testing::Test {
  protected:
   KilledRun() { fs::create_directories(base_); }
 
-  // Writes a run into target_ in a process of its own. Returns its exit status, or 0 less the
-  // signal that killed it.
+  // Writes a run into target_ in a child process. Returns its exit status, or minus the signal that
+  // killed it.
   int write(const std::string& content, const Settings& settings = {}) {
     fs::remove(steps_);
     const pid_t child = fork();
@@ -40,7 +40,7 @@ class KilledRun : public ::testing::Test {
   }
 
   std::vector<std::string> steps() const { return testing::lines_of(text_of(steps_)); }
-  // The number of the first step that begins so, from 0.
+  // The index of the first step that begins with `begin`.
   std::ptrdiff_t step(const std::string& begin) const {
     const std::vector<std::string> all = steps();
     const auto found = std::find_if(all.begin(), all.end(), [&](const std::string& step) {
@@ -57,14 +57,14 @@ class KilledRun : public ::testing::Test {
     }
     return names;
   }
-  // The run that a reader finds, if it is whole.
+  // The run that a reader finds, if it is complete.
   std::string found() const {
     restore_run(target_);
     if (!fs::exists(target_)) return "none";
     return is_run_folder(target_) ? text_of(target_ / "log.csv") : "half a run";
   }
 
-  // Kills a run at each of its steps; a reader then finds one of `either`.
+  // Kills a run at each of its steps. A reader must then find one of `either`.
   void kill_at_each_step(const Settings& settings, bool has_earlier,
                          const std::set<std::string>& either) {
     for (const char* when : {"STEPS_KILL_BEFORE", "STEPS_KILL_AFTER"}) {
@@ -84,7 +84,7 @@ class KilledRun : public ::testing::Test {
         seen.insert(found());
         EXPECT_TRUE(either.contains(found())) << found();
 
-        // The next run clears up: whether it comes to an end or not.
+        // The next run cleans up, whether it ends or not.
         fs::create_directories(base_);
         { const RunFolder folder(target_); }
         EXPECT_TRUE(either.contains(found())) << found();
@@ -118,7 +118,7 @@ TEST_F(KilledRun, LeavesTheOldOrTheNewRunWithoutExchangeOfNames) {
   kill_at_each_step(kNoExchange, true, {"earlier", "new"});
 }
 
-// What of the run is on the disk by then: "." is the folder itself.
+// The parts of the run that are on the disk at this step; "." is the folder itself.
 std::set<std::string> synced_before(const std::vector<std::string>& steps, std::ptrdiff_t end,
                                     const std::string& partial) {
   std::set<std::string> synced;
@@ -142,7 +142,7 @@ TEST_F(KilledRun, IsSyncedBeforeItGetsItsName) {
     ASSERT_EQ(write("again", settings), 0);
     const auto placed = step((settings.empty() ? "exchange " : "rename ") + partial);
     EXPECT_EQ(synced_before(steps(), placed, partial), all);
-    // The names too are on the disk before the earlier run goes.
+    // The names are synced before the earlier run is removed.
     EXPECT_GT(step("sync " + base_.string() + "\n"), placed);
     EXPECT_LT(step("sync " + base_.string() + "\n"), step("unlink log.csv"));
   }

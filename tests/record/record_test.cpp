@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 using testing::text_of;
 
-// A track of one scalar and one vector signal, with values that need all their digits.
+// A track with a scalar and a vector signal, whose values need all digits.
 class Recorded {
  public:
   Recorded()
@@ -136,7 +136,7 @@ TEST(Hdf5Log, AcceptsAnEmptyTrack) {
   EXPECT_EQ(read_hdf5_signal(file, "control/x_m").rows, 0U);
 }
 
-// The second reader: h5py, as a user would.
+// h5py as a second reader.
 TEST(Hdf5Log, IsReadableByH5py) {
   const Recorded recorded;
   const testing::TemporaryPath file{"log.h5"};
@@ -210,7 +210,7 @@ class RunFolders : public ::testing::Test {
  protected:
   RunFolders() { fs::create_directories(base_); }
 
-  // As a run does: writes a manifest and one file, and commits.
+  // Ends like a run: writes a manifest and one file, and commits.
   void finish(RunFolder& folder, const std::string& content) {
     write_text_file(folder.path() / "manifest.json", R"({"scenario": "s", "state_hash": "0"})");
     write_text_file(folder.path() / "log.csv", content);
@@ -256,7 +256,7 @@ TEST_F(RunFolders, LeaveOtherThingsAlone) {
   EXPECT_THROW(RunFolder(base_ / "thesis"), std::invalid_argument);
   EXPECT_THROW(RunFolder(base_ / "file"), std::invalid_argument);
   EXPECT_THROW(RunFolder(base_ / "file" / "run"), std::invalid_argument);
-  // Somebody else's manifest.json does not make it a run.
+  // A foreign manifest.json does not make the folder a run.
   write_text_file(base_ / "thesis" / "manifest.json", R"({"name": "a web page"})");
   EXPECT_THROW(RunFolder(base_ / "thesis"), std::invalid_argument);
   EXPECT_EQ(entries(), 2U);
@@ -284,7 +284,7 @@ TEST_F(RunFolders, ARunWithOtherFilesIsNotReplaced) {
   EXPECT_EQ(text_of(target / "log.csv"), "second");
 }
 
-// A host whose name begins with another's.
+// Another host whose name has a common beginning.
 TEST_F(RunFolders, ARunOfAnotherHostIsNotAbandoned) {
   std::array<char, HOST_NAME_MAX + 1> host = {};
   gethostname(host.data(), host.size() - 1);
@@ -297,7 +297,7 @@ TEST_F(RunFolders, ARunOfAnotherHostIsNotAbandoned) {
   EXPECT_TRUE(fs::exists(other));
 }
 
-// However the target is spelt.
+// For any spelling of the target.
 TEST_F(RunFolders, AreMadeByOneThreadPerTarget) {
   const fs::path target = base_ / "run";
   fs::create_directory_symlink(base_, base_ / "link");
@@ -327,7 +327,7 @@ TEST_F(RunFolders, ReportAFailedCreation) {
 }
 
 TEST_F(RunFolders, ClearUpAfterAKilledRun) {
-  // A partial folder of this host, as one that is open now tells; no process has this number.
+  // A partial folder of this host with the number of a process that does not exist.
   std::string prefix;
   {
     const RunFolder folder(base_ / "run");
@@ -336,7 +336,7 @@ TEST_F(RunFolders, ClearUpAfterAKilledRun) {
   }
   const fs::path dead = prefix + "2000000000";
   const fs::path alive = prefix + std::to_string(getppid());
-  const fs::path own = prefix + std::to_string(getpid());  // the number of a process of old
+  const fs::path own = prefix + std::to_string(getpid());  // a process number that was used before
   const fs::path elsewhere = base_ / ".run.partial-anotherhost-2000000000";
   const fs::path unnumbered = prefix.substr(0, prefix.size() - 1);
   for (const fs::path& folder : {dead, alive, own, elsewhere, unnumbered}) {
@@ -352,7 +352,7 @@ TEST_F(RunFolders, ClearUpAfterAKilledRun) {
   EXPECT_TRUE(fs::is_empty(own));
 }
 
-// A folder of very many runs is listed once, and not by each of them.
+// A folder with very many runs is listed only once.
 TEST_F(RunFolders, ClearUpListedFolders) {
   const std::string begin = base_.string() + "/.run.partial-" + process_name();
   const std::string dead = begin.substr(0, begin.rfind('-')) + "-2000000000";

@@ -42,8 +42,8 @@ TEST(ReversalCount, CountsReversalsLargerThanTheBand) {
 
 TEST(ReversalCount, ForADampedCosineStopsWithinTheBand) {
   ReversalCount count(0.1);
-  // Each way is e^(−0.2 π) of the one before: the first of 1.54, which does not count, then 0.83,
-  // 0.45, 0.24, 0.13, and 0.07.
+  // Each swing is e^(−0.2 π) times the one before: 1.54 (does not count), 0.83, 0.45, 0.24, 0.13,
+  // 0.07.
   for (int i = 0; i < 10000; ++i) count.add(std::exp(-0.002 * i) * std::cos(0.01 * i));
   EXPECT_EQ(count.value(), 4);
 }
@@ -75,11 +75,11 @@ TEST(SettlingTime, CountsFromTheStartToTheLastEntryIntoTheBand) {
   SettlingTime settling(TimeWindow{1.0, 7.0}, 0.5);
   const double errors[] = {9.0, 9.0, 0.4, 0.6, 0.5, -0.1, 0.0};  // at 0 … 6 s
   for (int t = 0; t < 7; ++t) settling.add(t, errors[t]);
-  EXPECT_EQ(*settling.value(), 3.0);  // in the band from 4 s on
+  EXPECT_EQ(*settling.value(), 3.0);  // in the band from 4 s
   settling.add(7.0, 0.7);
-  EXPECT_FALSE(settling.value());  // and out of it again
+  EXPECT_FALSE(settling.value());  // outside the band again
   settling.add(7.5, 0.0);
-  EXPECT_FALSE(settling.value());  // what comes later does not count
+  EXPECT_FALSE(settling.value());  // later samples do not count
 }
 
 TEST(ReachTime, CountsToTheFirstEntryOfThatSize) {

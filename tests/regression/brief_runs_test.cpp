@@ -1,4 +1,4 @@
-// Runs that end long before their metrics' windows do, and the same run twice.
+// Runs that end before the windows of their metrics, and equal runs.
 
 #include <cmath>
 #include <map>
@@ -19,7 +19,7 @@ std::map<std::string, double> values(const std::vector<Metric>& metrics) {
   return values;
 }
 
-// How far what is measured lies from the truth towards 0, at most, in counts.
+// The largest distance of the measured value from the true one towards 0, in counts.
 double most_lost_counts(const std::string& scenario, const std::string& case_name,
                         const std::vector<std::string>& sets, const std::string& measured,
                         const std::string& truth, double quantum) {
@@ -75,7 +75,7 @@ TEST(EncoderRounding, IsAKeyOfMotorCartsAndArm) {
       return most_lost_counts(plant.scenario, plant.case_name, sets, plant.measured, plant.truth,
                               plant.quantum);
     };
-    EXPECT_LT(most("nearest"), 0.6);  // of a sample before the truth
+    EXPECT_LT(most("nearest"), 0.6);  // the true sample before
     EXPECT_GT(most("truncate"), 0.8);
     EXPECT_LT(most("truncate"), 1.1);
   }
@@ -99,11 +99,11 @@ TEST(BriefRuns, EveryCaseOfEveryScenarioRunsForATenthOfASecond) {
 struct Window {
   const char* scenario;
   const char* case_name;
-  double ends_s;  // when the last window does
+  double ends_s;  // end of the last window
   std::vector<std::string> metrics;
 };
 
-// One sample before the window's end its metrics are not there; at its end they are.
+// One sample before the end of the window its metrics do not exist; at the end they do.
 TEST(BriefRuns, AMetricOfAWindowExistsAfterTheWindow) {
   const std::vector<Window> windows = {
       {"motor_estimation",
@@ -170,7 +170,7 @@ TEST(BriefRuns, NoSettlingTimeExistsInAShortRun) {
   EXPECT_TRUE(settling_s("motor_estimation", "idob", "disturbance_settling_time_s", {}));
 }
 
-// What a clock says is no metric.
+// Measured times are not metrics.
 TEST(SameRunTwice, GivesTheSameMetricsToTheLastBit) {
   struct Run {
     const char* scenario;

@@ -24,14 +24,14 @@ TEST(OffsetFree, OnlyThePlainObserverHasAnError) {
     EXPECT_LT(std::abs(*run.metric("steady_state_error_m")), 1e-4) << name;
     EXPECT_NEAR(*run.metric("settling_time_s"), 1.61, 0.05) << name;
     EXPECT_NEAR(*run.metric("mean_disturbance_estimate_N"), 1.0, 1e-6) << name;
-    // What is offset-free is the measurement: the cart itself is off by d_o.
+    // The measurement is offset-free. The cart itself has an error of d_o.
     EXPECT_NEAR(*run.metric("true_position_error_m"), -0.5, 1e-4) << name;
   }
   const Recording plain = run_case("cart_offset_free", "general_mpc");
   EXPECT_NEAR(*plain.metric("steady_state_error_m"), -0.139, 0.003);
 }
 
-// The estimator runs ten times as often as the optimisation that moves the bounds.
+// The estimator runs ten times per optimisation and moves the bounds each time.
 TEST(OffsetFree, MovedBoundsHoldUnderNoiseToo) {
   for (const std::vector<std::string>& more :
        {std::vector<std::string>{}, {"solver.name=hildreth"}, {"observer.name=kfd"}}) {
@@ -42,7 +42,8 @@ TEST(OffsetFree, MovedBoundsHoldUnderNoiseToo) {
   }
 }
 
-// The moved bounds of the input jump further than it may change: they win, and it is counted.
+// The moved bounds of the input jump further than its allowed change. They have priority, and it is
+// counted.
 TEST(OffsetFree, MovedBoundsWinOverTheInputsChange) {
   const std::string change = "constraint.input_change_N=0.5";
   const Recording run = completed_run("cart_offset_free", "time_varying_constraint", {change});
@@ -64,7 +65,7 @@ TEST(OffsetFree, OutputDisturbanceAloneLeavesNoError) {
   }
 }
 
-// The printed "pseudo-feedback" by a weight on the disturbance does nothing.
+// The printed "pseudo-feedback" by a weight on the disturbance has no effect.
 TEST(OffsetFree, DisturbanceWeightChangesNoInput) {
   const auto inputs = [](const std::string& weight) {
     return run_case("cart_offset_free", "proposed", {"controller.q_disturbance=" + weight})
@@ -130,7 +131,7 @@ TEST_P(ConstrainedBySolver, OnlyTheProposedControllerKeepsTheInputLimit) {
     EXPECT_LE(*run.metric("max_input_N"), 2.001) << name;
     EXPECT_EQ(*run.metric("input_violation_time_s"), 0.0) << name;
     EXPECT_LT(*run.metric("final_speed_m_s"), 1e-3) << name;
-    // The price: at the limit u = d there is nothing left to go back with.
+    // At the limit u = d no input is left to return.
     EXPECT_NEAR(*run.metric("final_position_m"), -0.485, 0.03) << name;
   }
   const Recording lqr = run_case("cart_constrained", "lqr-idob", condition("C", GetParam()));
@@ -178,7 +179,7 @@ TEST(Constrained, HildrethReportsTheIterationLimit) {
   EXPECT_EQ(*run.metric("qp_iterations_max"), 40.0);
 }
 
-// A velocity limit below the velocity that the cart has: no input satisfies it.
+// A velocity limit below the cart's velocity: no input satisfies it.
 TEST(Constrained, InfeasibleInFlightIsSoftenedOrStops) {
   const std::vector<std::string> impossible = {"constraint.velocity_m_s=0.05"};
   const Recording softened =
@@ -205,7 +206,7 @@ TEST(CartPosition, ThePositionLimitHasPriorityOverTheReference) {
   EXPECT_LT(*limited.metric("max_position_m"), 0.052);
 }
 
-// At an active limit the input chatters by the encoder's resolution.
+// At an active limit the input chatters by the encoder resolution.
 TEST(CartPosition, ResolutionMakesTheInputChatterAtTheLimit) {
   const auto chatter = [](const char* name, const std::string& resolution) {
     return *run_case(

@@ -1,4 +1,4 @@
-// Position control of a cart with friction: what the figures of 4.2.5 show.
+// Position control of a cart with friction: the figures of 4.2.5.
 
 #include <cmath>
 
@@ -47,7 +47,7 @@ TEST(CartPosition, Gamma105SettlesLikeTheMdob) {
 }
 
 TEST(CartPosition, WithoutCancellationFrictionStopsTheCartEarly) {
-  // An observer that is almost asleep: K_p e = F_C at standstill, and the cart stops before that.
+  // An almost inactive observer: K_p e = F_C at standstill, and the cart stops earlier.
   const Recording idle = run("mdob", {"observer.low_pass_cutoff_rad_s=1e-6"});
   const double error = *idle.metric("steady_state_error_m");
   EXPECT_GT(error, 1e-3);

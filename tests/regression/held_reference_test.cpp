@@ -1,4 +1,4 @@
-// Which runs are warned of as not holding their references.
+// Runs with a warning about a reference that is not held.
 #include <tuple>
 
 #include "catalogue.h"
@@ -16,7 +16,7 @@ std::vector<std::string> warnings(const std::string& scenario, const std::string
 
 TEST(ReferenceOfARun, IsReportedIfNotHeld) {
   const std::vector<std::tuple<std::string, std::string, std::vector<std::string>>> runs = {
-      // An IDOB that is told a hundredth of the mass, and a loop that hardly pulls.
+      // An IDOB with a hundredth of the mass, and a loop with a small gain.
       {"cart_position", "idob", {"nominal.mass_kg=0.005"}},
       {"cart_position", "idob", {"controller.kp=1e-3"}}};
   for (const auto& [scenario, case_name, sets] : runs) {
@@ -26,8 +26,8 @@ TEST(ReferenceOfARun, IsReportedIfNotHeld) {
   }
 }
 
-// The rivals stay in another posture once a hand has turned the arm; filters that forget nothing
-// see a step of force too late; one filter diverges.
+// The conventional controllers stay in another posture after a hand has turned the arm. Filters
+// without forgetting follow a step of force too slowly. One filter diverges.
 bool loses_its_reference(const std::string& scenario, const std::string& name) {
   if (scenario == "arm_push") return name.starts_with("hpfc") || name.starts_with("drac");
   if (scenario == "cart_estimation") {
@@ -36,7 +36,7 @@ bool loses_its_reference(const std::string& scenario, const std::string& name) {
   return scenario == "quadrotor_waves" && name == "ekf-second";
 }
 
-// The cases at the wall, which are long, are left out.
+// The long cases at the wall are left out.
 TEST(ReferenceOfARun, IsHeldInTheShippedCasesExceptTheKnownOnes) {
   for (const std::string& scenario : testing::scenario_names()) {
     if (scenario == "arm_wall_contact") continue;

@@ -1,4 +1,4 @@
-// Metrics recomputed from what their runs log, by other formulas.
+// Metrics computed from the logs by other formulas.
 
 #include <cmath>
 #include <numeric>
@@ -15,7 +15,7 @@ Values of(const Recording& run, const std::string& signal) {
   return run.track("control").values(signal);
 }
 
-// Its values from one time to another, both included.
+// The values from one time to another, both included.
 Values between(const Recording& run, const Values& values, double from_s, double to_s) {
   const Values times = run.track("control").times();
   Values part;
@@ -58,7 +58,7 @@ TEST(MetricsFromLogs, RawVelocityOfTheMotorIsTheRawDifference) {
   EXPECT_NEAR(*run.metric("rmse_raw_velocity_rad_s"), rms(between(run, error, 5.0, 10.0)), 1e-9);
 }
 
-// From the disturbance on; the torque is what the drive gives, not what is asked of it.
+// From the disturbance on. The torque is the applied one, not the commanded one.
 TEST(MetricsFromLogs, AngleAndTorqueOfTheMotorCountFromTheDisturbance) {
   const Recording run = run_case("motor_estimation", "idob",
                                  {"encoder.bits=8", "drive.limit_Nm=10.5", "disturbance.start_s=2",
@@ -69,7 +69,7 @@ TEST(MetricsFromLogs, AngleAndTorqueOfTheMotorCountFromTheDisturbance) {
   EXPECT_NEAR(*run.metric("rms_position_rad"), since("position_true_rad"), 1e-12);
   EXPECT_NEAR(*run.metric("rms_torque_Nm"), since("applied_Nm"), 1e-9);
   EXPECT_LT(*run.metric("rms_torque_Nm"), since("command_Nm") - 0.01);
-  // A run that ends before has neither.
+  // A shorter run has neither.
   EXPECT_FALSE(
       run_case("motor_estimation", "idob", {"run.duration_s=0.5"}).metric("rms_torque_Nm"));
 }
@@ -80,7 +80,7 @@ TEST(MetricsFromLogs, LateForceAtTheWallMatchesTheContactForce) {
       {"contact.stiffness_N_m=5000", "metrics.from_s=31", "metrics.to_s=33", "run.duration_s=33"});
   const Values force = of(run, "force_true_N");
   const auto window = [&](double from_s, double to_s) {
-    return between(run, force, from_s - 1e-6, to_s - 1e-6);  // its end is not in it
+    return between(run, force, from_s - 1e-6, to_s - 1e-6);  // without the end
   };
   const Values late = window(31.0, 33.0);
   int onsets = 0, rises = 0;
@@ -107,7 +107,7 @@ TEST(MetricsFromLogs, LagOfARampIsItsMeanErrorOverItsSlope) {
               mean(between(run, late, 40.0, 50.0)) / (slope / period_s), 1e-9);
 }
 
-// d moved by the lag fits d̂, but for a gain, better than moved by more or less of it.
+// d shifted by the lag fits d̂, except for a gain, better than with a smaller or larger shift.
 TEST(MetricsFromLogs, LagOfASineIsTheDelayThatFitsBest) {
   const Recording run = run_case("cart_estimation", "order2", {"disturbance.kind=sine"});
   const double lag_s = *run.metric("disturbance_lag_s");
@@ -125,7 +125,7 @@ TEST(MetricsFromLogs, LagOfASineIsTheDelayThatFitsBest) {
       of_truth += there * there;
       of_both += here * there;
     }
-    return of_estimate - of_both * of_both / of_truth;  // with the gain that fits best
+    return of_estimate - of_both * of_both / of_truth;  // with the best gain
   };
   for (const double off_s : {-1.0, 1.0}) EXPECT_LT(misfit(lag_s), misfit(lag_s + off_s));
 }

@@ -23,8 +23,7 @@ bool converges(const char* name, const std::vector<std::string>& sets) {
   return !run.failure && metric(run, "converged") == 1.0;
 }
 
-// Thesis 3.4.3.2: (a) and (c) converge, and nothing else does. quadrotor_pattern_test has ten
-// seeds.
+// Thesis 3.4.3.2: only (a) and (c) converge. quadrotor_pattern_test has ten seeds.
 TEST(QuadrotorWaves, ConsistentReadingHasTheThesisPattern) {
   const std::vector<std::string> sets = {"reading=consistent"};
   const Recording a = run_case("quadrotor_waves", "ukf-second", sets);
@@ -46,7 +45,7 @@ TEST(QuadrotorWaves, AllSixConvergeInStillWater) {
   }
 }
 
-// The thesis to the letter gives the opposite: its proposed filter is drowned in its own noise.
+// The literal reading gives the opposite: the process noise of the proposed filter is too large.
 TEST(QuadrotorWaves, LiteralReadingTurnsThePatternOver) {
   const std::vector<std::string> sets = {"reading=literal"};
   EXPECT_FALSE(converges("ukf-second", sets));
@@ -54,7 +53,7 @@ TEST(QuadrotorWaves, LiteralReadingTurnsThePatternOver) {
   EXPECT_TRUE(converges("ukf-none", sets));
 }
 
-// It is the process noise and not the transform: an EKF with the UKF's Q does as well.
+// The process noise is the reason, not the transform: an EKF with the UKF's Q is as good.
 TEST(QuadrotorWaves, AnEkfWithTheSameNoiseIsAsGood) {
   const auto tracking = [](const char* name) {
     return metric(run_case("quadrotor_waves", name, {"reading=consistent"}), "tracking_rmse_m");
@@ -63,7 +62,7 @@ TEST(QuadrotorWaves, AnEkfWithTheSameNoiseIsAsGood) {
   EXPECT_NEAR(tracking("ekf-zero-same-q"), ukf, 0.1 * ukf);
 }
 
-// Medians over seeds that nothing was tuned on.
+// Medians over seeds that were not used for tuning.
 class Medians {
  public:
   Medians(const char* name, const std::vector<std::string>& sea) {
@@ -104,7 +103,8 @@ TEST(QuadrotorWaves, ResonatorHoldsStation) {
   }
 }
 
-// NEES of [ζ, ζ̇] should be 12. One resonator is too sure of itself in a sea of 2 m and more.
+// NEES of [ζ, ζ̇] should be 12. With one resonator the filter is overconfident in a sea of 2 m or
+// more.
 TEST(QuadrotorWaves, SpectrumIsConsistent) {
   for (const char* height : {"0.5", "2", "3"}) {
     const Medians spectrum("spectrum", {std::string("wave.significant_height_m=") + height});
@@ -118,7 +118,7 @@ TEST(QuadrotorWaves, SpectrumIsConsistent) {
   }
 }
 
-// The sea turns from 8 s to 11 s at 40 s.
+// The peak period changes from 8 s to 11 s at 40 s.
 TEST(QuadrotorWaves, EstimatedFrequencyFollowsTheSea) {
   const Medians run("resonator",
                     {"run.duration_s=160", "wave.change_at_s=40", "wave.change_to_period_s=11",

@@ -1,6 +1,6 @@
-// The soft contact must be faster than the thesis' method and softer than HPFC:
-// docs/explanation/methods/soft-contact.md. A short protocol: the switch at 10 s, where the arm is
-// at rest; errors over 13 to 18 s.
+// TLSC must be faster than the thesis' method and softer than HPFC:
+// docs/explanation/methods/soft-contact.md. A short protocol: the switch at 10 s with the arm at
+// rest; errors from 13 to 18 s.
 
 #include <cmath>
 

@@ -1,4 +1,4 @@
-// The strip chart: where its lines end, and what they show.
+// The strip chart: the ends of its lines and the drawn values.
 #include <breakwater/render/chart.h>
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@ ChartLine ramp() {
   return {"ramp", {{0.0, 1.0, 2.0}, {0.0, 5.0, 10.0}}, false};
 }
 
-// The middle of the dot in the first line's colour: rows and columns where it is thickest.
+// The middle of the dot in the first line's colour.
 Point dot_of(Canvas& canvas) {
   const Colour c = Chart::colour(0);
   const auto is_colour = [&](int x, int y) {
@@ -24,7 +24,7 @@ Point dot_of(Canvas& canvas) {
     return std::abs(p[0] - 255.0 * c.blue) < 2 && std::abs(p[1] - 255.0 * c.green) < 2 &&
            std::abs(p[2] - 255.0 * c.red) < 2;
   };
-  // The dot is 9 px wide, the line 2: only inside the dot is a 5×5 square of the colour.
+  // The dot is 9 px wide, the line 2 px. Only the dot contains a 5×5 square of the colour.
   double x_sum = 0.0;
   double y_sum = 0.0;
   int count = 0;
@@ -44,7 +44,7 @@ Point dot_of(Canvas& canvas) {
 
 TEST(Chart, TheDotIsAtTheEndOfTheLine) {
   Chart chart("t", {ramp()}, {0.0, 2.0, 0.0, 10.0}, kWidth, kHeight, 1.0);
-  // Its frame says where (0 s, 0) and (2 s, 10) are; the dot moves straight between them.
+  // The frame gives the positions of (0 s, 0) and (2 s, 10). The dot moves straight between them.
   const Point origin = chart.place(0.0, 0.0);
   const Point end = chart.place(2.0, 10.0);
   EXPECT_GT(end.x - origin.x, 0.7 * kWidth);

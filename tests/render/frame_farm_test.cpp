@@ -1,4 +1,4 @@
-// Frames from several processes: all of them, in order, whatever happens to a process.
+// Frames from several processes: all arrive in order, whatever happens to a process.
 #include <breakwater/render/frame_farm.h>
 
 #include <unistd.h>
@@ -41,7 +41,7 @@ TEST(FrameFarm, GivesAllFramesInOrderFromAllProcesses) {
       farm_of(300, 3),
       [](std::size_t) -> DrawFrame {
         return [](std::size_t number, std::uint8_t* memory) {
-          usleep(static_cast<useconds_t>(200 * (number % 7)));  // they finish out of order
+          usleep(static_cast<useconds_t>(200 * (number % 7)));  // they finish in a different order
           write_frame(number, memory);
         };
       },

@@ -1,4 +1,4 @@
-// Where files are looked for.
+// The search path of files.
 #include <breakwater/shell/paths.h>
 
 #include <breakwater/record/text_outputs.h>
@@ -64,7 +64,7 @@ TEST_F(SearchPathOf, MessagesNameMissingFolders) {
   EXPECT_EQ(path.candidates.back(), "/gone");
 }
 
-// Of the process: the tests' own folder is looked for in the tree.
+// The own process, whose test folder is searched in the tree.
 class OwnPlaces : public SearchPathOf {
  protected:
   ~OwnPlaces() override { set_data_places({}); }

@@ -1,4 +1,4 @@
-// Tables in narrow places.
+// Tables with limited width.
 #include <breakwater/shell/table.h>
 
 #include <gtest/gtest.h>

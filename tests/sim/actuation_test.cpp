@@ -1,4 +1,4 @@
-// Friction, inertia, drive and delay, against closed forms.
+// Friction, inertia, drive and delay against closed forms.
 
 #include <cmath>
 
@@ -60,7 +60,7 @@ TEST(Friction, CoulombFrictionHoldsSmallForcesAndReducesLargeOnes) {
 }
 
 TEST(Friction, StopsAMovingBodyAfterTheDistanceFromItsEnergy) {
-  // ½ M v² = F_C s from 0.5 m/s, which a push of 0.1 s brings about.
+  // ½ M v² = F_C s from 0.5 m/s, after a push of 0.1 s.
   Model model = cart();
   author_friction(model, 0, 0.0, 0.3);
   FunctionController controller([](const Sample& y, Eigen::Ref<Eigen::VectorXd> u) {

@@ -1,4 +1,4 @@
-// Which files a model is made of: those that the engine itself opens.
+// The files of a model: exactly those that the engine opens.
 #include <breakwater/plants/mjcf_files.h>
 
 #include <cstdint>
@@ -51,7 +51,7 @@ class MjcfFiles : public ::testing::Test {
     const std::uint32_t count = 4;
     stream.write(reinterpret_cast<const char*>(&count), sizeof(count));
     for (const auto& face : faces) {
-      stream << std::string(12, '\0');  // the normal, which nobody reads
+      stream << std::string(12, '\0');  // the normal, which is not used
       for (const int corner : face) {
         stream.write(reinterpret_cast<const char*>(corners[corner]), sizeof(corners[corner]));
       }

@@ -37,7 +37,7 @@ TEST(Model, RefusesErrorsThatTheEngineAccepts) {
     EXPECT_NE(complaint(with_body(good, "<option timestep='" + timestep + "'/>")), "") << timestep;
   }
   EXPECT_NE(complaint(with_body(good + "<geom name='g' size='1e300' mass='0'/>")), "");
-  // Some of these the engine takes for 0, for what they are, or for no complaint at all.
+  // The engine reads some of these as 0 or accepts them silently.
   for (const auto& [body, option, line] : std::vector<std::array<std::string, 3>>{
            {good, "", ""},
            {of_mass("1e300"), "",
@@ -125,7 +125,7 @@ TEST(Models, MotorAndCartHaveTheThesisParameters) {
   }
 }
 
-// The URDF that the controllers read and the MJCF that is simulated are the same arm.
+// The controllers' URDF and the simulated MJCF describe the same arm.
 TEST(Models, UrdfAndMjcfOfTheArmAgree) {
   const PlanarChain chain = load_planar_chain(testing::source_file("models/arm.urdf"));
   const Model model = Model::load(testing::source_file("models/arm.xml"));
@@ -167,7 +167,7 @@ TEST(Models, UrdfAndMjcfOfTheArmAgree) {
   mj_deleteData(data);
 }
 
-// READINGS: the nominal inertia is close to the armature's multiples and the stretched links'.
+// READINGS: the nominal inertia is close to that of the armature and of the stretched links.
 TEST(Models, TrueInertiaIsAboutHalfTheNominalAtTheFirstJoint) {
   const PlanarChain chain = load_planar_chain(testing::source_file("models/arm.urdf"));
   const Model model = Model::load(testing::source_file("models/arm.xml"));

@@ -12,7 +12,7 @@ namespace {
 
 using Names = std::vector<std::string>;
 
-// The same file, compiled whole and for physics.
+// One file, compiled completely and for physics only.
 struct Both {
   Model whole;
   Model physics;
@@ -44,7 +44,7 @@ void expect_same_bits(const std::vector<double>& a, const std::vector<double>& b
   EXPECT_EQ(std::memcmp(a.data(), b.data(), a.size() * sizeof(double)), 0);
 }
 
-// All arrays of a model that know nothing of geoms and materials.
+// Compares all arrays of a model that do not depend on geoms and materials.
 void expect_same_but_geoms(const Model& whole, const Model& physics) {
   const std::vector<std::string> renumbered = {
       "body_geomnum", "body_geomadr", "site_matid",   "tendon_matid", "pair_geom1",
@@ -76,7 +76,8 @@ TEST(PhysicsPart, GivesTheSameStatesForTheShippedModels) {
   }
 }
 
-// Each geom of it is there for another reason; the pendulum's inertia is that of geoms which go.
+// Each geom is needed for a different reason. The pendulum's inertia is from geoms that are
+// removed.
 constexpr const char* kAllReasons = R"(<mujoco>
   <compiler angle="radian"/>
   <option density="2"/>
@@ -174,7 +175,7 @@ TEST(PhysicsPart, KeepsAllGeomsForARangefinder) {
   expect_same_bits(states(models.whole, 100), seen);
 }
 
-// A body with two balls that falls onto a floor and against a step: at times four contacts.
+// A body with two balls that falls onto a floor and against a step, with up to four contacts.
 std::string tumbling(const std::string& ball) {
   return R"(<mujoco><option timestep="0.001" cone="elliptic"/>
     <worldbody>
@@ -201,7 +202,7 @@ TEST(ContactPairs, EqualTheSearchedContactsToTheBit) {
   const DataPointer b = listing.make_data();
   int most = 0;
   for (int k = 0; k < 4000; ++k) {
-    // In between, the step is not there.
+    // The step is absent in between.
     if (k == 1500 || k == 2000) {
       for (Model* model : {&searched, &listing}) {
         model->set_collidable(model->id(mjOBJ_GEOM, "step"), k == 2000);
@@ -222,7 +223,7 @@ TEST(ContactPairs, AreNotUsedIfTheyMightDiffer) {
                              "margin=\"0.01\"", "priority=\"1\"", "solmix=\"2\""}) {
     EXPECT_EQ(listed(testing::model_of(tumbling(unlike))), nullptr) << unlike;
   }
-  // Two bodies that move, a geom that could meet its like.
+  // Two moving bodies, each with a geom that could touch the other one.
   EXPECT_EQ(listed(testing::model_of(R"(<mujoco><worldbody><geom name="floor" type="plane"
       size="1 1 1"/><body><freejoint/><geom size="0.1"/></body><body pos="0 0 1"><freejoint/>
       <geom size="0.1"/></body></worldbody></mujoco>)")),

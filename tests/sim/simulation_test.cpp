@@ -29,7 +29,7 @@ void run(Simulation& simulation, int steps) {
 }
 
 TEST(Simulation, Rk4IntegratesAHeldTorqueExactly) {
-  // J q̈ = τ(k) held: q(k+1) = q + T q̇ + T²/2 τ, to rounding.
+  // J q̈ = τ(k), held: q(k+1) = q + T q̇ + T²/2 τ, except for rounding.
   const double T = 0.01;
   FunctionController controller([k = 0](const Sample&, Eigen::Ref<Eigen::VectorXd> u) mutable {
     u(0) = std::sin(0.7 * k++);
@@ -80,7 +80,7 @@ TEST(Simulation, ControllerIsCalledAtItsOwnRateWithFreshAngles) {
   ASSERT_EQ(times.size(), 11U);
   for (std::size_t k = 0; k < times.size(); ++k) {
     EXPECT_DOUBLE_EQ(times[k], 0.004 * static_cast<double>(k));
-    EXPECT_NEAR(angles[k], times[k] * times[k], 1e-14);  // ½·2·t²: the angle of that very instant
+    EXPECT_NEAR(angles[k], times[k] * times[k], 1e-14);  // ½·2·t²: the angle at the same time
   }
 }
 
@@ -144,7 +144,7 @@ TEST(Simulation, ForcesActInTheSameStep) {
 }
 
 TEST(Simulation, HoldsASampleThroughTheEnginesFourStages) {
-  // With RK4 the callback runs four times a step; the controller must run once.
+  // With RK4 the callback runs four times per step. The controller must run once.
   FunctionController controller([](const Sample&, Eigen::Ref<Eigen::VectorXd> u) { u(0) = 1; });
   Simulation simulation(motor(1e-3, Integrator::rk4), controller, shaft(), 1);
   run(simulation, 25);
@@ -152,7 +152,7 @@ TEST(Simulation, HoldsASampleThroughTheEnginesFourStages) {
 }
 
 TEST(Simulation, IgnoresOtherDataOfTheSameEngine) {
-  // A scratch copy stepped inside the control law, for a linearisation say.
+  // The control law steps scratch data of its own, for example to linearise.
   const Model scratch_model = motor();
   mjData* scratch = mj_makeData(scratch_model.get());
   FunctionController controller([&](const Sample&, Eigen::Ref<Eigen::VectorXd> u) {
@@ -167,7 +167,7 @@ TEST(Simulation, IgnoresOtherDataOfTheSameEngine) {
   mj_deleteData(scratch);
 }
 
-// Expects the run to fail, and returns when and why.
+// Expects the run to fail. Returns the time and the reason.
 RunFailure failure_of(Simulation& simulation, int steps) {
   try {
     run(simulation, steps);
@@ -189,7 +189,7 @@ TEST(Simulation, EndsOnAnEngineWarning) {
   const std::string reason = failure.what();
   EXPECT_TRUE(reason.starts_with("diverged: ") || reason.starts_with("an actuator command"))
       << reason;
-  EXPECT_TRUE(has(reason, "Time = "));  // the engine's own words
+  EXPECT_TRUE(has(reason, "Time = "));  // the engine's message
 }
 
 TEST(Simulation, EndsOnANanCommand) {
@@ -300,7 +300,7 @@ TEST(EngineGuard, ReturnsTheTextOfAFatalError) {
   EXPECT_EQ(call_engine([](void*) {}, nullptr), "");
 }
 
-// mju_error_s, as the engine calls it itself.
+// mju_error_s, called as in the engine.
 TEST(EngineGuardDeathTest, AnErrorOutsideIsPrintedBeforeTheAbort) {
   EXPECT_DEATH(
       {
@@ -310,7 +310,7 @@ TEST(EngineGuardDeathTest, AnErrorOutsideIsPrintedBeforeTheAbort) {
       "MuJoCo: no such thing: stack");
 }
 
-// What is said of a model whose memory `spoil` has made nonsense.
+// The error message for a model whose memory `spoil` has damaged.
 std::string refusal(const std::function<void(mjModel&)>& spoil,
                     const std::function<void(Model&)>& body) {
   Model model = Model::load(testing::source_file("models/arm.xml"));
@@ -325,7 +325,9 @@ TEST(EngineGuard, RefusesAModelWithoutEnoughStack) {
 }
 
 TEST(EngineGuard, RefusesASimulationTooLargeForMemory) {
-  const auto spoil = [](mjModel& m) { m.njmax = 8000000; };  // so many rows squared
+  const auto spoil = [](mjModel& m) {
+    m.njmax = 8000000;
+  };  // the engine allocates the square of this number
   for (const std::string& text :
        {refusal(spoil, [](Model& model) { model.make_data(); }),
         refusal(spoil, [](Model& model) { model.scale_inertia(2.0); }),
@@ -344,7 +346,7 @@ TEST(SharedModels, AreCompiledOnceByAnyThread) {
   const SharedModels shared([&](const std::string& which) {
     EXPECT_EQ(which, file);
     ++compiled;
-    std::this_thread::sleep_for(std::chrono::milliseconds(50));  // the others arrive
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));  // waits for the other threads
   });
   {
     std::vector<std::jthread> threads;

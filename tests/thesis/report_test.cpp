@@ -1,4 +1,4 @@
-// What reports are made of: verdicts, measurements, tables, pages.
+// The parts of reports: verdicts, measurements, tables, pages.
 
 #include <cmath>
 #include <limits>
@@ -59,7 +59,7 @@ TEST(Verdict, AValueThatRoundsToThePrintedDigitsIsReproduced) {
   EXPECT_EQ(judge(0.0151, one_digit, standard), Verdict::not_reproduced);
   const PrintedResult three_digits{0.0100, "0.0100", 0.00005};
   EXPECT_EQ(judge(0.0149, three_digits, standard), Verdict::within_class);
-  // "461 s at least" asks for no number about 461.
+  // "461 s at least" has no upper bound.
   Standard at_least;
   at_least.reproduced.above = 1000.0;
   at_least.within.above = 500.0;
@@ -73,7 +73,7 @@ TEST(Verdict, AMeasuredNumberGetsTheWordOfItsBand) {
   EXPECT_EQ(result.word, "P");
   EXPECT_EQ(judge(0.049, result, printed.standard(path)), Verdict::reproduced);
   EXPECT_EQ(judge(0.051, result, printed.standard(path)), Verdict::not_reproduced);
-  // A high sine is ignored: following it would be wrong.
+  // A high sine must be ignored, so following it is wrong.
   const std::string high = "cart_estimation.table_4_4.high_sine.first";
   EXPECT_EQ(judge(1.0, *printed.find(high), printed.standard(high)), Verdict::reproduced);
   EXPECT_EQ(judge(0.02, *printed.find(high), printed.standard(high)), Verdict::not_reproduced);
@@ -86,7 +86,7 @@ TEST(Verdict, AnInfiniteTimeIsAResult) {
   EXPECT_EQ(judge(5.0, *printed.find(path), printed.standard(path)), Verdict::not_reproduced);
 }
 
-// A cell of metric `metric` of run "any".
+// A cell with metric `metric` of run "any".
 CellSpec cell_of(const std::string& metric, const std::string& printed = "") {
   CellSpec cell;
   cell.quantity = {"any", metric};
@@ -94,7 +94,7 @@ CellSpec cell_of(const std::string& metric, const std::string& printed = "") {
   return cell;
 }
 
-// What says that the metric lies above a bound.
+// A statement that the metric lies above a bound.
 CellSpec statement_of(const std::string& metric, double above) {
   CellSpec cell = cell_of(metric);
   cell.says = "so";
@@ -102,7 +102,7 @@ CellSpec statement_of(const std::string& metric, double above) {
   return cell;
 }
 
-// Runs "any" whose metric has these values.
+// Runs "any" with these values of the metric.
 Measured runs_of(const std::string& metric, const std::vector<double>& values) {
   Measured measured;
   for (const double value : values) measured["any"].emplace_back().values[metric] = value;
@@ -113,7 +113,7 @@ Judged judged(const CellSpec& cell, const Measured& measured) {
   return judge_cell(cell, measured, printed_results());
 }
 
-// Every number of a page goes through here: what is measured decides, and nothing else.
+// Every number of a page is judged here. Only the measured value matters.
 TEST(Verdict, FlipsWithTheMeasuredValue) {
   const std::string metric = "free_motion_time_s";
   const CellSpec cell = cell_of(metric, "arm_wall_contact.force_2N.proposed.free_motion_time_s");
@@ -145,7 +145,7 @@ TEST(Verdict, AFailedRunHasNoValueUnlessTheCellDefinesOne) {
   measured["any"][1].failed = true;
   EXPECT_EQ(judged(cell, measured).verdict, Verdict::not_reproduced);
   EXPECT_EQ(judged(cell, measured).measured, "1 of 3 runs fail");
-  // The same where it is what others are divided by.
+  // The same for a denominator.
   measured["any"][1].failed = false;
   cell.over = Quantity{"other", cell.quantity.metric};
   measured["other"].emplace_back().failed = true;
@@ -165,7 +165,7 @@ TEST(Verdict, AnAbsentMetricIsNotMeasuredUnlessTheCellDefinesItAsInfinite) {
   measured["any"][0].absent.insert("setling_time_s");
   EXPECT_EQ(judged(cell, measured).verdict, Verdict::reproduced);
   EXPECT_EQ(judged(cell, measured).measured, "never");
-  // What is there and no number is not measured, whatever absence means.
+  // A value that is not a number is not measured, whatever an absent value means.
   measured["any"][0].values["setling_time_s"] = NAN;
   EXPECT_EQ(judged(cell, measured).verdict, Verdict::not_measured);
 }
@@ -207,7 +207,7 @@ TEST(Verdict, ARatioOfMetricsOfOneRunIsComputedPerRun) {
   for (std::size_t i = 0; i < 3; ++i) measured["any"][i].values["error_of_zero_N"] = of_zero[i];
   EXPECT_EQ(values_of(cell, measured), (std::vector<double>{3.0, 2.0, 0.5}));
   EXPECT_EQ(judged(cell, measured).median, 2.0);
-  // Of another run: all over its median.
+  // Relative to another run: all values divided by its median.
   measured["other"] = measured["any"];
   cell.over->run = "other";
   EXPECT_EQ(values_of(cell, measured), (std::vector<double>{1.5, 2.0, 2.5}));
@@ -272,7 +272,7 @@ TEST(Measurement, EqualsTheResultInTheShard) {
   const auto results = results_by_key(folder);
   const Measurement complete = measurement_of(results.at("complete"));
   EXPECT_FALSE(complete.failed);
-  // The run has them, but they are no finite numbers: not measured, and not absent.
+  // The run has the metrics, but they are not finite: not measured, and not absent.
   EXPECT_TRUE(std::isnan(complete.values.at("max d_hat_Nm")));
   EXPECT_TRUE(std::isnan(complete.values.at("a_m")));
   EXPECT_EQ(complete.values.at("b_m"), 1.0);
@@ -316,8 +316,8 @@ TEST(Experiments, HaveEveryTableAndNinetyFigures) {
         "arm_wall_contact.tuned.force_5N.peak_force_N"}) {
     EXPECT_TRUE(cells.contains(path)) << path;
   }
-  // Every printed number and verdict is judged somewhere, 56 + 14 of the motor, 6 of the quadrotor,
-  // 12 + 8 + 12 and 5 of the cart, 18 + 5 of the arm, but for two that are misprints.
+  // Each printed number and verdict is judged somewhere, except two misprints: 56 + 14 of the
+  // motor, 6 of the quadrotor, 12 + 8 + 12 and 5 of the cart, 18 + 5 of the arm.
   cells.erase("");
   EXPECT_EQ(cells.size(), 134U);
   for (const char* misprint :
@@ -326,7 +326,7 @@ TEST(Experiments, HaveEveryTableAndNinetyFigures) {
   }
 }
 
-// Entries are named there as "2.4.3.2: which".
+// Entries there have names such as "2.4.3.2: which".
 TEST(Experiments, TheTablesOfClaimsNameEverySectionAndNoOther) {
   std::set<std::string> sections;
   for (const SectionSpec& section : own_experiments().sections) sections.insert(section.id);
@@ -397,8 +397,8 @@ TEST(Experiments, MessagesNameTheLineOfAMistake) {
              ":9: section.run.spread.width: \"wide\" is no number"}}) {
     EXPECT_EQ(message(text), file.string() + line);
   }
-  // A cell is made of the table's `cell` (line 11), its column (12) and its row (14); its own table
-  // stands in the row.
+  // A cell merges the table's `cell` (line 11), its column (12) and its row (14). Its own table is
+  // in the row.
   const auto of_cell = [&](const std::string& row) {
     return message(run +
                    "[[section.table]]\ntitle = \"t\"\ncell = { run = \"x\", below = 1.0 }\n"
@@ -467,7 +467,7 @@ TEST(Score, CountsStatementsOfOtherListsAsHeld) {
       << score.text();
 }
 
-// A short run in a folder, to be damaged.
+// A short run in a folder, for damage.
 class DamagedRun : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -480,8 +480,8 @@ class DamagedRun : public ::testing::Test {
     metrics_ = nlohmann::json::parse(std::ifstream(folder_ / "metrics.json"));
   }
 
-  // What each of those who read runs says; "" if nothing is wrong for it. Anything else than
-  // std::invalid_argument would be called a defect.
+  // The error message of each reader of runs; "" without an error. An exception other than
+  // std::invalid_argument would count as an internal error.
   std::vector<std::string> complaints() const {
     const std::vector<std::string> all = {
         complaint_of([&] { const SavedRun run(folder_); }),
@@ -489,7 +489,7 @@ class DamagedRun : public ::testing::Test {
     for (const std::string& complaint : all) EXPECT_TRUE(lacks(complaint, "\n"));
     return all;
   }
-  // The same where a file of the run has this content.
+  // The same after a file of the run gets this content.
   template <typename Content>
   std::vector<std::string> complaints_of(const std::string& file, const Content& content) const {
     std::ofstream(folder_ / file) << content;
@@ -533,7 +533,7 @@ TEST_F(DamagedRun, HandlesEveryWrongValueOfTheManifest) {
       EXPECT_NE(complaint, "") << whole;
     }
   }
-  // A failed run says when and why.
+  // A failed run has a time and a reason.
   manifest_["status"] = "failed";
   EXPECT_TRUE(has(complaints_of("manifest.json", manifest_)[0], "time_s: is missing"));
   manifest_["time_s"] = "soon";
