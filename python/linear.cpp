@@ -79,7 +79,7 @@ const char* text(QpStatus status) {
   throw std::logic_error("unknown status");
 }
 
-// −∞ and +∞ are bounds that are none; NaN is refused.
+// −∞ and +∞ mean no bound. NaN is refused.
 Eigen::VectorXd bounds(const py::object& object, Eigen::Index size, double otherwise,
                        const std::string& name) {
   if (object.is_none()) return Eigen::VectorXd::Constant(size, otherwise);
@@ -125,7 +125,7 @@ class Qp {
   std::unique_ptr<QpSolver> solver_;
 };
 
-// Angles, as many as there are joints.
+// One angle per joint.
 Eigen::VectorXd angles(const PlanarChain& chain, const py::object& q, const char* name) {
   Eigen::VectorXd values = vector(q, name);
   if (values.size() != chain.joints()) {
@@ -135,7 +135,7 @@ Eigen::VectorXd angles(const PlanarChain& chain, const py::object& q, const char
   return values;
 }
 
-// As a key of a scenario names it: from the working folder, or of Breakwater's own.
+// A file as in a key of a scenario: from the working folder, or one of Breakwater's.
 PlanarChain load_chain(const std::string& urdf) {
   const auto found = find_file(urdf, std::filesystem::current_path());
   return load_planar_chain(found ? found->string() : urdf);
