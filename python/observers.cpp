@@ -443,25 +443,26 @@ void bind_observers(py::module_& module) {
   py::class_<ArrayEstimator>(module, "ArrayEstimator")
       .def(py::init<const std::string&, const py::dict&>())
       .def("reset", &ArrayEstimator::reset, py::arg("x0") = py::none(),
-           "Starts from state x0 (n; zeros) and no disturbance.")
+           "Start from the state x0 (n; default: zeros) without a disturbance.")
       .def("update", &ArrayEstimator::update, py::arg("u"), py::arg("y"),
-           "One sample: u (m) acted since the last one, y (p) is measured now. Returns (x, d).\n\n"
-           "Nothing acted before the first sample after a reset: its u is ignored.")
+           "Take one sample: the input u (m) since the last one, the measurement y (p). Returns "
+           "(x, d).\n\n"
+           "The first u after a reset is ignored.")
       .def("filter_record", &ArrayEstimator::filter)
-      .def_property_readonly("x", &ArrayEstimator::state, "The estimated state (n), a copy.")
+      .def_property_readonly("x", &ArrayEstimator::state, "A copy of the estimated state (n).")
       .def_property_readonly("d", &ArrayEstimator::disturbance,
-                             "The estimated disturbance (m), which opposes the input, a copy.")
+                             "A copy of the estimated disturbance (m), which opposes the input.")
       .def_property_readonly("innovation", &ArrayEstimator::innovation,
                              "y - C x(k|k-1) (p), a copy; empty of one that has none.")
       .def_property_readonly("pole_matrix", &ArrayEstimator::pole_matrix,
-                             "The matrix whose eigenvalues are its poles at this sample.");
+                             "The matrix whose eigenvalues are the poles at this sample.");
   py::class_<ArrayQuadrotorFilter>(module, "ArrayQuadrotorFilter")
       .def(py::init<const py::dict&>())
       .def("reset", &ArrayQuadrotorFilter::reset, py::arg("pose"),
-           "Starts at rest at a pose (6), with no disturbance.")
+           "Start at rest at a pose (6) without a disturbance.")
       .def("update", &ArrayQuadrotorFilter::update, py::arg("u"), py::arg("y"),
-           "One sample: u (4) thrusts held since the last one [N], y (6) the pose measured now.\n"
-           "Returns (motion, force): [pose; its rate] (12), and the disturbing force (3) [N].")
+           "Take one sample: the thrusts u (4) since the last one [N], the measured pose y (6).\n"
+           "Returns (motion, force): [pose; its rate] (12), and the disturbance force (3) [N].")
       .def("filter_record", &ArrayQuadrotorFilter::filter);
 }
 

@@ -1,4 +1,4 @@
-// The messages of a table's reader about mistakes.
+// Error messages of the table reader.
 #include <breakwater/config/toml_entry.h>
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
-// Parts with keys of their own: when a key must be there, who reads it, what is printed; and parts
-// from outside in Breakwater's own experiments.
+// Parts with their own keys: required keys, readers, printed files. Also external parts in
+// Breakwater's experiments.
 #include <breakwater/experiment/parts.h>
 
 #include <breakwater/experiment/runner.h>
@@ -12,7 +12,7 @@
 namespace breakwater {
 namespace {
 
-// What the toy parts make: their name and what they were set to.
+// The product of the toy parts: their name and setting.
 struct Product {
   std::string text;
 };
@@ -54,7 +54,8 @@ class PartsTest : public ::testing::Test {
     catalogue_.add(ToyKind("named", "one with a name", bind_named, make_named));
   }
 
-  // What a case makes, or the complaint without the file's name. `print` gets the config file.
+  // The product of a case, or the error message without the file's name. `print` gets the config
+  // file.
   std::string make(const std::string& keys, const std::string& case_name = "one",
                    const std::string& standard = "") {
     std::ofstream(path_) << "scenario = \"test\"\ndefault_case = \"one\"\n" << keys;
@@ -131,7 +132,7 @@ TEST_F(PartsTest, AMisspeltPartIsNamed) {
             "small?)");
 }
 
-// Its keys are unknown too, whichever table has them.
+// Its keys are unknown too, in any table.
 TEST_F(PartsTest, APartOfAnotherProgramIsNamedBeforeItsKeys) {
   const std::string complaint = "toy.name: must be one of small, large, named, is \"theirs\"";
   EXPECT_EQ(make("toy.colour = \"red\"\ntoy.name = \"theirs\"\n[case.one]\n"),
@@ -167,7 +168,7 @@ label = "x"
   EXPECT_EQ(printed_.substr(printed_.find("\n[toy]")), once);
 }
 
-// An older file, from before `small` and `large` were there.
+// A file from before `small` and `large` existed.
 TEST_F(PartsTest, AFileStaysValidWhenOtherPartsAreAdded) {
   const std::string old = "toy.name = \"named\"\ntoy.label = \"x\"\n[case.one]\n";
   ASSERT_EQ(make(old), "x");
@@ -201,9 +202,9 @@ TEST_F(PartsTest, TheCatalogueListsThem) {
                std::invalid_argument);
 }
 
-// --- From outside, in Breakwater's own experiments. ---
+// --- External parts in Breakwater's experiments. ---
 
-// The true disturbance times a factor, whatever is measured: a stub with a key of its own.
+// A stub with its own key: the true disturbance times a factor.
 class Constant final : public DisturbanceEstimator {
  public:
   explicit Constant(double value) { disturbance_(0) = value; }
@@ -225,7 +226,7 @@ std::unique_ptr<DisturbanceEstimator> make_constant(const Number& number, const 
   return std::make_unique<Constant>(number.value);
 }
 
-// Proportional feedback of the measurement alone.
+// Proportional feedback of the measurement only.
 class Spring final : public Controller {
  public:
   explicit Spring(double k) : k_(k) {}
@@ -269,7 +270,7 @@ Recording run_with_theirs(const std::string& scenario, const std::vector<std::st
   return prepare_run(catalogue, scenario, file, file.default_case(), sets).scenario->run({});
 }
 
-// Under a step of 10 N m, an estimate of 6 is 4 off, and the PD control gives way by 4/K_p.
+// With a step of 10 N m and an estimate of 6 the error is 4, and the PD control yields by 4/K_p.
 TEST(OwnParts, TheMotorTakesAnExternalEstimator) {
   const Recording run =
       run_with_theirs("motor_estimation",
@@ -280,7 +281,7 @@ TEST(OwnParts, TheMotorTakesAnExternalEstimator) {
   EXPECT_NEAR(std::abs(run.track("control").values("position_true_rad").back()), 0.4, 0.02);
 }
 
-// A mass on a spring of its controller's: ω = √(k/m), and no estimate to judge.
+// A mass on a spring from its controller: ω = √(k/m), without an estimate.
 TEST(OwnParts, EachAxisExperimentTakesAnExternalController) {
   for (const char* scenario : {"motor_estimation", "cart_estimation", "cart_position",
                                "cart_offset_free", "cart_constrained"}) {
@@ -305,7 +306,8 @@ TEST(OwnParts, ArmAndQuadrotorTakeAnExternalController) {
   }
 }
 
-// The default case has a factor for its estimator, the FAKFD; who takes another one did not set it.
+// The default case has a factor for its estimator, the FAKFD. With another estimator the user did
+// not set it.
 TEST(OwnParts, DoesNotWarnOfKeysForTheChoiceOfACase) {
   const Catalogue catalogue = standard_catalogue();
   const ScenarioFile file(catalogue.get<ScenarioKind>("cart_estimation").file().string(),
@@ -323,7 +325,7 @@ TEST(OwnParts, DoesNotWarnOfKeysForTheChoiceOfACase) {
   EXPECT_EQ(vain({"observer.name=stf", "observer.gamma_d=1.1"}), "--set observer.gamma_d\n");
 }
 
-// The poles are wrong, not the choice of an observer that has poles.
+// The poles are wrong, not the choice of the observer.
 TEST(OwnParts, TheErrorNamesTheWrongKey) {
   const auto complaint = [](const std::vector<std::string>& sets) {
     return complaint_of([&] { run_with_theirs("motor_estimation", sets); });

@@ -1,4 +1,4 @@
-// What a replay's page carries: its times, and numbers in few bytes.
+// The data of a replay's page: its times, and compressed numbers.
 #include <breakwater/pictures/replay_motion.h>
 
 #include <zlib.h>
@@ -25,7 +25,8 @@ TEST(MotionCodec, NumbersRoundTripWithinAUnit) {
   for (std::size_t i = 0; i < values.size(); ++i) EXPECT_NEAR(back[i], values[i], 0.51e-3);
 }
 
-// By hand: 3, −1 and 200 units are the steps 3, −4, 201; zigzag 6, 7, 402 = 3·128 + 18.
+// By hand: 3, −1 and 200 units have the differences 3, −4, 201, in zigzag code 6, 7, 402 = 3·128 +
+// 18.
 TEST(MotionCodec, HasTheBytesOfItsDescription) {
   std::vector<std::uint8_t> bytes;
   append_channel(std::vector{0.3, -0.1, 20.0}, 0.1, bytes);
@@ -46,7 +47,7 @@ TEST(PageData, BytesArePackedAsAZlibStream) {
   const std::vector<std::uint8_t> bytes(10000, 7);
   const std::string text = packed_bytes(bytes);
   EXPECT_LT(text.size(), 100U);
-  // Decoded here: base64, then zlib.
+  // Decodes base64, then zlib.
   std::vector<std::uint8_t> stream;
   const std::string digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   for (std::size_t i = 0; i < text.size(); i += 4) {

@@ -12,7 +12,7 @@
 namespace breakwater {
 namespace {
 
-// A random chain, and the same chain in KDL: the second implementation.
+// A random chain, and the same chain in KDL as a second implementation.
 struct RandomChain {
   PlanarChain ours;
   KDL::Chain kdl;

@@ -7,7 +7,7 @@ namespace breakwater {
 namespace {
 using testing::replaced;
 
-// Writes a URDF, reads it, and returns the complaint without the folder; "" if there is none.
+// Writes a URDF, reads it, and returns the error message without the folder, or "".
 std::string complaint(const std::string& text) {
   const testing::TemporaryPath file("arm.urdf", text);
   const std::string what = complaint_of([&] { load_planar_chain(file.string()); });
@@ -96,7 +96,7 @@ TEST(Urdf, RefusesOtherFiles) {
 }
 
 TEST(Urdf, LumpsFixedLinksAndTurnsFrames) {
-  // A link with a point mass fixed at its end, seen through a yawed joint with axis -z.
+  // A link with a point mass at its end, on a yawed joint with axis -z.
   const PlanarChain chain = [] {
     const testing::TemporaryPath file("arm.urdf", R"(<robot name="r">
       <link name="base"/>

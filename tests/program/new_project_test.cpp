@@ -1,4 +1,4 @@
-// `breakwater new`: names, and folders that are complete or absent.
+// `breakwater new`: names and complete folders.
 #include <breakwater/program/new_project.h>
 
 #include <set>
@@ -91,7 +91,7 @@ TEST_F(NewProject, LeavesNothingBehindOnFailure) {
   EXPECT_EQ(entries(), (std::set<std::string>{"template"}));
 }
 
-// Whatever the name, no file of a shipped template is lost under another's.
+// For any name, no two files of a shipped template get the same name.
 TEST_F(NewProject, ShippedTemplatesHaveTheirPlaceholderNameAlone) {
   for (const char* kind : {"controller", "observer", "scenario"}) {
     const fs::path from = testing::source_file(std::string("templates/") + kind);

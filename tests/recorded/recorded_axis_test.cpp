@@ -1,4 +1,4 @@
-// Tables that a lab recorded: what is read, what is refused, and what their times are.
+// Recorded tables of a lab: reading, refusals and times.
 
 #include <breakwater/recorded/recorded_axis.h>
 #include "support.h"
@@ -13,7 +13,7 @@ class RecordedAxisFile : public ::testing::Test {
     return read_recorded_axis(file_.string(), format);
   }
 
-  // The error, without the file's name.
+  // The error message without the file's name.
   std::string error_of(const std::string& text) const {
     try {
       read(text);
