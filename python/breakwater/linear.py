@@ -39,8 +39,8 @@ class QpSolution(NamedTuple):
     iteration_cap, infeasible, not_finite or inaccurate (rounding hides both a solution and a proof of
     infeasibility). iterations. kkt_residual: 0 is optimal.
 
-    If active_set reports infeasible, mu is the proof: Omega' mu is 0, and the sum of mu times the bounds
-    selected by its signs is less than 0 (or 0 if the bounds of a constraint cross).
+    If active_set reports infeasible, mu is the proof. Omega' mu is 0. The sum of mu times the bounds selected
+    by its signs is less than 0, or 0 if the bounds of a constraint cross.
     """
 
     z: np.ndarray

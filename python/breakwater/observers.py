@@ -120,9 +120,9 @@ class Mdob(Filter):
 class Kfd(Filter):
     """Kalman filter with a disturbance model of order 0 (step), 1 (ramp) or 2 (parabola).
 
-    Q: a number q with noise_on = "input" (B q B'), "all" (q I) or "disturbance" (the DKF), or the whole matrix
-    (N, N) with N = n + m (order + 1). R (p, p): measurement noise. P0 (N, N): covariance of the first estimate.
-    A number means a multiple of I, a vector a diagonal. Only the ratios matter.
+    Q: a number q, which enters by noise_on: "input" (B q B'), "all" (q I) or "disturbance" (the DKF). Or the
+    whole matrix (N, N) with N = n + m (order + 1). R (p, p): measurement noise. P0 (N, N): covariance of the
+    first estimate. A number means a multiple of I, a vector a diagonal. Only the ratios matter.
     """
 
     def __init__(

@@ -13,8 +13,8 @@ enum class DistributionKind { uniform, log_uniform, normal };
 /// spread values.
 class Distribution {
  public:
-  /// Throws std::invalid_argument if a number is not finite, a ≥ b, a ≤ 0 for log_uniform, b − a or
-  /// b/a is too large for a double, or s ≤ 0.
+  /// Throws std::invalid_argument if a number, b − a or b/a is not finite, a ≥ b, s ≤ 0, or a ≤ 0
+  /// for log_uniform.
   Distribution(DistributionKind kind, double first, double second);
 
   /// Q(u), with the same bits on every processor. The value lies in the range, ends included.

@@ -24,9 +24,9 @@ RowMajor without_missing(const Eigen::MatrixXd& f) {
   return kept.topRows(rows);
 }
 
-// The terms of the estimators, one row per row of f: f_A + f_B, f_A² + f_B², for each i f_B
-// (f_AB − f_A), f_AB − f_A and (f_A − f_AB)²/2. The outputs are first scaled and centred, against
-// overflow and loss of digits. This does not change the indices.
+// The terms of the estimators, in the rows of f: f_A + f_B, f_A² + f_B², for each i f_B (f_AB −
+// f_A), f_AB − f_A and (f_A − f_AB)²/2. Scaling and centring the outputs against overflow and loss
+// of digits does not change the indices.
 RowMajor summands(RowMajor f) {
   const Eigen::Index d = f.cols() - 2;
   f /= f.cwiseAbs().maxCoeff();

@@ -1,4 +1,3 @@
-// The command `analyze`.
 #include "cli/program.h"
 
 namespace breakwater {

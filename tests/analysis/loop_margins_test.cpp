@@ -1,4 +1,3 @@
-// Margins against closed forms.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,4 +1,3 @@
-// Invalid input to quadrotor_waves.
 #include "cli/program.h"
 
 namespace breakwater {

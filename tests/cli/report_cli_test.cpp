@@ -1,4 +1,3 @@
-// The commands reproduce, report and compare.
 
 #include <csignal>
 #include <nlohmann/json.hpp>

@@ -1,4 +1,3 @@
-// Run folders with full disks, damaged logs and killed runs.
 #include <array>
 #include <nlohmann/json.hpp>
 

@@ -1,4 +1,3 @@
-// Error messages of the table reader.
 #include <breakwater/config/toml_entry.h>
 
 #include <gtest/gtest.h>

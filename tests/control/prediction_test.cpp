@@ -1,4 +1,3 @@
-// The prediction matrices against steps of the plant.
 #include <breakwater/control/prediction.h>
 
 #include "support.h"

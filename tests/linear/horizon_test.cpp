@@ -1,4 +1,3 @@
-// Sweeps along a horizon against the matrices.
 #include <breakwater/linear/horizon.h>
 
 #include <breakwater/linear/active_set.h>

@@ -1,4 +1,3 @@
-// Decimated series must have the same peaks.
 #include <breakwater/pages/decimation.h>
 
 #include <cmath>

@@ -1,4 +1,3 @@
-// `breakwater new`: names and complete folders.
 #include <breakwater/program/new_project.h>
 
 #include <set>

@@ -1,4 +1,3 @@
-// Errors of references that are not held.
 #include <breakwater/record/held_reference.h>
 
 #include <cmath>

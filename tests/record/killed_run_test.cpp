@@ -1,4 +1,3 @@
-// Run folders after kills, refused calls and failing disks.
 #include <fcntl.h>
 #include <sys/wait.h>
 #include <unistd.h>

@@ -1,4 +1,3 @@
-// Recorded tables of a lab: reading, refusals and times.
 
 #include <breakwater/recorded/recorded_axis.h>
 #include "support.h"

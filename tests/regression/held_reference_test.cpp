@@ -1,4 +1,3 @@
-// Runs with a warning about a reference that is not held.
 #include <tuple>
 
 #include "catalogue.h"

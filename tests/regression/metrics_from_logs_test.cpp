@@ -1,4 +1,3 @@
-// Metrics computed from the logs by other formulas.
 
 #include <cmath>
 #include <numeric>

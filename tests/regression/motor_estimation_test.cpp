@@ -237,8 +237,8 @@ TEST_P(WhiteNoise, GivesTable49) {
 INSTANTIATE_TEST_SUITE_P(MotorEstimation, WhiteNoise, ::testing::Bool(),
                          [](const auto& row) { return row.param ? "sigma_0_1" : "sigma_0_01"; });
 
-// The adaptive filters lose against a plain observer with a sine of 1 rad/s and a coarse encoder,
-// with a small disturbance, with a mismatch of the inertia, and in any transient.
+// Against a plain observer the adaptive filters lose for a sine with a coarse encoder and for a
+// small disturbance. They also lose with a mismatch of the inertia, and in any transient.
 TEST(MotorEstimation, VfakfdQvffAndStfLoseAgainstIdobInSomeCases) {
   const Sets sine = cell("1e-3", 8) + Sets{"disturbance.kind=sine"};
   for (const char* name : {"vfakfd", "qvff", "stf"}) {

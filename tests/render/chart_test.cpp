@@ -1,4 +1,3 @@
-// The strip chart: the ends of its lines and the drawn values.
 #include <breakwater/render/chart.h>
 
 #include <gtest/gtest.h>

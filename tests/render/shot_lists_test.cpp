@@ -1,4 +1,3 @@
-// Every scenario's shot list against a run of its scenario.
 
 #include <cmath>
 

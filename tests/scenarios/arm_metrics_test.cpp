@@ -1,4 +1,3 @@
-// The arm's metrics on histories written by hand.
 #include <gtest/gtest.h>
 
 #include <array>

@@ -1,4 +1,3 @@
-// Evaluations of candidates from their runs.
 #include <breakwater/search/evaluation.h>
 
 #include <gtest/gtest.h>

@@ -1,4 +1,3 @@
-// The command `breakwater tune`.
 #include <csignal>
 #include <cstdio>
 #include <set>

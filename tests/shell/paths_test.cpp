@@ -1,4 +1,3 @@
-// The search path of files.
 #include <breakwater/shell/paths.h>
 
 #include <breakwater/record/text_outputs.h>

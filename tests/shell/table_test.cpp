@@ -1,4 +1,3 @@
-// Tables with limited width.
 #include <breakwater/shell/table.h>
 
 #include <gtest/gtest.h>

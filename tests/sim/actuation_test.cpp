@@ -1,4 +1,3 @@
-// Friction, inertia, drive and delay against closed forms.
 
 #include <cmath>
 

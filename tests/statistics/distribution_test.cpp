@@ -1,4 +1,3 @@
-// Quantiles against SciPy's, and invalid distributions.
 #include <breakwater/statistics/distribution.h>
 
 #include <bit>

@@ -1,4 +1,3 @@
-// Sensitivity indices against closed forms.
 #include <breakwater/statistics/sensitivity.h>
 
 #include <cmath>

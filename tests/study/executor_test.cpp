@@ -1,4 +1,3 @@
-// The engine of studies with artificial runs.
 #include <breakwater/study/executor.h>
 
 #include <sys/resource.h>

@@ -1,4 +1,3 @@
-// Lines of shards are complete and right, or ignored.
 #include <sys/resource.h>
 #include <unistd.h>
 

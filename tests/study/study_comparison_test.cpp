@@ -1,4 +1,3 @@
-// Comparisons of studies with crashed or missing runs.
 #include <breakwater/study/study_comparison.h>
 
 #include <fmt/format.h>

@@ -1,4 +1,3 @@
-// Comparisons, pages and indices of a study.
 #include <cmath>
 #include <numbers>
 

@@ -1,4 +1,3 @@
-// Refusals and warnings of `breakwater sweep`.
 #include "study/sweep_folder.h"
 
 namespace breakwater {

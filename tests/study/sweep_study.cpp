@@ -1,4 +1,3 @@
-// A study that is killed a hundred times.
 #include <csignal>
 
 #include "study/sweep_folder.h"

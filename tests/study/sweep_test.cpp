@@ -1,4 +1,3 @@
-// The command `breakwater sweep`.
 #include <sys/wait.h>
 
 #include <chrono>

@@ -1,4 +1,3 @@
-// lin(a,b,n) and log(a,b,n).
 #include <breakwater/study/value_list.h>
 
 #include <cmath>

@@ -1,4 +1,3 @@
-// The parts of reports: verdicts, measurements, tables, pages.
 
 #include <cmath>
 #include <limits>
@@ -316,8 +315,8 @@ TEST(Experiments, HaveEveryTableAndNinetyFigures) {
         "arm_wall_contact.tuned.force_5N.peak_force_N"}) {
     EXPECT_TRUE(cells.contains(path)) << path;
   }
-  // Each printed number and verdict is judged somewhere, except two misprints: 56 + 14 of the
-  // motor, 6 of the quadrotor, 12 + 8 + 12 and 5 of the cart, 18 + 5 of the arm.
+  // Each printed number and verdict is judged somewhere, except two misprints. There are 56 + 14 of
+  // the motor, 6 of the quadrotor, 12 + 8 + 12 and 5 of the cart, 18 + 5 of the arm.
   cells.erase("");
   EXPECT_EQ(cells.size(), 134U);
   for (const char* misprint :
