@@ -1,11 +1,12 @@
-# find_package(Breakwater [COMPONENTS ROOM…]): the rooms as Breakwater::linear, Breakwater::sim, …, with
-# the rooms below them; without COMPONENTS all. Only the packages that these link are looked for.
+# find_package(Breakwater [COMPONENTS ROOM…]): the rooms as Breakwater::linear, Breakwater::sim, …,
+# with the rooms below them. Without COMPONENTS it finds all. It searches only for the packages that
+# these rooms link.
 include(${CMAKE_CURRENT_LIST_DIR}/dependencies.cmake)
 include(${CMAKE_CURRENT_LIST_DIR}/BreakwaterRooms.cmake)
 include(${CMAKE_CURRENT_LIST_DIR}/BreakwaterFunctions.cmake)
 set(Breakwater_DIR_OF_ROOMS ${CMAKE_CURRENT_LIST_DIR})
 
-# Makes Breakwater::ROOM and what it links; what stands in the way is in the variable `reason`.
+# Makes Breakwater::ROOM and its dependencies. On failure the variable `reason` has the reason.
 function(breakwater_load_room room reason)
   set(${reason} "" PARENT_SCOPE)
   if(TARGET Breakwater::${room})

@@ -1,17 +1,17 @@
-# What the tree needs besides what its rooms link: an installed Breakwater does without.
+# Packages that only the tree needs. An installed Breakwater does not.
 get_property(packages GLOBAL PROPERTY BREAKWATER_PACKAGES)
 foreach(package IN LISTS packages)
   breakwater_find(${package} REQUIRED)
 endforeach()
 
 find_package(PkgConfig REQUIRED)
-# OpenGL is not linked: render/ loads OSMesa or EGL when the first picture is drawn.
+# OpenGL is not linked: render/ loads OSMesa or EGL for the first picture.
 find_path(EGL_INCLUDE_DIR EGL/egl.h REQUIRED)
-# dygraphs and three.js are read when a page is written, and go into it whole.
+# dygraphs and three.js go into each page as a whole.
 find_path(MUSTACHE_INCLUDE_DIR kainjow/mustache.hpp REQUIRED)
 find_path(THREE_DIR three.min.js PATHS /usr/share/javascript/three NO_DEFAULT_PATH REQUIRED)
 find_path(DYGRAPHS_DIR dygraph.min.js PATHS /usr/share/javascript/dygraphs NO_DEFAULT_PATH REQUIRED)
-# HDF5 as the programs hold it (src/record/hdf5_linked.cpp), with what it compresses with.
+# HDF5 and its compression libraries, linked into the programs (src/record/hdf5_linked.cpp).
 find_library(HDF5_HL_STATIC_LIBRARY libhdf5_serial_hl.a REQUIRED)
 find_library(HDF5_STATIC_LIBRARY libhdf5_serial.a REQUIRED)
 find_library(SZ_LIBRARY sz REQUIRED)

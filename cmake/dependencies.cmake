@@ -1,9 +1,9 @@
-# The packages that the rooms link, all from Debian (`./dev setup` installs them), and how each is
-# found. In the tree all are looked for; an installed Breakwater, which has this same file, looks for
-# those of the wanted rooms alone.
+# The packages that the rooms link, all from Debian (`./dev setup` installs them), and how CMake
+# finds them. The tree searches for all. An installed Breakwater has the same file and searches for
+# those of the wanted rooms.
 
-# breakwater_package(TARGET DEBIAN CODE): CODE makes the imported target; in it ${how} is REQUIRED or
-# QUIET.
+# breakwater_package(TARGET DEBIAN CODE): CODE makes the imported target. In CODE ${how} is REQUIRED
+# or QUIET.
 function(breakwater_package target debian code)
   get_property(packages GLOBAL PROPERTY BREAKWATER_PACKAGES)
   if(NOT target IN_LIST packages)

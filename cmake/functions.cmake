@@ -1,10 +1,10 @@
-# What a program with Breakwater's commands is made with: Breakwater's own, and those of users.
+# Functions for programs with Breakwater's commands: our own and those of users.
 set(BREAKWATER_FUNCTIONS_DIR ${CMAKE_CURRENT_LIST_DIR})
 
-# breakwater_program(NAME [ONE_SCENARIO] SOURCES FILE...): a program whose main() makes a catalogue and
-# hands it to breakwater::program() (docs/tutorials/own-controller.md). It links Breakwater::program and
-# ::scenarios. With ONE_SCENARIO main() hands it to breakwater::scenario_program(), and the program
-# runs one scenario alone: it links ::scenario_program, and waits for no page, picture or study.
+# breakwater_program(NAME [ONE_SCENARIO] SOURCES FILE...): a program whose main() passes a catalogue
+# to breakwater::program() (docs/tutorials/own-controller.md). It links Breakwater::program and
+# ::scenarios. With ONE_SCENARIO main() passes it to breakwater::scenario_program(). The program
+# then runs one scenario, and links ::scenario_program without pages, pictures and studies.
 function(breakwater_program name)
   cmake_parse_arguments(PROGRAM "ONE_SCENARIO" "" "SOURCES" ${ARGN})
   add_executable(${name} ${PROGRAM_SOURCES})
@@ -15,17 +15,17 @@ function(breakwater_program name)
   target_link_libraries(${name} PRIVATE Breakwater::scenarios Breakwater::${main})
 endfunction()
 
-# breakwater_scenario(TARGET NAME [SOURCES FILE...]): adds the scenario in the folder NAME, with
-# NAME.cpp, NAME.toml, shots.toml and models of its own, to a program or library; SOURCES are what it
-# has besides, in that folder. In a project of its own NAME_FOLDER, in capitals, is defined as the
-# folder's path, for ScenarioKind. Installed, the data goes to share/breakwater/scenarios/NAME, where
-# the installed program finds it.
+# breakwater_scenario(TARGET NAME [SOURCES FILE...]): adds the scenario in the folder NAME to a
+# program or library. The folder has NAME.cpp, NAME.toml, shots.toml, models and further SOURCES. In
+# an external project the macro NAME_FOLDER (in capitals) is the folder's path, for ScenarioKind.
+# The installed data are in share/breakwater/scenarios/NAME, where the installed program finds them.
 function(breakwater_scenario target name)
   cmake_parse_arguments(SCENARIO "" "" "SOURCES" ${ARGN})
   set(folder ${CMAKE_CURRENT_SOURCE_DIR}/${name})
   list(TRANSFORM SCENARIO_SOURCES PREPEND ${folder}/)
   target_sources(${target} PRIVATE ${folder}/${name}.cpp ${SCENARIO_SOURCES})
-  # Breakwater's own programs find theirs from where they lie: no installed one reads the tree.
+  # Breakwater's own programs find their data from their own location, so no installed program reads
+  # the tree.
   if(NOT PROJECT_NAME STREQUAL "Breakwater")
     string(TOUPPER ${name} capitals)
     target_compile_definitions(${target} PRIVATE ${capitals}_FOLDER="${folder}")
@@ -36,8 +36,7 @@ function(breakwater_scenario target name)
 endfunction()
 
 # breakwater_run_test(NAME PROGRAM ARGUMENTS ARG... [METRICS "free_motion_time_s < 10"...]): a test
-# that runs `PROGRAM run ARG...` and then, if METRICS are given, that each is there and as it says:
-# NAME < NUMBER or NAME > NUMBER.
+# that runs `PROGRAM run ARG...`. It then checks the METRICS: NAME < NUMBER or NAME > NUMBER.
 function(breakwater_run_test name program)
   cmake_parse_arguments(TEST "" "" "ARGUMENTS;METRICS" ${ARGN})
   string(REPLACE ";" "|" metrics "${TEST_METRICS}")

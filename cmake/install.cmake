@@ -1,10 +1,10 @@
-# `cmake --install build --prefix DIR`: binaries, the data they find from their own place, and the
-# rooms as Breakwater::NAME for find_package(Breakwater).
+# `cmake --install build --prefix DIR`: binaries, their data, and the rooms as Breakwater::NAME for
+# find_package(Breakwater).
 include(CMakePackageConfigHelpers)
 
 get_property(rooms GLOBAL PROPERTY BREAKWATER_ROOMS)
 
-# Says what to do where something is not built yet, before anything is installed.
+# Fails with advice, before anything is installed, if a file is not built yet.
 set(artefacts "")
 set(libraries ${rooms})
 list(TRANSFORM libraries PREPEND breakwater_)
@@ -38,14 +38,14 @@ install(DIRECTORY models data renders docs DESTINATION ${CMAKE_INSTALL_DATADIR}/
                  PATTERN "*.csv")  # the tables of docs/, and the record of a tutorial
 file(GLOB studies CONFIGURE_DEPENDS studies/*.toml)  # not what they left beside them
 install(FILES ${studies} DESTINATION ${CMAKE_INSTALL_DATADIR}/breakwater/studies COMPONENT runtime)
-# libbreakwater_math.a, and so every program, holds a part of musl (MIT).
+# libbreakwater_math.a, and so every program, contains a part of musl (MIT).
 install(FILES /usr/share/doc/musl-dev/copyright
   DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/doc/breakwater RENAME musl-copyright COMPONENT runtime)
 install(PROGRAMS scripts/figures.py DESTINATION ${CMAKE_INSTALL_DATADIR}/breakwater/scripts
   COMPONENT runtime)
 
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/Breakwater)
-# An export of its own for each room, so that one can do without the others' packages.
+# A separate export for each room, so that a room does not need the packages of others.
 set(needs "set(Breakwater_ROOMS ${rooms})\n")
 foreach(room IN LISTS rooms)
   install(TARGETS breakwater_${room} EXPORT Breakwater-${room}

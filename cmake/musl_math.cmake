@@ -1,7 +1,7 @@
-# The code of math/functions.h: musl's elementary functions, taken out of its static library and
-# renamed. musl has no second path for processors with fused multiply-add, so they give the same
-# bits everywhere (docs/explanation/decisions/0011-one-path-for-elementary-functions.md). They become part of
-# breakwater_math: who uses an installed Breakwater needs no musl.
+# The code of math/functions.h: musl's elementary functions, extracted from its static library and
+# renamed. musl has no other code for processors with fused multiply-add, so they give the same bits
+# everywhere (docs/explanation/decisions/0011-one-path-for-elementary-functions.md). They are part
+# of breakwater_math, so users of an installed Breakwater need no musl.
 set(functions sin cos sincos tan asin atan2 exp expm1 log pow tanh erfc)
 set(members sin cos sincos tan asin atan2 exp expm1 log pow tanh erf __sin __cos __tan __rem_pio2
     __rem_pio2_large atan exp_data log_data pow_data __math_divzero __math_invalid __math_oflow

@@ -1,5 +1,5 @@
-# Debian packages, made by `./dev package`: breakwater (programs, data, pages), libbreakwater-dev (the
-# rooms, for programs of one's own) and python3-breakwater (the Python module).
+# Debian packages, made by `./dev package`: breakwater (programs, data, pages), libbreakwater-dev
+# (the rooms, for users' programs) and python3-breakwater (the Python module).
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME breakwater)
 set(CPACK_PACKAGE_VENDOR "The Breakwater developers")
@@ -20,7 +20,7 @@ set(CPACK_DEBIAN_PACKAGE_PRIORITY optional)
 
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_NAME breakwater)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SHLIBDEPS ON)
-# What is loaded or read at run time, which shlibdeps cannot see.
+# Packages that are loaded or read at run time, which shlibdeps cannot detect.
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_DEPENDS "libosmesa6 | libegl1, fonts-dejavu-core, libjs-dygraphs, libjs-three")
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_RECOMMENDS "libegl1, python3, python3-h5py, python3-matplotlib")
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SUGGESTS libbreakwater-dev)
@@ -31,7 +31,7 @@ set(CPACK_COMPONENT_RUNTIME_DESCRIPTION "testbed for robust model-based motion c
  observers, Kalman filters that estimate disturbances, constrained
  predictive control, force control of an arm and an underwater quadrotor.")
 
-# A program of one's own is built against all of them: what the build needs but its tools.
+# A user's program is built against all of them: the build's packages without the tools.
 file(STRINGS ${PROJECT_SOURCE_DIR}/packages/build.txt lines REGEX "^[a-z]")
 set(depends "breakwater (= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE})")
 foreach(line IN LISTS lines)
@@ -49,7 +49,7 @@ set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "testbed for robust model-based moti
  project that uses them.")
 set(CPACK_COMPONENT_RUNTIME_REQUIRED ON)
 
-# The compiled part is for one version of the interpreter.
+# The compiled part works with one version of the interpreter.
 set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-breakwater)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS ON)
@@ -65,8 +65,8 @@ set(CPACK_COMPONENT_PYTHON_DESCRIPTION "testbed for robust model-based motion co
  observers and Kalman filters work on recorded data, too.")
 include(CPack)
 
-# All packages have their licences and changes where Debian wants them, and the programs their man
-# pages, which `./dev package` makes of the help texts.
+# All packages have their licences and changes at Debian's places. The programs have man pages,
+# which `./dev package` makes from the help texts.
 foreach(component IN LISTS CPACK_COMPONENTS_ALL)
   string(TOUPPER ${component} name)
   set(doc ${CMAKE_INSTALL_DATAROOTDIR}/doc/${CPACK_DEBIAN_${name}_PACKAGE_NAME})

@@ -1,12 +1,12 @@
-# breakwater_shareable(TARGET): code that the Python module can hold, and that shows none of its symbols
-# there, so that the loader looks none up.
+# breakwater_shareable(TARGET): code that may be part of the Python module. It exports no symbols
+# there, so the loader searches for none.
 function(breakwater_shareable target)
   set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON
     CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
 endfunction()
 
-# What most sources include, compiled once: headers of the standard library and Eigen. No header may
-# rely on it: the lint preset does without.
+# Precompiled headers of the standard library and Eigen. No header may depend on this: the lint
+# preset builds without them.
 file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/precompiled.cpp CONTENT "")  # as old as it is
 add_library(breakwater_precompiled STATIC ${PROJECT_BINARY_DIR}/precompiled.cpp)
 target_link_libraries(breakwater_precompiled PRIVATE Eigen3::Eigen breakwater_options)
@@ -15,12 +15,12 @@ target_precompile_headers(breakwater_precompiled PRIVATE
   <algorithm> <filesystem> <functional> <map> <memory> <stdexcept> <string> <vector>
   <Eigen/Cholesky> <Eigen/Core> <Eigen/LU>)
 
-# Headers are included as <breakwater/ROOM/NAME.h>, from the tree as from an installation.
+# Headers are included as <breakwater/ROOM/NAME.h>, in the tree and when installed.
 file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/include)
 file(CREATE_LINK ${PROJECT_SOURCE_DIR}/src ${PROJECT_BINARY_DIR}/include/breakwater SYMBOLIC)
 
-# breakwater_room(NAME SOURCES ... [PUBLIC ...] [PRIVATE ...]): one folder as one library,
-# Breakwater::NAME, that links the rooms below it.
+# breakwater_room(NAME SOURCES ... [PUBLIC ...] [PRIVATE ...]): a folder as the library
+# Breakwater::NAME, which links the rooms below it.
 function(breakwater_room name)
   cmake_parse_arguments(ROOM "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
   if(ROOM_SOURCES)
@@ -42,7 +42,7 @@ function(breakwater_room name)
   set_target_properties(breakwater_${name} PROPERTIES EXPORT_NAME ${name})
   add_library(Breakwater::${name} ALIAS breakwater_${name})
   set_property(GLOBAL APPEND PROPERTY BREAKWATER_ROOMS ${name})
-  # What find_package(Breakwater COMPONENTS name) must find.
+  # The packages for find_package(Breakwater COMPONENTS name).
   set(needs ${ROOM_PUBLIC} ${ROOM_PRIVATE})
   list(FILTER needs INCLUDE REGEX "^[A-Za-z0-9_]+::")
   set_property(GLOBAL PROPERTY BREAKWATER_NEEDS_${name} ${needs})

@@ -1,4 +1,4 @@
-# Of breakwater_run_test: runs a program and checks numbers of the run that it leaves.
+# The script of breakwater_run_test: runs a program and checks numbers of its run.
 #   cmake -DPROGRAM= -DOUT= -DMETRICS="NAME < NUMBER|..." -P run_test.cmake -- run ARG...
 cmake_minimum_required(VERSION 3.25)
 set(arguments "")

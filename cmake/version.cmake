@@ -1,4 +1,4 @@
-# Run at every build: writes version.h anew if the commit has changed.
+# Runs at every build: writes a new version.h if the commit has changed.
 execute_process(
   COMMAND git -C ${SOURCE_DIR} describe --always --dirty --abbrev=12 --exclude=*
   OUTPUT_VARIABLE GIT_COMMIT OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)

@@ -9,15 +9,15 @@
 namespace breakwater::python {
 namespace {
 
-// A run stops at its next report, or at the next sample that Python controls: a moment. What takes
-// longer is a method of a user's that waits, or never ends.
+// A run stops within moments, at its next report or at the next sample of a Python part. Only a
+// user's method may take longer.
 constexpr std::chrono::seconds kLongestWait(5);
 constexpr std::chrono::milliseconds kPoll(2);
 
 std::atomic<bool> ending = false;
 std::atomic<int> threads_unlocked = 0;
 
-// Calls a body that Python may unwind: the thread waits for the end of the process instead.
+// Calls a body that Python may unwind. The thread then waits for the end of the process.
 template <typename Body>
 auto never_unwound(Body&& body) {
   try {
@@ -68,7 +68,7 @@ PyObject* call_python(PyObject* callable, PyObject* const* arguments, std::size_
 
 void bind_exit() {
   py::module_::import("atexit").attr("register")(py::cpp_function(end_threads));
-  // A child has none of its parent's other threads.
+  // A child process lacks the other threads of its parent.
   py::module_::import("os").attr("register_at_fork")(
       py::arg("after_in_child") = py::cpp_function([] { threads_unlocked = 0; }));
 }

@@ -1,5 +1,5 @@
-// The interpreter's lock, in threads that Python may end. At its exit it stops those that wait for
-// the lock where they are, by unwinding them, which C++ cannot survive.
+// The interpreter's lock, in threads that Python may end. At exit Python unwinds threads that wait
+// for the lock, which C++ does not survive.
 #pragma once
 
 #include <pybind11/pybind11.h>
@@ -9,14 +9,14 @@
 namespace breakwater::python {
 namespace py = pybind11;
 
-/// Set when the interpreter is about to end: what runs without its lock is to stop.
+/// Set when the interpreter is about to end: work without the lock must stop.
 const std::atomic<bool>& is_ending();
 
-/// Throws Python's SystemExit, of which a thread ends in silence, if the interpreter is about to
-/// end. The lock is held.
+/// Throws Python's SystemExit, which ends a thread silently, if the interpreter is about to end.
+/// The caller has the lock.
 void check_not_ending();
 
-/// Has the lock.
+/// Acquires the lock.
 class Locked {
  public:
   Locked();
@@ -28,7 +28,8 @@ class Locked {
   PyGILState_STATE state_;
 };
 
-/// Is without the lock. The interpreter's exit waits for such threads, a while. Throws as
+/// Releases the lock. The interpreter's exit waits some time for such threads. Throws as
+/// check_not_ending().
 /// check_not_ending().
 class Unlocked {
  public:
@@ -41,10 +42,10 @@ class Unlocked {
   PyThreadState* state_;
 };
 
-/// Calls a Python object with the lock held, as PyObject_Vectorcall() does.
+/// Calls a Python object like PyObject_Vectorcall(). The caller has the lock.
 PyObject* call_python(PyObject* callable, PyObject* const* arguments, std::size_t flags);
 
-/// Has Python's exit wait.
+/// Makes Python's exit wait.
 void bind_exit();
 
 }  // namespace breakwater::python

@@ -79,7 +79,7 @@ const char* text(QpStatus status) {
   throw std::logic_error("unknown status");
 }
 
-// −∞ and +∞ are bounds that are none; NaN is refused.
+// −∞ and +∞ mean no bound. NaN is refused.
 Eigen::VectorXd bounds(const py::object& object, Eigen::Index size, double otherwise,
                        const std::string& name) {
   if (object.is_none()) return Eigen::VectorXd::Constant(size, otherwise);
@@ -125,7 +125,7 @@ class Qp {
   std::unique_ptr<QpSolver> solver_;
 };
 
-// Angles, as many as there are joints.
+// One angle per joint.
 Eigen::VectorXd angles(const PlanarChain& chain, const py::object& q, const char* name) {
   Eigen::VectorXd values = vector(q, name);
   if (values.size() != chain.joints()) {
@@ -135,7 +135,7 @@ Eigen::VectorXd angles(const PlanarChain& chain, const py::object& q, const char
   return values;
 }
 
-// As a key of a scenario names it: from the working folder, or of Breakwater's own.
+// A file as in a key of a scenario: from the working folder, or one of Breakwater's.
 PlanarChain load_chain(const std::string& urdf) {
   const auto found = find_file(urdf, std::filesystem::current_path());
   return load_planar_chain(found ? found->string() : urdf);
@@ -144,16 +144,16 @@ PlanarChain load_chain(const std::string& urdf) {
 void bind_chain(py::module_& module) {
   py::class_<PlanarChain>(
       module, "PlanarChain",
-      "A planar serial manipulator, as a URDF file describes it: kinematics, masses and limits.\n\n"
+      "A planar serial manipulator from a URDF file: kinematics, masses and limits.\n\n"
       "Its tip is the frame of the one link without children.")
       .def(py::init(&load_chain), py::arg("urdf"))
-      .def_property_readonly("joints", &PlanarChain::joints, "How many there are: n.")
+      .def_property_readonly("joints", &PlanarChain::joints, "The number n of joints.")
       .def_property_readonly(
           "effort_limits_Nm",
           [](const PlanarChain& chain) {
             return array(Eigen::Ref<const Eigen::VectorXd>(chain.effort_limits_Nm()));
           },
-          "Of the joints' torques (n) [N m].")
+          "The torque limits of the joints (n) [N m].")
       .def(
           "tip_pose",
           [](const PlanarChain& chain, const py::object& q) {
@@ -168,7 +168,7 @@ void bind_chain(py::module_& module) {
             chain.tip_jacobian(angles(chain, q, "q_rad"), J);
             return matrix_array(J);
           },
-          py::arg("q_rad"), "The pose's derivative with respect to the angles, (3, n).")
+          py::arg("q_rad"), "The derivative of the pose with respect to the angles, (3, n).")
       .def(
           "mass_matrix",
           [](const PlanarChain& chain, const py::object& q) {

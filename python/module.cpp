@@ -1,4 +1,4 @@
-// The compiled part of the Python package; python/breakwater/_core.pyi says what is in it.
+// The compiled part of the Python package. python/breakwater/_core.pyi lists its contents.
 #include <dlfcn.h>
 #include <pybind11/pybind11.h>
 
@@ -21,7 +21,7 @@ namespace breakwater::python {
 namespace py = pybind11;
 namespace {
 
-// Models and scenarios are looked for from where this module lies.
+// The search path of models and scenarios begins at this module.
 void set_places() {
   Dl_info own{};
   dladdr(reinterpret_cast<void*>(&set_places), &own);
@@ -35,7 +35,7 @@ void translate(std::exception_ptr thrown) {
   try {
     if (thrown) std::rethrow_exception(thrown);
   } catch (const Interrupted&) {
-    // A handler of Python's may have said which exception it is, such as KeyboardInterrupt.
+    // A Python handler may have set the exception, such as KeyboardInterrupt.
     if (PyErr_Occurred() == nullptr) PyErr_SetString(PyExc_SystemExit, "Python ends");
   } catch (const OutputError& error) {
     PyErr_SetString(PyExc_OSError, error.what());

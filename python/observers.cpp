@@ -31,7 +31,7 @@ namespace {
 using Estimator = std::unique_ptr<DisturbanceEstimator>;
 using Vector = Eigen::Ref<const Eigen::VectorXd>;
 
-// The arguments of a Python class, by their names there.
+// The arguments of a Python class by name.
 class Arguments {
  public:
   explicit Arguments(py::dict arguments) : arguments_(std::move(arguments)) {}
@@ -40,13 +40,13 @@ class Arguments {
   bool has(const char* name) const { return !at(name).is_none(); }
   double number(const char* name) const { return python::number(at(name), name); }
 
-  // In continuous time if the arguments have a period, else sampled.
+  // In continuous time if there is a period, else sampled.
   StateSpace plant() const {
     StateSpace plant{matrix(at("A"), "A"), matrix(at("B"), "B"), matrix(at("C"), "C")};
     check(plant);
     return plant;
   }
-  // Without a period time counts in samples.
+  // Without a period the unit of time is a sample.
   double period_s() const { return has("period_s") ? number("period_s") : 1.0; }
 
   ExtendedPlant extended() const {
@@ -69,7 +69,7 @@ class Arguments {
     }
     return error;
   }
-  // The root of the first output's error variance; 0 for estimators that are not told.
+  // Standard deviation of the first output's error; 0 if the estimator has no such parameter.
   double sensor_std() const {
     if (!arguments_.contains("delta")) return 0.0;
     const SensorError error = sensor(matrix(at("C"), "C").rows());
@@ -101,7 +101,7 @@ class Arguments {
   }
 
  private:
-  // A number is that times I, a vector a diagonal.
+  // A number means a multiple of I, a vector a diagonal.
   Eigen::MatrixXd square(const char* name, Eigen::Index size) const {
     if (numbers(at(name), name).ndim() == 2) return matrix_of(at(name), size, size, name);
     return vector_of(at(name), size, name).asDiagonal();
@@ -168,7 +168,7 @@ Estimator make(const std::string& kind, const Arguments& arguments) {
   throw std::invalid_argument("there is no estimator \"" + kind + "\"");
 }
 
-// A record: rows × width, finite.
+// A finite record, rows × width.
 class Record {
  public:
   Record(const py::object& object, Eigen::Index width, const char* name)
@@ -210,7 +210,7 @@ void check_same_length(const Record& record, const Record& y, const std::string&
                               std::to_string(y.rows()) + ", has " + std::to_string(record.rows()));
 }
 
-// Rows of an array that is filled one by one.
+// The rows of an array that is filled row by row.
 class Column {
  public:
   Column(py::ssize_t rows, std::size_t width)
@@ -223,7 +223,7 @@ class Column {
   double* next_;
 };
 
-// An estimator takes every interval for a period again at the end, whatever is thrown.
+// Restores the interval of a period at the end, also after an exception.
 class RegularAfterwards {
  public:
   explicit RegularAfterwards(DisturbanceEstimator& estimator) : estimator_(estimator) {}
@@ -235,7 +235,7 @@ class RegularAfterwards {
   DisturbanceEstimator& estimator_;
 };
 
-// One estimator. Used by one thread at a time: others wait, without the interpreter's lock.
+// One estimator for one thread at a time. Others wait without the interpreter's lock.
 class ArrayEstimator {
  public:
   ArrayEstimator(const std::string& kind, const py::dict& dict) {
@@ -288,7 +288,7 @@ class ArrayEstimator {
     }
     RecordIntervals intervals(rows);
     const bool is_followed = t && !intervals.is_regular();
-    // Without x0: the least state that would give y(0).
+    // Without x0: the smallest state that gives y(0).
     const bool is_guess = x0.is_none() && y.rows() > 0;
     const Eigen::VectorXd start =
         is_guess       ? Eigen::VectorXd(C_.completeOrthogonalDecomposition().solve(y.row(0)))
@@ -349,7 +349,7 @@ class ArrayEstimator {
   Eigen::Index m_ = 0;
   Eigen::MatrixXd C_;
   double period_s_ = 0.0;    // 0: the plant is sampled already
-  double sensor_std_ = 0.0;  // 0: not known
+  double sensor_std_ = 0.0;  // 0: unknown
   std::span<const double> innovation_;
   std::span<const double> lambda_;
   std::mutex mutex_;
@@ -443,25 +443,26 @@ void bind_observers(py::module_& module) {
   py::class_<ArrayEstimator>(module, "ArrayEstimator")
       .def(py::init<const std::string&, const py::dict&>())
       .def("reset", &ArrayEstimator::reset, py::arg("x0") = py::none(),
-           "Starts from state x0 (n; zeros) and no disturbance.")
+           "Start from the state x0 (n; default: zeros) without a disturbance.")
       .def("update", &ArrayEstimator::update, py::arg("u"), py::arg("y"),
-           "One sample: u (m) acted since the last one, y (p) is measured now. Returns (x, d).\n\n"
-           "Nothing acted before the first sample after a reset: its u is ignored.")
+           "Take one sample: the input u (m) since the last one, the measurement y (p). Returns "
+           "(x, d).\n\n"
+           "The first u after a reset is ignored.")
       .def("filter_record", &ArrayEstimator::filter)
-      .def_property_readonly("x", &ArrayEstimator::state, "The estimated state (n), a copy.")
+      .def_property_readonly("x", &ArrayEstimator::state, "A copy of the estimated state (n).")
       .def_property_readonly("d", &ArrayEstimator::disturbance,
-                             "The estimated disturbance (m), which opposes the input, a copy.")
+                             "A copy of the estimated disturbance (m), which opposes the input.")
       .def_property_readonly("innovation", &ArrayEstimator::innovation,
                              "y - C x(k|k-1) (p), a copy; empty of one that has none.")
       .def_property_readonly("pole_matrix", &ArrayEstimator::pole_matrix,
-                             "The matrix whose eigenvalues are its poles at this sample.");
+                             "The matrix whose eigenvalues are the poles at this sample.");
   py::class_<ArrayQuadrotorFilter>(module, "ArrayQuadrotorFilter")
       .def(py::init<const py::dict&>())
       .def("reset", &ArrayQuadrotorFilter::reset, py::arg("pose"),
-           "Starts at rest at a pose (6), with no disturbance.")
+           "Start at rest at a pose (6) without a disturbance.")
       .def("update", &ArrayQuadrotorFilter::update, py::arg("u"), py::arg("y"),
-           "One sample: u (4) thrusts held since the last one [N], y (6) the pose measured now.\n"
-           "Returns (motion, force): [pose; its rate] (12), and the disturbing force (3) [N].")
+           "Take one sample: the thrusts u (4) since the last one [N], the measured pose y (6).\n"
+           "Returns (motion, force): [pose; its rate] (12), and the disturbance force (3) [N].")
       .def("filter_record", &ArrayQuadrotorFilter::filter);
 }
 

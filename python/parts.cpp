@@ -26,11 +26,11 @@ py::object steal_or_throw(PyObject* result) {
   return py::reinterpret_steal<py::object>(result);
 }
 
-// A Python object that a run calls at every sample: with the lock held, and with new arrays, which
+// A Python object that a run calls at every sample, with the lock held. It gets new arrays, which
 // it may keep.
 class Part {
  public:
-  // `sample_class`: of y, in breakwater.samples.
+  // `sample_class` is the class of y in breakwater.samples.
   Part(const py::object& part, const char* sample_class)
       : name_(class_name(part)),
         part_(share(part)),
@@ -49,9 +49,9 @@ class Part {
   }
   void call_reset(const py::object& state) const { py::handle(reset_.get())(state); }
 
-  // A new y.
+  // A new array for y.
   py::object sample(const double* values, Eigen::Index size) const {
-    Py_INCREF(dtype_.get());  // which is taken over
+    Py_INCREF(dtype_.get());  // the array takes this reference
     const Py_intptr_t shape[] = {size};
     py::object array = steal_or_throw(py::detail::npy_api::get().PyArray_NewFromDescr_(
         reinterpret_cast<PyTypeObject*>(sample_class_.get()), dtype_.get(), 1, shape, nullptr,
@@ -61,7 +61,7 @@ class Part {
     return array;
   }
 
-  // Copies `size` numbers that a method returned. Throws std::invalid_argument, one line.
+  // Copies `size` numbers that a method returned. Throws std::invalid_argument.
   void take(const py::handle& result, double* target, Eigen::Index size, const char* what) const {
     if (size == 1 && PyFloat_Check(result.ptr())) {
       *target = PyFloat_AS_DOUBLE(result.ptr());
@@ -91,7 +91,7 @@ class Part {
 
   void tell_setup(const py::object& setup) const { py::setattr(part_.get(), "setup", setup); }
 
-  // What signals() returns, a dict NAME: (unit, description, array). The arrays are kept.
+  // The result of signals(), a dict NAME: (unit, description, array). Keeps the arrays.
   std::vector<Signal> signals() {
     std::vector<Signal> list;
     const py::object published = py::handle(part_.get()).attr("signals")();
@@ -225,7 +225,7 @@ class PythonQuadrotorEstimator final : public QuadrotorEstimator {
     force_ = values.tail<3>();
   }
   const Motion& motion() const override { return motion_; }
-  // It does not say how sure it is: the run then has no nees_mean.
+  // It has no covariance, so the run has no nees_mean.
   MotionCovariance motion_covariance() const override {
     return MotionCovariance::Constant(std::numeric_limits<double>::quiet_NaN());
   }
@@ -297,8 +297,8 @@ class Keyless final : public PartKind<Product, Context...>::Part {
   Make make_;
 };
 
-// A kind whose parts `make` makes with the lock held; `asked` is called where a scenario takes such
-// parts.
+// A kind whose parts `make` makes with the lock held. `asked` is called when a scenario asks for
+// such parts.
 template <typename Kind, typename Product, typename... Context, typename Make>
 Kind kind_of(const PartKind<Product, Context...>*, const std::string& name, Make make,
              const std::function<void()>& asked) {
@@ -358,7 +358,7 @@ PythonParts::PythonParts(const Catalogue& standard, const py::object& controller
     catalogue_.add(kind_of<AxisEstimatorKind>(
         estimator_,
         [object](const NominalAxis& axis) {
-          // Each joint of an arm has one of its own.
+          // Each joint of an arm has its own.
           const py::object own =
               axis.joint == 0 ? object() : py::module_::import("copy").attr("deepcopy")(object());
           return std::make_unique<PythonAxisEstimator>(own, setup_of(axis));

@@ -12,25 +12,24 @@
 namespace breakwater::python {
 namespace py = pybind11;
 
-/// The catalogue with `controller` and `estimator`, each an object or None, as kinds of every rig;
-/// they are called as their classes are. Throws std::invalid_argument if a kind of that name is
-/// there already.
+/// The catalogue with `controller` and `estimator`, each an object or None, as kinds for every rig.
+/// Their names are those of their classes. Throws std::invalid_argument if such a kind exists.
 ///
-/// Each object has `update` and `reset`; whenever a run is checked or made with it, its attribute
-/// `setup` is what the rig tells of the plant, and `signals()` what it publishes. Its exceptions
-/// leave the run as they are; what it returns wrongly is an std::invalid_argument.
+/// Each object has `update` and `reset`. Before a run is checked or made, the rig sets its
+/// attribute `setup` and calls `signals()`. Its exceptions leave the run unchanged. A wrong return
+/// value is an std::invalid_argument.
 class PythonParts {
  public:
   PythonParts(const Catalogue& standard, const py::object& controller, const py::object& estimator);
 
   const Catalogue& catalogue() const { return catalogue_; }
 
-  /// `KEY="CLASS"` for each of the objects. Throws std::invalid_argument if the scenario does not
+  /// `KEY="CLASS"` for each object. Throws std::invalid_argument if the scenario does not take one.
   /// take one.
   std::vector<std::string> choices(const std::string& scenario) const;
 
  private:
-  // Which kinds a scenario has asked for.
+  // The kinds that a scenario has asked for.
   struct Uses {
     bool controller = false;
     const char* estimator_key = nullptr;

@@ -27,7 +27,7 @@ const Catalogue& standard() {
   return all;
 }
 
-// A run that this process has made.
+// A run made by this process.
 struct OwnRun {
   PreparedRun prepared;
   ModelHashes models;
@@ -35,14 +35,13 @@ struct OwnRun {
   double wall_s = 0.0;
 };
 
-// HDF5 is not built thread-safe, and h5py may use it too, with the interpreter's lock held: so must
-// we.
+// HDF5 is not thread-safe, and h5py uses it with the interpreter's lock held. So this code holds
+// the lock too.
 void write(const OwnRun& own, RunFolder& folder) {
   write_run(own.prepared, own.models, own.recording, own.wall_s, folder, false);
 }
 
-// Ctrl-C is looked for where a run reports its progress. Handlers of signals run in the main thread
-// alone; elsewhere this does nothing.
+// Checks for Ctrl-C when a run reports its progress. Signal handlers run only in the main thread.
 void obey_signals(double /*fraction_done*/) {
   const Locked lock;
   if (PyErr_CheckSignals() != 0) throw py::error_already_set();
@@ -72,8 +71,8 @@ OwnRun run(const std::string& scenario, const std::optional<std::string>& case_n
   return own;
 }
 
-// As the command line prints them. What a case says of a part that a Python one replaces is no
-// mistake: of those, what `set` gives counts alone.
+// Warnings as on the command line. Keys of a replaced part are reported only if they are in `set`,
+// not if they are from the case.
 std::vector<std::string> warnings(const OwnRun& own, bool has_python_parts) {
   std::vector<std::string> lines;
   for (const VainKey& vain : own.prepared.vain) {
@@ -97,7 +96,7 @@ py::object failure_of(const std::optional<Failure>& failure) {
   return py::make_tuple(failure->time_s, failure->reason);
 }
 
-// (group, name, unit, description, width) of each signal, time bases left out.
+// (group, name, unit, description, width) of each signal, without time bases.
 py::list signals_of(const Recording& recording) {
   py::list list;
   for (const Track& track : recording.tracks) {
@@ -110,7 +109,7 @@ py::list signals_of(const Recording& recording) {
   return list;
 }
 
-// The rows of one signal of a track, as they lie there.
+// The rows of one signal of a track, in place.
 py::array array_of(const py::object& self, const std::string& group, const std::string& name) {
   constexpr auto kSize = static_cast<py::ssize_t>(sizeof(double));
   const Track& track = self.cast<const OwnRun&>().recording.track(group);

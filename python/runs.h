@@ -1,4 +1,4 @@
-// Runs, from Python: made, or read from their folders.
+// Runs for Python: made here or read from their folders.
 #pragma once
 
 #include <pybind11/pybind11.h>

@@ -4,12 +4,12 @@
     scripts/figures.py RUN [RUN ...] --signal NAME [--signal NAME ...] --out FIGURE.pdf
                        [--from S] [--to S] [--label TEXT ...] [--width INCHES]
 
-One panel for each signal, one line for each run, one time axis for all. NAME is a signal of the log's
-group `control`, GROUP/NAME one of another, NAME[2] the second value of one that has several.
-FIGURE is .pdf, .svg or .png. Fonts are embedded.
+The figure has a panel per signal, a line per run, and a common time axis. NAME is a signal of the log's group
+`control`, GROUP/NAME one of another group. NAME[2] is the second value of a vector. FIGURE is .pdf, .svg or
+.png. Fonts are embedded.
 
-A run's log is plain HDF5 (docs/how-to/running.md), so copy this file and change it: STYLE is how it looks,
-read() how a signal is read, draw() the figure. `breakwater compare --svg --pdf` calls it.
+A run's log is plain HDF5 (docs/how-to/running.md), so you can copy and change this file. STYLE is the style,
+read() reads a signal, draw() draws the figure. `breakwater compare --svg --pdf` calls it.
 
 Needs Debian's python3-h5py and python3-matplotlib.
 """
@@ -22,7 +22,7 @@ from pathlib import Path
 
 
 def refuse(reason):
-    """Ends as all commands do on input that is wrong."""
+    """End like all commands with wrong input."""
     print(f"figures.py: {reason}", file=sys.stderr)
     sys.exit(2)
 
@@ -49,10 +49,10 @@ STYLE = {
     "legend.frameon": False,
     "axes.prop_cycle": matplotlib.cycler(
         color=["#1b6ca8", "#d1495b", "#2a8c5c", "#b8741a", "#6d4fa3", "#4f6272"]),
-    # Letters stay letters: TrueType in PDF, and in SVG their outlines, so that no viewer lacks a font.
+    # Text stays text: TrueType in PDF. SVG has outlines, so that no viewer lacks a font.
     "pdf.fonttype": 42,
     "svg.fonttype": "path",
-    # The same runs give the same file.
+    # Equal runs give equal files.
     "svg.hashsalt": "breakwater",
 }
 PANEL_HEIGHT = 1.25  # inches
@@ -77,7 +77,7 @@ def read(run, signal):
                          f"{signal}[1]")
             column = values[:] if values.ndim == 1 else values[:, int(index) - 1]
             if values.ndim == 2 and unit.count(", ") + 1 == values.shape[1]:
-                unit = unit.split(", ")[int(index) - 1]  # each value's own
+                unit = unit.split(", ")[int(index) - 1]  # the unit of this value
             return log[group]["time_s"][:], column, unit
     except (OSError, KeyError, IndexError):
         refuse(f"{run}: its log has no signal {signal}")
@@ -91,11 +91,11 @@ def has(run, signal):
         with h5py.File(Path(run) / "log.h5") as log:
             return group in log and name in log[group]
     except OSError:
-        return True  # read() says what is wrong
+        return True  # read() reports the error
 
 
 def axis_label(signal, unit, height):
-    """A signal's name and unit on one line each, as large as there is room for."""
+    """The name and the unit of a signal, on a line each, as large as the height allows."""
     text = signal.split("/")[-1]
     lines = [text] + ([f"[{unit}]"] if unit != "1" else [])
     # Letters of a serif are about half as wide as high.
@@ -104,7 +104,7 @@ def axis_label(signal, unit, height):
 
 
 def columns(labels, width):
-    """How many columns of a legend fit."""
+    """The number of legend columns that fit."""
     longest = max(map(len, labels)) * 0.52 * STYLE["font.size"] / 72 + 0.4
     return max(1, min(len(labels), int(width / longest)))
 
@@ -118,7 +118,7 @@ def label_of(run):
 
 
 def labels_of(runs):
-    """Cases, if they tell the runs apart; else the folders' names."""
+    """The cases if they differ; else the names of the folders."""
     cases = [label_of(run) for run in runs]
     return cases if len(set(cases)) == len(cases) else [Path(run).name for run in runs]
 
@@ -130,7 +130,7 @@ def draw(runs, labels, signals, window, width):
                                 constrained_layout=True)
     for axis, signal in zip(axes[:, 0], signals):
         if not any(has(run, signal) for run in runs):
-            read(runs[0], signal)  # which says what is wrong
+            read(runs[0], signal)  # this reports the error
         for run, label in zip(runs, labels):
             if not has(run, signal):
                 axis.plot([], [], label=f"{label}: –")
@@ -141,7 +141,7 @@ def draw(runs, labels, signals, window, width):
         axis.set_ylabel(**axis_label(signal, unit, PANEL_HEIGHT))
     axes[-1, 0].set_xlabel("time [s]")
     if len(runs) > 1:
-        # Of all runs, also of those that have not this signal.
+        # The legend has all runs, also those without this signal.
         handles = [plt.Line2D([], [], color=f"C{i}") for i in range(len(runs))]
         axes[0, 0].legend(handles, labels, loc="lower left", bbox_to_anchor=(0, 1), ncols=columns(labels, width), borderpad=0,
                           handlelength=1.4, columnspacing=1.2)

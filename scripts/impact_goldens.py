@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""Whether every case of arm_wall_contact strikes the wall as before, on any processor.
+"""Checks that every case of arm_wall_contact hits the wall as before, on any processor.
 
     scripts/impact_goldens.py check   [--bin build/bin]    within 0.1 % of the goldens
-    scripts/impact_goldens.py rebase  [--bin build/bin]    writes them anew, shows old and new
-    scripts/impact_goldens.py mutants [--bin build/bin]    that `check` sees a change of the physics
+    scripts/impact_goldens.py rebase  [--bin build/bin]    writes new ones, shows old and new
+    scripts/impact_goldens.py mutants [--bin build/bin]    checks that `check` detects a change of the physics
 
-tests/regression/impact_goldens.json has the free-motion time and the two peak forces of each case.
-Hashes (state_hashes.py) see more, but are of one class of processors and one glibc; the classes of
-data/reproduced.toml are as wide as what the thesis leaves open.
+tests/regression/impact_goldens.json has the free-motion time and the two peak forces of each case. State hashes
+(state_hashes.py) detect smaller changes, but only on one class of processors and one glibc. The classes of
+data/reproduced.toml are wide, as the thesis leaves points open.
 """
 import argparse
 import json
@@ -28,8 +28,8 @@ METRICS = ("free_motion_time_s", "peak_force_raw_N", "peak_force_filtered_N")
 TOLERANCE = 1e-3  # relative; with and without FMA they agree to 2e-14
 IMPACT_ONLY = ("--duration", "33")  # force is controlled from 30 s on
 
-# Each mutant changes a key of the shipped configuration by a factor. Four times the time step is
-# refused: it does not divide the control's period.
+# Each mutant multiplies a key of the shipped configuration by a factor. A time step four times larger is
+# refused: it does not divide the control period.
 MUTANTS = {"contact.stiffness_N_m": 1.02, "contact.damping_Ns_m": 1.02,
            "force.filter_time_constant_s": 1.02, "physics.timestep_s": 5.0}
 
@@ -40,7 +40,7 @@ def cases(bin_dir):
 
 
 def impact(bin_dir, case, processor, sets=()):
-    """The three metrics; those that it lacks, since it failed or touched nothing, are absent."""
+    """The three metrics. Metrics are absent if the run failed or touched nothing."""
     arguments = ["--case", case, *IMPACT_ONLY, *(["--set", *sets] if sets else [])]
     metrics = run(bin_dir / SCENARIO, arguments, processor)[1]
     return {name: metrics[name] for name in METRICS if name in metrics}
@@ -58,7 +58,7 @@ def change(golden, found):
 
 
 def differences(golden, found):
-    """Says in words how the metrics differ."""
+    """The differences of the metrics in words."""
     texts = []
     for name in METRICS:
         if name not in golden or name not in found:
@@ -72,7 +72,7 @@ def differences(golden, found):
 
 
 def has_finite_change(golden, found):
-    """Whether a metric is another number: one that is lost or NaN may be the run's failure alone."""
+    """Whether a finite metric changed: a lost metric or NaN may only show that the run failed."""
     both = golden.keys() & found.keys()
     return any(TOLERANCE < abs(change(golden[name], found[name])) < math.inf for name in both)
 

@@ -1,18 +1,18 @@
 #!/usr/bin/env python3
-"""Whether runs give the same bits as before, on processors with and without fused multiply-add.
+"""Checks that runs give the same bits as before, on processors with and without fused multiply-add (FMA).
 
     scripts/state_hashes.py check  [--bin build/bin]     the goldens: tests/regression/state_hashes.json
-    scripts/state_hashes.py rebase [--bin build/bin]     writes them anew
+    scripts/state_hashes.py rebase [--bin build/bin]     writes new ones
     scripts/state_hashes.py compare [--bin build/bin] [--against OTHER] [--scenario NAME ...]
                                     [--whole] [--expect-same]
 
-A golden is one hash, or one for each class of processors where they differ, since glibc's functions,
-which MuJoCo calls, choose by processor. On a processor with FMA `check` and `rebase` run everything
-once more as on one without: glibc is told so.
+A golden is one hash, or one per class of processors if they differ. MuJoCo calls functions of glibc that depend
+on the processor. On a processor with FMA `check` and `rebase` run everything twice. The second time glibc is
+configured as without FMA.
 
-`compare` runs every case of every scenario in both ways, or with two builds, and prints in how many
-cases the state hashes differ and by how much the metrics. OTHER is a folder of binaries, or a commit,
-which is built in a folder of its own and thrown away: that a change of structure changed no bit, shows
+`compare` runs every case of every scenario with and without FMA, or with two builds. It prints the number of
+cases with different state hashes and the changes of their metrics. OTHER is a folder of binaries, or a commit,
+which is built in a temporary folder. To check that a change of structure changed no bit:
 
     scripts/state_hashes.py compare --against COMMIT --expect-same
 
@@ -32,23 +32,23 @@ ROOT = Path(__file__).resolve().parent.parent
 GOLDENS = ROOT / "tests/regression/state_hashes.json"
 
 FMA, NO_FMA = "fma", "no-fma"
-# What glibc then takes for its functions is what it takes on a processor without FMA.
+# With this setting glibc selects the functions for a processor without FMA.
 MASK = "glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4,-AVX512F"
 
-# For `compare`; shorter than shipped where all of the arithmetic is met sooner.
+# For `compare`: shorter runs that still reach all parts of the arithmetic.
 SHORTENED = {"arm_wall_contact": ["--duration", "40"],
              "quadrotor_waves": ["--duration", "30", "--set", "metrics.window_s=20"]}
 
 
 def own_class():
-    """What glibc's functions ask of the processor before they fuse: FMA, and AVX2."""
+    """Whether the processor has FMA and AVX2, which glibc needs for fused functions."""
     with open("/proc/cpuinfo") as cpuinfo:
         flags = next((line.split() for line in cpuinfo if line.startswith("flags")), [])
     return FMA if "fma" in flags and "avx2" in flags else NO_FMA
 
 
 def run(program, arguments, processor):
-    """(state hash, metrics) of one run; one that fails (exit status 3) has no metrics."""
+    """(state hash, metrics) of one run. A failed run (exit status 3) has no metrics."""
     environment = {k: v for k, v in os.environ.items() if k != "GLIBC_TUNABLES"}
     if processor == NO_FMA:
         environment["GLIBC_TUNABLES"] = MASK
@@ -97,11 +97,11 @@ def rebase(options):
 
 
 def largest_change(a, b):
-    """(relative change, name) of the metric that changed most; infinite where one has it alone."""
+    """(relative change, name) of the metric with the largest change; infinite if only one run has it."""
     changes = [(0.0, "")]
     for name in a.keys() | b.keys():
         if name.endswith("_us"):
-            continue  # what it cost
+            continue  # measured times
         if name not in a or name not in b:
             changes.append((math.inf, name))
         elif a[name] != b[name]:
@@ -111,7 +111,7 @@ def largest_change(a, b):
 
 @contextlib.contextmanager
 def binaries_of(other):
-    """The folder of a build's binaries: `other` itself, or built from the commit that it names."""
+    """The folder of binaries: `other` itself, or a build of the commit that it names."""
     if other is None or Path(other).is_dir():
         yield other and Path(other).resolve()
         return
@@ -137,7 +137,7 @@ def compare(options):
 
 
 def compare_with(against, options):
-    """How many cases have another hash. Prints the table."""
+    """Print the table, and return the number of cases with different hashes."""
     if not against and own_class() != FMA:
         sys.exit("this processor has no FMA: there is nothing to compare with")
     names = options.scenario or sorted(p.name for p in (ROOT / "scenarios").iterdir() if p.is_dir())

@@ -1,6 +1,6 @@
-"""A page that is opened in Chromium without a window and reports back what it saw.
+"""Opens a page in Chromium without a window. The page reports its observations.
 
-Pages are served on this machine alone; a page reports by POSTing JSON.
+Pages are served locally. A page reports by POSTing JSON.
 """
 
 import http.server
@@ -14,7 +14,7 @@ import threading
 def visit(pages, folder, flags, timeout_s):
     """Opens "/" of `pages` (path: (bytes, content type)).
 
-    Returns what the page reported, what Chromium logged, and the paths that were asked for.
+    Returns the page's report, Chromium's log, and the requested paths.
     """
     if shutil.which("chromium") is None:
         sys.exit("there is no chromium (packages/test.txt)")
@@ -42,7 +42,7 @@ def visit(pages, folder, flags, timeout_s):
             pass
 
     class Server(http.server.ThreadingHTTPServer):
-        request_queue_size = 128  # of five, a page of many files has some refused
+        request_queue_size = 128  # the default of five refuses some requests of a page with many files
 
     server = Server(("127.0.0.1", 0), Handler)
     threading.Thread(target=server.serve_forever, daemon=True).start()

@@ -1,4 +1,4 @@
-// What other programs say.
+// Output of other programs.
 #pragma once
 
 #include <array>
@@ -8,8 +8,8 @@
 
 namespace breakwater::testing {
 
-/// What a shell's command prints. Throws std::runtime_error if it fails ("; true" at its end: it
-/// may).
+/// The output of a shell command. Throws std::runtime_error if it fails (append "; true" to allow
+/// this).
 inline std::string output_of(const std::string& command) {
   std::FILE* const pipe = popen(command.c_str(), "r");
   if (pipe == nullptr) throw std::runtime_error(command + ": cannot be run");

@@ -1,5 +1,4 @@
-// Every test begins with this: GoogleTest, the standard headers of text and files, and helpers that
-// many share.
+// Common header of all tests: GoogleTest, standard headers for text and files, and helpers.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -17,7 +16,7 @@
 
 namespace breakwater::testing {
 
-/// A fixed sequence of random numbers: a test fails always or never.
+/// A fixed sequence of random numbers, so that a test always gives the same result.
 class Random {
  public:
   explicit Random(unsigned seed = 1) : engine_(seed) {}
@@ -63,7 +62,7 @@ inline std::filesystem::path temporary_path(const std::string& name) {
          ("breakwater_test_" + std::to_string(getpid()) + "_" + name);
 }
 
-/// A file or folder at a temporary_path(), removed at the end of its scope.
+/// A file or folder at a temporary_path(), which is removed at the end of its scope.
 class TemporaryPath : public std::filesystem::path {
  public:
   explicit TemporaryPath(const std::string& name) : path(temporary_path(name)) {}
@@ -79,18 +78,18 @@ class TemporaryPath : public std::filesystem::path {
   }
 };
 
-/// A file of the project.
+/// The path of a project's file.
 std::string source_file(const std::string& relative);
 
-/// All of a file.
+/// The contents of a file.
 std::string text_of(const std::filesystem::path& file);
 
 std::vector<std::string> lines_of(const std::string& text);
 
-/// The number of the line in which `part` first begins. Throws std::logic_error if there is none.
+/// The number of the line with the first `part`. Throws std::logic_error if there is none.
 std::string line_of(const std::string& text, const std::string& part);
 
-/// Whether `text` has all parts in it, or none of them; EXPECT_TRUE says which where it is not so.
+/// Whether `text` has all parts, or none of them. EXPECT_TRUE prints the exceptions.
 ::testing::AssertionResult has_all(const std::string& text, const std::vector<std::string>& parts);
 ::testing::AssertionResult lacks_all(const std::string& text,
                                      const std::vector<std::string>& parts);
@@ -106,10 +105,10 @@ template <typename... Parts>
 /// The text with its first `from` replaced. Throws std::logic_error if it has none.
 std::string replaced(std::string text, const std::string& from, const std::string& to);
 
-/// A text so many times.
+/// A text repeated `times` times.
 std::string repeated(const std::string& text, int times);
 
-/// The complaint of a call that throws std::invalid_argument; "" if it does not.
+/// The message of the std::invalid_argument that a call throws; "" if it throws none.
 template <typename Call>
 std::string complaint_of(Call&& call) {
   try {

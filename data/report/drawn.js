@@ -1,4 +1,4 @@
-// Of pages whose charts are drawings in the page: a button that copies a command.
+// Button of pages with drawn charts: it copies a command.
 "use strict";
 function copyable(line) {
   const button = document.createElement("button");

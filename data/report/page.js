@@ -1,11 +1,11 @@
-// Charts, the first at once and the others when there is time; their common time axes; videos and
-// replays that move with them.
+// Draws the first charts at once and the others when the page is idle. Keeps time axes, videos and
+// replays together.
 "use strict";
 (() => {
-  const COLOURS = 10;        // of page.css
-  const FIRST_CHARTS = 8;  // drawn before anything is seen
-  const groups = new Map();  // name: the charts that share a moment, and what plays it
-  const axes = new Map();    // name: the charts that share a window of time
+  const COLOURS = 10;        // number of colours in page.css
+  const FIRST_CHARTS = 8;  // charts drawn before the first scroll
+  const groups = new Map();  // name → charts and players that show the same moment
+  const axes = new Map();    // name → charts with the same time window
 
   function groupOf(name) {
     if (!groups.has(name)) groups.set(name, {charts: [], time: null, players: []});
@@ -24,7 +24,7 @@
     return new Float32Array(bytes.buffer);
   }
 
-  // The value of a series at a time, on the straight line between its points.
+  // The linearly interpolated value of a series at a time.
   function sampler(t, v) {
     let i = 0;
     return (time) => {
@@ -55,7 +55,7 @@
   const onPaper = matchMedia("print");
   const isDark = () => dark.matches && !onPaper.matches;
 
-  // References are grey; the others take their turns.
+  // References are grey. The other series take the next colour.
   function coloursOf(series) {
     let next = 0;
     const style = getComputedStyle(document.documentElement);
@@ -74,7 +74,7 @@
     return made;
   }
 
-  // Everything about one chart once it is drawn.
+  // The state of one drawn chart.
   class Chart {
     constructor(box) {
       this.box = box;
@@ -124,7 +124,7 @@
 
     get isPlayed() { return this.group.players.length > 0; }
 
-    // In the colours of the moment, and as wide as there is room.
+    // Draws with the current colours and width.
     redraw() {
       this.colours = coloursOf(this.series);
       this.box.querySelectorAll(".key").forEach((key, i) => key.style.setProperty("--colour", this.colours[i]));
@@ -167,7 +167,7 @@
       context.restore();
     }
 
-    // A zoom of one is a zoom of all.
+    // A zoom of one chart zooms all charts of its axis.
     drawn() {
       this.placeCursor();
       if (this.axis.busy) return;
@@ -227,7 +227,7 @@
         event.preventDefault();
         const move = (e) => {
           const x = e.clientX - this.plot.getBoundingClientRect().left;
-          setTime(this.group, this.graph.toDataXCoord(x), this);  // what plays follows
+          setTime(this.group, this.graph.toDataXCoord(x), this);  // players follow
         };
         addEventListener("pointermove", move);
         addEventListener("pointerup", () => removeEventListener("pointermove", move), {once: true});
@@ -260,8 +260,7 @@
     for (const chart of axis.charts) chart.placeCursor();
   }
 
-  // `from` is the chart that was moved, or the player that moved by itself; without it the players
-  // are told nothing.
+  // `from` is the chart or the player that moved. Without it the players stay where they are.
   function setTime(group, time, from) {
     group.time = time;
     for (const chart of group.charts) {
@@ -272,7 +271,7 @@
     for (const player of group.players) if (player !== from) player.seek(time);
   }
 
-  // For replays. A player has seek(time) and tells its own time with told().
+  // For replays: a player has seek(time). It reports its own time with told().
   window.pagePlayers = {
     add: (name, player) => {
       const group = groupOf(name);
@@ -305,13 +304,13 @@
       for (const event of ["seeked", "timeupdate", "loadedmetadata"]) {
         element.addEventListener(event, () => { if (!this.seeking || event === "seeked") { this.seeking = false; follow(); } });
       }
-      if (element.readyState >= 1) {  // it was quicker than this script
+      if (element.readyState >= 1) {  // the metadata came before this script
         this.check();
         follow();
       }
     }
 
-    // A video of another window than the shot list's cannot say which moment it shows.
+    // A video with another time window cannot say which moment it shows.
     check() {
       const expected = Number(this.element.dataset.length);
       if (!(expected > 0) || Math.abs(expected - this.element.duration) < 0.2) return;
@@ -332,14 +331,14 @@
 
   const charts = Array.from(document.querySelectorAll(".chart"));
   document.querySelectorAll("video[data-group]").forEach((video) => {
-    if (!video.hasAttribute("src")) video.src = document.querySelector("video[src]").src;  // the same one
+    if (!video.hasAttribute("src")) video.src = document.querySelector("video[src]").src;  // the same video
     new Video(video);
   });
   const draw = (box) => { if (!box.dataset.drawn) new Chart(box); };
-  // All at once, for printing and for tests.
+  // Draws all at once, for printing and for tests.
   window.drawAllCharts = () => charts.forEach(draw);
 
-  // The others when the page has nothing better to do, or is scrolled to them.
+  // Draws the other charts when the page is idle or scrolls to them.
   function drawTheRest() {
     const rest = charts.filter((box) => !box.dataset.drawn);
     const soon = window.requestIdleCallback || ((work) => setTimeout(() => work({timeRemaining: () => 8}), 30));
@@ -364,7 +363,8 @@
   }
 
   const redrawAll = () => charts.forEach((box) => { if (box.chart) box.chart.redraw(); });
-  // What is drawn anew now would come too late: Chromium prints a canvas as it was. So charts are made smaller.
+  // Chromium prints a canvas as it was before, so redrawing is too late. The charts are made
+  // smaller.
   window.addEventListener("beforeprint", () => {
     drawAllCharts();
     document.body.classList.add("paper");
@@ -379,7 +379,7 @@
     redrawAll();
   });
   dark.addEventListener("change", redrawAll);
-  // What plays is known only after the scripts behind this one.
+  // The scripts behind this one add the players.
   document.addEventListener("DOMContentLoaded", () => {
     charts.slice(0, FIRST_CHARTS).forEach(draw);
     drawTheRest();

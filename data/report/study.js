@@ -1,4 +1,4 @@
-// A study's report: which metric is shown, what a mark stands for, and the commands of its runs.
+// A study's report: selection of the metric, tips of the marks, and commands of the runs.
 "use strict";
 (() => {
   const data = JSON.parse(document.getElementById("study-runs").textContent);
@@ -7,7 +7,7 @@
   const command = document.getElementById("this-machine").dataset.command + " --replay ";
   const sections = Array.from(document.querySelectorAll(".metric"));
 
-  // One metric at a time; all are there for who has no script.
+  // Shows one metric at a time. Without a script all are visible.
   const chooser = document.querySelector(".chooser");
   if (chooser && sections.length > 1) {
     const select = chooser.querySelector("select");
@@ -48,7 +48,7 @@
     return key + ": " + parts.join(", ");
   }
 
-  // What is known of a mark, and the runs that it is about.
+  // The tip of a mark and its runs.
   function choose(text, runs) {
     panel.replaceChildren();
     const close = element("button", panel, "×");
@@ -68,7 +68,7 @@
     panel.hidden = false;
   }
 
-  // The cell of a heat map at a point of the window, or by its number.
+  // The cell of a heat map at a point of the window, or with a number.
   const grids = new Map();
   function gridOf(svg) {
     if (grids.has(svg)) return grids.get(svg);
@@ -109,7 +109,7 @@
     choose(cellText(svg, cell), run === "-" ? [] : [Number(run)]);
   }
 
-  // The text of a mark; its <title> would be a second, slower tip.
+  // The text of a mark. A <title> would show a second, slower tip.
   function textOf(mark) {
     const title = mark.querySelector("title");
     if (title) {
@@ -180,7 +180,7 @@
     }
     event.preventDefault();
   });
-  // Reachable by the keyboard.
+  // Makes marks reachable by keyboard.
   document.querySelectorAll("code[data-r], .m, .p").forEach((mark) => {
     mark.tabIndex = 0;
     mark.setAttribute("role", "button");

@@ -2,7 +2,7 @@
 
     import breakwater as bw
     run = bw.run("arm_wall_contact", case="hpfc-2N", set={"wall.distance_m": 0.1})
-    run.metrics["peak_force_filtered_N"]      # what it is judged by
+    run.metrics["peak_force_filtered_N"]      # the metrics
     run["force_true_N"], run.time_s           # the log, as NumPy arrays without a copy
     run.to_pandas(), run.to_xarray()
     run.video("impact.mp4", speed=0.1)

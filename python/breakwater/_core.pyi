@@ -1,4 +1,4 @@
-"""The compiled part. What is for users is documented where the package gives it to them."""
+"""The compiled part. The package documents the names for users."""
 
 import os
 
@@ -8,32 +8,32 @@ import numpy.typing as npt
 __version__: str
 
 class PlanarChain:
-    """A planar serial manipulator, as a URDF file describes it: kinematics, masses and limits.
+    """A planar serial manipulator from a URDF file: kinematics, masses and limits.
 
-    Its tip is the frame of the one link without children. InputError, with file and line, if the file is no
-    URDF of a planar chain.
+    Its tip is the frame of the one link without children. InputError, with file and line, if the file is not
+    a URDF of a planar chain.
     """
 
     def __init__(self, urdf: str) -> None: ...
     @property
     def joints(self) -> int:
-        """How many there are: n."""
+        """The number n of joints."""
 
     @property
     def effort_limits_Nm(self) -> np.ndarray:
-        """Of the joints' torques (n) [N m]."""
+        """The torque limits of the joints (n) [N m]."""
 
     def tip_pose(self, q_rad: npt.ArrayLike) -> np.ndarray:
         """The tip's x, y and angle [m, m, rad] at the joint angles q_rad (n) [rad]."""
 
     def tip_jacobian(self, q_rad: npt.ArrayLike) -> np.ndarray:
-        """The pose's derivative with respect to the angles, (3, n)."""
+        """The derivative of the pose with respect to the angles, (3, n)."""
 
     def mass_matrix(self, q_rad: npt.ArrayLike) -> np.ndarray:
         """(n, n) [kg m^2], symmetric positive definite, without the motors' armature."""
 
 class OwnRun:
-    """A run that this process has made."""
+    """A run made by this process."""
 
     @property
     def scenario(self) -> str: ...
@@ -82,10 +82,10 @@ class ArrayEstimator:
 
     def __init__(self, kind: str, arguments: dict[str, object]) -> None: ...
     def reset(self, x0: npt.ArrayLike | None = None) -> None:
-        """Starts from state x0 (n; zeros) and no disturbance."""
+        """Start from the state x0 (n; default: zeros) without a disturbance."""
 
     def update(self, u: npt.ArrayLike, y: npt.ArrayLike) -> tuple[np.ndarray, np.ndarray]:
-        """One sample: u (m) acted since the last one, y (p) is measured now. Returns (x, d)."""
+        """Take one sample: the input u (m) since the last one, the measurement y (p). Returns (x, d)."""
 
     def filter_record(
         self,
@@ -97,30 +97,30 @@ class ArrayEstimator:
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]: ...
     @property
     def x(self) -> np.ndarray:
-        """The estimated state (n), a copy."""
+        """A copy of the estimated state (n)."""
 
     @property
     def d(self) -> np.ndarray:
-        """The estimated disturbance (m), which opposes the input, a copy."""
+        """A copy of the estimated disturbance (m), which opposes the input."""
 
     @property
     def innovation(self) -> np.ndarray:
-        """y - C x(k|k-1) (p), a copy; empty of one that has none."""
+        """A copy of y - C x(k|k-1) (p); empty if the estimator has none."""
 
     @property
     def pole_matrix(self) -> np.ndarray:
-        """The matrix whose eigenvalues are its poles at this sample."""
+        """The matrix whose eigenvalues are the poles at this sample."""
 
 class ArrayQuadrotorFilter:
     """A Kalman filter of the underwater quadrotor on arrays."""
 
     def __init__(self, arguments: dict[str, object]) -> None: ...
     def reset(self, pose: npt.ArrayLike) -> None:
-        """Starts at rest at a pose (6), with no disturbance."""
+        """Start at rest at a pose (6) without a disturbance."""
 
     def update(self, u: npt.ArrayLike, y: npt.ArrayLike) -> tuple[np.ndarray, np.ndarray]:
-        """One sample: u (4) thrusts held since the last one [N], y (6) the pose measured now. Returns
-        (motion, force): [pose; its rate] (12), and the disturbing force (3) [N]."""
+        """Take one sample: the thrusts u (4) since the last one [N], the measured pose y (6). Returns
+        (motion, force): [pose; its rate] (12), and the disturbance force (3) [N]."""
 
     def filter_record(
         self, u: npt.ArrayLike, y: npt.ArrayLike

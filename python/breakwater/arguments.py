@@ -1,4 +1,4 @@
-"""What users give, as the programs take it."""
+"""Conversion of user arguments to the programs' form."""
 
 from __future__ import annotations
 

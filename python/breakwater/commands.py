@@ -1,5 +1,6 @@
-"""The commands of the program `breakwater`, where a room of it is not in this module: pictures, pages and
-studies, which need an encoder, OpenGL and many libraries more."""
+"""Commands of the program `breakwater` that this module lacks: pictures, pages and studies.
+
+They need an encoder, OpenGL and many further libraries."""
 
 from __future__ import annotations
 
@@ -10,11 +11,11 @@ import subprocess
 from . import _core
 from .errors import InputError
 
-_USAGE = 2  # its exit status if what was given is wrong
+_USAGE = 2  # exit status for wrong arguments
 
 
 def program() -> str:
-    """The program `breakwater` that belongs to this module: of its build, or of the installation."""
+    """The program `breakwater` of this module's build or installation."""
     built = pathlib.Path(_core.__file__).resolve().parents[2] / "bin" / "breakwater"
     found = str(built) if built.exists() else shutil.which("breakwater")
     if found is None:
@@ -23,10 +24,10 @@ def program() -> str:
 
 
 def call(words: list[str]) -> tuple[int, list[str]]:
-    """Runs `breakwater WORDS`. Returns its exit status and the lines that it said on stderr.
+    """Run `breakwater WORDS`. Returns its exit status and its lines on stderr.
 
-    Other threads go on meanwhile. Ctrl-C ends it as it does in a shell, and then leaves here as
-    KeyboardInterrupt; a second one ends it at once.
+    Other threads continue meanwhile. Ctrl-C ends the program as in a shell and raises KeyboardInterrupt here.
+    A second Ctrl-C ends it at once.
     """
     with subprocess.Popen(
         [program(), *words],
@@ -39,8 +40,8 @@ def call(words: list[str]) -> tuple[int, list[str]]:
         try:
             said = child.communicate()[1]
         except BaseException:
-            # A shell and a notebook interrupt the whole process group: it may have been told already, and a
-            # second SIGINT would kill it.
+            # A shell or notebook interrupts the whole process group, so the child may already have a SIGINT. A
+            # second one would kill it.
             child.terminate()
             try:
                 child.communicate()
@@ -52,5 +53,5 @@ def call(words: list[str]) -> tuple[int, list[str]]:
 
 
 def failure_of(status: int, message: str) -> Exception:
-    """What a command's exit status is as an exception."""
+    """The exception for the exit status of a command."""
     return InputError(message) if status == _USAGE else RuntimeError(message)

@@ -1,5 +1,5 @@
-"""An error of what was given."""
+"""The error for wrong input."""
 
 
 class InputError(ValueError):
-    """What was given is wrong: one line, `FILE:LINE: key: what is wrong (did you mean ...?)`."""
+    """Wrong input, in one line: `FILE:LINE: key: reason (did you mean ...?)`."""

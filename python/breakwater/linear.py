@@ -1,7 +1,6 @@
 """Design of controllers and observers, and quadratic programs.
 
-Matrices are anything that NumPy takes for one, of finite real numbers. What is wrong with one is an
-InputError that names it.
+A matrix is anything that NumPy converts to one, with finite real numbers. An InputError names a wrong matrix.
 """
 
 from __future__ import annotations
@@ -19,7 +18,7 @@ Matrix = npt.ArrayLike
 
 
 class Regulator(NamedTuple):
-    """K (m, n) of u = -K x, and S (n, n): what the future costs from x on is x' S x."""
+    """K (m, n) of u = -K x, and S (n, n): the future cost from x is x' S x."""
 
     K: np.ndarray
     S: np.ndarray
@@ -34,10 +33,15 @@ class Plant(NamedTuple):
 
 
 class QpSolution(NamedTuple):
-    """z (n); the rows' multipliers mu (m), > 0 at an upper, < 0 at a lower bound; status: solved,
-    iteration_cap, infeasible, not_finite or inaccurate (rounding hides a solution and a proof that there is
-    none); iterations; kkt_residual: 0 is optimal. Where active_set says infeasible, mu is the proof: Omega' mu
-    is 0, and mu times the bounds that its signs mean sums to less than 0 (0 where a row's bounds cross)."""
+    """The result of a quadratic program.
+
+    z (n). mu (m): multipliers of the constraints, > 0 at an upper and < 0 at a lower bound. status: solved,
+    iteration_cap, infeasible, not_finite or inaccurate (rounding hides both a solution and a proof of
+    infeasibility). iterations. kkt_residual: 0 is optimal.
+
+    If active_set reports infeasible, mu is the proof. Omega' mu is 0. The sum of mu times the bounds selected
+    by its signs is less than 0, or 0 if the bounds of a constraint cross.
+    """
 
     z: np.ndarray
     mu: np.ndarray
@@ -51,9 +55,9 @@ def dare(A: Matrix, B: Matrix, Q: Matrix, R: Matrix) -> Regulator:
 
         S = A' S A - A' S B (R + B' S B)^-1 B' S A + Q,
 
-    and the gain K = (R + B' S B)^-1 B' S A of the regulator u = -K x that minimises the sum of x' Q x + u'
-    R u of x(k+1) = A x(k) + B u(k). A (n, n), B (n, m), Q (n, n) symmetric positive semidefinite, R (m, m)
-    symmetric positive definite. By the structured doubling algorithm (Chu et al. 2004).
+    and the gain K = (R + B' S B)^-1 B' S A of the regulator u = -K x. The regulator minimises the sum of x' Q x
+    + u' R u for x(k+1) = A x(k) + B u(k). A (n, n), B (n, m), Q (n, n) symmetric positive semidefinite, R (m,
+    m) symmetric positive definite. Method: structured doubling algorithm (Chu et al. 2004).
     """
     return Regulator(*_core.dare(A, B, Q, R))
 
@@ -90,9 +94,9 @@ def place_observer_poles(
 ) -> np.ndarray:
     """L (n, p) such that A - L C has these eigenvalues.
 
-    A (n, n), C (p, n). poles: n numbers for one output; for several, a list for each of the poles that
-    this output places, n in all. A complex pole stands beside its conjugate. On a plant made of decoupled
-    chains each keeps to its own group (eigenstructure assignment, Moore 1976).
+    A (n, n), C (p, n). poles: n numbers for one output. For several outputs: a list per output with the poles
+    that it places, n in total. A complex pole is next to its conjugate. If the plant consists of decoupled
+    chains, each keeps its own group (eigenstructure assignment, Moore 1976).
     """
     return _core.place_observer_poles(A, C, _groups(poles, _rows(C, "C", 0), "output"))
 
@@ -105,22 +109,24 @@ def place_poles(
 
 
 def zero_order_hold(A: Matrix, B: Matrix, C: Matrix, period_s: float) -> Plant:
-    """The plant dx/dt = A x + B u, y = C x, sampled every period_s [s] under a held input; exact."""
+    """The plant dx/dt = A x + B u, y = C x, sampled exactly every period_s [s] with a held input."""
     return Plant(*_core.zero_order_hold(A, B, C, _number(period_s, "period_s")))
 
 
 def extend_by_disturbance_model(
     A: Matrix, B: Matrix, C: Matrix, order: int, period_s: float
 ) -> Plant:
-    """A sampled plant with [x; d; its derivatives up to order] as its state, where the disturbance d
-    opposes the input: a step (order 0), ramp (1) or parabola (2)."""
+    """A sampled plant with the extended state [x; d; derivatives of d up to order].
+
+    The disturbance d opposes the input. It is a step (order 0), ramp (1) or parabola (2).
+    """
     return Plant(
         *_core.extend_by_disturbance_model(A, B, C, _whole(order, "order"), _number(period_s, "period_s"))
     )
 
 
 def damped_inertia(inertia: float, viscous_friction: float = 0.0) -> Plant:
-    """A motor or a cart, J dv/dt = u - c v, with the position measured: x = [position, velocity].
+    """A motor or a cart, J dv/dt = u - c v, with measured position: x = [position, velocity].
 
     inertia J [kg m^2 or kg], viscous_friction c [N m s/rad or N s/m]. In continuous time.
     """
@@ -132,7 +138,7 @@ def damped_inertia(inertia: float, viscous_friction: float = 0.0) -> Plant:
 
 
 def observability_rank(A: Matrix, C: Matrix) -> int:
-    """The rank of [C; C A; ...], on balanced columns: n where (A, C) is observable."""
+    """The rank of [C; C A; ...] with balanced columns. (A, C) is observable if it is n."""
     return _core.observability_rank(A, C)
 
 
@@ -151,12 +157,12 @@ def _whole(value: object, name: str) -> int:
 
 
 class QpSolver:
-    """Solves quadratic programs of one shape, each from where the last one ended:
+    """Solves quadratic programs of one shape. Each solve starts from the last solution:
 
         minimise z' H z / 2 + g' z   subject to   lower <= Omega z <= upper.
 
-    H (n, n) symmetric positive definite, Omega (m, n). solver: active_set is exact (a dual active-set
-    method); hildreth is coordinate ascent on the dual, the thesis' own, with a cap of max_iterations sweeps.
+    H (n, n) symmetric positive definite, Omega (m, n). solver: active_set is exact (a dual active-set method).
+    hildreth, the method of the thesis, is coordinate ascent on the dual with at most max_iterations sweeps.
     """
 
     def __init__(
@@ -171,13 +177,15 @@ class QpSolver:
         upper: Matrix | None = None,
         softness: Matrix | None = None,
     ) -> QpSolution:
-        """g (n); lower, upper (m): infinity, or None, is no bound; softness (m), 0 or more: a row may give
-        way by softness times its multiplier, which costs 1/softness times its violation squared, halved.
+        """Solve one program.
+
+        g (n). lower, upper (m): infinity or None means no bound. softness (m), at least 0: a constraint with
+        softness s may be violated by v, which costs v^2/(2 s).
         """
         return QpSolution(*self._qp.solve(g, lower, upper, softness))
 
     def reset(self) -> None:
-        """Forgets the last solution."""
+        """Forget the last solution."""
         self._qp.reset()
 
 
@@ -192,7 +200,7 @@ def solve_qp(
     solver: str = "active_set",
     max_iterations: int = 1000,
 ) -> QpSolution:
-    """One quadratic program; QpSolver says more."""
+    """Solve one quadratic program. See QpSolver."""
     return QpSolver(H, Omega, solver=solver, max_iterations=max_iterations).solve(
         g, lower, upper, softness
     )

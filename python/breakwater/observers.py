@@ -1,13 +1,13 @@
-"""The library's estimators on arrays: step by step, or a whole record at once.
+"""Estimators for arrays: sample by sample, or a whole record at once.
 
 Each estimates the state x (n) of a plant and the disturbance d (m) that opposes its inputs,
 
     dx/dt = A x + B (u - d),   y = C x + error,
 
-from what acted and what was measured. `f.update(u, y)` is one sample and returns (x, d); `f.filter(u, y)`
-is a record. A, B and C are the plant in continuous time, sampled every period_s [s] under a held input.
-The Kalman filters also take a plant that is sampled already: without period_s, and time then counts in
-samples. docs/explanation/methods/disturbance-kalman-filters.md has the equations.
+from the input and the measurement. `f.update(u, y)` takes one sample and returns (x, d). `f.filter(u, y)` takes
+a record. A, B and C are the plant in continuous time, sampled every period_s [s] with a held input. The Kalman
+filters also take a sampled plant: omit period_s, and the unit of time is then a sample.
+docs/explanation/methods/disturbance-kalman-filters.md has the equations.
 """
 
 from __future__ import annotations
@@ -26,9 +26,11 @@ Poles = Sequence[complex] | Sequence[Sequence[complex]]
 
 
 class Estimates(NamedTuple):
-    """Of each sample k of a record: x (samples, n), d (samples, m); the innovation y - C x(k|k-1)
-    (samples, p); and forgetting (samples,), the factor that the covariance was divided by, 1 where nothing is
-    forgotten. The last two are of shape (samples, 0) and (samples,) of ones where the estimator has none.
+    """Estimates for each sample k of a record.
+
+    x (samples, n), d (samples, m). innovation (samples, p): y - C x(k|k-1). forgetting (samples,): the factor
+    that divided the covariance, 1 without forgetting. For an estimator without them the last two have the
+    shape (samples, 0) and are ones (samples,).
     """
 
     x: np.ndarray
@@ -38,7 +40,7 @@ class Estimates(NamedTuple):
 
 
 class Filter(_core.ArrayEstimator):
-    """What all of them do."""
+    """The common part of all estimators."""
 
     def filter(
         self,
@@ -51,12 +53,12 @@ class Filter(_core.ArrayEstimator):
     ) -> Estimates:
         """Estimates of a whole record, after a reset.
 
-        u (samples,) or (samples, m): u[k] acts from sample k until the next one, as a log has it. y
-        (samples,) or (samples, p): y[k] is measured at sample k. t (samples,): when, rising [s]; the model is
-        then taken over each interval as long as it is, and gaps are predicted over, with inputs on the line
-        between those beside them. Without t samples are period_s apart. time_std_s: standard deviation of the
-        times, where y was really measured a little before or after. x0 (n): the state to start from; without
-        it the least one that gives y[0]. The other threads of Python go on meanwhile.
+        u (samples,) or (samples, m): u[k] acts from sample k to the next one, as in a log. y (samples,) or
+        (samples, p): y[k] is measured at sample k. t (samples,): increasing times [s]. The model then uses the
+        true length of each interval, and the estimator predicts over gaps with linearly interpolated inputs.
+        Without t the samples are period_s apart. time_std_s: standard deviation of the times, if y was measured
+        slightly earlier or later. x0 (n): initial state; by default the smallest one that gives y[0]. Other
+        Python threads continue meanwhile.
         """
         x, d, innovation, forgetting = self.filter_record(u, y, t, x0, time_std_s)
         ones = np.ones(len(x)) if forgetting.shape[1] == 0 else forgetting[:, 0]
@@ -64,8 +66,11 @@ class Filter(_core.ArrayEstimator):
 
 
 class StateObserver(Filter):
-    """By poles, without a disturbance: d = 0. poles: continuous [1/s], n in all, for several outputs one list
-    each. Its estimate of sample k has seen y up to k - 1."""
+    """State observer with placed poles and without a disturbance: d = 0.
+
+    poles: continuous [1/s], n in total; for several outputs one list each. The estimate of sample k uses y up
+    to k - 1.
+    """
 
     def __init__(self, A: Matrix, B: Matrix, C: Matrix, *, poles: Poles, period_s: float):
         groups = _groups(poles, _rows(C, "C", 0), "output")
@@ -75,8 +80,11 @@ class StateObserver(Filter):
 
 
 class Idob(Filter):
-    """Identity disturbance observer: by poles, continuous [1/s], n + m in all, for several outputs one list
-    each. Its estimate of sample k has seen y up to k - 1."""
+    """Identity disturbance observer with placed poles.
+
+    poles: continuous [1/s], n + m in total; for several outputs one list each. The estimate of sample k uses y
+    up to k - 1.
+    """
 
     def __init__(self, A: Matrix, B: Matrix, C: Matrix, *, poles: Poles, period_s: float):
         groups = _groups(poles, _rows(C, "C", 0), "output")
@@ -86,8 +94,8 @@ class Idob(Filter):
 class Mdob(Filter):
     """Minimal-order disturbance observer of one axis, J dv/dt = u - d.
 
-    inertia J [kg m^2 or kg]; cutoff_rad_s of its low-pass; derivative_cutoff_rad_s of the
-    pseudo-derivative, None: the raw difference.
+    inertia J [kg m^2 or kg]. cutoff_rad_s: cutoff of the low-pass. derivative_cutoff_rad_s: cutoff of the
+    pseudo-derivative; None means the raw difference.
     """
 
     def __init__(
@@ -112,9 +120,9 @@ class Mdob(Filter):
 class Kfd(Filter):
     """Kalman filter with a disturbance model of order 0 (step), 1 (ramp) or 2 (parabola).
 
-    Q: a number q and where it enters, noise_on = "input" (B q B'), "all" (q I) or "disturbance" (the DKF); or
-    the whole matrix (N, N), N = n + m (order + 1). R (p, p) of the measurement, P0 (N, N) of the first
-    estimate; a number is that times I, a vector a diagonal. Only their ratios matter.
+    Q: a number q, which enters by noise_on: "input" (B q B'), "all" (q I) or "disturbance" (the DKF). Or the
+    whole matrix (N, N) with N = n + m (order + 1). R (p, p): measurement noise. P0 (N, N): covariance of the
+    first estimate. A number means a multiple of I, a vector a diagonal. Only the ratios matter.
     """
 
     def __init__(
@@ -134,8 +142,8 @@ class Kfd(Filter):
 
 
 class Fakfd(Filter):
-    """The Kfd with fixed forgetting factors: gamma of all states, gamma_d of the disturbance on top, both 1
-    or more."""
+    """The Kfd with fixed forgetting factors, both at least 1: gamma for all states, and gamma_d in addition for
+    the disturbance."""
 
     def __init__(
         self,
@@ -157,8 +165,11 @@ class Fakfd(Filter):
 
 
 class Vfakfd(Filter):
-    """The Kfd with a variable forgetting factor, lambda_max less the innovation squared over alpha (p), not
-    below lambda_min. The innovation is first brought nearer to 0 by the dead zone (p)."""
+    """The Kfd with a variable forgetting factor.
+
+    The factor is lambda_max minus the squared innovation divided by alpha (p), but at least lambda_min. A dead
+    zone (p) first reduces the innovation.
+    """
 
     def __init__(
         self,
@@ -184,8 +195,10 @@ class Vfakfd(Filter):
 
 
 class Qvff(Filter):
-    """The Vfakfd, designed by what the sensor cannot see: delta (p), what one count is worth, and sigma (p),
-    the standard deviation of its white noise, in y's unit."""
+    """The Vfakfd with parameters from the sensor's error.
+
+    delta (p): encoder resolution. sigma (p): standard deviation of white noise. Both are in the unit of y.
+    """
 
     def __init__(
         self,
@@ -213,10 +226,12 @@ class Qvff(Filter):
 
 
 class Stf(Filter):
-    """Strong tracking filter: a Kalman filter whose covariance is inflated where the innovation is more than
-    the sensor's error explains. delta (p): what one count of the encoder is worth, 0: not quantised; sigma
-    (p): the standard deviation of white noise; both in y's unit. rounding: "nearest", or "truncate" of an
-    encoder that truncates towards 0."""
+    """Strong tracking filter: a Kalman filter that raises its covariance if the sensor's error does not explain
+    the innovation.
+
+    delta (p): encoder resolution; 0 means no quantisation. sigma (p): standard deviation of white noise. Both
+    are in the unit of y. rounding: "nearest", or "truncate" for an encoder that truncates towards 0.
+    """
 
     def __init__(
         self,
@@ -242,7 +257,8 @@ class Stf(Filter):
 
 
 class Motions(NamedTuple):
-    """Of each sample: motion (samples, 12), the pose and its rate, and the disturbing force (samples, 3)."""
+    """Estimates for each sample: motion (samples, 12) is the pose and its rate, force (samples, 3) the
+    disturbance."""
 
     motion: np.ndarray
     force: np.ndarray
@@ -251,9 +267,9 @@ class Motions(NamedTuple):
 class QuadrotorFilter(_core.ArrayQuadrotorFilter):
     """The unscented ("ukf") or extended ("ekf") Kalman filter of the underwater quadrotor.
 
-    disturbance: "none", "zero" or "second" order at the thrusters, or "resonator" (ukf): waves of
-    wave_frequency_rad_s, which is tracked if estimates_wave_frequency. The deviations are those of the walk at
-    each sample, and of the measurement's noise.
+    disturbance: "none", "zero" or "second" order at the thrusters, or "resonator" (ukf only). The resonator
+    models waves of wave_frequency_rad_s, and tracks this frequency if estimates_wave_frequency is set. The
+    standard deviations are those of the random walk per sample and of the measurement noise.
     """
 
     def __init__(
@@ -286,8 +302,12 @@ class QuadrotorFilter(_core.ArrayQuadrotorFilter):
         )
 
     def filter(self, u: Matrix, y: Matrix) -> Motions:
-        """A whole record: u (samples, 4), the thrusts from each sample on [N], y (samples, 6), the poses [x y z
-        roll pitch yaw] [m, rad]. It starts at rest at the first pose."""
+        """Filter a whole record.
+
+        u (samples, 4): thrusts from each sample on [N]. y (samples, 6): poses [x y z roll pitch yaw] [m, rad].
+        The
+        filter starts at rest at the first pose.
+        """
         return Motions(*self.filter_record(u, y))
 
 

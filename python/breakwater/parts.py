@@ -1,4 +1,4 @@
-"""Controllers and estimators of your own."""
+"""Base classes for your own controllers and estimators."""
 
 from __future__ import annotations
 
@@ -9,30 +9,30 @@ import numpy.typing as npt
 
 
 class Controller:
-    """A sampled-data control law: derive from it, and pass an object of yours as `controller=`.
+    """A sampled-data control law. Derive a class from it, and pass an object as `controller=`.
 
-    `update` is called at each control instant, t = 0 included, and decides the command until the next
-    one; `reset` once before, with the first sample. `self.setup` is then what the law may know of the
-    plant. What `update` returns, and which fields y has:
+    The run calls `reset` once with the first sample, and `update` at each control instant from t = 0 on.
+    `update` returns the command until the next instant. `self.setup` has data of the plant. Commands and fields
+    of y:
 
     ========== =============================== ==================================================
     plant      u                               y
     ========== =============================== ==================================================
     arm        torques, one a joint [N m]      ArmSample: q_rad (n), force_N, raw_force_N
-    motor      one torque [N m]                AxisSample: position; where told true_position, true_velocity
+    motor      one torque [N m]                AxisSample: position; maybe true_position, true_velocity
     cart       one force [N]                   the same
     quadrotor  four thrusts [N]                QuadrotorSample: position_m (3), attitude_rad (3)
     ========== =============================== ==================================================
 
-    y is a NumPy array of its own at every sample: keep it if you like. The plant saturates u itself.
+    y is a new NumPy array at every sample, so you may keep it. The plant saturates u itself.
 
-    `self.setup` of the arm: period_s, chain (tip_pose, tip_jacobian, mass_matrix of angles [rad]),
-    torque_limit_Nm, nominal_inertia_kgm2, start_angles_rad, start_pose (x, y, phi),
-    force_control_from_s, force_reference_N, convert_gain_N_m. Of an axis: period_s, A, B, C (continuous),
-    force_limit, quantum, noise_std, start_state, reference(t). Of the quadrotor: period_s, reference_m,
+    `self.setup` of the arm: period_s, chain (tip_pose, tip_jacobian, mass_matrix as functions of the angles
+    [rad]), torque_limit_Nm, nominal_inertia_kgm2, start_angles_rad, start_pose (x, y, phi),
+    force_control_from_s, force_reference_N, convert_gain_N_m. For an axis: period_s, A, B, C (continuous),
+    force_limit, quantum, noise_std, start_state, reference(t). For the quadrotor: period_s, reference_m,
     mass_kg, inertia_kgm2, net_weight_N, thrust_limit_N, thruster_matrix, position_std_m, angle_std_rad.
 
-    An exception ends the run and leaves bw.run() with its own traceback.
+    An exception ends the run and leaves bw.run() with its traceback.
     """
 
     setup: SimpleNamespace
@@ -41,42 +41,44 @@ class Controller:
         """Called once before the first update, with the first sample at t [s]."""
 
     def update(self, t: float, y: np.ndarray) -> npt.ArrayLike:
-        """One sampling instant at t [s]: y is what was measured, the result u until the next one."""
+        """Called at each sampling instant t [s] with the measurement y. Returns u until the next instant."""
         raise NotImplementedError(f"{type(self).__name__} has no update(self, t, y)")
 
     def signals(self) -> dict[str, tuple[str, str, np.ndarray]]:
-        """What others may see, in the log and in pictures: NAME: (unit, description, array).
+        """Signals for the log and for pictures: NAME: (unit, description, array).
 
-        The name has the unit at its end ("x_ref_m"). The array, of float64, is one that `update` writes
-        in place (`self.x_ref[0] = ...`): the run copies from it after each sample.
+        The name ends with the unit ("x_ref_m"). `update` writes into the float64 array (`self.x_ref[0] = ...`),
+        and the run copies it after each sample.
         """
         return {}
 
 
 class Estimator:
-    """An estimator of an axis, of the arm's joints or of the quadrotor, passed as `estimator=`: the controller
-    of the run works with what it tells. The arm's first joint has the object itself, each other one a deep copy.
+    """An estimator of an axis, of the arm's joints or of the quadrotor, passed as `estimator=`.
 
-    `reset(x0)` starts it: at [position, velocity] of an axis, at a pose (6) of the quadrotor. `update(u,
-    y)` is called at each sample: u (1 or 4) is what acted since the last one (0 at the first), y, as a
-    controller gets it, what is measured now. It returns the estimate of this sample,
+    The controller of the run uses its estimates. The first joint of the arm has the object itself, each other
+    joint a deep copy.
+
+    `reset(x0)` starts it at [position, velocity] of an axis, or at a pose (6) of the quadrotor. `update(u, y)`
+    is called at each sample. u (1 or 4) is the input since the last sample (0 at the first), y is the present
+    measurement, as for a controller. It returns the estimate for this sample:
 
         axis:       [position, velocity, d], where the disturbance d opposes the drive,
         quadrotor:  [pose (6), its rate (6), disturbing force (3)].
 
-    `self.setup` is as that of a controller, for an axis or a joint without start_state and reference, and
-    with joint, which one it is, from 0 on.
+    `self.setup` is that of a controller. For an axis or joint it lacks start_state and reference, and has
+    `joint`, the index of the joint from 0.
     """
 
     setup: SimpleNamespace
 
     def reset(self, x0: np.ndarray) -> None:
-        """Starts from x0, without a disturbance."""
+        """Start from x0, without a disturbance."""
 
     def update(self, u: np.ndarray, y: np.ndarray) -> npt.ArrayLike:
-        """One sample: what acted since the last one, and what is measured now."""
+        """Take one sample: the input since the last one, and the present measurement."""
         raise NotImplementedError(f"{type(self).__name__} has no update(self, u, y)")
 
     def signals(self) -> dict[str, tuple[str, str, np.ndarray]]:
-        """As Controller.signals(); of an axis alone."""
+        """The same as Controller.signals(), for an axis only."""
         return {}

@@ -1,4 +1,4 @@
-"""Runs: made here, or read from the folder that any program of Breakwater left."""
+"""Runs: made here, or read from the folder of an earlier run."""
 
 from __future__ import annotations
 
@@ -30,8 +30,8 @@ if TYPE_CHECKING:
     import xarray
 
 _CONTROL = "control"
-_LARGEST_FRAME = 3_000_000  # characters of a replay in a notebook, which keeps them
-# A page in a frame unpacks itself: most of it is three.js, which is a quarter when packed.
+_LARGEST_FRAME = 3_000_000  # characters of a replay, which a notebook stores
+# The page in the frame unpacks itself. Most of it is three.js, which compresses to a quarter.
 _UNPACK = """<!doctype html><script>(async () => {
 const packed = Uint8Array.from(atob("PACKED"), (c) => c.charCodeAt(0));
 const page = new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"));
@@ -42,9 +42,9 @@ _PLACE = re.compile(r"(?:(?P<group>[^/\[]+)/)?(?P<name>[^/\[]+)(?:\[(?P<index>[1
 
 
 class RunFailed(RuntimeError):
-    """A run that did not reach its end: the plant diverged, a sensor failed, a command was not finite.
+    """A run that ended early: the plant diverged, a sensor failed, or a command was not finite.
 
-    time_s: when [s]; reason: one line; run: the run with its log so far, and without metrics.
+    time_s: time of the failure [s]. reason: one line. run: the run with its log so far, without metrics.
     """
 
     time_s: float
@@ -66,8 +66,8 @@ def _part(value: Any, base: type, name: str) -> Any:
 
 
 class _Handle:
-    """A controller or estimator as a run gets it: by its class' name. The run keeps what it was made of, but must
-    not keep the part, which may keep the run: so the handle lets go."""
+    """A controller or estimator for the run, with the name of its class. The handle can release the part: the
+    run keeps the handle, and the part may keep the run."""
 
     def __init__(self, part: Any):
         self.__dict__.update(
@@ -91,11 +91,11 @@ def _handle(part: Any) -> _Handle | None:
 
 
 class Run:
-    """One run: its numbers, its log, and what it was made of.
+    """One run: its metrics, its log, and its configuration.
 
-    run["force_true_N"] is a signal of the log at the control rate, an array of shape (samples,) or
-    (samples, width): a view without a copy, not to be written, which keeps the run alive. NAME[2] is the
-    second of its values, GROUP/NAME one of another group ("physics/force_true_N"), and time_s its time.
+    run["force_true_N"] is a signal of the log at the control rate. It is an array of shape (samples,) or
+    (samples, width): a read-only view without a copy, which keeps the run alive. NAME[2] is the second value of
+    a vector, GROUP/NAME a signal of another group ("physics/force_true_N"), and time_s has the times.
     """
 
     def __init__(self, core: Any, folder: pathlib.Path | None, warnings: list[str]):
@@ -121,39 +121,39 @@ class Run:
 
     @property
     def metrics(self) -> dict[str, float]:
-        """The numbers that it is judged by, with the unit in the name; none if it failed."""
+        """The metrics, with the unit in the name; empty if the run failed."""
         return self._core.metrics
 
     @property
     def state_hash(self) -> str:
-        """16 hexadecimal digits of all its states: the same config gives the same."""
+        """16 hexadecimal digits computed from all states: equal configurations give equal hashes."""
         return self._core.state_hash
 
     @property
     def folder(self) -> pathlib.Path | None:
-        """Where it is saved; None if it is not."""
+        """The folder of the run; None if it is not saved."""
         return self._folder
 
     @property
     def warnings(self) -> list[str]:
-        """What one should know about it, one line each."""
+        """Warnings about the run, one line each."""
         return list(self._warnings)
 
     @property
     def config_text(self) -> str:
-        """The effective configuration, as a scenario file that gives the same bits again."""
+        """The effective configuration as a scenario file, which reproduces the run to the bit."""
         return self._core.config_text
 
     @property
     def config(self) -> dict[str, Any]:
-        """The same, read: config["wall"]["distance_m"]."""
+        """The configuration as a dict: config["wall"]["distance_m"]."""
         if self._config is None:
             self._config = tomllib.loads(self.config_text)
         return self._config
 
     @property
     def failure(self) -> tuple[float, str] | None:
-        """When [s] and why it failed; None if it did not."""
+        """Time [s] and reason of a failure; None without one."""
         return self._core.failure
 
     @property
@@ -163,12 +163,12 @@ class Run:
 
     @property
     def signals(self) -> list[str]:
-        """What run[...] takes, without the times: NAME, or GROUP/NAME outside of `control`."""
+        """The names for run[...], without the times: NAME, or GROUP/NAME outside of `control`."""
         return [name if group == _CONTROL else f"{group}/{name}" for group, name in self._signals]
 
     @property
     def groups(self) -> list[str]:
-        """Of the log: `control`, and in some scenarios `physics`, at the engine's rate."""
+        """The groups of the log: `control`, and in some scenarios `physics`, at the engine's rate."""
         return list(dict.fromkeys(group for group, _ in self._signals))
 
     def _place(self, signal: str) -> tuple[str, str, int | None]:
@@ -201,12 +201,12 @@ class Run:
         return True
 
     def unit(self, signal: str) -> str:
-        """Of a signal: "N", or of a vector whose entries have different ones "m, m, rad"."""
+        """The unit of a signal: "N"; for a vector with different units "m, m, rad"."""
         group, name, _ = self._place(signal)
         return "s" if name == "time_s" else self._signals[group, name][0]
 
     def description(self, signal: str) -> str:
-        """One line on a signal."""
+        """A description of a signal in one line."""
         group, name, _ = self._place(signal)
         return "time of each row" if name == "time_s" else self._signals[group, name][1]
 
@@ -216,7 +216,7 @@ class Run:
         return {name: about for (g, name), about in self._signals.items() if g == group}
 
     def to_pandas(self, group: str = _CONTROL) -> pandas.DataFrame:
-        """A group of the log as a DataFrame with the index time_s; of a vector NAME_1, NAME_2, ..."""
+        """A group of the log as a DataFrame with the index time_s. A vector has columns NAME_1, NAME_2, ..."""
         import pandas
 
         columns = {}
@@ -231,8 +231,10 @@ class Run:
         )
 
     def to_xarray(self, group: str = _CONTROL) -> xarray.Dataset:
-        """A group of the log as a Dataset over time_s, with units; the second dimension of a vector of
-        n is index_n, 1 to n. The same as xarray.open_dataset("log.h5", group=group, engine="h5netcdf").
+        """A group of the log as a Dataset over time_s, with units.
+
+        The second dimension of a vector with n values is index_n, from 1 to n. The result equals
+        xarray.open_dataset("log.h5", group=group, engine="h5netcdf").
         """
         import xarray
 
@@ -255,8 +257,10 @@ class Run:
         return xarray.Dataset(variables, coordinates, attributes)
 
     def save(self, folder: str | os.PathLike[str]) -> pathlib.Path:
-        """Writes config.toml, metrics.json, manifest.json and log.h5 into a folder, in place of an earlier
-        run there. Returns it."""
+        """Write config.toml, metrics.json, manifest.json and log.h5 into a folder, and return it.
+
+        An earlier run in the folder is replaced.
+        """
         target = folder_path(folder)
         if isinstance(self._core, _core.SavedRun):
             if (trouble := self._trouble()) is not None:
@@ -280,11 +284,12 @@ class Run:
         size: str | None = None,
         look: str | None = None,
     ) -> pathlib.Path:
-        """Makes a video of the run, as `breakwater video` does, and returns its file: by default
-        video.mp4 in its folder. speed 0.1 is ten times slower than it was.
+        """Make a video of the run, like `breakwater video`, and return its file.
 
-        Raises InputError for what is wrong with the arguments or the folder, and if the file cannot be written (a
-        full disk); RuntimeError if the video cannot be made for another reason. Both have the program's message.
+        The default file is video.mp4 in the run's folder. speed 0.1 is ten times slower than real time.
+
+        Raises InputError for wrong arguments or a wrong folder, or if the file cannot be written (a full disk).
+        Raises RuntimeError for another failure. Both have the program's message.
         """
         options = {"speed": speed, "from": from_s, "to": to_s, "camera": camera, "size": size, "look": look}
         return self._picture("video", "video.mp4", file, options)
@@ -292,11 +297,12 @@ class Run:
     def replay(
         self, file: str | os.PathLike[str] | None = None, *, camera: str | None = None
     ) -> pathlib.Path:
-        """Makes a page that plays the run in three dimensions in any browser, as `breakwater replay` does, and
-        returns its file: by default replay.html in its folder. In a notebook a run is shown so by itself.
+        """Make a page that plays the run in three dimensions, like `breakwater replay`, and return its file.
 
-        Raises InputError for what is wrong with the arguments or the folder, and if the file cannot be written (a
-        full disk); RuntimeError if the page cannot be made for another reason. Both have the program's message.
+        The default file is replay.html in the run's folder. A notebook shows it for a run automatically.
+
+        Raises InputError for wrong arguments or a wrong folder, or if the file cannot be written (a full disk).
+        Raises RuntimeError for another failure. Both have the program's message.
         """
         return self._picture("replay", "replay.html", file, {"camera": camera})
 
@@ -306,7 +312,7 @@ class Run:
         if file is None and self._folder is None:
             raise InputError("file: must be given for a run that has no folder")
         trouble = self._trouble()
-        if trouble is not None and isinstance(self._core, _core.SavedRun):  # which has no data of its own
+        if trouble is not None and isinstance(self._core, _core.SavedRun):  # the object has no data of its own
             raise InputError(f"{command}: {trouble}")
         if trouble is not None and file is None:
             raise InputError(f"file: must be given: {trouble}")
@@ -321,7 +327,7 @@ class Run:
 
     @contextlib.contextmanager
     def _some_folder(self, is_there: bool) -> Iterator[pathlib.Path]:
-        """Where it is saved; if it is not, or there is another run by now, a copy for the while."""
+        """The folder of the run, or a temporary copy if the run is not saved or was replaced."""
         if self._folder is not None and is_there:
             yield self._folder
             return
@@ -331,7 +337,7 @@ class Run:
             yield folder
 
     def _trouble(self) -> str | None:
-        """Why its folder has it no longer; None if it has, or there never was one."""
+        """The reason why the folder no longer has the run; None if it has, or there never was one."""
         if self._folder is None:
             return None
         try:
@@ -346,12 +352,12 @@ class Run:
         state = f"failed at {self.failure[0]:.6g} s" if self.failure else f"{len(self.metrics)} metrics"
         try:
             log = f"{len(self.time_s)} samples"
-        except InputError:  # of a folder that is damaged
+        except InputError:  # the folder is damaged
             log = "no log"
         return f"<Run {self.scenario} {self.case}: {log}, {state}, state hash {self.state_hash}>"
 
     def _repr_html_(self) -> str:
-        """What a notebook shows: the replay, in a frame of its own. If there is none, the metrics and why."""
+        """The output in a notebook: the replay in a frame, or else the metrics and the reason."""
         with tempfile.TemporaryDirectory() as temporary:
             try:
                 page = self.replay(pathlib.Path(temporary) / "replay.html").read_bytes()
@@ -378,12 +384,12 @@ class Run:
         )
 
 
-_seeds: dict[int, tuple[int, str]] = {}  # of the first run of each configuration but for its seed
+_seeds: dict[int, tuple[int, str]] = {}  # the first run of each configuration, apart from its seed
 _MOST_CONFIGURATIONS = 1000
 
 
 def _warn_of_seeds(finished: Run) -> None:
-    """As a sweep does: two seeds that gave the same run."""
+    """Warn, like a sweep, if two seeds gave the same run."""
     config = finished.config
     others = {**config, "run": {key: value for key, value in config["run"].items() if key != "seed"}}
     if len(_seeds) >= _MOST_CONFIGURATIONS:
@@ -408,18 +414,17 @@ def run(
     estimator: Estimator | None = None,
     out: str | os.PathLike[str] | None = None,
 ) -> Run:
-    """Runs a case of a scenario, and returns the run.
+    """Run a case of a scenario, and return the run.
 
-    The same case, keys and seed give the same state hash as the program `breakwater run`.
+    The same case, keys and seed give the same state hash as `breakwater run`.
 
-    case: bw.cases(scenario) has them; by default the scenario file's own. set: keys of the scenario file
-    over the case's, {"wall.distance_m": 0.1}. seed, duration [s]: the same as set={"run.seed": ...,
-    "run.duration_s": ...}. config: another scenario file, such as a run's own config.toml. controller,
-    estimator: objects of your own classes, in the place of the case's. out: the folder that the run is
-    saved in; without it nothing is written.
+    case: one of bw.cases(scenario); default: that of the scenario file. set: keys that replace those of the
+    case, {"wall.distance_m": 0.1}. seed, duration [s]: the same as set={"run.seed": ..., "run.duration_s":
+    ...}. config: another scenario file, such as the config.toml of a run. controller, estimator: objects of
+    your own classes, which replace those of the case. out: folder for the run; by default nothing is written.
 
-    Raises InputError for what is wrong with the arguments, keys and values; RunFailed if the run did not
-    reach its end; and what a controller or estimator of your own raises. Ctrl-C stops it.
+    Raises InputError for wrong arguments, keys and values, and RunFailed if the run ends early. Exceptions of
+    your controller or estimator pass through. Ctrl-C stops the run.
     """
     scenario_name = text_or_none(scenario, "scenario")
     if scenario_name is None:
@@ -455,9 +460,9 @@ def run(
 
 
 def load(folder: str | os.PathLike[str]) -> Run:
-    """Reads the folder that a run left, of whatever program. Its signals are read when they are asked for.
+    """Read the folder of a run from any program. Its signals are read on demand.
 
-    Raises InputError if it is no run's folder, or damaged. A failed run has `failure` and no metrics.
+    Raises InputError if the folder is damaged or not from a run. A failed run has `failure` and no metrics.
     """
     path = folder_path(folder)
     saved = _core.SavedRun(path)
@@ -465,7 +470,7 @@ def load(folder: str | os.PathLike[str]) -> Run:
 
 
 def scenarios() -> dict[str, str]:
-    """The scenarios, and what each studies."""
+    """The scenarios with their purpose."""
     return _core.scenarios()
 
 

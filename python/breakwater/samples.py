@@ -1,4 +1,4 @@
-"""What a controller measures: arrays whose entries also have names."""
+"""The measurements of a controller: arrays with names for their entries."""
 
 from __future__ import annotations
 
@@ -10,37 +10,39 @@ class ArmSample(np.ndarray):
 
     @property
     def q_rad(self) -> np.ndarray:
-        """Joint angles as the encoders tell them, n [rad]."""
+        """Joint angles from the encoders, n [rad]."""
         return self[:-2].view(np.ndarray)
 
     @property
     def force_N(self) -> float:
-        """Force at the tip behind its low-pass [N], positive when it presses towards +x."""
+        """Low-pass filtered force at the tip [N], positive towards +x."""
         return self.item(-2)
 
     @property
     def raw_force_N(self) -> float:
-        """The same before the low-pass [N]."""
+        """Force at the tip before the low-pass filter [N]."""
         return self.item(-1)
 
 
 class AxisSample(np.ndarray):
-    """y of one axis, a motor [rad] or a cart [m]: [measured position], in some scenarios followed by
-    [position; velocity] as they really are."""
+    """y of one axis, a motor [rad] or a cart [m].
+
+    It has the measured position and, in some scenarios, the true position and velocity.
+    """
 
     @property
     def position(self) -> float:
-        """As measured [rad or m]."""
+        """Measured position [rad or m]."""
         return self.item(0)
 
     @property
     def true_position(self) -> float:
-        """As it is [rad or m]. IndexError where the scenario does not tell it."""
+        """True position [rad or m]. IndexError if the scenario does not provide it."""
         return self.item(1)
 
     @property
     def true_velocity(self) -> float:
-        """As it is [rad/s or m/s]. IndexError where the scenario does not tell it."""
+        """True velocity [rad/s or m/s]. IndexError if the scenario does not provide it."""
         return self.item(2)
 
 
@@ -49,10 +51,10 @@ class QuadrotorSample(np.ndarray):
 
     @property
     def position_m(self) -> np.ndarray:
-        """x, y, z as measured [m]."""
+        """Measured x, y, z [m]."""
         return self[:3].view(np.ndarray)
 
     @property
     def attitude_rad(self) -> np.ndarray:
-        """Roll, pitch, yaw as measured [rad]."""
+        """Measured roll, pitch, yaw [rad]."""
         return self[3:].view(np.ndarray)

@@ -1,4 +1,4 @@
-"""Studies of very many runs, as one table."""
+"""Studies with many runs, as one table."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def _kind(value: Any) -> str:
 
 
 def _values(value: Any, name: str, wish: str) -> list[Any]:
-    """A list, range or array as a list of at least one."""
+    """A list, range or array as a list with at least one entry."""
     if not isinstance(value, (list, tuple, range)):
         array = np.asarray(value) if hasattr(value, "__array__") else None
         if array is None or array.ndim == 0:
@@ -48,7 +48,7 @@ def _values(value: Any, name: str, wish: str) -> list[Any]:
 
 
 def _names(value: Any, name: str) -> str:
-    """One or several words, as a list of the command line."""
+    """One or several words as a comma-separated list for the command line."""
     words = [value] if isinstance(value, str) else _values(value, name, "a str or a list of them")
     for word in words:
         if not isinstance(word, str):
@@ -75,7 +75,7 @@ def _seeds(value: Any) -> str:
 
 
 def _varied(value: Any, name: str) -> str:
-    """What a key takes, as the command line writes it."""
+    """The values of a varied key for the command line."""
     if isinstance(value, str) and _RULE.match(value):
         return value
     if isinstance(value, Mapping):
@@ -101,7 +101,7 @@ def _keys(values: Any, name: str) -> Mapping[str, Any]:
 
 
 def _table(file: pathlib.Path) -> pandas.DataFrame:
-    """results.csv, of which each number is the double that it was."""
+    """Read results.csv without loss of digits."""
     import pandas
 
     texts = ["point", "case", "status", "state_hash"]
@@ -140,35 +140,41 @@ def sweep(
     rerun: bool = False,
     controller: Controller | None = None,
 ) -> pandas.DataFrame:
-    """Runs a study on all cores, and returns its results.csv: a row for each combination of values, in it for
-    each seed, in it for each case; columns `point`, `case`, `seed`, the varied keys, `status`, `state_hash`, and
-    every metric (NaN where a run does not have it).
+    """Run a study on all cores, and return its results.csv.
 
-    study: a scenario, a study file ("study.toml"), or the folder of a study, to go on with it. What else is given
-    lies on top of a study file. case: one, several that are compared, or "all". vary: the keys and what each takes:
-    [6, 8, 10] or an array, "lin(a,b,n)", "log(a,b,n)"; of the methods that draw also {"uniform": [a, b]},
-    {"log_uniform": [a, b]}, {"normal": [mean, deviation]}. seeds: whole numbers, the same for each sample and
-    case. set, duration [s], config: of every run, as in bw.run(). method: "grid" (every combination, the default),
-    "list", "random", "lhs", "sobol" or "saltelli", of `samples` samples drawn with `sampling_seed`. jobs: how many
-    runs at a time; by default all cores.
+    The table has a row for each combination of values, in it for each seed, in it for each case. Columns:
+    `point`, `case`, `seed`, the varied keys, `status`, `state_hash`, and every metric (NaN if a run lacks it).
 
-    out: the study's folder, the same as `breakwater sweep` leaves with the same bytes. If it was begun, by either,
-    what is missing is run; rerun=True begins anew. It has report.html and, of several cases, comparison.csv:
-    baseline is the case that the others are compared with, metrics what is compared (by default all), goal
-    what is better, {"peak_force_filtered_N": "min"}. worlds: what the comparison counts, "samples" (which seeds
-    repeat; seeds alone where nothing is varied) or "seeds" (each of every sample). keep: whose run folders it has, as runs/POINT: "metrics" (none),
-    "failed" or "all". Without out nothing is left.
+    study: a scenario, a study file ("study.toml"), or the folder of a study, which is then continued. The other
+       arguments have priority over a study file.
+    case: one case, several to compare, or "all".
+    vary: keys with their values: [6, 8, 10] or an array, "lin(a,b,n)", "log(a,b,n)". Random methods also take
+       {"uniform": [a, b]}, {"log_uniform": [a, b]}, {"normal": [mean, deviation]}.
+    seeds: integers, the same for each sample and case.
+    set, duration [s], config: for every run, as in bw.run().
+    method: "grid" (every combination, the default), "list", "random", "lhs", "sobol" or "saltelli". Random
+       methods draw `samples` samples with `sampling_seed`.
+    jobs: number of parallel runs; default: all cores.
+    out: the study's folder, with the same bytes as from `breakwater sweep`. An existing study is continued;
+       rerun=True begins again. The folder has report.html and, for several cases, comparison.csv. By default
+       nothing is kept.
+    baseline: the case that the others are compared with.
+    metrics: the compared metrics; default: all.
+    goal: the better direction of metrics, {"peak_force_filtered_N": "min"}.
+    worlds: the blocks of the comparison: "samples" (repeated by the seeds; without varied keys the seeds), or
+       "seeds" (each seed of every sample).
+    keep: the run folders to keep as runs/POINT: "metrics" (none), "failed" or "all".
 
-    Runs that fail are rows with `status` "failed". What one should know of the study is a Python warning: keys
-    without effect, seeds that change nothing, metrics that some runs lack. Raises InputError for what is wrong with
-    the arguments, keys, values and folder, before anything runs, and later if results cannot be written (a full
-    disk) or points were left undone: the same call goes on; RuntimeError if the study file wants it to end at a
-    failure and one failed. Ctrl-C stops it: what had ended is kept in out.
+    Failed runs are rows with `status` "failed". Python warnings report ineffective keys, seeds that change
+    nothing, and metrics that some runs lack. Raises InputError for wrong arguments, keys, values or folders
+    before anything runs. It is also raised if results cannot be written (a full disk) or points were left
+    undone; repeat the call to continue. Raises RuntimeError if a run failed and the study file demands to stop
+    then. Ctrl-C stops the study and keeps the finished runs in out.
 
-    There is no `controller=` here: every sample of all runs would wait for one interpreter. Call bw.run() in
-    a loop, or write the law in C++.
+    There is no `controller=` here: all runs would wait for one interpreter. Call bw.run() in a loop, or write
+    the law in C++.
     """
-    import pandas  # noqa: F401  (whoever has none is told so before the runs, not after)
+    import pandas  # raises ImportError before the runs, not after
 
     if controller is not None:
         raise InputError(
@@ -228,7 +234,7 @@ def _run(words: list[str], target: str, folder: pathlib.Path) -> pandas.DataFram
         if error.errno != errno.E2BIG:
             raise
         raise InputError("vary: has too many values for a command: write a study file") from None
-    # What the command line calls --sampling-seed is an argument here.
+    # The option --sampling-seed is the argument sampling_seed here.
     lines = [
         _OPTION.sub(lambda option: option[1].replace("-", "_"), line.removeprefix(_WARNING), count=1)
         for line in lines

@@ -1,8 +1,8 @@
-"""Between docs/ and mkdocs: the navigation, what pages link to outside of docs/, notebooks, the
-gallery, the headers. The pages themselves are not changed: what a forge shows is what is built.
+"""mkdocs hooks for docs/: navigation, links to files outside docs/, notebooks, gallery and headers. Pages of
+docs/ are built unchanged.
 
-The site has docs/X at X, and other Markdown and pictures of the tree, T, at source/T. A notebook
-becomes a page with its cells. Any other text of the tree becomes a page that shows it, source/T.md.
+docs/X is at X on the site. Other Markdown and pictures of the tree, T, are at source/T. A notebook becomes a
+page with its cells. Any other text file becomes a page source/T.md that shows it.
 """
 
 import base64
@@ -24,10 +24,10 @@ import numbers_of_tables  # noqa: E402
 from markdown_pages import DOCS, ROOT  # noqa: E402
 
 WORK = ROOT / "build/docs"
-MADE = WORK / "made"  # pages that are no file of docs/
-REFERENCE = WORK / "reference"  # pages that the program wrote; none if it was not there
+MADE = WORK / "made"  # generated pages
+REFERENCE = WORK / "reference"  # pages written by the program, if it exists
 KATEX = pathlib.Path("/usr/share/javascript/katex")
-DATA = {".csv", ".h5", ".mp4"}  # given as they are
+DATA = {".csv", ".h5", ".mp4"}  # copied unchanged
 PICTURES = {".png", ".jpg", ".svg", ".gif"}
 LANGUAGES = {".h": "cpp", ".cpp": "cpp", ".py": "python", ".toml": "toml", ".sh": "bash",
              ".cmake": "cmake", ".xml": "xml", ".urdf": "xml", ".json": "json"}
@@ -36,7 +36,7 @@ LANGUAGES = {".h": "cpp", ".cpp": "cpp", ".py": "python", ".toml": "toml", ".sh"
 # Where a file of the tree is in the site.
 
 def place_of(file):
-    """The path of a file or folder of the tree among the site's sources."""
+    """The path of a file or folder among the site's sources."""
     inside = file.is_relative_to(DOCS)
     path = file.relative_to(DOCS) if inside else pathlib.Path("source") / file.relative_to(ROOT)
     if file.is_dir():
@@ -49,7 +49,7 @@ def place_of(file):
 
 
 def at_home(text, page, place):
-    """The page's Markdown with its links as they are from `place`."""
+    """The page's Markdown with links relative to `place`."""
     lines = text.split("\n")
     for number, line in markdown_pages.prose(text):
         plain = markdown_pages.without_code(line)
@@ -64,10 +64,10 @@ def at_home(text, page, place):
     return "\n".join(lines)
 
 
-# Pages that are made.
+# Generated pages.
 
 def shown(file):
-    """A text of the tree as a page."""
+    """A page that shows a text file."""
     language = LANGUAGES.get(file.suffix, "text")
     text = file.read_text(encoding="utf-8")
     fence = "`" * max([3, *(len(run) + 1 for run in re.findall("`{3,}", text))])
@@ -75,7 +75,7 @@ def shown(file):
 
 
 def listed(folder):
-    """A folder as a page: its pages by their titles."""
+    """A page that lists the pages of a folder by title."""
     name = folder.relative_to(DOCS if folder.is_relative_to(DOCS) else ROOT)
     lines = [f"# {str(name).capitalize()}", ""]
     for file in sorted(folder.iterdir()):
@@ -96,7 +96,7 @@ def title_of_notebook(notebook):
 
 
 def write_notebook(file, place):
-    """The cells of a notebook as a page, with the text and the pictures that they left."""
+    """Write a page with the cells of a notebook and their stored outputs."""
     notebook = json.loads(file.read_text(encoding="utf-8"))
     title = title_of_notebook(notebook)
     parts, pictures = [], 0
@@ -120,7 +120,7 @@ def write_notebook(file, place):
 
 
 def headers():
-    """The rooms' headers, each with its first comment, and where Doxygen has it."""
+    """A page of the rooms' headers, with their first comments and links to Doxygen's pages."""
     tags = xml.etree.ElementTree.parse(WORK / "api.tag")
     pages = {}
     for compound in tags.iter("compound"):
@@ -144,7 +144,7 @@ def headers():
 
 
 def gallery():
-    """The kept runs' replays and videos."""
+    """The page of the stored replays and videos."""
     kept = WORK / "gallery"
     exhibits = tomllib.loads((pathlib.Path(__file__).parent / "gallery.toml").read_text("utf-8"))
     lines = ["# Gallery", "", exhibits["introduction"].strip(), ""]
@@ -168,9 +168,9 @@ def gallery():
 # mkdocs' events.
 
 def on_config(config):
-    """The navigation is docs/README.md's: its sections, in its order, each with the pages it names.
+    """Take the navigation from docs/README.md: its sections in order, with the pages that they name.
 
-    Pages of a folder in a section's folder (explanation/methods) are a group of their own.
+    Pages of a folder in a section's folder (explanation/methods) are a separate group.
     """
     text = (DOCS / "README.md").read_text(encoding="utf-8")
     nav, section, named = [], None, set()
@@ -202,7 +202,7 @@ def on_config(config):
 
 
 def group(section, name):
-    """The group of a section's navigation, which is made when it is not there."""
+    """The group of a section's navigation. It is made if it does not exist."""
     title = name.capitalize()
     found = next((entry[title] for entry in section if isinstance(entry, dict) and title in entry), None)
     if found is None:
@@ -253,7 +253,7 @@ def on_files(files, config):
 
 
 def on_post_build(config):
-    """Adds what comes from other packages (KaTeX, Doxygen's pages), and forwards old addresses."""
+    """Add files of other packages (KaTeX, Doxygen's pages), and forward old addresses."""
     site = pathlib.Path(config["site_dir"])
     moved = tomllib.loads((pathlib.Path(__file__).parent / "moved.toml").read_text("utf-8"))
     for old, new in moved.items():
@@ -265,7 +265,7 @@ def on_post_build(config):
     for font in sorted((KATEX / "fonts").glob("*.woff2")):
         shutil.copy(font, katex / "fonts" / font.name)
     shutil.copytree(WORK / "api", site / "api")
-    # Sources are found by the pages that link to them. theme/assets/from-disk.js wants a script.
+    # Source pages are not in the search index. theme/assets/from-disk.js needs a script.
     index_file = site / "search/search_index.json"
     index = json.loads(index_file.read_text(encoding="utf-8"))
     index["docs"] = [entry for entry in index["docs"]
@@ -277,7 +277,7 @@ def on_post_build(config):
 
 
 def forward(site, old, new):
-    """Writes a small page at an old address. It leads to the new one, and keeps the anchor."""
+    """Write a page at an old address that forwards to the new one and keeps the anchor."""
     target = os.path.relpath(new, old.parent)
     (site / old).parent.mkdir(parents=True, exist_ok=True)
     (site / old).write_text(
@@ -296,7 +296,7 @@ def on_page_markdown(markdown, page, config, files):
 
 
 def with_csv_tables(text, page):
-    """A page with its CSV files as tables that theme/assets/breakwater.js sorts; the links stay."""
+    """A page with its CSV files as sortable tables (theme/assets/breakwater.js). The links stay."""
     lines = text.split("\n")
     for number, line in markdown_pages.prose(text):
         if rows := markdown_pages.csv_table(page, line):
@@ -308,7 +308,7 @@ def with_csv_tables(text, page):
 
 
 def for_python_markdown(text):
-    """A forge's lists: they need no empty line before them, and two spaces are a level."""
+    """Convert lists: a forge needs no empty line before them, and indents by two spaces."""
     lines, outside = text.split("\n"), {number for number, _ in markdown_pages.prose(text)}
     result, item = [], re.compile(r"([-*]|\d+\.) ")
     for number, line in enumerate(lines, 1):

@@ -1,8 +1,8 @@
 #!/usr/bin/python3
 """links.py [PAGE...]: broken links and missing anchors of the documentation, README and CHANGELOG.
 
-A link is relative and names a file or folder of the tree; an anchor is a heading of its page. What
-lies on another host is not asked for. Prints one line for each that is broken; exit status 1.
+A link is relative and names a file or folder of the tree. An anchor is a heading of its page. Links to other
+hosts are not checked. Prints one line for each broken link; exit status 1.
 """
 
 import pathlib
@@ -13,7 +13,7 @@ import markdown_pages
 
 
 def broken(page):
-    """Yields (line number, what is wrong)."""
+    """Yields (line number, reason)."""
     text = page.read_text(encoding="utf-8")
     for number, image, label, target in markdown_pages.links(text):
         if "://" in target or target.startswith("mailto:"):

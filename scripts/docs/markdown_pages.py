@@ -1,6 +1,6 @@
 """The parts of the documentation's Markdown, as a forge reads it: headings, links, tables.
 
-Fenced code is nobody's link, heading or table.
+Fenced code has no links, headings or tables.
 """
 
 import csv
@@ -16,12 +16,12 @@ CSV_TABLE = re.compile(r"\[[^\]]*\]\(([^()\s]+\.csv)\)<!-- table -->$")
 
 
 def pages():
-    """All pages with links that must hold."""
+    """All pages whose links are checked."""
     return [*(ROOT / name for name in ("README.md", "CONTRIBUTING.md", "CHANGELOG.md")), *sorted(DOCS.rglob("*.md"))]
 
 
 def prose(text):
-    """Yields (line number from 1, line), fenced code left out."""
+    """Yields (line number from 1, line) without fenced code."""
     fence = None
     for number, line in enumerate(text.split("\n"), 1):
         mark = re.match(r"\s*(```+|~~~+)", line)
@@ -35,7 +35,7 @@ def prose(text):
 
 
 def without_code(line):
-    """The line with `code` blanked, so that columns stay."""
+    """The line with blanks in place of `code`, so that columns stay."""
     return re.sub(r"(`+)(?!`).*?(?<!`)\1(?!`)", lambda code: " " * len(code[0]), line)
 
 
@@ -48,7 +48,7 @@ def links(text):
 
 
 def plain_text(markdown):
-    """A label without its marks."""
+    """A label without Markdown marks."""
     text = re.sub(r"!?\[([^\]]*)\]\([^)]*\)", r"\1", markdown)
     return re.sub(r"[*`]", "", text).strip()
 

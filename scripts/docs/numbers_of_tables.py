@@ -1,20 +1,20 @@
 #!/usr/bin/python3
 """The numbers of the documentation's tables, and the runs that they come from: `./dev docs --check`.
 
-A table is told, in a comment above it, what makes its numbers. It is TOML:
+A comment in TOML above a table states the runs of its numbers:
 
     <!-- numbers
     run     = "breakwater sweep studies/contact-damping.toml"
-    rows    = "case"                        # the first column says which case
-    columns = "contact.damping_Ns_m"        # the head says which damping
+    rows    = "case"                        # the first column names the case
+    columns = "contact.damping_Ns_m"        # the head has the damping
     cells   = "peak_force_raw_N, peak_force_filtered_N, bounce_count"
     -->
     | case | B = 1 | 3 | …
 
-or why there are none: <!-- numbers not checked: measured on a clock -->, of all tables of a page that
-have no comment of their own <!-- numbers of this page not checked: … -->. CONTRIBUTING.md has the keys.
+or why it is not checked: <!-- numbers not checked: measured on a clock -->. For all tables of a page without a
+comment: <!-- numbers of this page not checked: … -->. CONTRIBUTING.md has the keys.
 
-A number in a cell holds if the run's value, rounded to as many digits as are written, is that number.
+A number is right if it equals the run's value, rounded to the written digits.
 """
 
 import argparse
@@ -47,7 +47,7 @@ BELOW = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 class Mistake(Exception):
-    """What is wrong with a comment, or with a run: one line."""
+    """An error in a comment or in a run, in one line."""
 
 
 # Tables and their comments.
@@ -55,21 +55,21 @@ class Mistake(Exception):
 @dataclasses.dataclass
 class Table:
     page: pathlib.Path
-    line: int           # of its head
+    line: int           # line of its head
     head: list
     rows: list          # (line number, cells)
-    is_csv: bool        # a CSV file that the page shows
-    commented: int      # where its comment begins; 0: it has none
-    spec: dict | None   # what the comment says
-    reason: str | None  # why it is not checked
-    compared: int = 0   # numbers
+    is_csv: bool        # a CSV file shown on the page
+    commented: int      # line of its comment; 0: none
+    spec: dict | None   # contents of the comment
+    reason: str | None  # reason why it is not checked
+    compared: int = 0   # number of compared numbers
 
     def __str__(self):
         return f"{os.path.relpath(self.page, ROOT)}:{self.line}"
 
 
 def borders_of(line):
-    """Where the bars of a table's line are; one in code or behind a backslash is none."""
+    """The positions of the bars in a table's line, except those in code or behind a backslash."""
     plain = re.sub(r"\\\|", "  ", markdown_pages.without_code(line))
     return [i for i, letter in enumerate(plain) if letter == "|"]
 
@@ -125,7 +125,7 @@ def has_numbers(table):
 
 
 def with_commands(text, page):
-    """A page for readers: the comments are gone, and below a table stands what made its numbers."""
+    """A page for readers: without the comments, and with the commands below the tables."""
     lines = text.split("\n")
     for table in reversed(tables(page, text)):
         if table.commented:
@@ -143,9 +143,9 @@ def with_commands(text, page):
 @dataclasses.dataclass
 class Written:
     text: str
-    start: int      # in its cell
+    start: int      # position in its cell
     value: float
-    quantum: float  # of its last digit
+    quantum: float  # unit of its last digit
     below: bool     # "< 1e-13"
 
     def holds(self, measured):
@@ -156,7 +156,7 @@ class Written:
         return abs(measured - self.value) <= 0.5 * self.quantum * (1 + 1e-6)
 
     def instead(self, measured):
-        """The measured value as this one is written: as many digits, the same way."""
+        """The measured value with the digits and the style of this number."""
         if math.isnan(measured):
             return "–"
         decimals = len(re.match(r"[^\d.]*\d*\.?(\d*)", self.text)[1])
@@ -205,7 +205,7 @@ def is_number(text):
 
 
 def rows_of(path):
-    """The rows of a CSV file; what stands in a column `set` as "key=value key=value" are columns too."""
+    """The rows of a CSV file. Entries "key=value key=value" of a column `set` become columns too."""
     with open(path, newline="", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     for row in rows:
@@ -214,7 +214,7 @@ def rows_of(path):
 
 
 def swept(command, binaries, kept):
-    """results.csv of a sweep, kept under its command: `sweep` itself knows what it is made of."""
+    """results.csv of a sweep. It is stored by its command, and `sweep` checks whether it is up to date."""
     words = shlex.split(command)
     if words[:2] != ["breakwater", "sweep"]:
         raise Mistake(f"`{command}` is no `breakwater sweep …`")
@@ -225,7 +225,7 @@ def swept(command, binaries, kept):
     for again in ([], ["--rerun"]):
         done = subprocess.run([*call, *again], cwd=ROOT, text=True, stdout=subprocess.PIPE,
                               stderr=subprocess.STDOUT)
-        # 2: another program, scenario file or model than what was kept.
+        # Status 2: the stored study is from another program, scenario file or model.
         if done.returncode != 2 or not (folder / "study.toml").exists():
             break
     if done.returncode != 0:
@@ -234,7 +234,7 @@ def swept(command, binaries, kept):
 
 
 def results(spec, binaries, kept):
-    """All rows that a table is made of; `run` counts the commands from 1."""
+    """All rows for a table; `run` is the number of the command, from 1."""
     rows = []
     for number, run in enumerate(as_list(spec.get("run", [])), 1):
         rows += [row | {"run": str(number)} for row in swept(run, binaries, kept)]
@@ -248,8 +248,10 @@ def results(spec, binaries, kept):
 # From rows to cells.
 
 def matches(row, selector, labels):
-    """Whether a row is one of "key=value key<value": {1} is the label in column 1, {1.2} the second
-    number of it, {} the label of the head."""
+    """Whether a row matches "key=value key<value".
+
+    {1} is the label in column 1, {1.2} its second number, {} the label of the head.
+    """
     for condition in shlex.split(selector):
         parts = re.match(r"([\w.\[\]-]+?)(=|<|>)(.*)$", condition)
         if not parts:
@@ -261,7 +263,7 @@ def matches(row, selector, labels):
             if not fnmatch.fnmatch(have.lower(), words.lower()):
                 return False
             continue
-        if not wanted:  # "key=": rows that have none
+        if not wanted:  # "key=" selects rows without a value
             return False
         scaled, _, factor = wanted.partition("*")
         name = re.fullmatch(r"\{(\w*)(?:\.(\d+))?\}", scaled)
@@ -284,7 +286,7 @@ def first_word(labels, name):
 
 
 def number_of(labels, name, which=None):
-    """The last number of a label (of "raw N, 1e-4 s" the timestep), or the which-th."""
+    """The last number of a label (in "raw N, 1e-4 s" the timestep), or number `which`."""
     found = numbers_in(label(labels, name))
     if len(found) < int(which or 1):
         raise Mistake(f"no such number in “{label(labels, name)}”")
@@ -299,7 +301,7 @@ FUNCTIONS = {
 
 
 def evaluate(expression, rows, let):
-    """The values of an expression over columns, and over what `let` says: Python's, an array a column."""
+    """The values of a Python expression over columns (as arrays) and the names of `let`."""
     def column(name):
         return numpy.array([float(row.get(name) or math.nan) for row in rows])
 
@@ -335,12 +337,12 @@ class Drift:
     written: str
     measured: str
     says: str
-    column: int | None = None   # where it stands, if it can be written anew: the cell, and in it
+    column: int | None = None   # position for --fix: the cell, and the number in it
     start: int | None = None
 
 
 def drifted(table, all_rows):
-    """Yields what does not hold."""
+    """Yields the wrong numbers."""
     spec = table.spec
     unknown = set(spec) - {"run", "csv", "where", "rows", "columns", "cells", "let"}
     if unknown or "cells" not in spec or "rows" not in spec:
@@ -358,7 +360,7 @@ def drifted(table, all_rows):
         labels |= {str(i): cell for i, cell in enumerate(cells, 1) if cell}
         row_selector = rows_spec[index] if isinstance(rows_spec, list) else rows_spec
         row_cells = cells_spec
-        if isinstance(row_selector, dict):  # { select = "…", cells = … }: a row of its own metrics
+        if isinstance(row_selector, dict):  # { select = "…", cells = … }: a row with other metrics
             row_selector, row_cells = row_selector["select"], row_selector["cells"]
         if row_selector.startswith("#"):
             continue
@@ -414,7 +416,7 @@ def pages_of(arguments):
 
 
 def list_tables(pages):
-    """Which tables are checked, and why others are not; exit status 1 where one says neither."""
+    """List the checked tables, and the reasons for the others. Exit status 1 if a table has neither."""
     status = 0
     for page in pages:
         for table in tables(page):
@@ -430,7 +432,7 @@ def list_tables(pages):
 
 
 def write_anew(page, drifts):
-    """Puts what the runs say in the place of what has drifted."""
+    """Replace the wrong numbers by those of the runs."""
     lines = page.read_text(encoding="utf-8").split("\n")
     for drift in sorted(drifts, key=lambda drift: (drift.line, drift.column, drift.start), reverse=True):
         line = lines[drift.line - 1]

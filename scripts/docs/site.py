@@ -1,8 +1,8 @@
 #!/usr/bin/python3
 """site.py [--serve]: the documentation as a site in build/site, without any other host.
 
-What takes long is kept in build/docs: the gallery's runs with their videos and replays as long as
-program and gallery.toml are the same, Doxygen's pages as long as the headers are.
+Slow parts are stored in build/docs. The runs of the gallery, their videos and replays stay until the
+program or gallery.toml changes, Doxygen's pages until a header changes.
 """
 
 import argparse
@@ -41,7 +41,7 @@ def run(*command):
 
 
 def draw(exhibit, program):
-    """The runs of an exhibit, and what is drawn of them, where they are not there yet."""
+    """Make the missing runs of an exhibit and their pictures."""
     folder = WORK / "gallery" / exhibit["name"]
     made = {"made_of": digest(json.dumps(exhibit, sort_keys=True).encode(), program.encode())}
     stamp = folder / "made.json"
@@ -55,7 +55,7 @@ def draw(exhibit, program):
     runs = sorted(path.parent for path in (folder / "runs").rglob("manifest.json"))
     run(BREAKWATER, "video", *runs, "--out", folder / "video.mp4")
     run(BREAKWATER, "replay", *runs, "--out", folder / "replay.html")
-    # What is seen before the video is played.
+    # The picture before the video plays.
     run(BREAKWATER, "still", *runs[:1], "--at", exhibit["at_s"], "--size", "1280x720",
         "--out", folder / "still.png")
     stamp.write_text(json.dumps(made))

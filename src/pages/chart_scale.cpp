@@ -65,7 +65,7 @@ std::vector<ChartScale::Tick> ChartScale::ticks(int count) const {
       if (is_fine) add(5.0 * power_of_ten(n));
     }
     if (ticks.size() >= 2) return ticks;
-    ticks.clear();  // less than from one round value to the next: as a linear axis
+    ticks.clear();  // less than one round step: as on a linear axis
   }
   const double rough = (high_ - low_) / count;
   const double decade = power_of_ten(static_cast<int>(std::floor(math::log(rough) / kLn10)));

@@ -1,4 +1,4 @@
-// From values to places in a drawing.
+// Axes of drawings: from values to positions.
 #pragma once
 
 #include <string>
@@ -10,12 +10,12 @@ namespace breakwater {
 ///     p(x) = a + (b − a) (s(x) − s(low))/(s(high) − s(low)),  s(x) = x or ln x
 class ChartScale {
  public:
-  /// From low ≤ high to the places a and b. A range without width is widened around its value; a
-  /// logarithmic one needs 0 < low.
+  /// Maps [low, high] to the positions a and b. A range of zero width is widened around its value.
+  /// A logarithmic axis needs 0 < low ≤ high.
   ChartScale(double low, double high, bool is_log, double a, double b);
 
   double operator()(double x) const;
-  /// p(x) with a = 0, b = 1, not below 0 nor above 1.
+  /// p(x) with a = 0 and b = 1, limited to [0, 1].
   double share(double x) const;
 
   struct Tick {
@@ -31,8 +31,8 @@ class ChartScale {
   double a_, b_;
 };
 
-/// Whether values from low to high are better read on a logarithmic axis: positive and over more
-/// than two and a half decades.
+/// Whether the range suits a logarithmic axis: it is positive and wider than two and a half
+/// decades.
 bool is_for_log(double low, double high);
 
 }  // namespace breakwater

@@ -24,7 +24,7 @@ namespace mustache = kainjow::mustache;
 namespace {
 
 constexpr std::size_t kFewestRuns = 2;
-constexpr std::size_t kManyKeys = 12;  // that many are folded away
+constexpr std::size_t kManyKeys = 12;  // a longer list is folded
 
 void check(const std::vector<SavedRun>& runs) {
   if (runs.size() < kFewestRuns) {
@@ -115,13 +115,13 @@ Comparison::Comparison(const Catalogue& catalogue, std::vector<SavedRun> runs,
     try {
       shots = shot_list(catalogue.get<ScenarioKind>(runs_.front().scenario()).shots());
     } catch (const std::invalid_argument&) {
-      shots = {};  // what matters first is then what the log has first
+      shots = {};  // without a shot list the order is that of the log
     }
   }
   choose_signals(shots);
 }
 
-// Those that were asked for, or those that all runs have, what matters first.
+// The chosen signals, or the signals that all runs have, the most important first.
 void Comparison::choose_signals(const ShotList& shots) {
   for (const std::string& name : choice_.signals) {
     const SavedRun* run = first_with(runs_, name);

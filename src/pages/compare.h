@@ -13,36 +13,37 @@
 
 namespace breakwater {
 
-/// What of the runs is compared; what is empty stands for all.
+/// Selects the parts of the runs to compare. An empty list selects all.
 struct CompareChoice {
   std::vector<std::string> metrics;
   std::vector<std::string> signals;  ///< a vector signal stands for all of its values
-  std::optional<double> from_s;      ///< the window of the charts; without: the shot list's
+  std::optional<double> from_s;      ///< time window of the charts; default: from the shot list
   std::optional<double> to_s;
   bool with_replay = true;
 };
 
-/// How a metric's value is off the first run's: "=", "+4.1 %", from three times on "×8.0"; where
-/// the first is no measure of it, being 0, of the other sign or ten times smaller, the difference.
+/// The difference of a value from that of the first run: "=", "+4.1 %", or "×8.0" from a factor of
+/// three on. The absolute difference if the first value is 0, has the other sign or is ten times
+/// smaller.
 std::string difference_in_words(double value, double first);
 
-/// Some runs' metrics and signals. The first run is what the others are compared with.
+/// The metrics and signals of some runs, compared with the first run.
 class Comparison {
  public:
-  /// Throws std::invalid_argument, one line that says what to do, if the runs are of different
-  /// scenarios, one failed, or what is chosen is in none of them.
+  /// Throws std::invalid_argument, with advice in one line, if the runs have different scenarios,
+  /// if one failed, or if no run has a chosen name.
   Comparison(const Catalogue& catalogue, std::vector<SavedRun> runs, const CompareChoice& choice);
 
-  /// A plain text table: values, and below them the differences from the first run and the
-  /// reference values, if there are any.
+  /// A plain text table of the values. Below each value: the difference from the first run and the
+  /// reference value, if any.
   std::string text(std::size_t width) const;
   std::string csv() const;
-  /// The same as JSON: `scenario`; of each of `runs` its `label` and `folder`; of each of `metrics`
-  /// its `name`, `unit`, and for each run `values`, `differences` from the first and the
-  /// value that is `printed` of it, null where there is none.
+  /// The same as JSON. `scenario`; `runs`, each with `label` and `folder`; `metrics`, each with
+  /// `name` and `unit`. A metric also has one entry per run in `values`, `differences` (from the
+  /// first run) and `printed` (the thesis' number). A missing entry is null.
   std::string json() const;
   std::string latex() const;
-  /// `notes`, one line each, say what of the replay could not be shown.
+  /// Appends to `notes` one line for each part of the replay that is missing.
   std::string html(std::vector<std::string>& notes) const;
   const std::vector<std::string>& labels() const { return labels_; }
   const std::vector<std::string>& signals() const { return signals_; }
@@ -57,7 +58,7 @@ class Comparison {
   std::vector<SavedRun> runs_;
   std::vector<std::string> labels_;
   std::vector<std::map<std::string, ReferenceValue>> printed_;  // for each run, by metric
-  std::vector<Metric> metrics_;  // of which only names and units count
+  std::vector<Metric> metrics_;  // only their names and units are used
   std::vector<std::string> signals_;
 };
 

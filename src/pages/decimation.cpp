@@ -11,7 +11,7 @@ void append(Series& to, const Series& from, std::size_t i) {
   to.values.push_back(from.values[i]);
 }
 
-// Without the samples that have the value of both their neighbours.
+// Drops the samples that equal both their neighbours.
 Series without_repetition(const Series& series) {
   Series kept;
   const std::vector<double>& v = series.values;
@@ -41,7 +41,7 @@ Series decimate(const Series& series, std::size_t buckets) {
     const auto begin = series.values.begin() + static_cast<std::ptrdiff_t>(bucket * size / buckets);
     const auto end =
         series.values.begin() + static_cast<std::ptrdiff_t>((bucket + 1) * size / buckets);
-    // What is no number is a gap, not an extreme.
+    // A value that is not finite is a gap, not an extreme.
     const auto finite = std::find_if(begin, end, [](double v) { return std::isfinite(v); });
     auto smallest = finite;
     auto largest = finite;

@@ -1,4 +1,4 @@
-// Fewer points, the same picture.
+// Decimation of series for charts.
 #pragma once
 
 #include <cstddef>
@@ -10,9 +10,9 @@ namespace breakwater {
 /// The part of a series from `from_s` to `to_s`, both included.
 Series cut(const Series& series, double from_s, double to_s);
 
-/// At most two points for each of `buckets` equal numbers of samples: the smallest and the largest
-/// value there, each at its own time, and the first and last sample of all. So no peak is lost,
-/// and none is moved. Of values that stay the same, only the ends are kept.
+/// Reduces a series for drawing. Each of `buckets` equal parts keeps its smallest and largest value
+/// with their times, so no peak moves or disappears. The first and last sample stay. A constant
+/// stretch keeps only its ends.
 Series decimate(const Series& series, std::size_t buckets);
 
 }  // namespace breakwater

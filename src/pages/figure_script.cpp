@@ -29,7 +29,7 @@ bool can_draw_figures() {
 int draw_figure(const FigureContent& content, const std::filesystem::path& file) {
   std::vector<std::string> words = script();
   for (const std::filesystem::path& run : content.runs) words.push_back(run.string());
-  // With "=": a label may begin with a dash.
+  // The "=" is needed: a label may begin with a dash.
   for (const std::string& label : content.labels) words.push_back("--label=" + label);
   for (const std::string& signal : content.signals) words.push_back("--signal=" + signal);
   if (content.from_s) words.push_back(fmt::format("--from={}", *content.from_s));

@@ -8,13 +8,14 @@
 
 namespace breakwater {
 
-/// The Python that draws figures: BREAKWATER_PYTHON, or Debian's own, which has Debian's packages.
+/// The Python that draws figures: BREAKWATER_PYTHON, or Debian's own Python, which finds Debian's
+/// packages.
 std::string figure_python();
 
-/// Whether the script can draw; if not, it has said in one line on stderr what to install.
+/// Whether the script can draw. If not, it prints on stderr what to install.
 bool can_draw_figures();
 
-/// What a figure shows: one line for each run, one panel for each signal.
+/// Content of a figure: one line for each run, one panel for each signal.
 struct FigureContent {
   std::vector<std::filesystem::path> runs;
   std::vector<std::string> labels;
@@ -23,8 +24,8 @@ struct FigureContent {
   std::optional<double> to_s;
 };
 
-/// Draws it into a file, whose name's end (.svg, .pdf, .png) says of which kind. Returns the status
-/// to exit with.
+/// Draws the content into a file of the type of its suffix (.svg, .pdf, .png). Returns the exit
+/// status.
 int draw_figure(const FigureContent& content, const std::filesystem::path& file);
 
 }  // namespace breakwater

@@ -50,7 +50,7 @@ std::string latex_number(double value) {
 
 std::string latex_name(const std::string& metric, const std::string& unit) {
   std::string name = readable_name(metric, unit);
-  // Short words in capitals stay what they are said as.
+  // Acronyms are in capitals.
   for (const char* word : {"rmse", "rms", "iae", "itae", "rmse"}) {
     if (name == word || name.starts_with(std::string(word) + " ")) {
       for (std::size_t i = 0; word[i] != 0; ++i) {

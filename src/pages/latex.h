@@ -6,17 +6,17 @@
 
 namespace breakwater {
 
-/// A text with all that LaTeX would take for its own made harmless.
+/// Escapes the characters that LaTeX interprets.
 std::string latex_escaped(const std::string& text);
 
 /// "$1.1 \times 10^{-13}$", "6.046".
 std::string latex_number(double value);
 
-/// A metric's name and unit as people write them: "Peak force raw [N]", "RMSE velocity
-/// [rad/s$^2$]".
+/// The name and unit of a metric for readers: "Peak force raw [N]", "RMSE velocity [rad/s$^2$]".
 std::string latex_name(const std::string& metric, const std::string& unit);
 
-/// A booktabs table, the first column set left and the others right; cells are LaTeX already.
+/// A booktabs table: the first column is left-aligned, the others right-aligned. The cells are
+/// LaTeX.
 std::string latex_table(const std::vector<std::vector<std::string>>& rows);
 
 }  // namespace breakwater

@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t kBuckets = 400;
 
-// What is shown at first gets as many points as all the rest.
+// The first window gets as many points as the rest.
 Series thinned(const Series& series, const std::optional<double>& from_s,
                const std::optional<double>& to_s) {
   if (!from_s || !to_s || series.times_s.empty()) return decimate(series, kBuckets);

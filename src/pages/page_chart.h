@@ -1,4 +1,4 @@
-// Charts as pages have them.
+// The charts of pages.
 #pragma once
 
 #include <optional>
@@ -15,26 +15,27 @@ struct ChartSeries {
   std::string description;
   Series values;
   bool is_reference = false;  ///< drawn dashed and grey
-  bool is_off = false;        ///< at first
-  int colour = -1;            ///< which of the page's; −1: the next
+  bool is_off = false;        ///< hidden at first
+  int colour = -1;            ///< index in the page's colours; −1: the next one
 };
 
 /// Time series over one time axis.
 struct PageChart {
   std::string id;
-  std::string group;  ///< charts of one group point at the same moment
-  std::string axis;   ///< those of one axis show the same window of time
+  std::string group;  ///< charts of one group mark the same moment
+  std::string axis;   ///< charts of one axis show the same time window
   std::string title;
   std::vector<ChartSeries> series;
   std::vector<double> lines;     ///< horizontal, dashed
-  std::optional<double> from_s;  ///< the window of time that its axis shows at first; without: all
+  std::optional<double> from_s;  ///< first time window of its axis; default: all
   std::optional<double> to_s;
 
   /// "title [unit]", if all series have one.
   std::string axis_title() const;
-  /// What it shows, in words.
+  /// A description in words.
   std::string alternative_text() const;
-  /// For the page's script: series decimated, as base64 of 32-bit floats. Safe within <script>.
+  /// The chart for the page's script: decimated series, as base64 of 32-bit floats. Safe inside
+  /// <script>.
   std::string json() const;
 };
 

@@ -111,7 +111,7 @@ mustache::data turn_of(const CandidateComparison& comparison, const KeyInteracti
   chart.y_title = fmt::format("{}, {} less {}", one.metric, comparison.candidates[one.candidate],
                               comparison.candidates[one.reference]);
   chart.is_log_x = one.is_log;
-  chart.lines.resize(colour + 1);  // those before are empty: colours go by place
+  chart.lines.resize(colour + 1);  // earlier lines stay empty: the index is the colour
   mustache::data rows(mustache::data::type::list);
   for (const KeyInteraction::Value& value : one.values) {
     mustache::data row;

@@ -9,16 +9,15 @@
 
 namespace breakwater {
 
-/// Adds what the template shows of one metric's pairs to its section: `pairs`, `ranks`, and whether
-/// there are any (`has_pairs`, `has_ranks`).
+/// Adds the pairs of one metric to its section: `pairs`, `ranks`, `has_pairs` and `has_ranks`.
 void add_paired_metric(const CandidateComparison& comparison, const std::string& metric,
                        kainjow::mustache::data& section);
 
-/// A key with whose values the sign of a difference turns, as the section shows it.
+/// A key whose values change the sign of a difference, for the section.
 kainjow::mustache::data turn_of(const CandidateComparison& comparison, const KeyInteraction& one,
                                 std::size_t colour);
 
-/// The same of the failures.
+/// Adds the pairs of the failures, as add_paired_metric() does.
 void add_paired_failures(const CandidateComparison& comparison, kainjow::mustache::data& section);
 
 }  // namespace breakwater

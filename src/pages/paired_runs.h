@@ -1,4 +1,4 @@
-// breakwater compare --paired: run sets, paired by their seeds.
+// breakwater compare --paired: runs that are paired by their seeds.
 #pragma once
 
 #include <map>
@@ -10,11 +10,10 @@
 
 namespace breakwater {
 
-/// Runs of one scenario, several of each case: the cases are candidates in the order in which they
-/// come first, the seeds that all of them have are the worlds. `metrics` are what is compared;
-/// empty: all that any run has. `baseline` is a case, or empty. Throws std::invalid_argument, one
-/// line, if there is one case alone, a case has a seed twice, no seed is common to all, or a name
-/// is unknown.
+/// Pairs runs of one scenario. The cases are the candidates, in the order of their first run. The
+/// seeds that all cases have are the test conditions. `metrics` selects the metrics; empty means
+/// all. `baseline` is a case or empty. Throws std::invalid_argument if there is only one case, a
+/// case has a seed twice, the cases have no common seed, or a name is unknown.
 PairedResults paired_runs(const std::vector<SavedRun>& runs,
                           const std::vector<std::string>& metrics, const std::string& baseline,
                           const std::map<std::string, Goal>& goals);

@@ -27,7 +27,7 @@ std::vector<QuantileBand> bands(const StudyNumbers& numbers, const std::vector<d
     ++band.runs;
     if (run.failed && band.failed++ == 0) band.first_failed = run.number;
   }
-  std::vector<std::vector<std::uint32_t>> of_group(groups);  // in order of their values
+  std::vector<std::vector<std::uint32_t>> of_group(groups);  // in the order of their values
   for (const std::uint32_t i : order) of_group[group_of(numbers.runs[i])].push_back(i);
   std::vector<double> sorted;
   for (std::size_t g = 0; g < groups; ++g) {

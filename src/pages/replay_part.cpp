@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 namespace mustache = kainjow::mustache;
 namespace {
 
-// The shot list with moments that are in the run: where none of its own is, begin, middle and end.
+// The shot list with moments inside the run: its own ones, or the beginning, middle and end.
 ShotList with_moments(const FinishedRun& run, ShotList shots, const Window& window) {
   const bool has_one =
       std::any_of(shots.moments.begin(), shots.moments.end(),
@@ -28,7 +28,7 @@ ShotList with_moments(const FinishedRun& run, ShotList shots, const Window& wind
   return shots;
 }
 
-// What is shown where there is no WebGL, and on paper.
+// The pictures for paper and for browsers without WebGL.
 std::string strip_address(const FinishedRun& run, const ShotList& shots, const std::string& camera,
                           std::vector<std::string>& notes) {
   const fs::path made = run.folder() / "strip.png";
@@ -63,14 +63,15 @@ PageChart chart_of(const ShotList& shots, const std::vector<PictureRun>& runs,
   while (chart.title.ends_with(' ')) chart.title.pop_back();
   for (std::size_t i = 0; i < runs.size(); ++i) {
     for (const ChartLine& line : runs[i].lines) {
-      const bool is_first_alone = line.dashed && i > 0;  // a reference is the same for all
+      const bool is_first_alone = line.dashed && i > 0;  // a reference is equal for all runs
       if (is_first_alone) continue;
       ChartSeries series;
       series.label = runs.size() > 1 && !line.dashed ? labels[i] + ", " + line.label : line.label;
       series.unit = unit;
       series.values = line.series;
       series.is_reference = line.dashed;
-      // Of several runs each is one line in its colour; its other lines can be switched on.
+      // With several runs each run has one line in its colour. The user can switch on its other
+      // lines.
       if (runs.size() > 1) {
         series.colour = static_cast<int>(i);
         series.is_off = !line.dashed && &line != &runs[i].lines.front();
@@ -129,7 +130,7 @@ std::optional<ReplayPart> replay_of(const Catalogue& catalogue,
     notes.insert(notes.end(), part.notes.begin(), part.notes.end());
     return part;
   } catch (const NothingMoved&) {
-    // A replay is not missed.
+    // The scenario has nothing to show in three dimensions, so no note is needed.
   } catch (const std::invalid_argument& error) {
     notes.push_back(fmt::format("no replay: {}", error.what()));
   } catch (const RenderError& error) {

@@ -14,45 +14,44 @@
 
 namespace breakwater {
 
-/// The runs of a page in three dimensions, and what the scenario's shot list says about them.
+/// The runs of a page in three dimensions, with the data of the scenario's shot list.
 struct ReplayPart {
-  kainjow::mustache::data box;     ///< for data/report/replay_box.mustache
-  std::optional<PageChart> chart;  ///< the shot list's lines
+  kainjow::mustache::data box;     ///< for the template replay_box.mustache
+  std::optional<PageChart> chart;  ///< the lines of the shot list
   ShotList shots;
-  Window window;                   ///< the shot list's, of these runs
-  bool is_whole = false;           ///< the window leaves next to nothing of them out
-  std::vector<std::string> notes;  ///< what it could not show, one line each
+  Window window;                   ///< the time window of the shot list for these runs
+  bool is_whole = false;           ///< the window covers nearly the whole run
+  std::vector<std::string> notes;  ///< one line for each missing part
 };
 
 struct ReplayOptions {
-  std::string id;      ///< of the element
+  std::string id;      ///< id of the HTML element
   std::string group;   ///< charts of this group show the same moment
-  std::string camera;  ///< in place of the shot list's, unless empty
+  std::string camera;  ///< replaces the camera of the shot list if not empty
 };
 
-/// One to four runs of one scenario, with a label each. A browser that cannot draw in three
-/// dimensions shows the first run's strip, which is drawn unless the run's folder has one. Throws
+/// The replay of one to four runs of one scenario, with a label each. A browser without WebGL shows
+/// the strip of pictures of the first run; it is drawn if the run's folder has none. Throws
 /// std::invalid_argument or RenderError.
 ReplayPart replay_part(const std::deque<FinishedRun>& runs, const std::vector<std::string>& labels,
                        const ReplayOptions& options);
 
-/// The same of runs' folders, as a part of a page that goes without it: where there is nothing to
-/// show, since this program does not have the scenario, say, or the log is too short, a note says
-/// why.
+/// The same from the folders of runs, for a page that also works without a replay. If there is no
+/// replay, a note says why: this program lacks the scenario, or the log is too short.
 std::optional<ReplayPart> replay_of(const Catalogue& catalogue,
                                     const std::vector<std::filesystem::path>& folders,
                                     const std::vector<std::string>& labels,
                                     const ReplayOptions& options, std::vector<std::string>& notes);
 
-/// For the button that shows all of an axis' time, and the window again.
+/// Data of the button that switches between the whole time axis and the window.
 kainjow::mustache::data window_data(const Window& window, const std::string& axis);
 
 /// The page of `breakwater replay`.
 std::string replay_page(const std::deque<FinishedRun>& runs, const std::vector<std::string>& labels,
                         const std::string& camera, std::vector<std::string>& notes);
 
-/// The video of a run for the templates, if there is one in its folder; charts of `group`
-/// move with it. It is taken for one of the shot list's window, as far as the run lasts.
+/// The video in the folder of a run, for the templates, if there is one. The charts of `group`
+/// follow it. It is assumed to show the time window of the shot list.
 std::optional<kainjow::mustache::data> video_data(const Catalogue& catalogue, const SavedRun& run,
                                                   const std::string& group);
 

@@ -49,7 +49,7 @@ std::vector<SavedRun> open_all(const std::vector<std::string>& folders) {
   return runs;
 }
 
-// A replay opens the runs again, and notes the same of them.
+// The replay opens the runs again and repeats their notes. Each note is printed once.
 void say(const std::string& program, std::vector<std::string> notes,
          const std::vector<SavedRun>& runs) {
   for (const SavedRun& run : runs) {

@@ -7,7 +7,7 @@
 
 namespace breakwater {
 
-/// Exit statuses: 0 success, 1 a defect of ours, 2 usage or input, 4 a picture could not be made,
+/// Exit statuses: 0 success, 1 an internal error, 2 usage or input, 4 a picture could not be made,
 /// 130 interrupted.
 std::vector<CommandKind> report_commands();
 

@@ -48,7 +48,7 @@ std::map<std::string, ReferenceValue> printed_of(const Catalogue& catalogue, con
     if (!prepare_run(catalogue, run.scenario(), file, run.case_name(), {}).is_as_shipped)
       return printed;
   } catch (const std::invalid_argument&) {
-    return printed;  // of another version, say
+    return printed;  // the case may be from another version
   }
   for (ReferenceValue& value : reference_values(catalogue, run.scenario(), run.case_name())) {
     printed.emplace(value.metric, std::move(value));
@@ -91,7 +91,7 @@ std::string run_report(const Catalogue& catalogue, const std::vector<SavedRun>& 
     section.set("case", run.case_name());
     section.set("seed", run.seed());
     section.set("folder", run.folder().string());
-    // What a command of its own made is made again by that.
+    // A run that a command made is repeated with that command.
     const bool has_command = catalogue.has<CommandKind>(run.scenario());
     section.set("command", fmt::format("{} {}{} --config {} --out again", own_program_name(),
                                        has_command ? "" : "run ", run.scenario(),

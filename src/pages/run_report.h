@@ -11,22 +11,22 @@
 
 namespace breakwater {
 
-/// The reference values of a run by metric. Empty unless it has the settings of one of
-/// the project's own cases: only then do they mean something.
+/// The reference values of a run by metric. Empty unless the run has the settings of one of the
+/// project's own cases: other settings make the comparison meaningless.
 std::map<std::string, ReferenceValue> printed_of(const Catalogue& catalogue, const SavedRun& run);
 
 struct RunReportOptions {
   bool with_replay = true;
 };
 
-/// One page about some runs: each in three dimensions, what it differs in from its case, the shot
-/// list's signals over the shot list's window, all other signals, and its numbers, beside printed
-/// ones where there are any. `notes`, one line each, say what of a replay could not be shown.
+/// One page about some runs: replay, changed keys, signals of the shot list in its time window,
+/// other signals, metrics and printed values. Appends to `notes` one line for each missing part of
+/// a replay.
 std::string run_report(const Catalogue& catalogue, const std::vector<SavedRun>& runs,
                        const RunReportOptions& options, std::vector<std::string>& notes);
 
-/// The keys in which a run differs from its case, for a template: "keys", and "has_keys" where
-/// there are any.
+/// Adds "keys", the keys in which a run differs from its case, and "has_keys" to the data of a
+/// template.
 void set_changed_keys(const Catalogue& catalogue, const SavedRun& run,
                       kainjow::mustache::data& section);
 

@@ -9,7 +9,7 @@
 namespace breakwater {
 namespace {
 
-// What a signal may be of its quantity.
+// The kinds of a signal, as its name has them.
 const std::set<std::string> kKinds = {"true",   "measured",  "hat",     "estimate",
                                       "ref",    "reference", "command", "applied",
                                       "sensor", "filtered",  "raw"};
@@ -27,7 +27,7 @@ std::vector<std::string> words_of(const std::string& name) {
   return words;
 }
 
-// "rad_s2" of "rad/s^2": how a unit ends a name.
+// A unit as the end of a name: "rad_s2" for "rad/s^2".
 std::string suffix_of(const std::string& unit) {
   std::string suffix = "_";
   for (const char c : unit) {
@@ -39,7 +39,7 @@ std::string suffix_of(const std::string& unit) {
 
 std::string without_unit(const std::string& signal, const std::string& unit) {
   for (const std::string& one : {unit, unit.substr(0, unit.find(", "))}) {
-    // "²" is two bytes that are no letters.
+    // "²" has two bytes and neither is a letter.
     std::string plain = one;
     const std::size_t square = plain.find("²");
     if (square != std::string::npos) plain.replace(square, std::string("²").size(), "2");
@@ -55,7 +55,7 @@ std::string joined(const std::vector<std::string>& words) {
   return fmt::format("{}", fmt::join(words, " "));
 }
 
-// What is left of a name without its unit and what it is of its quantity.
+// A name without its unit and its kind.
 std::string stem_of(const LogEntry& entry) {
   const std::string& unit = entry.unit;
   std::vector<std::string> words = words_of(without_unit(entry.name, unit));
@@ -71,7 +71,7 @@ bool is_reference(const LogEntry& entry) {
                      [](const std::string& word) { return kReferences.contains(word); });
 }
 
-// What is true comes first, then what is measured and estimated of it.
+// The true signal comes first, then the measured one, then the estimates.
 std::size_t order_of(const LogEntry& entry) {
   constexpr std::array<const char*, 4> kOrder = {"true", "measured", "hat", "estimate"};
   const std::vector<std::string> words = words_of(entry.name);
@@ -81,7 +81,7 @@ std::size_t order_of(const LogEntry& entry) {
   return kOrder.size();
 }
 
-// The signal's name of "NAME[3]".
+// The name of the signal without an index: "NAME" for "NAME[3]".
 std::string bare(const std::string& name) {
   return name.substr(0, name.find('['));
 }
@@ -129,7 +129,7 @@ std::vector<LoggedQuantity> quantities(const std::vector<LogEntry>& signals,
     if (quantity.kinds.size() == 1) {
       quantity.title = readable_name(first.name, first.unit);
     } else if (quantity.title.empty()) {
-      quantity.title = "input";  // command and applied, of nothing
+      quantity.title = "input";  // command and applied alone leave no name
     }
     if (first.group != "control") quantity.title += " (" + first.group + ")";
   }

@@ -1,4 +1,4 @@
-// A run's signals as charts, what matters first.
+// The signals of a run as charts, the most important first.
 #pragma once
 
 #include <string>
@@ -10,22 +10,22 @@
 
 namespace breakwater {
 
-/// Signals of one group, width and unit whose names differ by what they are of a quantity alone:
-/// true, measured, estimated, a reference, commanded, applied.
+/// Signals of one quantity in one group, with equal width and unit. They differ in their kind:
+/// true, measured, estimated, reference, commanded or applied.
 struct LoggedQuantity {
   std::string title;  ///< "contact force", without its unit
   std::vector<LogEntry> kinds;
   std::size_t rank = 0;
 };
 
-/// All quantities of a log. First those that a shot list shows, in its order; then those of which
-/// there are several kinds; then the others, and last what another group than `control` has.
+/// All quantities of a log. First come those of the shot list in its order, then those of several
+/// kinds, then the others, last those of other groups than `control`.
 std::vector<LoggedQuantity> quantities(const std::vector<LogEntry>& signals, const ShotList& shots);
 
-/// "force true" of "force_true_N": a signal's name without its unit, as people write it.
+/// The name of a signal without its unit: "force true" for "force_true_N".
 std::string readable_name(const std::string& signal, const std::string& unit);
 
-/// One chart for each quantity, or for each of its values where there are several of several kinds.
+/// One chart for each quantity. A vector of several kinds has one chart for each of its values.
 std::vector<PageChart> signal_charts(const SavedRun& run, const std::string& id,
                                      const ShotList& shots);
 

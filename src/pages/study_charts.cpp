@@ -76,7 +76,7 @@ std::string draw(const LineChart& chart) {
       plot.add(fmt::format("<g class=\"m\" data-r=\"{}\"><title>{}</title>", refs(mark.runs),
                            xml_text(mark.text)));
       if (std::isfinite(mark.y)) {
-        if (chart.x.size() == 1) {  // a band without width
+        if (chart.x.size() == 1) {  // the band has no width
           plot.path("line", line_path({{x(mark.x), y(mark.lower)}, {x(mark.x), y(mark.upper)}}));
         }
         plot.add(svg_dot(x(mark.x), y(mark.y)));

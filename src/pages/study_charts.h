@@ -1,4 +1,4 @@
-// A study's charts: drawings as SVG that need no script.
+// The charts of a study: SVG drawings that need no script.
 #pragma once
 
 #include <cstddef>
@@ -12,41 +12,41 @@
 
 namespace breakwater {
 
-// Colours: c0, c1, … are the candidates' (svg_plot.h), h0 … h23 those of values from small to large
-// (data/report/study.css). data-r holds the numbers of runs in the page's list
-// of runs that a mark is about, with commas between.
+// Classes of colours: c0, c1, … for the candidates (svg_plot.h), h0 … h23 for values from small to
+// large (data/report/study.css). The attribute data-r lists the runs of a mark: indices into the
+// page's list, separated by commas.
 
 inline constexpr std::size_t kHeatLevels = 24;
 
-/// What a mark of a line stands for.
+/// A mark of a line, for one group of runs.
 struct LineMark {
   double x = 0.0;
-  double y = std::numeric_limits<double>::quiet_NaN();  ///< NaN: there is none
+  double y = std::numeric_limits<double>::quiet_NaN();  ///< NaN: no value
   double lower = y, upper = y;
   bool has_failures = false;
-  std::string text;               ///< all that is known of it, in words
-  std::vector<std::size_t> runs;  ///< in the page's list
+  std::string text;               ///< tip with all values in words
+  std::vector<std::size_t> runs;  ///< indices into the page's list
 };
 
 struct LineChart {
   std::string x_title;
   std::string y_title;
   bool is_log_x = false;
-  std::vector<double> x;                     ///< of the groups
-  std::vector<std::string> x_labels;         ///< written below them; empty: an axis of numbers
-  bool is_share = false;                     ///< y from 0 to 1
-  std::vector<std::vector<LineMark>> lines;  ///< of each candidate, a mark a group
+  std::vector<double> x;                     ///< one per group
+  std::vector<std::string> x_labels;         ///< labels of the groups; empty: a numeric axis
+  bool is_share = false;                     ///< the y axis is from 0 to 1
+  std::vector<std::vector<LineMark>> lines;  ///< for each candidate a mark per group
 };
 
-/// Lines through medians, with bands; crosses below where runs failed.
+/// Draws lines through medians, with bands. Crosses at the bottom mark failed runs.
 std::string draw(const LineChart& chart);
 
 struct HeatCell {
   double value = std::numeric_limits<double>::quiet_NaN();
   std::size_t runs = 0;
   std::size_t failed = 0;
-  std::size_t measured = 0;        ///< that the value is made of
-  std::optional<std::size_t> run;  ///< in the page's list
+  std::size_t measured = 0;        ///< number of runs behind the value
+  std::optional<std::size_t> run;  ///< index into the page's list
 };
 
 struct HeatMap {
@@ -54,12 +54,11 @@ struct HeatMap {
   std::vector<std::string> x_labels, y_labels;
   std::vector<HeatCell> cells;  ///< x within y
   double low = 0.0, high = 1.0;
-  std::string about;  ///< in words, for who does not see it
+  std::string about;  ///< alternative text
 };
 
-/// Cells coloured by value; a dash below: of runs that did not fail some lack it; a cell of which
-/// all runs failed is crossed out, one of which some did has a corner. Where they are few, numbers
-/// are in them.
+/// Draws cells coloured by value. A dash below: some runs lack the value but did not fail. A cross:
+/// all runs failed. A corner: some runs failed. If there are few cells, they show numbers.
 std::string draw(const HeatMap& map);
 
 /// The colours of heat maps and lines with their values.
@@ -69,11 +68,11 @@ struct ParallelAxis {
   std::string title;
   bool is_log = false;
   double low = 0.0, high = 1.0;
-  std::vector<std::string> texts;  ///< of 0, 1, …; empty: numbers
+  std::vector<std::string> texts;  ///< labels of 0, 1, …; empty: numbers
 };
 
 struct ParallelLine {
-  std::vector<double> values;  ///< of each axis; NaN on the last: it failed, or was not measured
+  std::vector<double> values;  ///< one per axis; NaN on the last: failed or not measured
   bool failed = false;
   std::size_t run = 0;
 };
@@ -83,13 +82,14 @@ struct ParallelChart {
   std::vector<ParallelLine> lines;
 };
 
-/// A line a run over one axis for each quantity, coloured by the last.
+/// Draws a line per run over one axis per quantity. The last quantity gives the colour.
 std::string draw(const ParallelChart& chart);
 
-/// 10 to 90 % as a line, the quartiles as a box, the median, in a range that rows share.
+/// Draws 10 to 90 % as a line, the quartiles as a box, and the median, on an axis common to all
+/// rows.
 std::string draw_box(const QuantileBand& band, std::size_t colour, double low, double high);
 
-/// A first-order and a total index with their intervals, from 0 to 1.
+/// Draws a first-order and a total index with their intervals, on an axis from 0 to 1.
 std::string draw_indices(const SensitivityIndex& first_order, const SensitivityIndex& total,
                          std::size_t colour);
 

@@ -12,9 +12,9 @@
 namespace breakwater {
 namespace {
 
-constexpr Eigen::Index kDraws = 4'000'000;  // of rows, for one output's intervals
+constexpr Eigen::Index kDraws = 4'000'000;  // drawn rows for the intervals of one output
 
-// The mean over seeds of a quantity of runs, a row each of the design; NaN where a seed has none.
+// The mean of a quantity over the seeds, a row of the design per row; NaN if a seed has no value.
 template <typename Quantity>
 Eigen::MatrixXd design(const StudyNumbers& numbers, std::size_t candidate, Quantity quantity) {
   const auto rows = static_cast<Eigen::Index>(numbers.blocks);
@@ -27,7 +27,7 @@ Eigen::MatrixXd design(const StudyNumbers& numbers, std::size_t candidate, Quant
     sum(run.block, run.in_block) += quantity(i);
     seeds(run.block, run.in_block) += 1.0;
   }
-  return sum.cwiseQuotient(seeds);  // 0/0: it has not run
+  return sum.cwiseQuotient(seeds);  // 0/0: no runs
 }
 
 }  // namespace

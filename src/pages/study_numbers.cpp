@@ -15,10 +15,10 @@
 namespace breakwater {
 namespace {
 
-constexpr std::size_t kMostKinds = 200;           // of failures; further ones are "other reasons"
-constexpr std::size_t kPointsOfAKind = 5;         // that are named
-constexpr std::size_t kMostListedFailures = 150;  // that are drawn one by one
-constexpr std::size_t kListedTexts = 6;           // of a key that is no number
+constexpr std::size_t kMostKinds = 200;    // kinds of failures; further ones are "other reasons"
+constexpr std::size_t kPointsOfAKind = 5;  // points named per kind
+constexpr std::size_t kMostListedFailures = 150;  // failures drawn one by one
+constexpr std::size_t kListedTexts = 6;           // listed values of a key that is not numeric
 
 // "at 3.1 s: diverged" and "at 4 s: diverged" are one kind.
 std::string without_numbers(const std::string& reason) {
@@ -37,7 +37,7 @@ std::string without_numbers(const std::string& reason) {
   return text;
 }
 
-// Failures of one kind while they are gathered.
+// Collects the failures of one kind.
 struct Gathered {
   FailureKind kind;
   std::vector<double> smallest;
@@ -137,9 +137,9 @@ StudyNumbers study_numbers(const Plan& plan, const ShardIndex& index,
     return scattered(a.number) < scattered(b.number);
   };
   std::vector<double> values;
-  std::size_t sample = plan.samples();  // of `values`: none
-  std::size_t block = plan.samples();   // of the last run: none
-  bool is_kept = false;                 // the sample's values, in the keys
+  std::size_t sample = plan.samples();  // sample in `values`: none yet
+  std::size_t block = plan.samples();   // block of the last run: none yet
+  bool is_kept = false;                 // whether `keys` has the values of the sample
 
   for (std::size_t number = 0; number < index.points(); ++number) {
     if (!index.has(number)) continue;
@@ -161,7 +161,7 @@ StudyNumbers study_numbers(const Plan& plan, const ShardIndex& index,
     }
     if (run.failed) {
       failures.add(result, run.candidate, values);
-      // A heap of those with the smallest hashes.
+      // A heap keeps the failures with the smallest hashes.
       std::vector<FailedRun>& failed = numbers.failed;
       failed.push_back({number, run.candidate, values});
       std::push_heap(failed.begin(), failed.end(), by_hash);
@@ -198,7 +198,7 @@ StudyNumbers study_numbers(const Plan& plan, const ShardIndex& index,
   }
 
   for (std::size_t i = 0; i < metrics.size(); ++i) {
-    if (columns[i].empty()) continue;  // one of `first` that no run has
+    if (columns[i].empty()) continue;  // a metric of `first` that no run has
     columns[i].resize(numbers.runs.size(), std::numeric_limits<double>::quiet_NaN());
     numbers.metrics.push_back(metrics[i]);
     numbers.columns.push_back(std::move(columns[i]));

@@ -20,11 +20,11 @@ namespace breakwater {
 namespace mustache = kainjow::mustache;
 namespace {
 
-constexpr std::size_t kMostColumns = 6;       // of the table of all metrics
-constexpr std::size_t kMostListedKinds = 30;  // of failures, in their table
-constexpr std::size_t kMostTurns = 40;        // of signs, each with a figure
+constexpr std::size_t kMostColumns = 6;       // in the table of all metrics
+constexpr std::size_t kMostListedKinds = 30;  // kinds of failures in their table
+constexpr std::size_t kMostTurns = 40;        // changes of sign, each with a figure
 constexpr std::size_t kMostNamed = 40;        // candidates and keys in the head
-constexpr std::size_t kMostOfText = 160;  // letters of a key's values, and of a reason times two
+constexpr std::size_t kMostOfText = 160;      // letters of a key's values; half of a reason's
 
 std::string cut_to(const std::string& text, std::size_t most) {
   if (text.size() <= most) return text;
@@ -73,7 +73,7 @@ mustache::data row_of(const std::string& name, const std::string& value) {
   return row;
 }
 
-// What the study is, a line each.
+// The facts of the study, one per line.
 mustache::data facts(const Plan& plan, const ShardIndex& index,
                      const std::vector<std::string>& labels) {
   const Study& study = plan.study();
@@ -108,8 +108,8 @@ mustache::data facts(const Plan& plan, const ShardIndex& index,
   return rows;
 }
 
-// All that differs for the same study on another machine or in another folder. It stands at one
-// place of the page, which its script asks for the command.
+// The parts of the page that depend on the machine or the folder. They stand in one place. The
+// page's script reads the command from there.
 mustache::data this_machine(const ShardIndex& index, const std::string& go_on) {
   mustache::data machine;
   machine.set("go_on", go_on);
@@ -175,7 +175,8 @@ mustache::data failure_rows(const StudyNumbers& numbers, const ShardIndex& index
   return rows;
 }
 
-// Where the sign of a difference turns: of `left` on the page, which there are fewer of then.
+// Adds the keys that change the sign of a difference. `left` is the number of figures that the page
+// may still have.
 void add_turns(const CandidateComparison& comparison, const std::string& metric,
                const StudySections& sections, std::size_t& left, mustache::data& section) {
   mustache::data turns(mustache::data::type::list);
@@ -187,7 +188,7 @@ void add_turns(const CandidateComparison& comparison, const std::string& metric,
   section.set("turns", turns);
 }
 
-// The table of all metrics: the median of each of the first candidates.
+// The table of all metrics: the median for each of the first candidates.
 void add_overview(mustache::data& page, const StudySections& sections, const StudyNumbers& numbers,
                   const std::vector<std::string>& labels) {
   mustache::data columns(mustache::data::type::list);

@@ -9,10 +9,9 @@
 
 namespace breakwater {
 
-/// Writes DIR/report.html: what the study is, what failed where, and each metric with its charts
-/// and, where candidates are compared, what may be said of them.
-/// Of a saltelli design also DIR/indices.csv. It has less than 2 MB however many points there are,
-/// and the same results give the same bytes. Throws OutputError.
+/// Writes DIR/report.html: the study, its failures, and each metric with its charts and the
+/// comparison of the candidates. For a saltelli design it also writes DIR/indices.csv. The page has
+/// less than 2 MB for any number of points. Equal results give equal bytes. Throws OutputError.
 void write_study_report(const Catalogue& catalogue, const Plan& plan, const ShardIndex& index,
                         const StudyFolder& folder,
                         const std::optional<CandidateComparison>& comparison);

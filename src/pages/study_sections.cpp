@@ -16,17 +16,18 @@ namespace breakwater {
 namespace mustache = kainjow::mustache;
 namespace {
 
-constexpr std::size_t kMostDrawn = 12;      // candidates, each with a colour or a dash
-constexpr std::size_t kMostCompared = 100;  // candidates of a table
-// Bytes of the page for each mark of a line, cell of a heat map and line of a run, with the runs
-// that they name; for each row of a table; and how many the metrics may have together.
+constexpr std::size_t kMostDrawn = 12;      // candidates, each with a colour or a dash pattern
+constexpr std::size_t kMostCompared = 100;  // candidates in a table
+// Bytes of the page for a mark, a cell of a heat map and the line of a run. They include the
+// run numbers. Next line: bytes for a row of a table and for a section.
 constexpr double kMark = 310.0, kMarkOfKey = 20.0, kCell = 110.0, kLine = 45.0, kLineOfAxis = 8.0;
 constexpr double kRow = 900.0, kIndexRow = 520.0, kSection = 3000.0;
 constexpr double kMost = 1.6e6;
 constexpr double kFewestGroups = 5.0, kFewestCells = 64.0, kFewestLines = 60.0;
-constexpr std::size_t kOfAGroup = 8;  // samples that a group of a drawn key has at least
+constexpr std::size_t kOfAGroup = 8;  // smallest number of samples in a group of a drawn key
 
-// "median 0.12 (0.1 to 0.2), 20 runs, 1 failed": 10 to 90 % in parentheses.
+// A summary such as "median 0.12 (0.1 to 0.2), 20 runs, 1 failed", with the 10 and 90 % quantiles
+// in parentheses.
 std::string in_words(const QuantileBand& band) {
   std::string text = band.measured > 0
                          ? fmt::format("median {} ({} to {})", format_number(band.median),
@@ -58,7 +59,7 @@ StudyDetail study_detail(const Plan& plan, std::size_t metrics) {
   const auto rows = static_cast<double>(std::min(plan.candidates().size(), kMostCompared));
   const bool is_saltelli = plan.study().method == Method::saltelli;
   const double fixed = kSection + kRow * rows + (is_saltelli ? kIndexRow * rows * keys : 0.0);
-  const double marks = (kMark + kMarkOfKey * keys) * keys * candidates;  // of one group
+  const double marks = (kMark + kMarkOfKey * keys) * keys * candidates;  // bytes per group
   const double line = kLine + kLineOfAxis * (keys + 2.0);
   StudyDetail detail;
   double fewest = fixed;
@@ -158,7 +159,7 @@ StudySections::StudySections(const Plan& plan, const ShardIndex& index, const St
     for (const KeyEffect& effect : effects_) keys_[effect.key].name = effect.name;
   }
 
-  // Failures first, but not them alone.
+  // Failures come first, with a limited share.
   failed_.assign(numbers.failed.begin(),
                  numbers.failed.begin() + static_cast<std::ptrdiff_t>(
                                               std::min(numbers.failed.size(), detail_.lines / 2)));

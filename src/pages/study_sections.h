@@ -1,4 +1,4 @@
-// The parts of a study's report that there are for each metric.
+// The parts of a study's report for each metric.
 #pragma once
 
 #include <algorithm>
@@ -16,29 +16,29 @@
 
 namespace breakwater {
 
-/// How much of each thing a page of less than 2 MB has room for.
+/// Limits that keep the page below 2 MB.
 struct StudyDetail {
-  std::size_t metrics = 0;  ///< that have charts
-  std::size_t groups = 24;  ///< of a key in a line chart
-  std::size_t cells = 900;  ///< of a heat map
-  std::size_t lines = 240;  ///< of single runs; at most half of them of such as failed
+  std::size_t metrics = 0;  ///< metrics with charts
+  std::size_t groups = 24;  ///< per key in a line chart
+  std::size_t cells = 900;  ///< per heat map
+  std::size_t lines = 240;  ///< single runs; at most half of them failed
 };
 
 StudyDetail study_detail(const Plan& plan, std::size_t metrics);
 
-/// Where the page has its failures.
+/// The id of the failures' section.
 inline constexpr const char* kFailuresId = "failures";
 
-/// Whether two keys are crossed: a heat map shows them.
+/// Whether two keys are crossed, so that heat maps exist.
 bool has_heat_maps(const Study& study);
 
-/// The runs that marks of a page are about, each once.
+/// The runs that the marks of a page refer to, each one once.
 class RunList {
  public:
-  /// Its place in the list.
+  /// Adds a point and returns its index in the list.
   std::size_t add(std::size_t point);
-  /// For the page's script: "runs" (each its key, candidate, seed and varied keys' values), and the
-  /// names of candidates and keys. Safe within <script>.
+  /// The list for the page's script: "runs" (each with key, candidate, seed and varied values) and
+  /// the names of candidates and keys. Safe inside <script>.
   std::string json(const Plan& plan, const ShardIndex& index) const;
 
  private:
@@ -49,26 +49,26 @@ class RunList {
 /// Makes the sections of one study's metrics.
 class StudySections {
  public:
-  /// `labels` are the candidates'. All references must outlive it.
+  /// `labels` are the names of the candidates. All references must outlive the object.
   StudySections(const Plan& plan, const ShardIndex& index, const StudyNumbers& numbers,
                 const std::vector<OutputIndices>& indices, const std::vector<std::string>& labels,
                 RunList& runs);
 
-  /// Which candidates have lines and heat maps, in their colours' order.
+  /// The candidates with lines and heat maps, in the order of their colours.
   const std::vector<std::size_t>& drawn() const { return drawn_; }
-  /// The colour of a candidate; that of the last one where it is not drawn.
+  /// The colour of a candidate. A candidate that is not drawn has that of the last one.
   std::size_t colour(std::size_t candidate) const {
     return std::min(colour_of_[candidate], drawn_.size() - 1);
   }
   const StudyDetail& detail() const { return detail_; }
 
-  /// What the template shows of a metric; without one, of the failures.
+  /// The template's data of a metric, or of the failures without `metric`.
   kainjow::mustache::data section(std::optional<std::size_t> metric) const;
   /// The metric over all runs of each candidate.
   std::vector<QuantileBand> by_candidate(std::size_t metric) const;
 
  private:
-  struct Output;  // a metric, or the failures
+  struct Output;  // a metric or the failures
   std::vector<QuantileBand> bands_of(const Output& output) const;
   std::string line_chart(const Output& output, const KeyGroups& key) const;
   void add_heat_maps(const Output& output, kainjow::mustache::data& section) const;
@@ -84,10 +84,10 @@ class StudySections {
   RunList& runs_;
   StudyDetail detail_;
   std::vector<std::size_t> drawn_;
-  std::vector<std::size_t> colour_of_;  // of a candidate; drawn_.size(): it is not drawn
-  std::vector<KeyGroups> keys_;         // for lines
-  std::vector<KeyEffect> effects_;      // of these
-  std::vector<KeyGroups> sides_;        // of heat maps
+  std::vector<std::size_t> colour_of_;  // by candidate; drawn_.size(): not drawn
+  std::vector<KeyGroups> keys_;         // for line charts
+  std::vector<KeyEffect> effects_;      // one per entry of `keys_`
+  std::vector<KeyGroups> sides_;        // for heat maps
   std::vector<std::uint32_t> lines_;    // single runs that did not fail
   std::vector<FailedRun> failed_;
 };

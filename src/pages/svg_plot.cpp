@@ -11,7 +11,7 @@
 namespace breakwater {
 namespace {
 
-constexpr std::size_t kColours = 10;  // of data/report/page.css
+constexpr std::size_t kColours = 10;  // in data/report/page.css
 
 std::string points_path(const std::vector<PlotPoint>& points, char first) {
   std::string path;
@@ -21,7 +21,7 @@ std::string points_path(const std::vector<PlotPoint>& points, char first) {
   return path;
 }
 
-// The stretches of points that are finite.
+// The stretches of finite points.
 std::vector<std::vector<PlotPoint>> stretches(const std::vector<PlotPoint>& points) {
   std::vector<std::vector<PlotPoint>> all(1);
   for (const PlotPoint& point : points) {
@@ -89,7 +89,7 @@ std::string line_path(const std::vector<PlotPoint>& points) {
 }
 
 std::string band_path(const std::vector<PlotPoint>& upper, const std::vector<PlotPoint>& lower) {
-  // Both edges end where one of them does.
+  // A gap in one edge is a gap in both.
   std::vector<PlotPoint> upper_shown = upper;
   std::vector<PlotPoint> lower_shown = lower;
   for (std::size_t i = 0; i < upper.size(); ++i) {

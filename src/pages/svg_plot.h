@@ -1,4 +1,4 @@
-// Drawings with axes, as SVG that needs no script: what all charts of pages are drawn by.
+// Drawings with axes as SVG without scripts, for the charts of pages.
 #pragma once
 
 #include <cstddef>
@@ -10,39 +10,39 @@
 
 namespace breakwater {
 
-// Colours and sizes of text are the page's (data/report/page.css, drawn.css): c0, c1, … are the
-// series'. Lengths are in units of the drawing, which are pixels on a phone.
+// Colours and font sizes are in data/report/page.css and drawn.css. The classes c0, c1, … are those
+// of the series. The unit of length is a pixel on a phone.
 
 inline constexpr double kLetterWidth = 6.2;
 
-/// Text as XML text or an attribute's value.
+/// Escapes a text for XML text or an attribute.
 std::string xml_text(const std::string& text);
 
 /// A length, with at most one decimal.
 std::string px(double value);
 
-/// At most `most` letters, so that it stays in its place.
+/// Cuts a text to at most `most` letters.
 std::string shortened(const std::string& text, std::size_t most);
 
-/// The colour of series i; dashed where the colours come again.
+/// The class of the colour of series i, with dashes once all colours are used.
 std::string series_class(std::size_t i);
 
-/// Elements: words, in a class of the page's style unless it is empty; a dot.
+/// SVG elements: a text, with a class unless `name` is empty; a dot.
 std::string svg_text(double x, double y, const char* anchor, const std::string& text,
                      const std::string& name = "");
 std::string svg_dot(double x, double y);
 
-/// Paths: an oblique cross, and a spot in the shape that series i has.
+/// SVG paths: an oblique cross; a spot in the shape of series i.
 std::string cross_path(double x, double y, double half);
 std::string spot_path(double x, double y, std::size_t series);
 
 using PlotPoint = std::pair<double, double>;
-/// Through points, but for those that are not finite: there it breaks.
+/// A line through the finite points, with gaps at the others.
 std::string line_path(const std::vector<PlotPoint>& points);
-/// Around bands from the upper points to the lower ones, where two or more stand side by side.
+/// The outline of the band between upper and lower points, for stretches of two or more points.
 std::string band_path(const std::vector<PlotPoint>& upper, const std::vector<PlotPoint>& lower);
 
-/// The smallest and largest of values; what is not finite counts for nothing.
+/// The smallest and largest of the finite values.
 struct PlotRange {
   double low, high;
 
@@ -58,35 +58,35 @@ struct PlotArea {
 
 class SvgPlot {
  public:
-  /// `kind` is the class that the page's style has for it; `about` says in words what it shows, for
-  /// those who do not see it (empty: it is left out for them); `more` are further attributes.
+  /// `kind` is the class in the page's style. `about` describes the drawing for screen readers; if
+  /// it is empty, they skip the drawing. `more` has further attributes.
   SvgPlot(const std::string& kind, double width, double height, const std::string& about,
           const std::string& more = "");
 
-  /// Elements that are SVG already.
+  /// Adds SVG elements.
   void add(const std::string& svg) { svg_ += svg; }
-  /// Nothing for an empty path.
+  /// Adds a path. An empty path adds nothing.
   void path(const std::string& name, const std::string& path, const std::string& more = "");
   void text(double x, double y, const char* anchor, const std::string& text,
             const std::string& name = "") {
     svg_ += svg_text(x, y, anchor, text, name);
   }
 
-  /// The left and the lower axis.
+  /// Draws the left and the lower axis.
   void frame(const PlotArea& area);
-  /// Grid lines at round values of y, with the values left of them.
+  /// Grid lines at round values of y, with the values on the left.
   void y_grid(const PlotArea& area, const ChartScale& y, int count = 5);
-  /// The same of x, without the values.
+  /// Grid lines at round values of x, without the values.
   void x_grid(const PlotArea& area, const ChartScale& x, int count = 5);
-  /// Ticks below the area at round values of x, with the values.
+  /// Ticks and values below the area at round values of x.
   void x_ticks(const PlotArea& area, const ChartScale& x, int count = 5);
   void x_ticks(const PlotArea& area, const std::vector<double>& places,
                const std::vector<std::string>& texts);
-  /// Texts side by side, of at most `most` letters; those for which there is no room are left out.
+  /// Texts side by side, cut to `most` letters. Texts without enough room are left out.
   void texts_below(double y, const std::vector<double>& places,
                    const std::vector<std::string>& texts, std::size_t most);
   void x_title(const PlotArea& area, const std::string& title);
-  /// Left of the area, upwards.
+  /// Left of the area, rotated upwards.
   void y_title(const PlotArea& area, const std::string& title);
 
   std::string svg() const { return svg_ + "</svg>"; }

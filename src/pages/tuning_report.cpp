@@ -20,16 +20,16 @@ namespace {
 constexpr double kFrontWidth = 480.0, kFrontHeight = 310.0;
 constexpr PlotArea kFrontArea{60.0, kFrontWidth - 12.0, 12.0, kFrontHeight - 40.0};
 constexpr int kTicks = 6;
-constexpr int kDigits = 5;  // that people read
+constexpr int kDigits = 5;  // for readers
 
 struct Mark {
   double x, y;
-  double y_fresh, x_fresh;  // NaN: there is none
-  std::size_t tuned;        // whose
+  double y_fresh, x_fresh;  // after validation; NaN: none
+  std::size_t tuned;        // index of the candidate
   std::string text;
 };
 
-// With a margin about what is shown.
+// The axis of a range, with a margin.
 ChartScale scale_of(const PlotRange& range, double a, double b) {
   constexpr double kShare = 0.04;
   const bool is_log = is_for_log(range.low, range.high);
@@ -87,7 +87,7 @@ std::string front_chart(const TuningPlan& plan, const TuningResult& result) {
   };
   SvgPlot plot = axes(x, y, title(tuning.objectives[0]), title(tuning.objectives[1]),
                       "The fronts of all cases; the table below has the numbers");
-  // Of three objectives the front is no line.
+  // With three objectives the front is not a line.
   const std::size_t drawn = tuning.objectives.size() == 2 ? result.fronts.size() : 0;
   for (std::size_t c = 0; c < drawn; ++c) {
     std::vector<PlotPoint> points;
@@ -158,7 +158,7 @@ mustache::data legend(const TuningResult& result) {
   return list;
 }
 
-// Where the hypervolumes end: "peak_N = 12, free_motion_s = 1.5".
+// The reference point of the hypervolume: "peak_N = 12, free_motion_s = 1.5".
 std::string reference_text(const Tuning& tuning, const TuningResult& result) {
   std::vector<std::string> parts;
   for (std::size_t i = 0; i < result.reference.size(); ++i) {
@@ -169,7 +169,7 @@ std::string reference_text(const Tuning& tuning, const TuningResult& result) {
   return fmt::format("{}", fmt::join(parts, ", "));
 }
 
-// Whole numbers are counts, and names of what is counted.
+// Whole numbers are counts, and stay as they are.
 std::string readable(const std::string& cell) {
   return cell.find('.') == std::string::npos ? cell : in_short(cell, kDigits);
 }

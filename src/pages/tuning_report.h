@@ -8,8 +8,8 @@
 
 namespace breakwater {
 
-/// Writes DIR/report.html: the fronts over the first two objectives, the hypervolume over the
-/// budget, and each point of a front with its file. Throws OutputError.
+/// Writes DIR/report.html: the Pareto fronts over the first two objectives, the hypervolume over
+/// the budget, and each point of a front with its file. Throws OutputError.
 void write_tuning_report(const TuningPlan& plan, const TuningResult& result,
                          const std::filesystem::path& folder);
 

@@ -83,8 +83,8 @@ std::vector<std::string> all_sets(const Arguments& arguments) {
   return sets;
 }
 
-// --seed and --duration are --set by another name: what is wrong with them is said of what was
-// typed. all_sets() takes care that nobody else set these keys.
+// --seed and --duration set keys. An error message about such a key names the option that the user
+// typed. all_sets() ensures that no --set has the same key.
 template <typename Body>
 auto naming_options(const Arguments& arguments, Body&& body) {
   try {
@@ -102,7 +102,7 @@ auto naming_options(const Arguments& arguments, Body&& body) {
   }
 }
 
-// Refuses a folder for the folders of several runs that holds anything else.
+// Refuses a folder with other contents as the parent of the runs' folders.
 void check_folder_of_runs(const fs::path& folder) {
   if (!fs::exists(folder)) return;
   if (!fs::is_directory(folder)) {
@@ -126,7 +126,7 @@ void report_failures(const std::string& scenario, const std::vector<RunSummary>&
   }
 }
 
-// Warnings that the runs themselves gave.
+// Prints warnings from the runs themselves.
 void print_late_warnings(const std::string& scenario, const std::vector<RunSummary>& runs) {
   for (const RunSummary& run : runs) {
     warn(fmt::format("{} {}", scenario, run.case_name), run.warnings);
@@ -135,13 +135,13 @@ void print_late_warnings(const std::string& scenario, const std::vector<RunSumma
 
 void check_video(const std::vector<PreparedRun>& runs, const Arguments& arguments) {
   if (arguments.video->count() == 0) return;
-  opengl_asked();  // what it refuses is refused before the run, not after it
+  opengl_asked();  // refuses an unusable setting before the run
   if (runs.size() > 1 && !arguments.video_file.empty()) {
     throw std::invalid_argument("--video: one file cannot hold the videos of several runs");
   }
 }
 
-// Returns 0, or the status to exit with because of a video that failed.
+// Returns 0 or the exit status of a failed video.
 int make_videos(const std::vector<RunSummary>& runs, const Arguments& arguments,
                 const std::string& video_program) {
   if (arguments.video->count() == 0) return kSuccess;
@@ -155,7 +155,7 @@ int make_videos(const std::vector<RunSummary>& runs, const Arguments& arguments,
   return status;
 }
 
-// A --set that has an effect in one of the runs is in its place.
+// Warns only about a --set that is ineffective in all runs.
 void print_vain_sets(const std::string& scenario, const std::vector<PreparedRun>& runs) {
   for (const VainKey& vain : runs.front().vain) {
     const bool is_vain_in_all = std::all_of(runs.begin(), runs.end(), [&](const PreparedRun& run) {
@@ -198,15 +198,16 @@ struct Call {
   }
 };
 
-// Runs of one call: each run into its place below a folder, of which `shared` have several.
+// The runs of one call, each with its place below a folder. `shared` lists folders with several
+// runs.
 struct Batch {
-  std::string name;  // of the folder, before its seed
+  std::string name;  // name of the folder, before the seed
   std::vector<PreparedRun> runs = {};
   std::vector<std::string> places = {};
   std::vector<std::string> shared = {};
 };
 
-// `table` says what is printed of the runs in `out`; nothing if that is empty.
+// `table` returns the text to print about the runs in `out`; an empty text prints nothing.
 int run_batch(const Call& call, const Batch& batch,
               const std::function<std::string(const std::vector<RunSummary>&,
                                               const std::string& out)>& table) {
@@ -268,7 +269,7 @@ int run_cases(const Call& call) {
       });
 }
 
-// All cases for each value of one key, each into OUT/VALUE/CASE.
+// Runs all cases for each value of one key, into OUT/VALUE/CASE.
 int run_matrix(const Call& call) {
   const Arguments& arguments = call.arguments;
   if (arguments.print_config) {

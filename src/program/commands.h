@@ -1,5 +1,5 @@
-// The commands of a program that are no room's own: main() of each, argv[0] being its name. Each
-// returns its exit status.
+// The commands that belong to no other room. Each function is the main() of a command, with argv[0]
+// as its name. It returns the exit status.
 #pragma once
 
 #include <breakwater/experiment/catalogue.h>
@@ -7,36 +7,36 @@
 
 namespace breakwater {
 
-/// Every command of a program that has all of them.
+/// All commands of a complete program.
 std::vector<CommandKind> all_commands(const Catalogue& catalogue);
 
-/// `doctor`: what works on this machine, and what to install for what does not: 1 if something is
+/// `doctor`: checks this machine and names the packages to install. Exit status 1 if something is
 /// broken.
 int doctor_main(const Catalogue& catalogue, int argc, const char* const* argv);
 
-/// `list`: what there is to choose from.
+/// `list`: prints the available scenarios and parts.
 int list_main(const Catalogue& catalogue, int argc, const char* const* argv);
 
-/// `ls` and `rm`: the runs and studies below a folder.
+/// `ls` and `rm`: list or remove the runs and studies below a folder.
 inline constexpr const char* kListRuns = "ls";
 inline constexpr const char* kRemoveRuns = "rm";
 int list_runs_main(const Catalogue& catalogue, int argc, const char* const* argv);
 int remove_runs_main(const Catalogue& catalogue, int argc, const char* const* argv);
 
-/// `new`: a project of the user's own. Its kinds are the folders of templates/.
+/// `new`: makes a project from a template. Each folder of templates/ is a kind of project.
 int new_project_main(const Catalogue& catalogue, int argc, const char* const* argv);
 
-/// `reference`: pages about commands, keys, metrics, columns and exit statuses.
+/// `reference`: writes pages about commands, keys, metrics, columns and exit statuses.
 int reference_main(const Catalogue& catalogue, int argc, const char* const* argv);
 
-/// `sweep`: studies of many runs: 3 if a run failed and the study is to stop then.
+/// `sweep`: runs studies. Exit status 3 if a run failed and this stops the study.
 int sweep_main(const Catalogue& catalogue, int argc, const char* const* argv);
 
-/// `tune`: the best values of some keys, and what they are worth elsewhere: 3 if no candidate met
+/// `tune`: searches and validates the best values of some keys. Exit status 3 if no candidate met
 /// the constraints or survived.
 int tune_main(const Catalogue& catalogue, int argc, const char* const* argv);
 
-/// `waves`: a sea, checked and printed.
+/// `waves`: checks a sea state and prints it.
 int waves_main(const Catalogue& catalogue, int argc, const char* const* argv);
 
 }  // namespace breakwater

@@ -85,12 +85,12 @@ void print_checks_json(const std::vector<HealthCheck>& checks) {
 int doctor_main(const Catalogue& catalogue, int argc, const char* const* argv) {
   const std::string program = own_program_name() + " doctor";
   return guarded(program, [&] {
-    CLI::App app("What works on this machine, and what to install for what does not.", program);
+    CLI::App app("check this machine and name the packages to install", program);
     bool json = false;
     app.add_flag("--json", json, "print a list of objects instead: what, state, found, install");
     app.footer(
-        "Missing is what is optional: all else works without. Broken is what is there and does\n"
-        "not work, or what nothing works without.\n"
+        "missing: an optional part is not installed; everything else works.\n"
+        "broken: a part does not work, or a necessary part is not installed.\n"
         "Exit status: 0 nothing is broken, 1 something is, 2 usage.");
     if (const auto status = parse(app, argc, argv)) return *status;
     const std::vector<HealthCheck> checks = check_health(catalogue);

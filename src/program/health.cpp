@@ -26,7 +26,7 @@ namespace {
 
 using State = HealthCheck::State;
 
-// Long enough for every part of a scenario to have been called.
+// Long enough to call every part of a scenario.
 constexpr const char* kMoment = "run.duration_s=0.1";
 
 void run_for_a_moment(const Catalogue& catalogue, const ScenarioKind& kind) {
@@ -66,12 +66,12 @@ HealthCheck check_library(const std::string& what, const std::string& mujoco_gl,
                           const std::string& packages) {
   const RendererProbe probe = probe_renderer(mujoco_gl);
   const bool draws = probe.outcome == RendererProbe::Outcome::draws;
-  // One that is there and does not draw lacks its driver, another package.
+  // The library is there but cannot draw: its driver is another package.
   return {what, draws ? State::ok : State::missing, probe.words,
           draws ? "" : "apt install " + packages};
 }
 
-// As the environment asks, which is what counts.
+// Checks the renderer that the environment selects.
 HealthCheck check_pictures() {
   const auto asked = environment("MUJOCO_GL");
   const std::string when = asked ? "MUJOCO_GL=" + *asked : "MUJOCO_GL unset";
@@ -124,7 +124,7 @@ HealthCheck check_pages() {
           "apt install libjs-dygraphs libjs-three"};
 }
 
-// The first line that a program says, if it is there and says it is well.
+// The first line of a program's output, if the program exists and succeeds.
 std::optional<std::string> first_line(const std::vector<std::string>& words) {
   try {
     ReadProgram program(words, true);
@@ -135,7 +135,7 @@ std::optional<std::string> first_line(const std::vector<std::string>& words) {
     if (program.wait() != 0) return std::nullopt;
     return first;
   } catch (const std::invalid_argument&) {
-    return std::nullopt;  // there is none
+    return std::nullopt;  // the program does not exist
   }
 }
 
@@ -147,10 +147,10 @@ HealthCheck check_slurm() {
           "apt install slurm-client"};
 }
 
-// Where a module is, or nothing; `place` is looked at before what Python looks at by itself.
+// The file of a Python module, or nothing. `place` is searched first.
 std::optional<std::string> python_module(const std::string& python, const std::string& name,
                                          const std::string& place = "") {
-  // Not what lies in the working folder; a folder without a module has no file.
+  // Ignores the working folder. A folder without a module has no file.
   constexpr const char* kScript =
       "import sys, importlib\n"
       "sys.path[:1] = [p for p in sys.argv[2:] if p]\n"
@@ -159,12 +159,12 @@ std::optional<std::string> python_module(const std::string& python, const std::s
   return first_line({python, "-c", kScript, name, place});
 }
 
-// How a Python has our module; nothing if it has not.
+// How this Python can import our module; nothing if it cannot.
 std::optional<std::string> way_to_import(const std::string& python) {
   if (const auto file = python_module(python, "breakwater")) {
     return "import breakwater: " + fs::path(*file).parent_path().string();
   }
-  // The tree's own, beside bin/.
+  // The module of the build tree, beside bin/.
   const fs::path built = fs::path(own_program()).parent_path().parent_path() / "python";
   if (!python_module(python, "breakwater", built.string())) return std::nullopt;
   return "import breakwater, with PYTHONPATH=" + built.string();
@@ -191,7 +191,7 @@ HealthCheck check_python() {
           "apt install ./python3-breakwater_*.deb (./dev package makes it)"};
 }
 
-// Of figures for papers, and of what the Python module gives on request.
+// Modules for figures and for optional parts of the Python module.
 HealthCheck check_python_extras() {
   const std::vector<std::pair<std::string, std::string>> modules = {
       {"h5py", "python3-h5py"},
@@ -227,7 +227,7 @@ HealthCheck check_python_extras() {
 }  // namespace
 
 std::vector<HealthCheck> check_health(const Catalogue& catalogue) {
-  // First what forks: the runs may leave threads.
+  // Checks that fork come first: the runs may leave threads.
   const HealthCheck pictures = check_pictures();
   const HealthCheck osmesa = check_library("OSMesa", "osmesa", "libosmesa6");
   const HealthCheck egl = check_library("EGL", "egl", "libegl1 libegl-mesa0");

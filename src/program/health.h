@@ -1,4 +1,4 @@
-// What of all that a program needs while it runs is there, and works.
+// Checks of the software that the program needs at run time.
 #pragma once
 
 #include <string>
@@ -9,17 +9,17 @@
 namespace breakwater {
 
 struct HealthCheck {
-  /// `missing`: what is optional is not there; all else works without. `broken`: something that is
-  /// there does not work, or without it nothing does.
+  /// `missing`: an optional part is absent. `broken`: a part does not work, or a necessary one is
+  /// absent.
   enum class State { ok, missing, broken };
   std::string what;  ///< one word
   State state = State::ok;
-  std::string found;    ///< one line: what it is, or why it does not work
-  std::string install;  ///< a command, if one mends it
+  std::string found;    ///< one line: a description, or the reason of the fault
+  std::string install;  ///< a command that repairs it, if any
 };
 
-/// All of them, from what no run can do without to what few want. Runs each scenario for a moment,
-/// draws, and calls programs of the PATH: some seconds. Call it while no other thread runs.
+/// Makes all checks, the most important first. It runs each scenario briefly, draws a picture, and
+/// calls programs of the PATH. This takes some seconds. No other thread may run.
 std::vector<HealthCheck> check_health(const Catalogue& catalogue);
 
 }  // namespace breakwater

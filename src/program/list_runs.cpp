@@ -25,17 +25,17 @@ namespace {
 
 constexpr const char* kListIndent = "    ";
 
-// A run or a study, as both are listed.
+// A run or study in the list.
 struct Entry {
   fs::path folder;
   fs::file_time_type written;
   std::string kind;    // run, study or tuning
-  std::string status;  // of a run, or how many a study has
+  std::string status;  // status of a run; for a study the number of its runs
   Tone tone = Tone::good;
-  std::string scenario;  // empty: not known
+  std::string scenario;  // empty: unknown
   std::string reason;
   std::vector<Metric> metrics;
-  nlohmann::ordered_json more;  // what is of one kind alone
+  nlohmann::ordered_json more;  // fields of one kind only
 };
 
 Entry entry_of(const ListedRun& run) {
@@ -94,7 +94,7 @@ std::vector<Entry> entries_below(const fs::path& below) {
   return entries;
 }
 
-// The scenarios' main metrics, asked for once each.
+// The main metrics of the scenarios, read once each.
 class MainMetrics {
  public:
   explicit MainMetrics(const Catalogue& catalogue) : catalogue_(catalogue) {}
@@ -112,7 +112,7 @@ class MainMetrics {
   std::map<std::string, std::vector<std::string>> names_;
 };
 
-// Scenario and case of a run whose folder does not say them.
+// Scenario and case of a run, if the folder's name does not have them.
 std::string origin_of(const Entry& entry) {
   if (entry.kind != "run" || entry.scenario.empty()) return "";
   const auto name = entry.more.value("case", "");

@@ -23,7 +23,7 @@ namespace {
 
 constexpr std::size_t kLongestName = 64;
 
-// "AnOwnName" of "an_own_name".
+// Camel case: "AnOwnName" for "an_own_name".
 std::string camel_case(const std::string& name) {
   std::string result;
   bool begins = true;
@@ -56,7 +56,7 @@ std::string instantiated(const std::string& text, const std::string& placeholder
   return replaced(result, upper_case(placeholder), upper_case(name));
 }
 
-// Of a template: files by what they will be called, relative to the project's folder.
+// The files of a template by their new names, relative to the project's folder.
 std::map<fs::path, fs::path> files_of(const fs::path& from, const std::string& placeholder,
                                       const std::string& name) {
   std::map<fs::path, fs::path> files;
@@ -81,7 +81,7 @@ std::vector<std::string> kinds_of_projects(const fs::path& templates) {
   return kinds;
 }
 
-// The first lines to paste. CMake finds by itself what is installed in the system.
+// The first commands for the user. CMake finds packages that are installed in the system.
 std::string how_to_build(const fs::path& templates, const fs::path& out) {
   const fs::path share = templates.parent_path();
   const fs::path build = fs::path(own_program()).parent_path().parent_path();

@@ -1,4 +1,4 @@
-// `breakwater new`: a project of the user's own, made of a template.
+// `breakwater new`: makes a project from a template.
 #pragma once
 
 #include <filesystem>
@@ -8,14 +8,14 @@
 
 namespace breakwater {
 
-/// Throws std::invalid_argument unless `name` is [a-z][a-z0-9_]*, of 64 characters at most, and no
-/// scenario and no part of the catalogue has it.
+/// Throws std::invalid_argument unless `name` matches [a-z][a-z0-9_]*, has at most 64 characters,
+/// and is not the name of a scenario or part.
 void check_project_name(const Catalogue& catalogue, const std::string& name);
 
-/// Makes the folder `out` of the template in the folder `from`, whose project is called
-/// `placeholder` ("my_controller"): in the files' names and texts it becomes `name`, MyController
-/// "Name" and MY_CONTROLLER "NAME". The folder is complete or absent. Throws std::invalid_argument
-/// if `out` is there already, its parent is not, or two files would have one name; OutputError.
+/// Makes the project folder `out` from the template folder `from`. `placeholder` ("my_controller")
+/// becomes `name` in the names and texts of the files. Likewise MyController becomes "Name" and
+/// MY_CONTROLLER "NAME". On an error no folder is left. Throws std::invalid_argument if `out`
+/// exists, its parent does not, or two files would have the same name; OutputError.
 void make_project(const std::filesystem::path& from, const std::string& placeholder,
                   const std::string& name, const std::filesystem::path& out);
 

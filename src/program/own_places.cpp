@@ -12,7 +12,7 @@ void set_places(const Catalogue& catalogue, const char* installation) {
   set_data_places(places);
   for (const ScenarioKind& kind : catalogue.all<ScenarioKind>()) {
     if (kind.folder.empty()) continue;
-    // Where its program was built; or, that gone, where it was installed.
+    // The folder in which the program was built or, if it is gone, the installed one.
     const auto installed = look_for("scenarios/" + kind.name);
     places.scenarios.push_back(kind.folder);
     if (installed) places.scenarios.push_back(*installed);

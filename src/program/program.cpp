@@ -40,7 +40,7 @@ int run_main(const Catalogue& catalogue, int argc, const char* const* argv) {
 
 }  // namespace
 
-// In the order of the help: ours, with those that the catalogue adds among them.
+// In the order of the help. The commands of the catalogue are among ours.
 std::vector<CommandKind> all_commands(const Catalogue& catalogue) {
   std::vector<CommandKind> all = {
       {"list", "print the scenarios and what they study", list_main},

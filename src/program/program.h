@@ -1,4 +1,4 @@
-// Everything that `breakwater` does, over any catalogue: what a user's own program links.
+// The program `breakwater` for any catalogue. A user's own program links it.
 #pragma once
 
 #include <breakwater/experiment/catalogue.h>
@@ -11,9 +11,9 @@ int program(int argc, const char* const* argv, const Catalogue& catalogue,
             const char* installation);
 }  // namespace detail
 
-/// main() of a program with all commands over the catalogue's scenarios: run, list, video, report,
-/// reproduce, …. Returns its exit status: 0 success, 1 a defect, 2 usage or input, 3 a run failed,
-/// 4 only a later output failed, 130 interrupted.
+/// main() of a program with all commands: run, list, video, report, reproduce, …. Exit status: 0
+/// success, 1 an internal error, 2 usage or input, 3 a run failed, 4 only a later output failed,
+/// 130 interrupted.
 static inline int program(int argc, const char* const* argv, const Catalogue& catalogue) {
   return detail::program(argc, argv, catalogue, detail::kInstallation);
 }

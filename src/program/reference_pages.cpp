@@ -16,7 +16,7 @@ namespace breakwater {
 namespace {
 
 constexpr const char* kBriefRun = "run.duration_s=0.1";  // the columns are the same in a long run
-constexpr std::size_t kTrack = 3;  // of a column's row: the cell with its track
+constexpr std::size_t kTrack = 3;                        // cell of a column's row with its track
 constexpr const char* kFineLog = "record.fine_from_s";
 
 using Row = std::vector<std::string>;
@@ -59,7 +59,7 @@ std::string capital(std::string text) {
   return text;
 }
 
-// A help text with its units, "the limit [N m]", in two: the text without a single unit at its end.
+// A help text with unit, such as "the limit [N m]", split into text and unit.
 struct TextAndUnit {
   std::string text;
   std::string unit;
@@ -113,7 +113,7 @@ std::string keys(const std::vector<KeyHelp>& all) {
   return text;
 }
 
-// The values of the keys that the scenario has read, as TOML has them.
+// The values of the keys that the scenario has read, as TOML.
 std::map<std::string, std::string> values(const std::vector<KeyHelp>& all) {
   std::map<std::string, std::string> found;
   for (const KeyHelp& key : all) found.try_emplace(key.key, key.value);
@@ -121,7 +121,7 @@ std::map<std::string, std::string> values(const std::vector<KeyHelp>& all) {
 }
 
 std::string cases(const Catalogue& catalogue, const ScenarioKind& kind, const ScenarioFile& file) {
-  const std::vector<Config> tables = file.tables();  // the file's own, then one for each case
+  const std::vector<Config> tables = file.tables();  // first the common table, then one per case
   std::vector<Row> rows;
   for (std::size_t i = 0; i < file.cases().size(); ++i) {
     const std::string& name = file.cases()[i];
@@ -147,14 +147,14 @@ std::string metrics(const Scenario& scenario) {
   return table({"Metric", "Unit", "Definition"}, rows);
 }
 
-// The columns of the logs of all cases, each once.
+// The columns in the logs of all cases, without repetition.
 std::string columns(const Catalogue& catalogue, const ScenarioFile& file,
                     const std::string& scenario) {
   std::vector<Row> rows = {{code("time_s"), "s", "1", "all", "time of the row", ""}};
   std::vector<std::vector<std::string>> have = {file.cases()};
   for (const std::string& name : file.cases()) {
     std::vector<std::string> sets = {kBriefRun};
-    // The window with a finer log may begin later than a brief run ends.
+    // The window with the fine log may begin after the end of a brief run.
     if (file.config(name).find(kFineLog) != nullptr) sets.push_back(std::string(kFineLog) + "=0");
     const PreparedRun run = prepare_run(catalogue, scenario, file, name, sets);
     const Recording recording = run.scenario->run({});

@@ -18,7 +18,7 @@ namespace breakwater {
 namespace fs = std::filesystem;
 namespace {
 
-// What may go, and what may not, each with one line that says why.
+// The folders to remove and to keep, each with a reason.
 struct Removal {
   struct Folder {
     fs::path path;
@@ -103,9 +103,8 @@ int remove_runs_main(const Catalogue&, int argc, const char* const* argv) {
     app.add_option("DIR", below, "where to look")->capture_default_str();
     app.add_flag("--dry-run", dry_run, "say what would be removed, and remove nothing");
     app.footer(
-        "Folders that hold anything that no run leaves stay, and so does what a study keeps, a "
-        "run\n"
-        "that may still go on, and what symbolic links lead to.\n"
+        "Keeps folders with other files than those of runs, runs of studies, runs that may still\n"
+        "be active, and the targets of symbolic links.\n"
         "Exit status: 0 success, 2 usage, or a folder that cannot be removed.");
     if (const auto status = parse(app, argc, argv)) return *status;
     return remove_failed(below, dry_run);

@@ -7,7 +7,7 @@
 namespace breakwater {
 namespace {
 
-// ".1" as TOML has it: "0.1".
+// A number as TOML: "0.1" for ".1".
 std::string as_toml_number(const std::string& text) {
   double value = 0.0;
   if (!CLI::detail::lexical_cast(text, value)) return text;

@@ -13,18 +13,19 @@ struct RunChanges {
   std::string duration;
 };
 
-/// --config, --set and --duration, in a group of the help.
+/// Adds --config, --set and --duration to a group of the help.
 void add_run_changes(CLI::App& app, RunChanges& options, const std::string& config_help,
                      const std::string& set_help, const std::string& group = "Options");
 
-/// "--OPTION must be a number": a check. What the key asks beyond that is said of the key.
+/// A check for CLI11: returns an error text unless `text` is a number. The key itself checks the
+/// range.
 std::string is_number(const std::string& text);
 
-/// --set's, and OPTION=VALUE as that of a key, if it was given. Throws std::invalid_argument if
-/// both give it.
+/// Adds OPTION=VALUE as a set of `key`, if the option was given. Throws std::invalid_argument if a
+/// --set has the same key.
 void add_set(std::vector<std::string>& sets, const std::string& option, const std::string& key,
              const std::string& value);
-/// The sets with --duration among them.
+/// All sets, including that of --duration.
 std::vector<std::string> all_sets(const RunChanges& options);
 
 }  // namespace breakwater

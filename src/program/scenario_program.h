@@ -1,4 +1,4 @@
-// The main() of one scenario alone.
+// The main() of a program with a single scenario.
 #pragma once
 
 #include <string>
@@ -7,14 +7,14 @@
 
 namespace breakwater {
 
-/// The catalogue of all that Breakwater brings with it: component `scenarios` has it.
+/// The catalogue of everything in Breakwater. The component `scenarios` contains it.
 Catalogue standard_catalogue();
 
 namespace detail {
 int scenario_program(int argc, const char* const* argv, const Catalogue& catalogue,
                      const std::string& scenario, const char* installation);
 
-// Of the Breakwater that a program outside of its tree is built against: find_package() defines it.
+// find_package() defines it for a program outside the tree: the installed Breakwater.
 #ifdef BREAKWATER_INSTALLATION
 constexpr const char* kInstallation = BREAKWATER_INSTALLATION;
 #else
@@ -22,9 +22,9 @@ constexpr const char* kInstallation = "";
 #endif
 }  // namespace detail
 
-/// main() of a program of one scenario alone, the same as `run NAME`. Videos of its runs are made
-/// by the program `breakwater` that stands beside it, so that this one loads no OpenGL and no
-/// encoder. Returns its exit status, as program() does.
+/// main() of a program for one scenario, the same as `run NAME`. The program `breakwater` beside it
+/// makes the videos, so this one loads neither OpenGL nor an encoder. Returns the exit status as
+/// program() does.
 static inline int scenario_program(int argc, const char* const* argv, const Catalogue& catalogue,
                                    const std::string& scenario) {
   return detail::scenario_program(argc, argv, catalogue, scenario, detail::kInstallation);

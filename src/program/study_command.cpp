@@ -66,7 +66,7 @@ StudyCommand::StudyCommand(StudyFolder folder, StudyOptions options)
     : folder_(std::move(folder)), options_(std::move(options)) {
   if (options_.isolate) options_.request.of_task = {"--isolate"};
   if (options_.is_task()) {
-    stop_on_signals({SIGUSR1});  // a scheduler's warning that time is up
+    stop_on_signals({SIGUSR1});  // a scheduler's warning before its time limit
   } else {
     stop_on_signals();
   }
@@ -84,7 +84,7 @@ int StudyCommand::run() {
     throw std::invalid_argument(fmt::format("{}: has no {}: nothing was begun",
                                             folder_.path().string(), folder_.kind().file));
   }
-  std::optional<ShardIndex> before;  // what was there
+  std::optional<ShardIndex> before;  // results before the call
   if (is_there) {
     folder_.check_is(text(), text_there());
     before.emplace(folder_.shards(), size());
@@ -100,7 +100,7 @@ int StudyCommand::run() {
     if (!options_.rerun) folder_.check_made_by_this(file(), *before);
     if (!options_.replay.empty()) return replay(*before);
   }
-  if (options_.slurm) most_tasks();  // that there is no cluster is said before anything is made
+  if (options_.slurm) most_tasks();  // fails without a cluster before anything is made
   if (!is_there || options_.rerun) {
     begin(is_there);
     before.emplace(folder_.shards(), size());
@@ -110,7 +110,7 @@ int StudyCommand::run() {
 
 void StudyCommand::begin(bool is_there) const {
   if (is_there) check_not_queued(queued(folder_, size()), folder_, "--rerun");
-  check();  // while what is there is still there
+  check();  // before old results are removed
   if (is_there) {
     folder_.make_anew(text(), file());
   } else {
@@ -149,7 +149,7 @@ void StudyCommand::fail_for_undone(std::size_t left) const {
                                 left == 1 ? "one run was" : fmt::format("{} runs were", left)));
 }
 
-// The points of --points that are not done.
+// Runs the undone points of --points.
 int StudyCommand::run_task(const ShardIndex& before) {
   std::vector<std::size_t> points = task_points();
   std::erase_if(points, [&](std::size_t point) { return before.has(point); });

@@ -55,7 +55,7 @@ OpenedStudy open_study(const Catalogue& catalogue, const SweepOptions& options) 
   std::string origin = given;
   std::optional<fs::path> file;
   if (fs::is_regular_file(target)) file = target;
-  // Shipped studies are found from everywhere.
+  // Shipped studies are found from any folder.
   if (!file && target.extension() == ".toml") file = look_for(given);
   if (file) {
     origin = file->string();
@@ -70,7 +70,7 @@ OpenedStudy open_study(const Catalogue& catalogue, const SweepOptions& options) 
   return {read_study(tables, origin), new_folder(options.study, name, kSweep)};
 }
 
-// The first point that did not end well, in the study's order; nothing if all did.
+// The first point, in the order of the study, that did not end well; nothing if all did.
 std::optional<PointResult> first_failure(const ShardIndex& index) {
   if (index.count(PointStatus::complete) == index.done()) return std::nullopt;
   std::size_t point = 0;
@@ -107,7 +107,7 @@ class SweepCommand : public StudyCommand {
 
   void check() const override {
     warn(name(), sweep_.check());
-    if (!options_.isolate) check_asked_metrics(sweep_);  // else a run may end this process
+    if (!options_.isolate) check_asked_metrics(sweep_);  // a run could crash this process
   }
 
   void collect(const ShardIndex& index) const override {
@@ -140,7 +140,7 @@ class SweepCommand : public StudyCommand {
     fmt::print("report: {}\n", (folder_.path() / "report.html").string());
   }
 
-  // Runs a point once more, and says if it is not the run that it was.
+  // Runs a point once more and compares it with its result.
   int replay(const ShardIndex& index) override {
     std::size_t point = 0;
     try {
@@ -245,8 +245,8 @@ class SweepCommand : public StudyCommand {
  private:
   bool stops() const { return plan_.study().on_failure == OnFailure::stop; }
   SlurmStudy on_cluster() const { return {folder_, plan_.study().slurm}; }
-  // Leaves points that are in the queue out of `points`, so that they are not run twice, and says
-  // so. Returns whether there were any.
+  // Removes points in the queue from `points`, so that they do not run twice, and reports them.
+  // Returns whether there were any.
   bool leave_out_queued(std::vector<std::size_t>& points) const {
     if (points.empty()) return false;
     const auto queue =
@@ -254,7 +254,7 @@ class SweepCommand : public StudyCommand {
     if (!queue || !queue->is_asked) return false;
     const std::size_t left =
         std::erase_if(points, [&](std::size_t point) { return queue->points[point]; });
-    // A task that has ended since `points` were read is no more in the queue, and its points are
+    // A task may have ended after `points` were read. It has left the queue and its points are
     // done.
     const ShardIndex now = index();
     std::erase_if(points, [&](std::size_t point) { return now.has(point); });
@@ -273,7 +273,7 @@ class SweepCommand : public StudyCommand {
     return true;
   }
 
-  // How long they take is told by one run of each candidate.
+  // One run of each candidate shows how long the points take.
   void submit_points(const std::vector<std::size_t>& points) const {
     const SubmittedJob job = submit(on_cluster(), points, options_.request, [&] {
       return estimate(sweep_, interrupted()).seconds * static_cast<double>(points.size()) /

@@ -18,20 +18,20 @@
 namespace breakwater {
 namespace {
 
-constexpr const char* kWhat = "What is run (in a study file: the keys of these names)";
+constexpr const char* kWhat = "The study (in a study file: the keys of these names)";
 constexpr const char* kHow = "How";
 constexpr const char* kBegun = "With a study that was begun";
 
 enum class As { names, text, number, other };
 
-// An option that says what is run, and where a study file says it; `other` ones have words of their
-// own.
+// An option that defines the study, with its place in a study file. Options of kind `other` have
+// code of their own.
 struct WhatOption {
   const char* option;
   const char* type;
   const char* help;
   As as = As::other;
-  const char* table = "";  // empty: of the file's first level
+  const char* table = "";  // empty: top level of the file
   const char* key = "";
 };
 
@@ -40,9 +40,9 @@ constexpr WhatOption kCase = {
     As::names, "compare",        "case"};
 constexpr WhatOption kOthers[] = {
     {"--vary", "KEY=VALUES",
-     "a key and what it takes: 1,2,5 or lin(A,B,N), log(A,B,N); of the methods that\n"
-     "draw also uniform(A,B), log_uniform(A,B), normal(MEAN,DEVIATION); may be given\n"
-     "again for another key"},
+     "vary a key over values: 1,2,5 or lin(A,B,N) or log(A,B,N). Random methods also\n"
+     "take uniform(A,B), log_uniform(A,B), normal(MEAN,DEVIATION). Repeat the option\n"
+     "for another key"},
     {"--seeds", "SEEDS", "the same for each sample and case: 1..20 or 1,4,7"},
     {"--method", "NAME",
      "how values are put together: grid (the default), list, random, lhs, sobol,\n"
@@ -78,7 +78,7 @@ void add_what(CLI::App& app, SweepOptions& options, const WhatOption& what) {
   }
 }
 
-// Takes a key out of a table, whether its file writes "a.b" = 1 or a.b = 1.
+// Removes a key from a table, whether it is written as "a.b" = 1 or a.b = 1.
 void take_out(toml::table& table, const std::string& key) {
   table.erase(key);
   const std::size_t dot = key.find('.');
@@ -99,7 +99,7 @@ std::pair<std::string, std::string> key_and_value(const std::string& option,
   return {text.substr(0, equals), text.substr(equals + 1)};
 }
 
-// The tables of a study file, onto which options are laid.
+// The tables of a study file, with the options merged in.
 class LaidTables {
  public:
   LaidTables(toml::table& tables, const SweepOptions& options)
@@ -140,7 +140,7 @@ class LaidTables {
       if (parsed) {
         put(table("set"), key, *parsed->get("value"));
       } else {
-        table("set").insert_or_assign(key, text);  // a bare word
+        table("set").insert_or_assign(key, text);  // a word without quotes
       }
     }
   }
@@ -164,7 +164,7 @@ class LaidTables {
   }
 
   void lay_goals() {
-    std::string goals;  // in one table, whose places keep their order
+    std::string goals;  // one table, in the order of the options
     for (const auto& [metric, goal] : pairs("--goal")) {
       goals +=
           fmt::format("{}{} = {}", goals.empty() ? "" : ", ", toml_key(metric), toml_string(goal));
@@ -186,7 +186,7 @@ class LaidTables {
     throw std::invalid_argument(options_.study.target + ": " + name + ": must be a table");
   }
 
-  // KEY=VALUE of an option that may be given again, for another key.
+  // KEY=VALUE of an option that may be repeated for other keys.
   std::vector<std::pair<std::string, std::string>> pairs(const std::string& option) const {
     std::vector<std::pair<std::string, std::string>> all;
     std::set<std::string> keys;
@@ -229,8 +229,8 @@ void add_sweep_options(CLI::App& app, SweepOptions& options) {
   app.add_flag("--collect", options.study.collect, "write results.csv of what is done, and exit")
       ->group(kBegun);
   app.add_option("--replay", options.study.replay,
-                 "run this point (its first digits will do) once more, with its log, into\n"
-                 "DIR/runs/POINT; exit status 3 if it is not the run that it was")
+                 "repeat this point (its first digits suffice) with its log in DIR/runs/POINT.\n"
+                 "Exit status 3 if the result differs")
       ->type_name("POINT")
       ->group(kBegun);
   app.add_option("--points", options.study.points,

@@ -1,4 +1,4 @@
-// The command line of `sweep`: what is run, as the tables of a study file.
+// The command line of `sweep`, converted to the tables of a study file.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -15,17 +15,18 @@ namespace breakwater {
 struct SweepOptions {
   StudyOptions study;
   RunChanges run;
-  std::map<std::string, std::vector<std::string>> what;  ///< others that say what is run: "--vary"
+  std::map<std::string, std::vector<std::string>>
+      what;  ///< options of the study itself, such as "--vary"
   bool sqlite = false;
 
-  /// Whether any option says what is run.
+  /// Whether an option defines the study.
   bool says_what() const;
 };
 
 void add_sweep_options(CLI::App& app, SweepOptions& options);
 
-/// Lays what the options say on the tables of a study file. Throws std::invalid_argument `OPTION:
-/// reason`.
+/// Merges the options into the tables of a study file. Throws std::invalid_argument (`OPTION:
+/// reason`).
 void lay_on(const SweepOptions& options, toml::table& tables);
 
 }  // namespace breakwater

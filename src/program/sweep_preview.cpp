@@ -23,7 +23,7 @@ std::vector<std::string> metric_names(const PointResult& run) {
   return names;
 }
 
-// One run of each candidate tells this of the study, besides its time.
+// Warnings from one run of each candidate.
 std::vector<std::string> warnings_of(const Sweep& sweep, const std::vector<PointResult>& runs) {
   const Plan& plan = sweep.plan();
   std::vector<std::string> warnings;

@@ -33,11 +33,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kMinutesOfTask = 5.0;  // few: a generation waits for its last task
+constexpr double kMinutesOfTask = 5.0;  // short, since a generation waits for its last task
 
 struct TuneOptions {
   StudyOptions study;
-  std::vector<std::string> candidates;  // of a process of --isolate
+  std::vector<std::string> candidates;  // for a process of --isolate
 };
 
 void add_tune_options(CLI::App& app, TuneOptions& options) {
@@ -54,7 +54,7 @@ void add_tune_options(CLI::App& app, TuneOptions& options) {
   for (const char* option : {"--tasks", "--minutes", "--parallel", "--sbatch"}) {
     app.get_option(option)->needs("--slurm");
   }
-  // A task of a cluster: "@DIR/slurm/N/tasks:LINE"; a process of --isolate: "0-9", and candidates.
+  // On a cluster: "@DIR/slurm/N/tasks:LINE". In a process of --isolate: "0-9", and candidates.
   app.add_option("--points", options.study.points)->group("")->excludes("--slurm", "--rerun");
   app.add_option("--candidate", options.candidates)->expected(1)->take_all()->group("");
   app.footer(
@@ -69,7 +69,7 @@ void add_tune_options(CLI::App& app, TuneOptions& options) {
 struct OpenedTuning {
   Tuning tuning;
   StudyFolder folder;
-  std::string target;  // wherever the working folder is
+  std::string target;  // does not depend on the working folder
 };
 
 Tuning tuning_of(const StudyFolder& folder) {
@@ -90,7 +90,7 @@ OpenedTuning open_tuning(const Catalogue& catalogue, const StudyOptions& options
     }
     return {tuning_of(folder), folder, folder.path().string()};
   }
-  // Shipped tunings are found from everywhere.
+  // Shipped tunings are found from any folder.
   const std::optional<fs::path> file =
       fs::is_regular_file(target) ? target : look_for(options.target);
   if (!file || !fs::is_regular_file(*file)) {
@@ -103,7 +103,7 @@ OpenedTuning open_tuning(const Catalogue& catalogue, const StudyOptions& options
           new_folder(options, target.stem().string(), kTune), file->string()};
 }
 
-// Runs of all searches.
+// The number of runs of all searches.
 std::size_t searches(const TuningPlan& plan) {
   const Tuning& tuning = plan.tuning();
   return plan.evaluations() * tuning.cases.size() * tuning.worlds.size();
@@ -124,8 +124,8 @@ void print_count(const TuningPlan& plan) {
              tuning.validated_points, tuning.validation->size());
 }
 
-// Faults of a tuning that only its runs show. A run may end its process: with --isolate another
-// process makes them.
+// Checks for faults that only runs show. With --isolate another process does it, since a run may
+// crash.
 void check_apart(const std::string& target) {
   EndedProgram ended = run_beside({own_program(), kTune.command, target, "--dry-run", "--quiet"},
                                   [](ReadProgram& child) {
@@ -144,8 +144,7 @@ void check_apart(const std::string& target) {
   if (!error.empty()) throw std::invalid_argument(error);
 }
 
-// One line while the searches are made, another one for the validations, which are not known
-// before.
+// Progress: one line for the searches and one for the validation, whose runs are known later.
 class TuningProgress {
  public:
   TuningProgress(const TuningPlan& plan, bool quiet) : plan_(plan), quiet_(quiet) {
@@ -178,15 +177,15 @@ class TuningProgress {
   std::optional<Progress> line_;
 };
 
-// Where a candidate's worlds do not differ, its runs are copies of each other: they say nothing
-// about other worlds, and intervals over them are too narrow.
+// Warns if all test conditions of a candidate give the same run. Copies contain no information
+// about other conditions, and their intervals are too narrow.
 void warn_of_copies(const TuningPlan& plan, const std::vector<PointResult>& runs) {
   struct Count {
     std::size_t copies = 0;
     std::size_t all = 0;
   };
   Count search, validation;
-  std::map<std::pair<std::size_t, std::size_t>, std::set<std::string>> met;  // by each candidate
+  std::map<std::pair<std::size_t, std::size_t>, std::set<std::string>> met;  // by candidate
   for (const PointResult& run : runs) {
     if (run.state_hash.empty()) continue;
     const TuningRun one = plan.run(run.number);
@@ -203,7 +202,7 @@ void warn_of_copies(const TuningPlan& plan, const std::vector<PointResult>& runs
   }
 }
 
-// Returns whether each case has a front.
+// Returns whether each case has a Pareto front.
 bool print_result(const TuningPlan& plan, const TuningResult& result, const StudyFolder& folder,
                   bool quiet) {
   bool has_all = true;
@@ -272,7 +271,7 @@ class TuneCommand : public StudyCommand {
     warn(name(), plan_.try_each_case(interrupted()).warnings);
   }
 
-  // A process that searches tells what the keys of their runs are.
+  // The process that searches sends the values of the keys.
   std::vector<std::size_t> task_points() override {
     if (candidates_.empty()) {
       const fs::path file = submission_of_task(options_.points) / "candidates";
@@ -323,7 +322,7 @@ class TuneCommand : public StudyCommand {
 
  private:
   TuningResult search_and_validate() {
-    // On a cluster the lines of its jobs are the progress.
+    // On a cluster the lines of the jobs show the progress.
     TuningProgress progress(plan_, options_.quiet || options_.slurm);
     TunerOptions tuner;
     tuner.jobs = options_.jobs;

@@ -1,4 +1,4 @@
-// --video: the video of a run that has just been made.
+// --video: makes the video of a run that has just ended.
 #pragma once
 
 #include <filesystem>
@@ -6,10 +6,9 @@
 
 namespace breakwater {
 
-/// Calls `program`, which has the command `video`, to make a run's video, `file` or, if that is
-/// empty, FOLDER/video.mp4. In a process of its own: whatever happens there, the run is whole, and
-/// programs that only simulate load no OpenGL and no encoder. Prints one line if it fails. Returns
-/// its exit status.
+/// Calls `program` to make the video of a run in `file` or, if empty, in FOLDER/video.mp4. A
+/// separate process protects the run, and simulations need no OpenGL and no encoder. Prints one
+/// line if it fails. Returns the exit status of the process.
 int make_video(const std::string& program, const std::filesystem::path& folder,
                const std::string& file, bool quiet);
 

@@ -20,9 +20,9 @@ namespace breakwater {
 namespace {
 
 constexpr int kSamples = 7200;
-constexpr double kStep_s = 0.5;  // so that the samples are an hour
+constexpr double kStep_s = 0.5;  // the samples last an hour
 
-// The energy of the samples between two frequencies, by the discrete Fourier transform.
+// The energy of the samples in a band of frequencies, by the discrete Fourier transform.
 double energy(const std::vector<double>& samples, double from_rad_s, double to_rad_s) {
   const double resolution = 2.0 * std::numbers::pi / (kSamples * kStep_s);
   const auto last = static_cast<int>(std::ceil(to_rad_s / resolution));
@@ -41,7 +41,7 @@ double energy(const std::vector<double>& samples, double from_rad_s, double to_r
   return sum;
 }
 
-// Between the surface and the bottom, at most 20 m below.
+// The largest divergence at points from the surface to the bottom, at most 20 m deep.
 double largest_divergence(const Waves& waves, double depth_m) {
   constexpr double kShift_m = 1e-3;
   constexpr int kPoints = 50;
@@ -59,9 +59,9 @@ double largest_divergence(const Waves& waves, double depth_m) {
   return largest;
 }
 
-// A sea's realisation beside what it should be: H_s = 4 √m0 of the spectrum and of an hour, the
-// spectrum recovered by a Fourier transform of that hour, the decay with depth beside e^{kz}, and
-// the largest divergence of the velocity [1/s].
+// A report on one realisation of a sea. It compares H_s = 4 √m0 of the spectrum and of an hour, and
+// the spectrum with the Fourier transform of that hour. It compares the decay with depth with
+// e^{kz}, and prints the largest divergence of the velocity [1/s].
 std::string waves_report(const SeaState& sea) {
   const JonswapSpectrum spectrum(sea);
   const Waves waves(sea, 0.0);

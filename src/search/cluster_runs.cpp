@@ -13,16 +13,16 @@
 namespace breakwater {
 namespace {
 
-constexpr int kMostInVain = 3;  // jobs
+constexpr int kMostInVain = 3;  // jobs in a row without a result
 
-// Of `runs`, those that no shard has.
+// The runs that are in no shard.
 std::vector<std::size_t> missing(const ShardIndex& index, std::vector<std::size_t> runs) {
   std::erase_if(runs, [&](std::size_t run) { return index.has(run); });
   return runs;
 }
 
-// Processor time of a run of the case whose `runs` are wanted, as those that are there took it;
-// nothing if none is. A run that crashed has told nothing.
+// Mean processor time of the finished runs of the same case; nothing if there are none. Crashed
+// runs do not count.
 std::optional<double> mean_s(const TuningPlan& plan, const ShardIndex& index,
                              const std::vector<std::size_t>& runs) {
   const std::size_t tuned = plan.run(runs.front()).tuned;
@@ -38,7 +38,7 @@ std::optional<double> mean_s(const TuningPlan& plan, const ShardIndex& index,
   return cost_s / static_cast<double>(count);
 }
 
-// "ours, evaluations 17 to 32: 64 runs"
+// A text such as "ours, evaluations 17 to 32: 64 runs".
 std::string text_of(const TuningPlan& plan, const std::vector<std::size_t>& runs) {
   const TuningRun first = plan.run(runs.front());
   const std::size_t last = plan.run(runs.back()).evaluation;
@@ -65,7 +65,7 @@ void run_on_slurm(const TuningPlan& plan, const ClusterTuning& cluster,
     left = missing(index, runs);
     if (left.empty()) return;
     if (cluster.request.tasks == 0 && !each_s) {
-      cluster.make_here({left.front()});  // which tells how long the others take
+      cluster.make_here({left.front()});  // shows how long the others take
       continue;
     }
     if (left.size() < before) in_vain = 0;
@@ -80,7 +80,7 @@ void run_on_slurm(const TuningPlan& plan, const ClusterTuning& cluster,
     });
     if (cluster.quiet) continue;
     fmt::print("{} in {}: job {}\n", text_of(plan, left), number_of(job.tasks, "task"), job.number);
-    std::fflush(stdout);  // it may be a file that somebody watches
+    std::fflush(stdout);  // standard output may be a file that somebody watches
   }
 }
 

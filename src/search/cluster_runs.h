@@ -1,5 +1,5 @@
-// A tuning's runs as tasks of a Slurm cluster. A search stays in one process: its tasks are told
-// what the keys of their runs are, so that nodes of any kind serve it.
+// Runs of a tuning as tasks of a Slurm cluster. The search stays in one process and sends the
+// values of the keys to its tasks, so the nodes may be of any kind.
 #pragma once
 
 #include <cstddef>
@@ -13,25 +13,25 @@
 
 namespace breakwater {
 
-/// Tasks have ended again and again, and some runs are still not there.
+/// Several jobs in a row ended without new runs.
 class RunsMissing : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// What a tuning asks of its cluster.
+/// Settings of a tuning on a cluster.
 struct ClusterTuning {
   StudyFolder folder;
   SlurmRequest request;
   bool quiet = false;
-  /// Makes a run here, to tell how long the others take.
+  /// Makes some runs here to estimate the time of the others.
   std::function<void(const std::vector<std::size_t>& runs)> make_here;
 };
 
-/// Submits runs as one array job and waits until all of them are in the folder's shards; what is
-/// not there when the tasks have ended, or is in the queue already, it submits again, or waits for.
-/// Throws RunsMissing once three jobs in a row brought nothing, Interrupted, which leaves what is
-/// in the queue there, and std::invalid_argument if Slurm refuses.
+/// Submits runs as an array job and waits until all of them are in the shards of the folder. Runs
+/// that are missing after the job are submitted again, unless they are still in the queue. Throws
+/// RunsMissing after three jobs in a row without a result, Interrupted (the queue stays as it is),
+/// and std::invalid_argument if Slurm refuses.
 void run_on_slurm(const TuningPlan& plan, const ClusterTuning& cluster,
                   const std::vector<std::size_t>& runs);
 

@@ -11,8 +11,7 @@ namespace breakwater {
 namespace {
 
 constexpr double kLevel = 0.95;
-// Beyond what anybody measures; not so far that pagmo, which adds 1 to the largest of them, sees no
-// difference.
+// Larger than any measured value. Still small enough that pagmo can add 1 to it.
 constexpr double kInfeasible = 1e10, kFailed = 1e13;
 constexpr double kLater = 0x1p-40;
 
@@ -57,7 +56,7 @@ GatheredValue gather(const std::vector<PointResult>& runs, const std::string& me
   return result;
 }
 
-// In parts of the bound; of 0, as it is.
+// The violation of a bound, relative to it; absolute if the bound is 0.
 double beyond(double value, const Constraint& constraint) {
   const double bound = std::isfinite(constraint.max) ? constraint.max : constraint.min;
   const double scale = bound == 0.0 ? 1.0 : std::abs(bound);

@@ -1,4 +1,4 @@
-// What a candidate's runs are worth.
+// Evaluation of a candidate from its runs.
 #pragma once
 
 #include <cstddef>
@@ -11,37 +11,36 @@
 
 namespace breakwater {
 
-/// A number gathered from runs, with an interval at 95 % where there is one.
+/// One number from many runs, with a 95 % confidence interval if there is one.
 struct GatheredValue {
   double value;
   std::optional<ConfidenceInterval> interval = {};
 };
 
-/// All runs of one candidate, gathered. A run that did not end, or lacks a metric that is asked
-/// for, is a failure.
+/// The evaluation of one candidate over all its runs. A run fails if it does not end or lacks a
+/// named metric.
 struct Evaluation {
   std::size_t runs = 0;
   std::size_t failures = 0;
-  std::vector<GatheredValue> objectives;   ///< none if anything failed
-  std::vector<GatheredValue> constraints;  ///< the same
-  double violation = 0.0;  ///< Σ of how far beyond its bound each is, in parts of it
+  std::vector<GatheredValue> objectives;   ///< empty after a failure
+  std::vector<GatheredValue> constraints;  ///< empty after a failure
+  double violation = 0.0;  ///< Σ of the distances to violated bounds, relative to the bounds
 
   bool is_feasible() const { return failures == 0 && violation == 0.0; }
 };
 
-/// With `with_intervals`: of a median and of q90 quantile_interval(), of a mean bca_interval(); the
-/// worst of some runs has none.
+/// `with_intervals` adds quantile_interval() to a median and to q90, and bca_interval() to a mean.
+/// `worst` has no interval.
 Evaluation evaluate(const Tuning& tuning, const std::vector<PointResult>& runs,
                     bool with_intervals);
 
-/// The objectives with all goals min.
+/// The objectives, with the sign changed for the goal max.
 std::vector<double> minimised(const Tuning& tuning, const Evaluation& evaluation);
 
-/// What a search is told: minimised() if feasible; else the same number for every objective, larger
-/// than any value of a feasible one, and the larger the more it violates; larger still if a run
-/// failed. So a feasible candidate dominates every other, and one that survives every one that does
-/// not. No two that are not feasible are told the same, the later (by `number`) the larger: pagmo
-/// divides by the spread of a front.
+/// The objectives for the search: minimised() if feasible. If not, all objectives are one number
+/// above every feasible value. It grows with the violation and is larger still if a run failed. So
+/// a feasible candidate dominates every infeasible one. The number also grows slightly with
+/// `number`, since pagmo divides by the spread of a front.
 std::vector<double> fitness(const Tuning& tuning, const Evaluation& evaluation, std::size_t number);
 
 }  // namespace breakwater

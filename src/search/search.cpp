@@ -18,10 +18,10 @@
 namespace breakwater {
 namespace {
 
-// The cube's faces are left out: distributions have no value there.
+// Margin to the faces of the cube, where distributions have no value.
 constexpr double kFace = 0x1p-30;
 
-// What pagmo copies: the search itself stays where it is.
+// Handle that pagmo copies; the search itself is not copied.
 struct Cube {
   const SearchSettings* settings = nullptr;
   const EvaluateAll* evaluate = nullptr;
@@ -107,7 +107,7 @@ void minimise(const SearchSettings& settings, const EvaluateAll& evaluate) {
     try {
       return (*evaluate_all)({u}).front().front();
     } catch (...) {
-      *caught = std::current_exception();  // NLopt lets none of ours through
+      *caught = std::current_exception();  // an exception of ours cannot pass through NLopt
       optimiser->force_stop();
       return 0.0;
     }
@@ -120,7 +120,7 @@ void minimise(const SearchSettings& settings, const EvaluateAll& evaluate) {
   try {
     method.optimize(u, best);
   } catch (const nlopt::roundoff_limited&) {
-    // As near as its numbers let it come.
+    // The rounding errors stop it at the best point it can reach.
   } catch (const nlopt::forced_stop&) {
   }
   if (thrown) std::rethrow_exception(thrown);

@@ -11,7 +11,7 @@
 namespace breakwater {
 namespace {
 
-// Runs that are there, and those that have yet to be made.
+// The runs of a tuning: from the shards or made now.
 class Runs {
  public:
   Runs(const TuningPlan& plan, const StudyFolder& folder, const TunerOptions& options)
@@ -19,7 +19,7 @@ class Runs {
     look();
   }
 
-  // Runs of these numbers, in that order.
+  // Returns the runs with these numbers, in this order.
   std::vector<PointResult> of(const std::vector<std::size_t>& numbers) {
     const std::vector<std::size_t> missing = take(numbers);
     if (!missing.empty()) run(missing);
@@ -28,7 +28,7 @@ class Runs {
     return results;
   }
 
-  // Once none is run any more. Throws OutputError.
+  // Call it after the last run. Throws OutputError.
   void finish() { shard_.finish(); }
 
   std::vector<PointResult> all() const {
@@ -40,7 +40,7 @@ class Runs {
   }
 
  private:
-  // What the shards have.
+  // Reads the shards.
   void look() {
     const ShardIndex index(folder_.shards(), plan_.size());
     index.check_models();
@@ -51,7 +51,7 @@ class Runs {
     }
   }
 
-  // Keeps those of the runs that are there, and returns the others.
+  // Takes the finished runs out of `earlier_` and returns the numbers of the others.
   std::vector<std::size_t> take(const std::vector<std::size_t>& numbers) {
     std::vector<std::size_t> missing;
     for (const std::size_t number : numbers) {
@@ -92,8 +92,8 @@ class Runs {
     throw Interrupted();
   }
 
-  // A candidate is known by its key: if the search asks for another one at this place, what is
-  // there is of another search.
+  // Compares the keys. A different key at the same number means that the stored run is from another
+  // search.
   void check_same(const PointResult& result) const {
     std::string key;
     try {
@@ -102,7 +102,7 @@ class Runs {
     } catch (const std::invalid_argument&) {
       key = plan_.unprepared_key(result.number);
     }
-    // What crashed while it was prepared had no key yet.
+    // A run that crashed during its preparation has another key.
     if (key == result.key || plan_.unprepared_key(result.number) == result.key) return;
     throw std::invalid_argument(
         fmt::format("{}: run {} is of another candidate than the search asks for (another libpagmo "
@@ -119,8 +119,8 @@ class Runs {
   const StudyFolder& folder_;
   const TunerOptions& options_;
   Shard shard_;
-  std::unordered_map<std::size_t, PointResult> earlier_;  // as they lie in the shards
-  std::unordered_map<std::size_t, PointResult> known_;    // as they were asked for
+  std::unordered_map<std::size_t, PointResult> earlier_;  // from the shards
+  std::unordered_map<std::size_t, PointResult> known_;    // in use by the search
   mutable std::map<std::vector<std::string>, ModelHashes> hashes_;
 };
 
@@ -133,7 +133,7 @@ std::vector<std::size_t> numbers_of(const TuningPlan& plan, std::size_t tuned,
   return numbers;
 }
 
-// Runs of several evaluations at once, then each by itself.
+// Makes the runs of several evaluations together and evaluates each.
 std::vector<Evaluation> evaluate_all(const TuningPlan& plan, Runs& runs, std::size_t tuned,
                                      const std::vector<std::size_t>& evaluations,
                                      bool is_validation) {
@@ -172,7 +172,7 @@ std::vector<Evaluation> search_case(TuningPlan& plan, Runs& runs, std::size_t tu
   return evaluations;
 }
 
-// Feasible evaluations' objectives, and which they are.
+// The objectives and numbers of the feasible evaluations.
 struct Feasible {
   std::vector<std::size_t> numbers;
   Vectors objectives;
@@ -202,7 +202,7 @@ std::vector<FrontPoint> front_points(const Tuning& tuning,
   return points;
 }
 
-// Each objective's reference, or the worst that any case met.
+// The reference point: the given values, or the worst feasible value of all cases.
 std::vector<double> reference_of(const Tuning& tuning, const std::vector<TunedFront>& fronts) {
   std::vector<double> reference;
   for (std::size_t k = 0; k < tuning.objectives.size(); ++k) {
@@ -238,7 +238,7 @@ void measure_hypervolume(const Tuning& tuning, const std::vector<double>& refere
   }
 }
 
-// Points of a front that are validated, and their evaluations.
+// The points of a front for the validation, with their evaluations.
 struct Validated {
   std::vector<std::size_t> points;
   std::vector<std::size_t> evaluations;

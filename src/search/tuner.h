@@ -1,4 +1,4 @@
-// A tuning under way, and what comes out of it.
+// The execution of a tuning and its result.
 #pragma once
 
 #include <atomic>
@@ -16,41 +16,43 @@
 
 namespace breakwater {
 
-/// One point of a case's front.
+/// One point of a Pareto front.
 struct FrontPoint {
   std::size_t evaluation = 0;
   Evaluation tuned;
-  std::optional<Evaluation> fresh = {};  ///< in the worlds of the validation, if it was chosen
+  std::optional<Evaluation> fresh =
+      {};  ///< in the test conditions of the validation, if it was chosen
 };
 
 struct TunedFront {
   std::string case_name;
-  std::vector<FrontPoint> points;                           ///< the first objective's best first
-  std::vector<Evaluation> evaluations;                      ///< all, in the search's order
-  std::vector<std::pair<std::size_t, double>> hypervolume;  ///< after so many evaluations
+  std::vector<FrontPoint> points;       ///< in the order of the first objective, best first
+  std::vector<Evaluation> evaluations;  ///< all, in the order of the search
+  std::vector<std::pair<std::size_t, double>> hypervolume;  ///< number of evaluations, hypervolume
 };
 
 struct TuningResult {
-  std::vector<double> reference;  ///< of the hypervolumes, all goals min
+  std::vector<double> reference;  ///< reference point of the hypervolume, with all goals min
   std::vector<TunedFront> fronts;
-  std::vector<PointResult> runs;  ///< all, in the order of their numbers
+  std::vector<PointResult> runs;  ///< in the order of their numbers
 };
 
 struct TunerOptions {
-  std::size_t jobs = 0;  ///< 0: as many as there are cores
+  std::size_t jobs = 0;  ///< 0: the number of cores
   const std::atomic<bool>* stop = nullptr;
-  std::function<void(std::size_t run)> on_run = {};  ///< a run is done, now or earlier; thread-safe
-  /// The validations begin: these runs, in no order, once the fronts are known.
+  std::function<void(std::size_t run)> on_run =
+      {};  ///< a run is finished, now or earlier; thread-safe
+  /// The validation begins with these runs.
   std::function<void(const std::vector<std::size_t>& runs)> on_validation = {};
-  /// Makes runs elsewhere: they are in the folder's shards when it returns. Empty: they are made
-  /// here. What it throws ends the tuning.
+  /// Makes runs elsewhere and writes them to the shards of the folder. Empty: the runs are made
+  /// here. An exception ends the tuning.
   std::function<void(const std::vector<std::size_t>& runs)> elsewhere = {};
 };
 
-/// Runs the searches of all cases and the validations, each generation on all cores. What a shard
-/// of the folder holds is not run again: the search asks for the same candidates again and is
-/// answered from there, so that it goes on where it was, with the same result. Throws Interrupted
-/// if it is stopped, std::invalid_argument for what ends it, OutputError.
+/// Runs the searches of all cases and the validation, each generation on all cores. Runs in the
+/// shards are not repeated: the search asks for the same candidates again and gets the stored
+/// results. So it continues an interrupted tuning with the same result. Throws Interrupted,
+/// std::invalid_argument and OutputError.
 TuningResult tune(TuningPlan& plan, const StudyFolder& folder, const TunerOptions& options);
 
 }  // namespace breakwater

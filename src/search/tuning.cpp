@@ -16,9 +16,9 @@ namespace {
 
 constexpr std::int64_t kMostEvaluations = 1'000'000;
 constexpr std::int64_t kUsuallyValidated = 20;
-constexpr double kNine = 0.9;  // of ten runs
+constexpr double kNine = 0.9;  // nine of ten runs
 
-// A table where one might write a value.
+// The entry as a table. Fails with an example if it is a value.
 const TomlEntry& metric_table(const TomlEntry& entry, const char* example) {
   if (!entry.node()->is_table()) entry.fail(fmt::format("must be a table: {}", example));
   return entry;

@@ -1,4 +1,4 @@
-// What a tuning is: which keys are searched, for what, in which worlds.
+// The definition of a tuning: its searched keys, objectives and test conditions.
 #pragma once
 
 #include <toml++/toml.h>
@@ -17,19 +17,19 @@
 
 namespace breakwater {
 
-/// What many runs' values of a metric become one by. `q90` is what nine runs in ten keep: the 90 %
-/// quantile, or the 10 % one where large values are good; `worst` is the largest, or the smallest.
+/// The statistic that reduces a metric over many runs to one number. `q90` is the 90 % quantile if
+/// small values are good, else the 10 % quantile. `worst` is the largest or the smallest value.
 enum class Over { median, mean, q90, worst };
 const Names<Over>& over_names();
 
-/// Of values x ≥ 1. `large_is_bad` says which end q90 and worst are at.
+/// The statistic of one or more values. `large_is_bad` selects the side of q90 and worst.
 double gathered(std::vector<double> values, Over over, bool large_is_bad);
 
 struct Objective {
   std::string metric;
   Goal goal = Goal::min;
   Over over = Over::median;
-  std::optional<double> reference;  ///< of the hypervolume; else the worst that was met
+  std::optional<double> reference;  ///< for the hypervolume; default: the worst value found
   std::string place;                ///< "FILE:LINE: objective.METRIC"
 };
 
@@ -41,53 +41,53 @@ struct Constraint {
   std::string place;
 };
 
-/// What is tuned, with a budget of its own.
+/// A case of a tuning. It has its own budget.
 struct TunedCase {
-  std::string name;               ///< empty: the scenario's default case
-  std::string place;              ///< where it is named, if it is
-  std::vector<VariedKey> search;  ///< [search], and the case's own
+  std::string name;               ///< empty: the default case of the scenario
+  std::string place;              ///< where the file names it
+  std::vector<VariedKey> search;  ///< the keys of [search] and those of the case
 };
 
-/// How worlds come of the keys' values: every combination, or the first values of all keys, the
-/// second, …
+/// Combination of the keys' values in the test conditions: every combination, or the first values
+/// of all keys, the second, …
 enum class WorldMethod { grid, list };
 
-/// Worlds: the keys' values put together, with each seed.
+/// Test conditions: combinations of values with each random seed.
 struct Worlds {
-  std::vector<std::uint64_t> seeds;  ///< empty: the scenario file's
-  std::vector<VariedKey> keys;       ///< in a list all have as many values
+  std::vector<std::uint64_t> seeds;  ///< empty: that of the scenario file
+  std::vector<VariedKey> keys;       ///< in a list all have equally many values
   WorldMethod method = WorldMethod::grid;
 
   std::size_t size() const;
-  /// key=value of world i < size(): seeds change first.
+  /// key=value of test condition i < size(). The seed changes first.
   std::vector<std::string> sets(std::size_t i) const;
-  /// The seed and the keys' values as TOML; no seed: empty.
+  /// The seed (or an empty text) and the values as TOML.
   std::vector<std::string> values(std::size_t i) const;
 };
 
 struct Tuning {
   std::string scenario;
-  std::string config;             ///< a scenario file; empty: the scenario's own
+  std::string config;             ///< a scenario file; empty: that of the scenario
   std::vector<std::string> sets;  ///< key=value, for all runs
   SearchAlgorithm algorithm = SearchAlgorithm::nsga2;
-  std::size_t budget = 0;      ///< evaluations of each case
-  std::size_t population = 0;  ///< of a generation
+  std::size_t budget = 0;      ///< evaluations per case
+  std::size_t population = 0;  ///< size of a generation
   std::uint32_t sampling_seed = 1;
   std::vector<TunedCase> cases;
-  bool is_for_each = false;  ///< the file names several
+  bool is_for_each = false;  ///< the file names several cases
   Worlds worlds;
   std::vector<Objective> objectives;
   std::vector<Constraint> constraints;
   std::optional<Worlds> validation;
-  std::size_t validated_points = 0;  ///< of each front, at most
+  std::size_t validated_points = 0;  ///< maximum per front
   SlurmSettings slurm;
 
   SearchSettings settings(const TunedCase& tuned) const;
-  /// As a tuning's file: the same tuning gives the same text.
+  /// The tuning as a file. Equal tunings give equal text.
   std::string print() const;
 };
 
-/// Reads the tables of a tuning's file. Throws std::invalid_argument `FILE:LINE: key: reason`.
+/// Reads the tables of a tuning's file. Throws std::invalid_argument (`FILE:LINE: key: reason`).
 Tuning read_tuning(const toml::table& tables, const std::string& file);
 
 }  // namespace breakwater

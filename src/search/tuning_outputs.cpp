@@ -18,14 +18,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kDigits = 4;              // of what a terminal shows
-constexpr std::size_t kMostShown = 12;  // of a front that was not validated
+constexpr int kDigits = 4;              // on a terminal
+constexpr std::size_t kMostShown = 12;  // points of a front without validation
 
 std::string digits(double value) {
   return fmt::format("{:.17g}", value);
 }
 
-// The keys of all cases, each once.
+// The searched keys of all cases, each key once.
 std::vector<std::string> searched_keys(const Tuning& tuning) {
   std::vector<std::string> keys;
   for (const TunedCase& tuned : tuning.cases) {
@@ -48,7 +48,7 @@ std::vector<std::string> world_keys(const Tuning& tuning) {
   return keys;
 }
 
-// Cells by their columns; what is not put is empty.
+// Cells by column name. Missing cells are empty.
 class Cells {
  public:
   void put(const std::string& column, const std::string& text) { cells_[column] = text; }
@@ -201,7 +201,7 @@ std::string in_short(const std::string& value, int digits) {
 
 namespace {
 
-// Those of a front that a screen has room for: what was validated, or some of it evenly.
+// The points of a front for a screen: the validated ones, or evenly spaced ones.
 std::vector<std::size_t> shown_points(const TunedFront& front) {
   std::vector<std::size_t> shown;
   for (std::size_t i = 0; i < front.points.size(); ++i) {

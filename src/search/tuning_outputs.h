@@ -1,4 +1,4 @@
-// What a tuning leaves in its folder.
+// The output files of a tuning.
 #pragma once
 
 #include <cstddef>
@@ -11,8 +11,8 @@
 
 namespace breakwater {
 
-/// One point of a front as front.csv has it: cells by their columns' names. `label` is its number,
-/// that of front/LABEL.toml.
+/// One row of front.csv, with a cell for each column. `label` is its number, as in
+/// front/LABEL.toml.
 struct FrontRow {
   std::size_t tuned = 0;
   std::size_t label = 0;
@@ -24,19 +24,20 @@ struct FrontTable {
   std::vector<FrontRow> rows;
 };
 
-/// `case`, `front`, `evaluation`, every searched key, and of each objective METRIC as it was tuned
-/// and, if there is a validation, METRIC_fresh, METRIC_fresh_lower, METRIC_fresh_upper; of each
-/// constraint the same as METRIC_constraint…; `fresh_failures`. Cells that do not apply are empty.
+/// Columns: `case`, `front`, `evaluation`, every searched key, and METRIC of each objective as
+/// tuned. A validation adds METRIC_fresh, METRIC_fresh_lower and METRIC_fresh_upper. Constraints
+/// have the same columns as METRIC_constraint…. The last column is `fresh_failures`. Cells that do
+/// not apply are empty.
 FrontTable front_table(const TuningPlan& plan, const TuningResult& result);
 
 /// Writes results.csv, front.csv, hypervolume.csv and front/N.toml. Throws OutputError.
 void write_outputs(const TuningPlan& plan, const TuningResult& result,
                    const std::filesystem::path& folder);
 
-/// A number in so many digits; what is none, as it is.
+/// A number with this many digits. Other texts stay as they are.
 std::string in_short(const std::string& value, int digits);
 
-/// The fronts for people.
+/// A text table of the fronts for readers.
 std::string fronts_text(const TuningPlan& plan, const TuningResult& result, std::size_t width);
 
 }  // namespace breakwater

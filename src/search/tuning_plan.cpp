@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kMostRuns = 1e7;
 
-// A study whose probes are all that a case of the tuning may take.
+// A study whose probes cover all values that a case may have.
 Study probed_study(const Tuning& tuning, const TunedCase& tuned, const Worlds& worlds) {
   Study study;
   study.scenario = tuning.scenario;
@@ -33,7 +33,7 @@ Study probed_study(const Tuning& tuning, const TunedCase& tuned, const Worlds& w
   return study;
 }
 
-// What may be probed with every value beside every other: of a list each of its worlds by itself.
+// Test conditions whose values may be combined freely. In a list each test condition is alone.
 std::vector<Worlds> probed_at_once(const Worlds& worlds) {
   if (worlds.method == WorldMethod::grid || worlds.keys.empty()) return {worlds};
   std::vector<Worlds> each(worlds.keys.front().values.size(), worlds);
@@ -76,7 +76,7 @@ TuningPlan::TuningPlan(const Catalogue& catalogue, Tuning tuning)
 std::vector<std::string> TuningPlan::check() const {
   std::vector<std::string> warnings;
   const auto check_in = [&](const TunedCase& tuned, const Worlds& worlds) {
-    // A key that is in vain in one world only is not in vain.
+    // A key counts as ineffective only if it is so in all test conditions.
     std::map<std::string, std::size_t> said;
     const std::vector<Worlds> probed = probed_at_once(worlds);
     for (const Worlds& some : probed) {

@@ -1,4 +1,4 @@
-// A tuning's runs by their numbers.
+// The runs of a tuning by number.
 #pragma once
 
 #include <cstddef>
@@ -15,45 +15,44 @@
 
 namespace breakwater {
 
-/// One run: of a case's evaluation, in a world; of its search or of its validation.
+/// One run: an evaluation of a case in a test condition, in the search or the validation.
 struct TuningRun {
-  std::size_t tuned = 0;  ///< number of the case
+  std::size_t tuned = 0;  ///< index of the case
   std::size_t evaluation = 0;
   bool is_validation = false;
   std::size_t world = 0;
 };
 
-/// What one run of each case tells.
+/// The result of one trial run of each case.
 struct Trial {
-  double search_s = 0.0;              ///< processor time of all searches, as far as these runs tell
-  double validation_s = 0.0;          ///< of the validations, at most
-  std::vector<std::string> warnings;  ///< of runs that failed
+  double search_s = 0.0;              ///< estimated processor time of all searches
+  double validation_s = 0.0;          ///< the same for the validation, at most
+  std::vector<std::string> warnings;  ///< one per failed run
 };
 
-/// Numbers of all runs that a tuning may make: first the searches', case after case, evaluation
-/// after evaluation, world after world; then the validations'. What an evaluation's keys are is
-/// only known once the search asks for it.
+/// A tuning with the numbers of all runs that it may make. The order is: case, evaluation, test
+/// condition; first all searches, then the validation. begin() sets the keys of an evaluation when
+/// the search asks for it.
 class TuningPlan : public PointSource {
  public:
-  /// Completes the tuning by its scenario: its cases. Throws std::invalid_argument, one line, if
-  /// there is no such scenario or case, or there would be more than 10 million runs.
+  /// Completes the tuning from its scenario. Throws std::invalid_argument if the scenario or a case
+  /// does not exist, or there are more than 10 million runs.
   TuningPlan(const Catalogue& catalogue, Tuning tuning);
 
   const Tuning& tuning() const { return tuning_; }
   const ScenarioFile& file() const { return *file_; }
 
-  /// Prepares runs that between them have each value and each end of a range. Throws
-  /// std::invalid_argument with the first mistake. What it returns is to be warned of: a key that a
-  /// case does not use.
+  /// Prepares runs that together have each value and each end of a range. Returns a warning for
+  /// each ineffective key. Throws std::invalid_argument for the first mistake.
   std::vector<std::string> check() const;
-  /// Runs each case in the middle of its ranges, in the first world. Throws std::invalid_argument
-  /// if one ends and lacks a metric that an objective or a constraint names, and Interrupted.
+  /// Runs each case in the middle of its ranges, in the first test condition. Throws Interrupted,
+  /// and std::invalid_argument if a complete run lacks a metric of an objective or constraint.
   Trial try_each_case(const std::atomic<bool>& stop) const;
 
   std::size_t size() const;
-  /// How many of them are of the searches, were their budgets used to the end.
+  /// The number of runs of all searches with full budgets.
   std::size_t searches() const;
-  /// Evaluations that each search makes, at most.
+  /// The maximal number of evaluations of a search.
   std::size_t evaluations() const;
   std::size_t number(const TuningRun& run) const;
   TuningRun run(std::size_t number) const;
@@ -61,24 +60,24 @@ class TuningPlan : public PointSource {
     return is_validation ? *tuning_.validation : tuning_.worlds;
   }
 
-  /// What the keys of an evaluation are, as TOML, of a point of the unit cube.
+  /// The values of the keys, as TOML, at a point of the unit cube.
   std::vector<std::string> values(std::size_t tuned, const std::vector<double>& u) const;
-  /// Says what the keys of an evaluation are. Not while runs are under way.
+  /// Sets the values of an evaluation. Do not call it during runs.
   void begin(std::size_t tuned, std::size_t evaluation, std::vector<std::string> values);
-  /// Candidates as lines of text, for processes that run them and do not search: the number of the
-  /// case, of the evaluation, and its keys' values as TOML, which has no bare tab or end of a line
-  /// in them.
+  /// Candidates as lines of text for processes that do not search. A line has the index of the
+  /// case, the number of the evaluation and the values as TOML, separated by tabs. TOML values
+  /// contain no bare tab or newline.
   std::vector<std::string> candidate_lines(const std::vector<std::size_t>& runs) const;
-  /// Says what such lines say. Throws std::invalid_argument `ORIGIN: reason`.
+  /// Sets the values from such lines. Throws std::invalid_argument (`ORIGIN: reason`).
   void begin(const std::vector<std::string>& lines, const std::string& origin);
   const std::vector<std::string>& values_of(std::size_t tuned, std::size_t evaluation) const {
     return values_[tuned][evaluation];
   }
-  /// Whether that was said.
+  /// Whether begin() has set the values.
   bool has(std::size_t tuned, std::size_t evaluation) const {
     return evaluation < values_[tuned].size() && !values_[tuned][evaluation].empty();
   }
-  /// The configuration of an evaluation in the scenario's own world.
+  /// The configuration of an evaluation in the scenario's own test condition.
   std::string config_text(std::size_t tuned, std::size_t evaluation) const;
 
   PreparedRun prepare(std::size_t number) const override;
@@ -95,7 +94,7 @@ class TuningPlan : public PointSource {
   const Catalogue& catalogue_;
   Tuning tuning_;
   std::unique_ptr<ScenarioFile> file_;
-  std::vector<std::vector<std::vector<std::string>>> values_;  // of each case's evaluations
+  std::vector<std::vector<std::vector<std::string>>> values_;  // by case and evaluation
 };
 
 }  // namespace breakwater

@@ -9,7 +9,7 @@ namespace breakwater {
 std::vector<double> binomial_cdf(std::size_t n, double p) {
   const double log_p = math::log(p), log_q = math::log(1.0 - p);
   std::vector<double> cdf(n + 1);
-  double log_choose = 0.0;  // of n over i
+  double log_choose = 0.0;  // logarithm of the binomial coefficient (n, i)
   double sum = 0.0;
   for (std::size_t i = 0; i <= n; ++i) {
     const auto successes = static_cast<double>(i), failures = static_cast<double>(n - i);

@@ -11,7 +11,7 @@
 namespace breakwater {
 
 double sample_mean(std::vector<double>& values) {
-  // Whatever order they come in, the same bits.
+  // The order of summation is fixed, so the bits do not depend on the input's order.
   std::sort(values.begin(), values.end());
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
@@ -23,7 +23,7 @@ std::vector<double> bootstrap_replicates(const std::vector<double>& values,
   const auto size = static_cast<std::uint64_t>(values.size());
   std::vector<double> replicates, sample(values.size());
   for (int r = 0; r < settings.replicates; ++r) {
-    // Not a standard distribution: its numbers are the library's choice.
+    // The numbers of std::uniform_int_distribution depend on the library.
     for (double& value : sample) value = values[static_cast<std::size_t>(draw() % size)];
     replicates.push_back(statistic(sample));
   }

@@ -1,4 +1,4 @@
-// Intervals of what is estimated from a sample.
+// Confidence intervals.
 #pragma once
 
 #include <cstdint>
@@ -10,11 +10,11 @@ struct ConfidenceInterval {
   double upper;
 };
 
-/// Of intervals that come from samples that are drawn again, with replacement.
+/// Settings of bootstrap intervals, which resample with replacement.
 struct BootstrapSettings {
   int replicates = 1000;
-  double level = 0.95;     ///< of the intervals
-  std::uint64_t seed = 1;  ///< of the draws
+  double level = 0.95;     ///< coverage of the intervals
+  std::uint64_t seed = 1;  ///< random seed of the draws
 };
 
 }  // namespace breakwater

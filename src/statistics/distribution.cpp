@@ -61,7 +61,7 @@ double Distribution::quantile(double u) const {
   throw std::logic_error("no such distribution");
 }
 
-// Not Boost's: that takes the C library's logarithm, which differs by processor.
+// Boost uses the C library's logarithm, which differs between processors.
 double normal_quantile(double u) {
   const double q = u - 0.5;
   if (std::abs(q) <= 0.425) {

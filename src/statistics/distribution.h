@@ -1,26 +1,26 @@
-// The distribution of one varied key.
+// The distribution of a varied key.
 #pragma once
 
 namespace breakwater {
 
 enum class DistributionKind { uniform, log_uniform, normal };
 
-/// The distribution of one quantity:
+/// The distribution of one quantity by its quantile function Q:
 ///     uniform [a, b]        Q(u) = a + (b − a) u
 ///     log_uniform [a, b]    Q(u) = a (b/a)ᵘ                the logarithm is uniform
 ///     normal [m, s]         Q(u) = m + s Φ⁻¹(u)            mean m, standard deviation s
-/// Q is the quantile function: of a u that is uniform in (0, 1) it makes a value so distributed,
-/// and u that fill the interval evenly fill the distribution evenly.
+/// A uniform u in (0, 1) gives a value Q(u) with this distribution. Evenly spread u give evenly
+/// spread values.
 class Distribution {
  public:
-  /// Throws std::invalid_argument if a number is not finite, a ≥ b, a ≤ 0 in a log_uniform, b − a
-  /// or b/a is too large for a double, or s ≤ 0.
+  /// Throws std::invalid_argument if a number, b − a or b/a is not finite, a ≥ b, s ≤ 0, or a ≤ 0
+  /// for log_uniform.
   Distribution(DistributionKind kind, double first, double second);
 
-  /// Q(u), the same bits on every processor. A value of a range lies in it, ends included. Throws
-  /// std::invalid_argument unless 0 < u < 1.
+  /// Q(u), with the same bits on every processor. The value lies in the range, ends included.
+  /// Throws std::invalid_argument unless 0 < u < 1.
   double quantile(double u) const;
-  /// Whether it has ends.
+  /// Whether the range is finite.
   bool is_bounded() const { return kind_ != DistributionKind::normal; }
 
  private:
@@ -29,8 +29,8 @@ class Distribution {
   double second_;
 };
 
-/// Φ⁻¹(u), the standard normal quantile, for 0 < u < 1; to 1e-15 relative, and the same bits on
-/// every processor.
+/// Φ⁻¹(u), the standard normal quantile, for 0 < u < 1. The relative error is below 1e-15. The bits
+/// are the same on every processor.
 ///
 /// Source: M. J. Wichura, Algorithm AS 241, Appl. Statist. 37 (1988) 477–484, routine PPND16.
 double normal_quantile(double u);

@@ -1,4 +1,4 @@
-// What of a metric is better.
+// The direction in which a metric is better.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@ namespace breakwater {
 
 enum class Goal { none, min, max };
 
-/// As files name them; none has no name.
+/// Names in files; `none` has no name.
 inline const std::vector<std::pair<std::string, Goal>>& goal_names() {
   static const std::vector<std::pair<std::string, Goal>> names = {{"min", Goal::min},
                                                                   {"max", Goal::max}};

@@ -11,13 +11,14 @@
 namespace breakwater {
 namespace {
 
-constexpr double kOfLargest = 1e-12;  // of the largest value: what varies less is rounding
+constexpr double kOfLargest =
+    1e-12;  // relative to the largest value; a smaller variation is rounding
 
 double mean_of(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
-// Σ (x − mean)²; exactly 0 of equal values.
+// Σ (x − mean)²; exactly 0 if all values are equal.
 double squares_of(const std::vector<double>& values) {
   const auto [low, high] = std::minmax_element(values.begin(), values.end());
   if (values.empty() || *low == *high) return 0.0;
@@ -27,7 +28,7 @@ double squares_of(const std::vector<double>& values) {
   return sum;
 }
 
-// The variation of all groups' values within their groups.
+// The variation within the groups, over all groups.
 struct Within {
   double squares = 0.0;
   std::size_t degrees = 0;
@@ -80,7 +81,7 @@ double sign_turn_p(const Groups& groups) {
     if (mean == 0.0) continue;
     const auto n = static_cast<double>(group.size());
     const double variance = std::max(squares_of(group) / (n - 1.0), pooled);
-    const double t = mean * std::sqrt(n) / std::sqrt(variance);  // ±∞ where nothing varies
+    const double t = mean * std::sqrt(n) / std::sqrt(variance);  // ±∞ without variation
     below = std::min(below, student_t_cdf(t, group.size() - 1));
     above = std::min(above, student_t_cdf(-t, group.size() - 1));
   }

@@ -11,7 +11,7 @@
 namespace breakwater {
 namespace {
 
-// The largest gap between neighbours as a share of the range: 1/(n − 1) if they are spread evenly.
+// The largest gap between neighbours divided by the range: 1/(n − 1) if they are spread evenly.
 template <typename Scale>
 double largest_gap(const std::vector<double>& sorted, Scale scale) {
   double largest = 0.0;
@@ -21,7 +21,7 @@ double largest_gap(const std::vector<double>& sorted, Scale scale) {
   return largest / (scale(sorted.back()) - scale(sorted.front()));
 }
 
-// Whether positive numbers over nearly a decade or more are more even in their logarithms.
+// Whether the logarithms are spread more evenly, for positive numbers over nearly a decade or more.
 bool is_better_in_log(const std::vector<double>& sorted) {
   if (sorted.size() < 3 || sorted.front() <= 0.0 || sorted.back() < 8.0 * sorted.front()) {
     return false;
@@ -33,7 +33,7 @@ bool is_better_in_log(const std::vector<double>& sorted) {
 
 using NumberText = std::string (*)(double);
 
-// As short as it may be while all are told apart: four digits, or all of a number that has few.
+// The shortest format that separates all values: four digits, or all digits of a number with few.
 NumberText shortest(const std::vector<double>& distinct) {
   constexpr NumberText kFew = [](double value) {
     const std::string all = fmt::format("{:.6g}", value);

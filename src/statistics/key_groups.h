@@ -1,4 +1,4 @@
-// The values of a varied key in groups.
+// Groups of the values of a varied key.
 #pragma once
 
 #include <cstddef>
@@ -8,29 +8,30 @@
 
 namespace breakwater {
 
-/// A varied key with its value in each sample.
+/// A varied key with its values.
 struct StudyKey {
   std::string name;
-  bool is_number = true;           ///< else a value is the number of its text in `texts`
-  std::vector<std::string> texts;  ///< of values that are no numbers, as the study lists them
-  std::vector<double> values;      ///< of each sample, or of whatever has values
+  bool is_number = true;           ///< false: a value is an index into `texts`
+  std::vector<std::string> texts;  ///< the values that are not numbers, in the order of the study
+  std::vector<double> values;      ///< one per sample, or per item of another kind
 };
 
-/// A key's values in groups: each value its own where they are few, else neighbours together, about
-/// as many samples in each.
+/// The groups of a key's values. Few values have a group each. Otherwise neighbours form groups
+/// with about equally many samples.
 struct KeyGroups {
   std::string name;
   bool is_number = true;
   bool is_binned = false;           ///< a group has several values
   bool is_log = false;              ///< positive numbers that are spread more evenly in log x
-  std::vector<double> centre;       ///< x of a group: the median of its samples' values
+  std::vector<double> centre;       ///< the median of the values in each group
   std::vector<std::string> labels;  ///< "8", "0.061 to 0.07"
   std::vector<std::uint16_t> of_sample;
 
   std::size_t size() const { return centre.size(); }
 };
 
-/// At most `most` groups of a key, 1 ≤ most ≤ 65536; in the numbers' order, texts in the study's.
+/// At most `most` groups of a key, 1 ≤ most ≤ 65536. Numbers are in ascending order, texts in the
+/// order of the study.
 KeyGroups group_values(const StudyKey& key, std::size_t most);
 
 }  // namespace breakwater

@@ -12,8 +12,8 @@
 namespace breakwater {
 namespace {
 
-// P(Q ≤ q), by the trapezoidal rule: of an integrand that falls off like this with its derivatives
-// it is exact but for rounding.
+// P(Q ≤ q) by the trapezoidal rule. The integrand and its derivatives decay so fast that the rule
+// is exact except for rounding.
 double normal_range_cdf(std::size_t k, double q) {
   constexpr double kEnd = 9.0, kStep = 1.0 / 16.0;
   double sum = 0.0;

@@ -1,4 +1,4 @@
-// The standard normal distribution; its quantile stands in distribution.h.
+// The standard normal distribution. Its quantile is in distribution.h.
 #pragma once
 
 #include <breakwater/math/error_function.h>

@@ -20,11 +20,11 @@ namespace {
 
 constexpr std::size_t kMostBootstrapped = 2000;
 constexpr std::size_t kFewestRanked = 3;
-constexpr std::size_t kMostValues = 12;  // of a key, each for itself
-// Groups of a key's neighbouring values, and blocks in each at least.
+constexpr std::size_t kMostValues = 12;  // values of a key with a group each
+// Numbers of groups of neighbouring values of a key, and smallest number of blocks in a group.
 constexpr std::size_t kFewestGroups = 2, kMostGroups = 5, kOfAGroup = 4;
 
-// Candidate and reference.
+// Pairs of candidate and reference.
 std::vector<std::pair<std::size_t, std::size_t>> pairs_of(const PairedResults& results) {
   std::vector<std::pair<std::size_t, std::size_t>> pairs;
   for (std::size_t x = 0; x < results.candidates.size(); ++x) {
@@ -37,11 +37,11 @@ std::vector<std::pair<std::size_t, std::size_t>> pairs_of(const PairedResults& r
   return pairs;
 }
 
-// The worlds of blocks, one block's after another's.
+// The test conditions, sorted by block.
 class Blocks {
  public:
-  // Takes the worlds of some candidates. Leaves out samples in which all of them have the same runs
-  // again.
+  // For some candidates. Leaves out samples whose runs repeat those of an earlier sample for all of
+  // them.
   Blocks(const PairedResults& results, const std::vector<std::size_t>& candidates) {
     std::set<std::vector<int>> met;
     const Eigen::Index all = results.failed.rows();
@@ -82,7 +82,7 @@ class Blocks {
   std::vector<std::size_t> ends_;
 };
 
-// A function of a world gives these values in each block, where they are numbers.
+// The finite values of a function of the test condition, by block.
 template <typename Value>
 Groups values_in(const Blocks& blocks, Value value) {
   Groups values(blocks.size());
@@ -95,7 +95,7 @@ Groups values_in(const Blocks& blocks, Value value) {
   return values;
 }
 
-// Leaves out blocks that have no value.
+// The median of each block that has values.
 std::vector<double> medians_of(const Groups& values) {
   std::vector<double> medians;
   for (std::vector<double> one : values) {
@@ -108,7 +108,7 @@ bool are_too_few(std::size_t blocks, double alpha) {
   return std::ldexp(2.0, -static_cast<int>(std::min<std::size_t>(blocks, 1000))) > alpha;
 }
 
-// A pair of candidates, its blocks, and those of either alone.
+// A pair of candidates with its blocks and those of each candidate alone.
 struct Pair {
   std::size_t x, y;
   Blocks blocks;
@@ -139,7 +139,7 @@ Goal goal_in(const PairedResults& results, const std::string& metric) {
   return found == results.goals.end() ? Goal::none : found->second;
 }
 
-// x − y of a metric, in each of the pair's blocks.
+// x − y of a metric, by block of the pair.
 Groups differences_of(const PairedResults& results, std::size_t metric, const Pair& pair) {
   const auto x = results.values[metric].col(static_cast<Eigen::Index>(pair.x));
   const auto y = results.values[metric].col(static_cast<Eigen::Index>(pair.y));
@@ -181,13 +181,13 @@ MetricComparison compare_metric(const PairedResults& results, std::size_t metric
   return comparison;
 }
 
-// A key, and which of its groups each of a pair's blocks is in.
+// A key, with the group of each block of a pair.
 struct KeyOfPair {
   KeyGroups groups;
   bool is_of_worlds = false;
 };
 
-// The keys that differ between the pair's blocks, as far as there are enough of these.
+// The keys that differ between the blocks of a pair, if they have enough blocks.
 std::vector<KeyOfPair> keys_of(const PairedResults& results, const Blocks& blocks) {
   struct Reaching {
     StudyKey key;
@@ -247,7 +247,7 @@ KeyInteraction interaction(const MetricComparison& of, const Groups& differences
   return found;
 }
 
-// Says with which keys the sign of which metric turns.
+// Sets which keys change the sign of which metric.
 void judge(CandidateComparison& comparison, double alpha) {
   for (KeyInteraction& one : comparison.interactions) {
     const auto [low, high] =
@@ -270,7 +270,7 @@ bool differs(const MetricComparison& comparison, const PairedResults& results) {
   const Eigen::MatrixXd& values = results.values[static_cast<std::size_t>(metric)];
   const auto x = values.col(static_cast<Eigen::Index>(comparison.candidate)).array();
   const auto y = values.col(static_cast<Eigen::Index>(comparison.reference)).array();
-  return ((x - y).abs() > 0.0).any();  // never of NaN
+  return ((x - y).abs() > 0.0).any();  // false for NaN
 }
 
 ComparisonVerdict verdict_of(const MetricComparison& comparison, double alpha) {
@@ -313,7 +313,7 @@ ComparisonVerdict verdict_of(const FailureComparison& comparison, double alpha) 
                                                        : ComparisonVerdict::worse;
 }
 
-// Where `counts` says so, Holm's; else p itself.
+// Holm's p where `counts` is true, else p.
 template <typename Comparison, typename Counts>
 void adjust(std::vector<Comparison>& comparisons, const Counts& counts) {
   std::vector<double> p;
@@ -339,7 +339,7 @@ std::vector<std::string> never_measured(const PairedResults& results, std::size_
   return metrics;
 }
 
-// Whether the blocks of any two candidates are those of all.
+// Whether any two candidates have the same blocks as all together.
 bool reach_every_pair(const PairedResults& results, const CandidateComparison& comparison) {
   for (std::size_t x = 0; x < results.candidates.size(); ++x) {
     for (std::size_t y = 0; y < x; ++y) {

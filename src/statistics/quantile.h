@@ -10,7 +10,7 @@
 
 namespace breakwater {
 
-/// The p-quantile of n ≥ 1 values x₀ ≤ x₁ ≤ …, linear between them, for 0 ≤ p ≤ 1:
+/// The p-quantile of n ≥ 1 values x₀ ≤ x₁ ≤ …, linearly interpolated, for 0 ≤ p ≤ 1:
 ///     Q(p) = x_⌊h⌋ + (h − ⌊h⌋)(x_⌊h⌋₊₁ − x_⌊h⌋),  h = (n − 1) p
 ///
 /// Source: R. J. Hyndman, Y. Fan, Amer. Statist. 50 (1996) 361–365, definition 7.
@@ -21,7 +21,7 @@ inline double quantile(const std::vector<double>& sorted, double p) {
   return std::lerp(sorted[below], sorted[above], at - static_cast<double>(below));
 }
 
-/// The middle value, or the mean of the two; NaN of nothing. It reorders its argument.
+/// The middle value, or the mean of the two middle ones; NaN for no values. Reorders its argument.
 inline double sample_median(std::vector<double>& values) {
   if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);

@@ -12,7 +12,7 @@ namespace {
 
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-// Outputs that differ by less, relative to their size, are the same but for rounding.
+// Outputs with a smaller relative difference differ only by rounding.
 constexpr double kRounding = 1e-12;
 
 RowMajor without_missing(const Eigen::MatrixXd& f) {
@@ -24,9 +24,9 @@ RowMajor without_missing(const Eigen::MatrixXd& f) {
   return kept.topRows(rows);
 }
 
-// What the estimators sum over the rows, a row each: f_A + f_B, f_A² + f_B², and for each i
-// f_B (f_AB − f_A), f_AB − f_A and (f_A − f_AB)²/2. The outputs are scaled first, so that no square
-// is too large, and their mean is taken off, so that no digits are lost: the indices stay.
+// The terms of the estimators, in the rows of f: f_A + f_B, f_A² + f_B², for each i f_B (f_AB −
+// f_A), f_AB − f_A and (f_A − f_AB)²/2. Scaling and centring the outputs against overflow and loss
+// of digits does not change the indices.
 RowMajor summands(RowMajor f) {
   const Eigen::Index d = f.cols() - 2;
   f /= f.cwiseAbs().maxCoeff();
@@ -46,7 +46,7 @@ RowMajor summands(RowMajor f) {
   return terms;
 }
 
-// S_1, T_1, S_2, T_2 … of the summands' means; nothing if there is no variance.
+// S_1, T_1, S_2, T_2 … from the means of the terms; nothing without variance.
 std::optional<Eigen::VectorXd> indices_of(const Eigen::VectorXd& means) {
   const double mu = 0.5 * means(0), square = 0.5 * means(1);
   const double variance = square - mu * mu;
@@ -67,7 +67,7 @@ bool varies(const RowMajor& f) {
   return upper - lower > kRounding * std::max(std::abs(lower), std::abs(upper));
 }
 
-// The indices of the replicates that have them, a column each.
+// The indices of each replicate with variance, one per column.
 Eigen::MatrixXd replicate(const RowMajor& terms, const BootstrapSettings& bootstrap) {
   std::mt19937_64 draw(bootstrap.seed);
   const auto rows = static_cast<std::uint64_t>(terms.rows());
@@ -75,11 +75,11 @@ Eigen::MatrixXd replicate(const RowMajor& terms, const BootstrapSettings& bootst
   Eigen::Index defined = 0;
   for (int r = 0; r < bootstrap.replicates; ++r) {
     Eigen::VectorXd times = Eigen::VectorXd::Zero(terms.rows());
-    // Not a standard distribution: its numbers are the library's choice.
+    // The numbers of std::uniform_int_distribution depend on the library.
     for (std::uint64_t k = 0; k < rows; ++k) {
       times(static_cast<Eigen::Index>(draw() % rows)) += 1.0;
     }
-    // In the rows' order: Eigen's product would sum in one that depends on the processor's cache.
+    // Summed in the order of the rows: Eigen's product has an order that depends on the cache.
     Eigen::RowVectorXd sums = Eigen::RowVectorXd::Zero(terms.cols());
     for (Eigen::Index j = 0; j < terms.rows(); ++j) {
       if (times(j) != 0.0) sums += times(j) * terms.row(j);

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kMostExact = 200;
 
-// P(S = s) of the sum S of those of `ranks` whose fair coin shows heads.
+// P(S = s) for the sum S of the ranks whose fair coin shows heads.
 std::vector<double> distribution_of_sum(const std::vector<std::size_t>& ranks) {
   std::vector<double> probability(1 + std::accumulate(ranks.begin(), ranks.end(), std::size_t{0}));
   probability[0] = 1.0;
@@ -33,7 +33,7 @@ SignedRank signed_rank_test(const std::vector<double>& differences) {
   for (const double d : differences) sizes.push_back(std::abs(d));
   const std::vector<double> ranks = mid_ranks(sizes);
   SignedRank test;
-  std::vector<std::size_t> doubled;  // whole numbers: mid-ranks are halves at most
+  std::vector<std::size_t> doubled;  // doubled mid-ranks are integers
   double sum = 0.0, squares = 0.0;
   for (std::size_t i = 0; i < differences.size(); ++i) {
     if (differences[i] == 0.0) continue;

@@ -9,17 +9,17 @@ namespace breakwater {
 struct SignedRank {
   double statistic = 0.0;   ///< W₊
   double p = 1.0;           ///< two-sided
-  std::size_t nonzero = 0;  ///< differences that count
+  std::size_t nonzero = 0;  ///< number of nonzero differences
   bool is_exact = true;
 };
 
-/// Whether the differences d of pairs lie symmetrically about zero. |d| are ranked, zeros too;
-/// equal ones share the mean of their ranks; zeros then drop out (Pratt):
+/// Tests whether the differences d of pairs are symmetric about zero. All |d| are ranked. Equal
+/// ones share the mean of their ranks. Then zeros drop out (Pratt):
 ///     W₊ = Σ_{d > 0} r
-/// Under the hypothesis each sign is + or − with probability 1/2 whatever |d| is. Up to 200
-/// differences that are not zero p is exact, from the distribution of W₊ over all signs, these very
-/// ranks given, ties included; beyond, from the normal distribution with the mean Σr/2 and the
-/// variance Σr²/4, and a correction of 1/2 for continuity. p = min(1, 2 min(P(W₊ ≤ w), P(W₊ ≥ w))).
+/// Under the hypothesis each sign is + or − with probability 1/2, for any |d|. For up to 200
+/// nonzero differences p is exact, from the distribution of W₊ over all signs with these ranks and
+/// ties. For more it is from the normal distribution with mean Σr/2, variance Σr²/4 and a
+/// continuity correction of 1/2. p = min(1, 2 min(P(W₊ ≤ w), P(W₊ ≥ w))).
 ///
 /// Sources: F. Wilcoxon, Biometrics Bull. 1 (1945) 80–83; J. W. Pratt, J. Amer. Statist. Assoc. 54
 /// (1959) 655–667.

@@ -14,7 +14,7 @@ double student_t_cdf(double t, std::size_t degrees) {
   const double sine = std::isinf(t) ? std::copysign(1.0, t) : t / size;
   const double cosine = std::isinf(t) ? 0.0 : root / size;
   const bool is_odd = degrees % 2 == 1;
-  // Σ of the powers cosᵏ θ with k = 0, 2, … (odd: 1, 3, …) up to ν − 2.
+  // Σ of the powers cosᵏ θ with k = 0, 2, … (odd ν: 1, 3, …) up to ν − 2.
   double term = is_odd ? cosine : 1.0, sum = 0.0;
   for (std::size_t k = is_odd ? 1 : 0; k + 2 <= degrees; k += 2) {
     sum += term;

@@ -21,7 +21,7 @@ std::string digits(double value) {
   return fmt::format("{:.17g}", value);
 }
 
-// Its cells by the names of their columns.
+// A row, with access to its cells by column name.
 class Row {
  public:
   void put(const std::string& column, const std::string& text) { cells_[column] = text; }
@@ -46,7 +46,7 @@ class Row {
   std::map<std::string, std::string> cells_;
 };
 
-// A pair's row so far.
+// The first cells of a pair's row.
 template <typename Comparison>
 Row begun_row(const CandidateComparison& comparison, const Comparison& one,
               const std::string& metric) {

@@ -1,4 +1,4 @@
-// A comparison of candidates as tables.
+// Tables of a comparison of candidates.
 #pragma once
 
 #include <cstddef>
@@ -8,34 +8,32 @@
 
 namespace breakwater {
 
-/// comparison.csv: a row for each metric and pair of candidates, then one for the failures of each
-/// pair (`metric` is "failure"), then the average ranks; numbers have 17 digits, cells that do not
+/// comparison.csv: a row per metric and pair of candidates, then a row for the failures of each
+/// pair (`metric` is "failure"), then the average ranks. Numbers have 17 digits. Cells that do not
 /// apply are empty.
 std::string comparison_csv(const CandidateComparison& comparison);
 
-/// comparison_by_key.csv: a row for each metric, pair of candidates, varied key and value (or
-/// neighbouring values) of it.
+/// comparison_by_key.csv: a row per metric, pair of candidates, varied key and value (or group of
+/// neighbouring values).
 std::string by_key_csv(const CandidateComparison& comparison);
 
-/// A p value: "0.012", behind `equals`; one that is all rounding is "< 1e-15".
+/// A p value behind `equals`, such as "0.012". Below the rounding error it is "< 1e-15".
 std::string p_text(double p, const std::string& equals = "");
 
-/// "peak_N, a beside b: the sign turns with k (p = 0.001): -1 at 2, 3 at 4".
+/// A line such as "peak_N, a beside b: the sign turns with k (p = 0.001): -1 at 2, 3 at 4".
 std::string turns_text(const CandidateComparison& comparison, const KeyInteraction& one);
 
-/// Why nothing can be shown, where the verdict of a metric is that there are too few blocks; else
-/// empty.
+/// The reason for the verdict "too few blocks". Empty if no metric has this verdict.
 std::string few_text(const CandidateComparison& comparison);
 
-/// "In 18 blocks b has 2 different runs: …": what a reader must know where the same
-/// runs come again. Empty if none does.
+/// A note on repeated runs, such as "In 18 blocks b has 2 different runs: …". Empty if no run
+/// repeats.
 std::string repeated_text(const CandidateComparison& comparison);
 
-/// "No run of b has settling_s; …": what a reader must know where a row is missing. Empty if
-/// none is.
+/// A note on missing rows, such as "No run of b has settling_s; …". Empty if no row is missing.
 std::string never_text(const CandidateComparison& comparison);
 
-/// The same for people, in short.
+/// A short summary of the comparison for readers.
 std::string comparison_text(const CandidateComparison& comparison, std::size_t width);
 
 }  // namespace breakwater

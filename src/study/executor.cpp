@@ -22,17 +22,17 @@
 namespace breakwater {
 namespace {
 
-// What the points of a call share.
+// Data that all points of a call share.
 struct Common {
   const PointSource& source;
   KnownModels& models;
   Shard* shard = nullptr;
   bool is_task = false;
   std::mutex mutex = {};
-  std::set<std::filesystem::path> folders = {};           // that were begun
-  std::map<std::filesystem::path, LeftBeside> left = {};  // in the folders that these are in
+  std::set<std::filesystem::path> folders = {};           // already begun
+  std::map<std::filesystem::path, LeftBeside> left = {};  // by parent folder
 
-  // Points with the same key are the same run: one of them writes its folder.
+  // Points with the same key are the same run, so only one writes its folder.
   bool begin(const std::filesystem::path& folder) {
     const std::lock_guard lock(mutex);
     return folders.insert(folder).second;
@@ -44,7 +44,7 @@ struct Common {
   }
 };
 
-// A fault of the machine is no result: "Too many open files" shows here too.
+// A fault of the machine is not a result. This check also detects "Too many open files".
 void check_machine(const std::string& key, const std::string& reason) {
   const int descriptor = open("/dev/null", O_RDONLY | O_CLOEXEC);
   if (descriptor < 0) {
@@ -54,7 +54,7 @@ void check_machine(const std::string& key, const std::string& reason) {
   close(descriptor);
 }
 
-// Fills `result` in, whose number is set.
+// Fills in `result`. Its number is already set.
 void fill(PointResult& result, RunControl control, Common& common) {
   const std::size_t number = result.number;
   const PointSource& source = common.source;
@@ -80,7 +80,7 @@ void fill(PointResult& result, RunControl control, Common& common) {
     if (result.key.empty()) result.key = source.unprepared_key(number);
     result.reason = error.what();
     check_machine(result.key, result.reason);
-    known.check_unchanged();  // it may be due to a file that somebody is writing
+    known.check_unchanged();  // somebody may be writing the file
     return;
   }
   known.check_unchanged(run.model_files);

@@ -1,4 +1,4 @@
-// The engine of studies: runs points on many threads and keeps each result at once.
+// The engine of studies: runs points on many threads and saves each result at once.
 #pragma once
 
 #include <atomic>
@@ -14,61 +14,61 @@
 
 namespace breakwater {
 
-/// Where points come from. Called from several threads at once.
+/// A source of points. Several threads call it at the same time.
 class PointSource {
  public:
   virtual ~PointSource() = default;
 
-  /// The run of a point. Throws std::invalid_argument if there can be none: the point is refused.
+  /// The run of a point. Throws std::invalid_argument if the point has to be refused.
   virtual PreparedRun prepare(std::size_t point) const = 0;
-  /// What it is known by.
+  /// The key that identifies the point.
   virtual std::string key(std::size_t /*point*/, const PreparedRun& run,
                           const ModelHashes& models) const {
     return point_key(run.config_text, models);
   }
-  /// The same where it cannot be prepared.
+  /// The key of a point that cannot be prepared.
   virtual std::string unprepared_key(std::size_t point) const = 0;
-  /// Where the run's folder, with its log, is to go; empty: nowhere. `failed` is known once it ran:
-  /// a point that is to be kept only then is run again with its log.
+  /// The folder for the run and its log; empty: none. `failed` is known after the run. If only
+  /// failed points are kept, such a point runs again with its log.
   virtual std::filesystem::path folder(std::size_t point, const std::string& key,
                                        bool failed) const = 0;
-  /// Whether the log is needed before the run, for its folder or for what is made of its signals.
+  /// Whether the run needs a log, for its folder or for derive().
   virtual bool logs(std::size_t point) const = 0;
-  /// Words that tell a process of the points that it is to make, beside their numbers.
+  /// Additional command-line words for a child process that runs these points.
   virtual std::vector<std::string> task_words(const std::vector<std::size_t>& /*points*/) const {
     return {};
   }
-  /// Adds numbers made of the signals to the result of a run, which may have failed.
+  /// Adds numbers computed from the signals to the result of a run. The run may have failed.
   virtual void derive(std::size_t /*point*/, const Recording&, PointResult&) const {}
 };
 
 struct ExecutorOptions {
-  std::size_t threads = 0;                  ///< 0: as many as there are cores
-  const std::atomic<bool>* stop = nullptr;  ///< when it becomes true: no further point …
-  /// A task of a scheduler, or of run_isolated(): runs under way go on to their end, and the shard
-  /// says which point is begun.
+  std::size_t threads = 0;                  ///< 0: the number of cores
+  const std::atomic<bool>* stop = nullptr;  ///< true: begin no further point
+  /// A task of a scheduler or of run_isolated(): running points go on to their end, and the shard
+  /// records which point has begun.
   bool is_task = false;
-  std::function<bool()> is_over = {};  ///< if true, no further point either
-  std::function<void(std::size_t done_index, double fraction)> progress = {};  ///< of `points`
-  std::function<void(const PointResult&)> on_result = {};  ///< what it throws ends the study
-  KnownModels* models = nullptr;  ///< those that the points' keys were made of; null: own ones
+  std::function<bool()> is_over = {};  ///< true: begin no further point
+  std::function<void(std::size_t done_index, double fraction)> progress =
+      {};                                                  ///< index in `points`
+  std::function<void(const PointResult&)> on_result = {};  ///< an exception ends the study
+  KnownModels* models = nullptr;  ///< the models of the points' keys; null: own ones
 };
 
-/// Runs `points` of a source in that order, each result into the shard as soon as it is there. Each
-/// model file is compiled once. A point that fails is a result. One of which a model file was
-/// changed since it was first read gives none, and ends the study: std::invalid_argument, as
-/// KnownModels says it. What the machine lacks (memory, open files) is no result and ends the study
-/// too: OutOfMemory or OutputError; the process may open as many files as the system allows. Of
-/// points with the same key one writes its folder. Returns how many were run: fewer than there are
-/// if it was stopped. Throws std::invalid_argument or OutputError for what else ends a study.
+/// Runs `points` of a source in this order. Each result goes into the shard at once. Each model
+/// file is compiled once. Only one of the points with the same key writes its folder. The process
+/// may open as many files as the system allows. A failed point is a result. A model file that
+/// changed during the study ends it (std::invalid_argument). So does a lack of memory or open files
+/// (OutOfMemory or OutputError). Returns the number of runs,
+/// which is smaller if the study was stopped. Throws std::invalid_argument or OutputError.
 std::size_t run_points(const std::vector<std::size_t>& points, const PointSource& source,
                        Shard& shard, const ExecutorOptions& options);
 
-/// Lets this process open as many files as the system allows: each thread and each child process
-/// needs some.
+/// Raises the limit of open files to the system's maximum: each thread and each child process needs
+/// some.
 void allow_many_files();
 
-/// One point, its folder (if the source wants one) included.
+/// Runs one point and writes its folder if the source wants one.
 PointResult run_point(std::size_t point, const PointSource& source, const RunControl& control);
 
 }  // namespace breakwater

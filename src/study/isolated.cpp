@@ -13,28 +13,28 @@
 namespace breakwater {
 namespace {
 
-// The start of a process, and its look at what others have done, cost little beside so many points.
+// A large number, so that the start of a process and its look at finished points cost little.
 constexpr std::size_t kMostPointsOfAChild = 1000;
 
-// All threads of a run_isolated() share it. Each has one child at a time.
+// The state that all threads of run_isolated() share. Each thread has one child at a time.
 class Children {
  public:
   Children(const std::vector<std::size_t>& points, const PointSource& source,
            const StudyFolder& folder, Shard& shard, const ExecutorOptions& options)
       : points_(points), source_(source), folder_(folder), shard_(shard), options_(options) {}
 
-  // points[begin] to points[end - 1], by as many children as it takes.
+  // Runs points[begin] to points[end - 1] with as many children as necessary.
   void run(std::size_t begin, std::size_t end) {
     try {
       while (begin < end && !is_stopped_) begin = run_child(begin, end);
     } catch (...) {
-      is_stopped_ = true;  // the other children too
+      is_stopped_ = true;  // stops the other children too
       throw;
     }
   }
 
  private:
-  // Returns where another child is to go on.
+  // Returns where the next child continues.
   std::size_t run_child(std::size_t begin, std::size_t end) {
     const std::vector<std::size_t> rest(points_.begin() + static_cast<std::ptrdiff_t>(begin),
                                         points_.begin() + static_cast<std::ptrdiff_t>(end));
@@ -53,7 +53,7 @@ class Children {
       const std::size_t seen = written.results.size();
       written = results_of_process(folder_.shards(), child.process(), std::move(written));
       for (std::size_t i = seen; i < written.results.size(); ++i) {
-        // An earlier process may have had the child's number.
+        // An earlier process may have had the same process number.
         const std::size_t nth = place_of(written.results[i].number, begin, end);
         if (nth == end) continue;
         next = nth + 1;
@@ -61,7 +61,7 @@ class Children {
       }
       if (has_to_stop()) child.interrupt();
     });
-    // One that was still loading knows of no interruption: it ends by the signal.
+    // A child that was still loading ends by the signal without a message.
     const bool is_told = has_to_stop();
     const std::optional<int> status = ended.exit_status();
     const bool is_over = status && (*status == kInterrupted || *status == kRunFailed);
@@ -74,7 +74,7 @@ class Children {
     }
     ended.repeat_said();
     if (is_told || next == end || status == kSuccess) return end;
-    // It may have left out points before the one that it has begun: another process did them.
+    // The child may have left out points that another process did.
     const std::size_t at = written.begun ? place_of(*written.begun, next, end) : end;
     if (status || at == end) {
       throw std::invalid_argument("--isolate: a process of the study ended with " + ended.end());
@@ -96,7 +96,7 @@ class Children {
     return at + 1;
   }
 
-  // The place of a point from points[begin] on; `end` if it is none of these.
+  // The index of a point, searched from points[begin] on; `end` if it is not there.
   std::size_t place_of(std::size_t point, std::size_t begin, std::size_t end) const {
     const auto first = points_.begin();
     const auto last = first + static_cast<std::ptrdiff_t>(end);

@@ -1,4 +1,4 @@
-// Points in processes of their own.
+// Points in separate processes.
 #pragma once
 
 #include <cstddef>
@@ -9,14 +9,13 @@
 
 namespace breakwater {
 
-/// As run_points(), but in child processes. Each is a task (`COMMAND DIR --points …`, and
-/// PointSource::task_words()) of some of `points`, which ascend, and
-/// keeps their results in a shard of its own, from which it is known how far it is. One that
-/// crashes costs the point that it was at, which goes into `shard`; one that is killed from outside
-/// (where memory is short, say) leaves its point undone, and says so. Another child goes on behind
-/// that point. A child may leave out points that another process has done meanwhile. An error that
-/// a child tells ends the study, and so does a child that ends before it begins a point:
-/// std::invalid_argument.
+/// Like run_points(), but in child processes. `points` ascend. Each child is a task for some of
+/// them (`COMMAND DIR --points …` and PointSource::task_words()). It writes results to its own
+/// shard, which shows its progress. A child may leave out points that another process has done. If
+/// a child crashes, its current point gets the status crashed in `shard`. If something else kills a
+/// child (for example a lack of memory), a message names the undone point. In both cases another
+/// child continues behind this point. Throws std::invalid_argument if a child reports an error or
+/// ends before its first point.
 void run_isolated(const std::vector<std::size_t>& points, const PointSource& source,
                   const StudyFolder& folder, Shard& shard, const ExecutorOptions& options);
 

@@ -13,7 +13,7 @@
 namespace breakwater {
 namespace {
 
-// Whether, in a list, each value of `of` goes with one value of `key`.
+// Whether, in a list, each value of `of` determines the value of `key`.
 bool is_function_of(const VariedKey& key, const VariedKey& of) {
   std::map<std::string, std::string> value_at;
   for (std::size_t i = 0; i < of.values.size(); ++i) {
@@ -22,8 +22,8 @@ bool is_function_of(const VariedKey& key, const VariedKey& of) {
   return true;
 }
 
-// Whether, in a list, the values of `coarse` stand apart along those of `fine`: then what the one
-// does alone nobody can tell from the other.
+// Whether the values of `coarse` form separate ranges when a list is sorted by `fine`. The list
+// then cannot separate the effect of `coarse` from that of `fine`.
 bool stands_apart(const VariedKey& coarse, const VariedKey& fine) {
   std::vector<std::pair<double, std::string>> along;
   std::set<std::string> different;
@@ -80,7 +80,7 @@ std::vector<KeyEffect> key_effects(const Study& study) {
            (is_function_of(study.vary[a], study.vary[b]) ||
             stands_apart(study.vary[b], study.vary[a]));
   };
-  // The first leads of two that fix each other.
+  // If two keys determine each other, the first one leads.
   const auto leads = [&](std::size_t a, std::size_t b) {
     return fixes(a, b) && (a < b || !fixes(b, a));
   };

@@ -1,4 +1,4 @@
-// The varied keys of a study, and what can be told apart of their effects.
+// The varied keys of a study and their effects, as far as it can separate them.
 #pragma once
 
 #include <cstddef>
@@ -11,24 +11,24 @@
 
 namespace breakwater {
 
-/// The varied keys, without values.
+/// The varied keys without values.
 std::vector<StudyKey> study_keys(const Study& study);
 
-/// The number that stands for a key's value as TOML.
+/// A number for a key's value, given as TOML.
 double key_number(const StudyKey& key, const std::string& value);
 
-/// A study can tell this apart from the rest: a key, with those that say nothing beside it.
+/// An effect that a study can separate from the others: a key and the keys that vary with it.
 struct KeyEffect {
   std::size_t key = 0;            ///< in Study::vary
-  std::vector<std::size_t> with;  ///< keys whose values this one's fix
-  std::string name;               ///< "a", "a (with b, c)"
+  std::vector<std::size_t> with;  ///< keys whose values this key determines
+  std::string name;               ///< "a" or "a (with b, c)"
 };
 
-/// The effects of the varied keys. In a list one key's value may fix another's; what the other does
-/// alone nobody can tell then, and the two are one effect. Elsewhere each key is one.
+/// The effects of the varied keys. In a list the value of one key may determine that of another.
+/// Nobody can then separate the two, so they are one effect. In other methods each key is one.
 std::vector<KeyEffect> key_effects(const Study& study);
 
-/// The number that a key's value, as TOML, is; nothing if it is none.
+/// The number that a TOML value is, if it is a number.
 std::optional<double> number_in(const std::string& value);
 
 }  // namespace breakwater

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kMostOfAStudy = 1e7;
 constexpr double kMostCandidates = 1000;
-constexpr std::size_t kMostProbes = 1000;  // of a key's values, or of a list
+constexpr std::size_t kMostProbes = 1000;  // per key or list
 
 std::optional<SamplingMethod> sampling_method(Method method) {
   switch (method) {
@@ -34,7 +34,7 @@ std::optional<SamplingMethod> sampling_method(Method method) {
   return std::nullopt;
 }
 
-// Every combination of the keys' values, the last key's changing first: that of this number.
+// The combination with this number. The last key changes first.
 std::vector<std::string> combination(const std::vector<VariedKey>& keys, std::size_t number) {
   std::vector<std::string> values(keys.size());
   for (std::size_t i = keys.size(); i-- > 0;) {
@@ -169,7 +169,7 @@ std::vector<StudyPoint> Plan::probes() const {
   std::vector<StudyPoint> probes;
   const std::vector<std::string> first = values(0);
   for (std::size_t c = 0; c < candidates_.size(); ++c) probes.push_back(make_point(first, 0, 0, c));
-  if (study_.method == Method::list) {  // what stands together belongs together
+  if (study_.method == Method::list) {  // the keys of a list vary together
     const std::size_t stride = 1 + samples_ / kMostProbes;
     for (std::size_t s = stride; s < samples_; s += stride) {
       probes.push_back(make_point(values(s), s, 0, 0));

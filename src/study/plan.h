@@ -1,4 +1,4 @@
-// A study's points, each made from its number.
+// The points of a study, each computed from its number.
 #pragma once
 
 #include <cstddef>
@@ -13,11 +13,11 @@
 
 namespace breakwater {
 
-/// What is compared: a case, with values of keys of its own.
+/// A candidate of a comparison: a case with values of its own for some keys.
 struct Candidate {
   std::string case_name;
-  std::vector<std::string> values;  ///< of Study::compare, as TOML
-  std::string label;                ///< what tells it from the others: "hpfc-2N", "hpfc-2N, K = 3"
+  std::vector<std::string> values;  ///< values for Study::compare, as TOML
+  std::string label;                ///< "hpfc-2N" or "hpfc-2N, K = 3"
 };
 
 /// One run of a study.
@@ -25,30 +25,30 @@ struct StudyPoint {
   std::size_t sample = 0;
   std::size_t candidate = 0;
   std::optional<std::uint64_t> seed;
-  std::vector<std::string> values;  ///< of Study::vary, as TOML
-  std::vector<std::string> sets;    ///< key=value: all that lies on the case
+  std::vector<std::string> values;  ///< values for Study::vary, as TOML
+  std::vector<std::string> sets;    ///< key=value: all changes to the case
 };
 
-/// The points of a study in their order: samples, in them seeds, in them candidates, so that runs
-/// of the same world stand together. It holds none of them: 10 million take the memory of one.
+/// The points of a study in the order sample, seed, candidate, so that runs in the same test
+/// condition are adjacent. No point is stored: the memory does not grow with their number.
 class Plan {
  public:
-  /// The study has cases. Throws std::invalid_argument, `ORIGIN: KEY: reason` where it is a key's
-  /// fault, if there are more than 10 million points.
+  /// The study must have cases. Throws std::invalid_argument (`ORIGIN: KEY: reason`) if there are
+  /// more than 10 million points.
   explicit Plan(Study study);
 
   const Study& study() const { return study_; }
   const std::vector<Candidate>& candidates() const { return candidates_; }
   std::size_t samples() const { return samples_; }
-  /// Seeds of each sample; 1 if the study names none.
+  /// The number of seeds per sample; 1 if the study names none.
   std::size_t seeds() const { return seeds_; }
   std::size_t size() const { return samples_ * seeds_ * candidates_.size(); }
 
   StudyPoint point(std::size_t number) const;
 
-  /// Points that between them have each value that keys take by themselves, and the ends of each
-  /// distribution, with everything else as in the first sample; of a list its samples: what is
-  /// wrong with one of them is found before anything runs.
+  /// Points for a check before the first run. Together they have each listed value of the keys and
+  /// the ends of each distribution; the other keys are as in the first sample. For a list they are
+  /// its samples.
   std::vector<StudyPoint> probes() const;
 
  private:

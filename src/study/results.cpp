@@ -16,7 +16,7 @@
 namespace breakwater {
 namespace {
 
-// A database that is being written.
+// A database during writing.
 class Database {
  public:
   explicit Database(const std::filesystem::path& file) : file_(file.string()) {
@@ -105,7 +105,7 @@ void ResultsTable::write_sqlite(const std::filesystem::path& file) const {
   std::filesystem::remove(partial.path());
   {
     Database database(partial.path());
-    // It takes its name when it is whole: no journal is needed before.
+    // The file gets its name when it is complete, so it needs no journal.
     database.execute("PRAGMA journal_mode = OFF; PRAGMA synchronous = OFF; BEGIN");
     const std::vector<std::string> names = header();
     std::vector<std::string> columns, marks;
@@ -137,7 +137,7 @@ void ResultsTable::write_sqlite(const std::filesystem::path& file) const {
                                names[static_cast<std::size_t>(column - 1)] != "state_hash" &&
                                error == std::errc() && end == cell.data() + cell.size();
         if (is_number && names[static_cast<std::size_t>(column - 1)] == "seed") {
-          sqlite3_bind_int64(made, column, std::stoll(cell));  // a double has not all of them
+          sqlite3_bind_int64(made, column, std::stoll(cell));  // a double cannot hold all of them
         } else if (is_number) {
           sqlite3_bind_double(made, column, number);
         } else {

@@ -1,4 +1,4 @@
-// results.csv and results.sqlite: a study's runs as one table.
+// results.csv and results.sqlite: the runs of a study as one table.
 #pragma once
 
 #include <filesystem>
@@ -11,19 +11,19 @@
 
 namespace breakwater {
 
-/// What the rows of a study's table have: `point`, `case`, `seed`, the compared and varied keys,
-/// `status`, `state_hash`, and every metric that any run has, in the order in which the points
-/// first have them. It follows from the results alone, whoever ran what when.
+/// The table of a study. Columns: `point`, `case`, `seed`, the compared and varied keys, `status`,
+/// `state_hash`, and all metrics in the order in which the points first have them. The table
+/// depends on the results alone, not on the order or place of the runs.
 class ResultsTable {
  public:
   ResultsTable(const Plan& plan, const ShardIndex& index);
 
   const std::vector<std::string>& metrics() const { return metrics_; }
 
-  /// One row a point that is there, in the points' order; numbers have the 17 digits that give the
-  /// same double again. Throws OutputError.
+  /// Writes one row per finished point, in the order of the points. Numbers have 17 digits, which
+  /// identify the double. Throws OutputError.
   void write_csv(const std::filesystem::path& file) const;
-  /// The same as the table `results`. Throws OutputError.
+  /// Writes the same rows as the SQLite table `results`. Throws OutputError.
   void write_sqlite(const std::filesystem::path& file) const;
 
  private:
@@ -34,7 +34,7 @@ class ResultsTable {
   const Plan& plan_;
   const ShardIndex& index_;
   std::vector<std::string> metrics_;
-  std::unordered_map<std::string, std::size_t> columns_;  // of the metrics, by their names
+  std::unordered_map<std::string, std::size_t> columns_;  // metric → column
 };
 
 }  // namespace breakwater

@@ -22,7 +22,7 @@ double open_unit(std::uint64_t bits) {
   return std::ldexp(static_cast<double>(bits >> 12) + 0.5, -52);
 }
 
-// A coordinate's own random bits.
+// Random bits for one coordinate.
 Noise stream(std::uint64_t seed, const std::string& name, Eigen::Index j) {
   return {seed, name + " " + std::to_string(j)};
 }
@@ -46,9 +46,9 @@ class RandomPoints : public Sampler {
   std::vector<Noise> streams_;
 };
 
-// A random permutation of 0 … n − 1 that needs no table: a Feistel network permutes the least 4ʰ ≥
-// n numbers, and is applied again to what falls outside. Of 16 numbers or more it makes the even
-// permutations alone, so whether 0 and 1 are swapped besides is drawn too.
+// A random permutation of 0 … n − 1 without a table. A Feistel network permutes the least 4ʰ ≥ n
+// numbers. It is applied again while the result is n or more. With 16 numbers or more it makes only
+// even permutations, so a random bit also decides whether 0 and 1 are swapped.
 //
 // Sources: M. Luby, C. Rackoff, SIAM J. Comput. 17 (1988) 373–386; J. Black, P. Rogaway, Ciphers
 // with arbitrary finite domains, CT-RSA 2002.
@@ -77,7 +77,7 @@ class Permutation {
   }
 
  private:
-  // SplitMix64's: G. L. Steele, D. Lea, C. H. Flood, OOPSLA 2014.
+  // SplitMix64's output function: G. L. Steele, D. Lea, C. H. Flood, OOPSLA 2014.
   static std::uint64_t mixed(std::uint64_t bits) {
     bits = (bits ^ bits >> 30) * 0xbf58476d1ce4e5b9ULL;
     bits = (bits ^ bits >> 27) * 0x94d049bb133111ebULL;
@@ -105,7 +105,7 @@ class LatinHypercube : public Sampler {
  private:
   void write(std::uint64_t i, Eigen::VectorXd& u) const override {
     for (Eigen::Index j = 0; j < u.size(); ++j) {
-      // As many bits of r as leave π + r exact: the point stays in its interval.
+      // r has so few bits that π + r is exact: the point stays in its interval.
       const auto bits = static_cast<double>(jitters_[j].bits(i).first >> (64 - jitter_bits_));
       const double r = std::ldexp(bits + 0.5, -jitter_bits_);
       u(j) = (static_cast<double>(permutations_[j](i)) + r) / static_cast<double>(size());
@@ -208,7 +208,8 @@ SobolSequence::SobolSequence(Eigen::Index dimension) : dimension_(dimension) {
   boost::random::sobol engine(static_cast<std::size_t>(dimension));
   directions_.resize(static_cast<std::size_t>(kMostPointsLog2 * dimension));
   for (int k = 0; k < kMostPointsLog2; ++k) {
-    // The Gray code of 2ᵏ⁺¹ − 1 is 2ᵏ: that point is v_k itself. The engine's first is number 1.
+    // The Gray code of 2ᵏ⁺¹ − 1 is 2ᵏ, so that point is v_k itself. The engine begins with number
+    // 1.
     engine.seed((std::uint64_t{2} << k) - 2);
     for (Eigen::Index j = 0; j < dimension; ++j) directions_[k * dimension + j] = engine();
   }

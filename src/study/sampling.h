@@ -1,4 +1,4 @@
-// Points in the unit cube: what a study's samples are made of.
+// Sampling plans: points in the unit cube for the samples of a study.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,10 +10,9 @@ namespace breakwater {
 
 enum class SamplingMethod { random, latin_hypercube, sobol, saltelli };
 
-/// The points u₀, u₁, … of a plan in the open unit cube (0, 1)ᵈ: a coordinate is never 0 or 1, so
-/// that every distribution has a value there. A point is a pure function of the seed and its
-/// number: it costs O(d) whichever it is, with no memory of the others, on any thread, and has the
-/// same bits on every processor.
+/// The points u₀, u₁, … of a plan in the open unit cube (0, 1)ᵈ. No coordinate is 0 or 1, so every
+/// distribution has a value there. A point depends only on the seed and its number. It costs O(d),
+/// may be computed on any thread, and has the same bits on every processor.
 class Sampler {
  public:
   Sampler(const Sampler&) = delete;
@@ -35,31 +34,31 @@ class Sampler {
   Eigen::Index dimension_;
 };
 
-/// n samples of d quantities by
-/// - random: independent uniform points; the first of them are those of every larger n.
+/// Makes a plan of n samples of d quantities:
+/// - random: independent uniform points. A larger n keeps the first points.
 /// - latin_hypercube: u_ij = (π_j(i) + r_ij)/n with random permutations π_j of 0 … n − 1 and
-///   uniform r_ij: of the n equal intervals of each coordinate, each is hit exactly once
+///   uniform r_ij. Each of the n equal intervals of a coordinate has exactly one point
 ///   (M. D. McKay, R. J. Beckman, W. J. Conover, Technometrics 21 (1979) 239–245).
-/// - sobol: Sobol' points (SobolSequence), each coordinate's bits XORed with random bits: a digital
-///   shift, which keeps what is even about them, and has no point at the cube's corner (P.
-///   L'Ecuyer, C. Lemieux, in: Modeling Uncertainty, 2002, 419–474). The first 2ᵏ points hit each
-///   interval of length 2⁻ᵏ of each coordinate exactly once, so n is best a power of two. The first
-///   points are those of every larger n.
-/// - saltelli: the design for first-order and total sensitivity indices. Points A_j and B_j are the
-///   two halves of a shifted Sobol' point of 2d dimensions; AB_j⁽ⁱ⁾ is A_j with B_j's coordinate i.
-///   n (d + 2) points in the order A₀, AB₀⁽¹⁾ … AB₀⁽ᵈ⁾, B₀, A₁, …: rows of n × (d + 2), which
-///   sensitivity_indices() takes. n is best a power of two, and the first rows are those of every
-///   larger n (A. Saltelli et al., Comput. Phys. Commun. 181 (2010) 259–270).
+/// - sobol: Sobol' points (SobolSequence) with a digital shift: the bits of each coordinate are
+///   XORed with random bits. The points stay evenly spread, and none is at the cube's corner
+///   (P. L'Ecuyer, C. Lemieux, in: Modeling Uncertainty, 2002, 419–474). The first 2ᵏ points hit
+///   each interval of length 2⁻ᵏ of a coordinate exactly once, so n should be a power of two.
+///   A larger n keeps the first points.
+/// - saltelli: the design for first-order and total sensitivity indices. A_j and B_j are the two
+///   halves of a shifted Sobol' point of 2d dimensions. AB_j⁽ⁱ⁾ is A_j with coordinate i of B_j.
+///   The n (d + 2) points are in the order A₀, AB₀⁽¹⁾ … AB₀⁽ᵈ⁾, B₀, A₁, …: the n × (d + 2) rows
+///   that sensitivity_indices() takes. n should be a power of two. A larger n keeps the first rows
+///   (A. Saltelli et al., Comput. Phys. Commun. 181 (2010) 259–270).
 ///
-/// Throws std::invalid_argument if n or d is 0, there would be more than 2⁴⁰ points, or d is more
-/// than the directions suffice for (sobol 3667, saltelli 1833).
+/// Throws std::invalid_argument if n or d is 0, there are more than 2⁴⁰ points, or d is larger than
+/// 3667 (sobol) or 1833 (saltelli).
 std::unique_ptr<const Sampler> make_sampler(SamplingMethod method, std::uint64_t n, Eigen::Index d,
                                             std::uint64_t seed);
 
-/// Sobol' points in the order of their Gray code, with Joe's and Kuo's directions for good
+/// Sobol' points in the order of the Gray code, with the directions of Joe and Kuo for good
 /// two-dimensional projections:
 ///     x_i = ⊕_k g_k v_k,  g = i ⊕ ⌊i/2⌋        (g_k: bit k of g; v_k: the k-th direction)
-/// x₀ = 0, and 2ᵐ points of number 0 … 2ᵐ − 1 are a net.
+/// x₀ = 0. The points 0 … 2ᵐ − 1 are a digital net.
 ///
 /// Sources: I. M. Sobol', USSR Comput. Math. Math. Phys. 7 (1967) 86–112; I. A. Antonov, V. M.
 /// Saleev, ibid. 19 (1979) 252–256; S. Joe, F. Y. Kuo, SIAM J. Sci. Comput. 30 (2008) 2635–2654.

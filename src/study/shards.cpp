@@ -28,7 +28,7 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kHashLength = 16;
 constexpr std::string_view kSuffix = ".shard";
-constexpr std::string_view kPoint = "point";  // kinds of lines
+constexpr std::string_view kPoint = "point";  // a kind of line
 constexpr std::string_view kModel = "model";
 constexpr std::string_view kBegin = "begin";
 
@@ -37,7 +37,7 @@ const std::array<std::string, 4>& statuses() {
   return names;
 }
 
-// A line's parts between tabs, one after the other.
+// Splits a line at tabs.
 class Parts {
  public:
   explicit Parts(std::string_view line) : rest_(line) {}
@@ -62,7 +62,7 @@ bool read_number(std::string_view text, Number& number) {
   return error == std::errc() && end == text.data() + text.size();
 }
 
-// What stands before the metrics; nothing if it is no such line.
+// Reads the fields before the metrics; nothing if they are not valid.
 std::optional<PointResult> read_head(Parts& parts) {
   PointResult result;
   if (!read_number(parts.next(), result.number)) return std::nullopt;
@@ -75,7 +75,7 @@ std::optional<PointResult> read_head(Parts& parts) {
   return result;
 }
 
-// The rest of a line behind its checksum, if that is right.
+// The line without its checksum, if the checksum is right.
 std::optional<std::string_view> checked(std::string_view line) {
   if (line.size() <= kHashLength || line[kHashLength] != '\t') return std::nullopt;
   const std::string_view rest = line.substr(kHashLength + 1);
@@ -83,7 +83,7 @@ std::optional<std::string_view> checked(std::string_view line) {
   return rest;
 }
 
-// The result that the rest of a line holds; nothing if it holds none.
+// Reads the result in a line without its checksum; nothing if it is not valid.
 std::optional<PointResult> read_result(std::string_view rest) {
   Parts parts(rest);
   if (parts.next() != kPoint) return std::nullopt;
@@ -107,7 +107,7 @@ std::optional<PointResult> read_result(std::string_view rest) {
       fmt::format("{}: cannot be read ({})", file.string(), std::strerror(errno)));
 }
 
-// A file's bytes, as long as it lives.
+// A memory-mapped file.
 class MappedFile {
  public:
   explicit MappedFile(const fs::path& file) {
@@ -134,22 +134,22 @@ class MappedFile {
   std::size_t size_ = 0;
 };
 
-// Calls body(offset, length, rest) for each line of a shard whose checksum is right: where it is,
-// how long, and what stands behind the checksum.
+// Calls body(offset, length, rest) for each line with a right checksum; `rest` is the line without
+// it.
 template <typename Body>
 void each_line(const fs::path& file, Body&& body) {
   const MappedFile mapped(file);
   const std::string_view text = mapped.text();
   for (std::size_t begin = 0; begin < text.size();) {
     const std::size_t end = text.find('\n', begin);
-    if (end == std::string_view::npos) return;  // it is torn
+    if (end == std::string_view::npos) return;  // an incomplete line
     const std::string_view line = text.substr(begin, end - begin);
     if (const auto rest = checked(line)) body(begin, line.size(), *rest);
     begin = end + 1;
   }
 }
 
-// A process may have several, if another one had its number before: the n-th.
+// The n-th shard of a process number: an earlier process may have had the same number.
 fs::path shard_of(const fs::path& folder, pid_t process, int n) {
   return folder / fmt::format("{}-{}{}", process_name(process), n, kSuffix);
 }
@@ -181,7 +181,7 @@ const std::string& name_of(PointStatus status) {
 
 Shard::~Shard() {
   if (descriptor_ < 0) return;
-  fsync(descriptor_);  // whatever ended the study, what ran is to be there
+  fsync(descriptor_);  // the results must survive any end of the study
   close(descriptor_);
 }
 
@@ -226,7 +226,7 @@ void Shard::append(const std::string& text) {
     descriptor_ = open(file_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_APPEND | O_CLOEXEC, 0666);
     if (descriptor_ < 0 && errno != EEXIST) fail_to_write(file_);
   }
-  // One that was torn by a full disk ends here, so that this one is whole.
+  // A full disk may have left an incomplete line. The newline ends it.
   const std::string line = (is_torn_ ? "\n" : "") + text_hash(text) + "\t" + text + "\n";
   std::size_t written = 0;
   while (written < line.size()) {
@@ -350,14 +350,14 @@ ProcessResults results_of_process(const fs::path& folder, pid_t process, Process
 std::vector<int> other_writers(const fs::path& folder) {
   std::vector<int> processes;
   for (const fs::path& file : shards_of(folder)) {
-    // HOST-PID-N.shard
+    // The name is HOST-PID-N.shard.
     const std::string name = file.filename();
     const std::string host = host_name() + "-";
     int process = 0;
     if (!name.starts_with(host)) continue;
     std::from_chars(name.data() + host.size(), name.data() + name.size(), process);
     if (process <= 0 || process == getpid()) continue;
-    // The number may be another process' by now.
+    // Another process may have this number by now.
     std::error_code error;
     const fs::path open_files = "/proc/" + std::to_string(process) + "/fd";
     for (fs::directory_iterator entry(open_files, error), end; !error && entry != end;

@@ -1,4 +1,4 @@
-// The results of a study's runs, as each process appended them.
+// Shards: the results of a study, as each process appended them.
 #pragma once
 
 #include <sys/types.h>
@@ -18,15 +18,15 @@
 
 namespace breakwater {
 
-/// How a point ended. A run that failed has a state hash and no metrics; what was refused did not
-/// begin; of a crash only the words are left.
+/// How a point ended. A failed run has a state hash but no metrics. A refused point did not begin.
+/// A crashed one leaves only a reason.
 enum class PointStatus : std::uint8_t { complete, failed, refused, crashed };
 const std::string& name_of(PointStatus status);
 
-/// What is known of a point once it has run.
+/// The result of a point.
 struct PointResult {
   std::size_t number = 0;
-  std::string key;  ///< point_key(); if there is no configuration, of what was asked for
+  std::string key;  ///< point_key(), or unprepared_key() without a configuration
   PointStatus status = PointStatus::complete;
   std::string state_hash;  ///< 16 hexadecimal digits, or empty
   double cost_s = 0.0;     ///< processor time
@@ -34,28 +34,28 @@ struct PointResult {
   std::vector<std::pair<std::string, double>> metrics;  ///< in the scenario's order
 };
 
-/// A file of lines to which one process alone appends, whole lines at a time: CHECKSUM, "point",
-/// "model" or "begin", and what belongs to it, with tabs between. Whatever its end, a line counts
-/// only if its checksum (XXH3 of the rest) is right.
+/// A file to which only one process appends whole lines. A line has a checksum, a kind ("point",
+/// "model" or "begin") and its data, separated by tabs. A line counts only if its checksum (XXH3 of
+/// the rest) is right.
 class Shard {
  public:
-  /// Makes a file of its own in the folder when there is something to write.
+  /// The file is made in the folder at the first write.
   explicit Shard(std::filesystem::path folder) : folder_(std::move(folder)) {}
-  /// As finish(), and keeps what fails to itself.
+  /// Like finish(), but ignores errors.
   ~Shard();
   Shard(const Shard&) = delete;
   Shard& operator=(const Shard&) = delete;
 
-  /// Thread-safe. Throws OutputError if it cannot be written; what it wrote of the line then harms
-  /// none that is added later.
+  /// Thread-safe. Throws OutputError if the line cannot be written. A damaged line does not harm
+  /// later ones.
   void add(const PointResult& result);
-  /// What points are made of besides their keys; each file is written once.
+  /// Writes the hashes of the model files that are not in the shard yet.
   void add(const ModelHashes& models);
-  /// Says which point is run now, so that one that ends the process is known; again once its key
-  /// is there.
+  /// Records that a point begins, so that the point of a crash is known. Call it again once the key
+  /// is known.
   void begin(std::size_t point, const std::string& key);
-  /// Once all is added. Throws OutputError if what was added may not be on the disk: a file system
-  /// over a network may say so only now.
+  /// Call it after the last result. Throws OutputError if a result may not be on the disk: a
+  /// network file system may report this only now.
   void finish();
 
  private:
@@ -69,12 +69,12 @@ class Shard {
   std::mutex mutex_;
 };
 
-/// What all shards of a folder hold, found in them when it is asked for. Not thread-safe.
+/// An index of the results in all shards of a folder. Not thread-safe.
 class ShardIndex {
  public:
-  /// `points` is how many the study has. A line of a point beyond them does not count; of several
-  /// of one point one that ran counts before one that crashed. A folder that is not there is empty.
-  /// Throws std::invalid_argument if it cannot be read, or one of its shards.
+  /// `points` is the number of points of the study. Lines of higher numbers are ignored. If a point
+  /// has several lines, a run counts before a crash. A missing folder counts as empty. Throws
+  /// std::invalid_argument if the folder or a shard cannot be read.
   ShardIndex(const std::filesystem::path& folder, std::size_t points);
   ~ShardIndex();
   ShardIndex(const ShardIndex&) = delete;
@@ -82,22 +82,22 @@ class ShardIndex {
 
   std::size_t points() const { return places_.size(); }
   bool has(std::size_t point) const { return places_[point].length > 0; }
-  /// How a point ended, which must be there.
+  /// The status of a finished point.
   PointStatus status(std::size_t point) const { return places_[point].status; }
   std::size_t done() const { return done_; }
-  /// How many ended so.
+  /// The number of points with this status.
   std::size_t count(PointStatus status) const { return counts_[static_cast<std::size_t>(status)]; }
-  /// Processor time of all that ran, and of a point, which must be there [s].
+  /// Processor time of all runs, and of a finished point [s].
   double cost_s() const { return cost_s_; }
   double cost_s(std::size_t point) const { return static_cast<double>(places_[point].cost_s); }
   const ModelHashes& models() const { return models_; }
-  /// Throws std::invalid_argument, one line, if points are of different versions of a model.
+  /// Throws std::invalid_argument if the points used different versions of a model file.
   void check_models() const;
 
-  /// A point's result, which must be there. Throws std::invalid_argument if the file has changed.
+  /// The result of a finished point. Throws std::invalid_argument if the shard has changed.
   PointResult read(std::size_t point) const;
-  /// The number of the first point whose key begins so; points() if none of those that are there
-  /// does. Throws std::invalid_argument if points of different keys do.
+  /// The number of the first point whose key begins with `key`; points() if there is none. Throws
+  /// std::invalid_argument if different keys begin with it.
   std::size_t find(const std::string& key) const;
 
  private:
@@ -112,8 +112,8 @@ class ShardIndex {
   void read_file(const std::filesystem::path& file);
   std::string line(const Place& place) const;
 
-  std::vector<std::string> names_;  // of the files
-  mutable int open_ = -1;           // the one that was read last: there may be very many
+  std::vector<std::string> names_;  // shards
+  mutable int open_ = -1;  // the last shard that was read: there may be too many to keep open
   mutable std::uint32_t open_file_ = 0;
   std::vector<Place> places_;
   std::size_t done_ = 0;
@@ -121,30 +121,29 @@ class ShardIndex {
   double cost_s_ = 0.0;
   std::string folder_;
   ModelHashes models_;
-  std::string ambiguous_model_;  // one of which there are different hashes
+  std::string ambiguous_model_;  // a model file with different hashes
 };
 
-/// All that one process of this computer has written by now.
+/// All results that a process of this computer has written so far.
 struct ProcessResults {
   std::vector<PointResult> results;  ///< in their order
-  std::optional<std::size_t> begun;  ///< the point that was begun last
-  std::string begun_key = {};        ///< its key; empty as long as it is being prepared
-  std::uintmax_t bytes = 0;          ///< the size of its shards
+  std::optional<std::size_t> begun;  ///< the last point that has begun
+  std::string begun_key = {};        ///< empty while the point is being prepared
+  std::uintmax_t bytes = 0;          ///< size of its shards
 };
 
-/// A process that wrote nothing has no results. `known` is what was read before: the shards are
-/// read again only if they have grown since. Throws std::invalid_argument if a shard cannot be
-/// read.
+/// A process without shards has no results. `known` are the results read before: shards are read
+/// again only if they have grown. Throws std::invalid_argument if a shard cannot be read.
 ProcessResults results_of_process(const std::filesystem::path& folder, pid_t process,
                                   ProcessResults known = {});
 
-/// Other processes of this computer that have a shard of the folder open: they are at the same
+/// Other processes of this computer that have a shard of the folder open, and so work on the same
 /// study.
 std::vector<int> other_writers(const std::filesystem::path& folder);
 
-/// The results in all shards of a folder, by their keys: for points without fixed numbers. Of
-/// several lines of one key the last counts; that of a shard that was written later is later. A
-/// folder that is not there is empty. Throws std::invalid_argument if a shard cannot be read.
+/// The results in all shards of a folder by key, for points without fixed numbers. If a key has
+/// several lines, the last one in the newest shard counts. A missing folder counts as empty. Throws
+/// std::invalid_argument if a shard cannot be read.
 std::unordered_map<std::string, PointResult> results_by_key(const std::filesystem::path& folder);
 
 }  // namespace breakwater

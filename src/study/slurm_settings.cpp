@@ -11,7 +11,7 @@ namespace breakwater {
 SlurmSettings read_slurm(const TomlEntry& root) {
   const TomlEntry table = root["slurm"];
   table.allow({"account", "partition", "constraint", "modules", "environment", "options"});
-  // A newline would begin a line of the script.
+  // A newline would add a line to the script.
   const auto check = [&](const char* key, const std::string& text) {
     if (one_line(text) == text) return;
     table[key].fail("must have no newline and no other control character, is " + text);

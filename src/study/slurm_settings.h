@@ -1,4 +1,4 @@
-// The table [slurm] of a study's or a tuning's file.
+// The table [slurm] in the file of a study or tuning.
 #pragma once
 
 #include <string>
@@ -8,21 +8,21 @@ namespace breakwater {
 
 class TomlEntry;
 
-/// What jobs of a Slurm cluster are asked for.
+/// Settings of jobs on a Slurm cluster.
 struct SlurmSettings {
   std::string account;
   std::string partition;
   std::string constraint;
-  std::vector<std::string> modules;      ///< that a task loads
-  std::vector<std::string> environment;  ///< NAME=VALUE, that a task sets
-  std::vector<std::string> options;      ///< further ones of sbatch: "--time=1:00:00"
+  std::vector<std::string> modules;      ///< loaded by a task
+  std::vector<std::string> environment;  ///< NAME=VALUE, set by a task
+  std::vector<std::string> options;      ///< further options of sbatch: "--time=1:00:00"
 
-  /// As a table of a file; empty if nothing is asked for.
+  /// The table as TOML; empty if nothing is set.
   std::string print() const;
 };
 
-/// Reads them from a file's root; if it has no [slurm], nothing is asked for. Throws
-/// std::invalid_argument `FILE:LINE: key: reason`.
+/// Reads the table from a file's root. Without [slurm] nothing is set. Throws std::invalid_argument
+/// (`FILE:LINE: key: reason`).
 SlurmSettings read_slurm(const TomlEntry& root);
 
 }  // namespace breakwater

@@ -65,7 +65,7 @@ void read_compare(const TomlEntry& root, Study& study) {
   }
 }
 
-// What fits together, whatever the scenario.
+// Checks the study without its scenario.
 void check(const TomlEntry& root, const Study& study) {
   const bool draws = study.method != Method::grid && study.method != Method::list;
   if (draws && study.vary.empty()) {
@@ -248,7 +248,7 @@ toml::table option_value(const std::string& option, const std::string& given) {
     if (parsed) {
       values.push_back(*parsed->get("value"));
     } else {
-      values.push_back(part);  // a bare word
+      values.push_back(part);  // a word without quotes
     }
   }
   return toml::table{{"value", std::move(values)}};

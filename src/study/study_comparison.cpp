@@ -20,7 +20,7 @@ namespace {
 constexpr std::size_t kMostWithoutBaseline = 20;
 constexpr double kMostCompared = 2e8;
 
-// In the order in which the points first have them.
+// All metrics, in the order in which the points first have them.
 std::vector<std::string> metrics_of(const ShardIndex& index) {
   std::vector<std::string> metrics;
   std::set<std::string> known;
@@ -33,7 +33,7 @@ std::vector<std::string> metrics_of(const ShardIndex& index) {
   return metrics;
 }
 
-// All that a run left: two of the same are one, if they left a hash.
+// The outcome of a run. Runs with equal outcomes are equal if they have a hash.
 std::string outcome(const PointResult& result) {
   std::string text = name_of(result.status) + " " + result.state_hash;
   if (result.state_hash.empty()) text += " " + result.reason;
@@ -41,11 +41,11 @@ std::string outcome(const PointResult& result) {
   return text;
 }
 
-// Where a world lies: the values of the varied keys, and the number of its seed.
+// The coordinates of a test condition: the values of the varied keys and the index of its seed.
 using Place = std::vector<double>;
 
-// The coordinates that tell a candidate's worlds apart: all but those in which alone some worlds
-// differ, and its outcome then never does.
+// The coordinates that affect a candidate. A coordinate is left out if there are test conditions
+// that differ only in it, and none of them has another outcome.
 std::vector<std::size_t> effective_coordinates(const std::vector<Place>& places,
                                                const Eigen::VectorXi& outcomes) {
   std::vector<std::size_t> effective;
@@ -65,9 +65,9 @@ std::vector<std::size_t> effective_coordinates(const std::vector<Place>& places,
   return effective;
 }
 
-// A run that left no hash (it was refused, it crashed) may be another's repeat or not, though both
-// ended alike. It is one where both worlds agree in what has an effect on the candidate; else it
-// gets a number of its own, from `next` on.
+// Decides which runs without a state hash (refused or crashed) are repeats. Two of them are equal
+// if they ended alike and agree in all effective coordinates. Each other run gets a new number,
+// from `next` on.
 void tell_apart(const std::vector<Place>& places, const std::vector<Eigen::Index>& without_hash,
                 int& next, Eigen::Ref<Eigen::VectorXi> runs) {
   if (without_hash.empty()) return;
@@ -120,8 +120,7 @@ PairedResults paired_results(const Plan& plan, const ShardIndex& index) {
     results.keys.back().name = effect.name;
   }
   const bool are_seeds_worlds = study.vary.empty() || study.worlds == WorldUnit::seeds;
-  // A sample of which some seeds are still to run is compared later: two that are the same would
-  // not be seen to be.
+  // A sample waits until all its seeds have run. Earlier, repeats could not be recognised.
   const auto is_done = [&](std::size_t sample) {
     const std::size_t runs = plan.seeds() * k;
     for (std::size_t point = sample * runs; point < (sample + 1) * runs; ++point) {
@@ -130,7 +129,7 @@ PairedResults paired_results(const Plan& plan, const ShardIndex& index) {
     return true;
   };
   Eigen::Index kept = 0;
-  std::unordered_map<std::string, int> numbers;  // of outcomes
+  std::unordered_map<std::string, int> numbers;  // outcome → number
   std::vector<Place> places;
   std::vector<std::vector<Eigen::Index>> without_hash(k);
   for (std::size_t world = 0; world < all; ++world) {

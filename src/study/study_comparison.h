@@ -1,4 +1,4 @@
-// What a study compares, from its results.
+// The comparison of a study's candidates.
 #pragma once
 
 #include <optional>
@@ -11,25 +11,25 @@
 
 namespace breakwater {
 
-/// The candidates of a study, paired by sample and seed: each row is one world that all of them
-/// have met. Metrics are those of compare.metrics, or all that any run has. The same runs have the
-/// same number. A run that left no state hash is taken for another's repeat where both ended alike
-/// and their worlds differ only in keys and seeds that change no outcome of the candidate. Seeds
-/// repeat a sample; where no key is varied, and with `worlds = "seeds"`, each is one. Keys that are
-/// varied together are one (key_effects()). Throws std::invalid_argument if that is more than
-/// memory should hold.
+/// The results of a study's candidates, paired by sample and seed. Each row is a test condition
+/// that all candidates have finished. The metrics are those of compare.metrics, or all. Seeds
+/// repeat a sample; without varied keys, or with `worlds = "seeds"`, each seed is a block. Keys
+/// that vary together count as one (key_effects()). Equal runs have the same number. A run without
+/// a state hash repeats another one if both ended alike and differ only in keys and seeds without
+/// effect on the candidate. Throws std::invalid_argument if the table would be too
+/// large for memory.
 PairedResults paired_results(const Plan& plan, const ShardIndex& index);
 
-/// compare_candidates() of them; nothing if the study compares nothing: it has one candidate, or
-/// more than 20 and no baseline.
+/// compare_candidates() of a study; nothing if it has one candidate, or more than 20 and no
+/// baseline.
 std::optional<CandidateComparison> compare_study(const Plan& plan, const ShardIndex& index);
 
 struct UnknownMetric {
-  std::string place;  ///< where it is asked for: "compare.goal.pea_N"
+  std::string place;  ///< where it is named: "compare.goal.pea_N"
   std::string meant;  ///< did_you_mean()
 };
 
-/// The metrics that compare.metrics or compare.goal name and that are not among `known`.
+/// The metrics that compare.metrics or compare.goal name and `known` lacks.
 std::vector<UnknownMetric> unknown_metrics(const Study& study,
                                            const std::vector<std::string>& known);
 

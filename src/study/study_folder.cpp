@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The first line of `now` that `then` has otherwise.
+// The first line of `now` that `then` lacks.
 std::string first_difference(const std::string& now, const std::string& then) {
   std::istringstream old_lines(then);
   std::vector<std::string> old;
@@ -32,7 +32,7 @@ std::string first_difference(const std::string& now, const std::string& then) {
   return "something is left out";
 }
 
-// Whether there is nothing in a folder but what make() leaves where it was killed.
+// Whether a folder contains only what an interrupted make() leaves.
 bool is_begun(const fs::path& folder, const std::string& file) {
   if (!fs::is_directory(folder)) return false;
   return std::all_of(fs::directory_iterator(folder), fs::directory_iterator(),
@@ -43,7 +43,7 @@ bool is_begun(const fs::path& folder, const std::string& file) {
                      });
 }
 
-// A study's text without where it runs, which changes no result.
+// A study's text without [slurm] and the working folder, which change no result.
 std::string without_place(const std::string& text) {
   std::istringstream lines(text);
   std::string rest;
@@ -86,7 +86,8 @@ void StudyFolder::make_folders() const {
 }
 
 void StudyFolder::make(const std::string& text, const ScenarioFile& file) const {
-  // Another process may begin it at this moment: what it makes last is asked for last.
+  // Another process may begin the study at this moment. is_there() comes last because make() writes
+  // the file last.
   if (fs::exists(folder_) && !is_begun(folder_, kind_.file) && !is_there()) {
     throw std::invalid_argument(folder_.string() +
                                 ": holds something that is not a study; it is left alone");

@@ -1,4 +1,4 @@
-// A study's folder: which study it is, and what made it.
+// The folder of a study, which records the study and the program that made it.
 #pragma once
 
 #include <filesystem>
@@ -10,8 +10,7 @@
 
 namespace breakwater {
 
-/// The command that makes studies of a kind and goes on with them, and the file that says what one
-/// is.
+/// A kind of study: the command that makes and continues it, and the name of its file.
 struct StudyKind {
   const char* command;
   const char* file;
@@ -19,8 +18,8 @@ struct StudyKind {
 inline constexpr StudyKind kSweep = {"sweep", "study.toml"};
 inline constexpr StudyKind kTune = {"tune", "tune.toml"};
 
-/// DIR with study.toml (of a tuning: tune.toml), shards/, runs/ and what is collected from them. It
-/// may lie on a file system that many computers share: no file is written by two processes, none is
+/// The folder of a study: study.toml (or tune.toml), shards/, runs/ and the collected results. Many
+/// computers may share it over a network: no two processes write the same file, and no file is
 /// locked.
 class StudyFolder {
  public:
@@ -34,26 +33,26 @@ class StudyFolder {
   std::filesystem::path run(const std::string& key) const { return folder_ / "runs" / key; }
 
   bool is_there() const;
-  /// Makes the folder with its file, which says `text`. Throws std::invalid_argument if DIR holds
-  /// something else, or another process has begun another study in it by now; OutputError if it
-  /// cannot be written.
+  /// Makes the folder with `text` in its file. Throws std::invalid_argument if the folder contains
+  /// something else or another process has begun a different study in it, OutputError if it cannot
+  /// be written.
   void make(const std::string& text, const ScenarioFile& file) const;
-  /// Removes the results, so that the study begins anew; nothing of a user's own. Throws
-  /// std::invalid_argument if no study left its study.toml.
+  /// Removes the results and begins again. Files of the user stay. Throws std::invalid_argument if
+  /// the study.toml is not from a study.
   void make_anew(const std::string& text, const ScenarioFile& file) const;
-  /// The study that it holds. Throws std::invalid_argument.
+  /// Reads the study. Throws std::invalid_argument.
   Study study() const;
-  /// Where it was begun, from which relative names of files count.
+  /// The folder in which the study was begun. Relative names of files start there.
   std::filesystem::path working_folder() const;
-  /// Throws std::invalid_argument, one line, unless what it holds is what is to be. Where it runs
-  /// changes no result: another account or time limit is the same study.
+  /// Throws std::invalid_argument unless both texts are the same study. [slurm] may differ, since
+  /// it changes no result.
   void check_is(const std::string& now, const std::string& then) const;
-  /// Throws std::invalid_argument, one line, unless it was begun by this program, with the scenario
-  /// file that is there now, and its results are of the models that are there now.
+  /// Throws std::invalid_argument unless this program began the study with the present scenario
+  /// file, and the results are from the present model files.
   void check_made_by_this(const ScenarioFile& file, const ShardIndex& index) const;
 
  private:
-  // The file, with what makes the results.
+  // The content of the file: the study, and the program and scenario file that make the results.
   static std::string whole_text(const std::string& text, const ScenarioFile& file);
   void make_folders() const;
   [[noreturn]] void fail_to_go_on(const std::string& what) const;

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kMostNamed = 4;  // metrics in a line
 
-// Of each metric, in how many complete runs of each candidate it is.
+// Counts for each metric the complete runs of each candidate that have it.
 class MetricCounts {
  public:
   explicit MetricCounts(const Plan& plan) : plan_(plan), complete_(plan.candidates().size()) {}
@@ -26,7 +26,7 @@ class MetricCounts {
     }
   }
 
-  // Metrics that are missing in the same way are one line.
+  // Metrics that are missing in the same runs share a line.
   std::vector<std::string> lines() const {
     std::map<std::string, std::vector<std::string>> metrics;
     for (const auto& [name, counts] : counts_) {
@@ -46,11 +46,11 @@ class MetricCounts {
   }
 
  private:
-  // "12 of 40 complete runs of hpfc-2N"; empty if it is nowhere.
+  // A text such as "12 of 40 complete runs of hpfc-2N"; empty if the metric is in no run.
   std::string missing(const std::vector<std::size_t>& counts) const {
     std::vector<std::string> parts;
     for (std::size_t c = 0; c < counts.size(); ++c) {
-      // What no run of a candidate has is not of that candidate: its column is empty.
+      // A metric that no run of a candidate has does not apply to it.
       if (counts[c] == 0 || counts[c] == complete_[c]) continue;
       parts.push_back(fmt::format("{} of {} complete runs of {}", complete_[c] - counts[c],
                                   complete_[c], plan_.candidates()[c].label));
@@ -68,12 +68,12 @@ class MetricCounts {
   std::map<std::string, std::vector<std::size_t>> counts_;
 };
 
-// Whether the seeds of every sample and candidate gave the same run.
+// Checks whether all seeds of every sample and candidate gave the same run.
 class SeedEffect {
  public:
   explicit SeedEffect(const Plan& plan) : plan_(plan), first_(plan.candidates().size()) {}
 
-  // In the points' order.
+  // Adds a run, in the order of the points.
   void add(const PointResult& run) {
     const std::size_t world = run.number / first_.size();
     auto& first = first_[run.number % first_.size()];
@@ -93,7 +93,7 @@ class SeedEffect {
     std::string hash;
   };
   const Plan& plan_;
-  std::vector<std::optional<First>> first_;  // run of the sample, of each candidate
+  std::vector<std::optional<First>> first_;  // per candidate: first run of the sample
   std::size_t pairs_ = 0;
   bool differs_ = false;
 };

@@ -1,4 +1,4 @@
-// What a user should know of a study's results before drawing conclusions.
+// Notes on the results of a study that a user should know before drawing conclusions.
 #pragma once
 
 #include <string>
@@ -9,8 +9,8 @@
 
 namespace breakwater {
 
-/// A line each: metrics that some complete runs of a candidate lack, so that its medians are over
-/// other runs; seeds that change nothing.
+/// The notes, one per line. They name metrics that some complete runs of a candidate lack, so that
+/// its medians are over fewer runs. They also name seeds that change nothing.
 std::vector<std::string> notes(const Plan& plan, const ShardIndex& index);
 
 }  // namespace breakwater

@@ -20,13 +20,13 @@ namespace {
 
 constexpr std::int64_t kMostSeedsRead = 1'000'000;
 
-// A count where it is one: a key that counts takes no 6.0.
+// A number as TOML. A whole one has no ".0", since keys for counts refuse it.
 std::string plain_number(double value) {
   const bool is_whole = std::round(value) == value && std::abs(value) < 1e15;
   return is_whole ? fmt::format("{:.0f}", value) : toml_number(value);
 }
 
-// What a key is called on the command line: "--on-failure", "--vary: wall.distance_m".
+// The name of a key on the command line: "--on-failure", "--vary: wall.distance_m".
 std::string option_of(std::string key) {
   for (const std::string table :
        {"compare.case", "compare.baseline", "compare.metrics", "compare.worlds"}) {
@@ -66,7 +66,7 @@ void read_distribution(const toml::table& table, VariedKey& key) {
   }
 }
 
-// An inline table that looks like a distribution, and is none.
+// Refuses an inline table that looks like a distribution with a misspelt name.
 void refuse_misspelt(const TomlEntry& entry) {
   const toml::table& table = *entry.node()->as_table();
   const bool is_like_one = table.is_inline() && table.size() == 1 &&
@@ -107,7 +107,7 @@ VariedKey varied_key(const TomlEntry& entry, const std::string& path) {
   return key;
 }
 
-// The keys of a table and of the tables in it, with where they stand.
+// The keys of a table and its subtables, with their positions.
 void collect(const TomlEntry& table, const std::string& prefix, const std::set<std::string>& but,
              std::vector<std::pair<toml::source_position, VariedKey>>& found) {
   for (const auto& [key, entry] : table.entries()) {

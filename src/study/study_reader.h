@@ -1,4 +1,4 @@
-// The parts that files of studies and of tunings have in common.
+// Parts that the files of studies and tunings have in common.
 #pragma once
 
 #include <toml++/toml.h>
@@ -15,19 +15,18 @@ namespace breakwater {
 
 const Names<DistributionKind>& distributions();
 
-/// The tables of a study's or a tuning's file. Its `config` is made absolute where it lies beside
-/// the file, as the paths of a scenario file are; what made the results of a study whose file this
-/// was is left out.
+/// The tables of the file of a study or tuning. A relative `config` becomes absolute, from the
+/// folder of the file. The record of a finished study's program is left out.
 toml::table study_tables(const std::string& file);
 
-/// The root of a study's or a tuning's tables, on which the command line's options may lie.
+/// The root of the tables. Options of the command line may be merged into them.
 TomlEntry study_root(const toml::table& tables, const std::string& file);
 
-/// { first = 1, count = 20 }, or an array; of nothing, none.
+/// Reads { first = 1, count = 20 } or an array. An empty entry gives none.
 std::vector<std::uint64_t> read_seeds(const TomlEntry& seeds);
-/// key=value of a table of keys.
+/// Reads a table of keys as key=value.
 std::vector<std::string> read_sets(const TomlEntry& table);
-/// The keys of [vary], [compare] and the like, in the file's order.
+/// Reads the keys of tables such as [vary] and [compare], in the order of the file, except `but`.
 std::vector<VariedKey> read_varied(const TomlEntry& table, const std::set<std::string>& but = {});
 
 }  // namespace breakwater

@@ -12,7 +12,7 @@ namespace breakwater {
 namespace fs = std::filesystem;
 namespace {
 
-// In the order in which a run's metrics are; of a study's cases each may have some of its own.
+// In the order of a run's metrics. The cases of a study may have different metrics.
 std::vector<std::pair<std::string, std::vector<double>>> values_of(
     const std::unordered_map<std::string, PointResult>& results) {
   std::vector<std::pair<std::string, std::vector<double>>> all;

@@ -1,4 +1,4 @@
-// A study's or a tuning's folder in a few numbers.
+// A short summary of the folder of a study or tuning.
 #pragma once
 
 #include <cstddef>
@@ -10,20 +10,20 @@
 
 namespace breakwater {
 
-/// Whether a sweep or a tuning left the folder.
+/// Whether the folder is from a sweep or a tuning.
 bool is_study_folder(const std::filesystem::path& folder);
 
 struct StudySummary {
   std::filesystem::path folder;
   const char* kind = "study";  ///< or "tuning"
   std::string scenario;
-  std::size_t runs = 0;  ///< that are there by now
+  std::size_t runs = 0;  ///< finished so far
   std::size_t failed = 0;
-  std::vector<Metric> medians;  ///< of each metric, over the runs that have it; no units
+  std::vector<Metric> medians;  ///< per metric, over the runs that have it; without units
   std::filesystem::file_time_type written;
 };
 
-/// Reads all of its results. Throws std::invalid_argument if they cannot be read.
+/// Reads all results. Throws std::invalid_argument if they cannot be read.
 StudySummary summarise_study(const std::filesystem::path& folder);
 
 }  // namespace breakwater

@@ -37,13 +37,13 @@ Study completed(Study study, const ScenarioFile& file) {
   return study;
 }
 
-// A mistake in a value that a study gives, with the place where it gives it.
+// Names the place of a wrong value in the study.
 std::string blamed(const Study& study, const std::string& error) {
   const std::string set = "--set: ";
   if (!error.starts_with(set)) return error;
   const std::size_t end = std::min(error.find(": ", set.size()), error.size());
   const std::string wrong = error.substr(set.size(), end - set.size());
-  const VariedKey* element = nullptr;  // of what is wrong
+  const VariedKey* element = nullptr;  // the array whose element is wrong, or reverse
   for (const auto* keys : {&study.vary, &study.compare}) {
     for (const VariedKey& key : *keys) {
       if (wrong == key.key || is_element_of(wrong, key.key)) {
@@ -55,13 +55,13 @@ std::string blamed(const Study& study, const std::string& error) {
   return element != nullptr ? element->place + error.substr(end) : error;
 }
 
-// Whose runs take longer in proportion.
+// A measure that is proportional to the time of a run.
 double steps_of(const Config& config) {
   return config.number("run.duration_s").value_or(1.0) /
          config.number("physics.timestep_s").value_or(1.0);
 }
 
-// The keys that a study gives, and where it does.
+// The keys that a study sets, with their places.
 std::vector<std::pair<std::string, std::string>> places_of_keys(const Study& study) {
   std::vector<std::pair<std::string, std::string>> places;
   for (const std::string& set : study.sets) {
@@ -74,11 +74,11 @@ std::vector<std::pair<std::string, std::string>> places_of_keys(const Study& stu
   return places;
 }
 
-// How much longer runs of a candidate are on average than its first one, as far as the lengths of
-// run and step say. Of very many samples some are taken, spread by the golden ratio, so that they
-// fall in step with no key's values.
+// The mean number of steps of a candidate's runs, divided by that of its first run. A large study
+// is represented by some samples. The golden ratio spreads them, so that they do not repeat with
+// the values of a key.
 double mean_length(const Sweep& sweep, std::size_t candidate, const std::atomic<bool>& stop) {
-  constexpr std::size_t kMostLooks = 10000;  // of all candidates together
+  constexpr std::size_t kMostLooks = 10000;  // looks for all candidates together
   const Plan& plan = sweep.plan();
   const std::size_t candidates = plan.candidates().size();
   const auto steps = [&](std::size_t sample) {
@@ -138,9 +138,9 @@ std::vector<std::string> Sweep::check() const {
   const SharedModels shared;
   const Study& study = plan_->study();
   const std::vector<StudyPoint> probes = plan_->probes();
-  std::map<std::string, std::pair<std::size_t, std::string>> vain;  // in how many probes, and why
+  std::map<std::string, std::pair<std::size_t, std::string>> vain;  // number of probes and reason
   try {
-    // The first one checks every table of the file too.
+    // The first one also checks every table of the file.
     prepare_run(catalogue_, study.scenario, *file_,
                 plan_->candidates()[probes.front().candidate].case_name, probes.front().sets);
     for (const StudyPoint& probe : probes) {

@@ -1,4 +1,4 @@
-// A study's runs on this machine, and what is left of them.
+// The runs of a study on this machine.
 #pragma once
 
 #include <cstddef>
@@ -17,20 +17,20 @@
 
 namespace breakwater {
 
-/// A plan with what is needed to run its points.
+/// A plan with everything that its runs need.
 class Sweep : public PointSource {
  public:
-  /// Completes the study by its scenario: cases, and "all". Throws std::invalid_argument, one line,
-  /// if there is no such scenario or case.
+  /// Completes the study from its scenario: the cases, and "all". Throws std::invalid_argument if
+  /// the scenario or a case does not exist.
   Sweep(const Catalogue& catalogue, Study study);
 
   const Plan& plan() const { return *plan_; }
   const ScenarioFile& file() const { return *file_; }
 
-  /// Prepares the plan's probes. Throws std::invalid_argument with the first mistake: nothing of a
-  /// study runs if a value of it is wrong. Returns what is right but in vain, a line each.
+  /// Prepares the plan's probes, so that no run begins if a value is wrong. Returns one line per
+  /// ineffective key. Throws std::invalid_argument for the first mistake.
   std::vector<std::string> check() const;
-  /// From now on these runs are kept, by their keys; before, none.
+  /// Keeps the folders of the chosen runs from now on. Before this call none is kept.
   void keep_in(const StudyFolder& folder, Keep keep) {
     folder_ = folder;
     keep_ = keep;
@@ -52,22 +52,21 @@ class Sweep : public PointSource {
   Keep keep_ = Keep::metrics;
 };
 
-/// Points as ranges "0-99,120", each once and in order. Throws std::invalid_argument for what is no
-/// such text, or beyond `size`.
+/// Reads ranges of points such as "0-99,120", sorted and without repetition. Throws
+/// std::invalid_argument if the text is not valid or a point is not below `size`.
 std::vector<std::size_t> parse_points(const std::string& text, std::size_t size);
 std::string print_points(const std::vector<std::size_t>& points);
 
-/// What a study still has to do, in order.
+/// The points without a result, in order.
 std::vector<std::size_t> pending(const ShardIndex& index);
 
 struct Estimate {
-  double seconds = 0.0;           ///< of processor time, of all points
-  std::vector<PointResult> runs;  ///< one of each candidate
+  double seconds = 0.0;           ///< processor time of all points
+  std::vector<PointResult> runs;  ///< one per candidate
 };
 
-/// How long a study will take, from one run of each candidate; other lengths of the run or of its
-/// step count in proportion, of very many points as far as a sample of them tells. Throws
-/// Interrupted.
+/// Estimates the time of a study from one run of each candidate. Time is assumed proportional to
+/// the number of steps. A large study is represented by some of its samples. Throws Interrupted.
 Estimate estimate(const Sweep& sweep, const std::atomic<bool>& stop);
 
 }  // namespace breakwater

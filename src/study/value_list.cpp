@@ -24,8 +24,8 @@ std::optional<double> read_number(const std::string& text) {
   return number;
 }
 
-// The number of 12 digits next to x, if what lies between is rounding: a few units in the last
-// place.
+// The number of 12 digits next to x, if both differ only by rounding (a few units in the last
+// place).
 double without_rounding(double x) {
   const double written = *read_number(fmt::format("{:.12g}", x));
   const double rounding = 4.0 * std::numeric_limits<double>::epsilon() * std::abs(x);

@@ -23,8 +23,8 @@ using Variables = std::map<std::string, std::string>;
 
 constexpr std::int64_t kMostPanels = 1000;
 
-// Tables, each on top of the one before, whose texts may have {VARIABLES}. They are not copied into
-// one: a copy would not know where in the file it stood.
+// Tables with increasing priority, whose texts may contain {VARIABLES}. They are not merged, since
+// a merged table has no line numbers.
 struct Scope {
   explicit Scope(const TomlEntry& table, Variables values = {})
       : tables{table}, variables(std::move(values)) {}
@@ -52,7 +52,7 @@ struct Scope {
   Variables variables;
 };
 
-// A text, or a number as a text.
+// A text, or a number as text.
 std::string plain(const TomlEntry& entry) {
   if (!entry) entry.fail("is missing");
   if (const auto* string = entry.node()->as_string()) return string->get();
@@ -61,7 +61,8 @@ std::string plain(const TomlEntry& entry) {
   entry.fail("must be a text or a number");
 }
 
-// The same with each {NAME} replaced by that variable's value, which may have variables too.
+// The text of an entry with each {NAME} replaced. The value of a variable may contain variables
+// too.
 std::string Scope::text(const TomlEntry& entry) const {
   constexpr int kMostReplacements = 100;
   std::string text = plain(entry);
@@ -78,7 +79,7 @@ std::string Scope::text(const TomlEntry& entry) const {
   return text;
 }
 
-// The texts and numbers of a table, on top of others.
+// Adds the texts and numbers of a table to variables.
 Variables with(Variables variables, const TomlEntry& more) {
   for (const auto& [key, entry] : more.entries()) {
     const bool is_plain = entry.node()->is_string() || entry.node()->is_number();
@@ -87,7 +88,7 @@ Variables with(Variables variables, const TomlEntry& more) {
   return variables;
 }
 
-// The combinations of the lists `for`, `and`: one without variables if there are none.
+// The combinations of the lists `for` and `and`; one without variables if there are no lists.
 std::vector<Variables> combinations(const TomlEntry& table) {
   std::vector<Variables> all = {{}};
   for (const char* key : {"for", "and"}) {
@@ -101,7 +102,7 @@ std::vector<Variables> combinations(const TomlEntry& table) {
   return all;
 }
 
-// One of `words`; empty if there is none.
+// One of `words`; empty if the entry is missing.
 std::string word_or_nothing(const TomlEntry& entry, const std::vector<std::string>& words) {
   std::string word = entry.text_or_nothing();
   if (!word.empty() && std::find(words.begin(), words.end(), word) == words.end()) {
@@ -110,7 +111,7 @@ std::string word_or_nothing(const TomlEntry& entry, const std::vector<std::strin
   return word;
 }
 
-// [of the full effort, of the quick one].
+// The number of repetitions from [full, quick].
 int repetitions(const TomlEntry& entry, Effort effort) {
   constexpr std::int64_t kMostRepetitions = 1'000'000;
   const std::vector<TomlEntry> both = entry.elements();
@@ -118,7 +119,7 @@ int repetitions(const TomlEntry& entry, Effort effort) {
   return static_cast<int>(both[effort == Effort::full ? 0 : 1].whole(1, kMostRepetitions));
 }
 
-// A number that may be written with variables.
+// A number whose text may contain variables.
 double real(const Scope& scope, const std::string& key) {
   const std::string written = scope.text(key);
   const char* const end = written.data() + written.size();
@@ -200,7 +201,7 @@ CellSpec read_cell(const Scope& cell) {
   return spec;
 }
 
-// All {VARIABLES} of the texts in a table and in the tables and arrays in it.
+// Collects all {VARIABLES} in the texts of a table, including nested tables and arrays.
 void collect_variables(const toml::node& node, std::vector<std::string>& names) {
   if (const auto* string = node.as_string()) {
     const std::regex variable("\\{([^{}]*)\\}");
@@ -217,8 +218,8 @@ void collect_variables(const toml::node& node, std::vector<std::string>& names) 
   }
 }
 
-// Refuses a key of a table's cells, columns and rows that is none of a cell's, no column's `key`
-// and no {VARIABLE} of any text there.
+// Refuses unknown keys in the cells, columns and rows of a table. Known are the keys of cells, the
+// `key` of a column, and the {VARIABLES} of the texts.
 void check_cell_keys(const TomlEntry& table) {
   std::vector<std::string> keys = {"title",   "key",        "run",        "metric",    "over",
                                    "divisor", "absent",     "if_failed",  "statistic", "printed",
@@ -238,8 +239,8 @@ void check_cell_keys(const TomlEntry& table) {
   }
 }
 
-// A cell is what the table's `cell` says, then what its column and its row say. A row may have a
-// table named like a column's `key`, for that cell alone; `false` there means that there is none.
+// A cell merges the table's `cell`, its column and its row, in this order. In a row, a table with
+// the name of a column's `key` is for that cell only; `false` means no cell.
 TableSpec read_table(const TomlEntry& table) {
   table.allow({"title", "unit", "note", "rows", "columns", "cell"});
   check_cell_keys(table);
@@ -284,7 +285,7 @@ std::vector<PanelSpec> read_panels(const TomlEntry& form, const Variables& varia
   return panels;
 }
 
-// Figures of one form: `list` has one entry each, `form` names their panels.
+// Reads figures of equal form: `list` has an entry for each, `form` names their panels.
 void read_figures(const TomlEntry& table, const TomlEntry& forms,
                   std::vector<FigureSpec>& figures) {
   table.allow({"form", "list", "runs"});
@@ -344,7 +345,7 @@ SectionSpec read_section(const TomlEntry& table, const TomlEntry& forms, Effort 
   return section;
 }
 
-// Everything that is referred to is there.
+// Checks that all references exist.
 class Check {
  public:
   Check(const Experiments& experiments, const PrintedResults& printed)

@@ -1,4 +1,4 @@
-// data/experiments.toml: what is run, tabulated and drawn for each section of the thesis.
+// data/experiments.toml: the runs, tables and figures for each section of the thesis.
 #pragma once
 
 #include <limits>
@@ -11,17 +11,18 @@
 
 namespace breakwater {
 
-/// How much trouble is taken over what is random.
+/// The number of repetitions of random runs.
 enum class Effort { quick, full };
 
-/// A run, or several of the same settings but for a seed or an encoder's phase.
+/// One run, or several that differ only in a random seed or an encoder phase.
 struct RunSpec {
   std::string name;  ///< also of its folder
   std::string scenario;
   std::string case_name;
-  std::vector<std::string> sets;                      ///< key=value
-  std::vector<std::vector<std::string>> repetitions;  ///< further sets of each; at least one
-  std::size_t line = 0;                               ///< of the file, here and below
+  std::vector<std::string> sets;  ///< key=value
+  std::vector<std::vector<std::string>>
+      repetitions;       ///< further sets of each repetition; at least one
+  std::size_t line = 0;  ///< line of the file, here and below
 };
 
 /// A metric of a run.
@@ -29,40 +30,42 @@ struct Quantity {
   std::string run;
   std::string metric;  ///< NAME; |NAME|; or "max SIGNAL", the signal's largest value
 
-  /// The name of what is measured, without the bars of a magnitude.
+  /// The name of the metric, without the bars of a magnitude.
   std::string name() const;
   bool is_magnitude() const { return metric.starts_with('|') && metric.ends_with('|'); }
 };
 
-/// One measured number, and what the thesis has instead of it.
+/// One measured number and the printed result or statement to compare it with.
 struct CellSpec {
   Quantity quantity;
-  /// What it is divided by: each run's by its own if it is the same run, else all by the median.
+  /// Divisor, by repetition for the same run; otherwise its median.
   std::optional<Quantity> over;
   double divisor = 1.0;
-  /// The value of a run that failed; none, so that nothing holds, unless given.
+  /// The value of a failed run; by default none, so that no band holds.
   double if_failed = std::numeric_limits<double>::quiet_NaN();
-  bool absent_is_never = false;  ///< a run without the metric counts as infinite; else not measured
-  bool is_share = false;         ///< the mean of ones and zeros is judged, not their median
-  std::string printed;           ///< a path into printed-results.toml; empty if `says` is not
-  std::string says;              ///< a statement of the text, which `holds` judges
-  std::string shows;  ///< what stands beside the others and is neither judged nor counted
-  std::string why;    ///< why it is not reproduced, if it is not
-  /// Why it holds by construction, if it does: it is then no success, and counted apart.
+  bool absent_is_never =
+      false;              ///< a run without the metric counts as infinite, else as not measured
+  bool is_share = false;  ///< judges the mean of ones and zeros, not their median
+  std::string printed;    ///< a path into printed-results.toml; empty if `says` is set
+  std::string says;       ///< a statement of the text; `holds` is its criterion
+  std::string shows;      ///< text of a cell that is not judged or counted
+  std::string why;        ///< the reason if it is not reproduced
+  /// The reason if the cell holds by construction. It is then counted apart, not as a success.
   std::string vacuous;
-  /// The assumption against print, or against the section's reading: judged, and counted apart.
+  /// An assumption against the printed text or the section's reading. The cell is judged and
+  /// counted apart.
   std::string hypothesis;
   Band holds;
   std::size_t line = 0;
 
-  /// All that it is made of.
+  /// All quantities of the cell.
   std::vector<Quantity> quantities() const;
 };
 
 struct TableSpec {
   std::string title;
-  std::string unit;  ///< of all cells; may be empty
-  std::string note;  ///< below it; may be empty
+  std::string unit;  ///< unit of all cells; may be empty
+  std::string note;  ///< text below the table; may be empty
   std::vector<std::string> rows;
   std::vector<std::string> columns;
   std::vector<std::vector<std::optional<CellSpec>>> cells;  ///< rows × columns
@@ -70,8 +73,8 @@ struct TableSpec {
 
 struct PanelSpec {
   std::string title;
-  std::vector<std::string> signals;  ///< of each of the figure's runs
-  std::vector<std::string> once;     ///< of the first run alone
+  std::vector<std::string> signals;  ///< drawn for each run of the figure
+  std::vector<std::string> once;     ///< drawn for the first run only
   std::vector<double> lines;         ///< horizontal, dashed
   std::optional<double> from_s;
   std::optional<double> to_s;
@@ -79,34 +82,34 @@ struct PanelSpec {
 
 struct FigureRun {
   std::string run;
-  std::string label;  ///< may be empty if it is alone
+  std::string label;  ///< may be empty for a single run
 };
 
 struct FigureSpec {
-  std::string number;  ///< the thesis': "2.31"
+  std::string number;  ///< number in the thesis: "2.31"
   std::string title;
   std::vector<FigureRun> runs;
-  std::vector<std::string> off;  ///< labels of runs that are not drawn at first
+  std::vector<std::string> off;  ///< labels of runs that are hidden at first
   std::vector<PanelSpec> panels;
   std::string note;
   std::size_t line = 0;
 };
 
-/// What is not shown, and why.
+/// A result that is not shown, with the reason.
 struct MissingSpec {
   std::string what;
   std::string why;
 };
 
-/// Why a printed result, or all whose path matches a pattern, does not come out.
+/// The reason why a printed result is not reproduced, or all whose path matches a pattern.
 struct ReasonSpec {
   std::string of;
   std::string why;
 };
 
 struct SectionSpec {
-  std::string id;     ///< the thesis': "2.4.3.2"
-  std::string group;  ///< what --only may name beside the id: "arm"
+  std::string id;     ///< number in the thesis: "2.4.3.2"
+  std::string group;  ///< another name for --only: "arm"
   std::string title;
   std::string text;
   std::string docs;   ///< a page of docs/
@@ -119,13 +122,13 @@ struct SectionSpec {
   std::vector<MissingSpec> missing;
   std::size_t line = 0;
 
-  /// The runs that its tables and figures refer to.
+  /// All runs of its tables and figures.
   std::vector<std::string> runs() const;
-  /// Those whose logs its figures, video and strip need.
+  /// The runs whose logs its figures, video and strip need.
   std::vector<std::string> logged_runs() const;
 };
 
-/// A picture of the first screen: one panel of a figure.
+/// A picture at the top of the page: one panel of a figure.
 struct HeroSpec {
   std::string figure;
   std::size_t panel = 0;
@@ -135,14 +138,14 @@ struct HeroSpec {
 
 struct Experiments {
   std::string file;
-  /// Somebody's own list. Its statements hold or do not: "reproduced" is a word for what the thesis
-  /// prints and says.
+  /// A user's own list. Its statements hold or do not hold; "reproduced" is only for results of the
+  /// thesis.
   bool is_own = false;
-  std::string title;  ///< of the page; empty: that of the thesis' reproduction
+  std::string title;  ///< title of the page; default: that of the thesis' reproduction
   std::map<std::string, RunSpec> runs;
   std::vector<SectionSpec> sections;
   std::vector<HeroSpec> heroes;
-  std::string video;  ///< of the first screen: a section's id
+  std::string video;  ///< for the top of the page: id of a section
 };
 
 /// Reads a file of experiments. Throws std::invalid_argument `FILE[:LINE]: reason`.

@@ -1,11 +1,11 @@
-// The thesis' printed numbers as reference values of the shipped cases.
+// The printed numbers of the thesis as reference values of the shipped cases.
 #pragma once
 
 #include <breakwater/experiment/references.h>
 
 namespace breakwater {
 
-/// For the catalogue: tables and pages show the printed numbers beside a run's own.
+/// The reference values for the catalogue: tables and pages show them beside those of a run.
 ReferenceKind printed_references();
 
 }  // namespace breakwater

@@ -22,7 +22,7 @@ bool matches(const char* pattern, const char* path) {
   return *pattern == *path && matches(pattern + 1, path + 1);
 }
 
-// The lines of a file, to see a number as it is written.
+// The lines of a file, to read numbers as they are written.
 class Lines {
  public:
   explicit Lines(const std::string& file) : file_(file) {
@@ -30,8 +30,8 @@ class Lines {
     for (std::string line; std::getline(stream, line);) lines_.push_back(line);
   }
 
-  // Throws std::invalid_argument if the number is not where the parser saw it: behind what is not
-  // ASCII.
+  // Throws std::invalid_argument if the number is not at the parser's position, which happens
+  // behind non-ASCII characters.
   PrintedResult number(const toml::node& node, double value) const {
     const toml::source_region& place = node.source();
     const std::string& line = lines_.at(place.begin.line - 1);
@@ -48,7 +48,7 @@ class Lines {
   }
 
  private:
-  // 0.05 of "66.0", 0.5e-15 of "1.00e-13".
+  // Half a unit of the last digit: 0.05 for "66.0", 0.5e-15 for "1.00e-13".
   static double half_unit(const std::string& digits) {
     const std::size_t e = std::min(digits.find_first_of("eE"), digits.size());
     const std::size_t point = std::min(digits.find('.'), e);

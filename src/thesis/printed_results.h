@@ -1,4 +1,4 @@
-// The results that the thesis prints, and what counts as having reproduced them.
+// The printed results of the thesis and the criteria of their reproduction.
 #pragma once
 
 #include <filesystem>
@@ -12,7 +12,7 @@ namespace breakwater {
 
 enum class Verdict { reproduced, within_class, not_reproduced, not_measured };
 
-/// Where a measured number must lie. All that is given must hold; nothing given: anywhere.
+/// A band for a measured number. All given bounds must hold; without bounds it is unlimited.
 struct Band {
   std::optional<double> relative;  ///< |measured − printed| ≤ relative·|printed|
   std::optional<double> absolute;  ///< |measured − printed| ≤ absolute
@@ -20,58 +20,57 @@ struct Band {
   std::optional<double> below;     ///< measured < below
 
   bool contains(double measured, double printed = 0.0) const;
-  /// Whether it lies about the printed number.
+  /// Whether the band lies around the printed number.
   bool is_around() const { return relative || absolute; }
-  /// "±5 %", "below 0.05".
+  /// A text such as "±5 %" or "below 0.05".
   std::string text() const;
 };
 
-/// The class of a printed result. A number has two bands. A word has one for each word that might
-/// have been printed: the measured number is in the one that it deserves.
+/// The criteria for a printed result. A number has two bands. A word has one band for each possible
+/// word; the measured number gets the word of its band.
 struct Standard {
   Band reproduced;
   Band within;
   std::vector<std::pair<std::string, Band>> words;
 };
 
-/// A number or a word (P, N, "large delay"; true and false are words too).
+/// A printed number or word (P, N, "large delay", true, false).
 struct PrintedResult {
   std::optional<double> number;
-  std::string word;        ///< as it is printed: a number's digits too
-  double half_unit = 0.0;  ///< of a number's last digit
+  std::string word;        ///< as printed, also the digits of a number
+  double half_unit = 0.0;  ///< half a unit of the last digit
 
   std::string text() const;
 };
 
-/// A number that rounds to the printed digits is reproduced, whatever its class, unless that has
-/// but one bound: "461 s at least". What never settles is infinitely large. NaN is nothing that was
-/// measured.
+/// A number that rounds to the printed digits is reproduced in any class, except one with a single
+/// bound such as "461 s at least". A motion that never settles is infinite. NaN means not measured.
 Verdict judge(double measured, const PrintedResult& printed, const Standard& standard);
 
-/// "reproduced", "within the class", "not reproduced", "not measured".
+/// The name: "reproduced", "within the class", "not reproduced" or "not measured".
 std::string text(Verdict verdict);
 
-/// Its colour on a page: good, near, off or unknown.
+/// The colour on a page: good, near, off or unknown.
 std::string css_class(Verdict verdict);
 
-/// printed-results.toml and reproduced.toml.
+/// The contents of printed-results.toml and reproduced.toml.
 class PrintedResults {
  public:
-  /// Reads them from `folder`. Throws std::invalid_argument `FILE[:LINE]: reason` if they are
-  /// damaged.
+  /// Reads both files from `folder`. Throws std::invalid_argument (`FILE[:LINE]: reason`) if they
+  /// are damaged.
   explicit PrintedResults(const std::filesystem::path& folder);
 
-  /// What is printed at a path such as "SCENARIO.force_2N.hpfc.peak_force_N" or
-  /// "SCENARIO.table_4_8.n12[2]"; nothing if nothing is.
+  /// The result with a path such as "SCENARIO.force_2N.hpfc.peak_force_N" or
+  /// "SCENARIO.table_4_8.n12[2]", if there is one.
   std::optional<PrintedResult> find(const std::string& path) const;
-  /// The class of the first pattern that matches a path. Throws std::runtime_error if none does.
+  /// The criteria of the first matching pattern. Throws std::runtime_error if none matches.
   const Standard& standard(const std::string& path) const;
 
   struct Case {
-    std::string printed;                         ///< the path of its numbers
-    std::map<std::string, std::string> metrics;  ///< our name: theirs
+    std::string printed;                         ///< path of its numbers
+    std::map<std::string, std::string> metrics;  ///< our name → name in the file
   };
-  /// Where a case's numbers are printed; nothing if the thesis prints none.
+  /// The printed numbers of a case; nothing if the thesis prints none.
   std::optional<Case> of_case(const std::string& scenario, const std::string& case_name) const;
 
  private:
@@ -80,15 +79,15 @@ class PrintedResults {
   std::map<std::string, Case> cases_;
 };
 
-/// Whether a path matches a pattern in which * stands for any characters.
+/// Whether a path matches a pattern, in which * stands for any characters.
 bool matches_pattern(const std::string& pattern, const std::string& path);
 
-/// Those of the project's own data/.
+/// The results in the project's own data/.
 const PrintedResults& printed_results();
 
-/// One printed number of a case, and what counts as having reproduced it.
+/// A printed number of a case and its criteria.
 struct PrintedValue {
-  std::string metric;  ///< our name for it
+  std::string metric;  ///< our name
   PrintedResult result;
   Standard standard;
 
@@ -96,8 +95,8 @@ struct PrintedValue {
   Verdict verdict(double measured) const { return judge(measured, result, standard); }
 };
 
-/// The printed numbers of one case of a scenario. Empty if the thesis prints none. Throws
-/// std::runtime_error if the files are damaged.
+/// The printed numbers of a case; empty if the thesis prints none. Throws std::runtime_error if the
+/// files are damaged.
 std::vector<PrintedValue> printed_values(const std::string& scenario, const std::string& case_name);
 
 }  // namespace breakwater

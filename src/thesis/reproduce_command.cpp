@@ -30,7 +30,7 @@ struct ReproduceArguments {
   bool quiet = false;
 };
 
-// The sections of a group, or all whose number begins with `only`: "2.4" has 2.4.3.2.
+// The sections of a group, or all whose number begins with `only`: "2.4" selects 2.4.3.2.
 std::vector<const SectionSpec*> choose_sections(const Experiments& experiments,
                                                 const std::string& only) {
   std::vector<const SectionSpec*> chosen;
@@ -53,19 +53,20 @@ std::vector<const SectionSpec*> choose_sections(const Experiments& experiments,
   return chosen;
 }
 
-// Refuses a folder that holds something that is not ours.
+// Refuses a folder with contents that are not ours.
 void check_out(const fs::path& out) {
   if (!fs::exists(out)) return;
   if (!fs::is_directory(out))
     throw std::invalid_argument(out.string() + ": is a file, not a folder");
-  const bool is_study = fs::exists(out / "study.toml");  // of `sweep`, with shards of its own
+  const bool is_study = fs::exists(out / "study.toml");  // a study of `sweep` has shards too
   if (!fs::is_empty(out) && (!fs::exists(shards_folder(out)) || is_study)) {
     throw std::invalid_argument(out.string() +
                                 ": holds something that is not a reproduction; give another --out");
   }
 }
 
-// Makes what is not there, or older than the run. Returns the status of the last that failed.
+// Makes pictures and videos that are missing or older than the run. Returns the status of the last
+// failure.
 int make_pictures(const Reproduction& reproduction, bool with_video) {
   int status = kSuccess;
   const auto make = [&](const std::string& run, const char* command, const char* file,
@@ -135,9 +136,8 @@ int reproduce_main(const Catalogue& catalogue, int argc, const char* const* argv
   app.add_flag("!--no-replay", arguments.with_replay, "leave out the replays");
   app.add_flag("--quiet", arguments.quiet, "print errors and the score only");
   app.footer(
-      "What is there already for the same configuration, models and program is kept: a run that\n"
-      "was stopped, however, goes on where it was. What counts as reproduced:\n"
-      "data/reproduced.toml.\n"
+      "Results of the same configuration, models and program are kept, so an interrupted\n"
+      "reproduction continues. data/reproduced.toml has the criteria.\n"
       "Exit status: 0 success, 1 a defect, 2 usage or input, 4 a picture or video could not be\n"
       "made, 130 interrupted.");
   if (const auto status = parse(app, argc, argv)) return *status;

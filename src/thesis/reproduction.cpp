@@ -22,7 +22,7 @@ namespace {
 constexpr const char* kLargest = "max ";
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-// Metrics made of signals, "max SIGNAL", and the line that asks for each.
+// Metrics computed from signals ("max SIGNAL"), with the line that needs each.
 using Derived = std::map<std::string, std::size_t>;
 
 struct Job {
@@ -34,7 +34,7 @@ struct Job {
   Derived derived;
   bool is_logged = false;
   std::string key;
-  double cost = 0.0;  // physics steps
+  double cost = 0.0;  // number of physics steps
 };
 
 // Calls `body` for each cell of the sections.
@@ -55,7 +55,7 @@ void each_cell(const Sections& sections, Body&& body) {
   throw std::invalid_argument(fmt::format("{}:{}: {}", experiments.file, line, what));
 }
 
-// For each run, the metrics that cells want made of its signals.
+// The metrics from signals that cells need, by run.
 std::map<std::string, Derived> derived_metrics(const Experiments& experiments) {
   std::vector<const SectionSpec*> sections;
   for (const SectionSpec& section : experiments.sections) sections.push_back(&section);
@@ -69,13 +69,13 @@ std::map<std::string, Derived> derived_metrics(const Experiments& experiments) {
   return derived;
 }
 
-// What is to be run: a point is a job.
+// The runs of a reproduction: each point is a job.
 class Jobs : public PointSource {
  public:
   explicit Jobs(const Reproduction& reproduction);
 
   const std::vector<Job>& all() const { return jobs_; }
-  /// What their keys were made of.
+  /// The models that the keys of the jobs were computed from.
   KnownModels& models() { return models_; }
 
   PreparedRun prepare(std::size_t point) const override;
@@ -96,7 +96,7 @@ class Jobs : public PointSource {
   Job make_job(const std::string& name, const RunSpec& spec, std::size_t repetition);
 
   const Reproduction& reproduction_;
-  std::map<std::string, ScenarioFile> files_;  // each read once
+  std::map<std::string, ScenarioFile> files_;  // each is read once
   KnownModels models_;
   std::vector<Job> jobs_;  // the longest first
 };
@@ -147,7 +147,7 @@ Job Jobs::make_job(const std::string& name, const RunSpec& spec, std::size_t rep
     found = files_.emplace(spec.scenario, ScenarioFile(file, spec.scenario)).first;
   }
   const std::vector<std::string> sets = sets_of(spec, repetition);
-  // The first one checks every table of the file too.
+  // The first one also checks every table of the file.
   const PreparedRun run = (is_first ? prepare_run : prepare_point)(
       catalogue, spec.scenario, found->second, spec.case_name, sets);
   const Config config = found->second.config(spec.case_name, sets);
@@ -168,7 +168,7 @@ PreparedRun Jobs::prepare(std::size_t point) const {
                        job.spec->case_name, sets_of(*job.spec, job.repetition));
 }
 
-// Whether the folder holds this very run, of the models and by the program that gave its numbers.
+// Whether the folder has this run, made with the same models and program as its result.
 bool is_kept(const fs::path& folder, const Job& job) {
   if (!fs::exists(folder)) return false;
   try {
@@ -186,7 +186,7 @@ double largest(const std::vector<double>& values) {
   return *std::max_element(values.begin(), values.end());
 }
 
-// All values of the signal that `metric`, "max SIGNAL", is made of.
+// All values of the signal that `metric` ("max SIGNAL") refers to.
 std::vector<double> values_for(const std::string& metric, std::size_t line, const Job& job,
                                const Experiments& experiments, const Track& track) {
   const std::string signal = metric.substr(std::string(kLargest).size());
@@ -200,7 +200,7 @@ std::vector<double> values_for(const std::string& metric, std::size_t line, cons
                    did_you_mean(signal, names)));
 }
 
-// Else something was wrong with what it was to run.
+// The other results mean that the run could not be made.
 bool has_run(const PointResult& result) {
   return result.status == PointStatus::complete || result.status == PointStatus::failed;
 }
@@ -215,7 +215,7 @@ void Jobs::derive(std::size_t point, const Recording& recording, PointResult& re
   }
 }
 
-// Runs what is to be run, and keeps the results.
+// Runs the points and saves the results.
 void run_pending(Jobs& jobs, const std::vector<std::size_t>& points,
                  const Reproduction& reproduction) {
   std::vector<double> costs;
@@ -225,7 +225,7 @@ void run_pending(Jobs& jobs, const std::vector<std::size_t>& points,
   options.stop = reproduction.stop;
   options.models = &jobs.models();
   options.progress = [&](std::size_t i, double done) { progress.update(i, done); };
-  // Each of them could be prepared.
+  // Each job was prepared before, so a refusal is an error.
   options.on_result = [&](const PointResult& result) {
     if (has_run(result)) return;
     const Job& job = jobs.all()[result.number];
@@ -239,7 +239,7 @@ void run_pending(Jobs& jobs, const std::vector<std::size_t>& points,
   throw Interrupted(jobs.all().size() - points.size() + finished);
 }
 
-// What the runs of each scenario have. One that failed has nothing.
+// The metrics that any run of a scenario has. A failed run has none.
 std::map<std::string, std::set<std::string>> known_metrics(const Experiments& experiments,
                                                            const Measured& measured) {
   std::map<std::string, std::set<std::string>> known;
@@ -252,8 +252,8 @@ std::map<std::string, std::set<std::string>> known_metrics(const Experiments& ex
   return known;
 }
 
-// Refuses what no run of its scenario has, unless the cell says that it need not be there. Where
-// all of them failed, nobody knows.
+// Refuses a metric that no run of the scenario has, unless the cell allows it. If all runs failed,
+// the metrics are unknown and nothing is refused.
 void check_metrics(const Reproduction& reproduction,
                    const std::map<std::string, std::set<std::string>>& known) {
   const Experiments& experiments = reproduction.experiments;
@@ -296,7 +296,7 @@ Measured measure(const Reproduction& reproduction) {
   const fs::path shards = shards_folder(reproduction.out);
   fs::create_directories(shards);
   auto results = results_by_key(shards);
-  std::vector<std::size_t> points;  // what is left to do
+  std::vector<std::size_t> points;  // still without a result
   for (std::size_t point = 0; point < jobs.all().size(); ++point) {
     const Job& job = jobs.all()[point];
     const auto found = results.find(job.key);

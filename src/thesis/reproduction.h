@@ -1,4 +1,4 @@
-// Runs what a report of the thesis needs, and nothing twice.
+// Runs everything that a report of the thesis needs, each run once.
 #pragma once
 
 #include <atomic>
@@ -14,19 +14,19 @@
 
 namespace breakwater {
 
-/// A run's numbers.
+/// The metrics of a run.
 struct Measurement {
   bool failed = false;
   std::string failure;                   ///< "at 3 s: diverged"
-  std::map<std::string, double> values;  ///< NaN: the run has it, but it is no finite number
-  /// What other runs of its scenario have and this one has not.
+  std::map<std::string, double> values;  ///< NaN: the metric is not finite
+  /// Metrics that other runs of the scenario have and this one lacks.
   std::set<std::string> absent;
 };
 
-/// The numbers of a run that was complete or failed; what is absent is not known yet.
+/// The metrics of a run that was complete or failed. `absent` is filled later.
 Measurement measurement_of(const PointResult& result);
 
-/// What was measured, by the name of the run: one entry for each of its repetitions.
+/// Measurements by the name of the run, one per repetition.
 using Measured = std::map<std::string, std::vector<Measurement>>;
 
 struct Reproduction {
@@ -36,28 +36,27 @@ struct Reproduction {
   std::filesystem::path out;
   bool quiet = false;
   const std::atomic<bool>* stop = nullptr;
-  bool with_replay = true;  ///< sections show their run in three dimensions
+  bool with_replay = true;  ///< sections show a replay of their run
 };
 
-/// The folder of the results, OUT/shards: by it a reproduction's folder is known.
+/// The folder of the results, OUT/shards. It identifies the folder of a reproduction.
 std::filesystem::path shards_folder(const std::filesystem::path& out);
 
-/// The folder that keeps a run and its log: OUT/runs/NAME.
+/// The folder of a run and its log: OUT/runs/NAME.
 std::filesystem::path run_folder(const std::filesystem::path& out, const std::string& run);
 
-/// Runs everything that the sections refer to, on all cores, the longest first. Numbers go to
-/// OUT/shards, runs that figures need to OUT/runs/NAME as well. What is there already for the same
-/// configuration, models and program is kept, so a killed process goes on where it was. Throws
-/// std::invalid_argument: `FILE:LINE: reason` where a cell asks for what no run of its scenario
-/// has, `FILE: was changed while it ran: start again`, of a model; OutputError or Interrupted; a
-/// run that fails is a result.
+/// Runs everything that the sections need on all cores, the longest runs first. Results go to
+/// OUT/shards. Runs for figures also go to OUT/runs/NAME. Existing results of the same
+/// configuration, models and program are kept, so an interrupted process continues. A failed run is
+/// a result. Throws OutputError, Interrupted, and std::invalid_argument: `FILE:LINE: reason` if no
+/// run of the scenario has a cell's metric, or `FILE: …` if a model file changed meanwhile.
 Measured measure(const Reproduction& reproduction);
 
-/// The value of a cell for each repetition; NaN where it was not measured. A metric that a run does
-/// not have, but others of its scenario have, is infinite if the cell says that this means never.
+/// The value of a cell for each repetition; NaN if not measured. If `absent_is_never` is set, a
+/// metric that only other runs of the scenario have is infinite.
 std::vector<double> values_of(const CellSpec& cell, const Measured& measured);
 
-/// sample_median(); NaN if any value is.
+/// sample_median(); NaN if a value is NaN.
 double median(std::vector<double> values);
 
 }  // namespace breakwater

@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 namespace mustache = kainjow::mustache;
 namespace {
 
-// Reads logs one section at a time, each once.
+// Reads the logs of one section at a time, each log once.
 class Logs {
  public:
   explicit Logs(fs::path out) : out_(std::move(out)) {}
@@ -55,7 +55,7 @@ std::vector<PageChart> charts_of(const FigureSpec& figure, const std::string& gr
     const PanelSpec& panel = figure.panels[i];
     PageChart chart;
     chart.id = fmt::format("figure-{}-{}", anchor(figure.number), i + 1);
-    // A close-up has a time axis of its own.
+    // A panel with its own time window has its own time axis.
     chart.group = group;
     if (panel.from_s || panel.to_s) {
       chart.axis = fmt::format("{}-from-{:g}-to-{:g}", group, panel.from_s.value_or(0.0),
@@ -124,7 +124,7 @@ mustache::data tallies_data(const Score& score) {
   return list;
 }
 
-// Why there is no number.
+// The reason for a missing number.
 std::string missing_text(const CellSpec& cell, std::size_t missing, std::size_t values) {
   std::string what = cell.quantity.metric;
   if (cell.over && cell.over->metric != what) {
@@ -255,7 +255,7 @@ std::string verdict_word(const Judged& judged, const CellSpec& cell, bool is_own
   if (!cell.shows.empty()) return "shown";
   if (is_vacuous(judged, cell)) return "vacuous";
   const std::string before = cell.hypothesis.empty() ? "" : "hypothesis: ";
-  // A statement of somebody's own list is not reproduced: it holds.
+  // A statement of a user's own list holds; it is not reproduced.
   const bool is_own_statement = is_own && !cell.says.empty();
   if (!is_own_statement || judged.verdict == Verdict::not_measured) {
     return before + text(judged.verdict);
@@ -336,8 +336,8 @@ Judged judge_cell(const CellSpec& cell, const Measured& measured, const PrintedR
     judged.smallest = *std::min_element(numbers.begin(), numbers.end());
     judged.largest = *std::max_element(numbers.begin(), numbers.end());
   }
-  // A run that failed was run: what it should have shown is not reproduced, unless the cell says
-  // what its failure is worth.
+  // A failed run counts as a run: its result is not reproduced, unless the cell has a value for
+  // failures.
   std::size_t failed = 0;
   std::size_t runs = 0;
   std::set<std::string> names;
@@ -443,7 +443,8 @@ ThesisReport thesis_report(const Reproduction& reproduction, const Measured& mea
     if (!spec->video.empty()) {
       if (auto video = video_data(reproduction.catalogue, logs.of(spec->video), id)) {
         if (spec->id == experiments.video) {
-          video->set("address", mustache::data(mustache::data::type::bool_false));  // shown above
+          video->set("address",
+                     mustache::data(mustache::data::type::bool_false));  // already shown above
         }
         section.set("video", *video);
       }
@@ -544,7 +545,7 @@ ThesisReport thesis_report(const Reproduction& reproduction, const Measured& mea
   for (const SectionSpec* spec : reproduction.sections) {
     if (spec->id != experiments.video || spec->video.empty()) continue;
     Logs logs(reproduction.out);
-    // It moves with the first of the pictures beside it.
+    // It moves with the first picture beside it.
     const std::string group =
         experiments.heroes.empty() ? "lead" : "lead-" + anchor(experiments.heroes.front().figure);
     const auto video = video_data(reproduction.catalogue, logs.of(spec->video), group);

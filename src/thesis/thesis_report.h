@@ -1,4 +1,4 @@
-// The page that puts the thesis' results beside ours.
+// The page that compares the thesis' results with ours.
 #pragma once
 
 #include <optional>
@@ -11,67 +11,67 @@
 
 namespace breakwater {
 
-/// How many results came out how.
+/// The number of results with each verdict.
 struct Score {
   int reproduced = 0;
   int within_class = 0;
   int not_reproduced = 0;
   int not_measured = 0;
-  int holds = 0;  ///< statements of somebody's own list, which are not the thesis'
+  int holds = 0;  ///< statements of a user's own list
   int does_not_hold = 0;
-  int vacuous = 0;  ///< hold by construction; neither these nor hypotheses are results
+  int vacuous = 0;  ///< hold by construction; vacuous cells and hypotheses are no results
   int hypotheses = 0;
   int hypotheses_hold = 0;
 
   Score& operator+=(const Score& other);
-  /// What there may be, in the order in which it is said: what does not occur in a list is left
-  /// out.
+  /// The counts in the order of the text. A count that cannot occur in the list is left out.
   struct Tally {
     int count;
     std::string word;
     Verdict verdict;
   };
   std::vector<Tally> tallies() const;
-  /// "2 vacuous, 3 of 5 hypotheses hold"; empty if there are neither.
+  /// A text such as "2 vacuous, 3 of 5 hypotheses hold"; empty if there are neither.
   std::string beside() const;
-  /// "3 reproduced, 1 within the class, 0 not reproduced; beside them 2 vacuous".
+  /// A text such as "3 reproduced, 1 within the class, 0 not reproduced; beside them 2 vacuous".
   std::string text() const;
 };
 
-/// A cell, judged.
+/// The verdict on a cell.
 struct Judged {
   double median = 0.0;
   double smallest = 0.0;
   double largest = 0.0;
   std::size_t values = 0;
-  std::size_t numbers = 0;  ///< of these; the others were not measured
-  std::string measured;  ///< the median; before it the word that it deserves, if words are printed
-  std::string printed;   ///< as the thesis has it
-  std::string class_text;                   ///< what would count as reproduced
-  Verdict verdict = Verdict::not_measured;  ///< means nothing where a cell only `shows`
+  std::size_t numbers = 0;                  ///< measured ones among `values`
+  std::string measured;                     ///< the median, behind its word if words are printed
+  std::string printed;                      ///< as in the thesis
+  std::string class_text;                   ///< the criterion of "reproduced"
+  Verdict verdict = Verdict::not_measured;  ///< unused if the cell only `shows`
 };
 Judged judge_cell(const CellSpec& cell, const Measured& measured, const PrintedResults& printed);
 
-/// "reproduced", "within the class", …; "holds" or "does not hold" for a statement of somebody's
-/// own list; "shown" where nothing is judged, "vacuous", or "hypothesis: " before any of these.
+/// The verdict in words: "reproduced", "within the class", … In a user's own list a statement
+/// "holds" or "does not hold". A cell that is not judged is "shown". "vacuous" or "hypothesis: "
+/// stand first.
 std::string verdict_word(const Judged& judged, const CellSpec& cell, bool is_own);
 
-/// Why a cell is vacuous, or what its hypothesis is; else why it does not come out, as it or its
-/// section says; empty if neither does, if it comes out, or if nothing is judged.
+/// The reason why a cell is vacuous, its hypothesis, or why it is not reproduced (from the cell or
+/// its section). Empty if there is no reason or nothing is judged.
 std::string reason_of(const Judged& judged, const CellSpec& cell, const SectionSpec& section);
 
-/// The command that makes one repetition of a run, with its log in a folder of the run's name.
+/// The command for one repetition of a run, with its log in a folder of the run's name.
 std::string command_of(const RunSpec& run, std::size_t repetition = 0);
 
 struct ThesisReport {
   std::string html;
   Score score;
   std::size_t figures = 0;
-  std::vector<std::string> notes;  ///< what of a replay could not be shown, one line each
+  std::vector<std::string> notes;  ///< missing parts of a replay, one line each
 };
 
-/// Everything that the reproduction measured, as one page. Logs, videos and strips of pictures are
-/// read from OUT/runs.
+/// The page with all results of the reproduction. Reads logs, videos and strips of pictures from
+/// OUT/runs.
 ThesisReport thesis_report(const Reproduction& reproduction, const Measured& measured,
                            Effort effort);
 

@@ -1,4 +1,4 @@
-// All verdicts of a reproduction as a table for other programs.
+// All verdicts of a reproduction as a CSV table.
 #pragma once
 
 #include <string>
@@ -7,10 +7,10 @@
 
 namespace breakwater {
 
-/// A CSV file, one line for each entry of the page's tables, in their order: where it stands, what
-/// was measured (the median or share over `runs`, smallest and largest with all digits; empty where
-/// there is no number), what is printed or said, the verdict ("shown" where there is none) and,
-/// where it does not come out, why.
+/// A CSV text with a line for each entry of the page's tables, in their order. Columns: the
+/// place; the measured median or share over `runs`; the smallest and largest value (all digits, or
+/// empty); the printed result or statement. The verdict (or "shown") and the reason for a result
+/// that is not reproduced follow.
 std::string verdict_list(const Reproduction& reproduction, const Measured& measured);
 
 }  // namespace breakwater

@@ -1,4 +1,3 @@
-// The command `analyze` as users call it.
 #include "cli/program.h"
 
 namespace breakwater {
@@ -42,7 +41,7 @@ TEST_F(Analyze, NonsenseIsOneLineAndLeavesNothing) {
         "--set: observer.nam: unknown key (did you mean observer.name?)"}});
 }
 
-TEST_F(Analyze, ALoopThatRunsAwayIsAFailedRun) {
+TEST_F(Analyze, AnUnstableLoopIsAFailedRun) {
   const testing::ProgramResult result =
       run("breakwater analyze motor_estimation --case idob --set sensor.delay_samples=1000 "
           "--points 2 --from 1 --to 50 --settle 60");

@@ -1,5 +1,5 @@
-// Loops of motor_estimation in the frequency domain: as designed against the loop's matrices, and
-// as measured against the design.
+// Loops of motor_estimation in the frequency domain: the design against the loop's matrices, and
+// the measured response against the design.
 
 #include <Eigen/Dense>
 
@@ -29,11 +29,11 @@ struct Prepared {
   const AxisScenario* axis;
 };
 
-// The loop of plant, stationary disturbance Kalman filter and PD control, written down as one
-// system: x of the plant, z⁻ = [x̂; d̂] predicted.
+// The loop of plant, stationary disturbance Kalman filter and PD control as one system: x is the
+// plant's state, z⁻ = [x̂; d̂] the predicted one.
 struct KalmanLoop {
   Eigen::MatrixXd A, from_force, from_noise;
-  Eigen::MatrixXd d_hat, command;  // rows over the state
+  Eigen::MatrixXd d_hat, command;  // rows to multiply with the state
   double d_hat_of_noise, command_of_noise;
 
   KalmanLoop(double q, double k_p, double k_d, double period_s) {
@@ -77,7 +77,7 @@ void expect_near(Complex a, Complex b, double share, double omega) {
   EXPECT_NEAR(std::abs(a - b), 0.0, share * std::abs(b)) << a << " and " << b << " at " << omega;
 }
 
-TEST(LoopAnalysis, OfAStationaryKalmanFilterIsThatOfItsMatrices) {
+TEST(LoopAnalysis, ForAStationaryKalmanFilterMatchesItsMatrices) {
   const Prepared prepared("motor_estimation", "dkf", {"encoder.bits=0"});
   const LoopAnalysis analysis = prepared.analyse({.points = 0});
   ASSERT_EQ(analysis.designed.reason, "");
@@ -96,7 +96,7 @@ TEST(LoopAnalysis, OfAStationaryKalmanFilterIsThatOfItsMatrices) {
   }
 }
 
-TEST(LoopAnalysis, MeasuredIsAsDesignedWithoutAnEncoder) {
+TEST(LoopAnalysis, MeasuredMatchesTheDesignWithoutAnEncoder) {
   for (const std::string name : {"idob", "mdob", "dkf"}) {
     const Prepared prepared("motor_estimation", name, {"encoder.bits=0"});
     const LoopAnalysis analysis =
@@ -104,7 +104,7 @@ TEST(LoopAnalysis, MeasuredIsAsDesignedWithoutAnEncoder) {
     ASSERT_EQ(analysis.measured.points.size(), 4U);
     const AxisTask task = prepared.axis->task();
     for (const LoopPoint& point : analysis.measured.points) {
-      // Designed points are dense: the nearest two, between which it is near to a straight line.
+      // The designed points are dense, so the curve is almost straight between two of them.
       const auto& designed = analysis.designed.points;
       auto next = std::find_if(designed.begin(), designed.end(), [&](const LoopPoint& other) {
         return other.omega_rad_s >= point.omega_rad_s;
@@ -126,7 +126,7 @@ TEST(LoopAnalysis, MeasuredIsAsDesignedWithoutAnEncoder) {
   }
 }
 
-// A delay of 1 s: its phase falls by ω rad, and the marks are more than half a turn apart.
+// A delay of 1 s lowers the phase by ω rad. The marks are more than half a turn apart.
 TEST(BodeChart, MarksAreOnTheTurnOfTheLine) {
   BodeLoop loop;
   loop.label = "it";
@@ -141,14 +141,14 @@ TEST(BodeChart, MarksAreOnTheTurnOfTheLine) {
                   "at 15 rad/s: 0.00 dB, -859.4 deg"));
 }
 
-TEST(LoopAnalysis, WhatAdaptsIsMeasuredAlone) {
+TEST(LoopAnalysis, AdaptiveFiltersAreOnlyMeasured) {
   const Prepared prepared("motor_estimation", "vfakfd", {});
   const LoopAnalysis analysis = prepared.analyse({.points = 0});
   EXPECT_NE(analysis.designed.reason, "");
   EXPECT_TRUE(analysis.designed.points.empty());
 }
 
-TEST(LoopAnalysis, ADelayTakesItsPartOfTheMargin) {
+TEST(LoopAnalysis, ADelayReducesTheMargin) {
   const LoopAnalysis prompt =
       Prepared("motor_estimation", "idob", {"encoder.bits=0"}).analyse({.points = 0});
   const LoopAnalysis late =
@@ -158,7 +158,7 @@ TEST(LoopAnalysis, ADelayTakesItsPartOfTheMargin) {
               2e-5);
 }
 
-TEST(LoopAnalysis, ALoopThatIsNotStableHasNoResponse) {
+TEST(LoopAnalysis, AnUnstableLoopHasNoResponse) {
   const LoopAnalysis analysis =
       Prepared("motor_estimation", "idob", {"encoder.bits=0", "sensor.delay_samples=200"})
           .analyse({.points = 0});

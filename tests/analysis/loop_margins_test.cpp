@@ -1,4 +1,3 @@
-// Margins against closed forms.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -22,7 +21,7 @@ LoopMargins margins_of(const std::function<std::complex<double>(std::complex<dou
   return loop_margins(omega, gain);
 }
 
-TEST(LoopMargins, OfAnIntegratorAndALag) {
+TEST(LoopMargins, AreRightForAnIntegratorAndALag) {
   // L = K/(s(s + 1)): ω_c⁴ + ω_c² = K², phase margin 90° − atan ω_c, no gain margin.
   const double K = 3.0;
   const LoopMargins margins = margins_of([&](auto s) { return K / (s * (s + 1.0)); });
@@ -38,14 +37,14 @@ TEST(LoopMargins, OfAnIntegratorAndALag) {
               1e-4);
 }
 
-TEST(LoopMargins, OfThreeLags) {
+TEST(LoopMargins, AreRightForThreeLags) {
   // K/(s + 1)³ crosses −180° at √3, where it is K/8.
   const LoopMargins margins = margins_of([](auto s) { return 2.0 / std::pow(s + 1.0, 3); });
   EXPECT_NEAR(margins.gain_margin, 4.0, 1e-3);
   EXPECT_TRUE(std::isnan(margins.gain_reduction_margin));
 }
 
-TEST(LoopMargins, OfALoopThatLessGainWouldMakeUnstable) {
+TEST(LoopMargins, AreRightForAConditionallyStableLoop) {
   // K (s + 1)²/s³, closed s³ + K s² + 2 K s + K: stable for K > 1/2 (Routh).
   const LoopMargins margins =
       margins_of([](auto s) { return 2.0 * std::pow(s + 1.0, 2) / std::pow(s, 3); });
@@ -53,8 +52,8 @@ TEST(LoopMargins, OfALoopThatLessGainWouldMakeUnstable) {
   EXPECT_TRUE(std::isnan(margins.gain_margin));
 }
 
-TEST(LoopMargins, OfADelay) {
-  // e^{−s}/s: phase margin 90° − 1 rad, another 0.571 s; −180° at π/2.
+TEST(LoopMargins, AreRightForADelay) {
+  // e^{−s}/s: the phase margin is 90° − 1 rad, the delay margin 0.571 s; −180° at π/2.
   const LoopMargins margins = margins_of([](auto s) { return std::exp(-s) / s; });
   EXPECT_NEAR(margins.delay_margin_s, 0.5 * std::numbers::pi - 1.0, 1e-4);
   EXPECT_NEAR(margins.gain_margin, 0.5 * std::numbers::pi, 1e-3);

@@ -1,5 +1,5 @@
-// The simulations of a sweep and nothing else: runs of a case of motor_estimation with seeds
-// 1 … N, each prepared before the clock starts. Prints the processor time of the runs alone [s].
+// Only the simulations of a sweep: runs of a case of motor_estimation with seeds 1 … N. All runs
+// are prepared before the clock starts. Prints the processor time of the runs [s].
 //
 // Usage: bare_points CASE DURATION_S N
 #include <cstdio>

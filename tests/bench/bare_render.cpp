@@ -1,6 +1,6 @@
-// A bare mjr_render loop over the frames that `breakwater video` makes of a run: the same scene,
-// size and look, one core, and nothing else: no clean edges, captions, chart, colours, encoding.
-// What a video costs beyond this is what Breakwater costs.
+// A bare mjr_render loop over the frames of `breakwater video`: the same scene, size and look on
+// one core. Smooth edges, captions, chart, colours and encoding are left out. Their cost is that of
+// Breakwater.
 //
 // Usage: bare_render RUN_FOLDER fast|full FRAMES
 #include <cstdio>

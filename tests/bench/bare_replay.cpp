@@ -1,6 +1,6 @@
-// A bare mj_step loop that replays a run of arm_wall_contact: the same model, the recorded torques,
-// the wall's switch, and nothing else. What the run costs beyond this is what Breakwater costs. The
-// model is what of it physics needs, or whole.
+// A bare mj_step loop that replays a run of arm_wall_contact: the same model, the recorded torques
+// and the wall's switch. A run's additional cost is that of Breakwater. The model is the part that
+// physics needs, or the whole one.
 //
 // Usage: bare_replay RUN_FOLDER [whole]
 #include <mujoco/mujoco.h>
@@ -54,7 +54,7 @@ int main(int argc, char** argv) {
     }
     mj_step(&m, d);
   }
-  // The replay must have been one: it ends where the run ended.
+  // A correct replay ends at the run's last state.
   const double* last = qpos.row(qpos.rows - 1);
   const double difference = std::abs(d->qpos[0] - last[0]);
   std::printf("steps %lld, end differs by %.1e rad\n", steps, difference);

@@ -1,12 +1,12 @@
-"""What a run of arm_wall_contact costs beyond a bare mj_step loop that replays it, and what its video
-costs beyond a bare mjr_render loop over the same frames.
+"""Benchmarks. A run of arm_wall_contact is compared with a bare mj_step loop, and its video with a bare
+mjr_render loop over the same frames.
 
-Instructions are callgrind's, on a short run: they repeat exactly. Times are medians of pairs of
-whole 100 s runs, run in turn, so that a drifting machine shifts both. The bare loop is of what physics
-needs of the model, and for comparison of the whole. Then what starting up costs. Videos are compared by the
-processors' time of all their processes: it hardly depends on who else uses the machine. Then what a
-run under waves takes with each size of estimator, the solvers of quadratic programs, and the Python module.
-At the end all of it but Python's again, as the table of docs/explanation/performance.md.
+Instructions are counted by callgrind on a short run, and repeat exactly. Times are medians of pairs
+of alternating 100 s runs, so that a slow change of the machine affects both. The bare loop uses the
+model for physics, and for comparison the whole model. Videos are compared by the processor time of
+all their processes, which other load hardly changes. Further parts: the start of a program, runs
+under waves with each size of estimator, the solvers of quadratic programs, and the Python module.
+The end of the output is the table of docs/explanation/performance.md, without the Python module.
 """
 
 import os
@@ -22,22 +22,22 @@ BUILD = pathlib.Path(__file__).resolve().parents[2] / "build"
 PAIRS = 5
 VIDEO_PAIRS = 3
 
-# The same experiment in a tenth of the time: wall, switch and impact come earlier.
+# The same experiment in a tenth of the time, with an earlier wall, switch and impact.
 SHORT = ["--set", "run.duration_s=10", "wall.solid_from_s=4", "force.from_s=5",
          "metrics.from_s=8", "metrics.to_s=10", "record.fine_from_s=4.9", "record.fine_to_s=8"]
 
 
-TABLE = []  # what, measured, goal
+TABLE = []  # name, measured, goal
 
 
 def measured(what, value, goal=""):
-    """A line now, and one of the table at the end."""
+    """Print a result, and keep it for the table at the end."""
     print(f"  {what:58} {value:>38}" + (f"   (goal: {goal})" if goal else ""), flush=True)
     TABLE.append((what, value, goal))
 
 
 def passed_on(command):
-    """Prints what a benchmark of its own says, line by line, and returns it."""
+    """Print the output of another benchmark line by line, and return it."""
     lines = []
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
         for line in process.stdout:
@@ -70,7 +70,7 @@ def seconds(command):
 
 
 def cpu_and_wall_seconds(command, copies=1, env=None):
-    """Of a command, or so many copies at once, and all the processes that they made."""
+    """Processor and wall time of some copies of a command, with their child processes."""
     start = time.perf_counter()
     processes = [subprocess.Popen(command, stdout=subprocess.DEVNULL, env=env) for _ in range(copies)]
     cpu = 0.0
@@ -83,7 +83,7 @@ def cpu_and_wall_seconds(command, copies=1, env=None):
 
 
 def renderer_by(library, run):
-    """What draws by MUJOCO_GL=library, or why nothing does."""
+    """The renderer with MUJOCO_GL=library, or the reason why there is none."""
     asked = subprocess.run([BUILD / "tests" / "bare_render", run, "fast", "1"], text=True,
                            capture_output=True, env={**os.environ, "MUJOCO_GL": library})
     if asked.returncode != 0:
@@ -92,7 +92,7 @@ def renderer_by(library, run):
 
 
 def bench_renderers(run, frames):
-    """The same video by OSMesa and by EGL, in turn."""
+    """Make the same video with OSMesa and EGL, alternately."""
     print(f"renderers, {frames} frames of 1280x720, look full, {VIDEO_PAIRS} rounds ...", flush=True)
     names = {}
     for library in ("osmesa", "egl"):
@@ -119,7 +119,7 @@ def bench_renderers(run, frames):
 
 
 def bench_starting(folder):
-    """The least processor time of a process that does next to nothing."""
+    """The smallest processor time of a nearly empty process."""
     print("starting up, least of 40 ...", flush=True)
     brief = ["--quiet", "--duration", "0.01", "--out", pathlib.Path(folder) / "brief"]
     motor = BUILD / "bin" / "motor_estimation"
@@ -137,7 +137,7 @@ def bench_videos(run):
     for look, goal, bound in (("full", 45, "at most 1.25"), ("fast", 90, "")):
         video = [BUILD / "bin" / "breakwater", "video", run, "--quiet", "--look", look,
                  "--from", "29.9", "--to", "31.4", "--speed", "0.05"]
-        # One on each core, as the video is drawn: cores that share a cache slow each other down.
+        # One process per core, as for a video: cores that share a cache slow each other down.
         bare = [BUILD / "tests" / "bare_render", run, look, str(frames // cores)]
         pairs = [(cpu_and_wall_seconds(video), cpu_and_wall_seconds(bare, cores))
                  for _ in range(VIDEO_PAIRS)]
@@ -167,7 +167,7 @@ def sweep_command(folder, name, cases, *arguments):
 
 
 def bench_sweeps(folder):
-    """A study of many runs beside the same simulations alone, and one worker beside two."""
+    """Compare a study with its bare simulations, and one worker with two."""
     print(f"sweeps of motor_estimation, {PAIRS} pairs ...", flush=True)
     runs, tiny = 200, 2000
     ratios, workers, overheads = [], [], []

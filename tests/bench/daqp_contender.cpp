@@ -9,9 +9,9 @@
 namespace breakwater {
 namespace {
 
-constexpr double kPrimalTolerance = 5e-9;  // what a row may be violated by: as ours
+constexpr double kPrimalTolerance = 5e-9;  // allowed violation of a constraint, as in our solver
 
-// How many leading rows bound one variable each, in order.
+// The number of leading constraints that bound one variable each, in order.
 int leading_unit_rows(const QpModel& model) {
   Eigen::Index count = 0;
   while (count < std::min(model.H.rows(), model.Omega.rows()) &&

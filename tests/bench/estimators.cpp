@@ -1,4 +1,4 @@
-// What one update of an estimator costs: the median of repeated runs, in nanoseconds.
+// The time of one update of an estimator: the median of repeated runs, in nanoseconds.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -29,7 +29,8 @@ constexpr double kQuantum = 1e-3;
 constexpr int kUpdates = 1'000'000;
 constexpr int kRuns = 9;
 
-// Two masses with a spring and a damper between them, both positions measured, the first pushed.
+// Two masses with a spring and a damper between them. Both positions are measured. The force acts
+// on the first mass.
 StateSpace two_masses() {
   StateSpace plant{Eigen::MatrixXd::Zero(4, 4), Eigen::MatrixXd::Zero(4, 1),
                    Eigen::MatrixXd::Zero(2, 4)};
@@ -41,7 +42,7 @@ StateSpace two_masses() {
   return plant;
 }
 
-// This thread's own time: what else runs on the machine does not count.
+// The time of this thread, without other load on the machine.
 double thread_time_ns() {
   timespec time{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
@@ -56,7 +57,7 @@ double nanoseconds_per_update(DisturbanceEstimator& estimator, Eigen::Index outp
     const double start = thread_time_ns();
     for (int k = 0; k < kUpdates; ++k) {
       y(0) = kQuantum * (k % 7 - 3);
-      u(0) = estimator.disturbance()(0);  // a loop: one update waits for the last
+      u(0) = estimator.disturbance()(0);  // a loop, in which an update waits for the last one
       estimator.update(u, y);
     }
     times.push_back((thread_time_ns() - start) / kUpdates);
@@ -73,7 +74,7 @@ SensorError sensor(Eigen::Index outputs) {
   return {Eigen::VectorXd::Constant(outputs, kQuantum), Eigen::VectorXd::Zero(outputs)};
 }
 
-// What a filter costs without anything but its equations: the textbook's, in fixed-size matrices.
+// The bare equations of a filter as in a textbook, with fixed-size matrices.
 template <int N, int p>
 class PlainFilter final : public DisturbanceEstimator {
  public:
@@ -137,7 +138,7 @@ void report_filters(const StateSpace& continuous) {
   report("KFD, sizes known only at run time", dynamic, p);
 }
 
-// The underwater quadrotor's filters, fed with what a vehicle at rest measures.
+// The filters of the underwater quadrotor, with measurements of a vehicle at rest.
 template <typename Filter>
 void report_nonlinear(const char* name, Filter filter) {
   constexpr int kSteps = 20'000;

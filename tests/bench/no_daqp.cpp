@@ -1,4 +1,4 @@
-// In the place of daqp_contender.cpp where the build has no DAQP.
+// Replaces daqp_contender.cpp in a build without DAQP.
 #include "qp_contender.h"
 
 namespace breakwater {

@@ -1,6 +1,6 @@
-"""What a controller in Python costs at each sample beside one in C++, both of which command a constant,
-and what filtering a whole record costs beside the same loop in C++. The smallest processor times of several
-turns, taken in turn. PYTHONPATH names build/python."""
+"""Compare Python with C++: a controller that commands a constant (the cost per sample), and the
+filtering of a whole record. Each time is the smallest processor time of several alternating
+repetitions. PYTHONPATH names build/python."""
 
 import pathlib
 import subprocess

@@ -1,5 +1,5 @@
-// What the Python module is compared with: a run under a controller that commands a constant, and a
-// loop that filters a record. Prints the processor time of each.
+// The C++ side of the comparison with the Python module. It runs a controller that commands a
+// constant, and a loop that filters a record. Prints the processor time of each.
 //   python_reference run SCENARIO SECONDS | filter SAMPLES
 #include <fmt/core.h>
 
@@ -40,7 +40,7 @@ double run_s(const std::string& scenario, const std::string& duration) {
       +[](const Nothing&, const AxisTask&, std::shared_ptr<DisturbanceEstimator>)
           -> std::unique_ptr<Controller> { return std::make_unique<Constant>(); }));
   double elapsed_s = 0.0;
-  for (int turn = 0; turn < 2; ++turn) {  // the first one finds everything cold
+  for (int turn = 0; turn < 2; ++turn) {  // the first one warms up the caches
     const double begin = thread_time_s();
     const ScenarioFile file(catalogue.get<ScenarioKind>(scenario).file().string(), scenario);
     const PreparedRun run = prepare_run(catalogue, scenario, file, file.default_case(),

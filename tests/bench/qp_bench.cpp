@@ -1,12 +1,11 @@
-// What a warm solve costs, of every solver on the same recorded sequences in one run.
+// The time of a warm solve, for every solver on the same recorded sequences.
 //     qp_bench [RUNS] [SEQUENCES]
 //
-// A run replays each sequence many times, with the solvers in turn; a step's time is its median
-// over the replays, so that other load on the machine does not show. Printed: the median and the
-// largest over the steps, without what the clock itself takes, and the first solver's over them;
-// the median of the runs for each. A solver has replayed the sequence before the clock starts, so
-// that its data are in the cache, and so is each input. The first step, which starts from the last,
-// is not counted.
+// A run replays each sequence many times and alternates the solvers. The time of a step is its
+// median over the replays, against other load. The output has the median and the largest time over
+// the steps, without the clock's own time, and the ratio to the first solver. Each is the median of
+// the runs. A solver replays a sequence once before the measurement, so that the data are in the
+// cache. The first step does not count, since it starts from the last one.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -25,9 +24,9 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr int kTurns = 7;    // of each solver in a run
-constexpr int kReplays = 5;  // in a turn; one more goes before
-constexpr int kSweeps = 40;  // Hildreth's cap, as the cart has it
+constexpr int kTurns = 7;    // repetitions of each solver in a run
+constexpr int kReplays = 5;  // replays in a repetition, after one for warming up
+constexpr int kSweeps = 40;  // Hildreth's limit in the cart's cases
 
 struct Contestant {
   std::string name;
@@ -69,13 +68,13 @@ double clock_cost_s() {
   return median(costs);
 }
 
-// Of one solver, over the steps of a sequence.
+// The times of one solver over the steps of a sequence.
 struct Account {
-  std::vector<double> median_us, largest_us;        // of each run
-  std::vector<double> median_ratio, largest_ratio;  // to the first solver's
+  std::vector<double> median_us, largest_us;        // one per run
+  std::vector<double> median_ratio, largest_ratio;  // relative to the first solver
   double changes = 0.0;
   long unsolved = 0;
-  double residual = 0.0;  // the largest of what it called solved
+  double residual = 0.0;  // largest residual of a reported solution
 };
 
 double residual_of(const QpSequence& sequence, const QpInput& input, const QpSolution& solution) {
@@ -84,7 +83,7 @@ double residual_of(const QpSequence& sequence, const QpInput& input, const QpSol
   return kkt_residual(sequence.model, input, solution, values, gradient);
 }
 
-// What a solver gives, once.
+// Solves each program once and collects status and residual.
 void examine(const QpSequence& sequence, const std::vector<QpInput>& inputs, QpContender& solver,
              Account& account) {
   for (const QpInput& input : inputs) {
@@ -100,7 +99,7 @@ void examine(const QpSequence& sequence, const std::vector<QpInput>& inputs, QpC
   }
 }
 
-// One run: all solvers in turn.
+// One run with all solvers in turn.
 void measure(const std::vector<QpInput>& inputs,
              const std::vector<std::unique_ptr<QpContender>>& solvers,
              std::vector<Account>& accounts) {

@@ -1,4 +1,4 @@
-// What qp_bench can measure: any solver of quadratic programs that keeps H and Ω.
+// The interface for qp_bench: any solver of quadratic programs with constant H and Ω.
 #pragma once
 
 #include <memory>
@@ -9,7 +9,7 @@
 
 namespace breakwater {
 
-/// One solver with its memory of the last program. Only solve() is measured.
+/// A solver with its state from the last program. Only solve() is measured.
 class QpContender {
  public:
   QpContender() = default;
@@ -17,10 +17,10 @@ class QpContender {
   QpContender& operator=(const QpContender&) = delete;
   virtual ~QpContender() = default;
 
-  /// The next program, in whatever form the solver takes it: its data are in the cache after that.
+  /// Converts the next program to the solver's form. Its data are then in the cache.
   virtual void prepare(const QpInput& input) = 0;
   virtual void solve() = 0;
-  /// z, μ and the status of the last program; whatever else of it the solver tells.
+  /// z, μ and the status of the last program, and other results of the solver.
   virtual const QpSolution& solution() = 0;
 };
 
@@ -42,10 +42,10 @@ class OwnQpContender final : public QpContender {
   QpSolution solution_;
 };
 
-/// DAQP (https://github.com/darnstrom/daqp), where the build was given its sources
-/// (-DBREAKWATER_DAQP=DIR), with its workspace, working set and factor kept. Leading rows that
-/// bound one variable each are general rows, or `simple` bounds. nullptr without DAQP, or where
-/// there is no such row.
+/// DAQP (https://github.com/darnstrom/daqp) with persistent workspace, working set and factor. It
+/// needs a build with its sources (-DBREAKWATER_DAQP=DIR). With `simple`, leading constraints on
+/// one variable each are simple bounds. nullptr without DAQP, or with `simple` if there are no such
+/// constraints.
 std::unique_ptr<QpContender> make_daqp(const QpSequence& sequence, bool simple);
 
 }  // namespace breakwater

@@ -22,7 +22,7 @@ class File {
   File& operator=(const File&) = delete;
   ~File() { H5Fclose(id_); }
 
-  // As NumPy sees it: rows × columns; a vector is a column.
+  // As in NumPy: rows × columns. A vector is a column.
   void write(const char* dataset, const Eigen::MatrixXd& matrix) const {
     const RowMajor rows = matrix;
     const std::array<hsize_t, 2> size = {static_cast<hsize_t>(rows.rows()),

@@ -1,4 +1,4 @@
-// Recorded sequences of quadratic programs, as files that any solver can be run on.
+// Recorded sequences of quadratic programs as files for any solver.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,10 +9,11 @@
 
 namespace breakwater {
 
-/// The programs that a predictive controller had to solve along a closed loop, as functions of what
-/// changed from sample to sample, p = [x̂(k); u(k−1)]:
+/// The programs of a predictive controller along a closed loop, as functions of the changing values
+/// p = [x̂(k); u(k−1)]:
 ///     minimise ½ zᵀ H z + (g0 + G p)ᵀ z   subject to   lower0 + E p ≤ Ω z ≤ upper0 + E p.
-/// What the matrices are made of is in the file too, for solvers that use it (qp_sequences/README).
+/// The file also has the matrices of the controller, for solvers that use them
+/// (qp_sequences/README).
 struct QpSequence {
   QpModel model;
   Eigen::VectorXd g0;          // n
@@ -20,18 +21,18 @@ struct QpSequence {
   Eigen::VectorXd lower0;      // m
   Eigen::VectorXd upper0;      // m
   Eigen::MatrixXd E;           // m × parameters
-  Eigen::MatrixXd parameters;  // a column for each program
+  Eigen::MatrixXd parameters;  // a column per program
 
-  Eigen::MatrixXd A, B, Q, Q_last, R;  // of the predictive controller (LmpcDesign)
+  Eigen::MatrixXd A, B, Q, Q_last, R;  // matrices of the predictive controller (LmpcDesign)
   int prediction_steps = 0;
-  /// Of each row: 0: Δu(k + i), 1: u(k + i), 2: x(k + i); i; which component of it.
+  /// For each row: 0: Δu(k + i), 1: u(k + i), 2: x(k + i); then i; then the component.
   Eigen::MatrixXi rows;
 
   std::size_t size() const { return static_cast<std::size_t>(parameters.cols()); }
   QpInput input(std::size_t k) const;
 };
 
-/// Both throw std::runtime_error if the file cannot be written or is none.
+/// Both throw std::runtime_error if the file cannot be written or is not valid.
 void write(const QpSequence& sequence, const std::string& file);
 QpSequence read_qp_sequence(const std::string& file);
 

@@ -1,5 +1,5 @@
-// Records the sequences of quadratic programs that qp_bench measures solvers on: closed loops of
-// the cart's predictive controllers with noise, active constraints and a disturbance.
+// Records the sequences of quadratic programs for qp_bench: closed loops of the cart's predictive
+// controllers with noise, active constraints and a disturbance.
 //     record_qp_sequences FOLDER
 #include <cstdint>
 #include <cstdio>
@@ -20,7 +20,7 @@ using namespace breakwater;
 namespace {
 
 struct Loop {
-  std::string name;  // variables x sides of rows
+  std::string name;  // variables x one-sided constraints
   double period_s;
   int prediction_steps;
   int control_steps;
@@ -35,7 +35,7 @@ struct Loop {
   Eigen::Vector2d start;
   double reference_m;
   double noise_m;
-  double disturbance_N;  // from the middle on
+  double disturbance_N;  // begins in the middle
   int samples;
 };
 
@@ -130,14 +130,14 @@ QpSequence record(const Loop& loop) {
   double d_hat = 0.0;
   for (int k = 0; k < loop.samples; ++k) {
     const double d = k >= loop.samples / 2 ? loop.disturbance_N : 0.0;
-    d_hat += 0.1 * (d - d_hat);  // an estimator that takes some samples
+    d_hat += 0.1 * (d - d_hat);  // an estimator that needs some samples
     const auto sample = static_cast<std::uint64_t>(k);
     const Eigen::Vector3d estimate(x(0) + loop.noise_m * noise(sample),
                                    x(1) + loop.noise_m * speed_noise(sample), d_hat);
     sequence.parameters.col(programs_kept) << estimate, u;
     const std::int64_t unsolved = lmpc.statistics().unsolved;
     u += lmpc.optimise(estimate, u, reference, Eigen::VectorXd::Zero(1));
-    // Without a solution it was softened, which not every solver can do: left out.
+    // Infeasible programs were softened, which not every solver can do. They are left out.
     if (lmpc.statistics().unsolved == unsolved) ++programs_kept;
     x = plant.A * x + plant.B * (u.array() - d).matrix();
   }

@@ -1,4 +1,4 @@
-"""Our binaries, called as a user would: through pipes, or on a terminal of some width."""
+"""Calls our binaries like a user: through pipes, or on a terminal of some width."""
 
 import errno
 import fcntl
@@ -14,17 +14,17 @@ import unittest
 
 BIN = pathlib.Path(sys.argv.pop()).resolve() if len(sys.argv) > 1 else None
 
-FAILS = ["--set", "fault.sensor=q1", "fault.at_s=0.3"]  # an arm's run of half a second
+FAILS = ["--set", "fault.sensor=q1", "fault.at_s=0.3"]  # a run of the arm for half a second
 
 
 def environment(**changes):
-    """This one but for the changes; None takes a variable away."""
+    """The environment with changes; None removes a variable."""
     changed = {**os.environ, "TERM": "xterm", "NO_COLOR": None, "COLUMNS": None, **changes}
     return {key: str(value) for key, value in changed.items() if value is not None}
 
 
 class Folder(unittest.TestCase):
-    """Tests in a folder of their own."""
+    """Tests in a temporary folder."""
 
     def setUp(self):
         held = tempfile.TemporaryDirectory()
@@ -32,14 +32,14 @@ class Folder(unittest.TestCase):
         self.folder = pathlib.Path(held.name)
 
     def call(self, *words, status=0, **changes):
-        """stdout and stderr of `words`, the first of which names a binary."""
+        """Call a binary with arguments and return its stdout and stderr."""
         done = subprocess.run([BIN / words[0], *words[1:]], cwd=self.folder, text=True,
                               capture_output=True, env=environment(**changes))
         self.assertEqual(done.returncode, status, done.stdout + done.stderr)
         return done.stdout, done.stderr
 
     def on_terminal(self, *words, columns=80, **changes):
-        """All that it writes on a terminal."""
+        """The output of a command on a terminal."""
         leader, follower = pty.openpty()
         fcntl.ioctl(follower, termios.TIOCSWINSZ, struct.pack("HHHH", 24, columns, 0, 0))
         process = subprocess.Popen([BIN / words[0], *words[1:]], cwd=self.folder,
@@ -50,7 +50,7 @@ class Folder(unittest.TestCase):
         while True:
             try:
                 part = os.read(leader, 4096)
-            except OSError as error:  # how Linux says that the other end is closed
+            except OSError as error:  # the other end is closed
                 if error.errno != errno.EIO:
                     raise
                 part = b""

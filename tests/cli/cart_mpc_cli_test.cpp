@@ -1,4 +1,4 @@
-// What the cart's predictive-control scenarios say to nonsense, and their tables.
+// The cart's predictive-control scenarios: invalid input, and their tables.
 #include <nlohmann/json.hpp>
 
 #include "cli/program.h"
@@ -70,7 +70,7 @@ TEST_F(CartMpcCommandLine, ConfigOfARunGivesItAgain) {
                   "condition = \"B\""));
 }
 
-// What a clock measured differs from run to run: it is told in the manifest, and is no metric.
+// Measured times differ from run to run: they are in the manifest and not among the metrics.
 TEST_F(CartMpcCommandLine, CostsAreInTheManifestAndNotAmongTheMetrics) {
   const ProgramResult result =
       ran("cart_constrained --case proposed-idob --duration 0.1 --out run");
@@ -90,7 +90,7 @@ TEST_F(CartMpcCommandLine, MatrixRunsEveryCaseUnderEveryCondition) {
   for (const char* run : {"A/lqr-idob", "C/proposed-idob", "E/proposed-time_varying-kfd"}) {
     EXPECT_TRUE(fs::exists(folder_ / "runs/cart_constrained/matrix-seed1" / run / "metrics.json"));
   }
-  ran(matrix);  // an earlier matrix is replaced
+  ran(matrix);  // replaces an earlier matrix
   expect_refusals("", {{"cart_constrained --matrix --case lqr-idob",
                         "cart_constrained: --matrix: runs all cases, so leave --case out"},
                        {"cart_offset_free --matrix",

@@ -1,4 +1,4 @@
-// The binaries as users call them: help, cases, nonsense, failures, what is left behind.
+// The binaries: help, cases, invalid input, failures, and the files that they leave.
 #include <sys/stat.h>
 #include <csignal>
 
@@ -29,7 +29,7 @@ class CommandLine : public testing::ProgramTest {
   }
 };
 
-TEST_F(CommandLine, HelpSaysHow) {
+TEST_F(CommandLine, HelpExplainsTheUse) {
   const ProgramResult help = ran("arm_wall_contact --help");
   EXPECT_TRUE(has(help.out, "--case", "--config", "--set", "--seed", "--duration", "--out", "--csv",
                   "--quiet", "--list-cases", "--print-config"));
@@ -64,7 +64,7 @@ TEST_F(CommandLine, ARunLeavesItsFolder) {
   EXPECT_EQ(manifest["status"], "complete");
   EXPECT_EQ(manifest["state_hash"].get<std::string>().size(), 16U);
   EXPECT_EQ(manifest["versions"]["mujoco"], "2.2.2");
-  // A run that ends before force control has nothing to say about it.
+  // A run that ends before force control has no force metrics.
   EXPECT_TRUE(json(run + "/metrics.json").empty());
   const LoggedSignal qpos = read_hdf5_signal((folder_ / run / "log.h5").string(), "control/qpos");
   EXPECT_EQ(qpos.rows, 500U);
@@ -84,7 +84,7 @@ TEST_F(CommandLine, ConfigOfARunGivesTheSameBits) {
   EXPECT_EQ(read("a/config.toml"), read("b/config.toml"));
   EXPECT_EQ(state_hash("a"), state_hash("b"));
   EXPECT_EQ(json("b/manifest.json")["case"], "drac-5N");
-  // And the printed configuration is that configuration.
+  // The printed configuration is the same.
   EXPECT_EQ(run("arm_wall_contact --config a/config.toml --print-config").out,
             read("a/config.toml"));
   // Another seed gives other bits.
@@ -92,7 +92,7 @@ TEST_F(CommandLine, ConfigOfARunGivesTheSameBits) {
   EXPECT_NE(state_hash("a"), state_hash("b"));
 }
 
-// Early enough to have the impact, and the contact's solver, in a short run.
+// Early enough for the impact, and so the contact solver, in a short run.
 TEST_F(CommandLine, AllCasesOnTwoThreadsGiveTheBitsOfOne) {
   const auto early = [this](const std::string& words) {
     return ran("arm_wall_contact " + words +
@@ -106,7 +106,7 @@ TEST_F(CommandLine, AllCasesOnTwoThreadsGiveTheBitsOfOne) {
     EXPECT_TRUE(json("one/metrics.json").contains("peak_force_raw_N")) << name;
     EXPECT_EQ(state_hash("one"), state_hash("all/" + name)) << name;
   }
-  // Again into the same folder: replaced.
+  // A second call replaces the folder.
   early("--case all --out all");
 }
 
@@ -120,14 +120,14 @@ TEST_F(CommandLine, TakesModelsFromTheUsersFolder) {
   ran("arm_wall_contact --set model.mjcf=heavy.xml --duration 0.5 --out heavy");
   ran("arm_wall_contact --duration 0.5 --out light");
   EXPECT_NE(state_hash("heavy"), state_hash("light"));
-  // Its own config finds the model again from elsewhere.
+  // Its own config finds the model from another folder.
   fs::create_directories(folder_ / "elsewhere");
   done(run_program({"arm_wall_contact", "--config", "../heavy/config.toml", "--out", "again"},
                    folder_ / "elsewhere"));
   EXPECT_EQ(state_hash("elsewhere/again"), state_hash("heavy"));
 }
 
-// ---- nonsense in: one line, exit 2, at once, nothing left behind -------------------------------
+// ---- invalid input: one line, exit 2, at once, nothing left behind -----------------------------
 
 class NonsenseIn : public CommandLine {
  protected:
@@ -271,7 +271,7 @@ TEST_F(NonsenseIn, IsOneLine) {
        {"--set wall.distance_m", "--set: wall.distance_m: must be of the form key.path=value"},
        {"--set wall.solid_from_s=31", "--set: wall.solid_from_s: must not be after force.from_s"}});
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-  // A sanitizer's operator new ends the program where it should throw bad_alloc.
+  // A sanitizer's operator new ends the program in place of bad_alloc.
   expect_refused(
       "arm_wall_contact "
       "--duration 1e7",
@@ -295,7 +295,7 @@ TEST_F(CommandLine, TakesMjcfsNamesOfIntegrators) {
   }
 }
 
-TEST_F(CommandLine, SaysWhichKeysAreSetInVain) {
+TEST_F(CommandLine, WarnsOfIneffectiveKeys) {
   const std::string why = "controller.k_force: has an effect only where controller.name is hpfc\n";
   const auto brief = [this](const std::string& words) {
     const ProgramResult result = ran("arm_wall_contact --duration 0.01 --out run " + words);
@@ -305,7 +305,7 @@ TEST_F(CommandLine, SaysWhichKeysAreSetInVain) {
   EXPECT_EQ(brief("--set controller.k_force=1"), "arm_wall_contact: warning: --set: " + why);
   EXPECT_EQ(brief("--set controller.k_force=1 --quiet"), "");
   EXPECT_EQ(brief("--set controller.k_force=1 --case hpfc-2N"), "");
-  // Some of the cases use it.
+  // Some cases use it.
   EXPECT_EQ(brief("--set controller.k_force=1 --case all"), "");
   copy_with(kWallFile, "vain.toml", "[case.drac-2N]", "[case.drac-2N]\ncontroller.k_force = 1");
   EXPECT_TRUE(brief("--config vain.toml --case drac-2N")
@@ -314,7 +314,7 @@ TEST_F(CommandLine, SaysWhichKeysAreSetInVain) {
   EXPECT_EQ(brief("--config vain.toml"), "");
 }
 
-TEST_F(CommandLine, TheMatrixTakesWhatAllCasesTake) {
+TEST_F(CommandLine, TheMatrixAcceptsKeysOfAllCases) {
   const std::string matrix = "cart_constrained --matrix ";
   expect_refusals(
       matrix, {{"--print-config", "--print-config: prints one case, not all of --matrix"},
@@ -324,8 +324,8 @@ TEST_F(CommandLine, TheMatrixTakesWhatAllCasesTake) {
             "observer.name is vfakfd\n");
 }
 
-// A program of the user's own lies where no data is.
-TEST_F(CommandLine, AForeignProgramIsToldWhereTheDataWasSought) {
+// A user's program in a folder without data.
+TEST_F(CommandLine, AnExternalProgramListsTheSearchedFolders) {
   fs::copy_file(testing::bin_folder() / "arm_wall_contact", folder_ / "mine");
   const std::string mine =
       fs::canonical(folder_ / "mine").lexically_relative(testing::bin_folder());
@@ -342,7 +342,7 @@ TEST_F(CommandLine, AForeignProgramIsToldWhereTheDataWasSought) {
   EXPECT_TRUE(result.out.starts_with("proposed-2N\n"));
 }
 
-TEST_F(CommandLine, NewMakesAProjectOrSaysWhyNotInOneLine) {
+TEST_F(CommandLine, NewMakesAProjectOrGivesAReasonInOneLine) {
   ran("breakwater new observer own --out folder");
   EXPECT_TRUE(fs::exists(folder_ / "folder/own.cpp"));
   expect_refusals(
@@ -358,7 +358,7 @@ TEST_F(CommandLine, NewMakesAProjectOrSaysWhyNotInOneLine) {
        {"observer", "breakwater new: NAME is required (see --help)"}});
 }
 
-TEST_F(CommandLine, AnEntryOfThePathThatIsNoFolderIsWarnedOf) {
+TEST_F(CommandLine, WarnsOfAPathEntryThatIsNotAFolder) {
   setenv("BREAKWATER_PATH", "/nowhere", 1);
   const ProgramResult result = run("arm_wall_contact --list-cases");
   unsetenv("BREAKWATER_PATH");
@@ -378,13 +378,13 @@ TEST_F(CommandLine, ABrokenSensorEndsTheRun) {
   EXPECT_EQ(manifest["reason"], "sensor force is not finite");
   EXPECT_EQ(manifest["time_s"], 0.235);
   EXPECT_FALSE(fs::exists(folder_ / "run/metrics.json"));
-  // Its log is readable, up to the sample before.
+  // Its log is readable up to the previous sample.
   EXPECT_EQ(read_hdf5_signal((folder_ / "run/log.h5").string(), "control/time_s").rows, 235U);
 }
 
-// DRAC cancels its Jacobian's rate by J̇q̇ and feeds its observer what it asks for, not what the
-// drives give: sampled ten times too slowly, it runs away.
-TEST_F(CommandLine, ARunThatDivergesSaysWhenAndWhat) {
+// DRAC compensates J̇q̇ and gives its observer the commanded torque, not the applied one. With a
+// ten times longer sampling period it becomes unstable.
+TEST_F(CommandLine, ADivergingRunNamesTimeAndSignal) {
   const ProgramResult result =
       run("arm_wall_contact --case drac-2N --set control.period_s=0.02 --duration 30 --out run");
   EXPECT_EQ(result.status, 3);
@@ -432,7 +432,7 @@ TEST_F(CommandLine, AnInterruptedRunLeavesNothing) {
   }
 }
 
-TEST_F(CommandLine, ANewProjectSaysWhatToPasteInTheTree) {
+TEST_F(CommandLine, ANewProjectPrintsItsBuildCommands) {
   const ProgramResult result = ran("breakwater new controller mine");
   const std::vector<std::string> said = testing::lines_of(result.out);
   ASSERT_EQ(said.size(), 6U) << result.out;
@@ -445,7 +445,7 @@ TEST_F(CommandLine, ANewProjectSaysWhatToPasteInTheTree) {
                          "--preset release");
 }
 
-// A motor's model with more in its world, and maybe a higher bound on its elements.
+// A motor model with additional elements, and optionally a higher limit of elements.
 class LargeModels : public CommandLine {
  protected:
   void motor_with(const std::string& part) const {
@@ -456,7 +456,7 @@ class LargeModels : public CommandLine {
       "model.mjcf=motor.xml";
 };
 
-TEST_F(LargeModels, FilesThatNeverEndAreRefusedInOneLine) {
+TEST_F(LargeModels, EndlessFilesAreRefusedInOneLine) {
   ASSERT_EQ(mkfifo((folder_ / "fifo").c_str(), 0600), 0);
   for (const std::string file : {"/dev/zero", "HERE/fifo"}) {
     const std::string path = file[0] == '/' ? file : (folder_ / "fifo").string();
@@ -470,7 +470,7 @@ TEST_F(LargeModels, FilesThatNeverEndAreRefusedInOneLine) {
   expect_refused("breakwater run motor_estimation --out run --config fifo", "fifo: cannot be read");
 }
 
-TEST_F(LargeModels, MoreElementsThanTheKeyAllowsAreRefused) {
+TEST_F(LargeModels, RefusesMoreElementsThanTheKeyAllows) {
   motor_with(
       "<worldbody><body><composite type='particle' count='3000 3000 1' spacing='1'>"
       "<geom size='.1'/></composite></body></worldbody>");

@@ -1,4 +1,4 @@
-"""`doctor`: missing is what is optional, broken what does not work.
+"""`doctor`: optional parts can be missing, necessary parts can be broken.
 
 Usage: doctor_test.py BIN_FOLDER
 """
@@ -20,7 +20,7 @@ class Doctor(Folder):
         return {check["what"]: check for check in checks}
 
     def hide(self, *libraries):
-        """The folder as LD_LIBRARY_PATH then hides them."""
+        """Return a folder that hides libraries if it is LD_LIBRARY_PATH."""
         for library in libraries:
             (self.folder / library).write_text("no library")
         return {"LD_LIBRARY_PATH": self.folder}

@@ -1,4 +1,4 @@
-"""Runs whose manifest has no `log_hash`, so that anybody may have written their logs.
+"""Runs without `log_hash` in the manifest, so that their logs may have any origin.
 
 Usage: foreign_run_test.py BIN_FOLDER [--study]
 """
@@ -23,7 +23,7 @@ COMMANDS = (["report", "run", "--out", "page"], ["replay", "run", "--out", "repl
             ["compare", "whole", "run", "--out", "page"], ["compare", "--paired", "whole", "run"],
             ["still", "run", "--at", "0.1", "--out", "still.png"], ["strip", "run", "--out", "strip.png"],
             ["video", "run", "--out", "video.mp4"])
-LONGEST_S = 60  # of a command; a second as a rule
+LONGEST_S = 60  # limit for a command, which usually takes a second
 
 
 def read(command, folder):
@@ -92,7 +92,7 @@ class ForeignRun(Folder):
             "run/log.h5: control/qpos: has 20 rows, but control/time_s has 201; run it again"]))
 
     def test_an_attribute_that_claims_too_much_is_read_or_refused(self):
-        """HDF5 1.10.8 reads beyond its memory, of some of them into a segmentation fault."""
+        """HDF5 1.10.8 reads beyond its memory and sometimes crashes."""
         places = [match.start() for match in re.finditer(rb"units\0", self.bytes)]
         self.assertGreater(len(places), 10)
         for place in places:
@@ -109,7 +109,7 @@ class ForeignRun(Folder):
         for seed in range(MUTATIONS):
             source = random.Random(seed)
             damaged = bytearray(self.bytes)
-            for _ in range(source.randint(1, 4)):  # most of them where HDF5 keeps what it is
+            for _ in range(source.randint(1, 4)):  # most of them in the metadata of HDF5
                 place = source.randrange(source.choice((2000, 16000, len(damaged))))
                 damaged[place % len(damaged)] = source.choice((0, 255, source.randrange(256)))
             self.log.write_bytes(damaged)

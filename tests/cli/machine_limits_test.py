@@ -1,4 +1,4 @@
-"""A machine that gives no more: full devices, files that may not grow, little memory.
+"""Limits of a machine: full devices, files that cannot grow, little memory.
 
 Usage: machine_limits_test.py BIN_FOLDER
 """
@@ -59,7 +59,7 @@ class MachineLimits(Folder):
         self.assertEqual(list((self.folder / "page").iterdir()), [])
 
     def test_fewer_threads_do_the_work_where_there_is_no_room_for_their_stacks(self):
-        """Two stacks of 600 MB fit beside the program, a third does not."""
+        """Two stacks of 600 MB fit into the memory, a third one does not."""
         self.call(*STUDY, "--jobs", "1", "--out", "one")
         status, text = self.limited(*STUDY, "--jobs", "16", "--out", "many",
                                     limits={resource.RLIMIT_STACK: 600_000_000,
@@ -69,8 +69,8 @@ class MachineLimits(Folder):
         self.assertEqual(*((self.folder / name / "results.csv").read_bytes() for name in ("one", "many")))
 
     def test_threads_that_have_no_room_for_their_runs_say_so(self):
-        """Stacks of the usual size take all the room here, so that some run finds none. Little more
-        memory, and it depends on which thread asks first: both ends are right then."""
+        """Stacks of the usual size take all memory, so that some run gets none. With little more
+        memory it depends on which thread is first: both results are right then."""
         status, text = self.limited(*STUDY, "--jobs", "16", "--out", "many",
                                     limits={resource.RLIMIT_STACK: 8_000_000,
                                             resource.RLIMIT_AS: 300_000_000})
@@ -108,7 +108,7 @@ class MachineLimits(Folder):
                                         limits={resource.RLIMIT_AS: mega_bytes * 1_000_000})
             with self.subTest(mega_bytes=mega_bytes):
                 if status == 127 or "loading shared libraries" in text:
-                    continue  # the system's loader had too little
+                    continue  # too little for the system's loader
                 self.assertIn(status, (0, 2), text)
                 self.assertEqual(text.count("\n"), 1 if status == 2 else 0, text)
                 self.assertNotIn("duration", text)

@@ -10,9 +10,9 @@
 namespace breakwater::testing {
 namespace {
 
-// ---- what is broken ----------------------------------------------------------------------------
+// ---- broken input ------------------------------------------------------------------------------
 
-// What can happen to a file as a whole.
+// Damages to a file as a whole.
 void add_broken_files(const Mutant& whole, const std::string& root, const std::string& wrong_root,
                       std::vector<Mutant>& mutants) {
   const std::string& text = whole.text;
@@ -65,7 +65,7 @@ std::vector<Mutant> scenario_mutants(const std::string& scenario) {
   return mutants;
 }
 
-// The text with its comments and its declaration blanked, at the same places.
+// The text with comments and declaration replaced by blanks, without a change of positions.
 std::string without_comments(std::string text) {
   for (const auto& [begin, end] : {std::pair{"<!--", "-->"}, std::pair{"<?", "?>"}}) {
     for (std::size_t at = text.find(begin); at != std::string::npos; at = text.find(begin, at)) {
@@ -77,7 +77,7 @@ std::string without_comments(std::string text) {
   return text;
 }
 
-// The values that an attribute gets instead: in the place of its first number, if it has one.
+// The wrong values for an attribute, in place of its first number if it has one.
 std::vector<std::pair<std::string, std::string>> changed_values(const std::string& value) {
   const std::string first = value.substr(0, value.find(' '));
   const std::string rest = value.substr(first.size());
@@ -112,7 +112,7 @@ std::vector<Mutant> model_mutants(const std::string& file, const std::string& sc
     const std::size_t open = code.rfind('<', at) + 1;
     const std::string element = code.substr(open, code.find_first_of(" \n/>", open) - open);
     for (const auto& [change, value] : changed_values((*i)[2])) {
-      if (value == (*i)[2]) continue;  // it was negative
+      if (value == (*i)[2]) continue;  // already negative
       Mutant mutant = whole;
       mutant.place = "<" + element + "> " + (*i)[1].str();
       mutant.change = change;
@@ -123,9 +123,9 @@ std::vector<Mutant> model_mutants(const std::string& file, const std::string& sc
   return mutants;
 }
 
-// ---- what is legal -----------------------------------------------------------------------------
+// ---- legal input -------------------------------------------------------------------------------
 
-// Each is of regular expressions.
+// All texts are regular expressions.
 constexpr Legal kLegal[] = {
     {"model.mjcf",
      "<(mujoco|site|geom|body|camera|key|motor|general|freejoint|texture)> (model|name)", ".*",

@@ -1,4 +1,4 @@
-// Scenario files and models, each broken at one place.
+// Scenario files and models with one error each.
 #pragma once
 
 #include <span>
@@ -7,23 +7,23 @@
 
 namespace breakwater::testing {
 
-/// One file with one thing wrong, and the scenario that is to read it.
+/// One file with one error, and the scenario that reads it.
 struct Mutant {
   std::string scenario;
   std::string option;  ///< "--config", or the key that names the file: "model.mjcf"
-  std::string file;    ///< its name, with the extension that it had
-  std::string place;   ///< what was changed: a key, "<geom> size"; "" for the file as a whole
-  std::string change;  ///< how
-  std::string text;    ///< what is in the file now
+  std::string file;    ///< its name, with the original extension
+  std::string place;   ///< the changed place: a key, "<geom> size"; "" for the whole file
+  std::string change;  ///< kind of change
+  std::string text;    ///< present text of the file
 
   std::string name() const { return scenario + " " + option + " " + place + ": " + change; }
 };
 
-/// Every key of every scenario file and every attribute of every model, broken in every way that
-/// comes to mind; and every file as a whole.
+/// Every key of every scenario file and every attribute of every model, with each kind of error;
+/// and damages to whole files.
 std::vector<Mutant> all_mutants();
 
-/// Why some mutants are good input.
+/// The reason why some mutants are valid input.
 struct Legal {
   const char* option;
   const char* place;
@@ -32,7 +32,7 @@ struct Legal {
 };
 
 std::span<const Legal> legal_reasons();
-/// Why that one is; nullptr if it is not.
+/// The reason for one mutant; nullptr if it is invalid.
 const Legal* find_legal(const Mutant& mutant);
 
 }  // namespace breakwater::testing

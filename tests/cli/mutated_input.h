@@ -1,4 +1,4 @@
-// The folder of mutants, and how the program fares with one of them.
+// The folder of mutants, and the program's response to one of them.
 #pragma once
 
 #include "cli/mutants.h"
@@ -19,8 +19,7 @@ class MutatedInput : public ::testing::Test {
     return path.string();
   }
 
-  // Refused: one line and exit 2, at once, nothing left behind. Legal: its configuration is
-  // printed.
+  // Invalid: one line and exit 2, at once, nothing left behind. Legal: prints the configuration.
   void run_program_on(const Mutant& mutant, std::size_t number = 0) const {
     const std::filesystem::path folder = folder_ / ("cwd" + std::to_string(number));
     std::filesystem::create_directory(folder);

@@ -1,4 +1,4 @@
-// All broken scenario files and models, each by the program itself.
+// All broken scenario files and models, each with the real program.
 #include <breakwater/shell/all_cores.h>
 #include "cli/mutated_input.h"
 
@@ -6,7 +6,7 @@ namespace breakwater {
 namespace {
 using testing::MutatedInput;
 
-TEST_F(MutatedInput, FaresWellInTheProgram) {
+TEST_F(MutatedInput, IsHandledByTheProgram) {
   const std::vector<testing::Mutant> mutants = testing::all_mutants();
   on_all_cores(mutants.size(), [&](std::size_t i) { run_program_on(mutants[i], i); });
 }

@@ -1,4 +1,5 @@
-// Broken scenario files and models are refused in one line, at once, or are legal for a reason.
+// Broken scenario files and models are refused in one line, at once, or are legal for a stated
+// reason.
 
 #include <map>
 
@@ -15,8 +16,8 @@ using testing::Legal;
 using testing::Mutant;
 using testing::MutatedInput;
 
-// Reads and checks a run of the mutant, as a program does before it runs it. Returns the complaint;
-// "" if there is none.
+// Reads and checks a run of the mutant like a program before a run. Returns the error message; ""
+// without an error.
 std::string complaint(const Mutant& mutant, const std::string& path) {
   const bool is_scenario = mutant.option == "--config";
   try {
@@ -61,7 +62,7 @@ TEST_F(MutatedInput, IsRefusedInOneLineOrLegalForAReason) {
     }
     ++refused;
     EXPECT_TRUE(lacks(complaint, "\n"));
-    // A joint that only the URDF has is what the MJCF lacks.
+    // A joint that is only in the URDF is missing in the MJCF.
     EXPECT_TRUE(complaint.find(mutants[i].file) != std::string::npos ||
                 (mutants[i].place == "<joint> name" &&
                  complaint.find("models/arm.xml") != std::string::npos))
@@ -75,21 +76,22 @@ TEST_F(MutatedInput, IsRefusedInOneLineOrLegalForAReason) {
   EXPECT_GT(mutants.size(), 846U);
 }
 
-// The same by the program itself: a sample here, all in the study.
-TEST_F(MutatedInput, ASampleFaresAsWellInTheProgram) {
+// The same with the real program: a sample here, all in the study.
+TEST_F(MutatedInput, ASampleIsHandledByTheProgram) {
   std::vector<Mutant> mutants = testing::all_mutants();
   std::shuffle(mutants.begin(), mutants.end(), std::mt19937(1));
   for (std::size_t i = 0; i < 60; ++i) run_program_on(mutants[i]);
 }
 
-// One of each kind of legal mutant runs, or fails as runs fail.
-TEST_F(MutatedInput, WhatIsLegalRunsOrFailsAsRunsDo) {
+// One of each kind of legal mutant runs, or fails like a run.
+TEST_F(MutatedInput, LegalInputRunsOrFailsAsARun) {
   std::map<const Legal*, int> done;
   for (const Mutant& mutant : testing::all_mutants()) {
     const Legal* reason = testing::find_legal(mutant);
     if (reason == nullptr || done[reason] > 0) continue;
     const std::string path = write(mutant);
-    if (!complaint(mutant, path).empty()) continue;  // of its kind some are, and this one is not
+    if (!complaint(mutant, path).empty())
+      continue;  // others of this kind are legal, this one is not
     ++done[reason];
     std::vector<std::string> arguments = {
         "breakwater", "run",        mutant.scenario, "--quiet", "--out",

@@ -38,7 +38,7 @@ std::vector<std::string> words_of(const std::string& command) {
 
 ProgramResult run_program(const std::vector<std::string>& arguments, const fs::path& folder,
                           double kill_after_s, int signal) {
-  static std::atomic<int> calls = 0;  // on several threads at once
+  static std::atomic<int> calls = 0;  // used by several threads
   const std::string call = std::to_string(++calls);
   const TemporaryPath out("stdout" + call);
   const TemporaryPath err("stderr" + call);

@@ -1,4 +1,4 @@
-// Runs one of our binaries as a user would, and sees what it does.
+// Runs one of our binaries like a user and collects its results.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -8,7 +8,7 @@
 
 namespace breakwater::testing {
 
-/// What is not optimised may take longer.
+/// A build without optimisation may take longer.
 #ifdef NDEBUG
 constexpr double kSlowness = 1.0;
 #else
@@ -19,42 +19,43 @@ struct ProgramResult {
   int status = -1;  ///< exit status, or 128 + the signal that ended it
   std::string out;
   std::string err;
-  double seconds = 0.0;  ///< of processor time: a loaded machine changes it little
+  double seconds = 0.0;  ///< processor time, which other load hardly changes
 };
 
-/// Runs `arguments` (the first names a binary of build/bin, or else of build/tests) in `folder`.
-/// After `kill_after_s`, if positive, sends it `signal`.
+/// Runs `arguments` in `folder`. The first one names a binary of build/bin or build/tests. If
+/// `kill_after_s` is positive, sends `signal` after this time.
 ProgramResult run_program(const std::vector<std::string>& arguments,
                           const std::filesystem::path& folder, double kill_after_s = 0.0,
                           int signal = 0);
 
-/// The result of a program that must succeed. Throws std::runtime_error if it has not.
+/// The result of a program that must succeed. Throws std::runtime_error if it fails.
 ProgramResult done(ProgramResult result);
 
-/// Programs in a folder of the test's own.
+/// Runs programs in a temporary folder.
 class ProgramTest : public ::testing::Test {
  protected:
   ProgramTest() { std::filesystem::create_directories(folder_); }
 
-  /// Runs the words of a command, which blanks part but between '…'.
+  /// Runs a command. Blanks separate the words, except between '…'.
   ProgramResult run(const std::string& command, double kill_after_s = 0.0, int signal = 0) const;
-  /// The same where it must succeed.
+  /// The same, but it must succeed.
   ProgramResult ran(const std::string& command) const { return done(run(command)); }
 
-  /// A command must end at once with status 2 and `line` alone, and leave nothing. The line says
-  /// HERE for the test's folder and PROJECT for the project's; where it ends with … more follows.
+  /// Expects that a command ends at once with status 2, prints only `line` and leaves nothing. In
+  /// the line HERE stands for the test's folder and PROJECT for the project's. A final … allows
+  /// more text.
   void expect_refused(const std::string& command, const std::string& line) const;
-  /// The same of many, behind what all begin with.
+  /// The same for many commands with a common beginning.
   using Refusals = std::vector<std::pair<std::string, std::string>>;
   void expect_refusals(const std::string& beginning, const Refusals& commands_and_lines) const;
 
   void write(const std::filesystem::path& file, const std::string& text) const;
   std::string read(const std::filesystem::path& file) const { return text_of(folder_ / file); }
   nlohmann::json json(const std::filesystem::path& file) const;
-  /// The state hash of a run in it.
+  /// The state hash of a run in the folder.
   std::string state_hash(const std::filesystem::path& run) const;
   std::vector<std::string> lines(const std::filesystem::path& file) const;
-  /// All that is in a folder of it, hidden files and what folders hold too, in order.
+  /// All entries of a folder, including hidden and nested ones, in order.
   std::vector<std::string> entries(const std::filesystem::path& folder = "") const;
 
   const TemporaryPath folder_{"programs"};

@@ -1,4 +1,3 @@
-// What quadrotor_waves says to nonsense on the command line.
 #include "cli/program.h"
 
 namespace breakwater {

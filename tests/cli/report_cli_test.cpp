@@ -1,4 +1,3 @@
-// breakwater reproduce, report and compare as a user calls them.
 
 #include <csignal>
 #include <nlohmann/json.hpp>
@@ -15,7 +14,7 @@ namespace fs = std::filesystem;
 
 using testing::ProgramResult;
 
-// Two runs with logs, a row of a table, and many small runs.
+// Two runs with logs, a table row, and many small runs.
 const char* const kExperiments = R"(
 [form.motor]
 panels = [{ title = "disturbance", signals = ["d_hat_Nm"], once = ["d_true_Nm"] }]
@@ -64,11 +63,11 @@ class Reports : public testing::ProgramTest {
   ProgramResult reproduce(const std::string& out, double kill_after_s = 0.0) {
     return run("breakwater reproduce --experiments tiny.toml --out " + out, kill_after_s, SIGKILL);
   }
-  // A run of the motor in folder NAME.
+  // Makes a run of the motor in folder NAME.
   void motor(const std::string& name, const std::string& options) {
     ran("motor_estimation --quiet --out '" + name + "' " + options);
   }
-  // The lines of results in its shards.
+  // The results in its shards.
   std::vector<std::string> results(const std::string& out) const {
     std::vector<std::string> results;
     for (const auto& entry : fs::directory_iterator(folder_ / out / "shards")) {
@@ -80,7 +79,7 @@ class Reports : public testing::ProgramTest {
   }
 };
 
-TEST_F(Reports, AKilledReproductionGoesOnAndGivesTheSamePage) {
+TEST_F(Reports, AKilledReproductionContinuesToTheSamePage) {
   const ProgramResult whole = done(reproduce("whole"));
   EXPECT_TRUE(
       has(whole.out, "2 reproduced, 0 within the class, 0 not reproduced, 1 held, 0 did not hold"));
@@ -97,10 +96,10 @@ TEST_F(Reports, AKilledReproductionGoesOnAndGivesTheSamePage) {
   done(reproduce("killed"));
   EXPECT_GT(before, 0U);
   EXPECT_EQ(read("killed/report.html"), read("whole/report.html"));
-  // No run stands there twice.
+  // No run occurs twice.
   EXPECT_EQ(results_by_key(folder_ / "killed/shards").size(), 22U);
   EXPECT_LE(results("killed").size(), 22 + 2 * kills) << "only what was cut off may be repeated";
-  // Nothing half-written is left.
+  // No incomplete file remains.
   for (const auto& entry : fs::directory_iterator(folder_ / "killed/runs")) {
     EXPECT_TRUE(fs::exists(entry.path() / "manifest.json")) << entry.path();
   }
@@ -124,7 +123,7 @@ TEST_F(Reports, AnAlteredMeasurementFlipsItsVerdict) {
   EXPECT_TRUE(has(read("out/report.html"), "class=\"verdict off\""));
 }
 
-// One short run with a log, and a row for each of `rows`: what is said of its numbers.
+// Statements about one short run with a log, one for each of `rows`.
 std::string statements(const std::vector<std::string>& rows, const std::string& sets = "") {
   std::string text = R"(
 [form.motor]
@@ -147,13 +146,13 @@ sets = ["run.duration_s=2", "metrics.from_s=1", "metrics.to_s=2")";
   return text + "]\n";
 }
 
-TEST_F(Reports, StatementsOfOnesOwnHoldOrDoNotAndWhatIsNotMeasuredIsNoSuccess) {
+TEST_F(Reports, OwnStatementsHoldOrDoNotHoldOrAreNotMeasured) {
   write("tiny.toml",
         "title = \"My motor\"\n" +
             statements(
                 {"metric = \"rmse_velocity_rad_s\", below = 1e3",
                  "metric = \"rmse_velocity_rad_s\", above = 1e3",
-                 // In 2 s, 1 s of them after a step, the KFD has not settled: there is no time.
+                 // 2 s with a step at 1 s are too short for the KFD to settle, so there is no time.
                  "metric = \"disturbance_settling_time_s\", absent = \"never\", above = 0.0",
                  "metric = \"rmse_velocity_rad_s\", over = \"one\", above = 1.0"}));
   const ProgramResult result = done(reproduce("out"));
@@ -166,7 +165,7 @@ TEST_F(Reports, StatementsOfOnesOwnHoldOrDoNotAndWhatIsNotMeasuredIsNoSuccess) {
   EXPECT_TRUE(lacks(html, ">reproduced<"));
 }
 
-TEST_F(Reports, ShowsBesideTheRestAndSaysWhyACellDoesNotComeOut) {
+TEST_F(Reports, ShowsCellsWithoutVerdictAndReasonsOfFailures) {
   write("tiny.toml",
         statements(
             {"metric = \"rmse_velocity_rad_s\", below = 0.0, why = \"since it is, \\\"truly\\\"\"",
@@ -200,7 +199,7 @@ note = "Two gains for one cell."
                   ",hypothesis: does not hold,it is lighter\n"));
 }
 
-TEST_F(Reports, AMetricThatNoRunHasIsAnErrorOfTheList) {
+TEST_F(Reports, AnUnknownMetricIsAnErrorOfTheList) {
   const std::string misspelt =
       "metric: no run of motor_estimation has rmse_velocty_rad_s (did you mean "
       "rmse_velocity_rad_s?)";
@@ -212,14 +211,14 @@ TEST_F(Reports, AMetricThatNoRunHasIsAnErrorOfTheList) {
                                    "metric = \"" + metric + "\", above = 0.0"}));
     const ProgramResult result = reproduce("out --quiet");
     EXPECT_EQ(result.status, 2);
-    // The last row but for the line that closes the list.
+    // The last row before the closing line of the list.
     EXPECT_EQ(result.err,
               "tiny.toml:" + std::to_string(lines("tiny.toml").size() - 1) + ": " + line + "\n");
     EXPECT_FALSE(fs::exists(folder_ / "out/report.html"));
   }
 }
 
-TEST_F(Reports, AnEditedModelNeverStandsBesideTheNumbersOfAnother) {
+TEST_F(Reports, ResultsOfDifferentModelsAreNotMixed) {
   const std::string own = testing::text_of(testing::source_file("models/motor.xml"));
   write("motor.xml", own);
   write("tiny.toml",
@@ -240,7 +239,7 @@ TEST_F(Reports, AnEditedModelNeverStandsBesideTheNumbersOfAnother) {
   EXPECT_EQ(read("out/report.html"), page);
   EXPECT_EQ(results("out").size(), 3U) << "two models, and the figure's run again";
 
-  // What the model includes is a part of it.
+  // Included files are part of the model.
   write("motor.xml",
         testing::replaced(own, "<worldbody>", "<include file=\"more.xml\"/><worldbody>"));
   write("more.xml", "<mujoco><option gravity=\"0 0 0\"/></mujoco>");
@@ -252,7 +251,7 @@ TEST_F(Reports, AnEditedModelNeverStandsBesideTheNumbersOfAnother) {
 
 TEST_F(Reports, ReproduceRefusesNonsense) {
   write("mine/letter.txt", "dear");
-  fs::create_directories(folder_ / "study/shards");  // a study of `sweep` has them too
+  fs::create_directories(folder_ / "study/shards");  // a study of `sweep` has shards too
   write("study/study.toml", "scenario = \"arm_push\"\n");
   expect_refusals(
       "breakwater reproduce ",
@@ -263,7 +262,7 @@ TEST_F(Reports, ReproduceRefusesNonsense) {
        {"--out study", "study: holds something that is not a reproduction; give another --out"}});
 }
 
-TEST_F(Reports, CompareTellsWhatIsWrong) {
+TEST_F(Reports, CompareExplainsErrors) {
   motor("kfd", "--case kfd --duration 6");
   ran("arm_push --quiet --duration 0.2 --out push");
   EXPECT_EQ(run("motor_estimation --quiet --duration 6 --set fault.sensor=angle fault.at_s=2 "
@@ -294,7 +293,7 @@ TEST_F(Reports, CompareTellsWhatIsWrong) {
        {"report empty",
         "empty: is not the folder of a finished run: it has no manifest.json; run the scenario "
         "again with --out"}});
-  // Without a Python, and with one that lacks the packages.
+  // Without Python, and with a Python that lacks the packages.
   write("bare", "#!/bin/sh\nexec /usr/bin/python3 -S -E \"$@\"\n");
   fs::permissions(folder_ / "bare", fs::perms::owner_all);
   for (const auto& [python, line] :
@@ -307,34 +306,34 @@ TEST_F(Reports, CompareTellsWhatIsWrong) {
     expect_refused("breakwater compare kfd kfd --signal d_hat_Nm --pdf", line);
     unsetenv("BREAKWATER_PYTHON");
   }
-  // A failed run can be looked at.
+  // A report of a failed run is possible.
   ran("breakwater report failed kfd --out page");
   EXPECT_TRUE(has(read("page/report.html"), "This run failed at 2"));
 }
 
-TEST_F(Reports, RunsAreToldApartByTheKeysInWhichTheyDiffer) {
+TEST_F(Reports, LabelsOfRunsHaveTheKeysInWhichTheyDiffer) {
   motor("a", "--case kfd --duration 6");
   motor("b", "--case kfd --duration 6 --set run.seed=7");
   motor("c", "--case mdob --duration 6");
   EXPECT_TRUE(has(ran("breakwater compare a b --out page").out, "kfd, run.seed=7"));
   const std::string html = read("page/compare.html");
   EXPECT_TRUE(has(html, "<code>run.seed</code></th><td>1</td><td>7</td>", "class=\"replay\""));
-  // A report says what is not as in the case, and has no column for a thesis that says nothing.
+  // A report names the changed keys. It has no column for missing reference values.
   ran("breakwater report b --out page --no-replay");
   const std::string report = read("page/report.html");
   EXPECT_TRUE(has(report, "<code>run.seed</code></th><td>7</td>"));
   EXPECT_TRUE(lacks(report, ">thesis</th>", "class=\"replay\""));
-  // What is true, measured and estimated of the angle is one chart.
+  // The true, measured and estimated angle are in one chart.
   const std::size_t chart = report.find("position [rad]");
   ASSERT_NE(chart, std::string::npos);
   EXPECT_NE(report.find("position_true_rad", chart), std::string::npos);
-  // A signal of one run alone.
+  // A signal that only one run has.
   ran("breakwater compare a c --signal innovation --out page --no-replay --svg");
   EXPECT_TRUE(has(read("page/compare.html"), "mdob: –"));
 }
 
-// Six seeds of two cases: the row is what their metrics.json say, pair by pair, and all six of one
-// sign have a probability of 2/64.
+// Six seeds of two cases: the row agrees with metrics.json, pair by pair. If all six have the same
+// sign, the probability is 2/64.
 TEST_F(Reports, CompareOfSetsOfRunsIsPairedBySeed) {
   std::string words =
       "breakwater compare --paired --metric rmse_velocity_rad_s --goal rmse_velocity_rad_s=min "
@@ -371,7 +370,7 @@ TEST_F(Reports, CompareOfSetsOfRunsIsPairedBySeed) {
   EXPECT_DOUBLE_EQ(std::stod(cell("p")), 2.0 / 64.0);
   EXPECT_EQ(cell("verdict"), "better");
 
-  // The other way round it is worse; a seed that one case lacks makes no pair.
+  // In the reverse order it is worse. A seed that one case lacks makes no pair.
   ran(testing::replaced(words, " kfd6", "") + " --baseline stf");
   const std::string reversed = read("compared/comparison.csv");
   EXPECT_TRUE(lacks(reversed, "kfd,stf,6"));
@@ -384,8 +383,8 @@ TEST_F(Reports, CompareOfSetsOfRunsIsPairedBySeed) {
                    {"kfd1 kfd1 stf1", "kfd1: kfd with seed 1 is there twice"}});
 }
 
-// Folder names are what they are: no mathematics of matplotlib's, no formula of a spreadsheet's.
-TEST_F(Reports, CompareTakesAnyFolderNameForText) {
+// Folder names are plain text: not mathematics for matplotlib, not a formula for a spreadsheet.
+TEST_F(Reports, CompareTreatsFolderNamesAsText) {
   for (const char* name : {"$\\bad{$", "=cmd|calc"}) motor(name, "--case kfd");
   const ProgramResult result =
       ran("breakwater compare $\\bad{$ =cmd|calc --out both --csv --svg --signal d_hat_Nm "
@@ -397,7 +396,7 @@ TEST_F(Reports, CompareTakesAnyFolderNameForText) {
       << csv.substr(0, csv.find('\n'));
 }
 
-TEST_F(Reports, AMetricThatIsNamedAsAFormulaIsRefused) {
+TEST_F(Reports, AMetricNamedLikeAFormulaIsRefused) {
   for (const char* name : {"a", "b"}) motor(name, "--case kfd");
   write("b/metrics.json", R"({"=cmd|calc": 1.0})");
   expect_refused("breakwater compare a b --csv",

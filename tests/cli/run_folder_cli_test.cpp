@@ -1,4 +1,3 @@
-// Run folders as users meet them: full disks, damaged logs, killed runs.
 #include <array>
 #include <nlohmann/json.hpp>
 
@@ -13,7 +12,7 @@ const std::string kRun = "cart_position --quiet --duration 0.2 --out ";
 
 class RunFolderCli : public testing::ProgramTest {};
 
-// A small file system of its own, which only this command sees.
+// A small private file system for this command.
 constexpr const char* kFillUp = R"(
 mount -t tmpfs -o size=1m none . && cd "$PWD" && echo mounted || exit
 run() { "$0" --quiet --duration "$1" --set record.compression=0 --out "$2" 2>&1; echo "status $?"; }
@@ -65,7 +64,7 @@ TEST_F(RunFolderCli, TheSameRunGivesTheSameLogFile) {
   EXPECT_EQ(json("a/manifest.json")["log_hash"].get<std::string>().size(), 16U);
 }
 
-TEST_F(RunFolderCli, ADamagedLogIsRefusedByAllThatOpenIt) {
+TEST_F(RunFolderCli, EveryReaderRefusesADamagedLog) {
   ran(kRun + "run");
   ran(kRun + "whole");
   ran("breakwater report run --out page");
@@ -79,7 +78,7 @@ TEST_F(RunFolderCli, ADamagedLogIsRefusedByAllThatOpenIt) {
                                   {"still run --at 0.1 --out still.png", line},
                                   {"video run --out video.mp4", line}});
 
-  // Without the hash, as before version 0.2: the data are taken as they are.
+  // Without the hash, as before version 0.2, the data are not checked.
   auto manifest = nlohmann::ordered_json::parse(read("run/manifest.json"));
   manifest.erase("log_hash");
   write("run/manifest.json", manifest.dump());
@@ -95,7 +94,7 @@ TEST_F(RunFolderCli, ARunWithItsPicturesIsReplacedByTheNext) {
   EXPECT_FALSE(fs::exists(folder_ / "run/replay.html"));
 }
 
-TEST_F(RunFolderCli, AReaderFindsTheRunThatAKilledOneWasReplacing) {
+TEST_F(RunFolderCli, AReaderFindsTheOldRunAfterAKill) {
   ran(kRun + "run");
   std::array<char, 256> host = {};
   gethostname(host.data(), host.size() - 1);

@@ -1,4 +1,4 @@
-"""`ls` and `rm --failed`: what lies below a folder, and that only failed runs go.
+"""`ls` and `rm --failed`: the contents of a folder, and the removal of failed runs only.
 
 Usage: run_list_test.py BIN_FOLDER
 """
@@ -13,7 +13,7 @@ from called_program import FAILS, Folder
 
 
 def dead_process():
-    """The number of a process that is no more."""
+    """The number of a process that has ended."""
     process = subprocess.Popen(["true"])
     process.wait()
     return process.pid
@@ -26,7 +26,7 @@ class RunList(Folder):
         self.push("runs/arm/bad", *FAILS, status=3)
         self.call("breakwater", "sweep", "motor_estimation", "--case", "stf", "--seeds", "1..3",
                   "--quiet", "--out", "runs/study")
-        # The study's are the newest, then the failed one.
+        # The study is the newest, then the failed run.
         for age, name in enumerate(["study/shards", "arm/bad/log.h5", "arm/good/log.h5"]):
             os.utime(self.folder / "runs" / name, (1e9 - 60 * age, 1e9 - 60 * age))
 
@@ -46,7 +46,7 @@ class RunList(Folder):
         self.assertGreater(good["metrics"]["rmse_disturbance_Nm"], 0.0)
         self.assertEqual(good["metrics"],
                          json.loads((self.folder / "runs/arm/good/metrics.json").read_text()))
-        # The median of three is the middle one.
+        # The median of three values is the middle one.
         rows = (self.folder / "runs/study/results.csv").read_text().splitlines()
         column = rows[0].split(",").index("rmse_disturbance_Nm")
         values = sorted(float(row.split(",")[column]) for row in rows[1:])
@@ -109,7 +109,7 @@ class RunList(Folder):
         for name, file in cases.items():
             self.push(f"runs/{name}", *FAILS, status=3)
             if name == "folder":
-                (runs / name / file).mkdir()  # a run's name, but no file
+                (runs / name / file).mkdir()  # the name of a run's file, but a folder
             else:
                 (runs / name / file).write_text("mine")
         (runs / "link").symlink_to(elsewhere)
@@ -122,7 +122,7 @@ class RunList(Folder):
         self.assertEqual(self.everything(), before)
         for file in [*cases.values(), "thesis.tex"]:
             self.assertIn(f"holds {file}, which is not a run's", told)
-        # A study's own runs are the study's, failed or not.
+        # Runs of a study belong to the study, failed or not.
         kept = runs / "study/runs/1"
         kept.parent.mkdir(exist_ok=True)
         elsewhere.rename(kept)
@@ -132,7 +132,7 @@ class RunList(Folder):
             _, err = self.call("breakwater", "rm", "--failed", inner, status=2)
             self.assertIn("belongs to the study", err)
         self.assertTrue(kept.exists())
-        # A link with a slash behind it is a link.
+        # A link with a final slash is a link.
         self.push("apart/bad", *FAILS, status=3)
         (runs / "linked").symlink_to(self.folder / "apart/bad")
         self.assertIn("is a symbolic link", self.call("breakwater", "rm", "--failed", "runs/linked/")[0])

@@ -1,4 +1,4 @@
-"""What a terminal shows of a run, and what pipes are spared: progress with what is measured so far,
+"""The output of a run on a terminal and into a pipe: progress with present measurements,
 colours, tables within the width, JSON.
 
 Usage: terminal_test.py BIN_FOLDER
@@ -10,7 +10,7 @@ import unittest
 
 from called_program import FAILS, Folder
 
-# Contact at about 5.5 s of 20: there is something to tell.
+# Contact at about 5.5 s of 20, so there are metrics to show.
 WALL = ["arm_wall_contact", "--duration", "20", "--set", "wall.solid_from_s=4", "force.from_s=5",
         "metrics.from_s=7", "metrics.to_s=8", "record.fine_from_s=5", "record.fine_to_s=5.1"]
 
@@ -83,7 +83,7 @@ class Tables(Folder):
 
     def test_fit_the_width(self):
         out, _ = self.call(*self.ALL)
-        self.assertGreater(max(map(len, out.splitlines())), 60)  # the width is made use of
+        self.assertGreater(max(map(len, out.splitlines())), 60)  # uses the width
         for text, columns in ((out, 80), (self.call(*self.ALL, COLUMNS=64)[0], 64),
                               (self.on_terminal(*self.ALL, columns=70, NO_COLOR="1")
                                .rpartition("\033[K")[2], 70)):

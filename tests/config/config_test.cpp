@@ -62,7 +62,7 @@ class ConfigTest : public ::testing::Test {
     return {path_.string(), "test"};
   }
 
-  // Reads a case with assignments on top; returns the complaint without the file's name, or "".
+  // Reads a case with assignments. Returns the error message without the file's name, or "".
   std::string read(const std::string& case_name, const std::vector<std::string>& sets,
                    const std::string& text = kText) {
     return complaint_without_place([&] {
@@ -72,7 +72,7 @@ class ConfigTest : public ::testing::Test {
     });
   }
 
-  // Reads a file for a run; returns as read() does.
+  // Reads a file for a run. Returns the same as read().
   std::string read_run(const std::string& case_name, const std::string& text) {
     return complaint_without_place([&] {
       const ScenarioFile scenario = file(text);
@@ -128,7 +128,7 @@ TEST_F(ConfigTest, SetTakesTomlAndBareWords) {
   EXPECT_EQ(settings_.name, "quoted");
 }
 
-TEST_F(ConfigTest, SaysWhereAndWhatIsWrong) {
+TEST_F(ConfigTest, MessagesNamePlaceAndReason) {
   for (const auto& [set, line] :
        Rows{{"motion.sped_m_s=1", "motion.sped_m_s: unknown key (did you mean motion.speed_m_s?)"},
             {"motion.speed_m_s=-1", "motion.speed_m_s: must be positive, is -1"},
@@ -154,11 +154,11 @@ TEST_F(ConfigTest, AnElementIsSetAlone) {
       read("slow", {"motion.gains[2]=7", "motion.poles[1][2]=-9", "motion.poles[2]=[-4, -5]"}), "");
   EXPECT_EQ(settings_.gains, (std::vector<double>{1, 7}));
   EXPECT_EQ(settings_.poles, (std::vector<std::vector<double>>{{-1, -9}, {-4, -5}}));
-  // What is printed, and so what a run is known by, is that of the whole array.
+  // The printed configuration, which identifies a run, has the whole array.
   const std::string printed = settings_.fields().print("test", "slow");
   ASSERT_EQ(read("slow", {"motion.gains=[1, 7]", "motion.poles=[[-1, -9], [-4, -5]]"}), "");
   EXPECT_EQ(settings_.fields().print("test", "slow"), printed);
-  // Over what the case gives, and the reading.
+  // Assignments have priority over the case and the reading.
   ASSERT_EQ(
       read("slow", {"motion.gains[1]=3"},
            "reading = \"one\"\n" + std::string(kText) + "[readings.one]\nmotion.gains = [8, 9]\n"),
@@ -201,7 +201,7 @@ TEST_F(ConfigTest, SaysWhichElementIsWrong) {
   EXPECT_EQ(together({"motion.gains[1]=3", "motion.gains[2]=3", "motion.gains[1]=4"}), "");
 }
 
-TEST_F(ConfigTest, AFileThatIsEditedLaterIsKnownAsItWasRead) {
+TEST_F(ConfigTest, KeepsTheFileAsItWasRead) {
   const ScenarioFile scenario = file();
   std::ofstream(path_, std::ios::app) << "# edited\n";
   EXPECT_EQ(scenario.text(), kText);
@@ -237,7 +237,7 @@ TEST_F(ConfigTest, EveryTableIsCheckedWhicheverCaseRuns) {
             "FILE:16: motion.color: must be one of red, blue, is 3");
   EXPECT_EQ(complaint("motion.speed_m_s = 1.5", "motion.speed_m_s = nan"),
             "FILE:14: motion.speed_m_s: must be finite, is nan");
-  // What the chosen case overrides counts too.
+  // Keys that the chosen case overrides are checked too.
   EXPECT_EQ(read_run("very-1.5", replaced(kText, "= 2\n", "= inf\n")),
             "FILE:4: motion.speed_m_s: must be finite, is inf");
 }
@@ -270,12 +270,12 @@ TEST_F(ConfigTest, ACasesNameIsAFoldersName) {
   EXPECT_EQ(complaint("all"), "FILE:17: case.all: means all of them");
 }
 
-TEST_F(ConfigTest, AKeyThatIsGivenTwiceIsRefused) {
+TEST_F(ConfigTest, AKeyGivenTwiceIsRefused) {
   EXPECT_EQ(read_run("slow", "\"motion.steps\" = 5\n" + std::string(kText)),
             "FILE:1: motion.steps: is given twice");
 }
 
-TEST_F(ConfigTest, TomlThatWouldEndTheProgramIsRefused) {
+TEST_F(ConfigTest, RefusesTomlThatWouldCrashTheParser) {
   constexpr int kDeep = 100000;
   const std::string key = repeated("a.", kDeep) + "a";
   const std::string arrays = repeated("[", kDeep);
@@ -299,18 +299,18 @@ TEST_F(ConfigTest, TomlThatWouldEndTheProgramIsRefused) {
   EXPECT_EQ(read("slow", {"motion.gains=" + tables}), "--set: motion.gains: is nested too deeply");
   EXPECT_EQ(read("slow", {"motion.gains={" + key + "=1}"}),
             "--set: motion.gains: has a key of too many parts");
-  // A path of many dots nests nothing.
+  // A path with many dots has no nesting.
   EXPECT_EQ(read("slow", {"run.name=" + repeated("../", 40) + "arm.xml"}), "");
   EXPECT_EQ(read("slow", {key + "=1"}), "--set: " + repeated("a.", 20) + "...: is no key");
   EXPECT_EQ(read("slow", {"a\nb=1"}), "--set: a?b: is no key");
 
-  // What only looks like it is not.
+  // Brackets in a text are no nesting.
   EXPECT_EQ(read("slow", {"run.name=\"" + repeated("[{.", 100) + "\""}), "");
   EXPECT_EQ(with("# " + repeated("[{.", 1000)), "");
   EXPECT_EQ(read("slow", {"motion.gains=[" + repeated("1.5, ", 1000) + "]"}), "");
 }
 
-TEST_F(ConfigTest, AShotListIsReadBehindTheSameGuard) {
+TEST_F(ConfigTest, ShotListsHaveTheSameGuard) {
   std::ofstream(path_) << repeated("a.", 100000) << "a = 1\n";
   EXPECT_THROW(read_shot_list(path_.string()), std::invalid_argument);
 }
@@ -352,7 +352,7 @@ TEST_F(ConfigTest, PrintsAFileThatReadsTheSame) {
   EXPECT_EQ(again.poles, settings_.poles);
 }
 
-TEST(DidYouMean, GuessesWhatIsNearAndNothingElse) {
+TEST(DidYouMean, SuggestsOnlySimilarNames) {
   const std::vector<std::string> names = {"proposed-2N", "hpfc-2N", "drac-5N"};
   EXPECT_EQ(did_you_mean("propsed-2N", names), " (did you mean proposed-2N?)");
   EXPECT_EQ(did_you_mean("hpfc2N", names), " (did you mean hpfc-2N?)");
@@ -389,7 +389,7 @@ TEST(Table, AlignsAndFolds) {
   EXPECT_EQ(table.print(10), "name    a\nfirst  10\nx\n\nname    bb\nfirst    2\nx      333\n");
 }
 
-// A duration of "100" is one of 100 s.
+// A duration of "100" means 100 s.
 TEST(Config, WholeNumbersAreNumbersToo) {
   Config config("test.toml", {});
   config.set("a.whole=100");

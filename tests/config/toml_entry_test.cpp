@@ -1,4 +1,3 @@
-// The messages of a table's reader about mistakes.
 #include <breakwater/config/toml_entry.h>
 
 #include <gtest/gtest.h>
@@ -25,7 +24,7 @@ colour = "gren"
 [wall.part]
 )";
 
-TEST(TomlEntry, SaysWhereAndWhatIsWrong) {
+TEST(TomlEntry, MessagesNamePlaceAndReason) {
   const toml::table tables = toml::parse(kTables, std::string_view("a.toml"));
   struct Row {
     std::function<void(const TomlEntry& root)> read;
@@ -69,7 +68,7 @@ TEST(TomlEntry, SaysWhereAndWhatIsWrong) {
   }
 }
 
-TEST(TomlEntry, ReadsInTheFilesOrderAndNothingOfNothing) {
+TEST(TomlEntry, ReadsInTheOrderOfTheFileAndAcceptsAMissingEntry) {
   const toml::table tables = toml::parse(kTables, std::string_view("a.toml"));
   const TomlEntry root(tables, "a.toml");
   std::vector<std::string> keys;

@@ -21,7 +21,7 @@ AccelerationControlDesign design() {
   return d;
 }
 
-// The true joints: another inertia than the nominal one, and a load.
+// The true joints, with a load and an inertia that differs from the nominal one.
 struct Plant {
   Eigen::Vector2d inertia{1.2, 0.8};
   Eigen::Vector2d load{3.0, -2.0};
@@ -35,8 +35,8 @@ struct Plant {
   }
 };
 
-TEST(AccelerationControl, MakesTheJointsAccelerateAsAsked) {
-  // Whatever the true inertia and load, after the observer has settled q̈ = a.
+TEST(AccelerationControl, GivesTheCommandedJointAcceleration) {
+  // For any inertia and load, q̈ = a once the observer has converged.
   AccelerationControl control(design());
   Plant plant;
   control.reset(plant.q);
@@ -51,18 +51,18 @@ TEST(AccelerationControl, MakesTheJointsAccelerateAsAsked) {
   }
   const Eigen::Vector2d achieved = (plant.dq - velocity_before) / 0.1;
   EXPECT_TRUE(achieved.isApprox(a, 1e-9));
-  // What it cancels is the load and the inertia that it was not told of (Eq. 2.53).
+  // It cancels the load and the effect of the mismatch (Eq. 2.53).
   const Eigen::Vector2d expected =
       plant.load + (plant.inertia - design().nominal_inertia_kgm2).cwiseProduct(achieved);
   EXPECT_LT((control.d_hat() - expected).cwiseAbs().maxCoeff(), 1e-8);
 }
 
-TEST(AccelerationControl, AccelerationLimitsKeepTheTorqueWithin) {
-  // Eq. 2.84 at its ends gives Eq. 2.81 at its ends.
+TEST(AccelerationControl, AccelerationLimitsKeepTheTorqueLimits) {
+  // The ends of Eq. 2.84 give the ends of Eq. 2.81.
   AccelerationControl control(design());
   control.reset(Eigen::Vector2d(0, 0));
   Eigen::VectorXd torque(2);
-  for (int k = 0; k < 50; ++k) {  // wind up some disturbance
+  for (int k = 0; k < 50; ++k) {  // winds up a disturbance
     control.update(Eigen::Vector2d(0.001 * k, -0.002 * k));
     control.command(Eigen::Vector2d(1, 1), torque);
   }
@@ -75,8 +75,8 @@ TEST(AccelerationControl, AccelerationLimitsKeepTheTorqueWithin) {
   EXPECT_TRUE(torque.isApprox(Eigen::Vector2d(-20, -10), 1e-12));
 }
 
-TEST(AccelerationControl, ClippedFeedDoesNotWindUpUnclippedDoes) {
-  // A joint held fast while ten times its torque limit is asked for.
+TEST(AccelerationControl, OnlyTheUnclippedFeedWindsUp) {
+  // A blocked joint and a command of ten times its torque limit.
   const Eigen::Vector2d a(100.0, 200.0);
   double d_hat[2] = {0.0, 0.0};
   for (const ObserverFeed feed : {ObserverFeed::clipped, ObserverFeed::unclipped}) {
@@ -91,8 +91,8 @@ TEST(AccelerationControl, ClippedFeedDoesNotWindUpUnclippedDoes) {
     }
     d_hat[feed == ObserverFeed::unclipped] = control.d_hat()(0);
   }
-  EXPECT_NEAR(d_hat[0], 20.0, 1e-3);  // the limit is all that can act on a joint held fast
-  EXPECT_GT(d_hat[1], 200.0);         // J a and all that the observer then adds to it
+  EXPECT_NEAR(d_hat[0], 20.0, 1e-3);  // only the limit acts on a blocked joint
+  EXPECT_GT(d_hat[1], 200.0);         // J a and everything that the observer adds
 }
 
 TEST(AccelerationControl, RefusesNonsense) {

@@ -1,4 +1,4 @@
-// The three controllers of the arm, one sample at a time, against their equations written out.
+// The three controllers of the arm, one sample at a time, against their equations.
 
 #include <Eigen/Dense>
 #include <cmath>
@@ -32,7 +32,7 @@ class ArmControllers : public ::testing::Test {
     return {std::vector<PfcDesign>(3, PfcDesign{}), LmDesign{}, positioning};
   }
 
-  // The published signal of that name.
+  // The published signal with a name.
   static Eigen::VectorXd signal(const Controller& controller, const std::string& name) {
     for (const Signal& s : controller.signals()) {
       if (s.name == name) {
@@ -44,8 +44,8 @@ class ArmControllers : public ::testing::Test {
     return {};
   }
 
-  // Lets the controller see measured angles that move, so that q̂, q̇̂ and d̂ are not trivial, and
-  // then takes one sample at `time_s` with `force`.
+  // Feeds moving angles, so that q̂, q̇̂ and d̂ are not zero. Then makes one sample at `time_s`
+  // with `force`.
   Eigen::VectorXd update(Controller& controller, double time_s, double force) const {
     Sample sample;
     sample.y.resize(4);
@@ -71,7 +71,7 @@ TEST_F(ArmControllers, TorqueIsNominalInertiaTimesAccelerationPlusDisturbance) {
       acceleration_.nominal_inertia_kgm2.cwiseProduct(signal(hpfc, "ddq_ref_rad_s2")) +
       signal(hpfc, "d_hat_Nm");
   EXPECT_TRUE(u.isApprox(expected, 1e-14));
-  EXPECT_GT(signal(hpfc, "d_hat_Nm").norm(), 0.1);  // else this test would show nothing
+  EXPECT_GT(signal(hpfc, "d_hat_Nm").norm(), 0.1);  // otherwise the test shows nothing
 }
 
 TEST_F(ArmControllers, HpfcFollowsEqs289To291) {
@@ -82,7 +82,7 @@ TEST_F(ArmControllers, HpfcFollowsEqs289To291) {
     const Eigen::Vector3d q = signal(hpfc, "q_hat_rad"), dq = signal(hpfc, "dq_hat_rad_s");
     TipJacobian J;
     chain_.tip_jacobian(q, J);
-    const Eigen::Matrix3d J_plus = Eigen::Matrix3d(J).inverse();  // not singular here
+    const Eigen::Matrix3d J_plus = Eigen::Matrix3d(J).inverse();  // nonsingular here
     const bool force_control = time_s > 1.0;
     const Eigen::Matrix3d S = Eigen::Vector3d(force_control ? 0 : 1, 1, 1).asDiagonal();
     const Eigen::Vector3d F_error(force_control ? 2.0 - 0.5 : 0.0, 0, 0);
@@ -141,7 +141,7 @@ TEST_F(ArmControllers, ProposedHoldsItsPostureBeforeForceControl) {
   EXPECT_EQ(signal(by_tip, "x_ref_m")(0), task_.start_pose[0]);
 }
 
-TEST_F(ArmControllers, ProposedNeverAsksForMoreThanTheTorqueLimit) {
+TEST_F(ArmControllers, ProposedNeverExceedsTheTorqueLimit) {
   task_.force_reference_N = 2000.0;
   task_.convert_gain_N_m = 20.0;
   ImplicitForcePfc proposed(chain_, acceleration_, task_, pfc_design());
@@ -152,7 +152,7 @@ TEST_F(ArmControllers, ProposedNeverAsksForMoreThanTheTorqueLimit) {
 }
 
 TEST_F(ArmControllers, ForceControlStartsAtItsSample) {
-  // At the sample that falls on the switch, whatever the last bit of its time.
+  // At the sample of the switch, also if its time has a rounding error.
   for (const double time_s : {1.0, 1.0 - 1e-13, 1.0 + 1e-13}) {
     Hpfc hpfc(chain_, acceleration_, task_, {});
     update(hpfc, time_s, 0.5);

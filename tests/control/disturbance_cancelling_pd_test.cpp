@@ -26,7 +26,7 @@ DisturbanceCancellingPdDesign design() {
           .units = rotation_units()};
 }
 
-// Runs the loop on the exactly sampled plant with a constant disturbance; returns the last state.
+// Runs the loop on the exactly sampled plant with a constant disturbance. Returns the last state.
 Eigen::Vector2d run_loop(DisturbanceCancellingPd& controller, double disturbance, double limit,
                          int samples) {
   const StateSpace plant = zero_order_hold(damped_inertia(1.0, 0.0), kPeriod);
@@ -43,7 +43,7 @@ Eigen::Vector2d run_loop(DisturbanceCancellingPd& controller, double disturbance
   return x;
 }
 
-TEST(DisturbanceCancellingPd, ReachesItsReferenceWhateverPushes) {
+TEST(DisturbanceCancellingPd, ReachesItsReferenceUnderAnyDisturbance) {
   for (const double d : {0.0, 7.0, -3.0}) {
     DisturbanceCancellingPd controller(idob(damped_inertia(1.0, 0.0)), design());
     const Eigen::Vector2d x = run_loop(controller, d, INFINITY, 1500);
@@ -52,7 +52,7 @@ TEST(DisturbanceCancellingPd, ReachesItsReferenceWhateverPushes) {
   }
 }
 
-TEST(DisturbanceCancellingPd, IsEquation422) {
+TEST(DisturbanceCancellingPd, FollowsEquation422) {
   DisturbanceCancellingPd controller(idob(damped_inertia(1.0, 0.0)), design());
   Sample sample{0.0, Eigen::VectorXd::Zero(1)};
   Eigen::VectorXd u = Eigen::VectorXd::Zero(1);
@@ -68,8 +68,8 @@ TEST(DisturbanceCancellingPd, IsEquation422) {
   }
 }
 
-TEST(DisturbanceCancellingPd, TellsItsEstimatorWhatTheDriveCanDo) {
-  // At its limit the drive cannot hold d = 5; the estimate must not run away for that.
+TEST(DisturbanceCancellingPd, PassesTheDriveLimitsToTheEstimator) {
+  // The drive's limit is too small for d = 5. The estimate must stay bounded.
   auto limited = design();
   limited.force_limit = 2.0;
   DisturbanceCancellingPd controller(idob(damped_inertia(1.0, 0.0)), limited);

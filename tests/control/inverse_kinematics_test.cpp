@@ -17,7 +17,7 @@ PlanarChain chain_of(int n) {
 }
 
 TEST(LmInverseKinematics, SolvesItsNormalEquations) {
-  // {Jᵀ W_e J + W_n} q̃ = Jᵀ W_e X_e + X_e, Eqs. 2.65 to 2.68: the residual, written out.
+  // The residual of {Jᵀ W_e J + W_n} q̃ = Jᵀ W_e X_e + X_e (Eqs. 2.65 to 2.68).
   testing::Random random;
   const LmDesign design;
   LmInverseKinematics ik(design, 3);
@@ -37,7 +37,7 @@ TEST(LmInverseKinematics, SolvesItsNormalEquations) {
   }
 }
 
-// Repeats the step, as the position loop does, until the tip stands still.
+// Repeats the step, as the position loop does, until the tip stops.
 double error_after(LmInverseKinematics& ik, const PlanarChain& chain, Eigen::VectorXd q,
                    const TipPose& goal, int iterations) {
   TipJacobian J;
@@ -55,7 +55,7 @@ TEST(LmInverseKinematics, ConvergesFromABentPosture) {
 }
 
 TEST(LmInverseKinematics, StaysFiniteAtTheStretchedPosture) {
-  // Singular: x cannot be reduced to first order. The step must be finite and must not be zero.
+  // A singular posture: x has no first-order reduction. The step must be finite and nonzero.
   LmInverseKinematics ik({}, 3);
   TipJacobian J;
   chain_of(3).tip_jacobian(Eigen::Vector3d::Zero(), J);
@@ -65,7 +65,7 @@ TEST(LmInverseKinematics, StaysFiniteAtTheStretchedPosture) {
   EXPECT_LE(step.cwiseAbs().maxCoeff(), M_PI);
 }
 
-TEST(LmInverseKinematics, SugiharaServesAnyNumberOfJoints) {
+TEST(LmInverseKinematics, SugiharaWorksForAnyNumberOfJoints) {
   LmDesign design;
   design.form = LmForm::sugihara;
   testing::Random random;

@@ -1,4 +1,4 @@
-// Linear predictive control: against the regulator, its optimality conditions and its bounds.
+// Linear predictive control against the regulator, its optimality conditions and its bounds.
 #include <breakwater/control/lmpc.h>
 
 #include <Eigen/LU>
@@ -43,7 +43,7 @@ LmpcDesign cart_design(int prediction_steps, int control_steps, double period_s 
   return design;
 }
 
-TEST(Lmpc, WithTheRiccatiPenaltyItIsTheRegulator) {
+TEST(Lmpc, WithTheRiccatiPenaltyEqualsTheRegulator) {
   testing::Random random;
   for (const int horizon : {1, 2, 5, 20, 114}) {
     LmpcDesign design = cart_design(horizon, horizon);
@@ -62,9 +62,9 @@ TEST(Lmpc, WithTheRiccatiPenaltyItIsTheRegulator) {
   }
 }
 
-// The thesis' form weighs the input's change. Seen with the last input as a state it is a regulator
-// too, but only with the Riccati solution of that larger plant.
-TEST(Lmpc, LongHorizonInChangesIsTheRegulatorOfTheLargerPlant) {
+// The thesis' form weights the change of the input. With the last input as a state it is a
+// regulator too, but with the Riccati solution of this extended plant.
+TEST(Lmpc, LongHorizonInChangesEqualsTheRegulatorOfTheExtendedPlant) {
   LmpcDesign design = cart_design(400, 400);
   Eigen::MatrixXd A = Eigen::Matrix3d::Identity();
   A.topLeftCorner(2, 2) = design.A;
@@ -81,7 +81,7 @@ TEST(Lmpc, LongHorizonInChangesIsTheRegulatorOfTheLargerPlant) {
   EXPECT_NEAR(change, -(lqr.K * state)(0), 1e-9);
 }
 
-// The cost summed along the plant, against which ΔU must be a minimum.
+// The cost summed along the plant. ΔU must minimise it.
 double cost(const LmpcDesign& design, Eigen::VectorXd x, double u, const Eigen::VectorXd& reference,
             const Eigen::VectorXd& changes) {
   double sum = 0.0;
@@ -147,7 +147,7 @@ TEST(Lmpc, SatisfiesOptimalityAtEveryStepOfARun) {
   EXPECT_EQ(lmpc.statistics().unsolved, 0);
 }
 
-TEST(Lmpc, DisturbanceWeightChangesNothing) {
+TEST(Lmpc, DisturbanceWeightHasNoEffect) {
   const StateSpace plant = cart(0.1);
   const StateSpace extended = extend_by_disturbance_model(plant, 0, 0.1).sampled;
   const auto changes = [&](double q_disturbance) {
@@ -176,7 +176,7 @@ TEST(Lmpc, ReservedInputMovesTheBounds) {
 }
 
 LmpcDesign impossible_design() {
-  // From 1 m/s no input of 1 N gets below 0.5 m/s, or keeps the position below 0, at the next step.
+  // From 1 m/s an input of 1 N cannot reach 0.5 m/s, or a position below 0, at the next step.
   LmpcDesign design = cart_design(10, 10);
   design.input_bounds = {{0, -1.0, 1.0, steps(0, 9)}};
   design.state_bounds = {{1, -0.5, 0.5, steps(1, 10)}, {0, -9.0, 0.0, steps(1, 10)}};
@@ -216,8 +216,8 @@ TEST(Lmpc, SoftensStateBoundsInTheirOrderButNeverInputs) {
   EXPECT_EQ(lmpc.statistics().capped, 0);
 }
 
-// What is reserved has moved further than the input may change at once.
-TEST(Lmpc, ChangesGiveWayToInputsLast) {
+// The reserved input has moved further than the input may change in a step.
+TEST(Lmpc, RelaxesInputChangesLast) {
   LmpcDesign design = cart_design(10, 3);
   design.change_bounds = {{0, -0.1, 0.1, steps(0, 2)}};
   design.input_bounds = {{0, -1.0, 1.0, steps(0, 2)}};
@@ -236,8 +236,8 @@ TEST(Lmpc, ChangesGiveWayToInputsLast) {
                ControlFailure);
 }
 
-// A penalty too stiff for double precision: the solver gives up, and its solution is approximate.
-TEST(Lmpc, WhatIsLeftAtTheCapStaysWithinTheInputsBounds) {
+// A penalty beyond double precision: the solver stops with an approximate solution.
+TEST(Lmpc, AtTheIterationLimitTheInputStaysWithinItsBounds) {
   LmpcDesign design = impossible_design();
   design.change_bounds = {{0, -0.7, 0.7, steps(0, 9)}};
   design.softness = 1e-8;
@@ -257,7 +257,7 @@ TEST(Lmpc, WhatIsLeftAtTheCapStaysWithinTheInputsBounds) {
   EXPECT_GE(lmpc.statistics().unsolved, lmpc.statistics().capped);
 }
 
-TEST(Lmpc, StopsWhenToldTo) {
+TEST(Lmpc, StopsIfConfigured) {
   LmpcDesign design = impossible_design();
   design.on_infeasible = OnInfeasible::stop;
   Lmpc lmpc(design);
@@ -266,7 +266,7 @@ TEST(Lmpc, StopsWhenToldTo) {
       ControlFailure);
 }
 
-TEST(Lmpc, NoNumberIsAFailure) {
+TEST(Lmpc, NanIsAFailure) {
   for (const QpSolverKind solver : {QpSolverKind::active_set, QpSolverKind::hildreth}) {
     LmpcDesign design = impossible_design();
     design.solver = solver;
@@ -277,7 +277,7 @@ TEST(Lmpc, NoNumberIsAFailure) {
   }
 }
 
-TEST(Lmpc, KnowsAnEmptyInputSet) {
+TEST(Lmpc, DetectsAnEmptyInputSet) {
   LmpcDesign design = cart_design(10, 3);
   design.change_bounds = {{0, -0.1, 0.1, steps(0, 2)}};
   design.input_bounds = {{0, 1.0, 2.0, steps(0, 2)}};

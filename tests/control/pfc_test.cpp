@@ -11,7 +11,7 @@ namespace {
 
 constexpr double T_s = 1e-3;
 
-TEST(Pfc, GainsFromOneSecondAreThoseOfEq286) {
+TEST(Pfc, GainsFromOneSecondMatchEq286) {
   const Pfc pfc({1.0, T_s, 3, 3});
   EXPECT_EQ(pfc.coincidence_points(), (std::vector<int>{333, 500, 1000}));
   EXPECT_NEAR(pfc.alpha(), std::exp(-0.003), 1e-15);
@@ -19,8 +19,8 @@ TEST(Pfc, GainsFromOneSecondAreThoseOfEq286) {
   EXPECT_NEAR(pfc.k_d(), 12.012, 5e-4);
 }
 
-// Plays an input u(i) = Σ μ_l (i T)^l through the double integrator of Eqs. 2.71 and 2.72, sample
-// by sample, and returns the positions: an oracle that knows no responses and no inverse.
+// Applies an input u(i) = Σ μ_l (i T)^l to the double integrator of Eqs. 2.71 and 2.72 and returns
+// the positions. It uses neither responses nor an inverse.
 std::vector<double> play(const Eigen::VectorXd& mu, double q, double dq, int samples) {
   std::vector<double> positions = {q};
   for (int i = 0; i < samples; ++i) {
@@ -34,9 +34,9 @@ std::vector<double> play(const Eigen::VectorXd& mu, double q, double dq, int sam
 }
 
 TEST(Pfc, CollocationMeetsTheReferenceTrajectory) {
-  // μ_1 is the controller's; with the two other coefficients free, an input that starts with it
-  // meets the reference at all three coincidence points. The free ones are found by least squares
-  // on played responses, so all three equations are a test.
+  // μ_1 is that of the controller. With suitable other coefficients the input meets the reference
+  // at all three coincidence points. A least-squares fit of simulated responses finds them, so the
+  // test checks all three equations.
   for (const double t_ref : {0.5, 0.7, 1.0, 1.2}) {
     const Pfc pfc({t_ref, T_s, 3, 3});
     const double s = 0.4, q = 0.1, dq = -0.3;
@@ -57,8 +57,8 @@ TEST(Pfc, CollocationMeetsTheReferenceTrajectory) {
   }
 }
 
-TEST(Pfc, WithMorePointsItIsTheLeastSquaresFit) {
-  // Eight points, two bases: the normal equations, written out (Eqs. 2.78, 2.80).
+TEST(Pfc, WithMorePointsIsTheLeastSquaresFit) {
+  // The normal equations with eight points and two bases (Eqs. 2.78, 2.80).
   const Pfc pfc({0.8, T_s, 8, 2});
   const double s = -0.2, q = 0.3, dq = 0.5;
   Eigen::Matrix2d normal = Eigen::Matrix2d::Zero();
@@ -118,8 +118,8 @@ TEST(Pfc, BothClosedLoopsAreStable) {
   for (const auto& pole : poles) EXPECT_LT(std::abs(pole), 1.0);
 }
 
-// The reference's error is 5 % then; the loop's, which only follows it, that of its two poles.
-TEST(Pfc, ErrorAtTheTargetResponseTimeIsThatOfThePoles) {
+// At this time the reference's error is 5 %. The loop's error is that of its two poles.
+TEST(Pfc, ErrorAtTheTargetResponseTimeMatchesThePoles) {
   const Pfc pfc({1.0, T_s, 3, 3});
   double q = 0.0, dq = 0.0;
   for (int k = 0; k < 1000; ++k) {

@@ -1,4 +1,3 @@
-// The prediction matrices against the plant, stepped.
 #include <breakwater/control/prediction.h>
 
 #include "support.h"
@@ -6,7 +5,7 @@
 namespace breakwater {
 namespace {
 
-TEST(Prediction, IsThePlantStepped) {
+TEST(Prediction, EqualsSteppingThePlant) {
   testing::Random random;
   for (int k = 0; k < 30; ++k) {
     const Eigen::Index n = 1 + k % 4;
@@ -31,7 +30,7 @@ TEST(Prediction, IsThePlantStepped) {
   }
 }
 
-TEST(Prediction, RefusesNoHorizon) {
+TEST(Prediction, RefusesAnEmptyHorizon) {
   const Eigen::MatrixXd one = Eigen::MatrixXd::Ones(1, 1);
   EXPECT_THROW(predict(one, one, 0, 1), std::invalid_argument);
   EXPECT_THROW(predict(one, one, 1, 0), std::invalid_argument);

@@ -1,4 +1,4 @@
-// What the regulators and predictive controllers tell their estimators, and the input they ask for.
+// Inputs that regulators and predictive controllers pass to their estimators and to the drive.
 #include <breakwater/control/predictive_control.h>
 
 #include <gtest/gtest.h>
@@ -44,7 +44,7 @@ PredictiveControlDesign design(DisturbanceUse use) {
   return design;
 }
 
-// The largest |u| asked for, on the exactly sampled plant behind a drive with a limit.
+// The largest commanded |u| on the exactly sampled plant, behind a drive with a limit.
 double run_loop(Controller& controller, double drive_limit, double noise, int samples) {
   const StateSpace plant = zero_order_hold(damped_inertia(1.0, 0.5), kPeriod);
   testing::Random random;
@@ -63,8 +63,8 @@ double run_loop(Controller& controller, double drive_limit, double noise, int sa
   return largest;
 }
 
-// At its limit the drive cannot hold the disturbance; the estimate must not run away for that.
-TEST(PredictiveControl, TellsItsEstimatorWhatTheDriveCanDo) {
+// The drive's limit is too small for the disturbance. The estimate must stay bounded.
+TEST(PredictiveControl, PassesTheDriveLimitsToTheEstimator) {
   PredictiveControlDesign limited = design(DisturbanceUse::cancel);
   limited.force_limit = kLimit;
   PredictiveControl controller(idob(), limited);
@@ -75,7 +75,8 @@ TEST(PredictiveControl, TellsItsEstimatorWhatTheDriveCanDo) {
   EXPECT_THROW(PredictiveControl(idob(), limited), std::invalid_argument);
 }
 
-// Under noise the estimate changes at each sample: so does what cancels it, or at decisions alone.
+// Under noise the estimate changes at each sample. The cancellation follows at each sample or only
+// at decisions.
 TEST(PredictiveControl, CancelsAtEachSampleOrAtEachDecision) {
   const auto changes = [](CancelAt at) {
     PredictiveControlDesign cancelling = design(DisturbanceUse::cancel);
@@ -101,7 +102,7 @@ TEST(PredictiveControl, CancelsAtEachSampleOrAtEachDecision) {
   EXPECT_LE(changes(CancelAt::decision), 10);
 }
 
-TEST(LqrControl, TellsItsEstimatorWhatTheDriveCanDo) {
+TEST(LqrControl, PassesTheDriveLimitsToTheEstimator) {
   const StateSpace plant = zero_order_hold(damped_inertia(1.0, 0.5), kPeriod);
   const Eigen::MatrixXd K =
       dlqr(plant.A, plant.B, Eigen::Matrix2d::Identity(), Eigen::MatrixXd::Ones(1, 1)).K;
@@ -113,7 +114,7 @@ TEST(LqrControl, TellsItsEstimatorWhatTheDriveCanDo) {
   EXPECT_THROW(LqrControl(idob(), K, Eigen::Vector2d::Zero(), false, 0.0), std::invalid_argument);
 }
 
-// The estimate moves ten times between two optimisations, and much under noise.
+// The estimate changes ten times between two optimisations, and strongly under noise.
 TEST(PredictiveControl, MovedBoundsHoldBetweenTheOptimisationsToo) {
   PredictiveControlDesign bounded = design(DisturbanceUse::cancel_within_bounds);
   bounded.lmpc.input_bounds = {{0, -kLimit, 1.5 * kLimit, {0, 1, 2, 3, 4}}};

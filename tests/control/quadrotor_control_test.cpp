@@ -1,4 +1,5 @@
-// Backstepping gains and law, and the filters' processes, against the thesis' numbers and an ODE.
+// Backstepping gains and law and the processes of the filters, against the thesis' numbers and an
+// ODE.
 
 #include <Eigen/Eigenvalues>
 #include <cmath>
@@ -18,16 +19,16 @@ Backstepping law(QuadrotorPhysics physics, const BacksteppingGains& alpha) {
   return {QuadrotorModel({}, physics), {.alpha = alpha}};
 }
 
-TEST(BacksteppingGains, DlqrGivesThePrintedOnesWithAHeavierZ) {
+TEST(BacksteppingGains, DlqrGivesThePrintedGainsWithAHeavierZ) {
   const BacksteppingGains alpha = dlqr_gains({}, kPeriod_s);
   EXPECT_LT((alpha - printed_gains()).cwiseAbs().maxCoeff(), 2e-4) << alpha.transpose();
   EXPECT_NEAR(dlqr_gains({}, kPeriod_s, 1e3)(2), 0.994, 5e-4);  // as printed
 }
 
-// x and θ make a chain of four integrators. The attitude's loop, s² + (α5 + α11) s + 1 + α5 α11,
-// must be faster than the position's; on the thesis' plant its body-fixed weight doubles the
-// lateral force and the law takes half of it back, which stabilises.
-TEST(BacksteppingGains, PrintedOnesAreUnstableOnThePhysicalPlant) {
+// x and θ form a chain of four integrators. The attitude loop s² + (α5 + α11) s + 1 + α5 α11 must
+// be faster than the position loop. On the thesis' plant the body-fixed weight doubles the lateral
+// force. The law removes half of it, which stabilises the loop.
+TEST(BacksteppingGains, PrintedGainsAreUnstableOnThePhysicalPlant) {
   const auto pole = [](QuadrotorPhysics physics, const BacksteppingGains& alpha) {
     return slowest_pole(law(physics, alpha), QuadrotorModel({}, physics));
   };
@@ -46,7 +47,8 @@ TEST(BacksteppingGains, PrintedOnesAreUnstableOnThePhysicalPlant) {
   EXPECT_LT(pole(QuadrotorPhysics::physical, alpha), 0.0);
 }
 
-// V = (Z1² + Z2²)/2 falls at the rate α Z1² + α' Z2² where the axis obeys the law: on z, level.
+// V = (Z1² + Z2²)/2 falls at the rate α Z1² + α' Z2² if the axis follows the law; here z at level
+// attitude.
 TEST(Backstepping, LyapunovFunctionFalls) {
   const BacksteppingGains alpha = printed_gains();
   const QuadrotorModel plant({}, QuadrotorPhysics::physical);
@@ -72,14 +74,14 @@ TEST(Backstepping, HoldsAKnownForceAndLimitsTheTilt) {
   Eigen::Matrix<double, 12, 1> rest = Eigen::Matrix<double, 12, 1>::Zero();
   const double weight = QuadrotorParameters().net_weight_N();
   EXPECT_NEAR(control.wrench(rest, {0, 0, 1.0})(0), weight - 1.0, 1e-12);
-  // Far away it asks for the largest tilt, 45°, and no more.
+  // Far away it commands the largest tilt, 45°.
   rest(0) = -10.0;
   const double near_limit = control.wrench(rest, {0, 0, 0})(2);
   rest(0) = -100.0;
   EXPECT_DOUBLE_EQ(control.wrench(rest, {0, 0, 0})(2), near_limit);
 }
 
-// A = linear(), g = nonlinear(): together one Euler step of the model with T + d.
+// A = linear() and g = nonlinear() together are one Euler step of the model with T + d.
 TEST(QuadrotorProcesses, AreEulerStepsOfTheModel) {
   const QuadrotorModel model({}, QuadrotorPhysics::thesis);
   const ThrusterDisturbance<2> process(model, kPeriod_s);
@@ -99,7 +101,7 @@ TEST(QuadrotorProcesses, AreEulerStepsOfTheModel) {
   EXPECT_NEAR((next - expected).norm(), 0.0, 1e-14);
 }
 
-// The resonators' stationary variance is σ²: the fixed point of V = Φ V Φᵀ + Q.
+// The stationary variance of the resonators is σ²: the fixed point of V = Φ V Φᵀ + Q.
 TEST(QuadrotorProcesses, ResonatorsHaveTheirVariance) {
   const ResonatorDesign design;
   for (const double omega : {0.4, 0.8, 1.3}) {
@@ -112,7 +114,7 @@ TEST(QuadrotorProcesses, ResonatorsHaveTheirVariance) {
     Eigen::Matrix2d V = Eigen::Matrix2d::Zero();
     for (int i = 0; i < 20000; ++i) V = phi * V * phi.transpose() + Q;
     EXPECT_NEAR(std::sqrt(V(0, 0)), design.force_std_N, 0.01 * design.force_std_N);
-    // And its poles are those of the continuous resonator, sampled.
+    // The poles are those of the sampled continuous resonator.
     const double modulus = std::sqrt(phi.determinant());
     EXPECT_NEAR(modulus, std::exp(-design.damping * omega * kPeriod_s), 1e-12);
   }
@@ -123,8 +125,8 @@ TEST(QuadrotorProcesses, FiltersNeedNoRepair) {
   testing::all_endure(50'000);
 }
 
-// A sine of a known period, from a wrong guess. The likelihood of a minute is flat, and the mean
-// lies on the long side by up to 17 %.
+// A sine with known period, from a wrong initial value. The likelihood over a minute is flat, and
+// its mean is up to 17 % too long.
 TEST(WaveFrequency, FindsThePeriodOfAForce) {
   for (const double period_s : {6.0, 8.0, 11.0}) {
     WaveFrequency frequency({.mass_kg = 1.38}, 2.0 * M_PI / 14.0);
@@ -134,7 +136,7 @@ TEST(WaveFrequency, FindsThePeriodOfAForce) {
     for (int k = 0; k < 12000; ++k) {
       const double t = kPeriod_s * k;
       const double force = 0.3 * std::sin(2.0 * M_PI / period_s * t);
-      const double hold = -1.0 * p - 1.5 * v;  // a known force that keeps it in place
+      const double hold = -1.0 * p - 1.5 * v;  // a known force against drift
       frequency.update(hold, p + 0.17 * random.uniform(-1, 1));
       p += kPeriod_s * v;
       v += kPeriod_s / 1.38 * (force + hold);
@@ -143,9 +145,9 @@ TEST(WaveFrequency, FindsThePeriodOfAForce) {
   }
 }
 
-// The printed Q of the highest derivative alone is a walk of it, which can be said in deviations
-// too.
-TEST(QuadrotorEstimators, NoiseOnTheHighestStateIsAWalkOfItAlone) {
+// The printed Q of the highest derivative alone makes it a random walk. It can also be given by
+// standard deviations.
+TEST(QuadrotorEstimators, NoiseOnTheHighestStateMakesItARandomWalk) {
   const QuadrotorModel model({}, QuadrotorPhysics::thesis);
   const auto after_a_climb = [&](const QuadrotorEstimatorDesign& design) {
     auto estimator = make_quadrotor_estimator(design, model);

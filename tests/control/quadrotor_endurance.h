@@ -1,4 +1,4 @@
-// Runs a quadrotor's filters for long, in a loop that holds the vehicle under a wave.
+// Long runs of the quadrotor's filters in a loop that holds the vehicle under a wave.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -47,8 +47,8 @@ inline NonlinearKalmanDesign<30, 6> endurance_design(const WaveForces<2, 2>& pro
   return design;
 }
 
-/// The vehicle of the filter's own model under a vertical and a lateral force of 0.2 N and 6 s,
-/// held at rest by the filter's estimates. P must stay symmetric, finite and positive.
+/// The vehicle of the filter's model under a vertical and a lateral force of 0.2 N and 6 s. The
+/// filter's estimates hold it. P must stay symmetric, finite and positive.
 template <typename Filter>
 void endures(Filter filter, int steps) {
   const QuadrotorModel model({}, QuadrotorPhysics::physical);
@@ -56,7 +56,7 @@ void endures(Filter filter, int steps) {
   const Backstepping law(model, law_design);
   const Eigen::Matrix4d B = thruster_matrix(0.109), to_thrusts = B.inverse();
   Random random(5);
-  const auto deviate = [&] {  // of variance 1
+  const auto deviate = [&] {  // with variance 1
     double sum = 0.0;
     for (int i = 0; i < 3; ++i) sum += random.uniform(-1.0, 1.0);
     return sum;
@@ -89,7 +89,7 @@ void endures(Filter filter, int steps) {
   }
 }
 
-/// The 24- and 30-state models in the UKF, and the thesis' in the EKF.
+/// The 24- and 30-state models in the UKF, and the thesis' model in the EKF.
 inline void all_endure(int steps) {
   const QuadrotorModel model({}, QuadrotorPhysics::physical);
   const WaveResonators resonators(model, {}, 1.0, 0.01);

@@ -1,5 +1,5 @@
-// Torque-limited soft contact: its formulas against integration, its parts against what they
-// estimate, and the law against a wall of its own.
+// Torque-limited soft contact: its formulas against integration, its estimators against true
+// values, and the law against a simple wall.
 #include <breakwater/control/soft_contact.h>
 
 #include <cmath>
@@ -9,7 +9,7 @@
 namespace breakwater::soft_contact_test {
 namespace {
 
-// The largest force behind a lag when x = v t − ½ a t² presses on a spring, by small steps.
+// The largest force behind a lag while x = v t − ½ a t² presses a spring, by small steps.
 double peak_by_integration(double speed, double stiffness, double braking, double lag) {
   constexpr double kStep = 1e-6;
   double filtered = 0.0, largest = 0.0;
@@ -21,7 +21,7 @@ double peak_by_integration(double speed, double stiffness, double braking, doubl
   return largest;
 }
 
-TEST(ContactPeak, IsThatOfTheMotionIntegrated) {
+TEST(ContactPeak, MatchesTheIntegratedMotion) {
   for (const double speed : {0.02, 0.2, 0.6}) {
     for (const double braking : {0.3, 4.0, 20.0}) {
       for (const double lag : {0.0, 0.01, 0.05}) {
@@ -31,11 +31,11 @@ TEST(ContactPeak, IsThatOfTheMotionIntegrated) {
       }
     }
   }
-  // Without a lag: all kinetic energy, ½v²/a_b deep.
+  // Without a lag all kinetic energy goes into the depth ½v²/a_b.
   EXPECT_NEAR(contact_peak_N(0.2, 1000.0, 4.0, 0.0), 1000.0 * 0.04 / 8.0, 1e-9);
 }
 
-TEST(ContactSpeed, IsTheLargestThatIsAllowed) {
+TEST(ContactSpeed, IsTheLargestAllowedSpeed) {
   for (const double allowed : {0.5, 4.2, 7.2}) {
     for (const double braking : {0.5, 4.0}) {
       const double v = contact_speed(1000.0, braking, 0.05, 0.005, allowed);
@@ -49,7 +49,7 @@ TEST(ContactSpeed, IsTheLargestThatIsAllowed) {
   EXPECT_LT(contact_speed(1000.0, 4.0, 0.05, 0.005, 1e-9), 1e-4);
 }
 
-TEST(ServoSpeed, IsContinuousWithItsSlopeAndCanBeBraked) {
+TEST(ServoSpeed, HasAContinuousSlopeAndCanBrake) {
   constexpr double kLambda = 18.0, kA = 3.0, kStep = 1e-9;
   const double near = kA / (2.0 * kLambda * kLambda);
   const auto slope = [&](double way) {
@@ -63,9 +63,9 @@ TEST(ServoSpeed, IsContinuousWithItsSlopeAndCanBeBraked) {
   }
 }
 
-// The contact's servo as a double integrator within bounds, a wall of K that is taken for K-hat.
-// V = v²/2 + (K-hat/K) ∫ sat(k_d w) never rises while the motion has one direction, and it comes to
-// rest at the reference (docs/explanation/methods/soft-contact.md, "Stability").
+// The servo in contact as a double integrator with bounds and a wrong stiffness K-hat. V = v²/2 +
+// (K-hat/K) ∫ sat(k_d w) never rises while the direction stays the same. The motion ends at the
+// reference (docs/explanation/methods/soft-contact.md, "Stability").
 TEST(ServoSpeed, LyapunovFunctionFallsWithinBounds) {
   constexpr double kStep = 1e-5, kRise = 1e-4, kAtRest = 1e-7;
   constexpr double kKp = 35.0 * 35.0, kKd = 70.0;
@@ -84,7 +84,7 @@ TEST(ServoSpeed, LyapunovFunctionFallsWithinBounds) {
     };
     double function = INFINITY;
     bool was_forwards = speed >= 0.0;
-    double potential = 0.0;  // since the motion last turned, by the trapezium rule
+    double potential = 0.0;  // since the last change of direction, by the trapezoidal rule
     for (int k = 0; k < 2'000'000; ++k) {
       if (std::abs(way) < kAtRest && std::abs(speed) < kAtRest) break;
       const bool is_forwards = speed >= 0.0;
@@ -105,7 +105,7 @@ TEST(ServoSpeed, LyapunovFunctionFallsWithinBounds) {
   }
 }
 
-// A contact of known K and B, pressed in some way, its force behind the lag, with noise.
+// A contact with known K and B under some motion. The force has a lag and noise.
 TEST(ContactStiffness, FindsStiffnessAndUndoesTheLag) {
   constexpr double kLag = 0.05, kPeriod = 1e-3;
   const double forget = std::exp(-kPeriod / kLag);
@@ -168,15 +168,15 @@ class SoftContactLaw : public ::testing::Test {
   }
 
   struct Course {
-    double free_s = -1.0;  // until the wall was touched
-    double peak_N = 0.0;   // of the force behind the lag
+    double free_s = -1.0;  // until the first contact
+    double peak_N = 0.0;   // largest force behind the lag
     double last_N = 0.0;
     double stiffness = 0.0;
     double across = 0.0;  // largest |y|
     int onsets = 0;
   };
 
-  // An arm of three independent inertias J_n without friction, and a wall, by Euler's method.
+  // An arm with three independent inertias J_n without friction, and a wall, by Euler's method.
   Course run(double stiffness, double duration_s) {
     SoftContact law(chain_, acceleration_, task_, design_);
     Eigen::Vector3d q = task_.start_angles_rad, dq = Eigen::Vector3d::Zero();
@@ -239,7 +239,7 @@ TEST_F(SoftContactLaw, MeetsAWallOnceAndPressesWithTheReference) {
   }
 }
 
-TEST_F(SoftContactLaw, AllowedMoreItIsFasterAndHitsHarder) {
+TEST_F(SoftContactLaw, WithAHigherLimitIsFasterAndHitsHarder) {
   const Course soft = run(1000.0, 2.0);
   design_.peak_margin_N = 5.0;
   const Course hard = run(1000.0, 2.0);
@@ -260,7 +260,7 @@ TEST_F(SoftContactLaw, HoldsItsPoseBeforeForceControl) {
   EXPECT_EQ(signal(law, "phase"), 1.0);
 }
 
-TEST_F(SoftContactLaw, RefusesWhatItCannotBeMadeOf) {
+TEST_F(SoftContactLaw, RefusesInvalidParameters) {
   design_.wall_stiffness_N_m = 0.0;
   EXPECT_THROW(SoftContact(chain_, acceleration_, task_, design_), std::invalid_argument);
   design_.wall_stiffness_N_m = 1000.0;

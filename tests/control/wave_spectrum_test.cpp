@@ -1,4 +1,4 @@
-// The model of the waves' force by its spectrum: its fit, its bank, its process and its filter.
+// The spectral model of the wave force: its fit, bank, process and filter.
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
@@ -37,7 +37,7 @@ class Normal {
   std::normal_distribution<double> normal_;
 };
 
-// JONSWAP's formula times ω⁴ exp(−2 ω² d/g), written out once more; not normalised.
+// JONSWAP's formula times ω⁴ exp(−2 ω² d/g), not normalised.
 double acceleration_density(double omega, double peak_period_s) {
   const double peak = 2.0 * M_PI / peak_period_s;
   const double width = (omega <= peak ? 0.07 : 0.09) * peak;
@@ -46,7 +46,7 @@ double acceleration_density(double omega, double peak_period_s) {
          std::exp(-2.0 * omega * omega / 9.806 * kDepth_m);
 }
 
-// The force's spectrum of that deviation, as the vertical axis sees it.
+// The spectrum of a force with this standard deviation on the vertical axis.
 ForceSpectrum force_of(double peak_period_s, double std_N) {
   constexpr int kIntervals = 400;
   const double step = 5.0 * 2.0 * M_PI / peak_period_s / kIntervals;
@@ -74,7 +74,7 @@ double distance_of(const ForceSpectrum& s, const ResonatorPair& pair) {
   return sum;
 }
 
-TEST(AccelerationSpectrum, IsJonswapsTimesTheDecay) {
+TEST(AccelerationSpectrum, IsTheJonswapSpectrumTimesTheDecay) {
   SeaState sea;
   sea.significant_height_m = 2.0;
   const SampledSpectrum s = acceleration_spectrum(sea, kDepth_m, 0.5, 3.0, 200);
@@ -83,7 +83,7 @@ TEST(AccelerationSpectrum, IsJonswapsTimesTheDecay) {
     const double expected = scale * acceleration_density(s.omega_rad_s[i], 8.0);
     EXPECT_NEAR(s.density[i], expected, 1e-10 * expected + 1e-30);
   }
-  // Its area is the variance of what a realisation of many components does there.
+  // Its area is the variance of a realisation with many components.
   double area = 0.0, realised = 0.0;
   for (const double density : s.density) area += density * (s.omega_rad_s[1] - s.omega_rad_s[0]);
   sea.components = 1000;
@@ -96,8 +96,8 @@ TEST(AccelerationSpectrum, IsJonswapsTimesTheDecay) {
   EXPECT_NEAR(area, realised, 0.02 * area);  // the band holds 99 % of the waves
 }
 
-// The density's area is σ², and its shape that of the sampled resonator.
-TEST(ResonatorFit, DensityIsTheResonators) {
+// The area of the density is σ². Its shape is that of the sampled resonator.
+TEST(ResonatorFit, DensityMatchesTheResonator) {
   const Resonator r{0.9, 0.1, 0.2};
   double area = 0.0;
   for (double w = 5e-4; w < 60.0; w += 1e-3) area += spectral_density(r, w) * 1e-3;
@@ -112,11 +112,11 @@ TEST(ResonatorFit, DensityIsTheResonators) {
   }
 }
 
-TEST(ResonatorFit, FindsAPairAgain) {
+TEST(ResonatorFit, RecoversAKnownPair) {
   const ResonatorPair truth = {{{0.7, 0.05, 0.1}, {1.2, 0.15, 0.15}}};
   ForceSpectrum s;
   for (int i = 0; i < 3000; ++i) {
-    const double w = 0.01 * (i + 0.5);  // far enough for all of the variance
+    const double w = 0.01 * (i + 0.5);  // covers the whole variance
     s.omega_rad_s.push_back(w);
     s.density.push_back(spectral_density(truth[0], w) + spectral_density(truth[1], w));
     s.noise.push_back(1e-6);
@@ -129,10 +129,10 @@ TEST(ResonatorFit, FindsAPairAgain) {
   }
 }
 
-// No neighbour is nearer, by a distance of the test's own; nor is the best single resonator that a
-// search over its place and damping finds. Before it is scaled to the force's variance, the pair
-// has 0.90 to 1.05 of it, so that the scaled one is the nearest but for that.
-TEST(ResonatorFit, IsTheNearestToTheForce) {
+// No neighbour is closer, by a separate distance. The best single resonator of a search over
+// frequency and damping is not closer either. Before scaling, the pair has 0.90 to 1.05 of the
+// force's variance, so scaling hardly changes the fit.
+TEST(ResonatorFit, IsTheBestFitToTheForce) {
   for (const double period_s : {4.0, 6.0, 8.0, 10.0, 14.0}) {
     const ForceSpectrum s = force_of(period_s, 0.17);
     const ResonatorPair pair = fit_resonators(s);
@@ -171,7 +171,7 @@ TEST(ResonatorFit, IsTheNearestToTheForce) {
   }
 }
 
-TEST(ResonatorFit, WalkIsTheNearest) {
+TEST(ResonatorFit, RandomWalkIsTheBestFit) {
   ForceSpectrum s = force_of(8.0, 0.17);
   const auto distance = [&](double std_N) {
     double sum = 0.0;
@@ -206,7 +206,7 @@ TEST(ResonatorFit, RefusesNonsense) {
   EXPECT_THROW(WaveForceBank({}), std::invalid_argument);
 }
 
-// An axis under a force of a pair's own, held near its place by a known force.
+// An axis under the force of a resonator pair, held in place by a known force.
 class Axis {
  public:
   Axis(const ResonatorPair& pair, unsigned seed) : pair_(pair), normal_(seed) {}
@@ -248,12 +248,12 @@ WaveForceBankDesign bank_of(std::initializer_list<double> periods_s) {
   return design;
 }
 
-// Over 60 s a sea of 8 s has about ten waves: its strength itself wanders by a quarter.
+// 60 s of a sea with a period of 8 s have about ten waves. The strength itself varies by a quarter.
 TEST(WaveForceBank, FindsTheStrength) {
   const WaveForceBankDesign design = bank_of({8.0});
   for (const double strength : {0.06, 0.2, 0.6}) {
     WaveForceBank bank(design);
-    EXPECT_NEAR(total_std(bank.resonators()), std::sqrt(0.03), 1e-9);  // it knows nothing yet
+    EXPECT_NEAR(total_std(bank.resonators()), std::sqrt(0.03), 1e-9);  // no measurement yet
     double log_ratio = 0.0;
     Axis axis(design.shapes[0], 5);
     axis.run(bank, strength, 100.0);
@@ -277,9 +277,9 @@ TEST(WaveForceBank, FindsThePeriod) {
   }
 }
 
-// ψ̇ = (q sin φ + r cos φ)/cos θ and the others, differentiated numerically along the motion of a
-// rotation matrix with body rates under torques and drag.
-TEST(QuadrotorModel, RigidAccelerationIsThatOfTheBody) {
+// Derivatives of ψ̇ = (q sin φ + r cos φ)/cos θ and the other angles, by differences. A rotation
+// matrix moves with body rates under torques and drag.
+TEST(QuadrotorModel, RigidAccelerationMatchesTheBody) {
   const QuadrotorModel model({}, QuadrotorPhysics::physical);
   const QuadrotorParameters& p = model.parameters();
   testing::Random random(2);
@@ -319,7 +319,7 @@ TEST(QuadrotorModel, RigidAccelerationIsThatOfTheBody) {
 using Waves2 = WaveForces<2, 2>;
 constexpr ResonatorPair kSea = {{{0.81, 0.03, 0.11}, {1.13, 0.09, 0.07}}};
 
-// Nothing in it is nonlinear without thrust, drag and gyroscopic terms.
+// The model is linear without thrust, drag and gyroscopic terms.
 QuadrotorModel linear_vehicle() {
   QuadrotorParameters p;
   p.linear_drag.setZero();
@@ -341,9 +341,9 @@ NonlinearKalmanDesign<Process::kStates, 6> design_of(const Process& process) {
   return design;
 }
 
-// V = Φ V Φᵀ + Q, solved as 16 linear equations, has the pair's variances, and their sum is that
-// of the force's own spectrum; and the sampled process' spectrum has the force's distribution over
-// frequency within 0.12 everywhere.
+// The solution of V = Φ V Φᵀ + Q has the variances of the pair, with the sum of the force's
+// spectrum. The spectrum of the sampled process has the force's distribution over frequency within
+// 0.12.
 TEST(WaveForces, HasTheForcesVarianceAndSpectrum) {
   for (const double period_s : {6.0, 8.0, 10.0}) {
     const ForceSpectrum s = force_of(period_s, 0.24);
@@ -389,7 +389,7 @@ TEST(WaveForces, HasTheForcesVarianceAndSpectrum) {
   }
 }
 
-// A sample of constant acceleration: exact for position, velocity and angles at rest.
+// One sample of constant acceleration, which is exact at rest for position, velocity and angles.
 TEST(WaveForces, StepsAsUnderConstantAcceleration) {
   const QuadrotorModel model = linear_vehicle();
   const Waves2 process(model, {}, kSea, 1.0, kPeriod_s, AttitudeKinematics::exact);
@@ -410,7 +410,7 @@ TEST(WaveForces, StepsAsUnderConstantAcceleration) {
   EXPECT_LT((next.head<6>() - x.head<6>() - kPeriod_s * v - 5e-5 * a).norm(), 1e-14);
 }
 
-// The textbook's filter: P = A P Aᵀ + Q, K = P Cᵀ (C P Cᵀ + R)⁻¹, Joseph's form.
+// The textbook filter: P = A P Aᵀ + Q, K = P Cᵀ (C P Cᵀ + R)⁻¹, Joseph's form.
 TEST(WaveForces, UkfIsTheKalmanFilterOfALinearVehicle) {
   const QuadrotorModel model = linear_vehicle();
   const Waves2 process(model, {}, kSea, kHorizontalShare, kPeriod_s, AttitudeKinematics::level);
@@ -438,8 +438,8 @@ TEST(WaveForces, UkfIsTheKalmanFilterOfALinearVehicle) {
   }
 }
 
-// A second resonator without a force of its own leaves the filter of one.
-TEST(WaveForces, WithOneSilentIsTheFilterOfOne) {
+// A second resonator with zero force does not change the filter.
+TEST(WaveForces, WithOneZeroForceEqualsTheFilterOfOneForce) {
   const QuadrotorModel model = linear_vehicle();
   using Waves1 = WaveForces<1, 2>;
   ResonatorPair pair = kSea;
@@ -455,7 +455,7 @@ TEST(WaveForces, WithOneSilentIsTheFilterOfOne) {
   testing::Random random(8);
   for (int k = 0; k < 500; ++k) {
     Vector6d y = design1.R.diagonal().cwiseSqrt().cwiseProduct(random.vector(6));
-    y.tail<3>().setZero();  // level, where nothing is nonlinear
+    y.tail<3>().setZero();  // level, where the model is linear
     y(2) += 0.1 * std::sin(0.01 * k);
     first.predict(Eigen::Vector4d::Zero());
     first.correct(y);
@@ -466,8 +466,9 @@ TEST(WaveForces, WithOneSilentIsTheFilterOfOne) {
   }
 }
 
-// Where the process is the model's own, (x − x̂)ᵀ P⁻¹ (x − x̂) of all 30 states is χ² of 30.
-TEST(WaveForces, NeesIsInItsBandWhereTheModelIsTrue) {
+// If the true process is the model, (x − x̂)ᵀ P⁻¹ (x − x̂) of all 30 states is χ² with 30 degrees
+// of freedom.
+TEST(WaveForces, NeesIsInItsBandWithATrueModel) {
   const QuadrotorModel model({}, QuadrotorPhysics::physical);
   DisturbanceWalks walks{.velocity_std_m_s = 2e-4, .rate_std_rad_s = 1e-4};
   const Waves2 process(model, walks, kSea, kHorizontalShare, kPeriod_s, AttitudeKinematics::exact);

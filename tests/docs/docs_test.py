@@ -1,4 +1,4 @@
-"""Links, tables and their numbers: what does not hold is found, and nothing of the tree's is found.
+"""Links, tables and their numbers: the checks find errors, and the tree has none.
 
 Usage: docs_test.py BUILD_BIN_FOLDER WORK_FOLDER
 """
@@ -22,7 +22,7 @@ BINARIES, WORK = None, None
 
 
 def said(command, *arguments):
-    """Exit status and lines of a command of scripts/docs."""
+    """Exit status and output lines of a command of scripts/docs."""
     out = io.StringIO()
     with contextlib.redirect_stdout(out), contextlib.redirect_stderr(out):
         status = command([str(argument) for argument in arguments])
@@ -66,7 +66,7 @@ class Links(Page):
         self.assertEqual(said(links.main, self.write("`[a](b.md)`\n\n```\n[a](b.md)\n# no heading\n```\n"))[0], 0)
 
     def test_anchors_are_those_of_a_forge(self):
-        # As GitHub makes them.
+        # Anchors as GitHub makes them.
         for heading, anchor in [("2.3 The cart, under `predictive` control", "23-the-cart-under-predictive-control"),
                                 ("The KFD's start", "the-kfds-start"), ("A – b", "a--b"),
                                 ("`a_b` and [c](d.md)", "a_b-and-c")]:

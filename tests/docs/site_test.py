@@ -1,5 +1,5 @@
-"""The site in Chromium: built here, it asks no other host, its maths is set, its search finds pages,
-and what it shows can be read, in light and in dark.
+"""The site in Chromium: it asks no other host, its maths is set, and its search finds pages. Its texts have
+enough contrast in light and in dark.
 
 Usage: site_test.py WORK_FOLDER
 """
@@ -203,7 +203,7 @@ class Site(unittest.TestCase):
                 file = (SITE / path[1:]).parent / name if name else SITE / path[1:]
                 file = file / "index.html" if file.is_dir() else file
                 place = "/" + str(pathlib.Path(*file.resolve().relative_to(SITE.resolve()).parts))
-                if name.startswith("gallery/"):  # what was kept
+                if name.startswith("gallery/"):  # files of the gallery
                     continue
                 self.assertTrue(file.is_file(), f"{path}: {target}")
                 if anchor and place in ids and anchor != "__tabbed":

@@ -1,5 +1,5 @@
-// Parts with keys of their own: when a key must be there, who reads it, what is printed; and parts
-// from outside in Breakwater's own experiments.
+// Parts with their own keys: required keys, readers, printed files. Also external parts in
+// Breakwater's experiments.
 #include <breakwater/experiment/parts.h>
 
 #include <breakwater/experiment/runner.h>
@@ -12,7 +12,7 @@
 namespace breakwater {
 namespace {
 
-// What the toy parts make: their name and what they were set to.
+// The product of the toy parts: their name and setting.
 struct Product {
   std::string text;
 };
@@ -54,7 +54,8 @@ class PartsTest : public ::testing::Test {
     catalogue_.add(ToyKind("named", "one with a name", bind_named, make_named));
   }
 
-  // What a case makes, or the complaint without the file's name. `print` gets the config file.
+  // The product of a case, or the error message without the file's name. `print` gets the config
+  // file.
   std::string make(const std::string& keys, const std::string& case_name = "one",
                    const std::string& standard = "") {
     std::ofstream(path_) << "scenario = \"test\"\ndefault_case = \"one\"\n" << keys;
@@ -83,7 +84,7 @@ class PartsTest : public ::testing::Test {
   std::vector<UnusedKey> unused_;
 };
 
-TEST_F(PartsTest, AKeyMustBeThereOnlyWhereItsPartIsChosen) {
+TEST_F(PartsTest, AKeyIsRequiredOnlyForTheChosenPart) {
   EXPECT_EQ(make("toy.name = \"named\"\ntoy.label = \"x\"\n[case.one]\n"), "x");
   EXPECT_EQ(make("toy.name = \"small\"\n[case.one]\n"),
             "FILE: toy.size: is missing: its size; toy.name = \"small\" needs it");
@@ -91,7 +92,7 @@ TEST_F(PartsTest, AKeyMustBeThereOnlyWhereItsPartIsChosen) {
             "FILE: toy.label: is missing: what stands on it; toy.name = \"named\" needs it");
 }
 
-TEST_F(PartsTest, AStandardStandsInForAKeyThatIsNotThere) {
+TEST_F(PartsTest, AMissingKeyHasItsDefaultValue) {
   EXPECT_EQ(make("toy.name = \"large\"\n[case.one]\n"), "l30.000000");
   EXPECT_EQ(make("[case.one]\n", "one", "large"), "l30.000000");
   EXPECT_EQ(make("[case.one]\n"), "FILE: toy.name: is missing: toy: small, large, named");
@@ -107,17 +108,17 @@ TEST_F(PartsTest, TwoPartsMayShareAKeyEachWithItsOwnRange) {
             "FILE:4: toy.size: must be from 0 to 1, is 12");
 }
 
-TEST_F(PartsTest, AValueThatSuitsNoPartIsRefusedInACaseThatDoesNotRun) {
+TEST_F(PartsTest, RefusesAnInvalidValueInEveryCase) {
   EXPECT_EQ(make("toy.name = \"small\"\ntoy.size = 0.25\n[case.one]\n[case.two]\ntoy.size = 5\n"),
             "FILE:7: toy.size: must be from 0 to 1, is 5");
 }
 
-TEST_F(PartsTest, ACaseThatDoesNotRunLeavesNothingBehind) {
+TEST_F(PartsTest, OtherCasesDoNotAffectTheRun) {
   EXPECT_EQ(make("[case.one]\n[case.two]\ntoy.name = \"small\"\ntoy.size = 11\n", "one", "large"),
             "l30.000000");
 }
 
-TEST_F(PartsTest, AKeyOfAPartThatIsNotChosenIsSaidToBeUnused) {
+TEST_F(PartsTest, ReportsAKeyOfAnotherPartAsUnused) {
   ASSERT_EQ(make("toy.label = \"x\"\ntoy.size = 0.25\n[case.one]\ntoy.name = \"named\"\n"), "x");
   ASSERT_EQ(unused_.size(), 1U);
   EXPECT_EQ(unused_[0].key, "toy.size");
@@ -131,7 +132,7 @@ TEST_F(PartsTest, AMisspeltPartIsNamed) {
             "small?)");
 }
 
-// Its keys are unknown too, whichever table has them.
+// Its keys are unknown too, in any table.
 TEST_F(PartsTest, APartOfAnotherProgramIsNamedBeforeItsKeys) {
   const std::string complaint = "toy.name: must be one of small, large, named, is \"theirs\"";
   EXPECT_EQ(make("toy.colour = \"red\"\ntoy.name = \"theirs\"\n[case.one]\n"),
@@ -140,14 +141,14 @@ TEST_F(PartsTest, APartOfAnotherProgramIsNamedBeforeItsKeys) {
             "FILE:5: " + complaint);
 }
 
-TEST_F(PartsTest, APartBlamesItsKeyOrTheChoice) {
+TEST_F(PartsTest, APartsErrorNamesItsKeyOrTheChoice) {
   EXPECT_EQ(make("toy.name = \"small\"\ntoy.size = 0.5\n[case.one]\n"),
             "FILE:4: toy.size: must not be a half");
   EXPECT_EQ(make("toy.name = \"named\"\ntoy.label = \"\"\n[case.one]\n"),
             "FILE:3: toy.name: nothing stands on it");
 }
 
-TEST_F(PartsTest, ThePrintedFileHasWhatWasGivenAndWhatIsNeededAndReadsBack) {
+TEST_F(PartsTest, ThePrintedFileIsCompleteAndRoundTrips) {
   ASSERT_EQ(make("toy.name = \"large\"\ntoy.label = \"x\"\n[case.one]\n"), "l30.000000");
   EXPECT_EQ(printed_, R"(scenario = "test"
 default_case = "one"
@@ -167,14 +168,14 @@ label = "x"
   EXPECT_EQ(printed_.substr(printed_.find("\n[toy]")), once);
 }
 
-// An older file, from before `small` and `large` were there.
-TEST_F(PartsTest, AFileStaysUsableWhenPartsAreAddedThatItDoesNotChoose) {
+// A file from before `small` and `large` existed.
+TEST_F(PartsTest, AFileStaysValidWhenOtherPartsAreAdded) {
   const std::string old = "toy.name = \"named\"\ntoy.label = \"x\"\n[case.one]\n";
   ASSERT_EQ(make(old), "x");
   EXPECT_TRUE(lacks(printed_, "size"));
 }
 
-TEST_F(PartsTest, AFinishedRunOfAnUnknownPartIsReadAsFarAsItGoes) {
+TEST_F(PartsTest, ReadsARunOfAnUnknownPartPartially) {
   std::ofstream(path_) << "scenario = \"test\"\ndefault_case = \"one\"\nspeed = 3\n"
                           "toy.name = \"theirs\"\ntoy.colour = \"red\"\n[case.one]\n";
   PartChoice<ToyKind> choice(catalogue_, "toy.name");
@@ -201,9 +202,9 @@ TEST_F(PartsTest, TheCatalogueListsThem) {
                std::invalid_argument);
 }
 
-// --- From outside, in Breakwater's own experiments. ---
+// --- External parts in Breakwater's experiments. ---
 
-// The true disturbance times a factor, whatever is measured: a stub with a key of its own.
+// A stub with its own key: the true disturbance times a factor.
 class Constant final : public DisturbanceEstimator {
  public:
   explicit Constant(double value) { disturbance_(0) = value; }
@@ -225,7 +226,7 @@ std::unique_ptr<DisturbanceEstimator> make_constant(const Number& number, const 
   return std::make_unique<Constant>(number.value);
 }
 
-// Proportional feedback of the measurement alone.
+// Proportional feedback of the measurement only.
 class Spring final : public Controller {
  public:
   explicit Spring(double k) : k_(k) {}
@@ -269,8 +270,8 @@ Recording run_with_theirs(const std::string& scenario, const std::vector<std::st
   return prepare_run(catalogue, scenario, file, file.default_case(), sets).scenario->run({});
 }
 
-// Under a step of 10 N m, an estimate of 6 is 4 off, and the PD control gives way by 4/K_p.
-TEST(OwnParts, AnEstimatorFromOutsideGoesIntoTheMotor) {
+// With a step of 10 N m and an estimate of 6 the error is 4, and the PD control yields by 4/K_p.
+TEST(OwnParts, TheMotorTakesAnExternalEstimator) {
   const Recording run =
       run_with_theirs("motor_estimation",
                       {"observer.name=constant", "observer.constant_value=6", "run.duration_s=10",
@@ -280,8 +281,8 @@ TEST(OwnParts, AnEstimatorFromOutsideGoesIntoTheMotor) {
   EXPECT_NEAR(std::abs(run.track("control").values("position_true_rad").back()), 0.4, 0.02);
 }
 
-// A mass on a spring of its controller's: ω = √(k/m), and no estimate to judge.
-TEST(OwnParts, AControllerFromOutsideGoesIntoEachExperimentOfAnAxis) {
+// A mass on a spring from its controller: ω = √(k/m), without an estimate.
+TEST(OwnParts, EachAxisExperimentTakesAnExternalController) {
   for (const char* scenario : {"motor_estimation", "cart_estimation", "cart_position",
                                "cart_offset_free", "cart_constrained"}) {
     const Recording run = run_with_theirs(
@@ -296,7 +297,7 @@ TEST(OwnParts, AControllerFromOutsideGoesIntoEachExperimentOfAnAxis) {
   }
 }
 
-TEST(OwnParts, AControllerFromOutsideGoesIntoTheArmAndTheQuadrotor) {
+TEST(OwnParts, ArmAndQuadrotorTakeAnExternalController) {
   for (const char* scenario : {"arm_wall_contact", "arm_push", "quadrotor_waves"}) {
     const Recording run = run_with_theirs(
         scenario, {"controller.name=spring", "controller.spring_constant=0.1", "run.duration_s=1"});
@@ -305,8 +306,9 @@ TEST(OwnParts, AControllerFromOutsideGoesIntoTheArmAndTheQuadrotor) {
   }
 }
 
-// The default case has a factor for its estimator, the FAKFD; who takes another one did not set it.
-TEST(OwnParts, WhatACaseGivesToAChoiceOfItsOwnIsNotWarnedOf) {
+// The default case has a factor for its estimator, the FAKFD. With another estimator the user did
+// not set it.
+TEST(OwnParts, DoesNotWarnOfKeysForTheChoiceOfACase) {
   const Catalogue catalogue = standard_catalogue();
   const ScenarioFile file(catalogue.get<ScenarioKind>("cart_estimation").file().string(),
                           "cart_estimation");
@@ -323,8 +325,8 @@ TEST(OwnParts, WhatACaseGivesToAChoiceOfItsOwnIsNotWarnedOf) {
   EXPECT_EQ(vain({"observer.name=stf", "observer.gamma_d=1.1"}), "--set observer.gamma_d\n");
 }
 
-// The poles are wrong, not the choice of an observer that has poles.
-TEST(OwnParts, AWrongKeyIsBlamedAndNotTheChoice) {
+// The poles are wrong, not the choice of the observer.
+TEST(OwnParts, TheErrorNamesTheWrongKey) {
   const auto complaint = [](const std::vector<std::string>& sets) {
     return complaint_of([&] { run_with_theirs("motor_estimation", sets); });
   };
@@ -342,7 +344,7 @@ TEST(OwnParts, AWrongKeyIsBlamedAndNotTheChoice) {
           .starts_with("--set: observer.lambda_min: "));
 }
 
-TEST(OwnParts, ARegulatorIsRefusedWhereItCannotWork) {
+TEST(OwnParts, RefusesARegulatorThatCannotWork) {
   const auto complaint = [](const std::string& scenario, const std::string& controller) {
     return complaint_of([&] {
       run_with_theirs(scenario, {"controller.name=" + controller, "controller.period_s=0.01",

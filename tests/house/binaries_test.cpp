@@ -1,4 +1,4 @@
-// What the built binaries ask of the dynamic loader.
+// Dynamic-loader entries of the built binaries.
 
 #include "shell.h"
 #include "support.h"
@@ -7,8 +7,8 @@ namespace breakwater {
 namespace {
 namespace fs = std::filesystem;
 
-// An empty entry of such a path is the user's working folder: whoever can write there runs code.
-TEST(Binaries, LookForLibrariesInNoFolderOfTheirOwn) {
+// An empty entry in such a path is the working folder: whoever can write there could run code.
+TEST(Binaries, HaveNoRunPath) {
   int count = 0;
   for (const auto& entry : fs::directory_iterator(testing::bin_folder())) {
     const std::string section =

@@ -1,4 +1,4 @@
-// The code in the documentation is code that is built.
+// The code in the documentation is built code.
 
 #include <regex>
 
@@ -8,9 +8,9 @@ namespace breakwater {
 namespace {
 namespace fs = std::filesystem;
 
-// A fenced block behind <!-- FILE --> is a piece of that file, word for word: of a template, which
-// the install tests build and run, or of a test.
-TEST(Docs, CodeIsWordForWordThatOfTheTemplates) {
+// A fenced block behind <!-- FILE --> is an exact part of this file. The file is a test or a
+// template, which the install tests build and run.
+TEST(Docs, CodeEqualsTheTemplates) {
   int blocks = 0;
   const std::regex pattern("<!-- ((?:templates|tests)/\\S+) -->\n```[a-z]*\n([^`]*)```");
   for (const auto& entry : fs::recursive_directory_iterator(testing::source_file("docs"))) {
@@ -31,8 +31,8 @@ TEST(Docs, CodeIsWordForWordThatOfTheTemplates) {
   EXPECT_GT(blocks, 15);
 }
 
-// The libraries' users need no look into src/: what the pages include is installed.
-TEST(Docs, HeadersThatAreNamedAreThere) {
+// Users of the libraries need no files of src/: the included headers are installed.
+TEST(Docs, NamedHeadersExist) {
   const std::regex pattern("<breakwater/([a-z_]+/[a-z_]+\\.h)>");
   for (const auto& entry : fs::recursive_directory_iterator(testing::source_file("docs"))) {
     if (entry.path().extension() != ".md") continue;

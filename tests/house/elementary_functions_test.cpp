@@ -1,4 +1,4 @@
-// What the rooms that reach a simulation's state call of the C library's mathematics.
+// Functions of the C library's mathematics that code for the simulation's state may call.
 #include <gtest/gtest.h>
 
 #include <map>
@@ -12,7 +12,7 @@
 namespace breakwater {
 namespace {
 
-// The last word of each line of nm's, without a symbol's version.
+// The last word of each line of nm's output, without the symbol's version.
 std::vector<std::string> symbols(const std::string& nm) {
   std::vector<std::string> names;
   std::istringstream lines(testing::output_of(nm));
@@ -23,7 +23,7 @@ std::vector<std::string> symbols(const std::string& nm) {
   return names;
 }
 
-// glibc has one path for these, or every path gives the one exact result.
+// glibc has one implementation of these, or all give the exact result.
 const std::set<std::string> kSameEverywhere = {
     "ceil",      "copysign",  "fabs",      "floor",   "fma",   "fmax",   "fmin",    "fmod",
     "frexp",     "ldexp",     "llrint",    "llround", "lrint", "lround", "lroundf", "modf",
@@ -31,8 +31,8 @@ const std::set<std::string> kSameEverywhere = {
     "trunc",     "hypot",     "cabs",      "cabsl",  // no ifunc; square roots, products and sums
 };
 
-// render and pages draw and write what is finished; record only writes down.
-TEST(House, WhatReachesAStateCallsNoFunctionThatDiffersByProcessor) {
+// render and pages only draw and write finished runs. record only writes.
+TEST(House, StateCodeCallsNoProcessorDependentFunction) {
   std::set<std::string> libm;
   for (const std::string& name : symbols("nm -D --defined-only '" BREAKWATER_LIBM "'")) {
     if (!kSameEverywhere.contains(name)) libm.insert(name);

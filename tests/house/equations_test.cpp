@@ -1,4 +1,4 @@
-// docs/reference/from-equation-to-code.md and the equations' numbers in comments say the same.
+// docs/reference/from-equation-to-code.md and the equation numbers in comments agree.
 
 #include <map>
 #include <regex>
@@ -23,17 +23,17 @@ std::ostream& operator<<(std::ostream& out, const Equation& equation) {
 
 using Equations = std::vector<Equation>;
 
-/// The last one of each chapter.
+/// The last equation of each chapter.
 const std::vector<Equation> kLast = {{2, 93}, {3, 31}, {4, 27}};
 
-const std::string kNumber = "([2-9])\\.([0-9]+)(?!\\.?[0-9])";  // and no section's
+const std::string kNumber = "([2-9])\\.([0-9]+)(?!\\.?[0-9])";  // not a section's number
 
 Equation equation_of(const std::smatch& match, std::size_t first = 1) {
   return {std::stoi(match[first]), std::stoi(match[first + 1])};
 }
 
-/// Reads "2.4", "2.1–2.3", "2.9, 2.10 and 4.1–4.4" from a place on, adds them, and returns the end.
-/// A range that does not go up in its chapter fails.
+/// Reads a list such as "2.4", "2.1–2.3", "2.9, 2.10 and 4.1–4.4" from a position, adds its
+/// entries, and returns its end. A range must ascend within a chapter.
 std::string::const_iterator read_list(std::string::const_iterator at,
                                       std::string::const_iterator end, Equations& equations) {
   static const std::regex first(kNumber);
@@ -60,7 +60,8 @@ std::string::const_iterator read_list(std::string::const_iterator at,
   return at;
 }
 
-/// All that a text names by "Eq." or "Eqs.". A list may go on in the next line of its comment.
+/// All equations that a text names by "Eq." or "Eqs.". A list may continue in the next line of a
+/// comment.
 std::set<Equation> named(const std::string& source) {
   static const std::regex line_break("[ \t]*\r?\n[ \t]*(///?<?|#)?[ \t]*");
   static const std::regex mark("\\bEqs?\\. ");
@@ -78,13 +79,13 @@ std::string text_of(const fs::path& file) {
   return testing::text_of(file);
 }
 
-/// A line of the page that begins with equations: a row of a table, which links to the code, or an
-/// item of a list, which says why there is none.
+/// A line of the page that begins with equations. It is a table row with links to code, or a list
+/// item that explains why there is none.
 struct Entry {
   int line;
   bool is_row;
   Equations equations;
-  std::vector<std::string> code;  // from the project's folder on
+  std::vector<std::string> code;  // paths from the project's folder
 };
 
 const std::string kPage = "docs/reference/from-equation-to-code.md";
@@ -111,7 +112,7 @@ std::vector<Entry> entries_of_the_page() {
   return entries;
 }
 
-TEST(Equations, ReadAsTheyAreWritten) {
+TEST(Equations, AreParsedAsWritten) {
   const auto text = [](const std::string& source) {
     std::ostringstream out;
     for (const Equation& equation : named(source)) out << equation << ' ';
@@ -125,7 +126,7 @@ TEST(Equations, ReadAsTheyAreWritten) {
   EXPECT_EQ(text("the thesis' 2.4.3, and 4.2; Eq. 2.4.3, Eq. 2.5.1"), "");
 }
 
-TEST(Equations, EachOfTheThesisIsOnThePageOnce) {
+TEST(Equations, ThePageHasEachEquationOfTheThesisOnce) {
   std::map<Equation, int> count;
   for (const Entry& entry : entries_of_the_page()) {
     for (const Equation& equation : entry.equations) ++count[equation];
@@ -160,7 +161,7 @@ TEST(Equations, TheFilesOfARowNameItsEquations) {
   EXPECT_GT(rows, 50);
 }
 
-TEST(Equations, WhatTheCodeNamesHasARow) {
+TEST(Equations, EachEquationInTheCodeHasARow) {
   std::set<Equation> in_rows;
   for (const Entry& entry : entries_of_the_page()) {
     if (entry.is_row) in_rows.insert(entry.equations.begin(), entry.equations.end());

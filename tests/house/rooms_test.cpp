@@ -1,4 +1,4 @@
-// The rooms of src/ depend on each other one way, and keep their secrets.
+// The rooms of src/ depend on each other in one direction and hide their details.
 
 #include <map>
 #include <regex>
@@ -40,13 +40,13 @@ std::vector<Include> all_includes() {
   return includes;
 }
 
-// From the bottom up: a room may include what stands before it and nothing else of ours.
+// In ascending order: a room may only include earlier rooms.
 const std::vector<std::string> kRooms = {
     "math",   "linear",  "signals", "plants",   "observers",  "control", "world",      "sim",
     "record", "render",  "shell",   "config",   "experiment", "rigs",    "statistics", "recorded",
     "study",  "cluster", "search",  "pictures", "pages",      "thesis",  "analysis",   "program"};
 
-// Rooms that do without most of what stands below them.
+// Rooms that use only a few of the rooms below them.
 const std::map<std::string, std::set<std::string>> kKnowLittle = {
     {"math", {}},
     {"linear", {"math"}},
@@ -80,7 +80,7 @@ TEST(House, RoomsDependOneWay) {
   }
 }
 
-// A room that one feature alone needs is not in the way of the others.
+// A room for a single feature is not a dependency of other rooms.
 TEST(House, RoomsLeaveOutWhatTheyDoNotNeed) {
   const std::map<std::string, std::set<std::string>> without = {
       {"rigs", {"render", "shell"}},
@@ -98,8 +98,8 @@ TEST(House, RoomsLeaveOutWhatTheyDoNotNeed) {
   }
 }
 
-// Only rigs and scenarios know the thesis' plants.
-TEST(House, NoRoomKnowsAScenario) {
+// Only rigs and scenarios name the thesis' plants.
+TEST(House, NoRoomNamesAScenario) {
   const fs::path src = testing::source_file("src");
   for (const auto& entry : fs::directory_iterator(testing::source_file("scenarios"))) {
     if (!entry.is_directory()) continue;
@@ -116,7 +116,7 @@ TEST(House, NoRoomKnowsAScenario) {
   }
 }
 
-// Which rooms may include a header that matches.
+// Checks which rooms include a matching header.
 void expect_only_in(const std::regex& header, const std::set<std::string>& rooms) {
   for (const Include& include : all_includes()) {
     if (!std::regex_search(include.header, header)) continue;
@@ -124,18 +124,18 @@ void expect_only_in(const std::regex& header, const std::set<std::string>& rooms
   }
 }
 
-TEST(House, TheEngineIsKnownInSimAndRenderAlone) {
+TEST(House, OnlySimAndRenderIncludeTheEngine) {
   expect_only_in(std::regex("mujoco|mjdata|mjmodel"), {"sim", "render"});
 }
 
-// In code: a type, function or constant of the engine's: mjModel, mju_copy, mjtNum, mjOBJ_GEOM.
+// Whether a line of code has a name of the engine: mjModel, mju_copy, mjtNum, mjOBJ_GEOM.
 bool names_the_engine(const std::string& line) {
   static const std::regex symbol(
       "\\bmj(Model|Data|Option|Contact|VFS|cb|[duvprst]?_|t[A-Z]|[A-Z]{2,}_?)");
   return std::regex_search(line.substr(0, line.find("//")), symbol);
 }
 
-// The lines of src/ and scenarios/ that `is_wrong`, but for those files that `may`.
+// The lines of src/ and scenarios/ that are wrong, except in allowed files.
 template <typename IsWrong, typename May>
 void expect_no_line(IsWrong&& is_wrong, May&& may) {
   int files = 0;
@@ -174,7 +174,7 @@ TEST(House, TheEnvironmentIsReadInOnePlace) {
                  [](const std::string& file) { return file == "src/signals/environment.h"; });
 }
 
-TEST(House, OffscreenRenderingIsKnownInRenderAlone) {
+TEST(House, OnlyRenderUsesOffscreenRendering) {
   expect_only_in(std::regex("EGL/|GL/|libav"), {"render"});
 }
 
@@ -191,7 +191,7 @@ TEST(House, FileFormatsStayInTheirRooms) {
   expect_only_in(std::regex("^sqlite3"), {"study"});
 }
 
-TEST(House, LowestRoomsKnowEigenAlone) {
+TEST(House, TheLowestRoomsIncludeOnlyEigen) {
   for (const Include& include : all_includes()) {
     if (include.room != "math" && include.room != "linear" && include.room != "signals") continue;
     const bool is_standard = include.header.find('/') == std::string::npos &&
@@ -214,7 +214,7 @@ TEST(House, EveryScenarioHasItsFolder) {
   }
 }
 
-TEST(House, ScenariosAreBuiltAsAUsersOwn) {
+TEST(House, ScenariosAreBuiltLikeAUsersScenario) {
   const std::string rules = testing::text_of(testing::source_file("scenarios/CMakeLists.txt"));
   EXPECT_TRUE(lacks(rules, "add_executable("));
   EXPECT_TRUE(has(rules, "breakwater_program(${scenario} ONE_SCENARIO"));

@@ -1,4 +1,4 @@
-"""Quadratic programs by CVXOPT: problems in (n m H Omega g lower upper), z out."""
+"""Solves quadratic programs with CVXOPT. Input: n m H Omega g lower upper. Output: z."""
 
 import sys
 

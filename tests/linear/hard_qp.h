@@ -1,4 +1,4 @@
-// Quadratic programs of poor condition, with dependent rows: for a test and for a study.
+// Ill-conditioned quadratic programs with dependent constraints, for a test and a study.
 #pragma once
 
 #include <cstdio>
@@ -7,8 +7,8 @@
 
 namespace breakwater::testing {
 
-/// All of `count` feasible programs: none is called infeasible, at most 0.3 % have no solution, and
-/// every solution is one.
+/// Solves `count` feasible programs. None may be reported as infeasible, at most 0.3 % may be
+/// unsolved, and every solution must be right.
 inline void expect_hard_feasible_qps_are_solved(int count) {
   Random random(301);
   int without = 0;
@@ -32,7 +32,7 @@ inline void expect_hard_feasible_qps_are_solved(int count) {
   EXPECT_LE(without, 0.003 * count);
 }
 
-/// ‖Ωᵀ y‖₁/gap by the definition, in wider numbers: 0 is a certificate, ∞ is none.
+/// ‖Ωᵀ y‖₁/gap from the definition, with higher precision: 0 is a certificate, ∞ is none.
 inline double certificate_error(const QpModel& model, const QpInput& input,
                                 const Eigen::VectorXd& y) {
   long double gap = 0.0L;
@@ -45,9 +45,9 @@ inline double certificate_error(const QpModel& model, const QpInput& input,
   return gap > 0.0L ? static_cast<double>(tilt.lpNorm<1>() / gap) : kNoBound;
 }
 
-/// None of `count` programs without a solution is solved, and all but one in 1e4 are called
-/// infeasible, with a certificate: rounding hides it in a few. With the last row softened they are
-/// solved.
+/// Solves `count` infeasible programs. None may be solved. All but one in 1e4 must be reported as
+/// infeasible with a certificate; rounding hides a few. With the last constraint softened all must
+/// be solved.
 inline void expect_hard_infeasible_qps_are_proven(int count) {
   Random random(302);
   int without = 0, unproven = 0;

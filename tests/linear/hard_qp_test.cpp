@@ -1,14 +1,14 @@
-// A few thousand quadratic programs of poor condition, with dependent rows.
+// A few thousand ill-conditioned quadratic programs with dependent constraints.
 #include "linear/hard_qp.h"
 
 namespace breakwater::testing {
 namespace {
 
-TEST(HardQp, FeasibleOnesAreSolvedAndNeverCalledInfeasible) {
+TEST(HardQp, FeasibleProblemsAreSolved) {
   expect_hard_feasible_qps_are_solved(4000);
 }
 
-TEST(HardQp, InfeasibleOnesAreProvenAndNeverSolved) {
+TEST(HardQp, InfeasibleProblemsAreProven) {
   expect_hard_infeasible_qps_are_proven(4000);
 }
 

@@ -28,7 +28,7 @@ TEST(HighPass, HasButterworthsGain) {
   }
 }
 
-TEST(HighPass, ForgetsAConstant) {
+TEST(HighPass, RemovesAConstant) {
   HighPass filter(150.0, 1e-3);
   double y = 0.0;
   for (int k = 0; k < 1000; ++k) y = filter.update(7.0);

@@ -1,4 +1,3 @@
-// Sweeps along a horizon, against the matrices that they stand for.
 #include <breakwater/linear/horizon.h>
 
 #include <breakwater/linear/active_set.h>
@@ -9,7 +8,7 @@ namespace {
 
 using testing::Random;
 
-// A stable plant with weights, and rows of every kind.
+// A stable plant with weights and constraints of every kind.
 Horizon random_horizon(Random& random, Eigen::Index n, int prediction_steps, int control_steps) {
   Horizon horizon;
   horizon.A = random.matrix(n, n);
@@ -33,11 +32,11 @@ Horizon random_horizon(Random& random, Eigen::Index n, int prediction_steps, int
 }
 
 struct Trajectory {
-  Eigen::VectorXd inputs;  // of the control steps
-  Eigen::MatrixXd states;  // x_1, …, a column each
+  Eigen::VectorXd inputs;  // control steps
+  Eigen::MatrixXd states;  // x_1, …, one per column
 };
 
-// Step by step, as the plant is defined.
+// Simulates the plant step by step.
 Trajectory simulate(const Horizon& horizon, Eigen::VectorXd x, double u,
                     const Eigen::VectorXd& changes) {
   Trajectory trajectory{Eigen::VectorXd(horizon.control_steps),
@@ -49,7 +48,7 @@ Trajectory simulate(const Horizon& horizon, Eigen::VectorXd x, double u,
   return trajectory;
 }
 
-// H and Ω from the trajectories that unit changes make.
+// H and Ω from trajectories of unit changes.
 QpModel dense_model(const Horizon& horizon) {
   const Eigen::Index N = horizon.control_steps;
   QpModel model{Eigen::MatrixXd::Identity(N, N) * horizon.R(0, 0),
@@ -99,7 +98,7 @@ INSTANTIATE_TEST_SUITE_P(Qp, Horizons,
                                   std::to_string(steps.param.second);
                          });
 
-TEST_P(Horizons, ProductsAreThoseOfTheMatrices) {
+TEST_P(Horizons, ProductsMatchTheMatrices) {
   Random random;
   const auto [prediction_steps, control_steps] = GetParam();
   for (Eigen::Index n = 1; n <= 4; ++n) {
@@ -109,7 +108,7 @@ TEST_P(Horizons, ProductsAreThoseOfTheMatrices) {
     const auto sweeps = make_horizon_sweeps(horizon);
     ASSERT_NE(sweeps, nullptr);
     Eigen::VectorXd values(m), gradient(control_steps), states(n * prediction_steps);
-    for (int k = 0; k < 3; ++k) {  // nothing is left over from the last
+    for (int k = 0; k < 3; ++k) {  // the sweeps must not depend on the previous call
       const Eigen::VectorXd z = random.vector(control_steps);
       const Eigen::VectorXd mu = random.vector(m);
       sweeps->rows(z, values);
@@ -124,8 +123,7 @@ TEST_P(Horizons, ProductsAreThoseOfTheMatrices) {
       sweeps->free_response(x, u, states);
       EXPECT_LT((states - free.states.reshaped()).norm(), 1e-13 * (1.0 + states.norm())) << n;
 
-      // The slope of the cost of free response and changes together, by its differences: it is
-      // quadratic, so that these are exact.
+      // The slope of the cost from differences, which are exact since the cost is quadratic.
       sweeps->slope(states, u, gradient);
       const auto cost = [&](const Eigen::VectorXd& changes) {
         const Trajectory whole = simulate(horizon, x, u(0), changes);
@@ -145,8 +143,8 @@ TEST_P(Horizons, ProductsAreThoseOfTheMatrices) {
   }
 }
 
-// The solver that knows the horizon, and the one that does not.
-TEST(ActiveSet, TheHorizonChangesNothing) {
+// The solver with sweeps along the horizon and the one without.
+TEST(ActiveSet, TheSparseHorizonGivesTheSameSolution) {
   Random random;
   int changes = 0;
   for (int k = 0; k < 8; ++k) {
@@ -177,7 +175,7 @@ TEST(ActiveSet, TheHorizonChangesNothing) {
   EXPECT_GT(changes, 1000) << "the constraints hardly mattered";
 }
 
-TEST(Horizon, RefusesWhatIsNone) {
+TEST(Horizon, RefusesInvalidSizes) {
   Random random;
   const Horizon good = random_horizon(random, 2, 5, 3);
   const auto expect_refused = [&](auto&& spoil) {

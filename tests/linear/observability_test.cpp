@@ -6,8 +6,8 @@
 namespace breakwater {
 namespace {
 
-// Eq. 2.14: U_o = [1 0 0; 0 1 0; 0 −c/J −1/J], regular but for an input that does nothing.
-TEST(Observability, OfTheMotorIsThatOfEq214) {
+// Eq. 2.14: U_o = [1 0 0; 0 1 0; 0 −c/J −1/J] is regular unless the input has no effect.
+TEST(Observability, ForTheMotorMatchesEq214) {
   Eigen::Matrix3d A;
   A << 0, 1, 0, 0, -0.3, -2.0, 0, 0, 0;
   EXPECT_EQ(observability_rank(A, Eigen::RowVector3d(1, 0, 0)), 3);
@@ -16,7 +16,7 @@ TEST(Observability, OfTheMotorIsThatOfEq214) {
 }
 
 TEST(Observability, RankDoesNotDependOnUnitsOrPeriod) {
-  // The extended motor, sampled ever faster, with its disturbance in ever smaller units.
+  // The extended motor with decreasing sampling periods and units of the disturbance.
   for (const double period_s : {1e-1, 1e-3, 1e-5}) {
     for (const double J : {1e-6, 1.0, 1e6}) {
       const StateSpace motor{(Eigen::Matrix2d() << 0, 1, 0, 0).finished(),
@@ -27,15 +27,15 @@ TEST(Observability, RankDoesNotDependOnUnitsOrPeriod) {
   }
 }
 
-TEST(Observability, CountsWhatCannotBeSeen) {
-  // Two separate oscillators, of which only the first is measured.
+TEST(Observability, CountsUnobservableStates) {
+  // Two separate oscillators. Only the first one is measured.
   Eigen::Matrix4d A = Eigen::Matrix4d::Zero();
   A.topLeftCorner<2, 2>() << 0, 1, -4, 0;
   A.bottomRightCorner<2, 2>() << 0, 1, -9, 0;
   EXPECT_EQ(observability_rank(A, Eigen::RowVector4d(1, 0, 0, 0)), 2);
   EXPECT_EQ(observability_rank(A, Eigen::RowVector4d(1, 0, 1, 0)), 4);
   EXPECT_EQ(observability_rank(A, Eigen::RowVector4d::Zero()), 0);
-  // A position cannot be told from velocity alone.
+  // Velocity alone does not determine the position.
   EXPECT_EQ(
       observability_rank((Eigen::Matrix2d() << 0, 1, 0, 0).finished(), Eigen::RowVector2d(0, 1)),
       1);

@@ -43,7 +43,7 @@ TEST(PolePlacement, PlacesRandomMultiOutputPlants) {
 }
 
 TEST(PolePlacement, KeepsDecoupledChainsDecoupled) {
-  // Two double integrators of different gains: each output corrects its own chain alone.
+  // Two double integrators with different gains: each output corrects its own chain only.
   Eigen::Matrix4d A = Eigen::Matrix4d::Zero();
   A(0, 2) = 1.0;
   A(1, 3) = 5.0;
@@ -63,13 +63,13 @@ TEST(PolePlacement, SamplesPoles) {
             1e-15);
 }
 
-TEST(PolePlacement, RefusesWhatCannotBePlaced) {
+TEST(PolePlacement, RefusesImpossiblePoles) {
   const Eigen::Matrix2d A = (Eigen::Matrix2d() << 0, 1, 0, 0).finished();
   const Eigen::RowVector2d C(1, 0);
   EXPECT_THROW(place_observer_poles(A, C, {{-1.0}}), std::invalid_argument);          // too few
   EXPECT_THROW(place_observer_poles(A, C, {{-1.0}, {-2.0}}), std::invalid_argument);  // groups
   EXPECT_THROW(place_observer_poles(A, C, {{{-1.0, 1.0}, -2.0}}), std::invalid_argument);  // pair
-  EXPECT_THROW(place_observer_poles(A, C, {{0.0, -2.0}}), std::invalid_argument);  // A's own
+  EXPECT_THROW(place_observer_poles(A, C, {{0.0, -2.0}}), std::invalid_argument);  // a pole of A
   EXPECT_THROW(place_observer_poles(A, C, {{std::nan(""), -2.0}}), std::invalid_argument);
   EXPECT_THROW(place_observer_poles(A, Eigen::RowVector2d(0, 1), {{-1.0, -2.0}}),
                std::invalid_argument);  // not observable

@@ -10,7 +10,7 @@ namespace {
 using Jacobian = Eigen::Matrix<double, 3, Eigen::Dynamic>;
 using Inverse = Eigen::Matrix<double, Eigen::Dynamic, 3>;
 
-// A second implementation: by Eigen's SVD, with the same truncation.
+// A second implementation with Eigen's SVD and the same truncation.
 Inverse by_svd(const Jacobian& J, double tolerance) {
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(J, Eigen::ComputeThinU | Eigen::ComputeThinV);
   Eigen::VectorXd inverse = svd.singularValues();
@@ -50,7 +50,7 @@ TEST(PseudoInverse, DropsSmallSingularValues) {
   EXPECT_NEAR(P(0, 0), 1.0, 1e-14);
   EXPECT_NEAR(P(1, 1), 0.0, 1e-14);
   EXPECT_NEAR(P(2, 2), 1.0 / 0.0201, 1e-9);
-  // Damped, a small one counts as σ/tolerance².
+  // With damping a small singular value counts as σ/tolerance².
   damped_pseudo_inverse(J, 0.02, P);
   EXPECT_NEAR(P(0, 0), 1.0, 1e-14);
   EXPECT_NEAR(P(1, 1), 0.0199 / 4e-4, 1e-9);

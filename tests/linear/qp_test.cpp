@@ -1,4 +1,4 @@
-// The two quadratic programming solvers, against optimality conditions and each other.
+// The two quadratic programming solvers against optimality conditions and each other.
 #include <breakwater/linear/qp.h>
 
 #include <Eigen/LU>
@@ -58,7 +58,7 @@ TEST_P(BothSolvers, SolveByHand) {
   EXPECT_EQ(solution.mu(1), 0.0);
   EXPECT_LT(solution.kkt_residual, 1e-12);
 
-  // The other side of a row has a multiplier of the other sign.
+  // The other side of a constraint has a multiplier with the opposite sign.
   input.lower << 1.5, -kInfinity;
   input.upper << 2.0, kInfinity;
   solver->solve(input, solution);
@@ -66,7 +66,7 @@ TEST_P(BothSolvers, SolveByHand) {
   EXPECT_NEAR(solution.mu(0), -0.5, 1e-12);
 }
 
-TEST_P(BothSolvers, UnconstrainedIsNewton) {
+TEST_P(BothSolvers, WithoutActiveConstraintsTheyTakeTheNewtonStep) {
   Random random;
   QpModel model = random_qp_model(random, kQpSizes[0]);
   const auto solver = make(model);
@@ -79,7 +79,7 @@ TEST_P(BothSolvers, UnconstrainedIsNewton) {
   EXPECT_EQ(solution.mu.norm(), 0.0);
 }
 
-TEST_P(BothSolvers, WithoutRowsItIsNewtonToo) {
+TEST_P(BothSolvers, WithoutConstraintsTheyTakeTheNewtonStep) {
   Random random;
   const QpModel model{random_qp_model(random, kQpSizes[0]).H, QpModel::RowMajor(0, 5)};
   const auto solver = make(model);
@@ -93,7 +93,7 @@ TEST_P(BothSolvers, WithoutRowsItIsNewtonToo) {
   }
 }
 
-TEST_P(BothSolvers, NothingThatIsNoNumberIsSolved) {
+TEST_P(BothSolvers, NanIsNeverSolved) {
   Random random;
   const QpModel model = random_qp_model(random, kQpSizes[0]);
   const QpInput good = random_feasible_input(random, model);
@@ -138,8 +138,8 @@ TEST_P(BothSolvers, CrossedBoundsAreInfeasible) {
   EXPECT_GT(solution.kkt_residual, 0.1);
 }
 
-// z_1 ≤ 0 and z_1 + tilt z_2 ≥ by: from `by`/tilt on some z_2 satisfies both.
-TEST(Infeasibility, MarginIsHowFarNoZSatisfiesTheRows) {
+// z_1 ≤ 0 and z_1 + tilt z_2 ≥ by. A z_2 of `by`/tilt or more satisfies both.
+TEST(Infeasibility, TheMarginIsTheSmallestViolation) {
   struct Case {
     const char* name;
     double tilt, by, softness, y_1, y_2, least, most;
@@ -166,7 +166,7 @@ TEST(Infeasibility, MarginIsHowFarNoZSatisfiesTheRows) {
   }
 }
 
-TEST_P(BothSolvers, RefuseWhatIsNoProblem) {
+TEST_P(BothSolvers, RefuseInvalidProblems) {
   const Eigen::MatrixXd eye = Eigen::MatrixXd::Identity(2, 2);
   EXPECT_THROW(make({-eye, eye}), std::invalid_argument);
   EXPECT_THROW(make({Eigen::MatrixXd::Zero(2, 2), eye}), std::invalid_argument);
@@ -181,7 +181,7 @@ TEST_P(BothSolvers, RefuseWhatIsNoProblem) {
 }
 
 TEST_P(BothSolvers, SoftRowIsAQuadraticPenalty) {
-  // minimise ½ z² + ½ v²/s with v = z − 1 ≥ 0 wanted: from z = 0 the row z ≥ 1 gives way.
+  // minimise ½ z² + ½ v²/s with v = z − 1 ≥ 0 as a soft constraint: at z = 0 it is violated.
   QpModel model{Eigen::MatrixXd::Identity(1, 1), Eigen::MatrixXd::Identity(1, 1)};
   const auto solver = make(model);
   QpInput input(1, 1);
@@ -195,14 +195,14 @@ TEST_P(BothSolvers, SoftRowIsAQuadraticPenalty) {
   }
 }
 
-// Two rows that nearly contradict each other make coordinate ascent slow.
+// Two constraints that nearly contradict each other make coordinate ascent slow.
 QpModel slow_model() {
   QpModel model{Eigen::MatrixXd::Identity(2, 2), QpModel::RowMajor(2, 2)};
   model.Omega << 1.0, 0.05, -1.0, 0.05;
   return model;
 }
 
-TEST(Hildreth, CapIsToldAndItsAnswerViolates) {
+TEST(Hildreth, TheIterationLimitIsReportedAndItsAnswerViolatesConstraints) {
   const QpModel model = slow_model();
   QpInput input(2, 2);
   input.g << -1.0, -1.0;
@@ -221,7 +221,8 @@ TEST(Hildreth, CapIsToldAndItsAnswerViolates) {
   EXPECT_LT(solution.kkt_residual, 1e-12);
 }
 
-// The textbook's loop: every row's residual summed anew, cold, one-sided rows.
+// The textbook algorithm: it computes every residual anew, starts cold, and uses one-sided
+// constraints.
 Eigen::VectorXd textbook_hildreth(const QpModel& model, const QpInput& input, int sweeps) {
   const Eigen::Index m = model.Omega.rows();
   QpModel::RowMajor sides(2 * m, model.H.rows());
@@ -245,7 +246,8 @@ Eigen::VectorXd textbook_hildreth(const QpModel& model, const QpInput& input, in
   return -H_inverse * (input.g + sides.transpose() * lambda);
 }
 
-// The multipliers of an infeasible problem grow without end; the next solve must not inherit them.
+// The multipliers of an infeasible problem grow without bound. The next solve must not start with
+// them.
 TEST(Hildreth, StartsColdAfterAnInfeasibleProblem) {
   QpModel model{Eigen::MatrixXd::Identity(2, 2), QpModel::RowMajor(2, 2)};
   model.Omega << 1.0, 0.0, -1.0, 0.0;
@@ -284,9 +286,9 @@ TEST(Hildreth, GoesOnAfterACappedColdStart) {
   }
 }
 
-// Rows that nearly oppose each other: both multipliers must grow together, from far below.
+// Nearly opposite constraints: both multipliers must grow together, from small values.
 TEST(Hildreth, GoesOnWhereMultipliersGrowTogether) {
-  for (const double second : {0.1, 0.05, 0.005}) {  // what z_free = (1, 1) violates the row by
+  for (const double second : {0.1, 0.05, 0.005}) {  // violation at z_free = (1, 1)
     const double first = std::max(second, 0.01);
     QpInput input(2, 2);
     input.g << -1.0, -1.0;
@@ -303,8 +305,8 @@ TEST(Hildreth, GoesOnWhereMultipliersGrowTogether) {
   }
 }
 
-// However few sweeps a solve has, and whatever the multipliers were before.
-TEST(Hildreth, AnInfeasibleStretchLeavesNoHugeMultipliers) {
+// For any number of sweeps and any previous multipliers.
+TEST(Hildreth, MultipliersStaySmallAfterInfeasibleProblems) {
   Random random;
   for (int k = 0; k < 12; ++k) {
     QpModel model = random_qp_model(random, kQpSizes[k % 3]);
@@ -366,7 +368,7 @@ TEST(Hildreth, AgreesWithTheExactSolverWhereItConverges) {
   EXPECT_GT(converged, 200);
 }
 
-// Every feasible one solved to 1e-8, from cold and along a sequence that drifts.
+// Solves feasible problems to 1e-8, cold and along a slowly changing sequence.
 void solve_random_problems(const QpSize& size, int models, int inputs, unsigned seed) {
   Random random(seed);
   int changes = 0;
@@ -415,7 +417,7 @@ TEST(ActiveSet, EveryInfeasibleProblemIsReported) {
     EXPECT_EQ(solution.status, QpStatus::solved) << k;
     solver.solve(input, solution);  // warm
     EXPECT_EQ(solution.status, QpStatus::infeasible) << k;
-    // Softening one of the rows that contradict each other makes it solvable.
+    // The problem is feasible if one of the contradictory constraints is softened.
     input.softness(size.rows - 1) = 0.1;
     solver.solve(input, solution);
     EXPECT_EQ(solution.status, QpStatus::solved) << k;
@@ -441,8 +443,8 @@ TEST(ActiveSet, WarmAndColdAgree) {
   }
 }
 
-// Two equations contradict each other by less than their sums are rounded by.
-TEST(ActiveSet, RoundingIsNoCapOnIterations) {
+// Two equations contradict each other by less than the rounding error of their sums.
+TEST(ActiveSet, RoundingDoesNotExhaustTheIterations) {
   QpModel model = unit_model();
   model.Omega << 0.3, 0.7, 0.3, 0.7;
   QpInput input(2, 2);
@@ -456,7 +458,7 @@ TEST(ActiveSet, RoundingIsNoCapOnIterations) {
   EXPECT_LT((model.Omega * solution.z - input.upper).cwiseAbs().maxCoeff(), 1e-3);
 }
 
-TEST(ActiveSet, CapIsTold) {
+TEST(ActiveSet, TheIterationLimitIsReported) {
   Random random;
   const QpModel model = random_qp_model(random, kQpSizes[3]);
   const QpInput input = random_feasible_input(random, model);
@@ -465,8 +467,8 @@ TEST(ActiveSet, CapIsTold) {
   EXPECT_EQ(solution.status, QpStatus::iteration_cap);
 }
 
-// What is begun anew from nothing has the whole cap again, and its own answer.
-TEST(ActiveSet, AColdRetryHasABudgetOfItsOwn) {
+// A restart has the full number of iterations and its own answer.
+TEST(ActiveSet, AColdRetryHasItsOwnBudget) {
   Random random;
   int retried = 0;
   for (int k = 0; k < 2000; ++k) {
@@ -493,8 +495,8 @@ TEST(ActiveSet, AColdRetryHasABudgetOfItsOwn) {
   EXPECT_GT(retried, 20);
 }
 
-// With both attempts at their caps, what comes back is where the second one stopped.
-TEST(ActiveSet, AtTheCapTwiceItIsNotTheUnconstrainedMinimum) {
+// If both attempts reach the limit, the result is the last point of the second one.
+TEST(ActiveSet, TwoFailuresDoNotGiveTheUnconstrainedMinimum) {
   Random random;
   int capped = 0;
   for (int k = 0; k < 1000; ++k) {
@@ -515,7 +517,7 @@ TEST(ActiveSet, AtTheCapTwiceItIsNotTheUnconstrainedMinimum) {
   EXPECT_GT(capped, 3);
 }
 
-// Interior points are less exact: agreement is to what their own residual allows.
+// Interior-point solutions are less accurate: they agree within their own residual.
 TEST(ActiveSet, AgreesWithCvxopt) {
   Random random(11);
   std::ostringstream problems;
@@ -527,7 +529,7 @@ TEST(ActiveSet, AgreesWithCvxopt) {
     const QpSize& size = k % 100 == 99 ? kQpSizes[3] : kQpSizes[k % 3];
     const QpModel model = random_qp_model(random, size);
     QpInput input = random_feasible_input(random, model);
-    // It cannot start where a row leaves no interior.
+    // It cannot start if a constraint has no interior.
     for (Eigen::Index i = 0; i < size.rows; ++i) {
       if (input.upper(i) - input.lower(i) < 1e-3) input.upper(i) += 1e-3;
     }

@@ -1,4 +1,4 @@
-// Random quadratic programs of the sizes that the cart's controllers have.
+// Random quadratic programs with the sizes of the cart's controllers.
 #pragma once
 
 #include <Eigen/QR>
@@ -16,10 +16,10 @@ struct QpSize {
   Eigen::Index rows;
 };
 
-/// 5/60, 3/52, 3/212 and 114/456 variables and one-sided rows.
+/// 5/60, 3/52, 3/212 and 114/456 variables and one-sided constraints.
 inline constexpr QpSize kQpSizes[] = {{5, 30}, {3, 26}, {3, 106}, {114, 228}};
 
-/// Rows are random, sums of consecutive variables as in Δu form, or multiples of others.
+/// Constraints are random, sums of consecutive variables as in Δu form, or multiples of others.
 inline QpModel random_qp_model(Random& random, const QpSize& size) {
   const auto [n, m] = size;
   QpModel model;
@@ -40,7 +40,7 @@ inline QpModel random_qp_model(Random& random, const QpSize& size) {
   return model;
 }
 
-/// Bounds that some z satisfies: some rows without, some with both the same.
+/// Bounds that some z satisfies. Some constraints have no bounds, some have equal ones.
 inline QpInput random_feasible_input(Random& random, const QpModel& model) {
   const Eigen::Index n = model.H.rows();
   const Eigen::Index m = model.Omega.rows();
@@ -56,15 +56,15 @@ inline QpInput random_feasible_input(Random& random, const QpModel& model) {
   return input;
 }
 
-/// Makes a feasible input infeasible: the last row becomes a positive combination of the sides of
-/// some others, and is asked to be beyond what these allow.
+/// Makes a feasible input infeasible: the last constraint becomes a positive combination of some
+/// others, with a bound that these exclude.
 inline void make_infeasible(Random& random, QpModel& model, QpInput& input, double by) {
   const Eigen::Index last = model.Omega.rows() - 1;
   model.Omega.row(last).setZero();
   double most = 0.0;
   for (int k = 0; k < 3; ++k) {
     const auto row = static_cast<Eigen::Index>(random.uniform(0.0, static_cast<double>(last)));
-    if (std::isinf(input.upper(row))) input.upper(row) = 200.0;  // which no value reaches
+    if (std::isinf(input.upper(row))) input.upper(row) = 200.0;  // never active
     const double weight = random.uniform(0.1, 1.0);
     model.Omega.row(last) += weight * model.Omega.row(row);
     most += weight * input.upper(row);
@@ -73,7 +73,7 @@ inline void make_infeasible(Random& random, QpModel& model, QpInput& input, doub
   input.upper(last) = most + by + 1.0;
 }
 
-/// The error of a solution, from the definition alone and not by kkt_residual().
+/// The error of a solution from the definition, without kkt_residual().
 inline double optimality_error(const QpModel& model, const QpInput& input, const QpSolution& s) {
   const double scale = std::max({1.0, input.g.cwiseAbs().maxCoeff(), s.mu.cwiseAbs().maxCoeff()});
   const Eigen::VectorXd values = model.Omega * s.z - input.softness.cwiseProduct(s.mu);
@@ -87,16 +87,16 @@ inline double optimality_error(const QpModel& model, const QpInput& input, const
   return error;
 }
 
-/// A whole program, of any size and condition.
+/// A quadratic program of any size and condition.
 struct HardQp {
   QpModel model;
   QpInput input;
 };
 
-/// 2 to 24 variables, 1 to 60 rows, H with a condition of 1 to 1e8 and of any size. Rows are
-/// random, sums of consecutive variables, single variables, copies, multiples and sums of others,
-/// nearly others (1e-9 to 1e-3 off) or 0. One z satisfies all; many rows hold it at a bound, some
-/// at both.
+/// 2 to 24 variables, 1 to 60 constraints, H of any scale with a condition of 1 to 1e8. Constraints
+/// are random, sums of consecutive variables, single variables, zero, or copies, multiples, sums
+/// and near copies (1e-9 to 1e-3) of others. One z satisfies all. Many are active there, some as
+/// equations.
 inline HardQp hard_feasible_qp(Random& random) {
   const auto whole = [&random](Eigen::Index least, Eigen::Index most) {
     return static_cast<Eigen::Index>(
@@ -104,14 +104,14 @@ inline HardQp hard_feasible_qp(Random& random) {
   };
   const Eigen::Index n = whole(2, 24);
   const Eigen::Index m = whole(1, 60);
-  // Few digits make sums of rows exact.
+  // Few digits make sums of constraints exact.
   const auto rounded = [](const Eigen::MatrixXd& rows) -> Eigen::MatrixXd {
     constexpr double kGrid = 1ULL << 36;
     return (kGrid * rows).array().round() / kGrid;
   };
   const double decades = random.uniform(0.0, 8.0);
   const double top = random.uniform(0.0, decades);
-  Eigen::VectorXd roots(n);  // of the eigenvalues
+  Eigen::VectorXd roots(n);  // eigenvalues of H
   for (Eigen::Index j = 0; j < n; ++j) {
     const double below = j == 0 ? 0.0 : j == 1 ? decades : random.uniform(0.0, decades);
     roots(j) = std::pow(10.0, 0.5 * (top - below));
@@ -140,7 +140,7 @@ inline HardQp hard_feasible_qp(Random& random) {
   }
   qp.input.g = random.vector(n, std::pow(10.0, random.uniform(-1.0, 2.0)));
   const Eigen::VectorXd values = qp.model.Omega * random.vector(n);
-  const double equations = random.uniform(0.0, 0.2);  // share of the rows
+  const double equations = random.uniform(0.0, 0.2);  // share of equations
   for (Eigen::Index i = 0; i < m; ++i) {
     const double kind = random.uniform(0.0, 1.0);
     const double below = random.uniform(0.0, 1.0);
@@ -153,8 +153,8 @@ inline HardQp hard_feasible_qp(Random& random) {
   return qp;
 }
 
-/// The same without a solution, for certain: the last row is a sum of sides of others, exactly, and
-/// asked to be beyond their bounds by 1e-6 to 10.
+/// An infeasible program: the last constraint is an exact sum of others, and its bound exceeds
+/// theirs by 1e-6 to 10.
 inline HardQp hard_infeasible_qp(Random& random) {
   HardQp qp = hard_feasible_qp(random);
   while (qp.model.Omega.rows() < 2) qp = hard_feasible_qp(random);

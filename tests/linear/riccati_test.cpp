@@ -30,13 +30,13 @@ TEST(Riccati, StableAndFreeCostsNothing) {
 }
 
 // A = a, B = 1, Q = 0, R = r: P = (a² − 1) r stabilises, P = 0 is cheaper.
-TEST(Riccati, StabilisesWhatQDoesNotSee) {
+TEST(Riccati, StabilisesUnweightedStates) {
   for (const double a : {1.01, 2.0, -30.0}) {
     const LqrDesign design = dlqr(a * kOne, kOne, 0.0 * kOne, 0.5 * kOne);
     EXPECT_NEAR(design.P(0, 0), 0.5 * (a * a - 1.0), 1e-10 * a * a) << a;
     EXPECT_NEAR(a - design.K(0, 0), 1.0 / a, 1e-10) << "the pole is mirrored at the unit circle";
   }
-  // One unstable mode unseen, the others seen.
+  // One unstable state has no weight, the others have one.
   Random random(4);
   for (int k = 0; k < 50; ++k) {
     const Eigen::Index n = 2 + k % 4;
@@ -44,7 +44,7 @@ TEST(Riccati, StabilisesWhatQDoesNotSee) {
     A.leftCols(1) = 1.5 * Eigen::VectorXd::Unit(n, 0);
     Eigen::MatrixXd Q = Eigen::MatrixXd::Identity(n, n);
     Q(0, 0) = 0.0;
-    // C = [0 I] sees x_2 … x_n, which x_1 does not move.
+    // C = [0 I] measures x_2 … x_n, which do not depend on x_1.
     const Eigen::MatrixXd B = random.matrix(n, 1) + Eigen::MatrixXd::Ones(n, 1);
     const LqrDesign design = dlqr(A, B, Q, kOne);
     EXPECT_LT(spectral_radius(A - B * design.K), 1.0) << k;
@@ -82,7 +82,7 @@ TEST(Riccati, ResidualAndStabilityOfRandomPlants) {
   }
 }
 
-// The cost that P predicts is the cost of the closed loop, summed.
+// P predicts the summed cost of the closed loop.
 TEST(Riccati, PredictsTheCost) {
   const StateSpace cart =
       zero_order_hold({(Eigen::Matrix2d() << 0.0, 1.0, 0.0, -0.78 / 0.625).finished(),
@@ -110,7 +110,7 @@ TEST(Riccati, AgreesWithScipy) {
     problems.push_back({1.2 * random.matrix(n, n), random.matrix(n, m), root * root.transpose(),
                         random.uniform(0.01, 10.0) * Eigen::MatrixXd::Identity(m, m)});
   }
-  problems.push_back({2.0 * kOne, kOne, 0.0 * kOne, kOne});  // Q sees nothing: P = 3
+  problems.push_back({2.0 * kOne, kOne, 0.0 * kOne, kOne});  // no weight: P = 3
   const std::vector<testing::RiccatiSolution> theirs = testing::solve_with_scipy(problems);
   for (std::size_t k = 0; k < problems.size(); ++k) {
     const auto& [A, B, Q, R] = problems[k];

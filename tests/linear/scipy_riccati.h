@@ -16,7 +16,7 @@ struct RiccatiSolution {
   Eigen::MatrixXd P, K;
 };
 
-/// Of each problem. Throws std::runtime_error if SciPy does not give them all.
+/// The solution of each problem. Throws std::runtime_error if SciPy does not give them all.
 inline std::vector<RiccatiSolution> solve_with_scipy(const std::vector<RiccatiProblem>& problems) {
   std::ostringstream input;
   input.precision(17);

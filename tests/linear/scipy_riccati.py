@@ -1,4 +1,4 @@
-"""Riccati solutions and regulator gains by SciPy: problems in (n m A B Q R), P and K out."""
+"""Solves Riccati equations with SciPy. Input: n m A B Q R. Output: P and K."""
 
 import sys
 

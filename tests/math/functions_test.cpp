@@ -1,4 +1,4 @@
-// The elementary functions of math/: accuracy, special arguments, and their bits.
+// The elementary functions of math/: accuracy, special arguments and bits.
 #include <breakwater/math/functions.h>
 
 #include <bit>
@@ -17,7 +17,7 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kTiny = std::numeric_limits<double>::denorm_min();
 constexpr double kHuge = std::numeric_limits<double>::max();
 
-// In units in the last place of the true value's double.
+// The error in units in the last place of the true double.
 double error_ulp(double value, long double truth) {
   const auto rounded = static_cast<double>(truth);
   if (value == rounded) return 0.0;
@@ -32,8 +32,8 @@ struct Range {
   double from, to;
 };
 
-// Half of the arguments evenly, half evenly in their logarithm, both signs where the range has
-// them.
+// Half of the arguments are spread evenly, half evenly in the logarithm. They have both signs if
+// the range does.
 std::vector<double> arguments(Range range) {
   testing::Random random;
   std::vector<double> all;
@@ -69,7 +69,7 @@ TEST(Math, IsWithinUnitsInTheLastPlace) {
   EXPECT_LT(largest_error(math::erfc, std::erfc, {-6.0, 26.0}), 4.0);
 }
 
-TEST(Math, OfTwoArgumentsIsWithinUnitsInTheLastPlace) {
+TEST(Math, WithTwoArgumentsIsWithinUnitsInTheLastPlace) {
   testing::Random random;
   double of_atan2 = 0.0, of_pow = 0.0;
   for (int i = 0; i < 40000; ++i) {
@@ -84,7 +84,7 @@ TEST(Math, OfTwoArgumentsIsWithinUnitsInTheLastPlace) {
   EXPECT_LT(of_pow, 1.0);
 }
 
-TEST(Math, SineAndCosineTogetherAreThoseApart) {
+TEST(Math, SineAndCosineTogetherEqualTheSeparateFunctions) {
   for (const Range range : {Range{-100.0, 100.0}, Range{0.0, kHuge}}) {
     for (const double x : arguments(range)) {
       const auto [sine, cosine] = math::sincos(x);
@@ -99,8 +99,8 @@ bool same(double a, double b) {
                        : std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
 }
 
-// As C99's Annex F has them, which glibc follows.
-TEST(Math, SpecialArgumentsAreThoseOfTheStandard) {
+// Annex F of C99, which glibc follows.
+TEST(Math, SpecialArgumentsFollowTheStandard) {
   const std::vector<std::pair<Function, Function>> pairs = {
       {math::sin, std::sin},   {math::cos, std::cos},   {math::tan, std::tan},
       {math::asin, std::asin}, {math::exp, std::exp},   {math::expm1, std::expm1},
@@ -135,10 +135,10 @@ TEST(Math, ComplexExponentialAndLogarithm) {
   EXPECT_EQ(math::log(std::complex<double>(-1.0, 0.0)).imag(), std::numbers::pi);
 }
 
-// FNV-1a of the bits of many values.
+// The FNV-1a hash of the bits of many values.
 std::uint64_t bits_of(Function function, Range range) {
   std::uint64_t hash = 14695981039346656037ULL;
-  // From integers by exact operations: the arguments are the same everywhere too.
+  // Exact operations on integers make the arguments equal everywhere.
   for (int i = 0; i <= 100000; ++i) {
     const double x = range.from + (range.to - range.from) * (i / 131072.0);
     hash = (hash ^ std::bit_cast<std::uint64_t>(function(x))) * 1099511628211ULL;
@@ -146,7 +146,8 @@ std::uint64_t bits_of(Function function, Range range) {
   return hash;
 }
 
-// On every x86-64 processor, with every release of musl: else the goldens of the scenarios change.
+// On every x86-64 processor with every release of musl. Otherwise the goldens of the scenarios
+// change.
 TEST(Math, BitsAreTheSameEverywhere) {
   const auto atan2 = [](double x) { return math::atan2(x, 0.75); };
   const auto pow = [](double x) { return math::pow(x, -4.7); };

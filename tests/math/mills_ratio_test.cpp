@@ -1,4 +1,4 @@
-// Mills' ratio, against the C library's erfc in extended precision.
+// Mills' ratio against the C library's erfc in extended precision.
 #include <breakwater/math/mills_ratio.h>
 
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 namespace breakwater::mills_ratio_test {
 namespace {
 
-TEST(MillsRatio, IsThatOfTheNormalTail) {
+TEST(MillsRatio, MatchesTheNormalTail) {
   for (double x = 0.0; x < 100.0; x += x < 8.0 ? 1.0 / 128.0 : 0.25) {
     const long double z = x;
     const long double truth = std::erfc(z / std::sqrt(2.0L)) * std::exp(z * z / 2.0L) *

@@ -59,7 +59,7 @@ TEST(DisturbanceModel, EveryInputHasItsOwnChain) {
 
 TEST(DisturbanceModel, RefusesAnUnobservablePairWithItsRank) {
   StateSpace plant{Eigen::Matrix2d::Zero(), Eigen::Vector2d(1, 0), Eigen::RowVector2d(1, 0)};
-  plant.A.diagonal() << 1.0, 0.5;  // nothing shows the second state
+  plant.A.diagonal() << 1.0, 0.5;  // the second state is unobservable
   try {
     extend_by_disturbance_model(plant, 0, 0.01);
     FAIL() << "took an unobservable pair";
@@ -74,7 +74,7 @@ TEST(DisturbanceModel, RefusesNonsense) {
   EXPECT_THROW(extend_by_disturbance_model(cart(0.1), 0, 0.0), std::invalid_argument);
 }
 
-TEST(KalmanDesign, RefusesWhatIsNoCovariance) {
+TEST(KalmanDesign, RefusesAnInvalidCovariance) {
   const ExtendedPlant plant = extend_by_disturbance_model(cart(0.1), 0, 0.1);
   const Eigen::MatrixXd I3 = Eigen::MatrixXd::Identity(3, 3);
   const Eigen::MatrixXd I1 = Eigen::MatrixXd::Identity(1, 1);

@@ -1,8 +1,7 @@
-// The bank against every other estimator, encoders × periods × disturbances: on the 70 rows that
-// its constants were found with, and on 40 others, which nobody had seen. Medians over phases
-// (seeds, where there is noise) that nobody tuned on. IDOB, DKF and FAKFD are tuned for each row by
-// their one parameter, on the row's own phases, which the bank is not. All of it for an encoder
-// that rounds and for one that truncates. Prints the tables of
+// QBANK against all other estimators, over encoders, periods and disturbances: on the 70 rows that
+// its constants were chosen with, and on 40 other rows. Results are medians over phases (or seeds,
+// with noise). IDOB, DKF and FAKFD have one parameter tuned for each row and its phases; QBANK has
+// not. Each row is run with an encoder that rounds and one that truncates. Prints the tables of
 // docs/explanation/methods/multiple-model-estimator.md.
 #include <breakwater/observers/filter_bank.h>
 
@@ -29,12 +28,12 @@ namespace {
 using testing::MotorLoop;
 
 constexpr int kPhases = 12;
-constexpr double kRounding = 1e-12;  // below it velocities are the arithmetic's
-constexpr double kLost = 1e9;        // a loop that ran away
+constexpr double kRounding = 1e-12;  // smaller velocities are rounding errors
+constexpr double kLost = 1e9;        // the loop is unstable
 
 struct Behind {
   std::string name;
-  double pulses;  // a revolution
+  double pulses;  // per revolution
   double noise_std = 0.0;
 };
 Behind bits(int count) {
@@ -50,7 +49,7 @@ struct Acting {
 constexpr Disturbance kStepOf10{DisturbanceKind::step, 10.0, 0.0, 1.0};
 constexpr Disturbance kSineOf10{DisturbanceKind::sine, 10.0, 1.0, 1.0};
 
-// One row: what all estimators of it have in common.
+// One row: the common data of all its estimators.
 class Row {
  public:
   Row(double period_s, const Behind& behind, const Acting& acting, EncoderRounding rounding)
@@ -91,7 +90,7 @@ class Row {
     double error = kLost;
     const char* name = "";
   };
-  /// Of IDOB (poles p, 2p, 3p), DKF (Q_d/R) and FAKFD (λ).
+  /// IDOB (poles p, 2p, 3p), DKF (Q_d/R) and FAKFD (λ).
   Best best_rival() const {
     Best best;
     const auto take = [&](const char* name, DisturbanceEstimator& estimator) {
@@ -149,8 +148,8 @@ Result compare(double period_s, const Behind& behind, const Acting& acting,
 
 struct Summary {
   int rows = 0;
-  int within = 0;  // 10 % of the best tuned
-  int better = 0;  // by 20 %
+  int within = 0;  // within 10 % of the best tuned one
+  int better = 0;  // better by 20 %
   int below_vfakfd = 0;
   int below_qvff = 0;
   int below_stf = 0;
@@ -172,7 +171,7 @@ Summary compare_all(const std::vector<Behind>& encoders, const std::vector<Actin
     }
   }
   on_all_cores(cells.size(), [&cells, rounding](std::size_t i) {
-    Cell& cell = cells[cells.size() - 1 - i];  // the long ones first
+    Cell& cell = cells[cells.size() - 1 - i];  // the longest first
     cell.result = compare(cell.period_s, *cell.behind, *cell.acting, rounding);
   });
   Summary sum;
@@ -204,7 +203,7 @@ class FilterBankStudy : public ::testing::TestWithParam<EncoderRounding> {
   bool truncates() const { return GetParam() == EncoderRounding::truncate; }
 };
 
-TEST_P(FilterBankStudy, AgainstRivalsTunedForEachOfSeventyRows) {
+TEST_P(FilterBankStudy, IsComparedWithFiltersTunedForEachOfSeventyRows) {
   const std::vector<Behind> encoders = {
       bits(4), bits(8), bits(12), bits(48), {"48 bits, σ = .01", std::exp2(48), 0.01}};
   const std::vector<Acting> disturbances = {{"step 10", kStepOf10},
@@ -220,9 +219,9 @@ TEST_P(FilterBankStudy, AgainstRivalsTunedForEachOfSeventyRows) {
   EXPECT_GE(sum.below_vfakfd, 64);
 }
 
-// Other encoders and other disturbances than those that its constants were found with. Behind dry
-// friction, which jumps wherever the shaft turns back, a tuned DKF is better in 9 rows of 10.
-TEST_P(FilterBankStudy, OnFortyRowsThatNobodyTunedOn) {
+// Encoders and disturbances that differ from those of the chosen constants. With dry friction,
+// which jumps when the shaft turns back, a tuned DKF is better in 9 of 10 rows.
+TEST_P(FilterBankStudy, IsTestedOnFortyUnseenRows) {
   const std::vector<Behind> encoders = {
       bits(5), bits(6), bits(10), bits(16), {"6 bits, gear 25", 25.0 * std::exp2(6)}};
   const std::vector<Acting> disturbances = {

@@ -1,5 +1,5 @@
-// The bank of filters: its likelihoods against quadrature, its models against linear theory, its
-// weights against a second implementation, and what it does when its sensor fails.
+// QBANK: its likelihoods against quadrature, its models against linear theory, its weights against
+// a second implementation, and its behaviour with a faulty sensor.
 #include <breakwater/observers/filter_bank.h>
 
 #include <Eigen/Eigenvalues>
@@ -75,20 +75,20 @@ INSTANTIATE_TEST_SUITE_P(CodeInterval, Interval,
                                            Bounds{4, 5}, Bounds{-9, -4}, Bounds{-5, 7}),
                          [](const auto& row) { return "n" + std::to_string(row.index); });
 
-TEST(CodeInterval, FarTailsKeepTheirLogarithm) {
+TEST(CodeInterval, FarTailsHaveAFiniteLogarithm) {
   // P(z > a) ≈ φ(a)/a.
   for (const double a : {50.0, 1e3, 1e6}) {
     const double expected = -0.5 * a * a - std::log(a) - 0.5 * std::log(2.0 * std::numbers::pi);
     EXPECT_NEAR(CodeInterval(a, 2.0 * a).log_mass() / expected, 1.0, 1e-6);
     EXPECT_EQ(CodeInterval(a, 2.0 * a).log_mass(), CodeInterval(-2.0 * a, -a).log_mass());
   }
-  // And what an interval of ±40 σ misses is not lost beside 1.
+  // The mass outside ±40 σ is not lost by rounding.
   EXPECT_NEAR(std::log(CodeInterval(-30.0, 30.0).outside()), -0.5 * 900.0 - std::log(30.0) - 0.2257,
               0.01);
 }
 
-// Behind white noise alone each model is a Kalman filter and the bank their Bayesian mixture:
-// here with dense matrices, inverses and densities, as a textbook has it.
+// With white noise alone each model is a Kalman filter and QBANK is their Bayesian mixture, here
+// with dense matrices, inverses and densities.
 TEST(FilterBank, IsTheMixtureOfTextbookFiltersBehindWhiteNoise) {
   constexpr double kPeriod = 1e-2, kNoise = 0.02, kFriction = 0.4;
   FilterBank bank(design(0.0, kNoise, kPeriod, kFriction));
@@ -157,7 +157,7 @@ TEST(FilterBank, IsTheMixtureOfTextbookFiltersBehindWhiteNoise) {
   }
 }
 
-TEST(FilterBank, ItsConstantModelIsTheLibrarysKalmanFilter) {
+TEST(FilterBank, ItsConstantModelEqualsTheKalmanFilter) {
   constexpr double kPeriod = 1e-2, kNoise = 0.01;
   FilterBank bank(design(0.0, kNoise, kPeriod));
   const ExtendedPlant plant =
@@ -182,9 +182,9 @@ TEST(FilterBank, ItsConstantModelIsTheLibrarysKalmanFilter) {
   }
 }
 
-// What "bandwidth w" means: the steady filters' poles, where T_s is small beside them, lie on the
-// circle of radius w, s⁶ = −w⁶ and s⁸ = w⁸ in the left half plane, as spectral factorisation says.
-TEST(FilterBank, BandwidthsAreTheRadiusOfItsFiltersPoles) {
+// For small T_s the poles of the steady filters lie on the circle of radius w. They are s⁶ = −w⁶
+// and s⁸ = w⁸ in the left half plane (spectral factorisation).
+TEST(FilterBank, BandwidthsMatchTheRadiusOfThePoles) {
   constexpr double kPeriod = 1e-3, kNoise = 0.01;
   const FilterBank bank(design(0.0, kNoise, kPeriod));
   for (const FilterBank::Model& model : bank.models()) {
@@ -206,14 +206,14 @@ TEST(FilterBank, BandwidthsAreTheRadiusOfItsFiltersPoles) {
   }
 }
 
-// A code tells no more than its interval: after one sample the constant model's position has the
-// exact mean and variance of the truncated prior, by quadrature.
-TEST(FilterBank, OneCodeIsBayesRule) {
+// A code gives only its interval. After one sample the position of the constant model has the mean
+// and variance of the truncated prior, by quadrature.
+TEST(FilterBank, OneCodeUpdatesByBayesRule) {
   const double quantum = quantum_of(8);
   FilterBank bank(design(quantum, 0.0));
   const double prior = bank.models()[0].P(0, 0);
   Eigen::VectorXd u = Eigen::VectorXd::Zero(1), y = u;
-  y(0) = quantum;  // one count from where it believed to be
+  y(0) = quantum;  // one count from the predicted position
   bank.update(u, y);
   const double root = std::sqrt(prior + 4e-20);
   const double alpha = 0.5 * quantum / root, beta = 1.5 * quantum / root;
@@ -225,17 +225,17 @@ TEST(FilterBank, OneCodeIsBayesRule) {
   EXPECT_NEAR(model.P(0, 0), prior * static_cast<double>(square - mean * mean), 1e-9 * prior);
 }
 
-TEST(FilterBank, ACodeThatStaysIsNoNewsUnlessItCouldHaveLeft) {
+TEST(FilterBank, AnUnchangedCodeInformsOnlyIfItCouldHaveChanged) {
   const double quantum = quantum_of(8);
   FilterBank bank(design(quantum, 0.0));
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(1);
   bank.update(zero, zero);
   const Eigen::Matrix4d first = bank.models()[0].P;
   bank.update(zero, zero);
-  // The constant model believes that the shaft stands still to ρ/s: nothing could leave in 1 ms.
+  // The velocity of the constant model is nearly zero, to ρ/s: the code cannot change within 1 ms.
   EXPECT_NEAR(bank.models()[0].P(0, 0), first(0, 0), 0.01 * first(0, 0));
   for (int k = 0; k < 5000; ++k) bank.update(zero, zero);
-  // In 5 s it could: that it stands still is learnt from the code that stays.
+  // In 5 s it could change, so an unchanged code shows that the shaft does not move.
   EXPECT_LT(bank.models()[0].P(1, 1), 0.3 * (first(1, 1) + 25.0 * first(2, 2)));
   EXPECT_GT(bank.models()[0].P(0, 0), quantum * quantum / 100.0);
 }
@@ -251,9 +251,9 @@ double share_of(const FilterBank& bank, Kind kind) {
   return share / sum;
 }
 
-// Between 4 and 4.5 s the sensor fails, in each of three ways. From 7 s on the estimate is as good
-// as it was, at all rates from 10 Hz to 10 kHz; meanwhile everything is a number.
-TEST_P(Recovery, FromNoNumbersAJumpAndASaturatedCode) {
+// The sensor fails between 4 and 4.5 s in three ways. From 7 s on the estimate is as good as
+// before, at rates from 10 Hz to 10 kHz. All values stay finite.
+TEST_P(Recovery, AfterNanAJumpAndASaturatedCode) {
   const double period = GetParam();
   const double quantum = quantum_of(12);
   const auto from = static_cast<int>(std::lround(4.0 / period));
@@ -292,7 +292,7 @@ TEST_P(Recovery, FromNoNumbersAJumpAndASaturatedCode) {
     EXPECT_LT(errors.velocity, 10.0 * healthy + 2.0 * quantum);
     EXPECT_LT(errors.disturbance, 0.1);
     if (failure == 2) {
-      // It says so: what it took for constant it does no longer, until the jump is past.
+      // The probability of the constant model falls until the jump is over.
       EXPECT_LT(lowest_share, 0.5 * share_before);
       EXPECT_GT(share_after, 0.7 * share_before);
     }
@@ -304,8 +304,8 @@ INSTANTIATE_TEST_SUITE_P(FilterBank, Recovery, ::testing::Values(1e-1, 1e-2, 1e-
                            return "T" + std::to_string(static_cast<int>(1e6 * row.param)) + "us";
                          });
 
-// The encoder itself is the oracle: its positions lie in the range, fill it, and err by as much.
-TEST(SensorError, CodesTellWhereTheEncoderWas) {
+// The encoder is the reference: its positions fill the range and have the stated error.
+TEST(SensorError, CodesBoundThePosition) {
   for (const EncoderRounding rounding : {EncoderRounding::nearest, EncoderRounding::truncate}) {
     const Encoder encoder{.quantum = 0.2, .rounding = rounding};
     SensorError error = sensor(encoder.quantum, 0.03);
@@ -331,8 +331,8 @@ TEST(SensorError, CodesTellWhereTheEncoderWas) {
   }
 }
 
-// An encoder that truncates, and a bank that is told so or takes it for one that rounds.
-TEST(FilterBank, IsAsGoodBehindAnEncoderThatTruncatesOnlyIfItIsTold) {
+// A truncating encoder, and QBANK with the right and the wrong rounding.
+TEST(FilterBank, NeedsTheTruncationOfTheEncoderAsAParameter) {
   const double quantum = quantum_of(8);
   const auto error = [&](EncoderRounding encoder, EncoderRounding told) {
     FilterBankDesign known = design(quantum, 0.0);
@@ -352,8 +352,8 @@ TEST(FilterBank, IsAsGoodBehindAnEncoderThatTruncatesOnlyIfItIsTold) {
   EXPECT_LT(told, 8.0 * error(EncoderRounding::nearest, EncoderRounding::nearest));
 }
 
-// A number that is none in the input, too, and a reset that forgets everything.
-TEST(FilterBank, ForgetsAllInAReset) {
+// NaN in the input too, and a reset to the initial state.
+TEST(FilterBank, ResetRestoresTheInitialState) {
   const double quantum = quantum_of(12);
   FilterBank used(design(quantum, 0.0)), fresh(design(quantum, 0.0));
   Eigen::VectorXd u = Eigen::VectorXd::Zero(1), y = u;
@@ -376,7 +376,7 @@ TEST(FilterBank, ForgetsAllInAReset) {
   }
 }
 
-TEST(FilterBank, RefusesWhatIsNoAxis) {
+TEST(FilterBank, RefusesAPlantThatIsNotAnAxis) {
   EXPECT_NO_THROW(FilterBank(design(1e-3, 0.0)));
   FilterBankDesign wrong = design(1e-3, 0.0);
   wrong.plant.A(1, 0) = -1.0;  // a spring

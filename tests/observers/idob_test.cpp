@@ -36,8 +36,8 @@ TEST(Idob, ErrorDynamicsHaveThePlacedPoles) {
   }
 }
 
-TEST(Idob, ErrorDecaysAsTheErrorDynamicsSay) {
-  // On its own model with a constant disturbance, e(k+1) = (Ā − H C̄) e(k), whatever the input.
+TEST(Idob, ErrorFollowsTheErrorDynamics) {
+  // On its nominal plant with a constant disturbance, e(k+1) = (Ā − H C̄) e(k) for any input.
   const double T = 0.01, J = 2.0, d = 3.0;
   const StateSpace sampled = zero_order_hold(inertia(J), T);
   Idob observer(inertia(J), {{-10.0, -20.0, -30.0}}, T);
@@ -57,14 +57,14 @@ TEST(Idob, ErrorDecaysAsTheErrorDynamicsSay) {
   EXPECT_NEAR(observer.disturbance()(0), d, 1e-8);
 }
 
-// Eqs. 2.21, 2.22: what is read at a sample has not seen that sample's measurement.
+// Eqs. 2.21, 2.22: the estimate at a sample does not include the measurement of this sample.
 TEST(Idob, IsThePredictor) {
   const double T = 0.01;
   Idob observer(inertia(1.0), {{-10.0, -20.0, -30.0}}, T);
   const StateSpace sampled = zero_order_hold(extend_by_input_disturbance(inertia(1.0)), T);
   observer.reset(Eigen::Vector2d(0.3, -0.1));
   Eigen::VectorXd expected = Eigen::Vector3d(0.3, -0.1, 0.0);
-  Eigen::VectorXd u = Eigen::VectorXd::Constant(1, NAN);  // nothing acted before the first sample
+  Eigen::VectorXd u = Eigen::VectorXd::Constant(1, NAN);  // no input before the first sample
   testing::Random random(13);
   for (int k = 0; k < 100; ++k) {
     const Eigen::VectorXd y = random.vector(1);
@@ -94,8 +94,8 @@ TEST(Idob, JointsOfTheArmStayDecoupled) {
 }
 
 TEST(Idob, RefusesAnUnobservablePlantWithItsRank) {
-  // With a free integrator beside the one that is measured, position and disturbance of the first
-  // remain visible, the second does not.
+  // A free integrator beside the measured one is unobservable. Position and disturbance of the
+  // measured one stay observable.
   StateSpace plant{Eigen::Matrix2d::Zero(), Eigen::Vector2d(1, 0), Eigen::RowVector2d(1, 0)};
   try {
     Idob observer(plant, {{-1.0, -2.0, -3.0}}, 0.01);

@@ -46,7 +46,7 @@ VfakfdDesign never_forgets(Eigen::Index p) {
 }
 
 TEST(Kfd, IsTheTextbookFilter) {
-  // Eqs. 3.7–3.11 written out with dense inverses.
+  // Eqs. 3.7–3.11 with dense inverses.
   Random random(3);
   for (const auto& [n, m, p] : {std::tuple(2, 1, 1), std::tuple(3, 2, 2), std::tuple(4, 1, 2)}) {
     const KalmanDesign design = random_design(random, n, m, p, m == 1 ? 1 : 0);
@@ -74,7 +74,7 @@ TEST(Kfd, IsTheTextbookFilter) {
   }
 }
 
-TEST(Kfd, FixedSizesGiveTheSameAsDynamicOnes) {
+TEST(Kfd, FixedAndDynamicSizesAgree) {
   Random random(4);
   const KalmanDesign design = random_design(random, 2, 1, 1, 0);
   Kfd<> dynamic(design);
@@ -89,9 +89,9 @@ TEST(Kfd, FixedSizesGiveTheSameAsDynamicOnes) {
   EXPECT_THROW((Kfd<3, 1, 2>(design)), std::invalid_argument);
 }
 
-// One output of a fixed size has a recursion of its own: against the matrices', with an output that
-// is the first state and with one that is any combination.
-TEST(AdaptiveFilters, FixedSizesGiveTheSameAsDynamicOnes) {
+// One output of a fixed size uses a separate recursion. It is compared with the matrices, for the
+// first state as output and for a combination of states.
+TEST(AdaptiveFilters, FixedAndDynamicSizesAgree) {
   Random random(15);
   for (int trial = 0; trial < 10; ++trial) {
     KalmanDesign design = random_design(random, 2, 1, 1, 0);
@@ -107,7 +107,7 @@ TEST(AdaptiveFilters, FixedSizesGiveTheSameAsDynamicOnes) {
     Vfakfd<3, 1, 1> fixed_vfakfd(design, forgetting);
     Stf<> stf(design, error);
     Stf<3, 1, 1> fixed_stf(design, error);
-    double least = 1.0, most = 0.0, inflated = 1.0;  // λ that were met
+    double least = 1.0, most = 0.0, inflated = 1.0;  // range of λ
     for (int k = 0; k < 500; ++k) {
       const Eigen::VectorXd u = random.vector(1), y = random.vector(1, k % 50 == 0 ? 30.0 : 1.0);
       const auto expect_same = [&](auto& dynamic, auto& fixed, const char* name) {
@@ -133,12 +133,12 @@ TEST(AdaptiveFilters, FixedSizesGiveTheSameAsDynamicOnes) {
   }
 }
 
-TEST(AdaptiveFilters, ThatNeverForgetAreThePlainKalmanFilter) {
+TEST(AdaptiveFilters, WithoutForgettingEqualTheKalmanFilter) {
   Random random(5);
   for (int trial = 0; trial < 20; ++trial) {
     const Eigen::Index n = 1 + trial % 4, p = 1 + trial % 2;
     const KalmanDesign design = random_design(random, n, 1, p, n < 4 && p == 1 ? trial % 3 : 0);
-    // The VFAKFD family observes with R = λ = 1.
+    // The filters of the VFAKFD family use R = λ = 1 in the observer.
     KalmanDesign unit = design;
     unit.R.setIdentity(p, p);
     const SensorError coarse{Eigen::VectorXd::Constant(p, 1e300), Eigen::VectorXd::Zero(p)};
@@ -220,7 +220,7 @@ TEST(AsymmetricFakfd, IsEquation45AsPrintedAndItsLeftForm) {
                std::invalid_argument);
 }
 
-TEST(Vfakfd, LambdaIsThatOfEquation420) {
+TEST(Vfakfd, LambdaFollowsEquation420) {
   Random random(7);
   KalmanDesign design = random_design(random, 2, 1, 1, 0);
   const double alpha = 0.3;
@@ -239,7 +239,7 @@ TEST(Vfakfd, LambdaIsThatOfEquation420) {
     const double raw = 1.0 - e * e / alpha / (1.0 + output_variance);
     EXPECT_NEAR(filter.lambda(), std::min(1.0, std::max(0.8, raw)), 1e-12);
     EXPECT_NEAR(filter.innovation()(0), e, 1e-12);
-    // Eqs. 4.18 and 4.19 with that λ(k).
+    // Eqs. 4.18 and 4.19 with this λ(k).
     const Eigen::VectorXd K = prior * s.C.transpose() / (output_variance + filter.lambda());
     EXPECT_LT((filter.K() - K).norm(), 1e-12 * (1.0 + K.norm()));
     EXPECT_LT((filter.P() - (prior - K * s.C * prior) / filter.lambda()).norm(),
@@ -264,7 +264,7 @@ TEST(Vfakfd, RefusesNonsense) {
   EXPECT_THROW(Vfakfd<>(design, {Eigen::VectorXd::Ones(2), zero, 0.8, 1.0}), std::invalid_argument);
 }
 
-TEST(Qvff, IsDeafToWhatItsSensorExplainsAndHearsTheRest) {
+TEST(Qvff, IgnoresInnovationsWithinTheSensorErrorOnly) {
   const ExtendedPlant plant =
       extend_by_disturbance_model(zero_order_hold({(Eigen::Matrix2d() << 0, 1, 0, 0).finished(),
                                                    Eigen::Vector2d(0, 1), Eigen::RowVector2d(1, 0)},
@@ -308,7 +308,7 @@ TEST(Stf, InflatesToHalfAStandardDeviation) {
   EXPECT_THROW(stf_design(plant, error, 0.0), std::invalid_argument);
 }
 
-// Each kind on the same plant, for tests that hold for all.
+// One estimator of each kind on the same plant.
 std::vector<std::unique_ptr<DisturbanceEstimator>> one_of_each(const KalmanDesign& design,
                                                                double alpha) {
   const Eigen::Index p = design.plant.outputs();
@@ -347,13 +347,13 @@ TEST(KalmanEstimators, CovarianceStaysPositiveDefiniteForAMillionSamples) {
   Random random(9);
   const auto expect_covariance = [](const Eigen::Matrix3d& P, int k, const char* name) {
     ASSERT_EQ(P, P.transpose()) << name << " " << k;
-    // Scaled to correlations, since T makes the states' scales differ by 1e6.
+    // Scaled to correlations, since T makes the scales of the states differ by 1e6.
     const Eigen::Vector3d scale = P.diagonal().cwiseSqrt().cwiseInverse();
     const Eigen::Matrix3d correlation = scale.asDiagonal() * P * scale.asDiagonal();
     ASSERT_EQ(Eigen::LLT<Eigen::Matrix3d>(correlation).info(), Eigen::Success) << name << " " << k;
   };
   for (int k = 0; k < 1'000'000; ++k) {
-    const double d = (k / 50'000) % 2 == 0 ? 10.0 : -10.0;  // now and then a surprise
+    const double d = (k / 50'000) % 2 == 0 ? 10.0 : -10.0;  // occasional jumps
     const double angle = 1e-3 * d + random.uniform(-quantum, quantum);
     const Eigen::Matrix<double, 1, 1> u(d), y(quantum * std::round(angle / quantum));
     for (DisturbanceEstimator* filter : std::initializer_list<DisturbanceEstimator*>{
@@ -371,8 +371,8 @@ TEST(KalmanEstimators, CovarianceStaysPositiveDefiniteForAMillionSamples) {
   }
 }
 
-// The same on stable plants that nobody chose: models of order 0 to 2, one output and two. With
-// process noise on every state: without, the variance of what decays vanishes.
+// Random stable plants with disturbance models of order 0 to 2 and one or two outputs. All states
+// have process noise; without it the variance of a decaying state vanishes.
 TEST(KalmanEstimators, CovarianceOfRandomPlantsStaysPositiveDefinite) {
   Random random(14);
   for (int trial = 0; trial < 6; ++trial) {
@@ -389,7 +389,7 @@ TEST(KalmanEstimators, CovarianceOfRandomPlantsStaysPositiveDefinite) {
     filters.push_back(std::make_unique<Vfakfd<>>(
         design, VfakfdDesign{Eigen::VectorXd::Constant(p, 0.05), Eigen::VectorXd::Zero(p)}));
     filters.push_back(std::make_unique<Vfakfd<>>(design, qvff_design(error)));
-    // Of order 2 it winds up, as its docstring says.
+    // With order 2 it winds up, as its docstring says.
     if (order < 2) filters.push_back(std::make_unique<Stf<>>(design, error));
     const StateSpace plant{design.plant.sampled.A.topLeftCorner(2, 2),
                            design.plant.sampled.B.topRows(2), design.plant.sampled.C.leftCols(2)};
@@ -413,7 +413,7 @@ TEST(KalmanEstimators, CovarianceOfRandomPlantsStaysPositiveDefinite) {
   }
 }
 
-TEST(DisturbanceEstimators, FindAConstantDisturbanceOfTheirOwnPlant) {
+TEST(DisturbanceEstimators, FindAConstantDisturbanceOnTheNominalPlant) {
   Random random(10);
   for (int trial = 0; trial < 10; ++trial) {
     // A damped inertia on a spring.
@@ -440,7 +440,7 @@ TEST(DisturbanceEstimators, FindAConstantDisturbanceOfTheirOwnPlant) {
   }
 }
 
-TEST(DisturbanceEstimators, ResetStartsAnew) {
+TEST(DisturbanceEstimators, ResetRestoresTheInitialState) {
   Random random(11);
   const KalmanDesign design = random_design(random, 2, 1, 1, 1);
   for (const auto& filter : one_of_each(design, 1e-2)) {
@@ -460,7 +460,7 @@ TEST(DisturbanceEstimators, ResetStartsAnew) {
   }
 }
 
-TEST(ObserverPoles, AreThoseOfTheirMatrixInBothPlanes) {
+TEST(ObserverPoles, AreEigenvaluesOfTheMatrixInBothPlanes) {
   const double T = 0.01;
   const StateSpace plant{(Eigen::Matrix2d() << 0, 1, 0, 0).finished(), Eigen::Vector2d(0, 1),
                          Eigen::RowVector2d(1, 0)};

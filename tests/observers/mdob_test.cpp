@@ -12,14 +12,14 @@ Eigen::VectorXd number(double value) {
   return Eigen::VectorXd::Constant(1, value);
 }
 
-// An observer that has seen the angle 0, at rest.
+// An observer after a sample with angle 0 at rest.
 void begin(Mdob& observer) {
   observer.reset(Eigen::Vector2d::Zero());
   observer.update(number(NAN), number(0.0));
 }
 
-TEST(Mdob, HeldStillItSeesTheTorqueThroughItsLowPass) {
-  // q = 0 under torque τ: the disturbance is τ, seen as τ (1 − e^{−g_w t}), exactly at samples.
+TEST(Mdob, AtRestEstimatesTheFilteredTorque) {
+  // q = 0 under torque τ: the disturbance is τ, its estimate τ (1 − e^{−g_w t}), exact at samples.
   const double T = 1e-3, g_w = 80.0, torque = 7.0;
   Mdob observer({1.5, 300.0, g_w}, T);
   begin(observer);
@@ -29,9 +29,8 @@ TEST(Mdob, HeldStillItSeesTheTorqueThroughItsLowPass) {
   }
 }
 
-TEST(Mdob, SeesNothingOnItsOwnNominalPlant) {
-  // Free acceleration: τ = J q̈ needs no disturbance. In the limit of a short period the answer
-  // vanishes with it.
+TEST(Mdob, EstimatesZeroOnItsNominalPlant) {
+  // Free acceleration: τ = J q̈ needs no disturbance. The error vanishes with the period.
   const double J = 0.8, torque = 2.0;
   double previous = 1e300;
   for (const double T : {1e-3, 1e-4, 1e-5}) {
@@ -51,7 +50,7 @@ TEST(Mdob, SeesNothingOnItsOwnNominalPlant) {
 }
 
 TEST(Mdob, FindsAConstantDisturbanceWithTheSignOfEq253) {
-  // J q̈ = τ − d with τ = 0: the joint is pushed back, d̂ must come out positive.
+  // J q̈ = τ − d with τ = 0: the disturbance pushes the joint back, so d̂ must be positive.
   const double T = 1e-4, J = 1.0, d = 10.0;
   Mdob observer({J, 2000.0, 50.0}, T);
   begin(observer);
@@ -67,7 +66,7 @@ TEST(Mdob, ARawDifferenceIsOne) {
   Mdob observer({1.0, INFINITY, 50.0}, 1e-3);
   observer.reset(Eigen::Vector2d::Zero());
   observer.update(number(0.0), number(0.5));
-  EXPECT_EQ(observer.state()(1), 0.0);  // one sample has no difference
+  EXPECT_EQ(observer.state()(1), 0.0);  // one sample gives no difference
   observer.update(number(0.0), number(0.7));
   EXPECT_NEAR(observer.state()(1), 200.0, 1e-9);
   EXPECT_EQ(observer.state()(0), 0.7);

@@ -1,4 +1,5 @@
-// The motor of `motor_estimation`, exactly sampled, without an engine: hundreds of runs a second.
+// The motor of `motor_estimation`, exactly sampled, without the engine: hundreds of runs per
+// second.
 #pragma once
 
 #include <cmath>
@@ -17,29 +18,29 @@ namespace breakwater::testing {
 struct MotorLoop {
   double period_s = 1e-3;  // T_s; the disturbance is held over 1 ms, as the engine holds it
   double inertia = 1.0;    // J, where J_n = 1
-  double coulomb = 0.0;    // F_C, of a dry friction that nobody is told of [N m]
+  double coulomb = 0.0;    // F_C of a dry friction that the observer does not model [N m]
   Encoder encoder;
   double noise_std = 0.0;  // added to the code
   std::uint64_t seed = 1;
   Disturbance disturbance;
   double duration_s = 10.0;
-  double from_s = 5.0;  // of the errors' window
+  double from_s = 5.0;  // beginning of the errors' window
   double k_p = 10.0;
   double k_d = std::sqrt(10.0);
-  // What the estimator is given instead of y(k), where something is there.
+  // Replaces y(k) for the estimator, if set.
   std::function<double(int k, double y)> spoil;
-  // Sees each sample: time, true velocity.
+  // Called at each sample with time, position and true velocity.
   std::function<void(double t, double q, double v)> watch;
 };
 
 struct MotorErrors {
   double velocity = 0.0;     // RMSE of v̂ in the window [rad/s]
-  double disturbance = 0.0;  // of d̂ [N m]
+  double disturbance = 0.0;  // RMSE of d̂ [N m]
   double peak = 0.0;         // |q| [rad]
 };
 
-/// A shaft with dry friction under a held torque for the time h: to where it comes to rest, if it
-/// does, and on from there if the torque breaks it away.
+/// Moves a shaft with dry friction under a held torque for the time h. The shaft may stop within h
+/// and may break away again.
 inline void slide(double& q, double& v, double torque, double coulomb, double inertia, double h) {
   while (v != 0.0 || std::abs(torque) > coulomb) {
     const double a = (torque - std::copysign(coulomb, v != 0.0 ? v : torque)) / inertia;
@@ -52,7 +53,7 @@ inline void slide(double& q, double& v, double torque, double coulomb, double in
   }
 }
 
-/// Runs the loop u = −k_p q̂ − k_d v̂ + d̂ (Eq. 4.22) with this estimator.
+/// Runs the loop u = −k_p q̂ − k_d v̂ + d̂ (Eq. 4.22) with an estimator.
 inline MotorErrors run_motor(const MotorLoop& loop, DisturbanceEstimator& estimator) {
   constexpr double kHeld_s = 1e-3;
   const int substeps = std::max(1, static_cast<int>(std::lround(loop.period_s / kHeld_s)));

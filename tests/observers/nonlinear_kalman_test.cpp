@@ -27,7 +27,7 @@ struct Pendulum : ProcessTypes<3, 1, 1> {
   Square A = (Square() << 1, 0.01, 0, 0, 1, 0.01, 0, 0, 1).finished();
 };
 
-// The same without telling its structure.
+// The same process without its structure.
 struct DensePendulum : ProcessTypes<3, 1, 3> {
   static constexpr int kStates = 3, kInputs = 1, kFirstRow = 0, kRows = 3, kArguments = 3;
   using Square = Eigen::Matrix3d;
@@ -44,7 +44,7 @@ struct DensePendulum : ProcessTypes<3, 1, 3> {
   Square A = Square::Zero();
 };
 
-// Linear: the nonlinear part is linear too.
+// A linear process: the nonlinear part is linear too.
 struct Linear : ProcessTypes<4, 2, 2> {
   static constexpr int kStates = 4, kInputs = 2, kFirstRow = 2, kRows = 2, kArguments = 3;
   using Square = Eigen::Matrix4d;
@@ -71,7 +71,7 @@ NonlinearKalmanDesign<N, p> design(double q, double r, double p0) {
   return d;
 }
 
-TEST(NonlinearKalman, AllAreTheKalmanFilterOfALinearProcess) {
+TEST(NonlinearKalman, AllEqualTheKalmanFilterForALinearProcess) {
   const Linear process;
   const auto d = design<4, 2>(0.01, 0.1, 1.0);
   Ekf<Linear, 2> ekf(process, d, 0.0);
@@ -101,8 +101,8 @@ TEST(NonlinearKalman, AllAreTheKalmanFilterOfALinearProcess) {
   }
 }
 
-// Two entries a row, whose sum has one order only.
-TEST(NonlinearKalman, SparseProductsAreTheDenseOnes) {
+// Two entries per row, so the order of the sum does not matter.
+TEST(NonlinearKalman, SparseProductsEqualDenseOnes) {
   constexpr int N = 30;
   using Square = Eigen::Matrix<double, N, N>;
   testing::Random random;
@@ -114,7 +114,7 @@ TEST(NonlinearKalman, SparseProductsAreTheDenseOnes) {
   }
   detail::SparseSquare<N> sparse;
   sparse.assign(Square::Identity());
-  sparse.assign(A);  // nothing of the first one is left
+  sparse.assign(A);  // the old entries must disappear
   sparse.transposed_times(X, product);
   EXPECT_EQ(product, Square(X * A.transpose()));
   const Eigen::Matrix<double, N, 1> x = X.col(0);
@@ -123,7 +123,7 @@ TEST(NonlinearKalman, SparseProductsAreTheDenseOnes) {
   EXPECT_EQ(image, (Eigen::Matrix<double, N, 1>(A * x)));
 }
 
-// An odd number of states, of which three are measured.
+// An odd number of states, three of them measured.
 struct Chain : ProcessTypes<5, 1, 1> {
   static constexpr int kStates = 5, kInputs = 1, kFirstRow = 4, kRows = 1, kArguments = 1;
   using Square = Eigen::Matrix<double, 5, 5>;
@@ -146,8 +146,8 @@ TEST(NonlinearKalman, PIsSymmetricToTheBit) {
   }
 }
 
-// Also where it had a 0 before: the filter carries what is not 0 alone.
-TEST(NonlinearKalman, ChangedProcessIsTheOneThatIsCarried) {
+// Also at entries that were 0: the filter predicts with nonzero entries only.
+TEST(NonlinearKalman, PredictsWithTheChangedProcess) {
   Linear process;
   const auto d = design<4, 2>(0.01, 0.1, 1.0);
   Ukf<Linear, 2> changed(process, d);
@@ -163,8 +163,9 @@ TEST(NonlinearKalman, ChangedProcessIsTheOneThatIsCarried) {
   EXPECT_GT((changed.P() - unchanged.P()).norm(), 0.1);
 }
 
-// One step against the textbook's loop over all 2n points, drawn again for the measurement.
-TEST(NonlinearKalman, UkfIsTheTextbooks) {
+// One step against the textbook algorithm with all 2n points, which are drawn again for the
+// measurement.
+TEST(NonlinearKalman, UkfEqualsTheTextbook) {
   const Pendulum process;
   const auto d = design<3, 1>(1e-4, 0.01, 0.3);
   Ukf<Pendulum, 1> ukf(process, d);
@@ -206,7 +207,7 @@ TEST(NonlinearKalman, UkfIsTheTextbooks) {
   }
 }
 
-TEST(NonlinearKalman, StructureChangesNothing) {
+TEST(NonlinearKalman, StructureDoesNotChangeTheEstimate) {
   const auto d = design<3, 1>(1e-4, 0.01, 0.3);
   Ukf<Pendulum, 1> structured(Pendulum(), d);
   Ukf<DensePendulum, 1> dense(DensePendulum(), d);
@@ -223,9 +224,9 @@ TEST(NonlinearKalman, StructureChangesNothing) {
   }
 }
 
-// The error, measured by the filter's own covariance, is χ² when the model is true: its mean over
-// M runs of n states lies in n ± 1.96 √(2n/M) in 95 of 100 cases.
-TEST(NonlinearKalman, NeesIsInItsBandWhenTheModelIsTrue) {
+// The NEES is χ² if the model is true. Its mean over M runs of n states lies in n ± 1.96 √(2n/M) in
+// 95 of 100 cases.
+TEST(NonlinearKalman, NeesIsInItsBandWithATrueModel) {
   const Pendulum process;
   auto d = design<3, 1>(0.0, 1e-4, 0.01);
   d.Q.diagonal() << 1e-8, 1e-5, 1e-6;
@@ -262,8 +263,8 @@ TEST(NonlinearKalman, NeesIsInItsBandWhenTheModelIsTrue) {
   EXPECT_NEAR(ekf_nees, 3.0, half_band);
 }
 
-// What had a negative eigenvalue keeps its eigenvectors and its other eigenvalues.
-TEST(NonlinearKalman, RaisesTheEigenvaluesThatAreTooSmall) {
+// A matrix with a negative eigenvalue keeps its eigenvectors and the other eigenvalues.
+TEST(NonlinearKalman, RaisesSmallEigenvalues) {
   const double sine = std::sin(0.7), cosine = std::cos(0.7);
   Eigen::Matrix3d vectors;
   vectors << cosine, -sine, 0, sine, cosine, 0, 0, 0, 1;
@@ -291,7 +292,7 @@ TEST(NonlinearKalman, MillionStepsWithoutRepair) {
   EXPECT_TRUE(ukf.x().allFinite());
 }
 
-// W_s enters through the input: with one input that reaches one state, as W_s (∂f/∂u)².
+// W_s enters through the input: with one input on one state as W_s (∂f/∂u)².
 TEST(NonlinearKalman, InputNoiseEntersAsTheInputDoes) {
   const Pendulum process;
   auto d = design<3, 1>(0.0, 0.01, 0.3);

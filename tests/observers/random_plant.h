@@ -1,4 +1,4 @@
-// Plants that nobody chose.
+// Random plants.
 #pragma once
 
 #include <breakwater/linear/pole_placement.h>

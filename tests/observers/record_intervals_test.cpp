@@ -1,4 +1,4 @@
-// Samples that do not follow each other once a period: what was held, and how estimators take it.
+// Records with irregular samples: the held inputs, and the estimators' treatment of them.
 
 #include <Eigen/Eigenvalues>
 
@@ -30,7 +30,7 @@ TEST(VariableHold, IsTheZeroOrderHoldOfEachInterval) {
 
 TEST(PolePredictor, HasItsPolesOverEachInterval) {
   const StateSpace axis = extend_by_input_disturbance(damped_inertia(1e-3, 2e-4));
-  StateSpace two = axis;  // two axes, each with its output
+  StateSpace two = axis;  // two axes with one output each
   two.A = Eigen::MatrixXd::Zero(6, 6);
   two.A.topLeftCorner(3, 3) = two.A.bottomRightCorner(3, 3) = axis.A;
   two.B = Eigen::MatrixXd::Zero(6, 2);
@@ -58,7 +58,7 @@ TEST(PolePredictor, HasItsPolesOverEachInterval) {
   expect_poles(two, {real, complex});
 }
 
-TEST(RecordIntervals, APeriodButForTheRoundingOfItsTimesIsOne) {
+TEST(RecordIntervals, EqualPeriodsWithRoundedTimesAreOnePeriod) {
   std::vector<double> times;
   for (int k = 0; k < 5000; ++k) times.push_back(1e4 + 1e-3 * k);
   const std::vector<double> inputs(times.size(), 0.0);
@@ -71,7 +71,7 @@ TEST(RecordIntervals, APeriodButForTheRoundingOfItsTimesIsOne) {
   EXPECT_FALSE(RecordIntervals(rows).is_regular());
 }
 
-TEST(RecordIntervals, WhatWasHeldOverAGapLiesOnTheLineBetweenItsEnds) {
+TEST(RecordIntervals, InterpolatesTheInputOverAGap) {
   std::vector<double> times;
   std::vector<double> inputs;
   for (int k = 0; k < 100; ++k) {
@@ -82,7 +82,7 @@ TEST(RecordIntervals, WhatWasHeldOverAGapLiesOnTheLineBetweenItsEnds) {
   RecordRows rows{.times_s = times, .inputs = inputs, .period_s = 0.1};
   RecordIntervals after(rows);
   EXPECT_FALSE(after.is_regular());
-  after.move_to(50);  // from k = 49 to k = 54: inputs of 49, …, 53 acted
+  after.move_to(50);  // from k = 49 to k = 54: the inputs 49, …, 53 acted
   EXPECT_NEAR(after.held_input()(0), 3.0 * 51.0, 1e-9);
   EXPECT_NEAR(after.interval().length_s, 0.5, 1e-12);
   after.move_to(51);
@@ -91,11 +91,11 @@ TEST(RecordIntervals, WhatWasHeldOverAGapLiesOnTheLineBetweenItsEnds) {
   EXPECT_EQ(after.interval().input_std, 0.0);
   rows.inputs_act_before = true;
   RecordIntervals before(rows);
-  before.move_to(50);  // inputs of 50, …, 54 acted
+  before.move_to(50);  // the inputs 50, …, 54 acted
   EXPECT_NEAR(before.held_input()(0), 3.0 * 52.0, 1e-9);
 }
 
-TEST(RecordIntervals, HowWellAMissingInputIsKnownIsWhatTheRecordSays) {
+TEST(RecordIntervals, TakesTheUncertaintyOfAMissingInputFromTheRecord) {
   testing::Random random(4);
   std::vector<double> times;
   std::vector<double> inputs;
@@ -106,7 +106,7 @@ TEST(RecordIntervals, HowWellAMissingInputIsKnownIsWhatTheRecordSays) {
   }
   RecordIntervals intervals({.times_s = times, .inputs = inputs, .period_s = 1.0});
   intervals.move_to(700);
-  // The inputs are white, of variance 1/3: of 8 the first is known, and 7/16 of the next is
+  // The inputs are white with variance 1/3. The first of 8 is known, and 7/16 of the next one is
   // subtracted.
   const double n = 8.0;
   const double share = 7.0 / 16.0;
@@ -115,8 +115,8 @@ TEST(RecordIntervals, HowWellAMissingInputIsKnownIsWhatTheRecordSays) {
   EXPECT_NEAR(intervals.interval().input_std, std::sqrt(variance), 0.02 * std::sqrt(variance));
 }
 
-// Where n − 1 samples are missing, the state and P are what n predictions give.
-TEST(KalmanEstimators, PredictOverAGapAsOverSoManySamples) {
+// With n − 1 missing samples the state and P are those of n predictions.
+TEST(KalmanEstimators, PredictOverAGapAsOverSingleSamples) {
   const double T = 1e-2;
   const ExtendedPlant plant = sample_with_disturbance_model(damped_inertia(0.5, 0.1), 1, T);
   const Eigen::Index N = plant.states();
@@ -144,7 +144,7 @@ TEST(KalmanEstimators, PredictOverAGapAsOverSoManySamples) {
   const Eigen::VectorXd K = P * C.transpose() / ((C * P * C.transpose())(0, 0) + 1.0);
   EXPECT_LE((filter.K() - K).norm(), 1e-9 * K.norm());
 
-  // The speed times what the instant is off by is an error of the output.
+  // The error of the time times the speed is an error of the output.
   x = filter.extended_state();
   P = filter.P();
   x = (plant.sampled.A * x + plant.sampled.B * u).eval();

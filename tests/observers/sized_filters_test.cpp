@@ -14,9 +14,9 @@ namespace {
 
 constexpr double kPeriod = 0.01;
 
-// What runs and Python take is the filter whose sizes are known at run time alone, over intervals
-// that change too.
-TEST(SizedFilters, AreTheFiltersOfAnySize) {
+// The sized filters of runs and of Python equal the filters of dynamic size, also over variable
+// intervals.
+TEST(SizedFilters, EqualTheFiltersOfDynamicSize) {
   const SensorError sensor{Eigen::VectorXd::Constant(1, 1e-3), Eigen::VectorXd::Constant(1, 1e-4)};
   for (const int order : {0, 1, 2}) {
     const ExtendedPlant plant =
@@ -58,8 +58,8 @@ TEST(SizedFilters, AreTheFiltersOfAnySize) {
   }
 }
 
-// Two outputs, or more states than are compiled in.
-TEST(SizedFilters, TakeAnySize) {
+// Two outputs, or more states than the compiled sizes.
+TEST(SizedFilters, WorkWithDynamicSize) {
   StateSpace plant{Eigen::MatrixXd::Zero(4, 4), Eigen::MatrixXd::Zero(4, 1),
                    Eigen::MatrixXd::Zero(2, 4)};
   plant.A.topRightCorner(2, 2).setIdentity();

@@ -41,8 +41,8 @@ std::unique_ptr<DisturbanceEstimator> estimator(int kind, double inertia) {
   return std::make_unique<FilterBank>(FilterBankDesign{plant, kPeriod, encoder(), 50.0 * inertia});
 }
 
-// Each axis has the estimates and signals that it has alone.
-TEST(StackedEstimator, IsItsAxesSideBySide) {
+// Each axis has the estimates and signals of a separate estimator.
+TEST(StackedEstimator, EqualsSeparateAxes) {
   for (const int kind : {0, 1, 2}) {
     Estimators stacked, alone;
     for (const double inertia : kInertia) {
@@ -82,8 +82,8 @@ TEST(StackedEstimator, IsItsAxesSideBySide) {
   }
 }
 
-// Three IDOBs are the thesis' one of all joints (Eqs. 2.54–2.58).
-TEST(StackedEstimator, OfIdobsIsTheIdobOfAllJoints) {
+// Three IDOBs equal the thesis' IDOB of all joints (Eqs. 2.54–2.58).
+TEST(StackedEstimator, WithIdobsEqualsTheIdobOfAllJoints) {
   StateSpace plant{Eigen::MatrixXd::Zero(6, 6), Eigen::MatrixXd::Zero(6, 3),
                    Eigen::MatrixXd::Zero(3, 6)};
   plant.A.topRightCorner(3, 3).setIdentity();
@@ -111,9 +111,9 @@ TEST(StackedEstimator, OfIdobsIsTheIdobOfAllJoints) {
   }
 }
 
-// The filter of a triple integrator is Butterworth's of order 3, w³ = √(Q/R)/(T_s J): what the
-// arm's scenario files say of their KFD.
-TEST(Kfd, OfAWalkingDisturbanceSettlesAtButterworthsPoles) {
+// The filter of a triple integrator has Butterworth poles of order 3, w³ = √(Q/R)/(T_s J), as in
+// the arm's scenario files.
+TEST(Kfd, ForARandomWalkConvergesToButterworthPoles) {
   for (const double inertia : kInertia) {
     Kfd<> kfd(walk(inertia));
     for (int k = 0; k < 3000; ++k) kfd.update(Eigen::VectorXd::Zero(1), Eigen::VectorXd::Zero(1));
@@ -128,7 +128,7 @@ TEST(Kfd, OfAWalkingDisturbanceSettlesAtButterworthsPoles) {
   }
 }
 
-TEST(StackedEstimator, RefusesWhatIsNoAxis) {
+TEST(StackedEstimator, RefusesAPlantThatIsNotAnAxis) {
   EXPECT_THROW(StackedEstimator{Estimators()}, std::invalid_argument);
   Estimators axes;
   axes.push_back(

@@ -1,4 +1,4 @@
-// The plain state observer: its poles, and what a disturbance does to it.
+// The plain state observer: its poles, and the effect of a disturbance.
 #include <breakwater/observers/state_observer.h>
 
 #include <cmath>
@@ -17,7 +17,7 @@ TEST(StateObserver, ErrorHasThePlacedPolesAndDisturbanceBiasesIt) {
   observer.pole_matrix(F);
   EXPECT_LT(testing::distance(eigenvalues(F), {std::exp(-0.2), std::exp(-0.25)}), 1e-9);
 
-  // Without a disturbance it converges from any start, and says that there is none.
+  // Without a disturbance it converges from any start, and its estimated disturbance is zero.
   const auto error_after = [&](double disturbance) {
     Eigen::VectorXd x = Eigen::Vector2d(0.3, -0.2);
     Eigen::VectorXd u = Eigen::VectorXd::Constant(1, 0.7);
@@ -33,7 +33,7 @@ TEST(StateObserver, ErrorHasThePlacedPolesAndDisturbanceBiasesIt) {
   EXPECT_GT(error_after(1.0), 1e-3);
 }
 
-TEST(StateObserver, RefusesPolesThatAreNotStable) {
+TEST(StateObserver, RefusesUnstablePoles) {
   const StateSpace plant = damped_inertia(0.625, 0.78);
   using Poles = std::vector<PoleGroup>;
   for (const PoleGroup& group : {PoleGroup{-20.0, 5.0}, PoleGroup{-20.0, 0.0},

@@ -1,4 +1,4 @@
-// The filters' steady states against SciPy's solutions of the Riccati equation.
+// The steady states of the filters against SciPy's Riccati solutions.
 
 #include <Eigen/Eigenvalues>
 
@@ -15,11 +15,11 @@ namespace {
 using testing::Random;
 using testing::random_plant;
 
-// P(k|k) of the filter after it has settled, and what the Riccati solution X = P(k+1|k) says of it.
-// A factor Γ makes it the solution for A √Γ, with P(k|k) = √Γ (X − X Cᵀ (C X Cᵀ + R)⁻¹ C X) √Γ.
-TEST(KalmanEstimators, SettleAtTheSolutionOfTheRiccatiEquation) {
+// P(k|k) of the converged filter, compared with the Riccati solution X = P(k+1|k). A factor Γ makes
+// it the solution for A √Γ, with P(k|k) = √Γ (X − X Cᵀ (C X Cᵀ + R)⁻¹ C X) √Γ.
+TEST(KalmanEstimators, ConvergeToTheSolutionOfTheRiccatiEquation) {
   Random random(21);
-  std::vector<testing::RiccatiProblem> problems;  // of the dual: Aᵀ, Cᵀ
+  std::vector<testing::RiccatiProblem> problems;  // dual problem: Aᵀ, Cᵀ
   std::vector<Eigen::MatrixXd> settled, roots;
   for (int trial = 0; trial < 12; ++trial) {
     const Eigen::Index n = 1 + trial % 3, p = 1 + trial % 2;
@@ -55,7 +55,7 @@ TEST(KalmanEstimators, SettleAtTheSolutionOfTheRiccatiEquation) {
   }
 }
 
-// The error of an IDOB has exactly the poles that were placed, on random plants too.
+// The error of an IDOB has exactly the placed poles, also on random plants.
 TEST(Idob, ErrorOfRandomPlantsHasThePlacedPoles) {
   Random random(22);
   for (int trial = 0; trial < 20; ++trial) {
@@ -68,8 +68,8 @@ TEST(Idob, ErrorOfRandomPlantsHasThePlacedPoles) {
       sampled.push_back(std::exp(continuous.back() * period));
     }
     const Idob observer(plant, {continuous}, period);
-    // By Cayley and Hamilton: the product of all F − z I is 0 if the z are F's eigenvalues. Unlike
-    // these, it does not suffer where the plant is hard to observe.
+    // By Cayley and Hamilton the product of all F − z I is 0 if the z are the eigenvalues of F.
+    // This test stays accurate for a plant that is hard to observe.
     Eigen::MatrixXd F(n + 1, n + 1);
     observer.pole_matrix(F);
     const Eigen::MatrixXd I = Eigen::MatrixXd::Identity(F.rows(), F.cols());

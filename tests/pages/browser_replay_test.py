@@ -1,8 +1,7 @@
 """A replay works in Chromium with software WebGL, and shows what the stills show.
 
-Short runs of the arm, one of them of a model outside of the tree with a mesh, and of the quadrotor
-are replayed; a page on this machine alone uses the replays as a reader would and reports back what
-it saw and the pixels that were drawn.
+The test replays short runs of the arm and the quadrotor. One model is outside the tree and has a
+mesh. A local page uses the replays like a reader and reports its observations and pixels.
 
 Usage: browser_replay_test.py BUILD_BIN_FOLDER
 """
@@ -24,8 +23,8 @@ from chromium import visit  # noqa: E402
 
 TREE = pathlib.Path(__file__).resolve().parents[2]
 TIMEOUT_S = 200
-SIZE = (640, 360)  # of what is compared with stills
-TIMES_S = (1.0, 4.5, 5.4)  # before contact: a still has a number beside an arrow
+SIZE = (640, 360)  # size of the pictures that are compared with stills
+TIMES_S = (1.0, 4.5, 5.4)  # before contact, since a still has a number beside an arrow
 
 # Contact at about 5.5 s.
 SHORT_WALL = ["--duration", "6", "--set", "wall.solid_from_s=4", "force.from_s=5",
@@ -59,7 +58,7 @@ async function open(name, width, height) {
   return {frame, page, dom, box, view: box.replay, firstMs: performance.now() - begin};
 }
 
-// What is drawn at that time, as well as can be, in a picture of the stills' size.
+// The best drawing of that time, in the size of the stills.
 function shot(view, time) {
   Object.assign(view.picture.style, {width: "%(width)dpx", height: "%(height)dpx", aspectRatio: "auto"});
   view.resize();
@@ -90,7 +89,7 @@ async function look() {
     seen.pages[name] = {firstMs, shots: TIMES.map((time) => shot(view, time))};
   }
 
-  // Slider, chart and scene are at one time, whichever is moved.
+  // Slider, chart and scene show the same time if one of them moves.
   const {page, dom, view, box} = await open("wall", 1320, 1000);
   const chart = dom.querySelector(".chart").chart;
   const trueAt = (time) => chart.at(time, 1);
@@ -122,7 +121,7 @@ async function look() {
   seen.played = view.time - 1;
   seen.isPaused = !view.isPlaying;
 
-  // A drag takes the camera over, and turns it.
+  // A drag takes control of the camera and turns it.
   key("0");
   view.draw();
   const from = view.camera.position.clone();
@@ -135,7 +134,7 @@ async function look() {
   seen.turned = from.distanceTo(view.camera.position);
   seen.afterDrag = view.cameraChoice.value;
 
-  // One finger turns, two that part go nearer.
+  // One finger turns the view. Two fingers that move apart zoom in.
   view.useCamera(view.data.camera);
   view.draw();
   const finger = (identifier, x, y) => new page.Touch({identifier, target: view.canvas, clientX: x, clientY: y, pageX: x, pageY: y});
@@ -169,7 +168,7 @@ async function look() {
   both.view.draw();
   seen.both.beside = both.view.panels().length;
 
-  // How quick it is, with shadows and water.
+  // The frame rate with shadows and water.
   const sea = await open("sea", 1320, 1000);
   Object.assign(sea.view.picture.style, {width: "1280px", height: "720px", aspectRatio: "auto"});
   sea.view.resize();
@@ -182,7 +181,7 @@ async function look() {
                   cameras: Array.from(hostile.view.cameraChoice.options, (o) => o.textContent).join("|"),
                   moments: Array.from(hostile.dom.querySelectorAll(".moment"), (m) => m.title).join("|")};
 
-  // Without WebGL a strip is shown, and said why.
+  // Without WebGL the page shows a strip and the reason.
   const plain = document.createElement("iframe");
   plain.style.cssText = "border:0;width:1000px;height:800px";
   plain.src = "nowebgl.html";
@@ -199,7 +198,8 @@ look().catch((e) => seen.errors.push(String(e.stack))).then(() => fetch("/seen",
 
 
 def variants(folder):
-    """Models outside of the tree, on a green table, which tells the plant from it; one with a mesh."""
+    """Models outside the tree on a green table, which separates the plant from the background; one
+    has a mesh."""
     arm = (TREE / "models/arm.xml").read_text()
     table = 'rgb1="0.80 0.81 0.82" rgb2="0.74 0.75 0.77"'
     link = '<geom name="link3" class="link" fromto="0 0 0 0.16 0 0"/>'
@@ -219,7 +219,7 @@ def run(*words):
 
 
 def hostile_run(bin_folder, folder):
-    """A run of a model whose camera and geoms are named against the page, in such a folder."""
+    """A run of a model whose camera, geoms and folder have names that could break the page."""
     evil = '&lt;/script&gt;&lt;script&gt;window.pwned=true&lt;/script&gt;&quot;&apos;'
     arm = (TREE / "models/arm.xml").read_text()
     model = folder / "hostile.xml"
@@ -249,7 +249,7 @@ def make(bin_folder, folder):
     home = hostile_run(bin_folder, folder)
     run(breakwater, "replay", home, home, "--quiet", "--out", folder / "hostile.html")
     pages["hostile"] = (folder / "hostile.html").read_text()
-    # The same page in a browser that has no WebGL.
+    # The same page in a browser without WebGL.
     pages["nowebgl"] = pages["wall"].replace(
         "<head>", '<head><script>HTMLCanvasElement.prototype.getContext = ((get) => function (kind, ...rest) {'
         ' return kind.startsWith("webgl") ? null : get.call(this, kind, ...rest); })(HTMLCanvasElement.prototype.getContext);'
@@ -266,14 +266,15 @@ def make(bin_folder, folder):
 
 
 def shrunk(shot):
-    """A picture of two by two samples a pixel, as replays that stand still are drawn."""
+    """A picture with two by two samples per pixel, as for a paused replay."""
     image = matplotlib.image.imread(io.BytesIO(base64.b64decode(shot)))[:, :, :3]
     assert image.shape[:2] == (2 * SIZE[1], 2 * SIZE[0]), image.shape
     return image.reshape(SIZE[1], 2, SIZE[0], 2, 3).mean(axis=(1, 3))
 
 
 def overlap(a, b):
-    """Intersection over union of what is not green, but for where a still has letters and chart."""
+    """Intersection over union of the pixels that are not green, outside the still's texts and
+    chart."""
     def silhouette(image):
         part = image[int(0.40 * SIZE[1]):int(0.92 * SIZE[1])]
         return part[:, :, 1] < 1.2 * numpy.maximum(part[:, :, 0], part[:, :, 2])
@@ -290,7 +291,7 @@ def main():
         html = "text/html; charset=utf-8"
         served = {f"/{name}.html": (page.encode(), html) for name, page in pages.items()}
         served["/"] = ((READER % {"times": json.dumps(TIMES_S), "width": SIZE[0], "height": SIZE[1]}).encode(), html)
-        # No name is resolved: only this machine is there.
+        # No name is resolved, so only this machine is reachable.
         seen, log, asked = visit(served, folder, [
             "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist",
             "--enable-logging=stderr", "--window-size=1400,1100",
@@ -328,9 +329,8 @@ def main():
     assert seen["phone"]["overflow"] <= 0 and 300 < seen["phone"]["canvas"] <= 390, seen["phone"]
     assert seen["both"]["panels"] == 1 and seen["both"]["beside"] == 2, seen["both"]
     assert "model.mjcf" in seen["both"]["runs"][0], seen["both"]
-    # A machine that does other things too has no rate to hold; docs/how-to/pictures-and-videos.md has
-    # what a frame costs.
-    # The fast look has less to draw; how much faster that is, a machine with other work does not show.
+    # A loaded machine has no fixed frame rate; docs/how-to/pictures-and-videos.md has the times.
+    # The fast look draws less, but a loaded machine does not show by how much.
     assert not seen["sea"]["shadowsInFast"] and seen["sea"]["fast"] > 0.7 * seen["sea"]["full"] > 0, seen["sea"]
     assert not seen["sea"]["shadowsInFast"], seen["sea"]
     assert not seen["hostile"]["pwned"], seen["hostile"]

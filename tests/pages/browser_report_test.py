@@ -1,7 +1,7 @@
 """A report works in Chromium: charts, hover, zoom, video, narrow and wide, without any request.
 
-A small report is made and served on this machine alone, in a frame of a page that uses it as a
-reader would and reports back what it saw.
+The test makes a small report and serves it locally, in a frame of a page. The page uses the report
+like a reader and reports its observations.
 
 Usage: browser_report_test.py BUILD_BIN_FOLDER
 """
@@ -105,7 +105,7 @@ async function look() {
     return ink > 500;
   });
 
-  // The mouse, as the page gets it.
+  // Mouse events of the page.
   const mouse = (box, kind, part) => {
     const canvas = box.chart.graph.mouseEventElement_;
     const area = box.chart.graph.getArea(), at = canvas.getBoundingClientRect();
@@ -122,7 +122,7 @@ async function look() {
   seen.hoverElsewhere = values(other);
   seen.clock = motor.querySelector(".time").textContent;
 
-  // A zoom of one is a zoom of its section, and of no other.
+  // A zoom of one chart zooms its section only.
   const arm = find("figure-2-50-1"), before = arm.chart.graph.xAxisRange();
   mouse(motor, "mousedown", 0.25);
   mouse(motor, "mousemove", 0.4);
@@ -136,14 +136,14 @@ async function look() {
   await wait(300);
   seen.reset = other.chart.graph.xAxisRange();
 
-  // A signal's button.
+  // The button of a signal.
   const key = motor.querySelector(".key");
   key.click();
   seen.pressed = key.getAttribute("aria-pressed");
   seen.visible = motor.chart.graph.visibility();
   seen.offAtFirst = other.chart.graph.visibility();
 
-  // The video, both ways.
+  // The video and the charts follow each other.
   const video = dom.querySelector("section video");
   video.scrollIntoView({block: "center", behavior: "instant"});
   await until("the video", () => video.readyState >= 2);
@@ -165,7 +165,7 @@ async function look() {
   seen.now = video.parentElement.querySelector(".now").textContent;
   seen.closeUp = find("figure-2-50-3").chart.graph.xAxisRange();
 
-  // What the page says to those who do not see it, and to the keyboard.
+  // Texts for screen readers, and access by keyboard.
   seen.unnamed = Array.from(dom.querySelectorAll("img, video, .plot, .scroll, nav")).filter((e) =>
     !(e.getAttribute("alt") || e.getAttribute("aria-label"))).length;
   seen.unreachable = Array.from(dom.querySelectorAll(".plot, .scroll, .key, pre, summary, a[href]")).filter((e) => e.tabIndex < 0).length;
@@ -208,7 +208,7 @@ def read(report, folder):
 
 
 def printed_canvases(folder):
-    """How many pictures the page has on paper: Chromium prints a canvas that has ink as pictures."""
+    """The number of pictures on paper: Chromium prints each non-empty canvas as a picture."""
     paper = folder / "paper.pdf"
     subprocess.run(["chromium", "--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage",
                     f"--user-data-dir={folder / 'printer'}", "--virtual-time-budget=20000",

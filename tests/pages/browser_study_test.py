@@ -1,6 +1,6 @@
 """A study's report works in Chromium: choice of metric, tips, commands, keyboard, narrow and wide.
 
-Two small studies are made and their pages used as a reader would, without any request.
+The test makes two small studies and uses their pages like a reader, without any request.
 
 Usage: browser_study_test.py BUILD_BIN_FOLDER
 """
@@ -42,7 +42,7 @@ async function look() {
   };
   const section = Array.from(dom.querySelectorAll(".metric")).find((s) => s.offsetParent);
   const heat = section.querySelector("svg.heat"), mark = section.querySelector(".m circle") || heat;
-  // The lower left cell, of two by two beside their labels.
+  // The lower left one of two by two cells.
   const [dx, dy] = heat ? [0.25, 0.55] : [0.5, 0.5];
   mark.dispatchEvent(new page.PointerEvent("pointermove", at(mark, dx, dy)));
   seen.tip = tip.hidden ? "" : tip.textContent;
@@ -116,7 +116,7 @@ def check(seen, study, words):
 
 
 def replay(bin_folder, command):
-    """The command that the page tells makes the run."""
+    """The command on the page repeats the run."""
     words = command.split()
     subprocess.run([bin_folder / words[0], *words[1:], "--quiet"], check=True)
     assert (pathlib.Path(words[2]) / "runs" / words[-1] / "log.h5").exists()

@@ -1,4 +1,3 @@
-// Fewer points must show the same peaks.
 #include <breakwater/pages/decimation.h>
 
 #include <cmath>
@@ -16,7 +15,7 @@ Series impact() {
     series.times_s.push_back(t);
     series.values.push_back(std::sin(t) * 1e-3);
   }
-  series.values[30527] = 7.93;  // one sample high
+  series.values[30527] = 7.93;  // a peak of one sample
   series.values[61234] = -5.5;
   return series;
 }
@@ -33,7 +32,7 @@ TEST(Decimation, KeepsEveryPeakAtItsTime) {
   EXPECT_EQ(thin.times_s.back(), series.times_s.back());
 }
 
-TEST(Decimation, APeakBesideWhatIsNoNumberSurvives) {
+TEST(Decimation, APeakBesideNanStays) {
   Series series = impact();
   series.values[30520] = std::numeric_limits<double>::quiet_NaN();
   series.values[30400] = std::numeric_limits<double>::quiet_NaN();
@@ -44,7 +43,7 @@ TEST(Decimation, APeakBesideWhatIsNoNumberSurvives) {
   EXPECT_EQ(largest, 7.93);
 }
 
-TEST(Decimation, ExtremesOfAnyPartSurvive) {
+TEST(Decimation, KeepsTheExtremesOfAnyPart) {
   testing::Random random(7);
   Series series;
   for (int i = 0; i < 9973; ++i) {
@@ -77,7 +76,7 @@ TEST(Decimation, AStepStaysAStep) {
   EXPECT_EQ(thin.at(5200.0), 1.0);
 }
 
-TEST(Decimation, ShortSeriesAreLeftAsTheyAre) {
+TEST(Decimation, ShortSeriesDoNotChange) {
   const Series series{{0.0, 1.0, 2.0}, {3.0, 1.0, 2.0}};
   EXPECT_EQ(decimate(series, 10).values, series.values);
   EXPECT_TRUE(decimate(Series{}, 10).values.empty());

@@ -1,4 +1,4 @@
-// report.html of a study: the numbers behind its charts, its size, and hostile names.
+// report.html of a study: the numbers of its charts, its size, and hostile names.
 
 #include <fmt/format.h>
 #include <cmath>
@@ -51,7 +51,7 @@ Study make_study(std::vector<VariedKey> vary, std::vector<std::string> cases, st
   return study;
 }
 
-// A study's folder with results that `run` makes, one for each point.
+// The folder of a study. `run` makes the result of each point.
 class Folder {
  public:
   Folder(const std::string& name, Study study)
@@ -95,8 +95,8 @@ void fail(PointResult& result, const std::string& reason) {
   result.reason = reason;
 }
 
-// Eleven seeds: 10, 25, 50 and 90 % are the 2nd value, between the 3rd and the 4th, the 6th, the
-// 10th.
+// Eleven seeds: the 10 % quantile is the 2nd value, 25 % lies between the 3rd and the 4th, 50 % is
+// the 6th, 90 % the 10th.
 TEST(QuantileBands, AreTheOrderStatistics) {
   Folder folder("bands", make_study({list_of("a.b", {1, 2, 4}), list_of("c.d", {7, 9})},
                                     {"idob", "stf"}, 11));
@@ -146,8 +146,8 @@ TEST(QuantileBands, AreTheOrderStatistics) {
   }
 }
 
-// What the page says of pairs is what comparison.csv says.
-TEST(StudyReport, SaysWhatIsBetter) {
+// The page and comparison.csv agree on the pairs.
+TEST(StudyReport, NamesTheBetterCandidate) {
   Study study = make_study({}, {"idob", "stf", "kfd"}, 12);
   study.goals = {{"y_m", Goal::min}};
   study.metrics = {"y_m"};
@@ -171,8 +171,8 @@ TEST(StudyReport, SaysWhatIsBetter) {
     const std::string row = page.substr(at, page.find("</tr>", at) - at);
     EXPECT_TRUE(has(row, fmt::format(">{}</b></td><td>{}", name_of(one.verdict), one.blocks)));
   }
-  EXPECT_EQ(comparison->metrics[0].verdict, ComparisonVerdict::worse);  // stf beside idob
-  EXPECT_TRUE(has(page, "<td>11 of 12</td>"));                          // where kfd failed
+  EXPECT_EQ(comparison->metrics[0].verdict, ComparisonVerdict::worse);  // stf compared with idob
+  EXPECT_TRUE(has(page, "<td>11 of 12</td>"));                          // kfd failed in one
   EXPECT_TRUE(has(page, "McNemar", "(Nemenyi, 5 %)"));
 }
 
@@ -199,7 +199,7 @@ TEST(QuantileBands, ManyValuesAreGroupedWithTheirNeighbours) {
   EXPECT_EQ(group_values(key, 11).centre, key.values);
 }
 
-TEST(StudyNumbers, ASampleKeepsWhatIsComparedTogetherAndCountsEveryFailure) {
+TEST(StudyNumbers, ASampleKeepsPairsTogetherAndCountsEveryFailure) {
   Folder folder("sample", make_study({list_of("a", range(0.0, 1.0, 400))}, {"idob", "stf"}, 10));
   std::size_t failed = 0;
   folder.fill([&](const StudyPoint& point, PointResult& result) {
@@ -224,8 +224,9 @@ TEST(StudyNumbers, ASampleKeepsWhatIsComparedTogetherAndCountsEveryFailure) {
   EXPECT_EQ(numbers.failed.size(), 150U);
 }
 
-// y = Σ a_i x_i of uniform x_i: S_i = T_i = a_i²/Σ a². Failed where x_1 < 0.25: x_1 alone decides.
-TEST(StudyIndices, AreThoseOfALinearOutputAndOfItsFailures) {
+// y = Σ a_i x_i of uniform x_i: S_i = T_i = a_i²/Σ a². Runs fail if x_1 < 0.25, so only x_1
+// matters.
+TEST(StudyIndices, MatchALinearOutputAndItsFailures) {
   Study study =
       make_study({uniform("x.a", 0, 1), uniform("x.b", 0, 1), uniform("x.c", 0, 1)}, {"idob"}, 2);
   study.method = Method::saltelli;
@@ -233,7 +234,7 @@ TEST(StudyIndices, AreThoseOfALinearOutputAndOfItsFailures) {
   Folder folder("indices", study);
   folder.fill([&](const StudyPoint& point, PointResult& result) {
     const double a = number_of(point.values[0]);
-    const double noise = *point.seed == 1 ? 0.5 : -0.5;  // which the mean over seeds has not
+    const double noise = *point.seed == 1 ? 0.5 : -0.5;  // the mean over seeds removes it
     result.metrics = {
         {"y", 3.0 * a + 2.0 * number_of(point.values[1]) + number_of(point.values[2]) + noise}};
     if (a < 0.25) fail(result, "low");
@@ -278,8 +279,8 @@ TEST(ChartScale, TicksAreRoundAndInside) {
   EXPECT_NEAR(ChartScale(2.0, 2.0, false, 0.0, 1.0)(2.0), 0.5, 1e-12);
 }
 
-// log(0.1,1000,n) has values of ten digits; what is told apart by no fewer keeps them.
-TEST(StudyGroups, LabelsAreShortWhereAllAreToldApart) {
+// log(0.1,1000,n) has values of ten digits. They stay if fewer digits would make them equal.
+TEST(StudyGroups, LabelsAreAsShortAsTheirValuesAllow) {
   StudyKey key;
   key.values = {0.3437543855, 281.1706626, 20000.0, 123456.0, 0.015};
   EXPECT_EQ(group_values(key, 10).labels,
@@ -289,7 +290,7 @@ TEST(StudyGroups, LabelsAreShortWhereAllAreToldApart) {
             (std::vector<std::string>{"1.00000001", "1.00000002", "2"}));
 }
 
-// Whatever the shape of a study with 36 metrics and 1e5 points.
+// Studies of any shape with 36 metrics and 1e5 points.
 class LargeStudy : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(LargeStudy, HasAPageOfLessThan2MB) {
@@ -330,7 +331,7 @@ TEST_P(LargeStudy, HasAPageOfLessThan2MB) {
 INSTANTIATE_TEST_SUITE_P(Shapes, LargeStudy, ::testing::Values("grid", "lhs", "saltelli"),
                          [](const auto& shape) { return std::string(shape.param); });
 
-TEST(HeatMaps, HaveTheirRowsWholeLabels) {
+TEST(HeatMaps, HaveCompleteRowLabels) {
   HeatMap map;
   map.x_labels = {"a word of twenty-six letters", "b"};
   map.y_labels = {"joint-space-position"};
@@ -362,7 +363,7 @@ TEST(StudyReport, HostileNamesStayText) {
     for (const char* tag : {"<img", "<b>idob", "<i>\"", "<script>alert", "a<b>"}) {
       EXPECT_TRUE(lacks(page, tag)) << tag;
     }
-    // The page's own: the list of runs and two scripts.
+    // Scripts of the page: the list of runs and two more.
     const std::regex script("</script>");
     EXPECT_EQ(std::distance(std::sregex_iterator(page.begin(), page.end(), script), {}), 3);
     EXPECT_TRUE(has(page, "&lt;img src"));
@@ -370,7 +371,7 @@ TEST(StudyReport, HostileNamesStayText) {
   }
 }
 
-TEST(StudyReport, OfNothingIsAPageToo) {
+TEST(StudyReport, AnEmptyStudyHasAPage) {
   Folder folder("nothing", make_study({list_of("a", {1, 2})}, {"idob"}, 1));
   EXPECT_TRUE(has(folder.page(), "not yet run"));
   folder.fill([](const StudyPoint&, PointResult& result) { fail(result, ""); });

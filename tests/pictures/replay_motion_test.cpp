@@ -1,4 +1,4 @@
-// What a replay's page carries: its times, and numbers in few bytes.
+// The data of a replay's page: its times, and compressed numbers.
 #include <breakwater/pictures/replay_motion.h>
 
 #include <zlib.h>
@@ -13,7 +13,7 @@
 namespace breakwater::replay_motion_test {
 namespace {
 
-TEST(MotionCodec, NumbersComeBackToTheirUnit) {
+TEST(MotionCodec, NumbersRoundTripWithinAUnit) {
   testing::Random random(3);
   std::vector<double> values;
   for (int i = 0; i < 500; ++i) values.push_back(random.uniform(-2.0, 2.0) * std::pow(10.0, i % 7));
@@ -25,14 +25,15 @@ TEST(MotionCodec, NumbersComeBackToTheirUnit) {
   for (std::size_t i = 0; i < values.size(); ++i) EXPECT_NEAR(back[i], values[i], 0.51e-3);
 }
 
-// By hand: 3, −1 and 200 units are the steps 3, −4, 201; zigzag 6, 7, 402 = 3·128 + 18.
-TEST(MotionCodec, HasTheBytesThatItsDescriptionSays) {
+// By hand: 3, −1 and 200 units have the differences 3, −4, 201, in zigzag code 6, 7, 402 = 3·128 +
+// 18.
+TEST(MotionCodec, HasTheBytesOfItsDescription) {
   std::vector<std::uint8_t> bytes;
   append_channel(std::vector{0.3, -0.1, 20.0}, 0.1, bytes);
   EXPECT_EQ(bytes, (std::vector<std::uint8_t>{6, 7, 128 + 18, 3}));
 }
 
-TEST(MotionCodec, WhatIsNotFiniteRepeatsTheLastAndACutOffChannelIsRefused) {
+TEST(MotionCodec, RepeatsTheLastValueForNanAndRefusesATruncatedChannel) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   std::vector<std::uint8_t> bytes;
   append_channel(std::vector{1.0, nan, 1.0 / 0.0, 2.0}, 0.5, bytes);
@@ -46,7 +47,7 @@ TEST(PageData, BytesArePackedAsAZlibStream) {
   const std::vector<std::uint8_t> bytes(10000, 7);
   const std::string text = packed_bytes(bytes);
   EXPECT_LT(text.size(), 100U);
-  // Decoded here: base64, then zlib.
+  // Decodes base64, then zlib.
   std::vector<std::uint8_t> stream;
   const std::string digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   for (std::size_t i = 0; i < text.size(); i += 4) {
@@ -63,7 +64,7 @@ TEST(PageData, BytesArePackedAsAZlibStream) {
   EXPECT_EQ(back, bytes);
 }
 
-TEST(PageData, NothingEndsAScript) {
+TEST(PageData, NoTextEndsTheScript) {
   EXPECT_EQ(script_safe(R"({"a":"</script><!--"})"), R"({"a":"\u003c/script>\u003c!--"})");
 }
 
@@ -73,7 +74,7 @@ std::vector<double> log_times(double end_s, double step_s) {
   return times;
 }
 
-TEST(ReplayTimes, AreSixtyASecondAndInSlowMotionSixtyASecondOfWatching) {
+TEST(ReplayTimes, AreSixtyPerSecondAlsoInSlowMotion) {
   const std::vector<TimeSpan> spans = replay_times(log_times(100.0, 0.001), {29.9, 31.5, 0.1});
   const std::vector<double> times = times_of(spans);
   EXPECT_EQ(times.front(), 0.0);
@@ -89,7 +90,7 @@ TEST(ReplayTimes, AreSixtyASecondAndInSlowMotionSixtyASecondOfWatching) {
   EXPECT_NEAR(inside, 0.1 / 60.0, 1e-5);
 }
 
-TEST(ReplayTimes, AreNeitherFinerThanTheLogNorMoreThanAPageHolds) {
+TEST(ReplayTimes, AreLimitedByTheLogAndThePage) {
   const auto coarse = times_of(replay_times(log_times(10.0, 0.1), {2.0, 4.0, 0.01}));
   EXPECT_EQ(coarse.size(), 101U);
   const auto many = times_of(replay_times(log_times(1e5, 0.5), {0.0, 1e5, 1.0}));

@@ -8,7 +8,7 @@
 namespace breakwater {
 namespace {
 
-TEST(DampedInertia, SampledItIsTheClosedForm) {
+TEST(DampedInertia, SampledMatchesTheClosedForm) {
   const double M = 0.625, C = 0.78, T = 0.1;
   const StateSpace sampled = zero_order_hold(damped_inertia(M, C), T);
   const double decay = std::exp(-C / M * T);

@@ -12,7 +12,7 @@
 namespace breakwater {
 namespace {
 
-// A random chain, and the same chain in KDL: the second implementation.
+// A random chain, and the same chain in KDL as a second implementation.
 struct RandomChain {
   PlanarChain ours;
   KDL::Chain kdl;
@@ -100,7 +100,7 @@ TEST(PlanarChain, AgreesWithKdl) {
   }
 }
 
-TEST(PlanarChain, ThesisArmIsThatOfEq251) {
+TEST(PlanarChain, ThesisArmMatchesEq251) {
   const PlanarChain arm = load_planar_chain(testing::source_file("models/arm.urdf"));
   ASSERT_EQ(arm.joints(), 3);
   const Eigen::Vector3d q(0.3, -0.7, 1.1);

@@ -7,7 +7,7 @@ namespace breakwater {
 namespace {
 using testing::replaced;
 
-// Writes a URDF, reads it, and returns the complaint without the folder; "" if there is none.
+// Writes a URDF, reads it, and returns the error message without the folder, or "".
 std::string complaint(const std::string& text) {
   const testing::TemporaryPath file("arm.urdf", text);
   const std::string what = complaint_of([&] { load_planar_chain(file.string()); });
@@ -56,7 +56,7 @@ TEST(Urdf, NamesFileElementAndReason) {
             ":1: has no revolute joint");
 }
 
-TEST(Urdf, RefusesWhatIsNoNumber) {
+TEST(Urdf, RefusesNonNumbers) {
   for (const auto& [from, to, reason] :
        Rows{{"iyz='0'", "iyz='banana'", ":5: <inertia> iyz=\"banana\": must be a number"},
             {"<mass value='1'", "<mass value='nan'",
@@ -88,7 +88,7 @@ TEST(Urdf, RefusesABranch) {
             ":3: link \"base\": has more than one child: only a chain can be used");
 }
 
-TEST(Urdf, RefusesWhatIsNoUrdf) {
+TEST(Urdf, RefusesOtherFiles) {
   EXPECT_TRUE(complaint("<robot name='r'>\n<link name='base'>\n").starts_with(":"));
   EXPECT_TRUE(complaint("").starts_with(":"));
   EXPECT_TRUE(complaint("<mujoco/>").starts_with(":"));
@@ -96,7 +96,7 @@ TEST(Urdf, RefusesWhatIsNoUrdf) {
 }
 
 TEST(Urdf, LumpsFixedLinksAndTurnsFrames) {
-  // A link with a point mass fixed at its end, seen through a yawed joint with axis -z.
+  // A link with a point mass at its end, on a yawed joint with axis -z.
   const PlanarChain chain = [] {
     const testing::TemporaryPath file("arm.urdf", R"(<robot name="r">
       <link name="base"/>

@@ -1,4 +1,3 @@
-// `breakwater new`: names, and folders that are complete or absent.
 #include <breakwater/program/new_project.h>
 
 #include <set>
@@ -21,7 +20,7 @@ TEST(ProjectName, IsALetterThenLettersDigitsAndUnderscores) {
   }
 }
 
-TEST(ProjectName, OtherwiseIsRefusedInOneLine) {
+TEST(ProjectName, OtherNamesAreRefusedInOneLine) {
   for (const std::string& name :
        {std::string(), std::string("Admittance"), std::string("2nd"), std::string("_a"),
         std::string("a-b"), std::string("a b"), std::string("../a"), std::string("a/b"),
@@ -31,7 +30,7 @@ TEST(ProjectName, OtherwiseIsRefusedInOneLine) {
   EXPECT_EQ(refusal(std::string(64, 'a')), "");
 }
 
-TEST(ProjectName, ThatTheCatalogueHasIsRefused) {
+TEST(ProjectName, ANameOfTheCatalogueIsRefused) {
   EXPECT_EQ(refusal("hpfc"), "new: NAME is taken: there is the controller of the arm \"hpfc\"");
   EXPECT_EQ(refusal("stf"), "new: NAME is taken: there is the estimator of an axis \"stf\"");
   EXPECT_EQ(refusal("arm_push"), "new: NAME is taken: there is the scenario \"arm_push\"");
@@ -71,7 +70,7 @@ TEST_F(NewProject, HasTheNameInItsFilesAndTheirNames) {
   EXPECT_EQ(entries(), (std::set<std::string>{"out", "template"}));
 }
 
-TEST_F(NewProject, LeavesWhatIsThereAlone) {
+TEST_F(NewProject, DoesNotChangeExistingFiles) {
   write("out", "mine");
   EXPECT_EQ(refusal("door", root_ / "out"), (root_ / "out").string() + ": is there already");
   EXPECT_EQ(text("out"), "mine");
@@ -80,18 +79,18 @@ TEST_F(NewProject, LeavesWhatIsThereAlone) {
   EXPECT_EQ(refusal("door", root_ / "out"), (root_ / "out").string() + ": is there already");
 }
 
-TEST_F(NewProject, NeedsAFolderToStandIn) {
+TEST_F(NewProject, NeedsAParentFolder) {
   EXPECT_EQ(refusal("door", root_ / "no/out"), (root_ / "no").string() + ": is no folder");
 }
 
-TEST_F(NewProject, LeavesNothingBehindWhereItFails) {
+TEST_F(NewProject, LeavesNothingBehindOnFailure) {
   write("template/my_part.cpp", "");
   EXPECT_EQ(refusal("main", root_ / "out"),
             "main: the project has a main.cpp already: choose another name");
   EXPECT_EQ(entries(), (std::set<std::string>{"template"}));
 }
 
-// Whatever the name, no file of a shipped template is lost under another's.
+// For any name, no two files of a shipped template get the same name.
 TEST_F(NewProject, ShippedTemplatesHaveTheirPlaceholderNameAlone) {
   for (const char* kind : {"controller", "observer", "scenario"}) {
     const fs::path from = testing::source_file(std::string("templates/") + kind);

@@ -1,4 +1,4 @@
-// `breakwater reference`: its pages and what the program itself prints and reports.
+// `breakwater reference`: its pages agree with the program's output.
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -21,7 +21,7 @@ std::string text_of(const fs::path& file) {
   return text.str();
 }
 
-// "controller.name" of each key that a scenario file has, printed by --print-config.
+// The keys in a configuration printed by --print-config: "controller.name" and so on.
 std::vector<std::string> keys_of(const std::string& config_text) {
   std::istringstream lines(config_text);
   std::vector<std::string> keys;
@@ -32,7 +32,7 @@ std::vector<std::string> keys_of(const std::string& config_text) {
     if (line.starts_with("#") || equals == std::string::npos) continue;
     keys.push_back(table + line.substr(0, equals));
   }
-  // They belong to the file, not to the scenario.
+  // These keys belong to the file, not to the scenario.
   std::erase_if(keys,
                 [](const std::string& key) { return key == "scenario" || key == "default_case"; });
   return keys;
@@ -94,7 +94,7 @@ TEST_F(Reference, HasEveryMetricAndColumnOfABriefRun) {
   }
 }
 
-// Name and unit of each metric and cost that the shipped cases report.
+// Names and units of all metrics and costs of the shipped cases.
 std::map<std::string, std::string> reported_metrics(const std::string& scenario) {
   std::map<std::string, std::string> reported;
   const auto run = [&](const std::string& name, const std::vector<std::string>& sets) {
@@ -106,12 +106,12 @@ std::map<std::string, std::string> reported_metrics(const std::string& scenario)
   };
   const ScenarioFile file = testing::scenario_file(scenario);
   for (const std::string& name : file.cases()) run(name, {});
-  // No case of its own has a disturbance with a lag.
+  // No shipped case has a disturbance with a lag.
   if (scenario == "cart_estimation") run(file.default_case(), {"disturbance.kind=ramp"});
   return reported;
 }
 
-TEST(MetricDefinitions, AreThoseOfTheShippedCases) {
+TEST(MetricDefinitions, CoverTheShippedCases) {
   for (const std::string& scenario : testing::scenario_names()) {
     std::map<std::string, std::string> defined;
     for (const MetricDefinition& metric :

@@ -1,4 +1,4 @@
-"""`breakwater estimate`, and the log's HDF5 as others read it."""
+"""`breakwater estimate`, and its HDF5 log for other readers."""
 
 import csv
 import json
@@ -57,13 +57,13 @@ class Estimate(unittest.TestCase):
         with open(self.folder / "est" / "log.csv", newline="") as stream:
             rows = list(csv.DictReader(stream))
         self.assertEqual([float(row["d_hat_Nm"]) for row in rows], estimates["d_hat_Nm"].tolist())
-        # Its own config.toml gives the same again.
+        # Its config.toml reproduces it.
         estimate(self.folder, "--config", "est/config.toml", "--out", "again", "--quiet")
         self.assertEqual(bw.load(self.folder / "again").state_hash, estimates.state_hash)
 
     def test_a_run_of_an_estimator_without_a_case_is_called_after_it(self):
         estimate(self.folder, "--csv", "motor.csv", "--out", "est", "--quiet", "--set", *self.period)
-        # This file has the case stf alone, as for an estimator of a user's own.
+        # This file has only the case stf, as for a user's own estimator.
         estimate(self.folder, "--config", "est/config.toml", "--observer", "idob", "--out", "own", "--quiet",
                  "--set", "observer.poles_rad_s=[-60,-61,-62]")
         estimate(self.folder, "--config", "own/config.toml", "--out", "again", "--quiet")

@@ -1,4 +1,4 @@
-"""Runs and filters, over and over: the resident memory stays what it was. leaks_test.py --count N."""
+"""Repeated runs and filters do not increase the resident memory. leaks_test.py --count N."""
 
 import gc
 import sys
@@ -77,7 +77,7 @@ class Leaks(unittest.TestCase):
         for work in (brief_run, run_of_a_python_controller, run_kept_by_its_controller, run_that_fails, wrong_input,
                      filters, design):
             with self.subTest(work.__name__):
-                for k in range(COUNT // 3):  # caches fill
+                for k in range(COUNT // 3):  # fills caches
                     work(k)
                 gc.collect()
                 before = resident_kB()
@@ -86,7 +86,7 @@ class Leaks(unittest.TestCase):
                 gc.collect()
                 grown = resident_kB() - before
                 print(f"{work.__name__}: {grown} kB grown in {COUNT}", flush=True)
-                # A leak of 1 kB for each would show; the allocator's own unrest is some hundred kB.
+                # A leak of 1 kB per repetition would show. The allocator itself varies by some hundred kB.
                 self.assertLess(grown, 300 + COUNT // 4, f"kB grown in {COUNT}")
 
 

@@ -1,4 +1,4 @@
-"""The library on arrays, against NumPy, SciPy, CVXOPT and the runs of the programs."""
+"""The library on arrays, compared with NumPy, SciPy, CVXOPT and runs of the programs."""
 
 import threading
 import unittest
@@ -16,7 +16,7 @@ PERIOD = 0.01
 
 
 def record(samples, seed=1):
-    """Of a motor with a disturbance that steps, behind an encoder."""
+    """A record of a motor with a step disturbance and an encoder."""
     random = np.random.default_rng(seed)
     A_d, B_d, _ = bw.zero_order_hold(A, B, C, PERIOD)
     u = random.normal(size=samples)
@@ -90,7 +90,7 @@ class Design(unittest.TestCase):
         H, g = np.diag([2.0, 4.0]), np.array([-4.0, -8.0])
         Omega = np.array([[1.0, 1.0], [1.0, -1.0]])
         for solver in ("active_set", "hildreth"):
-            # The minimiser (2, 2) is cut off at z1 + z2 = 2: Lagrange gives (2/3, 4/3).
+            # The constraint z1 + z2 = 2 excludes the minimiser (2, 2). Lagrange gives (2/3, 4/3).
             solution = bw.solve_qp(H, g, Omega, None, [2.0, np.inf], solver=solver)
             self.assertEqual(solution.status, "solved")
             np.testing.assert_allclose(solution.z, [2 / 3, 4 / 3], atol=1e-7)
@@ -132,7 +132,7 @@ class Filters(unittest.TestCase):
     def test_they_find_the_disturbance(self):
         u, y = record(4000)
         for name, f in every_filter().items():
-            if name in ("StateObserver", "Kfd", "Mdob"):  # which knows none, forgets it, sees no friction
+            if name in ("StateObserver", "Kfd", "Mdob"):  # no disturbance, forgetting it, no friction
                 continue
             with self.subTest(name):
                 self.assertAlmostEqual(np.median(f.filter(u, y).d[-500:]), 0.5, delta=0.1)
@@ -149,7 +149,7 @@ class Filters(unittest.TestCase):
         np.testing.assert_array_equal(estimates.d[:, 0], run["d_hat_Nm"])
         np.testing.assert_array_equal(estimates.innovation[:, 0], run["innovation"])
         np.testing.assert_array_equal(estimates.forgetting, run["lambda"])
-        # The plant may be sampled already, and the period then only scales the prior.
+        # The plant may be sampled. The period then only scales the prior.
         sampled = bw.Stf(*bw.zero_order_hold(*plant, period_s), delta=quantum, rounding="truncate")
         again = sampled.filter(run["applied_Nm"], run["position_measured_rad"], x0=[0.0, 0.0])
         self.assertLess(np.abs(again.d[-1] - estimates.d[-1])[0], 0.5)

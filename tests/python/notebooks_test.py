@@ -1,4 +1,4 @@
-"""The notebooks of docs/notebooks run from top to bottom, and hold small pictures alone."""
+"""The notebooks of docs/notebooks run from top to bottom, and have only small pictures."""
 
 import os
 import pathlib

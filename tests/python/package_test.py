@@ -1,4 +1,4 @@
-"""The package as such: what it gives is documented, annotated, and typed."""
+"""The package: its names are documented, annotated and typed."""
 
 import ast
 import inspect

@@ -1,4 +1,4 @@
-"""Controllers and estimators written in Python. One that repeats what a C++ one did gives its bits."""
+"""Controllers and estimators in Python. A copy of a C++ one's commands gives the same bits."""
 
 import traceback
 import unittest
@@ -16,7 +16,7 @@ CASES = {
 
 
 class Repeat(bw.Controller):
-    """Commands what another run's controller did, and checks that it is told the same."""
+    """Repeats the commands of another run's controller, and checks that the inputs are equal."""
 
     def __init__(self, run, u, y):
         self.u = np.atleast_2d(run[u].T).T
@@ -218,7 +218,7 @@ class Nonsense(unittest.TestCase):
         except ZeroDivisionError as error:
             frame = traceback.extract_tb(error.__traceback__)[-1]
             self.assertEqual((frame.name, frame.line), ("update", 'raise ZeroDivisionError("at last")'))
-        # And the next run knows nothing of it.
+        # The next run does not contain it.
         bw.run("arm_push", duration=0.01, controller=Returns([0, 0, 0]))
 
         class BreaksAtOnce(bw.Controller):

@@ -1,4 +1,4 @@
-"""What a notebook shows of a run: its replay, drawn in Chromium; else its metrics, and why."""
+"""The output of a run in a notebook: its replay in Chromium, or its metrics and the reason."""
 
 import pathlib
 import shutil
@@ -14,7 +14,7 @@ from support import temporary_folder
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 from chromium import visit  # noqa: E402
 
-# The cell's output in a page as a notebook has it; it reports what the frame in it draws at two times.
+# A page with the cell's output, like a notebook. It reports the drawings of its frame at two times.
 NOTEBOOK = """<!doctype html><body>%s<script>
 const wait = (ms) => new Promise((done) => setTimeout(done, ms));
 (async () => {
@@ -103,7 +103,7 @@ class InANotebook(unittest.TestCase):
             shutil.rmtree(folder / "run")
             for run in (own, saved):
                 self.assertRaisesRegex(bw.InputError, "there is no such folder", run.replay)
-            bw.run("motor_estimation", **first, out=folder / "run")  # it is back
+            bw.run("motor_estimation", **first, out=folder / "run")  # the folder has the run again
             self.assertEqual(own.replay(), saved.replay())
 
     def test_without_a_replay_it_is_a_table_that_says_why(self):

@@ -1,4 +1,4 @@
-"""Runs from Python: the same as the programs', and safe to handle."""
+"""Runs from Python: equal to those of the programs, and safe to use."""
 
 import gc
 import json
@@ -90,7 +90,7 @@ class Logs(unittest.TestCase):
         self.assertFalse(angles.flags.owndata)
         self.assertFalse(angles.flags.writeable)
         self.assertTrue(np.shares_memory(angles, run["q_true_rad[2]"]))
-        row = angles.strides[0]  # rows of all signals lie behind each other
+        row = angles.strides[0]  # the rows of all signals are interleaved
         self.assertGreater(row, 3 * 8)
         copy = angles.copy()
         del run

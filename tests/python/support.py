@@ -1,4 +1,4 @@
-"""What the tests of the Python module share: PYTHONPATH names build/python."""
+"""Common parts of the Python module's tests. PYTHONPATH names build/python."""
 
 import contextlib
 import ctypes
@@ -17,7 +17,7 @@ def temporary_folder():
 
 
 def resident_kB():
-    """How much memory this process holds now, what is free given back first."""
+    """The resident memory of this process, after free memory has been returned."""
     ctypes.CDLL(None).malloc_trim(0)
     for line in pathlib.Path("/proc/self/status").read_text().splitlines():
         if line.startswith("VmRSS:"):

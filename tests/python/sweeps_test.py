@@ -1,4 +1,4 @@
-"""Sweeps from Python: the same folder as the command's, as a DataFrame."""
+"""Sweeps from Python: the same folder as from the command, and a DataFrame."""
 
 import csv
 import os
@@ -30,7 +30,7 @@ def command(*words):
 
 
 def lose_half(folder):
-    """What a study looks like that was killed: some lines of its shards are missing."""
+    """Simulate a killed study: remove some lines of its shards."""
     lines = [line for shard in sorted((folder / "shards").iterdir()) for line in shard.read_bytes().splitlines(True)]
     for shard in (folder / "shards").iterdir():
         shard.unlink()
@@ -53,7 +53,7 @@ class SameAsTheCommand(unittest.TestCase):
         self.assertEqual(len(table), RUNS)
         for name, *cells in zip(header, *rows):
             numbers = name not in ("point", "case", "status", "state_hash")
-            # Every digit: each number is the double that was measured.
+            # All digits: each number is the measured double.
             expected = [float(cell) if cell else np.nan for cell in cells] if numbers else cells
             np.testing.assert_array_equal(table[name].to_numpy(), expected, name)
 
@@ -83,7 +83,7 @@ class SameAsTheCommand(unittest.TestCase):
                 self.assertEqual((folder / "study" / "results.csv").read_bytes(), whole)
                 kept = [line for shard in (folder / "study" / "shards").iterdir() if shard.stem != "left"
                         for line in shard.read_text().splitlines() if "\tpoint\t" in line]
-                self.assertLess(len(kept), RUNS)  # the half that was there was not run again
+                self.assertLess(len(kept), RUNS)  # the existing half was not run again
                 self.assertGreater(len(kept), 0)
             self.assertEqual((folder / "study" / "study.toml").read_bytes(), study_file)
             with self.assertRaisesRegex(bw.InputError, "another study"):
@@ -174,7 +174,7 @@ class Warned(unittest.TestCase):
         self.assertEqual(self.of(case=["stf", "idob"], vary=poles), [])
         (seeds,) = self.of(case="idob", seeds=[1, 2], set={"noise.std_rad": 0})
         self.assertEqual(seeds, "seeds: the 2 of each sample gave the same run: without noise they change nothing")
-        with temporary_folder() as folder:  # said again with what was begun
+        with temporary_folder() as folder:  # repeated for an existing study
             again = dict(case="idob", seeds=[1, 2], set={"noise.std_rad": 0}, out=folder / "study")
             self.assertEqual(self.of(**again), self.of(**again))
 
@@ -301,7 +301,7 @@ class Processes(unittest.TestCase):
 
     def test_ctrl_c_stops_it_and_the_same_call_goes_on(self):
         study = dict(case="idob", seeds=range(1, 401), duration=2)
-        for interrupt in (os.kill, os.killpg):  # as another process does, and as a shell or a notebook
+        for interrupt in (os.kill, os.killpg):  # like another process, and like a shell or a notebook
             with self.subTest(interrupt.__name__), temporary_folder() as folder:
                 program = ("import breakwater as bw\n"
                            f"try:\n    bw.sweep('motor_estimation', **{study}, out=r'{folder / 'study'}')\n"

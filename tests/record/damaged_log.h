@@ -1,4 +1,4 @@
-// Logs that were damaged, and what becomes of reading them.
+// Damaged logs, and the results of reading them.
 #pragma once
 
 #include <sys/resource.h>
@@ -20,13 +20,13 @@
 
 namespace breakwater::testing {
 
-constexpr std::size_t kHead = 16 * 1024;  // where HDF5 keeps the names, types and sizes
+constexpr std::size_t kHead = 16 * 1024;  // HDF5 keeps names, types and sizes here
 
 inline void write_bytes(const std::filesystem::path& file, const std::string& bytes) {
   std::ofstream(file, std::ios::binary) << bytes;
 }
 
-// As a scenario's: two time bases, scalars and vectors.
+// Like the log of a scenario: two time bases, scalars and vectors.
 inline void write_small_log(const std::filesystem::path& file, int deflate_level) {
   double x = 0;
   double q[7] = {};
@@ -52,7 +52,7 @@ inline void write_small_log(const std::filesystem::path& file, int deflate_level
   write_hdf5_log(file.string(), tracks, deflate_level);
 }
 
-// One to four bytes, set to anything or to what breaks most.
+// Damages one to four bytes, with any values or with critical ones.
 inline std::string damaged(std::string bytes, unsigned seed) {
   std::mt19937 random(seed);
   const std::size_t count = 1 + random() % 4;
@@ -75,8 +75,8 @@ inline void read_all(const std::filesystem::path& file) {
   for (const std::string& name : names) read_hdf5_signal(file.string(), name);
 }
 
-// Calls body() in a process of its own that has 2 s of processor and 2 GB: "read", "refused" (with
-// std::invalid_argument), or how it ended.
+// Calls body() in a child process with 2 s of processor time and 2 GB. Returns "read", "refused"
+// (std::invalid_argument), or how the process ended.
 template <typename Body>
 std::string outcome(Body&& body) {
   enum { kRead, kRefused, kOther };
@@ -86,7 +86,7 @@ std::string outcome(Body&& body) {
     [[maybe_unused]] const rlimit bytes = {2UL << 30, 2UL << 30};
     const rlimit no_core = {0, 0};
     setrlimit(RLIMIT_CPU, &seconds);
-#ifndef __SANITIZE_ADDRESS__  // which reserves far more, and refuses absurd sizes itself
+#ifndef __SANITIZE_ADDRESS__  // it reserves far more memory, and refuses absurd sizes itself
     setrlimit(RLIMIT_AS, &bytes);
 #endif
     setrlimit(RLIMIT_CORE, &no_core);

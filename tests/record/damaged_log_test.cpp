@@ -1,4 +1,4 @@
-// Logs that are not what a run wrote: no reader crashes, hangs or fills the memory.
+// Logs that no run wrote: no reader may crash, hang or fill the memory.
 #include <sys/prctl.h>
 #include <sys/stat.h>
 #include <sys/time.h>
@@ -27,7 +27,7 @@ class DamagedLog : public ::testing::Test {
  protected:
   DamagedLog() { fs::create_directories(folder_); }
 
-  // Writes the log with h5py: `f` is the file, `c` its group control, `folder` where it lies.
+  // Writes the log with h5py: `f` is the file, `c` its group control, `folder` its folder.
   void write(const std::string& script) {
     fs::remove(log_);
     const std::string command =
@@ -37,7 +37,7 @@ class DamagedLog : public ::testing::Test {
         script + "; f.close()\" " + folder_.string();
     EXPECT_EQ(std::system(command.c_str()), 0);
   }
-  // Says what becomes of reading all of it.
+  // The result of reading the whole log.
   std::string outcome_of(const std::string& script) {
     write(script);
     return outcome([&] { read_all(log_); });
@@ -47,7 +47,7 @@ class DamagedLog : public ::testing::Test {
   const fs::path log_ = folder_ / "log.h5";
 };
 
-TEST_F(DamagedLog, IsReadOrRefusedWhateverBytesItsHeadHolds) {
+TEST_F(DamagedLog, IsReadOrRefusedForAnyBytesInItsHead) {
   for (const int deflate_level : {0, 6}) {
     write_small_log(log_, deflate_level);
     ASSERT_EQ(outcome([&] { read_all(log_); }), "read");
@@ -64,8 +64,8 @@ TEST_F(DamagedLog, IsReadOrRefusedWhateverBytesItsHeadHolds) {
   }
 }
 
-// HDF5 would end this very process on some of them.
-TEST_F(DamagedLog, IsReadByAChildWhateverBytesItHolds) {
+// Some of them would crash HDF5 in this process.
+TEST_F(DamagedLog, IsReadByAChildForAnyBytes) {
   for (const int deflate_level : {0, 6}) {
     write_small_log(log_, deflate_level);
     const LogContents all = read_foreign_log(log_.string());
@@ -84,7 +84,7 @@ TEST_F(DamagedLog, IsReadByAChildWhateverBytesItHolds) {
       try {
         read_foreign_log(log_.string());
       } catch (const std::invalid_argument& error) {
-        // A damaged size may be larger than the reader may take.
+        // A damaged size may exceed the reader's memory.
         const std::string said = error.what();
         EXPECT_TRUE(said == log_.string() + ": is not a log, or one that is damaged" ||
                     said == log_.string() +
@@ -98,8 +98,8 @@ TEST_F(DamagedLog, IsReadByAChildWhateverBytesItHolds) {
   }
 }
 
-// A dataset of 8 MB that deflates to 8 kB, under two names and under many.
-TEST_F(DamagedLog, ThatHoldsMoreThanItsReaderMayTakeIsRefused) {
+// A dataset of 8 MB that is compressed to 8 kB, under two names and under many.
+TEST_F(DamagedLog, IsRefusedIfLargerThanTheReaderAllows) {
   const auto write_links = [&](int count) {
     write(
         "c.create_dataset('x', data=np.zeros((10**6, 1)), chunks=(10**5, 1), compression=9); "
@@ -119,7 +119,7 @@ TEST_F(DamagedLog, ThatHoldsMoreThanItsReaderMayTakeIsRefused) {
   }
 }
 
-// A pipe that nobody writes to never ends.
+// A pipe without a writer never ends.
 class EndlessLog : public ::testing::Test {
  protected:
   EndlessLog() { EXPECT_EQ(mkfifo(log_.c_str(), 0600), 0); }
@@ -131,7 +131,7 @@ TEST_F(EndlessLog, ASignalEndsItsReaderAtOnce) {
   struct sigaction action = {}, before = {};
   action.sa_handler = [](int) {};
   sigaction(SIGALRM, &action, &before);
-  // The first signal asks for nothing, the second one to stop.
+  // The first signal has no effect, the second one stops the read.
   static int signals;
   signals = 0;
   stop_asked = [] { return ++signals > 1; };
@@ -147,7 +147,7 @@ TEST_F(EndlessLog, ASignalEndsItsReaderAtOnce) {
 }
 
 TEST_F(EndlessLog, ItsReaderEndsWithItsParent) {
-  prctl(PR_SET_CHILD_SUBREAPER, 1);  // the reader is ours once its parent has ended
+  prctl(PR_SET_CHILD_SUBREAPER, 1);  // the reader becomes our child when its parent ends
   const pid_t parent = fork();
   if (parent == 0) {
     read_foreign_log(log_.string());
@@ -169,7 +169,7 @@ TEST_F(EndlessLog, ItsReaderEndsWithItsParent) {
   prctl(PR_SET_CHILD_SUBREAPER, 0);
 }
 
-TEST_F(DamagedLog, IsFoundOutByTheManifest) {
+TEST_F(DamagedLog, IsDetectedByTheManifest) {
   const std::string manifest = R"({"scenario": "s", "state_hash": "0")";
   for (const int deflate_level : {0, 6}) {
     write_small_log(log_, deflate_level);
@@ -192,12 +192,12 @@ TEST_F(DamagedLog, IsFoundOutByTheManifest) {
     write_bytes(folder_ / "manifest.json", manifest + R"(, "log_hash": )" + hash + "}");
     EXPECT_THROW(check_log(folder_), std::invalid_argument) << hash;
   }
-  // An older run.
+  // A run of an older version.
   write_bytes(folder_ / "manifest.json", manifest + "}");
   EXPECT_FALSE(check_log(folder_));
 }
 
-TEST_F(DamagedLog, ThatClaimsMoreThanItHoldsIsRefused) {
+TEST_F(DamagedLog, IsRefusedIfItClaimsMoreDataThanItHas) {
   EXPECT_EQ(outcome_of("c.create_dataset('x', (10**18,), 'f8')"), "refused");
   EXPECT_EQ(outcome_of("c.create_dataset('x', (2, 10**9), 'f8')"), "refused");
   for (const char* rows : {"10**18", "10**9"}) {
@@ -210,7 +210,7 @@ TEST_F(DamagedLog, ThatClaimsMoreThanItHoldsIsRefused) {
             "refused");
 }
 
-TEST_F(DamagedLog, OfOtherTypesAndRanksIsRefused) {
+TEST_F(DamagedLog, IsRefusedWithOtherTypesAndRanks) {
   EXPECT_EQ(outcome_of("c['x'] = [1.0, 2.0]"), "read");
   for (const char* data : {"1.0", "[[[1.0]]]", "[1, 2]", "np.float32([1])", "'text'", "['a', 'b']",
                            "np.zeros(2, 'f8,f8')", "h5py.Empty('f8')", "np.array([1.0], '>f8')"}) {
@@ -221,7 +221,7 @@ TEST_F(DamagedLog, OfOtherTypesAndRanksIsRefused) {
             "refused");
 }
 
-TEST_F(DamagedLog, LeadsToNoOtherFile) {
+TEST_F(DamagedLog, DoesNotOpenOtherFiles) {
   write_small_log(folder_ / "other.h5", 0);
   for (const char* link : {"c['x'] = h5py.ExternalLink('other.h5', '/control/time_s')",
                            "f['x'] = h5py.ExternalLink('other.h5', '/control')",
@@ -241,8 +241,8 @@ TEST_F(DamagedLog, LeadsToNoOtherFile) {
             "refused");
 }
 
-// As version 0.1 wrote them, of variable length.
-TEST_F(DamagedLog, TextsOfVariableLengthAreTakenAsEmpty) {
+// Texts of variable length, as in version 0.1.
+TEST_F(DamagedLog, ReadsTextsOfVariableLengthAsEmpty) {
   ASSERT_EQ(outcome_of("c['x_m'] = [1.0, 2.0]; c['x_m'].attrs['unit'] = 'm'; "
                        "c['x_m'].attrs['description'] = 'a length'"),
             "read");

@@ -6,7 +6,7 @@ namespace breakwater {
 namespace {
 
 // XXH3_64bits of no bytes, and of "abc".
-TEST(FileHash, IsThatOfTheFilesBytes) {
+TEST(FileHash, DependsOnTheBytesOfTheFile) {
   const testing::TemporaryPath file{"hashed"};
   std::ofstream(file).close();
   EXPECT_EQ(file_hash(file), "2d06800538d394c2");
@@ -14,7 +14,7 @@ TEST(FileHash, IsThatOfTheFilesBytes) {
   EXPECT_EQ(file_hash(file), "78af5f94892f3950");
 }
 
-TEST(FileHash, SeesOneByteOfAFileOfManyBlocks) {
+TEST(FileHash, ChangesWithOneByteOfALargeFile) {
   const testing::TemporaryPath file{"hashed"};
   std::string bytes(3'500'000, 'x');
   std::ofstream(file) << bytes;
@@ -25,13 +25,13 @@ TEST(FileHash, SeesOneByteOfAFileOfManyBlocks) {
   EXPECT_NE(file_hash(file), before);
 }
 
-TEST(Fingerprint, TellsPartsApart) {
+TEST(Fingerprint, SeparatesItsParts) {
   EXPECT_NE(fingerprint({"a", "b"}), fingerprint({"ab", ""}));
   EXPECT_NE(fingerprint({"a", "b"}), fingerprint({"a", "c"}));
   EXPECT_EQ(fingerprint({"a", "b"}), fingerprint({"a", "b"}));
 }
 
-TEST(FileHash, SaysWhatCannotBeRead) {
+TEST(FileHash, NamesAnUnreadableFile) {
   for (const char* file : {"/no/such/file", "/tmp"}) {
     EXPECT_EQ(complaint_of([&] { file_hash(file); }), std::string(file) + ": cannot be read");
   }

@@ -1,4 +1,3 @@
-// Which errors are those of a reference that is not held.
 #include <breakwater/record/held_reference.h>
 
 #include <cmath>
@@ -8,7 +7,7 @@
 namespace breakwater {
 namespace {
 
-// The warning of a run of 8 s that was to go 1 m, or `asked`; "" if there is none.
+// The warning for a run of 8 s with a reference of 1 m or `asked`; "" if there is none.
 std::string warning_of(const std::function<double(double)>& error, double asked = 1.0,
                        double end_s = 8.0) {
   HeldReference held({0.0, 8.0}, "the position", "m");
@@ -19,7 +18,7 @@ std::string warning_of(const std::function<double(double)>& error, double asked 
   return warnings.empty() ? "" : warnings.front();
 }
 
-TEST(HeldReference, WhatComesToItIsHeld) {
+TEST(HeldReference, IsHeldByAConvergingOutput) {
   for (const double asked : {0.0, 1.0}) {
     EXPECT_EQ(warning_of([](double t) { return std::exp(-t); }, asked), "");
     EXPECT_EQ(warning_of([](double t) { return std::exp(-0.1 * t) * std::cos(9 * t); }, asked), "");
@@ -29,7 +28,7 @@ TEST(HeldReference, WhatComesToItIsHeld) {
   EXPECT_EQ(warning_of([](double t) { return 0.01 * std::sin(20 * t); }), "");
 }
 
-TEST(HeldReference, AnErrorOfTheReferencesSizeIsSaid) {
+TEST(HeldReference, ReportsAnErrorOfTheReferencesSize) {
   EXPECT_EQ(warning_of([](double) { return -0.9; }),
             "the position does not hold its reference: over the last 1 s its error is 0.9 m (rms), "
             "of 1 m to go");
@@ -38,7 +37,7 @@ TEST(HeldReference, AnErrorOfTheReferencesSizeIsSaid) {
   EXPECT_EQ(warning_of([](double) { return -0.9; }, 5.0), "") << "most of it is done";
 }
 
-TEST(HeldReference, AnErrorThatGrowsIsSaid) {
+TEST(HeldReference, ReportsAGrowingError) {
   const auto grows = [](double t) { return 1e-3 * std::exp(0.6 * t) * std::cos(30 * t); };
   for (const double asked : {0.0, 1.0}) {
     EXPECT_TRUE(has(warning_of(grows, asked), "grows to the end"));
@@ -48,7 +47,7 @@ TEST(HeldReference, AnErrorThatGrowsIsSaid) {
   EXPECT_EQ(warning_of([](double t) { return 1e-16 * std::exp(2 * t); }, 0.0), "") << "rounding";
 }
 
-TEST(HeldReference, OfATimeThatIsNotCoveredNothingIsSaid) {
+TEST(HeldReference, ReportsNothingForATimeOutsideTheRun) {
   EXPECT_EQ(warning_of([](double) { return 1.0; }, 1.0, 6.0), "");
 }
 

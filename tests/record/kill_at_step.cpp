@@ -1,5 +1,5 @@
-// Preloaded into a program, stands between it and the file system: counts the calls that change or
-// sync it, writes them down, and refuses one or kills the process at one, as the environment says.
+// Preloaded library between a program and the file system. It counts and logs the calls that change
+// or sync files. The environment can refuse a call or kill the process at one.
 //
 //   STEPS_LOG=FILE       each call is appended to FILE
 //   STEPS_NO_EXCHANGE=1  renameat2() fails, as on NFS

@@ -1,4 +1,3 @@
-// Run folders of processes that are killed, of file systems that refuse, of disks that fail.
 #include <fcntl.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -21,8 +20,8 @@ class KilledRun : public ::testing::Test {
  protected:
   KilledRun() { fs::create_directories(base_); }
 
-  // Writes a run into target_ in a process of its own. Returns its exit status, or 0 less the
-  // signal that killed it.
+  // Writes a run into target_ in a child process. Returns its exit status, or minus the signal that
+  // killed it.
   int write(const std::string& content, const Settings& settings = {}) {
     fs::remove(steps_);
     const pid_t child = fork();
@@ -40,7 +39,7 @@ class KilledRun : public ::testing::Test {
   }
 
   std::vector<std::string> steps() const { return testing::lines_of(text_of(steps_)); }
-  // The number of the first step that begins so, from 0.
+  // The index of the first step that begins with `begin`.
   std::ptrdiff_t step(const std::string& begin) const {
     const std::vector<std::string> all = steps();
     const auto found = std::find_if(all.begin(), all.end(), [&](const std::string& step) {
@@ -57,14 +56,14 @@ class KilledRun : public ::testing::Test {
     }
     return names;
   }
-  // The run that a reader finds, if it is whole.
+  // The run that a reader finds, if it is complete.
   std::string found() const {
     restore_run(target_);
     if (!fs::exists(target_)) return "none";
     return is_run_folder(target_) ? text_of(target_ / "log.csv") : "half a run";
   }
 
-  // Kills a run at each of its steps; a reader then finds one of `either`.
+  // Kills a run at each of its steps. A reader must then find one of `either`.
   void kill_at_each_step(const Settings& settings, bool has_earlier,
                          const std::set<std::string>& either) {
     for (const char* when : {"STEPS_KILL_BEFORE", "STEPS_KILL_AFTER"}) {
@@ -84,7 +83,7 @@ class KilledRun : public ::testing::Test {
         seen.insert(found());
         EXPECT_TRUE(either.contains(found())) << found();
 
-        // The next run clears up: whether it comes to an end or not.
+        // The next run cleans up, whether it ends or not.
         fs::create_directories(base_);
         { const RunFolder folder(target_); }
         EXPECT_TRUE(either.contains(found())) << found();
@@ -110,15 +109,15 @@ TEST_F(KilledRun, IsAbsentOrWhole) {
   kill_at_each_step({}, false, {"none", "new"});
 }
 
-TEST_F(KilledRun, LeavesTheEarlierOneOrTheNewOne) {
+TEST_F(KilledRun, LeavesTheOldOrTheNewRun) {
   kill_at_each_step({}, true, {"earlier", "new"});
 }
 
-TEST_F(KilledRun, LeavesTheEarlierOneOrTheNewOneWhereNamesCannotBeExchanged) {
+TEST_F(KilledRun, LeavesTheOldOrTheNewRunWithoutExchangeOfNames) {
   kill_at_each_step(kNoExchange, true, {"earlier", "new"});
 }
 
-// What of the run is on the disk by then: "." is the folder itself.
+// The parts of the run that are on the disk at this step; "." is the folder itself.
 std::set<std::string> synced_before(const std::vector<std::string>& steps, std::ptrdiff_t end,
                                     const std::string& partial) {
   std::set<std::string> synced;
@@ -131,7 +130,7 @@ std::set<std::string> synced_before(const std::vector<std::string>& steps, std::
   return synced;
 }
 
-TEST_F(KilledRun, IsOnTheDiskBeforeItTakesItsName) {
+TEST_F(KilledRun, IsSyncedBeforeItGetsItsName) {
   const std::set<std::string> all = {".", "log.csv", "manifest.json"};
   const std::string partial = base_.string() + "/.run.partial-";
   ASSERT_EQ(write("first"), 0);
@@ -142,13 +141,13 @@ TEST_F(KilledRun, IsOnTheDiskBeforeItTakesItsName) {
     ASSERT_EQ(write("again", settings), 0);
     const auto placed = step((settings.empty() ? "exchange " : "rename ") + partial);
     EXPECT_EQ(synced_before(steps(), placed, partial), all);
-    // The names too are on the disk before the earlier run goes.
+    // The names are synced before the earlier run is removed.
     EXPECT_GT(step("sync " + base_.string() + "\n"), placed);
     EXPECT_LT(step("sync " + base_.string() + "\n"), step("unlink log.csv"));
   }
 }
 
-TEST_F(KilledRun, ThatCannotTakeItsNameIsKeptUnderAnother) {
+TEST_F(KilledRun, IsKeptUnderAnotherNameIfItsNameIsTaken) {
   for (const Settings& settings : {Settings{}, kNoExchange}) {
     fs::remove_all(base_);
     fs::create_directories(base_);
@@ -171,7 +170,7 @@ TEST_F(KilledRun, ThatCannotTakeItsNameIsKeptUnderAnother) {
   }
 }
 
-TEST_F(KilledRun, ThatCanBePutNowhereIsKeptWhereItIs) {
+TEST_F(KilledRun, IsKeptInPlaceIfItCannotBeMoved) {
   ASSERT_EQ(write("earlier"), 0);
   EXPECT_EQ(write("new", {{"STEPS_REFUSE", "all"}}), 2);
   const std::string error = text_of(errors_);
@@ -184,7 +183,7 @@ TEST_F(KilledRun, ThatCanBePutNowhereIsKeptWhereItIs) {
   EXPECT_EQ(text_of(kept / "log.csv"), "new");
 }
 
-TEST_F(KilledRun, ThatTheDiskDoesNotTakeLeavesNothing) {
+TEST_F(KilledRun, LeavesNothingOnAFullDisk) {
   EXPECT_EQ(write("new", {{"STEPS_BAD_DISK", "/log.csv"}}), 2);
   EXPECT_TRUE(names().empty());
   ASSERT_EQ(write("earlier"), 0);

@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 using testing::text_of;
 
-// A track of one scalar and one vector signal, with values that need all their digits.
+// A track with a scalar and a vector signal, whose values need all digits.
 class Recorded {
  public:
   Recorded()
@@ -72,7 +72,7 @@ TEST(Track, RefusesTwoSignalsOfOneName) {
   EXPECT_EQ(refusal("control", {{"x_m", "m", "", {&x, 1}}, {"x_M", "m", "", {&x, 1}}}), "");
 }
 
-TEST(Metric, RefusesANameThatASpreadsheetTakesForAFormula) {
+TEST(Metric, RefusesANameThatIsASpreadsheetFormula) {
   for (const std::string name : {"", "=cmd|calc", "+1", "-1", "@sum", "a b", "a,b", "peak_\n"}) {
     EXPECT_EQ(complaint_of([&] { const Metric metric(name, "N", 1.0); }),
               "a metric cannot be named \"" + name +
@@ -83,7 +83,7 @@ TEST(Metric, RefusesANameThatASpreadsheetTakesForAFormula) {
   EXPECT_EQ(csv_text("hpfc-2N"), "hpfc-2N");
 }
 
-TEST(Track, RefusesNamesThatALogCannotHold) {
+TEST(Track, RefusesNamesThatALogCannotStore) {
   const double x = 0;
   for (const std::string name :
        {"", ".", "/", "a/b", "time_s", "index_3", "/x_m", "d hat", "=cmd|calc"}) {
@@ -112,7 +112,7 @@ TEST(Hdf5Log, GivesBackTheSameBits) {
   EXPECT_THROW(read_hdf5_signal("/etc/hostname", "control/q_rad"), std::invalid_argument);
 }
 
-TEST(Hdf5Log, TellsTheUnitOfEachValue) {
+TEST(Hdf5Log, StoresTheUnitOfEachValue) {
   const double values[] = {1, 2, 3};
   const Track track("control", {{"pose", "m, m, rad", "", values}, {"force_N", "N", "", values}},
                     0);
@@ -128,7 +128,7 @@ TEST(Hdf5Log, TellsTheUnitOfEachValue) {
   EXPECT_EQ(entries[1].unit_of(4), "m, m, rad") << "there is no fourth";
 }
 
-TEST(Hdf5Log, TakesAnEmptyTrack) {
+TEST(Hdf5Log, AcceptsAnEmptyTrack) {
   const double value = 0;
   const Track track("control", {{"x_m", "m", "", {&value, 1}}}, 0);
   const testing::TemporaryPath file{"log.h5"};
@@ -136,7 +136,7 @@ TEST(Hdf5Log, TakesAnEmptyTrack) {
   EXPECT_EQ(read_hdf5_signal(file, "control/x_m").rows, 0U);
 }
 
-// The second reader: h5py, as a user would.
+// h5py as a second reader.
 TEST(Hdf5Log, IsReadableByH5py) {
   const Recorded recorded;
   const testing::TemporaryPath file{"log.h5"};
@@ -152,7 +152,7 @@ TEST(Hdf5Log, IsReadableByH5py) {
   EXPECT_EQ(std::system(command.c_str()), 0);
 }
 
-TEST(Hdf5Log, SaysWhenItCannotWrite) {
+TEST(Hdf5Log, ReportsAFailedWrite) {
   const Recorded recorded;
   try {
     write_hdf5_log("/proc/log.h5", {recorded.track()}, 0);
@@ -190,7 +190,7 @@ TEST(Metrics, AreAFlatObjectOfNumbers) {
   EXPECT_EQ(text_of(file), "{}\n");
 }
 
-TEST(Metrics, ThatAreNotFiniteAreAbsent) {
+TEST(Metrics, OmitNonFiniteValues) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const double kNan = std::numeric_limits<double>::quiet_NaN();
   Recording recording;
@@ -210,7 +210,7 @@ class RunFolders : public ::testing::Test {
  protected:
   RunFolders() { fs::create_directories(base_); }
 
-  // As a run does: writes a manifest and one file, and commits.
+  // Ends like a run: writes a manifest and one file, and commits.
   void finish(RunFolder& folder, const std::string& content) {
     write_text_file(folder.path() / "manifest.json", R"({"scenario": "s", "state_hash": "0"})");
     write_text_file(folder.path() / "log.csv", content);
@@ -256,7 +256,7 @@ TEST_F(RunFolders, LeaveOtherThingsAlone) {
   EXPECT_THROW(RunFolder(base_ / "thesis"), std::invalid_argument);
   EXPECT_THROW(RunFolder(base_ / "file"), std::invalid_argument);
   EXPECT_THROW(RunFolder(base_ / "file" / "run"), std::invalid_argument);
-  // Somebody else's manifest.json does not make it a run.
+  // A foreign manifest.json does not make the folder a run.
   write_text_file(base_ / "thesis" / "manifest.json", R"({"name": "a web page"})");
   EXPECT_THROW(RunFolder(base_ / "thesis"), std::invalid_argument);
   EXPECT_EQ(entries(), 2U);
@@ -264,7 +264,7 @@ TEST_F(RunFolders, LeaveOtherThingsAlone) {
   EXPECT_NO_THROW(RunFolder(base_ / "empty"));
 }
 
-TEST_F(RunFolders, ARunWithFilesOfOnesOwnIsNotReplaced) {
+TEST_F(RunFolders, ARunWithOtherFilesIsNotReplaced) {
   const fs::path target = base_ / "run";
   {
     RunFolder folder(target);
@@ -284,8 +284,8 @@ TEST_F(RunFolders, ARunWithFilesOfOnesOwnIsNotReplaced) {
   EXPECT_EQ(text_of(target / "log.csv"), "second");
 }
 
-// A host whose name begins with another's.
-TEST_F(RunFolders, ARunOfAnotherHostIsNotTakenForAbandoned) {
+// Another host whose name has a common beginning.
+TEST_F(RunFolders, ARunOfAnotherHostIsNotAbandoned) {
   std::array<char, HOST_NAME_MAX + 1> host = {};
   gethostname(host.data(), host.size() - 1);
   const fs::path other = base_ / (".run.partial-" + std::string(host.data()) + "-4000000-17");
@@ -297,8 +297,8 @@ TEST_F(RunFolders, ARunOfAnotherHostIsNotTakenForAbandoned) {
   EXPECT_TRUE(fs::exists(other));
 }
 
-// However the target is spelt.
-TEST_F(RunFolders, OfOneTargetAreMadeByOneThreadAlone) {
+// For any spelling of the target.
+TEST_F(RunFolders, AreMadeByOneThreadPerTarget) {
   const fs::path target = base_ / "run";
   fs::create_directory_symlink(base_, base_ / "link");
   {
@@ -321,13 +321,13 @@ TEST_F(RunFolders, OfOneTargetAreMadeByOneThreadAlone) {
   EXPECT_EQ(entries(), 3U) << "run, other and link";
 }
 
-TEST_F(RunFolders, SayWhenTheyCannotBeMade) {
+TEST_F(RunFolders, ReportAFailedCreation) {
   EXPECT_THROW(RunFolder("/proc/run"), std::invalid_argument);
   EXPECT_THROW(RunFolder("/"), std::invalid_argument);
 }
 
 TEST_F(RunFolders, ClearUpAfterAKilledRun) {
-  // A partial folder of this host, as one that is open now tells; no process has this number.
+  // A partial folder of this host with the number of a process that does not exist.
   std::string prefix;
   {
     const RunFolder folder(base_ / "run");
@@ -336,7 +336,7 @@ TEST_F(RunFolders, ClearUpAfterAKilledRun) {
   }
   const fs::path dead = prefix + "2000000000";
   const fs::path alive = prefix + std::to_string(getppid());
-  const fs::path own = prefix + std::to_string(getpid());  // the number of a process of old
+  const fs::path own = prefix + std::to_string(getpid());  // a process number that was used before
   const fs::path elsewhere = base_ / ".run.partial-anotherhost-2000000000";
   const fs::path unnumbered = prefix.substr(0, prefix.size() - 1);
   for (const fs::path& folder : {dead, alive, own, elsewhere, unnumbered}) {
@@ -352,8 +352,8 @@ TEST_F(RunFolders, ClearUpAfterAKilledRun) {
   EXPECT_TRUE(fs::is_empty(own));
 }
 
-// A folder of very many runs is listed once, and not by each of them.
-TEST_F(RunFolders, ClearUpWhatWasListed) {
+// A folder with very many runs is listed only once.
+TEST_F(RunFolders, ClearUpListedFolders) {
   const std::string begin = base_.string() + "/.run.partial-" + process_name();
   const std::string dead = begin.substr(0, begin.rfind('-')) + "-2000000000";
   fs::create_directory(dead);
@@ -365,7 +365,7 @@ TEST_F(RunFolders, ClearUpWhatWasListed) {
   EXPECT_TRUE(fs::exists(later)) << "the folder was listed again";
 }
 
-TEST_F(RunFolders, LeaveAloneWhatAppearedMeanwhile) {
+TEST_F(RunFolders, KeepFilesThatAppearedMeanwhile) {
   {
     RunFolder folder(base_ / "run");
     fs::create_directory(base_ / "run");

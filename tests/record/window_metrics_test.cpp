@@ -8,7 +8,7 @@
 namespace breakwater {
 namespace {
 
-TEST(WindowStatistics, CountsWhatFallsIntoItsWindowBothEndsIncluded) {
+TEST(WindowStatistics, CountsSamplesInItsWindowBothEndsIncluded) {
   WindowStatistics statistics({1.0, 3.0});
   for (int t = 0; t <= 4; ++t) statistics.add(t, t == 0 || t == 4 ? 100.0 : t - 4.0);  // −3 −2 −1
   EXPECT_DOUBLE_EQ(*statistics.mean(), -2.0);
@@ -26,7 +26,7 @@ TEST(WindowStatistics, TheSpreadDoesNotSufferFromALargeMean) {
   EXPECT_NEAR(*statistics.standard_deviation(), 0.5 * std::sqrt(1000.0 / 999.0), 1e-6);
 }
 
-TEST(ReversalCount, CountsTurnsByMoreThanTheBandFromTheFarthest) {
+TEST(ReversalCount, CountsReversalsLargerThanTheBand) {
   const auto turns = [](const std::vector<double>& values) {
     ReversalCount count(0.1);
     for (const double value : values) count.add(value);
@@ -40,15 +40,15 @@ TEST(ReversalCount, CountsTurnsByMoreThanTheBandFromTheFarthest) {
   EXPECT_EQ(turns({0.0, -1.0, 0.0, -1.0, 0.0}), 3);
 }
 
-TEST(ReversalCount, OfADampedCosineEndsWhereItsSwingsAreWithinTheBand) {
+TEST(ReversalCount, ForADampedCosineStopsWithinTheBand) {
   ReversalCount count(0.1);
-  // Each way is e^(−0.2 π) of the one before: the first of 1.54, which does not count, then 0.83,
-  // 0.45, 0.24, 0.13, and 0.07.
+  // Each swing is e^(−0.2 π) times the one before: 1.54 (does not count), 0.83, 0.45, 0.24, 0.13,
+  // 0.07.
   for (int i = 0; i < 10000; ++i) count.add(std::exp(-0.002 * i) * std::cos(0.01 * i));
   EXPECT_EQ(count.value(), 4);
 }
 
-TEST(WindowStatistics, OfNothingAreNothing) {
+TEST(WindowStatistics, WithoutSamplesAreEmpty) {
   WindowStatistics statistics({1.0, 3.0});
   statistics.add(0.5, 1.0);
   EXPECT_FALSE(statistics.mean());
@@ -58,7 +58,7 @@ TEST(WindowStatistics, OfNothingAreNothing) {
   EXPECT_FALSE(statistics.largest_deviation());
 }
 
-TEST(TimeWindow, CountsOnlyWhatARunWhollyCovers) {
+TEST(TimeWindow, CountsOnlyAWindowThatTheRunCovers) {
   const TimeWindow window{1.0, 3.0};
   EXPECT_TRUE(window.within(3.0).contains(1.0));
   EXPECT_TRUE(window.within(3.0).contains(3.0));
@@ -71,18 +71,18 @@ TEST(TimeWindow, CountsOnlyWhatARunWhollyCovers) {
   EXPECT_TRUE(TimeWindow{2.0}.within(1.0).contains(2.0)) << "an open end is the run's";
 }
 
-TEST(SettlingTime, IsFromTheStartToTheLastEntryIntoTheBand) {
+TEST(SettlingTime, CountsFromTheStartToTheLastEntryIntoTheBand) {
   SettlingTime settling(TimeWindow{1.0, 7.0}, 0.5);
   const double errors[] = {9.0, 9.0, 0.4, 0.6, 0.5, -0.1, 0.0};  // at 0 … 6 s
   for (int t = 0; t < 7; ++t) settling.add(t, errors[t]);
-  EXPECT_EQ(*settling.value(), 3.0);  // in the band from 4 s on
+  EXPECT_EQ(*settling.value(), 3.0);  // in the band from 4 s
   settling.add(7.0, 0.7);
-  EXPECT_FALSE(settling.value());  // and out of it again
+  EXPECT_FALSE(settling.value());  // outside the band again
   settling.add(7.5, 0.0);
-  EXPECT_FALSE(settling.value());  // what comes later does not count
+  EXPECT_FALSE(settling.value());  // later samples do not count
 }
 
-TEST(ReachTime, IsToTheFirstEntryOfThatSize) {
+TEST(ReachTime, CountsToTheFirstEntryOfThatSize) {
   ReachTime reach(1.0, 2.0), of_nothing(1.0, 0.0);
   for (const auto& [time_s, value] :
        {std::pair(0.5, 3.0), std::pair(2.0, 1.9), std::pair(3.0, -2.0)}) {
@@ -95,13 +95,13 @@ TEST(ReachTime, IsToTheFirstEntryOfThatSize) {
   EXPECT_FALSE(of_nothing.value());
 }
 
-TEST(SettlingTime, OfARunThatEndsBeforeItIsJudgedIsNothing) {
+TEST(SettlingTime, IsEmptyIfTheRunIsTooShort) {
   SettlingTime settling(TimeWindow{0.0, 7.0}.within(3.0), 0.5);
   for (int t = 0; t <= 3; ++t) settling.add(t, 0.0);
   EXPECT_FALSE(settling.value());
 }
 
-TEST(SettlingTime, OfALongerRunLastsToItsEnd) {
+TEST(SettlingTime, UsesALongerRunToItsEnd) {
   SettlingTime settling(TimeWindow{1.0, 3.0}.within_and_on(7.0), 0.5);
   for (int t = 0; t <= 7; ++t) settling.add(t, t < 6 ? 9.0 : 0.0);
   EXPECT_EQ(*settling.value(), 5.0);
@@ -110,7 +110,7 @@ TEST(SettlingTime, OfALongerRunLastsToItsEnd) {
   EXPECT_FALSE(brief.value());
 }
 
-TEST(SettlingTime, WithoutAnySampleIsNothing) {
+TEST(SettlingTime, IsEmptyWithoutSamples) {
   EXPECT_FALSE(SettlingTime(TimeWindow{1.0}, 0.5).value());
 }
 

@@ -1,4 +1,4 @@
-// write_run_folder TARGET CONTENT: leaves a run's folder, as a run does.
+// write_run_folder TARGET CONTENT: writes a run's folder like a run.
 #include <cstdio>
 #include <exception>
 

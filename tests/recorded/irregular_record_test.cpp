@@ -1,5 +1,5 @@
-// `estimate` on records whose clock jitters and whose rows are lost. They are made by a motor of
-// our own here: J q̈ = u − d − c q̇ in closed form between one instant and the next.
+// `estimate` on records with a jittering clock and lost rows. A simulated motor makes them: J q̈ =
+// u − d − c q̇ in closed form between two times.
 
 #include <cmath>
 #include <numbers>
@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kPeriod = 5e-4;
 constexpr double kDuration = 4.0;
-constexpr double kStep = 1.0;  // when the load comes
+constexpr double kStep = 1.0;  // time of the load step
 constexpr double kLoad = 0.05;
 constexpr double kInertia = 1e-3;
 constexpr double kFriction = 2e-4;
@@ -24,7 +24,7 @@ struct Row {
   double time_s, u, q, d;
 };
 
-// A servo follows 2 sin 2t; it samples, and its drive holds, at these instants.
+// A servo follows 2 sin 2t. It samples and holds at these times.
 std::vector<Row> moved_motor(const std::vector<double>& instants) {
   constexpr double a = kFriction / kInertia;
   double q = 0.0;
@@ -52,7 +52,7 @@ std::vector<Row> moved_motor(const std::vector<double>& instants) {
   return rows;
 }
 
-// `jitter` in periods, by which each instant is off at most.
+// Each time is shifted by at most `jitter` periods.
 std::vector<double> instants(double jitter, testing::Random& random) {
   std::vector<double> times(static_cast<std::size_t>(std::lround(kDuration / kPeriod)) + 1);
   for (std::size_t k = 1; k < times.size(); ++k) {
@@ -61,7 +61,7 @@ std::vector<double> instants(double jitter, testing::Random& random) {
   return times;
 }
 
-// Bursts of 1 to 60 rows until so many are lost, half a second apart at the least.
+// Loses bursts of 1 to 60 rows up to this share, at least half a second apart.
 std::vector<Row> with_lost_rows(std::vector<Row> rows, double share, testing::Random& random) {
   auto left = std::lround(share * static_cast<double>(rows.size()));
   const long bursts = left / 60 + 1;
@@ -99,8 +99,7 @@ class IrregularRecord : public ::testing::Test {
   const testing::TemporaryPath file_{"irregular.csv"};
 };
 
-// Root mean square of d̂ − d, from half a second after the load's step on, and from 0.2 s after each
-// gap on.
+// Root mean square of d̂ − d, from half a second after the load step and from 0.2 s after each gap.
 double error(const Recording& recording, const std::vector<Row>& rows) {
   const std::vector<double> d = recording.track("control").values("d_hat_Nm");
   double squares = 0.0;
@@ -144,7 +143,7 @@ TEST_F(IrregularRecord, JitterAndLostRowsCostLittleBesideTheCleanRecord) {
   }
 }
 
-TEST_F(IrregularRecord, TheDefaultFilterDoesNotTakeAClockThatJittersForALoad) {
+TEST_F(IrregularRecord, TheDefaultFilterDoesNotEstimateALoadFromJitter) {
   testing::Random random(3);
   const std::vector<Row> rows = moved_motor(instants(0.04, random));
   const Recording recording = estimate(rows, "stf");
@@ -163,8 +162,8 @@ TEST_F(IrregularRecord, OneLostRowDoesNotStartTheFilterAgain) {
   EXPECT_EQ(recording.track("control").values("stretch").back(), 1.0);
 }
 
-// The rows say that they were taken once a period, and were not.
-TEST_F(IrregularRecord, UncertainInstantsAreAnErrorOfTheSensorThatGrowsWithTheSpeed) {
+// The record has a constant period, but the samples were not taken so.
+TEST_F(IrregularRecord, UncertainTimesActAsASensorErrorThatGrowsWithTheSpeed) {
   testing::Random random(5);
   std::vector<Row> rows = moved_motor(instants(0.2, random));
   for (std::size_t k = 0; k < rows.size(); ++k) {
@@ -183,7 +182,7 @@ TEST_F(IrregularRecord, UncertainInstantsAreAnErrorOfTheSensorThatGrowsWithTheSp
   EXPECT_LE(error(known, rows), 0.02 * kLoad);
 }
 
-TEST_F(IrregularRecord, AModelThatDoesNotExplainTheDataIsSaid) {
+TEST_F(IrregularRecord, WarnsOfAModelThatDoesNotExplainTheData) {
   testing::Random none;
   const std::vector<Row> rows = moved_motor(instants(0.0, none));
   for (const char* observer : {"stf", "qvff", "qbank", "idob"}) {

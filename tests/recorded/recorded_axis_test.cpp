@@ -1,4 +1,3 @@
-// Tables that a lab recorded: what is read, what is refused, and what their times are.
 
 #include <breakwater/recorded/recorded_axis.h>
 #include "support.h"
@@ -13,7 +12,7 @@ class RecordedAxisFile : public ::testing::Test {
     return read_recorded_axis(file_.string(), format);
   }
 
-  // The error, without the file's name.
+  // The error message without the file's name.
   std::string error_of(const std::string& text) const {
     try {
       read(text);
@@ -59,7 +58,7 @@ TEST_F(RecordedAxisFile, ColumnsHaveOtherNamesAndUnits) {
   EXPECT_EQ(axis.positions, (std::vector<double>{-2.0, -4.0}));
 }
 
-TEST_F(RecordedAxisFile, WhatIsWrongIsSaidWithItsLine) {
+TEST_F(RecordedAxisFile, MessagesNameTheLine) {
   const std::string head = "time_s,u,y\n";
   EXPECT_EQ(error_of(""), " is empty");
   EXPECT_EQ(error_of("time,u,y\n"),
@@ -79,7 +78,7 @@ TEST_F(RecordedAxisFile, WhatIsWrongIsSaidWithItsLine) {
   EXPECT_THROW(read_recorded_axis("/nowhere/record.csv"), std::invalid_argument);
 }
 
-TEST(RecordedTiming, GapsAreLeftOutOfThePeriodAndNamedByTheRowsBehindThem) {
+TEST(RecordedTiming, ThePeriodIgnoresGapsAndAWarningNamesTheirRows) {
   const RecordedTiming timing = timing_of({0.0, 1.0, 2.0, 7.0, 8.0, 9.0, 12.0}, 0.0, 1.5, 0.1);
   EXPECT_EQ(timing.period_s, 1.0);
   EXPECT_EQ(timing.gaps, (std::vector<std::size_t>{3, 6}));

@@ -1,4 +1,4 @@
-// Nothing in the loop allocates after the first sample: malloc itself is counted.
+// The loop allocates nothing after the first sample. The test counts calls of malloc.
 #include <dlfcn.h>
 
 #include <atomic>
@@ -56,15 +56,15 @@ int posix_memalign(void** p, std::size_t alignment, std::size_t size) {
 namespace breakwater {
 namespace {
 
-// In a debug build Eigen itself stops the program, with a backtrace, where it would allocate.
+// In a debug build Eigen stops the program with a backtrace if it allocates.
 void allow_eigen_malloc([[maybe_unused]] bool allowed) {
 #ifdef EIGEN_RUNTIME_NO_MALLOC
   Eigen::internal::set_is_malloc_allowed(allowed);
 #endif
 }
 
-// Counts from the second progress report, after the first step, to the last one, within the loop:
-// what is measured after it may allocate.
+// Counts from the second progress report, after the first step, to the last one in the loop.
+// Metrics after the loop may allocate.
 long allocations_in_loop(const std::string& scenario, const std::string& case_name,
                          const std::vector<std::string>& sets) {
   allocations = 0;
@@ -97,7 +97,7 @@ TEST(Allocation, CounterCounts) {
   EXPECT_EQ(allocations, before + 1);
 }
 
-// Through the switch to force control, the impact, and the log at the physics rate.
+// Includes the switch to force control, the impact, and the log at the physics rate.
 TEST(Allocation, WallContactLoopDoesNotAllocate) {
   for (const char* name : {"proposed-2N", "hpfc-2N", "drac-2N", "tlsc-2N"}) {
     EXPECT_EQ(allocations_in_loop("arm_wall_contact", name,
@@ -116,7 +116,7 @@ TEST(Allocation, PushLoopDoesNotAllocate) {
   }
 }
 
-// Through active limits, the disturbance, and problems that must be softened.
+// Includes active limits, the disturbance, and problems that need softening.
 TEST(Allocation, PredictiveControlLoopDoesNotAllocate) {
   for (const char* solver : {"solver.name=active_set", "solver.name=hildreth"}) {
     EXPECT_EQ(allocations_in_loop("cart_constrained", "proposed-idob",
@@ -131,7 +131,7 @@ TEST(Allocation, PredictiveControlLoopDoesNotAllocate) {
   EXPECT_EQ(allocations_in_loop("cart_constrained", "lqr-obs-kfd", {"run.duration_s=120"}), 0);
 }
 
-// Programs of poor condition, with dependent rows and without a solution take all ways through the
+// Ill-conditioned programs, dependent constraints and infeasible programs reach all branches of the
 // solver.
 TEST(Allocation, QuadraticProgramsDoNotAllocate) {
   testing::Random random;
@@ -171,8 +171,8 @@ TEST(Allocation, EstimatorsDoNotAllocate) {
   }
 }
 
-// Jitter, gaps with inputs that are missing, and instants that are uncertain.
-TEST(Allocation, EstimatorsDoNotAllocateWhereIntervalsChange) {
+// Jitter, gaps with missing inputs, and uncertain times.
+TEST(Allocation, EstimatorsDoNotAllocateWithVariableIntervals) {
   const double T = 1e-3;
   const StateSpace motor = damped_inertia(1e-3, 2e-4);
   const SensorError sensor{Eigen::VectorXd::Constant(1, 1e-3), Eigen::VectorXd::Zero(1)};
@@ -205,7 +205,7 @@ TEST(Allocation, EstimatorsDoNotAllocateWhereIntervalsChange) {
   }
 }
 
-TEST(Allocation, ObserversOfSeveralOutputsDoNotAllocateWhereIntervalsChange) {
+TEST(Allocation, ObserversOfSeveralOutputsDoNotAllocateWithVariableIntervals) {
   StateSpace joints{Eigen::MatrixXd::Zero(4, 4), Eigen::MatrixXd::Zero(4, 2),
                     Eigen::MatrixXd::Zero(2, 4)};
   joints.A.topRightCorner(2, 2).setIdentity();
@@ -227,7 +227,7 @@ TEST(Allocation, ObserversOfSeveralOutputsDoNotAllocateWhereIntervalsChange) {
   }
 }
 
-// The loop reports every 10 s, so the first of it is counted too.
+// The loop reports every 10 s, so its first 10 s count too.
 TEST(Allocation, QuadrotorLoopDoesNotAllocate) {
   for (const char* name : {"resonator", "spectrum", "ukf-second", "ekf-second", "ukf-none"}) {
     EXPECT_EQ(allocations_in_loop("quadrotor_waves", name,

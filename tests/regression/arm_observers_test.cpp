@@ -1,4 +1,4 @@
-// The arm on each estimator of an axis, by its name alone.
+// The arm with each estimator of an axis, chosen by name only.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -14,7 +14,7 @@ const std::vector<std::string> kShort = {
     "run.duration_s=20", "force.from_s=12",      "wall.solid_from_s=10", "metrics.from_s=16",
     "metrics.to_s=20",   "record.fine_from_s=0", "record.fine_to_s=0"};
 
-// The fastest let the tip bounce, about the reference.
+// With the fastest ones the force bounces around the reference.
 TEST(ArmObservers, EachHoldsTheContact) {
   const std::pair<const char*, double> spreads_N[] = {
       {"idob", 0.2}, {"kfd", 0.5}, {"fakfd", 0.5}, {"vfakfd", 0.2},
@@ -31,7 +31,7 @@ TEST(ArmObservers, EachHoldsTheContact) {
   }
 }
 
-TEST(ArmObservers, EachComesBackFromAPush) {
+TEST(ArmObservers, EachRecoversFromAPush) {
   for (const char* name : {"kfd", "stf", "qvff", "qbank"}) {
     const Recording run =
         run_case("arm_push", "proposed-link1", {"observer.name=" + std::string(name)});
@@ -40,8 +40,8 @@ TEST(ArmObservers, EachComesBackFromAPush) {
   }
 }
 
-// A row of poles a joint, or one for all.
-TEST(ArmObservers, OneRowOfPolesIsThatOfEachJoint) {
+// One row of poles per joint, or one for all.
+TEST(ArmObservers, OneRowOfPolesIsForEachJoint) {
   const auto hash = [&](const std::string& poles) {
     return run_case("arm_push", "proposed-link1",
                     {"run.duration_s=1", "observer.poles_rad_s=" + poles})

@@ -1,4 +1,4 @@
-// The push experiment: how the arm comes back from a forced displacement.
+// The push experiment: the arm's recovery from a forced displacement.
 
 #include <cmath>
 
@@ -10,7 +10,7 @@ namespace {
 using testing::completed_run;
 using testing::run_case;
 
-TEST(Push, ProposedComesBack) {
+TEST(Push, ProposedRecovers) {
   for (const char* name : {"proposed-link1", "proposed-link2", "proposed-link3"}) {
     for (const char* angle :
          {"push.angle_rad=1.5707963267948966", "push.angle_rad=-1.5707963267948966"}) {
@@ -18,7 +18,7 @@ TEST(Push, ProposedComesBack) {
       EXPECT_LT(*run.metric("settling_time_s"), 3.0) << name << angle;
       EXPECT_LE(*run.metric("reversal_count"), 2.0) << name << angle;
       EXPECT_LT(*run.metric("tip_error_m"), 0.01) << name << angle;
-      // The joints may take another posture; the tip hardly passes its start.
+      // The joints may reach another posture. The tip hardly passes its start.
       EXPECT_LT(*run.metric("x_overshoot_m"), 1e-3) << name << angle;
       EXPECT_LT(*run.metric("y_overshoot_m"), 0.01) << name << angle;
       EXPECT_LT(*run.metric("posture_overshoot_rad"), 0.08) << name << angle;
@@ -26,7 +26,7 @@ TEST(Push, ProposedComesBack) {
   }
 }
 
-TEST(Push, ProposedHeldJointByJointComesBackWithoutOvershoot) {
+TEST(Push, ProposedWithJointPositioningRecoversWithoutOvershoot) {
   for (const char* name : {"proposed-link1", "proposed-link2", "proposed-link3"}) {
     for (const char* angle :
          {"push.angle_rad=1.5707963267948966", "push.angle_rad=-1.5707963267948966"}) {
@@ -41,8 +41,8 @@ TEST(Push, ProposedHeldJointByJointComesBackWithoutOvershoot) {
   }
 }
 
-// What decides is the observer's feed, not the method: fed with what really acted, the
-// conventional controllers come back too; fed with what they asked for, they run away.
+// The input of the observer matters, not the method. With the applied torque the conventional
+// controllers recover; with the commanded torque they become unstable.
 TEST(Push, ConventionalControllersNeedTheClippedFeed) {
   for (const char* name :
        {"hpfc-link1", "hpfc-link2", "hpfc-link3", "drac-link1", "drac-link2", "drac-link3"}) {
@@ -55,9 +55,9 @@ TEST(Push, ConventionalControllersNeedTheClippedFeed) {
   }
 }
 
-// And the proposed method, fed unclipped, does not run away: PFC never asks for more than the
-// limit, so there is nothing to clip.
-TEST(Push, FeedDoesNotMatterToTheProposedMethod) {
+// The proposed method is stable with the unclipped input too: PFC never exceeds the limit, so
+// clipping has no effect.
+TEST(Push, FeedDoesNotAffectTheProposedMethod) {
   const Recording clipped = run_case("arm_push", "proposed-link2");
   const Recording unclipped = run_case("arm_push", "proposed-link2", {"observer.feed=unclipped"});
   EXPECT_NEAR(*unclipped.metric("overshoot_rad"), *clipped.metric("overshoot_rad"), 1e-6);

@@ -1,4 +1,4 @@
-// The impact experiment: the thesis' numbers, and what must hold of any honest simulation of it.
+// The impact experiment: the thesis' numbers, and properties of any correct simulation of it.
 
 #include <cmath>
 
@@ -13,7 +13,7 @@ using testing::run_case;
 
 constexpr const char* kScenario = "arm_wall_contact";
 
-// Long enough for the impact, not for the steady state.
+// Long enough for the impact, but not for the steady state.
 const std::vector<std::string> kImpactOnly = {"run.duration_s=33"};
 
 std::vector<std::string> impact_with(std::vector<std::string> sets) {
@@ -30,7 +30,7 @@ TEST_P(EachWallContact, IsWithinTheClassesOfItsPrintedNumbers) {
   for (const PrintedValue& value : values) {
     const auto measured = run.metric(value.metric);
     ASSERT_TRUE(measured) << value.metric;
-    // The printed 0.08 and 0.18 N are blamed on a standing saturation that does not come out.
+    // The thesis explains 0.08 and 0.18 N by a lasting saturation, which does not occur here.
     const bool is_missing = value.metric == "mean_force_error_N" && value.number() > 0.01;
     EXPECT_EQ(value.verdict(*measured) == Verdict::not_reproduced, is_missing)
         << value.metric << ": " << *measured << ", printed " << value.result.text();
@@ -72,8 +72,8 @@ TEST(WallContact, OrderingsOfTheThesis) {
     const Recording drac = run_case(kScenario, "drac" + force, kImpactOnly);
     for (const char* peak : {"peak_force_raw_N", "peak_force_filtered_N"}) {
       EXPECT_LT(*proposed.metric(peak), *drac.metric(peak)) << force;
-      // The thesis says the reverse; docs/explanation/experiments/arm-wall-contact.md says why it
-      // does not hold.
+      // The thesis states the reverse; docs/explanation/experiments/arm-wall-contact.md explains
+      // why it does not hold.
       EXPECT_LT(*hpfc.metric(peak), *proposed.metric(peak)) << force;
     }
     EXPECT_LT(*proposed.metric("free_motion_time_s"), *hpfc.metric("free_motion_time_s"));
@@ -81,7 +81,7 @@ TEST(WallContact, OrderingsOfTheThesis) {
   }
 }
 
-TEST(WallContact, TuningDoesWhatTheThesisSays) {
+TEST(WallContact, TuningHasTheEffectsOfTheThesis) {
   for (const std::string force : {"-2N", "-5N"}) {
     const Recording tuned = run_case(kScenario, "tuned" + force, kImpactOnly);
     const Recording untuned = run_case(kScenario, "proposed" + force, kImpactOnly);
@@ -102,7 +102,8 @@ TEST(WallContact, AnotherIntegratorGivesTheSameImpact) {
 }
 
 TEST(WallContact, FasterApproachHitsHarder) {
-  // A limit case: a wall within the arm's first acceleration is met the slower the nearer it is.
+  // A limit case: within the first acceleration of the arm, a nearer wall gives a lower impact
+  // velocity.
   double slower = 1e300, softer = 1e300;
   for (const char* distance : {"0.03", "0.01", "0.003"}) {
     const Recording run = run_case(kScenario, "proposed-2N",
@@ -123,10 +124,9 @@ TEST(WallContact, SteadyForceIsTheReferenceAndTheDepthIsForceOverStiffness) {
   EXPECT_NEAR(x - (0.45 + 0.089), force / 1000.0, 1e-5);
 }
 
-// The arm with its force sensor as a second body on a slide: a spring of 1 kN/m and a damper of
-// 10 N s/m between link and tip, and a wall that is stiff. The chain's compliance then is where a
-// load cell has it, not in the contact.
-TEST(WallContact, ALoadCellAsASlideGivesTheSamePeaks) {
+// The arm with its force sensor as a second body on a slide, and a stiff wall. The slide has a
+// spring of 1 kN/m and a damper of 10 N s/m, so the compliance is not in the contact.
+TEST(WallContact, AnElasticLoadCellGivesTheSamePeaks) {
   using testing::replaced;
   std::string mjcf = replaced(
       testing::text_of(testing::source_file("models/arm.xml")),

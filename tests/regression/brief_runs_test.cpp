@@ -1,4 +1,4 @@
-// Runs that end long before their metrics' windows do, and the same run twice.
+// Runs that end before the windows of their metrics, and equal runs.
 
 #include <cmath>
 #include <map>
@@ -19,7 +19,7 @@ std::map<std::string, double> values(const std::vector<Metric>& metrics) {
   return values;
 }
 
-// How far what is measured lies from the truth towards 0, at most, in counts.
+// The largest distance of the measured value from the true one towards 0, in counts.
 double most_lost_counts(const std::string& scenario, const std::string& case_name,
                         const std::vector<std::string>& sets, const std::string& measured,
                         const std::string& truth, double quantum) {
@@ -75,7 +75,7 @@ TEST(EncoderRounding, IsAKeyOfMotorCartsAndArm) {
       return most_lost_counts(plant.scenario, plant.case_name, sets, plant.measured, plant.truth,
                               plant.quantum);
     };
-    EXPECT_LT(most("nearest"), 0.6);  // of a sample before the truth
+    EXPECT_LT(most("nearest"), 0.6);  // the true sample before
     EXPECT_GT(most("truncate"), 0.8);
     EXPECT_LT(most("truncate"), 1.1);
   }
@@ -99,12 +99,12 @@ TEST(BriefRuns, EveryCaseOfEveryScenarioRunsForATenthOfASecond) {
 struct Window {
   const char* scenario;
   const char* case_name;
-  double ends_s;  // when the last window does
+  double ends_s;  // end of the last window
   std::vector<std::string> metrics;
 };
 
-// One sample before the window's end its metrics are not there; at its end they are.
-TEST(BriefRuns, AMetricOfAWindowIsThereOnceTheWindowIsOver) {
+// One sample before the end of the window its metrics do not exist; at the end they do.
+TEST(BriefRuns, AMetricOfAWindowExistsAfterTheWindow) {
   const std::vector<Window> windows = {
       {"motor_estimation",
        "vfakfd",
@@ -140,14 +140,14 @@ TEST(BriefRuns, AMetricOfAWindowIsThereOnceTheWindowIsOver) {
   }
 }
 
-TEST(BriefRuns, AMetricOfTheWholeRunIsThereHoweverShortTheRun) {
+TEST(BriefRuns, AMetricOfTheWholeRunExistsInAnyRun) {
   const std::vector<std::string> brief = {"run.duration_s=0.1"};
   EXPECT_TRUE(run_case("motor_estimation", "vfakfd", brief).metric("peak_position_rad"));
   EXPECT_TRUE(run_case("cart_offset_free", "proposed", brief).metric("max_input_N"));
   EXPECT_TRUE(run_case("cart_constrained", "proposed-idob", brief).metric("max_input_N"));
 }
 
-TEST(BriefRuns, TheQuadrotorsWindowIsTheLastPartOfARunOrNothing) {
+TEST(BriefRuns, TheQuadrotorsWindowIsTheLastPartOfALongRun) {
   const auto metrics = [](const char* window) {
     return run_case("quadrotor_waves", "ukf-zero", {"run.duration_s=3", window}).metrics;
   };
@@ -155,7 +155,7 @@ TEST(BriefRuns, TheQuadrotorsWindowIsTheLastPartOfARunOrNothing) {
   EXPECT_TRUE(metrics("metrics.window_s=3.1").empty());
 }
 
-TEST(BriefRuns, NothingHasSettledBeforeItsTimeIsOver) {
+TEST(BriefRuns, NoSettlingTimeExistsInAShortRun) {
   const auto settling_s = [](const char* scenario, const char* name, const char* metric,
                              const std::vector<std::string>& sets) {
     return run_case(scenario, name, sets).metric(metric);
@@ -170,7 +170,7 @@ TEST(BriefRuns, NothingHasSettledBeforeItsTimeIsOver) {
   EXPECT_TRUE(settling_s("motor_estimation", "idob", "disturbance_settling_time_s", {}));
 }
 
-// What a clock says is no metric.
+// Measured times are not metrics.
 TEST(SameRunTwice, GivesTheSameMetricsToTheLastBit) {
   struct Run {
     const char* scenario;

@@ -19,8 +19,8 @@ double metric(const std::string& case_name, const Sets& sets, const std::string&
   return run(case_name, sets).metric(name).value_or(NAN);
 }
 
-// "P": the estimate follows the disturbance within 5 % at the end. For the high sine "P" means that
-// it is ignored, as noise: the error is the disturbance itself.
+// "P": at the end the estimate follows the disturbance within 5 %. For the high sine "P" means that
+// the filter ignores it as noise: the error is the disturbance itself.
 TEST(CartEstimation, AllVerdictsOfTable44) {
   struct Verdicts {
     const char* kind;
@@ -73,7 +73,7 @@ TEST(CartEstimation, ResponseAndNoiseOfTable45ByEquation45AsPrinted) {
                 0.2 * row.noise_N)
         << row.case_name << ' ' << row.form;
   }
-  // It runs so where nothing else is said.
+  // This is the default.
   EXPECT_EQ(metric("gamma-1.05", {}, "reach_time_99pct_s"),
             metric("gamma-1.05", {"observer.covariance_form=printed"}, "reach_time_99pct_s"));
 }
@@ -96,7 +96,8 @@ TEST(CartEstimation, SettlingAndNoiseOfTable45BySymmetricForm) {
 }
 
 TEST(CartEstimation, OrderingsOfTable47) {
-  // Step: γ settles; conventional and second order do not; second order with γ overshoots.
+  // Step: γ settles. The conventional and second-order filters do not. Second order with γ
+  // overshoots.
   EXPECT_FALSE(run("order0").metric("settling_time_5pct_s"));
   EXPECT_FALSE(run("order2").metric("settling_time_5pct_s"));
   const double diagonal = metric("gamma-diag", {}, "settling_time_5pct_s");
@@ -110,7 +111,7 @@ TEST(CartEstimation, OrderingsOfTable47) {
   EXPECT_GT(peak("order2-gamma-diag"), 1.3 * 5.0);
   EXPECT_LT(peak("gamma-diag"), 1.3 * 5.0);
 
-  // Ramp and sine: conventional lags far, γ a little, second order with or without γ hardly.
+  // Ramp and sine: the conventional filter lags far, γ a little, the second-order filters hardly.
   for (const char* kind : {"ramp", "sine"}) {
     const Sets sets = {"disturbance.kind=" + std::string(kind)};
     const char* error = "relative_rmse_disturbance";
@@ -124,13 +125,13 @@ TEST(CartEstimation, OrderingsOfTable47) {
   }
 }
 
-// What the thesis says and these runs do not: that the scalar factor is the noisier one.
-TEST(CartEstimation, TheScalarFactorIsNotNoisier) {
+// The thesis states that the scalar factor is noisier. These runs do not show it.
+TEST(CartEstimation, TheScalarFactorHasNoMoreNoise) {
   EXPECT_LT(metric("gamma-scalar", {}, "rms_noise_N"), metric("gamma-diag", {}, "rms_noise_N"));
 }
 
-// 4.2.1.1: "it takes 250 s". The filter averages from the start, so the rest of a step at t_step is
-// d·t_step/t, 4 % at 250 s.
+// 4.2.1.1: "it takes 250 s". The filter averages from the start, so a step at t_step leaves an
+// error of d·t_step/t, 4 % at 250 s.
 TEST(CartEstimation, TheKfdAverages) {
   const auto rest_at = [](int time_s) {
     return metric(

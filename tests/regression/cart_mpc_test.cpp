@@ -18,20 +18,20 @@ std::vector<std::string> condition(const std::string& name, std::vector<std::str
   return more;
 }
 
-TEST(OffsetFree, OnlyThePlainObserverLeavesAnError) {
+TEST(OffsetFree, OnlyThePlainObserverHasAnError) {
   for (const char* name : {"proposed", "direct_rejection", "time_varying_constraint"}) {
     const Recording run = completed_run("cart_offset_free", name);
     EXPECT_LT(std::abs(*run.metric("steady_state_error_m")), 1e-4) << name;
     EXPECT_NEAR(*run.metric("settling_time_s"), 1.61, 0.05) << name;
     EXPECT_NEAR(*run.metric("mean_disturbance_estimate_N"), 1.0, 1e-6) << name;
-    // What is offset-free is the measurement: the cart itself is off by d_o.
+    // The measurement is offset-free. The cart itself has an error of d_o.
     EXPECT_NEAR(*run.metric("true_position_error_m"), -0.5, 1e-4) << name;
   }
   const Recording plain = run_case("cart_offset_free", "general_mpc");
   EXPECT_NEAR(*plain.metric("steady_state_error_m"), -0.139, 0.003);
 }
 
-// The estimator runs ten times as often as the optimisation that moves the bounds.
+// The estimator runs ten times per optimisation and moves the bounds each time.
 TEST(OffsetFree, MovedBoundsHoldUnderNoiseToo) {
   for (const std::vector<std::string>& more :
        {std::vector<std::string>{}, {"solver.name=hildreth"}, {"observer.name=kfd"}}) {
@@ -42,7 +42,8 @@ TEST(OffsetFree, MovedBoundsHoldUnderNoiseToo) {
   }
 }
 
-// The moved bounds of the input jump further than it may change: they win, and it is counted.
+// The moved bounds of the input jump further than its allowed change. They have priority, and it is
+// counted.
 TEST(OffsetFree, MovedBoundsWinOverTheInputsChange) {
   const std::string change = "constraint.input_change_N=0.5";
   const Recording run = completed_run("cart_offset_free", "time_varying_constraint", {change});
@@ -56,7 +57,7 @@ TEST(OffsetFree, MovedBoundsWinOverTheInputsChange) {
   EXPECT_TRUE(stopped.failure);
 }
 
-TEST(OffsetFree, OutputDisturbanceAloneLeavesNone) {
+TEST(OffsetFree, OutputDisturbanceAloneLeavesNoError) {
   for (const char* name :
        {"proposed", "general_mpc", "direct_rejection", "time_varying_constraint"}) {
     const Recording run = run_case("cart_offset_free", name, {"disturbance.input_N=0"});
@@ -64,7 +65,7 @@ TEST(OffsetFree, OutputDisturbanceAloneLeavesNone) {
   }
 }
 
-// The printed "pseudo-feedback" by a weight on the disturbance does nothing.
+// The printed "pseudo-feedback" by a weight on the disturbance has no effect.
 TEST(OffsetFree, DisturbanceWeightChangesNoInput) {
   const auto inputs = [](const std::string& weight) {
     return run_case("cart_offset_free", "proposed", {"controller.q_disturbance=" + weight})
@@ -92,7 +93,7 @@ TEST(OffsetFree, KalmanFilterUnderNoise) {
   }
 }
 
-TEST(OffsetFree, PositionLimitUnderNoiseIsPassedByLittle) {
+TEST(OffsetFree, NoiseExceedsThePositionLimitByLittle) {
   std::vector<double> furthest;
   for (int seed = 1; seed <= 5; ++seed) {
     const Recording run =
@@ -130,7 +131,7 @@ TEST_P(ConstrainedBySolver, OnlyTheProposedControllerKeepsTheInputLimit) {
     EXPECT_LE(*run.metric("max_input_N"), 2.001) << name;
     EXPECT_EQ(*run.metric("input_violation_time_s"), 0.0) << name;
     EXPECT_LT(*run.metric("final_speed_m_s"), 1e-3) << name;
-    // The price: at the limit u = d there is nothing left to go back with.
+    // At the limit u = d no input is left to return.
     EXPECT_NEAR(*run.metric("final_position_m"), -0.485, 0.03) << name;
   }
   const Recording lqr = run_case("cart_constrained", "lqr-idob", condition("C", GetParam()));
@@ -138,7 +139,7 @@ TEST_P(ConstrainedBySolver, OnlyTheProposedControllerKeepsTheInputLimit) {
   EXPECT_NEAR(*lqr.metric("final_position_m"), -2.01, 0.02);
 }
 
-TEST_P(ConstrainedBySolver, WithinTheLimitAllWithAnObserverComeBack) {
+TEST_P(ConstrainedBySolver, WithinTheLimitAllWithAnObserverRecover) {
   for (const char* name : {"lqr-obs-idob", "tpw-mpc-idob", "mpc-idob", "proposed-idob",
                            "proposed-time_varying-idob"}) {
     const Recording run = run_case("cart_constrained", name, condition("B", GetParam()));
@@ -172,13 +173,13 @@ TEST(Constrained, ExactSolverSolvesEveryProblemOfTheMatrix) {
   }
 }
 
-TEST(Constrained, HildrethSaysWhereItStopsAtItsCap) {
+TEST(Constrained, HildrethReportsTheIterationLimit) {
   const Recording run = run_case("cart_constrained", "proposed-idob", condition("C", kHildreth));
   EXPECT_GT(*run.metric("qp_unsolved_count"), 50.0);
   EXPECT_EQ(*run.metric("qp_iterations_max"), 40.0);
 }
 
-// A velocity limit below the velocity that the cart has: no input satisfies it.
+// A velocity limit below the cart's velocity: no input satisfies it.
 TEST(Constrained, InfeasibleInFlightIsSoftenedOrStops) {
   const std::vector<std::string> impossible = {"constraint.velocity_m_s=0.05"};
   const Recording softened =
@@ -196,7 +197,7 @@ TEST(Constrained, InfeasibleInFlightIsSoftenedOrStops) {
   EXPECT_EQ(stopped.failure->reason, "no input satisfies the constraints");
 }
 
-TEST(CartPosition, LimitedPositionIsPreferredToTheReference) {
+TEST(CartPosition, ThePositionLimitHasPriorityOverTheReference) {
   const Recording free = run_case("cart_position", "mpc-long");
   EXPECT_LT(std::abs(*free.metric("steady_state_error_m")), 2e-3);
   EXPECT_LE(*free.metric("qp_unsolved_count"), 0.0);
@@ -205,7 +206,7 @@ TEST(CartPosition, LimitedPositionIsPreferredToTheReference) {
   EXPECT_LT(*limited.metric("max_position_m"), 0.052);
 }
 
-// At an active limit the input chatters by the encoder's resolution.
+// At an active limit the input chatters by the encoder resolution.
 TEST(CartPosition, ResolutionMakesTheInputChatterAtTheLimit) {
   const auto chatter = [](const char* name, const std::string& resolution) {
     return *run_case(

@@ -1,4 +1,4 @@
-// Position control of a cart with friction: what the figures of 4.2.5 show.
+// Position control of a cart with friction: the figures of 4.2.5.
 
 #include <cmath>
 
@@ -21,7 +21,7 @@ double noise_N(const std::string& case_name) {
   return run(case_name).metric("rms_highpass_disturbance_N").value_or(NAN);
 }
 
-TEST(CartPosition, ForgettingRemovesTheOffsetThatTheKfdLeaves) {
+TEST(CartPosition, ForgettingRemovesTheOffsetOfTheKfd) {
   EXPECT_GT(error_m("kfd"), 5e-4);
   for (const char* name : {"mdob", "idob", "gamma-1.05", "gamma-1.10", "gamma-1.20"}) {
     EXPECT_LT(error_m(name), 1e-4) << name;
@@ -46,15 +46,15 @@ TEST(CartPosition, Gamma105SettlesLikeTheMdob) {
   EXPECT_NEAR(*run("gamma-1.05").metric("settling_time_s"), mdob, 0.1 * mdob);
 }
 
-TEST(CartPosition, WithoutCancellationFrictionHoldsTheCartShort) {
-  // An observer that is almost asleep: K_p e = F_C at standstill, and the cart stops before that.
+TEST(CartPosition, WithoutCancellationFrictionStopsTheCartEarly) {
+  // An almost inactive observer: K_p e = F_C at standstill, and the cart stops earlier.
   const Recording idle = run("mdob", {"observer.low_pass_cutoff_rad_s=1e-6"});
   const double error = *idle.metric("steady_state_error_m");
   EXPECT_GT(error, 1e-3);
   EXPECT_LE(error, 0.3 / 10.0 + 0.04 / 10.0);
 }
 
-TEST(CartPosition, RefusesAHighPassThatTheSamplesCannotCarry) {
+TEST(CartPosition, RefusesAHighPassAboveTheSamplingRate) {
   EXPECT_THROW(testing::run_case("cart_position", "kfd", {"control.period_s=1e-2"}),
                std::invalid_argument);
 }

@@ -1,5 +1,5 @@
-// How the impact depends on the contact's stiffness, and where the contact starts to bounce: a
-// coarse version of docs/explanation/studies/contact-stiffness.md.
+// The impact and the onset of bouncing by contact stiffness: a coarse version of
+// docs/explanation/studies/contact-stiffness.md.
 
 #include <cmath>
 
@@ -10,7 +10,7 @@ namespace {
 
 constexpr const char* kScenario = "arm_wall_contact";
 
-// B grows as the root of K: a constant damping ratio through 10 N s/m at 1000 N/m.
+// B grows with the root of K: a constant damping ratio, with 10 N s/m at 1000 N/m.
 double damping_Ns_m(double stiffness_N_m) {
   return 10.0 * std::sqrt(stiffness_N_m / 1000.0);
 }
@@ -25,7 +25,7 @@ Recording run_with(const std::string& name, double stiffness_N_m, const std::str
 
 class EachController : public ::testing::TestWithParam<const char*> {};
 
-TEST_P(EachController, StifferContactHitsHarderButNeverBeyondProportion) {
+TEST_P(EachController, ForceGrowsAtMostInProportionToTheStiffness) {
   double stiffness = 200.0;
   Recording softer = run_with(GetParam(), stiffness, "31.5");
   ASSERT_FALSE(softer.failure);
@@ -37,18 +37,17 @@ TEST_P(EachController, StifferContactHitsHarderButNeverBeyondProportion) {
     EXPECT_GT(growth, 1.0) << stiffness;
     EXPECT_LT(growth, 5.0) << stiffness;
     EXPECT_GT(*stiffer.metric("peak_force_filtered_N"), *softer.metric("peak_force_filtered_N"));
-    // The wall is not felt before it is touched.
+    // The wall has no effect before contact.
     EXPECT_NEAR(*stiffer.metric("free_motion_time_s"), *softer.metric("free_motion_time_s"), 1e-9);
     softer = std::move(stiffer);
   }
 }
 
-// A blow that is over before the controller knows of it: the peak of a mass on a spring and a
-// damper is sqrt(K m) v exp(-pi zeta / 2) for a small damping ratio zeta = B / (2 sqrt(K m)). The
-// mass follows from the peaks at two stiffnesses, so growth by sqrt(10) a decade is what is tested,
-// and that the mass is one the arm can have: between 76 kg, which the stretch of joints gives with
-// all of them free to recoil in the nominal pose, less the damping, and 110 kg, with y and phi
-// held.
+// A short impact ends before the controller reacts. For a small damping ratio
+// zeta = B / (2 sqrt(K m)) a mass on a spring has the peak sqrt(K m) v exp(-pi zeta / 2). The peaks
+// at two stiffnesses give the mass. The test checks growth by sqrt(10) per decade and a mass
+// between 76 and 110 kg. The lower bound is for free joints in the nominal pose minus the damping,
+// the upper one for fixed y and phi.
 TEST_P(EachController, PeakOfAShortBlowGrowsAsTheRootOfTheStiffness) {
   double previous = 0.0, error = 1.0;
   for (const double stiffness : {1e5, 1e6, 1e7, 1e8}) {
@@ -94,8 +93,8 @@ struct Start {
 
 class EachStart : public ::testing::TestWithParam<Start> {};
 
-// Seen from 50 to 100 s. 5 % of the reference lies between what still decays and what goes on.
-TEST_P(EachStart, SettlesBelowAndDoesNotAbove) {
+// From 50 to 100 s. A limit of 5 % of the reference separates decaying and lasting oscillations.
+TEST_P(EachStart, SettlesOnlyBelowTheLimit) {
   const Start& start = GetParam();
   const double reference_N = std::string(start.name).ends_with("5N") ? 5.0 : 2.0;
   const Recording settled = run_with(start.name, start.settles_N_m, "100");
@@ -107,7 +106,7 @@ TEST_P(EachStart, SettlesBelowAndDoesNotAbove) {
   EXPECT_GT(*run.metric("std_force_error_N"), 0.05 * reference_N);
 }
 
-// Just below and just above the starts of the page.
+// Just below and above the page's onset.
 INSTANTIATE_TEST_SUITE_P(
     ContactStiffness, EachStart,
     ::testing::Values(Start{"proposed-2N", 3160.0, 3540.0}, Start{"hpfc-2N", 3160.0, 3970.0},

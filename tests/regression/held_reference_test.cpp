@@ -1,4 +1,3 @@
-// Which runs are warned of as not holding their references.
 #include <tuple>
 
 #include "catalogue.h"
@@ -14,9 +13,9 @@ std::vector<std::string> warnings(const std::string& scenario, const std::string
   return run_case(scenario, case_name, sets).warnings;
 }
 
-TEST(ReferenceOfARun, IsSaidWhereItIsNotHeld) {
+TEST(ReferenceOfARun, IsReportedIfNotHeld) {
   const std::vector<std::tuple<std::string, std::string, std::vector<std::string>>> runs = {
-      // An IDOB that is told a hundredth of the mass, and a loop that hardly pulls.
+      // An IDOB with a hundredth of the mass, and a loop with a small gain.
       {"cart_position", "idob", {"nominal.mass_kg=0.005"}},
       {"cart_position", "idob", {"controller.kp=1e-3"}}};
   for (const auto& [scenario, case_name, sets] : runs) {
@@ -26,8 +25,8 @@ TEST(ReferenceOfARun, IsSaidWhereItIsNotHeld) {
   }
 }
 
-// The rivals stay in another posture once a hand has turned the arm; filters that forget nothing
-// see a step of force too late; one filter diverges.
+// The conventional controllers stay in another posture after a hand has turned the arm. Filters
+// without forgetting follow a step of force too slowly. One filter diverges.
 bool loses_its_reference(const std::string& scenario, const std::string& name) {
   if (scenario == "arm_push") return name.starts_with("hpfc") || name.starts_with("drac");
   if (scenario == "cart_estimation") {
@@ -36,8 +35,8 @@ bool loses_its_reference(const std::string& scenario, const std::string& name) {
   return scenario == "quadrotor_waves" && name == "ekf-second";
 }
 
-// The cases at the wall, which are long, are left out.
-TEST(ReferenceOfARun, IsHeldInTheShippedCasesButForThoseThatLoseIt) {
+// The long cases at the wall are left out.
+TEST(ReferenceOfARun, IsHeldInTheShippedCasesExceptTheKnownOnes) {
   for (const std::string& scenario : testing::scenario_names()) {
     if (scenario == "arm_wall_contact") continue;
     const ScenarioFile file = testing::scenario_file(scenario);

@@ -1,4 +1,4 @@
-"""Some changes of the impact count as a difference, fewer as a mutant that is seen.
+"""Some changes of the impact count as a difference, fewer as a detected mutant.
 
 Usage: impact_goldens_test.py
 """

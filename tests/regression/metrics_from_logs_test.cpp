@@ -1,4 +1,3 @@
-// Metrics recomputed from what their runs log, by other formulas.
 
 #include <cmath>
 #include <numeric>
@@ -15,7 +14,7 @@ Values of(const Recording& run, const std::string& signal) {
   return run.track("control").values(signal);
 }
 
-// Its values from one time to another, both included.
+// The values from one time to another, both included.
 Values between(const Recording& run, const Values& values, double from_s, double to_s) {
   const Values times = run.track("control").times();
   Values part;
@@ -45,7 +44,7 @@ double largest_size(const Values& values) {
   return largest;
 }
 
-TEST(MetricsFromLogs, RawVelocityOfTheMotorIsTheDifferenceOfWhatIsMeasured) {
+TEST(MetricsFromLogs, RawVelocityOfTheMotorIsTheRawDifference) {
   const Recording run = run_case("motor_estimation", "mdob", {"encoder.bits=8"});
   const Values angle = of(run, "position_measured_rad");
   const Values times = run.track("control").times();
@@ -58,8 +57,8 @@ TEST(MetricsFromLogs, RawVelocityOfTheMotorIsTheDifferenceOfWhatIsMeasured) {
   EXPECT_NEAR(*run.metric("rmse_raw_velocity_rad_s"), rms(between(run, error, 5.0, 10.0)), 1e-9);
 }
 
-// From the disturbance on; the torque is what the drive gives, not what is asked of it.
-TEST(MetricsFromLogs, AngleAndTorqueOfTheMotorCountFromTheDisturbanceOn) {
+// From the disturbance on. The torque is the applied one, not the commanded one.
+TEST(MetricsFromLogs, AngleAndTorqueOfTheMotorCountFromTheDisturbance) {
   const Recording run = run_case("motor_estimation", "idob",
                                  {"encoder.bits=8", "drive.limit_Nm=10.5", "disturbance.start_s=2",
                                   "disturbance.kind=two_sines"});
@@ -69,18 +68,18 @@ TEST(MetricsFromLogs, AngleAndTorqueOfTheMotorCountFromTheDisturbanceOn) {
   EXPECT_NEAR(*run.metric("rms_position_rad"), since("position_true_rad"), 1e-12);
   EXPECT_NEAR(*run.metric("rms_torque_Nm"), since("applied_Nm"), 1e-9);
   EXPECT_LT(*run.metric("rms_torque_Nm"), since("command_Nm") - 0.01);
-  // A run that ends before has neither.
+  // A shorter run has neither.
   EXPECT_FALSE(
       run_case("motor_estimation", "idob", {"run.duration_s=0.5"}).metric("rms_torque_Nm"));
 }
 
-TEST(MetricsFromLogs, LateForceAtTheWallIsThatOfTheContactForce) {
+TEST(MetricsFromLogs, LateForceAtTheWallMatchesTheContactForce) {
   const Recording run = run_case(
       "arm_wall_contact", "proposed-2N",
       {"contact.stiffness_N_m=5000", "metrics.from_s=31", "metrics.to_s=33", "run.duration_s=33"});
   const Values force = of(run, "force_true_N");
   const auto window = [&](double from_s, double to_s) {
-    return between(run, force, from_s - 1e-6, to_s - 1e-6);  // its end is not in it
+    return between(run, force, from_s - 1e-6, to_s - 1e-6);  // without the end
   };
   const Values late = window(31.0, 33.0);
   int onsets = 0, rises = 0;
@@ -107,7 +106,7 @@ TEST(MetricsFromLogs, LagOfARampIsItsMeanErrorOverItsSlope) {
               mean(between(run, late, 40.0, 50.0)) / (slope / period_s), 1e-9);
 }
 
-// d moved by the lag fits d̂, but for a gain, better than moved by more or less of it.
+// d shifted by the lag fits d̂, except for a gain, better than with a smaller or larger shift.
 TEST(MetricsFromLogs, LagOfASineIsTheDelayThatFitsBest) {
   const Recording run = run_case("cart_estimation", "order2", {"disturbance.kind=sine"});
   const double lag_s = *run.metric("disturbance_lag_s");
@@ -125,7 +124,7 @@ TEST(MetricsFromLogs, LagOfASineIsTheDelayThatFitsBest) {
       of_truth += there * there;
       of_both += here * there;
     }
-    return of_estimate - of_both * of_both / of_truth;  // with the gain that fits best
+    return of_estimate - of_both * of_both / of_truth;  // with the best gain
   };
   for (const double off_s : {-1.0, 1.0}) EXPECT_LT(misfit(lag_s), misfit(lag_s + off_s));
 }
@@ -134,7 +133,7 @@ TEST(MetricsFromLogs, AStepHasNoLag) {
   EXPECT_FALSE(run_case("cart_estimation", "order1").metric("disturbance_lag_s"));
 }
 
-TEST(MetricsFromLogs, AnEstimateHasRisenWhereItFirstReachesItsLevel) {
+TEST(MetricsFromLogs, TheRiseOfAnEstimateEndsAtItsLevel) {
   const auto first = [](const Recording& run, double level) {
     const Values estimate = of(run, "d_hat_N");
     std::size_t i = 0;
@@ -150,7 +149,7 @@ TEST(MetricsFromLogs, AnEstimateHasRisenWhereItFirstReachesItsLevel) {
   EXPECT_NEAR(*step.metric("reach_time_99pct_s"), first(step, 0.99 * 5.0) - 25.0, 1e-9);
 }
 
-TEST(MetricsFromLogs, NoiseAboutItsMean) {
+TEST(MetricsFromLogs, NoiseIsMeasuredAboutItsMean) {
   const Recording run =
       run_case("cart_estimation", "gamma-1.02", {"metrics.from_s=20", "metrics.to_s=40"});
   Values noise = between(run, of(run, "d_hat_noise_N"), 20.0, 40.0);
@@ -159,7 +158,7 @@ TEST(MetricsFromLogs, NoiseAboutItsMean) {
   EXPECT_NEAR(*run.metric("max_noise_deviation_N"), largest_size(noise), 1e-12);
 }
 
-TEST(MetricsFromLogs, OfTheOffsetFreeCart) {
+TEST(MetricsFromLogs, MatchForTheOffsetFreeCart) {
   const Recording run = run_case("cart_offset_free", "proposed",
                                  {"noise.enabled=true", "metrics.from_s=30", "metrics.to_s=40"});
   const Values position = of(run, "position_true_m");
@@ -174,7 +173,7 @@ TEST(MetricsFromLogs, OfTheOffsetFreeCart) {
               largest_size(between(run, of(run, "d_hat_N"), 5.0, 9.9999)), 1e-12);
 }
 
-TEST(MetricsFromLogs, OfTheConstrainedCart) {
+TEST(MetricsFromLogs, MatchForTheConstrainedCart) {
   const Recording run = run_case("cart_constrained", "proposed-idob");
   const Values estimate = of(run, "velocity_hat_m_s");
   double travel = 0.0;

@@ -1,4 +1,4 @@
-// Tables 4.8 and 4.9, and the two estimators that go past them.
+// Tables 4.8 and 4.9, and the two further estimators.
 
 #include <cmath>
 #include <sstream>
@@ -12,7 +12,7 @@ namespace {
 using testing::median;
 using Sets = std::vector<std::string>;
 
-// `breakwater reproduce` takes 20 of each.
+// `breakwater reproduce` uses 20 for each.
 constexpr int kPhases = 9;
 constexpr int kSeeds = 20;
 constexpr int kSeedsOfLinearOnes = 9;
@@ -29,7 +29,7 @@ std::string text(double value) {
   return stream.str();
 }
 
-// A cell of Table 4.8. The physics step is the control period, which RK4 integrates exactly too.
+// A cell of Table 4.8. The physics step equals the control period, where RK4 is exact too.
 Sets cell(const std::string& period_s, int bits) {
   return {"control.period_s=" + period_s, "physics.timestep_s=" + period_s,
           "encoder.bits=" + std::to_string(bits)};
@@ -54,7 +54,7 @@ struct Medians {
   double transient;
 };
 
-// Over encoder phases that divide one count evenly.
+// Medians over encoder phases that divide a count evenly.
 Medians over_phases(const std::string& case_name, const Sets& sets, int bits) {
   const double quantum = 2.0 * M_PI / std::exp2(bits);
   std::vector<double> velocity, peak, transient;
@@ -77,14 +77,14 @@ double over_seeds(const std::string& case_name, const Sets& sets, int seeds = kS
   return median(values);
 }
 
-// With 48 bits nothing is random: what remains of the error is the filters' own, and the count.
+// With 48 bits nothing is random: only the errors of the filters and of the count remain.
 TEST(MotorEstimation, DeterministicCellsOfTable48) {
   EXPECT_NEAR(metric("kfd", cell("1e-2", 48)), 1.0105, 0.002);
   EXPECT_NEAR(metric("kfd", cell("1e-3", 48)), 0.4615, 0.001);
   EXPECT_NEAR(metric("fakfd-0998", cell("1e-2", 48)), 66.004, 0.05);
   EXPECT_NEAR(metric("fakfd-0998", cell("1e-3", 48)), 6.913, 0.015);
   EXPECT_NEAR(metric("fakfd-095", cell("1e-2", 48)), 0.0511, 0.0005);
-  // The size of a count, 2.2e-14 rad, as printed: an encoder that rounds gives others.
+  // The size of a count, 2.2e-14 rad, as printed. A rounding encoder gives another value.
   EXPECT_NEAR(metric("idob", cell("1e-2", 48)), 9.46e-14, 0.05e-14 * 9.46);
   EXPECT_NEAR(metric("idob", cell("1e-3", 48)), 6.49e-14, 0.05e-14 * 6.49);
   EXPECT_NEAR(metric("dkf", cell("1e-2", 48)), 1.00e-13, 0.25e-13);
@@ -94,14 +94,14 @@ TEST(MotorEstimation, DeterministicCellsOfTable48) {
   EXPECT_LT(metric("vfakfd", cell("1e-3", 48)), 2e-12);
 }
 
-// The same from a physics step that is a tenth of the control period.
+// The same with a physics step of a tenth of the control period.
 TEST(MotorEstimation, ThePhysicsStepDoesNotMatter) {
   for (const char* name : {"kfd", "fakfd-095", "vfakfd"}) {
     const double coarse = metric(name, cell("1e-2", 12));
     const double fine = metric(name, {"control.period_s=1e-2", "encoder.bits=12"});
     EXPECT_NEAR(fine, coarse, 1e-3 * coarse) << name;
   }
-  // Not so with Euler's method, which integrates a double integrator to first order.
+  // Euler's method differs: it integrates a double integrator to first order.
   EXPECT_GT(metric("idob", cell("1e-3", 48) + Sets{"physics.integrator=euler"}),
             1e5 * metric("idob", cell("1e-3", 48)));
 }
@@ -120,8 +120,8 @@ constexpr Row kRows[] = {{"1e-2", 4, 0.879, 0.805, 0.238, 0.109},
 
 class QuantisedRow : public ::testing::TestWithParam<Row> {};
 
-// All of Table 4.8's quantised cells, and the order of its methods.
-TEST_P(QuantisedRow, ComesOutAsPrintedBehindAnEncoderThatTruncates) {
+// All quantised cells of Table 4.8, and the order of its methods.
+TEST_P(QuantisedRow, IsReproducedWithATruncatingEncoder) {
   const Row& row = GetParam();
   const Sets sets = cell(row.period_s, row.bits);
   const auto is_printed = [&row](int column, double measured) {
@@ -151,10 +151,10 @@ TEST_P(QuantisedRow, ComesOutAsPrintedBehindAnEncoderThatTruncates) {
   EXPECT_LT(highest, fakfd_0998);
 }
 
-// In every row, whether the encoder counts from where it starts, so that the shaft comes to rest
-// within one count, or knows the true 0, so that the loop hunts about a reference between two.
-// Behind an encoder that truncates QVFF has the better transients, but not always the better rest.
-TEST_P(QuantisedRow, StfBeatsVfakfdBehindEveryEncoderAndQvffBehindOneThatRounds) {
+// In every row, for two encoders: one counts from its start, so the shaft stops within a count. The
+// other knows the true 0, so the loop oscillates between two counts. With a truncating encoder QVFF
+// has the better transients, but not always the smaller error at rest.
+TEST_P(QuantisedRow, StfBeatsVfakfdWithEveryEncoderAndQvffWithARoundingOne) {
   const Row& row = GetParam();
   for (const char* rounding : {"nearest", "truncate"}) {
     for (const char* origin : {"counted", "calibrated"}) {
@@ -179,7 +179,7 @@ TEST_P(QuantisedRow, StfBeatsVfakfdBehindEveryEncoderAndQvffBehindOneThatRounds)
   }
 }
 
-// Without any parameter of its own that depends on the row.
+// Without a parameter that depends on the row.
 TEST_P(QuantisedRow, TheFilterBankBeatsVfakfdAndHoldsTheShaftBest) {
   const Row& row = GetParam();
   const Sets sets = cell(row.period_s, row.bits);
@@ -227,7 +227,7 @@ TEST_P(WhiteNoise, GivesTable49) {
   const double vfakfd = over_seeds("vfakfd", sets);
   EXPECT_GT(vfakfd, large ? 5e-4 : 7.5e-4);
   EXPECT_LT(vfakfd, large ? 9e-4 : 9.5e-4);
-  // At the smaller σ the thesis' α is not that of the noise; QVFF and STF take theirs from it.
+  // At the smaller σ the thesis' α does not match the noise. QVFF and STF use the noise.
   EXPECT_LT(over_seeds("qvff", sets), (large ? 1.0 : 0.1) * vfakfd);
   EXPECT_LT(over_seeds("stf", sets), (large ? 0.8 : 0.1) * vfakfd);
   expect_near(metric("idob", sets), large ? 0.336 : 0.0336, 0.05);
@@ -237,9 +237,9 @@ TEST_P(WhiteNoise, GivesTable49) {
 INSTANTIATE_TEST_SUITE_P(MotorEstimation, WhiteNoise, ::testing::Bool(),
                          [](const auto& row) { return row.param ? "sigma_0_1" : "sigma_0_01"; });
 
-// Where the adaptive ones lose against a plain observer: a disturbance that moves (a sine of 1
-// rad/s behind a coarse encoder), a small one, a wrong inertia, and the transient of any.
-TEST(MotorEstimation, WhereVfakfdQvffAndStfLoseAgainstIdob) {
+// Against a plain observer the adaptive filters lose for a sine with a coarse encoder and for a
+// small disturbance. They also lose with a mismatch of the inertia, and in any transient.
+TEST(MotorEstimation, VfakfdQvffAndStfLoseAgainstIdobInSomeCases) {
   const Sets sine = cell("1e-3", 8) + Sets{"disturbance.kind=sine"};
   for (const char* name : {"vfakfd", "qvff", "stf"}) {
     EXPECT_GT(metric(name, sine), 1.5 * metric("idob", sine)) << name;
@@ -257,8 +257,8 @@ TEST(MotorEstimation, WhereVfakfdQvffAndStfLoseAgainstIdob) {
   EXPECT_GT(metric("vfakfd", heavier), 3.0 * metric("idob", heavier));
 }
 
-// Fixed factors (4.3.4): the smaller λ, the faster and the noisier. VFAKFD escapes.
-TEST(MotorEstimation, FixedFactorsTradeNoiseForSpeedAndAVariableOneDoesNot) {
+// Fixed factors (4.3.4): a smaller λ is faster and noisier. VFAKFD avoids this.
+TEST(MotorEstimation, OnlyFixedFactorsTradeNoiseForSpeed) {
   const Sets sets = white_noise("0.1");
   double noise = 0.0;
   for (const char* lambda : {"0.998", "0.98", "0.95", "0.90", "0.80"}) {
@@ -272,7 +272,7 @@ TEST(MotorEstimation, FixedFactorsTradeNoiseForSpeedAndAVariableOneDoesNot) {
       testing::run_case("motor_estimation", "fakfd-095", sets + Sets{"observer.lambda=0.98"});
   EXPECT_LT(*variable.metric("rmse_velocity_rad_s"), 0.1 * *fixed.metric("rmse_velocity_rad_s"));
 
-  // Its poles: at rest near 1, where the fixed factor keeps them well inside (Figs 4.40–4.43).
+  // Its poles are near 1 at rest, while those of the fixed factor are well inside (Figs 4.40–4.43).
   const auto slowest_at_end = [](const Recording& run) {
     const auto re = run.track("control").values("poles_discrete_re");
     const auto im = run.track("control").values("poles_discrete_im");
@@ -286,7 +286,7 @@ TEST(MotorEstimation, FixedFactorsTradeNoiseForSpeedAndAVariableOneDoesNot) {
   EXPECT_LT(slowest_at_end(fixed), 0.995);
   EXPECT_GT(*variable.metric("slowest_pole_continuous_rad_s"), -0.5);
   EXPECT_LT(*fixed.metric("slowest_pole_continuous_rad_s"), -5.0);
-  // And λ(k) has been at its lower bound when the disturbance came, and is near 1 at the end.
+  // λ(k) is at its lower bound when the disturbance begins, and near 1 at the end.
   const auto lambda = variable.track("control").values("lambda");
   EXPECT_LT(*std::min_element(lambda.begin(), lambda.end()), 0.95);
   EXPECT_GT(lambda.back(), 0.99);
@@ -297,7 +297,7 @@ TEST(MotorEstimation, FixedFactorsTradeNoiseForSpeedAndAVariableOneDoesNot) {
       testing::run_case("motor_estimation", "idob", cell("1e-2", 8)).metric("lambda_mean_1"));
 }
 
-TEST(MotorEstimation, IdobKeepsItsPolesWhateverHappens) {
+TEST(MotorEstimation, IdobKeepsItsPoles) {
   const Recording run = testing::run_case("motor_estimation", "idob", cell("1e-2", 8));
   const auto re = run.track("control").values("poles_continuous_re_rad_s");
   for (std::size_t i = 0; i < re.size(); i += 3) {
@@ -307,7 +307,7 @@ TEST(MotorEstimation, IdobKeepsItsPolesWhateverHappens) {
   }
 }
 
-// What acts is what the keys say; files that lack the newer ones have the shipped values.
+// The keys define the disturbance. Files without the newer keys have the shipped values.
 TEST(MotorEstimation, TwoSinesAndAChirpHaveTheirKeys) {
   const auto acting = [](const Sets& sets) {
     const Recording run = testing::run_case("motor_estimation", "idob", sets);
@@ -323,7 +323,7 @@ TEST(MotorEstimation, TwoSinesAndAChirpHaveTheirKeys) {
   EXPECT_NEAR(chirp[4000], 3.0 * std::sin(8.0 + 6.0), 1e-9);
 }
 
-TEST(MotorEstimation, FilesWithoutTheKeysOfNewerDisturbancesHaveTheShippedValues) {
+TEST(MotorEstimation, OldFilesHaveTheShippedValuesOfNewerKeys) {
   const ScenarioFile shipped = testing::scenario_file("motor_estimation");
   const auto path = testing::temporary_path("motor_estimation.toml");
   std::ofstream older(path);
@@ -354,7 +354,7 @@ TEST(MotorEstimation, NoDisturbanceNoMotion) {
             0.0);
 }
 
-TEST(MotorEstimation, DelayCosts) {
+TEST(MotorEstimation, DelayIncreasesTheError) {
   const Sets sets = cell("1e-2", 12);
   const double fresh = metric("idob", sets, "peak_position_rad");
   const double old = metric("idob", sets + Sets{"sensor.delay_samples=2"}, "peak_position_rad");

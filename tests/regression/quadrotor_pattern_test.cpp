@@ -1,4 +1,4 @@
-// Which of the thesis' six estimators hold station, over ten seeds (Table 3.5 and 3.4.3.2).
+// The thesis' six estimators over ten seeds: which of them hold station (Table 3.5 and 3.4.3.2).
 
 #include "regression/run_case.h"
 
@@ -43,7 +43,7 @@ TEST(QuadrotorPattern, ConsistentReadingIsTheThesis) {
               0.1 * c.median_tracking_m);
 }
 
-// Two of the ten miss the 0.5 m of an axis by a few centimetres.
+// Two of ten miss the limit of 0.5 m on an axis by a few centimetres.
 TEST(QuadrotorPattern, LiteralReadingTurnsItOver) {
   const std::vector<std::string> sets = {"reading=literal"};
   for (const char* name : {"ukf-second", "ukf-zero", "ekf-second", "ekf-zero", "ekf-none"}) {

@@ -23,8 +23,7 @@ bool converges(const char* name, const std::vector<std::string>& sets) {
   return !run.failure && metric(run, "converged") == 1.0;
 }
 
-// Thesis 3.4.3.2: (a) and (c) converge, and nothing else does. quadrotor_pattern_test has ten
-// seeds.
+// Thesis 3.4.3.2: only (a) and (c) converge. quadrotor_pattern_test has ten seeds.
 TEST(QuadrotorWaves, ConsistentReadingHasTheThesisPattern) {
   const std::vector<std::string> sets = {"reading=consistent"};
   const Recording a = run_case("quadrotor_waves", "ukf-second", sets);
@@ -46,7 +45,7 @@ TEST(QuadrotorWaves, AllSixConvergeInStillWater) {
   }
 }
 
-// The thesis to the letter gives the opposite: its proposed filter is drowned in its own noise.
+// The literal reading gives the opposite: the process noise of the proposed filter is too large.
 TEST(QuadrotorWaves, LiteralReadingTurnsThePatternOver) {
   const std::vector<std::string> sets = {"reading=literal"};
   EXPECT_FALSE(converges("ukf-second", sets));
@@ -54,7 +53,7 @@ TEST(QuadrotorWaves, LiteralReadingTurnsThePatternOver) {
   EXPECT_TRUE(converges("ukf-none", sets));
 }
 
-// It is the process noise and not the transform: an EKF with the UKF's Q does as well.
+// The process noise is the reason, not the transform: an EKF with the UKF's Q is as good.
 TEST(QuadrotorWaves, AnEkfWithTheSameNoiseIsAsGood) {
   const auto tracking = [](const char* name) {
     return metric(run_case("quadrotor_waves", name, {"reading=consistent"}), "tracking_rmse_m");
@@ -63,7 +62,7 @@ TEST(QuadrotorWaves, AnEkfWithTheSameNoiseIsAsGood) {
   EXPECT_NEAR(tracking("ekf-zero-same-q"), ukf, 0.1 * ukf);
 }
 
-// Medians over seeds that nothing was tuned on.
+// Medians over seeds that were not used for tuning.
 class Medians {
  public:
   Medians(const char* name, const std::vector<std::string>& sea) {
@@ -104,8 +103,9 @@ TEST(QuadrotorWaves, ResonatorHoldsStation) {
   }
 }
 
-// NEES of [ζ, ζ̇] should be 12. One resonator is too sure of itself in a sea of 2 m and more.
-TEST(QuadrotorWaves, SpectrumIsAsSureAsItMayBe) {
+// NEES of [ζ, ζ̇] should be 12. With one resonator the filter is overconfident in a sea of 2 m or
+// more.
+TEST(QuadrotorWaves, SpectrumIsConsistent) {
   for (const char* height : {"0.5", "2", "3"}) {
     const Medians spectrum("spectrum", {std::string("wave.significant_height_m=") + height});
     EXPECT_GT(spectrum.of("nees_mean"), 9.0) << height;
@@ -118,7 +118,7 @@ TEST(QuadrotorWaves, SpectrumIsAsSureAsItMayBe) {
   }
 }
 
-// The sea turns from 8 s to 11 s at 40 s.
+// The peak period changes from 8 s to 11 s at 40 s.
 TEST(QuadrotorWaves, EstimatedFrequencyFollowsTheSea) {
   const Medians run("resonator",
                     {"run.duration_s=160", "wave.change_at_s=40", "wave.change_to_period_s=11",
@@ -127,7 +127,7 @@ TEST(QuadrotorWaves, EstimatedFrequencyFollowsTheSea) {
   EXPECT_LE(run.of("vertical_force_rmse_N"), 0.7 * run.of("vertical_force_rmse_of_zero_N"));
 }
 
-TEST(QuadrotorWaves, IsTheSameRunTwice) {
+TEST(QuadrotorWaves, IsReproducible) {
   const std::vector<std::string> sets = {"run.duration_s=5", "metrics.window_s=2"};
   const Recording one = run_case("quadrotor_waves", "resonator", sets);
   EXPECT_EQ(one.state_hash, run_case("quadrotor_waves", "resonator", sets).state_hash);
@@ -135,14 +135,14 @@ TEST(QuadrotorWaves, IsTheSameRunTwice) {
             run_case("quadrotor_waves", "resonator", {sets[0], sets[1], "run.seed=2"}).state_hash);
 }
 
-TEST(QuadrotorWaves, SetsWinOverTheReading) {
+TEST(QuadrotorWaves, SetsHavePriorityOverTheReading) {
   const PreparedRun run = testing::prepare("quadrotor_waves", "ukf-zero",
                                            {"controller.gains=printed", "reading=literal"});
   EXPECT_TRUE(has(run.config_text, "gains = \"printed\"", "interpretation = \"variance\"",
                   "disturbance = \"zero\""));
 }
 
-TEST(QuadrotorWaves, WarnsOfGainsThatAreUnstable) {
+TEST(QuadrotorWaves, WarnsOfUnstableGains) {
   const auto warnings = [&](const char* gains) {
     return testing::prepare("quadrotor_waves", "resonator", {gains}).scenario->warnings().size();
   };

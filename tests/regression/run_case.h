@@ -12,7 +12,7 @@ inline Recording run_case(const std::string& scenario, const std::string& case_n
   return prepare(scenario, case_name, sets).scenario->run(control);
 }
 
-/// A run that must not fail. Throws std::runtime_error if it does.
+/// Runs a case that must not fail. Throws std::runtime_error if it does.
 inline Recording completed_run(const std::string& scenario, const std::string& case_name,
                                const std::vector<std::string>& sets = {}) {
   Recording run = run_case(scenario, case_name, sets);

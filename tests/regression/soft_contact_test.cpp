@@ -1,6 +1,6 @@
-// The soft contact must be faster than the thesis' method and softer than HPFC:
-// docs/explanation/methods/soft-contact.md. A short protocol: the switch at 10 s, where the arm is
-// at rest; errors over 13 to 18 s.
+// TLSC must be faster than the thesis' method and softer than HPFC:
+// docs/explanation/methods/soft-contact.md. A short protocol: the switch at 10 s with the arm at
+// rest; errors from 13 to 18 s.
 
 #include <cmath>
 
@@ -37,7 +37,7 @@ struct Promise {
 
 class Tlsc : public ::testing::TestWithParam<Promise> {};
 
-TEST_P(Tlsc, KeepsItsPromisesOverSeeds) {
+TEST_P(Tlsc, KeepsItsLimitsOverSeeds) {
   const auto [force, free_s, peak_N] = GetParam();
   for (const char* seed : {"11", "12", "13"}) {
     SCOPED_TRACE(seed);
@@ -73,7 +73,7 @@ INSTANTIATE_TEST_SUITE_P(SoftContact, Tlsc,
                          ::testing::Values(Promise{"2N", 0.490, 4.2}, Promise{"5N", 0.395, 7.6}),
                          [](const auto& row) { return "at" + std::string(row.param.force); });
 
-TEST(SoftContact, IsTheSameWhereTheFrictionIsTheModelsByName) {
+TEST(SoftContact, IsTheSameWithTheFrictionOfTheModel) {
   const Sets brief = {"run.duration_s=11", "wall.solid_from_s=9", "force.from_s=10",
                       "metrics.from_s=10"};
   Sets named = brief;

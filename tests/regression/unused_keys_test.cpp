@@ -1,4 +1,4 @@
-// Keys that are said to have no effect have none, and no shipped case sets one.
+// Keys reported as ineffective have no effect, and no shipped case sets one.
 
 #include <fmt/format.h>
 
@@ -48,9 +48,9 @@ std::string other_option(const std::string& key, const std::string& now) {
   return "";
 }
 
-// A value near this one that is as legal.
+// A similar legal value.
 std::string other_value(const std::string& key, const ConfigValue& value) {
-  // γ is 1 at least, and periods are multiples of each other.
+  // γ must be at least 1, and periods are multiples of each other.
   const double factor = key.find("gamma") != std::string::npos ? 1.1
                         : key.ends_with("period_s")            ? 2.0
                                                                : 0.9;
@@ -76,7 +76,7 @@ struct Trial {
   std::vector<std::string> sets;
 };
 
-// Every shipped case, short, and what no case has.
+// Every shipped case, shortened, and keys that no case has.
 std::vector<Trial> all_trials() {
   const std::map<std::string, std::vector<std::string>> brief = {
       {"arm_push", {"run.duration_s=1", "push.start_s=0.2", "push.rise_s=0.3"}},
@@ -137,7 +137,7 @@ struct Result {
   bool is_same = false;
 };
 
-// Runs it as it is, and with each key changed that is said to have no effect.
+// Runs the trial, then again with each ineffective key changed.
 Result result_of(const Trial& trial) {
   const ScenarioFile file = testing::scenario_file(trial.scenario);
   const PreparedRun run = testing::prepare(trial.scenario, trial.case_name, trial.sets);
@@ -159,7 +159,7 @@ Result result_of(const Trial& trial) {
   return result;
 }
 
-TEST(UnusedKeys, ChangeNoStateWhenTheyChange) {
+TEST(UnusedKeys, DoNotChangeTheStateHash) {
   const std::vector<Trial> trials = all_trials();
   std::vector<Result> results(trials.size());
   on_all_cores(trials.size(), [&](std::size_t i) { results[i] = result_of(trials[i]); });

@@ -1,4 +1,4 @@
-// What a run leaves out that its motion does not depend on changes nothing of it.
+// Runs leave out parts that do not affect the motion. The results stay the same.
 
 #include <breakwater/sim/physics_part.h>
 #include "catalogue.h"
@@ -10,7 +10,7 @@ namespace {
 using testing::completed_run;
 using testing::run_case;
 
-// Short, but with all that happens in it.
+// Short runs with all their events.
 std::vector<std::string> shortened(const std::string& scenario) {
   if (scenario == "arm_wall_contact") {
     return {"run.duration_s=6", "wall.solid_from_s=1.5", "force.from_s=2",      "metrics.from_s=5",
@@ -39,7 +39,7 @@ TEST(WholeModels, GiveEveryScenarioTheSameStatesAndMetrics) {
   }
 }
 
-TEST(WholeModels, TheArmStrikesTheWallInThatTime) {
+TEST(WholeModels, TheArmHitsTheWallInTheShortenedRun) {
   const Recording run =
       run_case("arm_wall_contact", testing::scenario_file("arm_wall_contact").default_case(),
                shortened("arm_wall_contact"));
@@ -49,7 +49,7 @@ TEST(WholeModels, TheArmStrikesTheWallInThatTime) {
   EXPECT_TRUE(touches);
 }
 
-// Poles of an estimator that nobody logs are computed only where a metric is made of them.
+// Without a log the poles of an estimator are computed only for metrics.
 TEST(UnwatchedRuns, HaveTheMetricsOfThoseWithALog) {
   RunControl unwatched;
   unwatched.logs = false;

@@ -1,4 +1,4 @@
-// Edges after smoothing against the area that a pixel has of each side.
+// Smoothed edges compared with the area that a pixel has on each side.
 #include <breakwater/render/antialias.h>
 
 #include <gtest/gtest.h>
@@ -11,8 +11,8 @@ namespace {
 
 constexpr int kSize = 160;
 
-// A half plane, bright below the line y = y0 + slope·x: drawn by pixel centres, or averaged over
-// 16×16 points of each pixel.
+// A half plane, bright below the line y = y0 + slope·x, sampled at pixel centres or averaged over
+// 16×16 points per pixel.
 std::vector<std::uint8_t> half_plane(double slope, int samples) {
   std::vector<std::uint8_t> pixels(static_cast<std::size_t>(4 * kSize * kSize));
   for (int y = 0; y < kSize; ++y) {
@@ -35,7 +35,8 @@ double mean_error(const std::vector<std::uint8_t>& a, const std::vector<std::uin
   double sum = 0.0;
   int count = 0;
   for (int y = 1; y + 1 < kSize; ++y) {
-    for (int x = 30; x + 30 < kSize; ++x) {  // at the border no end of a step is in sight
+    for (int x = 30; x + 30 < kSize;
+         ++x) {  // near the border the ends of a step are out of the picture
       const auto i = static_cast<std::size_t>(4 * (y * kSize + x));
       sum += std::abs(a[i] - b[i]);
       ++count;
@@ -44,7 +45,7 @@ double mean_error(const std::vector<std::uint8_t>& a, const std::vector<std::uin
   return sum / count;
 }
 
-TEST(EdgeSmoother, HalvesTheErrorOfSlantedEdgesAtLeast) {
+TEST(EdgeSmoother, AtLeastHalvesTheErrorOfSlantedEdges) {
   for (const double slope : {0.08, 0.15, 0.3, 0.45, -0.12}) {
     const auto exact = half_plane(slope, 16);
     const auto jagged = half_plane(slope, 1);
@@ -55,7 +56,7 @@ TEST(EdgeSmoother, HalvesTheErrorOfSlantedEdgesAtLeast) {
 }
 
 TEST(EdgeSmoother, LeavesStraightEdgesAndFlatAreasAlone) {
-  // Along x = 80 no pixel is covered in part.
+  // Along x = 80 no pixel is partly covered.
   std::vector<std::uint8_t> pixels(static_cast<std::size_t>(4 * kSize * kSize), 50);
   for (std::size_t i = 0; i < pixels.size(); ++i) {
     if (i / 4 % kSize >= 80) pixels[i] = 180;
@@ -71,11 +72,11 @@ TEST(EdgeSmoother, LeavesStraightEdgesAndFlatAreasAlone) {
     }
     largest = std::max(largest, change);
   }
-  // What FXAA calls sub-pixel aliasing softens an edge a little.
+  // FXAA also softens an edge slightly against sub-pixel aliasing.
   EXPECT_LE(largest, 12);
 }
 
-TEST(EdgeSmoother, DependsOnThePictureAlone) {
+TEST(EdgeSmoother, DependsOnlyOnThePicture) {
   EdgeSmoother used;
   auto first = half_plane(0.2, 1);
   used.smooth(first, kSize, kSize);

@@ -1,7 +1,6 @@
 """A video of a run plays in Chromium, to its end and at its size, and shows a picture.
 
-A page that plays the video is served on this machine alone; Chromium opens it without a window, and
-the page reports back what it saw.
+The video's page is served locally. Chromium opens it without a window, and the page reports its observations.
 
 Usage: browser_test.py BUILD_BIN_FOLDER
 """

@@ -1,4 +1,3 @@
-// The strip chart: where its lines end, and what they show.
 #include <breakwater/render/chart.h>
 
 #include <gtest/gtest.h>
@@ -16,7 +15,7 @@ ChartLine ramp() {
   return {"ramp", {{0.0, 1.0, 2.0}, {0.0, 5.0, 10.0}}, false};
 }
 
-// The middle of the dot in the first line's colour: rows and columns where it is thickest.
+// The middle of the dot in the first line's colour.
 Point dot_of(Canvas& canvas) {
   const Colour c = Chart::colour(0);
   const auto is_colour = [&](int x, int y) {
@@ -24,7 +23,7 @@ Point dot_of(Canvas& canvas) {
     return std::abs(p[0] - 255.0 * c.blue) < 2 && std::abs(p[1] - 255.0 * c.green) < 2 &&
            std::abs(p[2] - 255.0 * c.red) < 2;
   };
-  // The dot is 9 px wide, the line 2: only inside the dot is a 5×5 square of the colour.
+  // The dot is 9 px wide, the line 2 px. Only the dot contains a 5×5 square of the colour.
   double x_sum = 0.0;
   double y_sum = 0.0;
   int count = 0;
@@ -42,9 +41,9 @@ Point dot_of(Canvas& canvas) {
   return {x_sum / count, y_sum / count};
 }
 
-TEST(Chart, TheDotIsWhereTheLineEnds) {
+TEST(Chart, TheDotIsAtTheEndOfTheLine) {
   Chart chart("t", {ramp()}, {0.0, 2.0, 0.0, 10.0}, kWidth, kHeight, 1.0);
-  // Its frame says where (0 s, 0) and (2 s, 10) are; the dot moves straight between them.
+  // The frame gives the positions of (0 s, 0) and (2 s, 10). The dot moves straight between them.
   const Point origin = chart.place(0.0, 0.0);
   const Point end = chart.place(2.0, 10.0);
   EXPECT_GT(end.x - origin.x, 0.7 * kWidth);
@@ -58,7 +57,7 @@ TEST(Chart, TheDotIsWhereTheLineEnds) {
   }
 }
 
-TEST(Chart, NothingOfTheFutureIsDrawn) {
+TEST(Chart, DrawsNoFutureValues) {
   Chart chart("t", {ramp()}, {0.0, 2.0, 0.0, 10.0}, kWidth, kHeight, 1.0);
   Canvas early(kWidth, kHeight);
   chart.draw(early, 0, 0, 1.0);
@@ -72,7 +71,7 @@ TEST(Chart, NothingOfTheFutureIsDrawn) {
   }
 }
 
-TEST(Chart, APeakNarrowerThanAPixelIsSeen) {
+TEST(Chart, DrawsAPeakNarrowerThanAPixel) {
   ChartLine spike{"spike", {}, false};
   for (int i = 0; i <= 100000; ++i) {
     spike.series.times_s.push_back(2.0 * i / 100000.0);
@@ -90,7 +89,7 @@ TEST(Chart, APeakNarrowerThanAPixelIsSeen) {
   EXPECT_TRUE(seen);
 }
 
-TEST(Chart, TheRangeHoldsAllValuesOfTheWindowAndZero) {
+TEST(Chart, TheRangeContainsAllValuesOfTheWindowAndZero) {
   const ChartRange range = chart_range({ramp()}, 0.5, 1.5);
   EXPECT_EQ(range.from_s, 0.5);
   EXPECT_EQ(range.to_s, 1.5);
@@ -99,7 +98,7 @@ TEST(Chart, TheRangeHoldsAllValuesOfTheWindowAndZero) {
   EXPECT_LT(range.highest, 9.0);
 }
 
-TEST(Series, IsStraightBetweenItsPoints) {
+TEST(Series, InterpolatesLinearly) {
   const Series series = ramp().series;
   EXPECT_DOUBLE_EQ(series.at(0.5), 2.5);
   EXPECT_DOUBLE_EQ(series.at(1.0), 5.0);

@@ -1,4 +1,4 @@
-// A picture's colours for the encoder, against the recommendation's formulas in real numbers.
+// The colours of a picture for the encoder, compared with the recommendation's formulas.
 #include <breakwater/render/colour_converter.h>
 
 #include <gtest/gtest.h>
@@ -21,13 +21,13 @@ Ycbcr rec709(double red, double green, double blue) {
           128.0 + 224.0 * (red / 255.0 - y) / 1.5748};
 }
 
-TEST(ColourConverter, IsTheRecommendations) {
+TEST(ColourConverter, MatchesTheRecommendation) {
   constexpr int kWidth = 62, kHeight = 34;  // no multiple of a vector
   constexpr std::size_t kPixels = kWidth * kHeight;
   std::vector<std::uint8_t> pixels(4 * kPixels);
   std::mt19937 engine(1);
   for (std::uint8_t& byte : pixels) byte = static_cast<std::uint8_t>(engine() >> 24U);
-  // Corners of the cube, in blocks of one colour.
+  // Corners of the colour cube, in blocks of one colour.
   for (std::size_t k = 0; k < 8; ++k) {
     for (const std::size_t corner : {2 * k, 2 * k + 1, kWidth + 2 * k, kWidth + 2 * k + 1}) {
       for (std::size_t c = 0; c < 3; ++c) pixels[4 * corner + c] = (k >> c & 1U) != 0 ? 255 : 0;
@@ -62,7 +62,7 @@ TEST(ColourConverter, IsTheRecommendations) {
   }
 }
 
-// What has no colour gets none, and black and white are the range's ends.
+// Grey has no colour, and black and white are the ends of the range.
 TEST(ColourConverter, GreyStaysGrey) {
   for (int grey = 0; grey < 256; ++grey) {
     const std::vector<std::uint8_t> pixels(16, static_cast<std::uint8_t>(grey));

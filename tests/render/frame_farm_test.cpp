@@ -1,4 +1,4 @@
-// Frames from several processes: all of them, in order, whatever happens to a process.
+// Frames from several processes: all arrive in order, whatever happens to a process.
 #include <breakwater/render/frame_farm.h>
 
 #include <unistd.h>
@@ -41,7 +41,7 @@ TEST(FrameFarm, GivesAllFramesInOrderFromAllProcesses) {
       farm_of(300, 3),
       [](std::size_t) -> DrawFrame {
         return [](std::size_t number, std::uint8_t* memory) {
-          usleep(static_cast<useconds_t>(200 * (number % 7)));  // they finish out of order
+          usleep(static_cast<useconds_t>(200 * (number % 7)));  // they finish in a different order
           write_frame(number, memory);
         };
       },
@@ -57,7 +57,7 @@ TEST(FrameFarm, GivesAllFramesInOrderFromAllProcesses) {
   EXPECT_FALSE(processes.contains(getpid()));
 }
 
-TEST(FrameFarm, ASlowTakerLosesNothing) {
+TEST(FrameFarm, ASlowConsumerLosesNoFrame) {
   std::size_t taken = 0;
   draw_frames(
       farm_of(60, 2), [](std::size_t) -> DrawFrame { return write_frame; },
@@ -70,7 +70,7 @@ TEST(FrameFarm, ASlowTakerLosesNothing) {
   EXPECT_EQ(taken, 60U);
 }
 
-TEST(FrameFarm, AProcessesErrorArrivesWithItsWords) {
+TEST(FrameFarm, AnErrorOfAProcessKeepsItsMessage) {
   try {
     draw_frames(
         farm_of(20, 2),
@@ -102,7 +102,7 @@ TEST(FrameFarm, ACrashIsAnErrorToo) {
   }
 }
 
-TEST(FrameFarm, ATakersErrorEndsIt) {
+TEST(FrameFarm, AnErrorOfTheConsumerEndsIt) {
   EXPECT_THROW(draw_frames(
                    farm_of(1000, 2), [](std::size_t) -> DrawFrame { return write_frame; },
                    [](const std::uint8_t*) { throw OutputError("the disk is full"); }),
@@ -119,7 +119,7 @@ TEST(FrameFarm, StopsWhenAsked) {
                Stopped);
 }
 
-TEST(VideoFile, AMissingEncoderIsSaidByName) {
+TEST(VideoFile, NamesAMissingEncoder) {
   const auto file = testing::temporary_path("none.mp4");
   try {
     VideoFile video(file, {.width = 64, .height = 64, .fps = 30, .encoder = "libx999"});
@@ -130,7 +130,7 @@ TEST(VideoFile, AMissingEncoderIsSaidByName) {
   EXPECT_FALSE(std::filesystem::exists(file));
 }
 
-TEST(VideoFile, WithoutItsEndNothingIsLeft) {
+TEST(VideoFile, LeavesNothingIfUnfinished) {
   const testing::TemporaryPath folder{"video"};
   std::filesystem::create_directories(folder);
   {
@@ -142,7 +142,7 @@ TEST(VideoFile, WithoutItsEndNothingIsLeft) {
   EXPECT_TRUE(std::filesystem::is_empty(folder));
 }
 
-TEST(VideoFile, AFolderThatIsNotThereIsRefused) {
+TEST(VideoFile, RefusesAMissingFolder) {
   EXPECT_THROW(VideoFile("/no/such/folder/a.mp4", {}), OutputError);
 }
 

@@ -1,4 +1,4 @@
-// What tests learn of pictures and videos, by programs and libraries that are not ours.
+// Properties of pictures and videos from external programs and libraries.
 #pragma once
 
 #include <cairo.h>
@@ -24,7 +24,7 @@ inline std::string probe(const std::filesystem::path& video, const std::string& 
   return text;
 }
 
-/// When each of a video's frames is shown [s], by ffprobe.
+/// The time of each frame of a video [s], by ffprobe.
 inline std::vector<double> frame_times_s(const std::filesystem::path& video) {
   std::stringstream lines(
       output_of("ffprobe -v error -select_streams v:0 -of csv=p=0 -show_entries "
@@ -60,7 +60,7 @@ struct Png {
   }
 };
 
-/// Mean absolute difference of two pictures' colours, of 255.
+/// Mean absolute difference of the colours of two pictures, out of 255.
 inline double mean_difference(const Png& a, const Png& b) {
   if (a.width != b.width || a.height != b.height) return 255.0;
   double sum = 0.0;

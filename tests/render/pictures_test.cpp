@@ -1,4 +1,5 @@
-// Pictures and videos of runs, as users make them: right, repeatable, and harmless when they fail.
+// Pictures and videos of runs: they are right and repeatable, and their failure does not harm the
+// run.
 #include <sys/resource.h>
 #include <csignal>
 
@@ -30,10 +31,10 @@ class Pictures : public testing::ProgramTest {
   void wall(const std::string& name, const std::string& case_name = "proposed-2N") {
     ran(kShortWall + "--case " + case_name + " --out " + name);
   }
-  // Half a second of arm_push: quick.
+  // A quick run: half a second of arm_push.
   void push(const std::string& name) { ran("arm_push --quiet --duration 0.5 --out " + name); }
 
-  // A command must fail with this status and one line that has `text`, and leave the run as it was.
+  // Expects this status and one line with `text`, and an unchanged run.
   void expect_failure(const std::string& command, int status, const std::string& text) const {
     expect_failure(run(command), status, text);
   }
@@ -47,7 +48,7 @@ class Pictures : public testing::ProgramTest {
                                               "metrics.json"};
 };
 
-TEST_F(Pictures, AVideoHasExactlyWhatWasAskedFor) {
+TEST_F(Pictures, AVideoHasTheRequestedFormat) {
   wall("run");
   const std::string slow =
       "breakwater video run --from 5.4 --to 5.7 --speed 0.1 --fps 30 --size 320x180 --look fast";
@@ -66,14 +67,14 @@ TEST_F(Pictures, AVideoHasExactlyWhatWasAskedFor) {
   for (std::size_t k = 0; k < times.size(); ++k) {
     EXPECT_NEAR(times[k], static_cast<double>(k) / 30.0, 1e-5) << "drift at frame " << k;
   }
-  // A browser plays it before it has all: the index is in front.
+  // The index is at the front, so a browser plays it during the download.
   const std::string bytes = read("run/video.mp4");
   EXPECT_LT(bytes.find("moov"), bytes.find("mdat"));
   std::vector<std::string> files = kRunFiles;
   files.emplace_back("video.mp4");
   EXPECT_EQ(entries("run"), files);
 
-  // The same frames again, and an odd number of them.
+  // The same frames again, and an odd number of frames.
   ran(slow + " --out again.mp4");
   EXPECT_TRUE(read("again.mp4") == bytes) << "the same run gives other frames";
   ran("breakwater video run --from 5.4 --to 5.51 --speed 1 --fps 25 --size 64x64 --look fast --out "
@@ -81,15 +82,15 @@ TEST_F(Pictures, AVideoHasExactlyWhatWasAskedFor) {
   EXPECT_EQ(probe(folder_ / "short.mp4", "nb_read_frames"), "3");  // round(2.75)
 }
 
-TEST_F(Pictures, AVideoChangesNothingOfTheRun) {
+TEST_F(Pictures, AVideoDoesNotChangeTheRun) {
   push("plain");
   const ProgramResult result = ran("arm_push --duration 0.5 --video --out filmed");
   EXPECT_EQ(state_hash("plain"), state_hash("filmed"));
   EXPECT_EQ(read("plain/config.toml"), read("filmed/config.toml"));
-  // The shot list's window begins after this run's end, so all of it is shown.
+  // The window of the shot list is after the end of this run, so the whole run is shown.
   EXPECT_EQ(probe(folder_ / "filmed/video.mp4", "nb_read_frames"), "15");
   EXPECT_EQ(probe(folder_ / "filmed/video.mp4", "width"), "1280");
-  // The table of metrics is still the last thing.
+  // The table of metrics is still at the end.
   EXPECT_LT(result.out.find("video"), result.out.find("results: "));
 
   ran("arm_push --quiet --duration 0.2 --video=here.mp4 --out other");
@@ -99,7 +100,7 @@ TEST_F(Pictures, AVideoChangesNothingOfTheRun) {
                  "--video: one file cannot hold the videos of several runs");
 }
 
-// A variable of the environment of the programs that are run while it is there.
+// Sets an environment variable for programs that run during its lifetime.
 class Environment {
  public:
   Environment(const char* name, const std::string& value) : name_(name) {
@@ -121,7 +122,7 @@ TEST_F(Pictures, OsmesaAndEglDrawTheSame) {
   push("run");
   for (const std::string library : {"osmesa", "egl"}) {
     const Environment asked("MUJOCO_GL", library);
-    // The software renderer, which is the last of EGL's devices, in case there are others.
+    // The software renderer, the last EGL device, in case there are others.
     const Environment software("LIBGL_ALWAYS_SOFTWARE", "1");
     const ProgramResult still = run("breakwater still run --at 0.3 --size 320x180 --look full");
     if (is_missing_library(still)) GTEST_SKIP() << still.err;
@@ -130,7 +131,7 @@ TEST_F(Pictures, OsmesaAndEglDrawTheSame) {
     testing::output_of("cd " + folder_.string() + " && ffmpeg -v error -i run/video.mp4 " +
                        "-vf 'select=eq(n\\,0)+eq(n\\,4)' -vsync 0 " + library + "%d.png");
     fs::rename(folder_ / "run/still.png", folder_ / (library + ".png"));
-    // Each says by what it is drawn.
+    // Each names its renderer.
     const std::string name = library == "egl" ? ", EGL" : ", OSMesa";
     for (const char* picture : {"still.png", "video.mp4"}) {
       const std::string renderer = json("run/manifest.json")["renderers"][picture];
@@ -147,12 +148,12 @@ TEST_F(Pictures, OsmesaAndEglDrawTheSame) {
               1.0)
         << picture;
   }
-  // Other pictures differ by more.
+  // Different pictures have a larger difference.
   ran("breakwater still run --at 0.3 --size 320x180 --look full --camera top");
   EXPECT_GT(mean_difference(Png(folder_ / "run/still.png"), Png(folder_ / "egl.png")), 3.0);
 }
 
-TEST_F(Pictures, WhereOsmesaIsNotEglDraws) {
+TEST_F(Pictures, WithoutOsmesaEglDraws) {
   push("run");
   write("libOSMesa.so.8", "no library");
   const Environment path("LD_LIBRARY_PATH", folder_);
@@ -169,7 +170,7 @@ TEST_F(Pictures, WithoutOpenGLTheRunStays) {
   }
   const Environment path("LD_LIBRARY_PATH", folder_);
   expect_failure("arm_push --quiet --duration 0.2 --video --out run", 4, "pictures need OpenGL");
-  // Both libraries and their packages are named.
+  // The message names both libraries with their packages.
   expect_failure("breakwater video run", 4, "libosmesa6), and");
   expect_failure("breakwater still run --at 0.1", 4, "libegl1)");
   {
@@ -188,7 +189,7 @@ TEST_F(Pictures, NonsenseInTheEnvironmentIsRefusedBeforeTheRun) {
     expect_refused(
         "arm_push --quiet --duration 0.2 --video --out other",
         "MUJOCO_GL: \"softpipe\": must be egl or osmesa, which need no screen, or unset");
-    push("plain");  // which draws nothing
+    push("plain");  // this draws nothing
   }
   for (const auto& [number, status] :
        {std::pair("-1", 2), std::pair("GPU", 2), std::pair("99", 4)}) {
@@ -199,7 +200,7 @@ TEST_F(Pictures, NonsenseInTheEnvironmentIsRefusedBeforeTheRun) {
   }
 }
 
-TEST_F(Pictures, AFolderThatIsNotThereIsSaid) {
+TEST_F(Pictures, ReportsAMissingFolder) {
   push("run");
   expect_failure("breakwater still run --at 0.1 --look fast --size 128x96 --out nowhere/s.png", 4,
                  "nowhere/s.png: cannot be written (No such file or directory)");
@@ -221,10 +222,10 @@ TEST_F(Pictures, ACameraThatTheModelLacksFailsTheVideoAlone) {
   EXPECT_TRUE(has(result.err, "arm_push/shots.toml:"));
 }
 
-TEST_F(Pictures, ASiteThatTheModelLacksIsSaidWithTheShotListsLine) {
+TEST_F(Pictures, AMissingSiteIsReportedWithTheLineOfTheShotList) {
   push("run");
   const std::string shots = testing::text_of(testing::source_file("scenarios/arm_push/shots.toml"));
-  // A shot list alone, without the scenario's other files, takes the place of the shipped one.
+  // A shot list without the other files of the scenario replaces the shipped one.
   write("mine/scenarios/arm_push/shots.toml",
         testing::replaced(shots, "site = \"", "site = \"my_"));
   const Environment path("BREAKWATER_PATH", folder_ / "mine");
@@ -242,7 +243,7 @@ TEST_F(Pictures, AFailedRunIsDrawnToo) {
 
 TEST_F(Pictures, OnAFullDiskTheRunStays) {
   push("run");
-  // Files end at 8 kB, without a signal.
+  // Files are limited to 8 kB, without a signal.
   rlimit before{};
   getrlimit(RLIMIT_FSIZE, &before);
   const rlimit small{8192, before.rlim_max};
@@ -312,7 +313,7 @@ TEST_F(Pictures, AnInterruptedVideoLeavesNothing) {
                  "interrupted");
 }
 
-TEST_F(Pictures, ASlowRendererIsSaid) {
+TEST_F(Pictures, ReportsASlowRenderer) {
   push("run");
   const Environment driver("GALLIUM_DRIVER", "softpipe");
   const ProgramResult result =
@@ -327,14 +328,14 @@ TEST_F(Pictures, RunsStandSideBySide) {
   ran("breakwater video a b a --from 5.5 --to 5.55 --speed 0.1 --size 640x360 --look fast");
   EXPECT_EQ(probe(folder_ / "a/video.mp4", "width"), "640");
   EXPECT_EQ(probe(folder_ / "a/video.mp4", "nb_read_frames"), "15");
-  // The first and the third are the same run: the same thirds of the picture.
+  // The first and the third run are equal, so these thirds of the picture are equal.
   ran("breakwater still a b a --at 5.6 --size 720x360 --look fast --out s.png");
   const Png png(folder_ / "s.png");
   ASSERT_EQ(png.width, 720);
   const auto difference = [&](int column_a, int column_b) {
     double sum = 0.0;
     for (int y = 0; y < png.height; ++y) {
-      for (int i = 4 * 4; i < 4 * (240 - 4); ++i) {  // but for the lines between
+      for (int i = 4 * 4; i < 4 * (240 - 4); ++i) {  // without the lines in between
         const auto row = static_cast<std::size_t>(4 * y * png.width);
         sum += std::abs(png.pixels[row + static_cast<std::size_t>(4 * column_a + i)] -
                         png.pixels[row + static_cast<std::size_t>(4 * column_b + i)]);
@@ -346,7 +347,7 @@ TEST_F(Pictures, RunsStandSideBySide) {
   EXPECT_GT(difference(0, 240), 0.5);
 }
 
-// Pixels of the tip's red right of the middle, as a range of columns.
+// The columns with the tip's red, right of the middle.
 struct Columns {
   int first = 100000;
   int last = -1;
@@ -364,7 +365,7 @@ Columns red_columns(const std::uint8_t* pixels, int width, int height) {
   return columns;
 }
 
-// In a small picture, too, all of a long caption stands beside the chart.
+// A long caption fits beside the chart in a small picture too.
 TEST_F(Pictures, ALongCaptionStandsBesideTheChart) {
   ran(kShortWall + "controller.name=hpfc --out run");
   const FinishedRun finished(testing::catalogue(), folder_ / "run");
@@ -383,7 +384,8 @@ TEST_F(Pictures, ALongCaptionStandsBesideTheChart) {
   };
   const auto with_short = pixels("a");
   const auto with_long = pixels("hpfc-2N with a_controller_of_a_very_long_name");
-  // The chart takes 250 columns at the right and a margin of 12; so much is between it and the box.
+  // The chart takes 250 columns on the right and a margin of 12. The rest is between it and the
+  // box.
   std::size_t differing = 0;
   for (int y = 0; y < kHeight; ++y) {
     for (int x = 0; x < kWidth; ++x) {
@@ -404,19 +406,20 @@ TEST_F(Pictures, TheTipTouchesTheWallInTheImpactStill) {
                                    [](const ShotMoment& m) { return m.caption == "impact"; });
   ASSERT_NE(impact, shots.moments.end());
   ShotMoment moment = *impact;
-  moment.at_s = 5.0;  // this run's force control begins earlier
+  moment.at_s = 5.0;  // force control begins earlier in this run
   const auto impact_s = time_of(moment, run);
   ASSERT_TRUE(impact_s);
   EXPECT_NEAR(*impact_s, 5.0 + json("run/metrics.json")["free_motion_time_s"].get<double>(), 1e-3);
 
-  shots.arrows.clear();  // the tip is the one red thing then
+  shots.arrows.clear();  // only the tip is red now
   shots.lines.clear();
   std::vector<PictureRun> runs;
   runs.push_back(stage(run, shots, "top"));
   const Model& model = runs.front().model;
   const PictureStyle style{.width = 1280, .height = 720, .look = kFastLook, .captions = false};
 
-  // Where the camera, which looks straight down, sees the wall's face at the tip's height.
+  // The place where the camera, which looks straight down, sees the wall's face at the tip's
+  // height.
   const int camera = runs.front().camera;
   const double face_x = 0.45 + 0.089;
   const double per_m = 360.0 / (model->cam_pos[3 * camera + 2] *
@@ -474,7 +477,7 @@ TEST_F(Pictures, AScenarioWithoutAShotListIsDrawnToo) {
   runs.push_back(stage(finished.front(), shots, ""));
   Picture picture(runs, {.width = 320, .height = 240, .look = kFastLook});
   const std::uint8_t* pixels = picture.draw(0.2);
-  // The arm is in sight: its orange caps are.
+  // The arm's orange caps are visible.
   int orange = 0;
   for (int i = 0; i < 320 * 240; ++i) {
     const std::uint8_t* p = pixels + static_cast<std::ptrdiff_t>(4 * i);

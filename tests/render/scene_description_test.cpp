@@ -1,4 +1,4 @@
-// A model's look as data says what the model's file says.
+// The appearance of a model as data agrees with the model's file.
 #include <breakwater/render/scene_description.h>
 
 #include <cmath>
@@ -62,7 +62,7 @@ TEST(SceneDescription, HasShapesSizesAndColours) {
   const SceneDescription scene = whole(model);
   EXPECT_EQ(geom(scene, "own").shape, SceneGeom::Shape::box);
   EXPECT_EQ(geom(scene, "own").size, (std::array{0.1, 0.2, 0.3}));
-  // A geom's own colour is taken, not its material's; of the material the rest.
+  // The geom's own colour has priority over the material's.
   EXPECT_NEAR(geom(scene, "own").rgba[0], 0.9, 1e-6);
   EXPECT_NEAR(geom(scene, "own").specular, 0.9, 1e-6);
   EXPECT_NEAR(geom(scene, "painted").rgba[3], 0.4, 1e-6);
@@ -79,7 +79,7 @@ TEST(SceneDescription, HasShapesSizesAndColours) {
   EXPECT_NEAR(scene.cameras[0].field_of_view_deg, 33.0, 1e-9);
 }
 
-TEST(SceneDescription, HasWhatItsGeomsNeedOnceAndNothingElse) {
+TEST(SceneDescription, HasEachNeededAssetOnce) {
   const Model model = robot();
   const SceneDescription scene = whole(model);
   EXPECT_EQ(scene.meshes.size(), 1U);
@@ -87,7 +87,7 @@ TEST(SceneDescription, HasWhatItsGeomsNeedOnceAndNothingElse) {
   EXPECT_EQ(scene.meshes[0].vertices.size(), 12U);
   EXPECT_EQ(scene.meshes[0].normals.size(), 12U);
   EXPECT_EQ(scene.meshes[0].faces.size(), 12U);
-  // A tetrahedron's faces look outward: away from its middle.
+  // The faces of a tetrahedron point outward.
   const std::vector<float>& v = scene.meshes[0].vertices;
   const auto vertex = [&](int i) { return Eigen::Vector3d(v[3 * i], v[3 * i + 1], v[3 * i + 2]); };
   const Eigen::Vector3d middle = 0.25 * (vertex(0) + vertex(1) + vertex(2) + vertex(3));
@@ -109,13 +109,13 @@ TEST(SceneDescription, HasWhatItsGeomsNeedOnceAndNothingElse) {
   EXPECT_TRUE(geom(scene, "ground").texture_is_uniform);
   EXPECT_EQ(geom(scene, "ground").texture_repeat, (std::array{3.0, 4.0}));
   EXPECT_TRUE(scene.textures[static_cast<std::size_t>(scene.sky)].is_cube);
-  // Without the mesh there is none.
+  // Without the geom the mesh is left out.
   const SceneDescription one = describe_scene(model, {model.id(mjOBJ_GEOM, "own")});
   EXPECT_TRUE(one.meshes.empty() && one.height_fields.empty());
   EXPECT_EQ(one.geoms.size(), 1U);
 }
 
-TEST(SceneDescription, KnowsWhatIsDrawn) {
+TEST(SceneDescription, ListsTheDrawnGeoms) {
   const Model model = robot();
   const auto drawn = [&](const char* name) { return is_drawn(model, model.id(mjOBJ_GEOM, name)); };
   EXPECT_TRUE(drawn("own") && drawn("painted") && drawn("ground"));
@@ -131,7 +131,7 @@ TEST(SceneDescription, AJointsPointerShowsItsAngle) {
   EXPECT_TRUE(elbow.is_hinge && elbow.is_limited);
   EXPECT_EQ(elbow.range, (std::array{-1.0, 2.0}));
   EXPECT_EQ(elbow.anchor_m, (std::array{1.0, 0.0, 0.5}));
-  EXPECT_EQ(elbow.pointer, elbow.body_pointer);  // the body stands as the file has it at 0
+  EXPECT_EQ(elbow.pointer, elbow.body_pointer);  // at 0 the body is as in the file
   EXPECT_NEAR(elbow.axis[2], 1.0, 1e-12);
 }
 
@@ -146,7 +146,7 @@ TEST(ScenePoser, TurnsTheArmAboutItsJoint) {
   EXPECT_NEAR(arm.rotation[3], std::sin(0.5 * angle), 1e-12);
   const Pose eye = poser.camera(0);
   EXPECT_NEAR(eye.position_m[1], -3.0, 1e-12);
-  // It looks along +y: its −z axis. A quarter turn about x.
+  // The camera looks along +y, which is its −z axis: a quarter turn about x.
   EXPECT_NEAR(std::abs(eye.rotation[0]), std::sqrt(0.5), 1e-12);
   EXPECT_NEAR(std::abs(eye.rotation[1]), std::sqrt(0.5), 1e-12);
   const SiteOnBody tip = site_on_body(model, model.id(mjOBJ_SITE, "tip"));

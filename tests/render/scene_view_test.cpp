@@ -1,4 +1,4 @@
-// The scene: what is drawn is where geometry says.
+// The scene is drawn at the geometrically right places.
 #include <breakwater/render/scene_view.h>
 
 #include <Eigen/Geometry>
@@ -20,7 +20,7 @@ Model load(const std::string& mjcf) {
   return Model::load(file.string());
 }
 
-// A ball on a free joint, seen by a camera that looks along -z from 2 m with 60 degrees.
+// A ball on a free joint. The camera looks along -z from 2 m with 60 degrees.
 Model ball() {
   return load(R"(<mujoco><worldbody>
     <light pos="0 0 3"/>
@@ -31,7 +31,7 @@ Model ball() {
     </worldbody></mujoco>)");
 }
 
-// The mean place of the pixels for which blue or red dominates.
+// The mean position of the mainly blue or red pixels.
 Point centre(const std::vector<std::uint8_t>& pixels, bool red) {
   double x = 0.0;
   double y = 0.0;
@@ -49,8 +49,8 @@ Point centre(const std::vector<std::uint8_t>& pixels, bool red) {
   return {x / count, y / count};
 }
 
-// A checker far finer than the pixels: mipmaps make a grey of it, without them it aliases.
-TEST(SceneView, TexturesAreMinifiedAsTheLookSays) {
+// A checker finer than the pixels: mipmaps make it grey, without them it aliases.
+TEST(SceneView, TexturesAreMinifiedAsTheLookSpecifies) {
   Model model = load(R"(<mujoco><asset>
       <texture name="fine" type="2d" builtin="checker" rgb1="0 0 0" rgb2="1 1 1" width="64" height="64"/>
       <material name="fine" texture="fine" texrepeat="400 400"/></asset>
@@ -78,7 +78,7 @@ TEST(SceneView, TexturesAreMinifiedAsTheLookSays) {
   EXPECT_GT(aliased, 2.0 * spread(Minification::trilinear));
 }
 
-TEST(SceneView, APinholeCameraSeesTheBallWhereItIs) {
+TEST(SceneView, APinholeCameraSeesTheBallAtItsPosition) {
   Model model = ball();
   Offscreen offscreen(kWidth, kHeight);
   ASSERT_FALSE(offscreen.slowness()) << offscreen.renderer();
@@ -98,7 +98,7 @@ TEST(SceneView, KnowsWhereAnArrowEnds) {
   Model model = ball();
   Offscreen offscreen(kWidth, kHeight);
   SceneView view(offscreen, model, camera_id(model, "above"), kFastLook);
-  // Turned by 90 degrees about z: the site's x axis is the world's y axis.
+  // Rotated by 90 degrees about z: the site's x axis is the world's y axis.
   view.pose(std::array{0.1, 0.0, 0.0, std::sqrt(0.5), 0.0, 0.0, std::sqrt(0.5)});
   SceneArrow arrow;
   arrow.site = model.id(mjOBJ_SITE, "side");
@@ -114,7 +114,7 @@ TEST(SceneView, KnowsWhereAnArrowEnds) {
   const double per_m = 0.5 * kHeight / (2.0 * std::tan(0.5 * 60.0 * 3.14159265358979 / 180.0));
   EXPECT_NEAR(end->x, 0.5 * kWidth + per_m * 0.1, 0.1);
   EXPECT_NEAR(end->y, 0.5 * kHeight - per_m * 0.5, 0.1);
-  // The arrow itself reaches from the site, 0.2 m up, to its end, 0.5 m up.
+  // The arrow reaches from the site at 0.2 m to 0.5 m.
   EXPECT_NEAR(seen.x, end->x, 1.5);
   int top = kHeight;
   int bottom = 0;
@@ -151,8 +151,8 @@ TEST(InterpolateQpos, TurnsTheShortestWay) {
   EXPECT_LT(expected.angularDistance(turned), 1e-9);
 }
 
-// Half-transparent blue over nothing: half of the background shows, not black.
-TEST(Picture, ATranslucentThingLetsTheBackgroundThrough) {
+// Half-transparent blue: half of the background is visible, not black.
+TEST(Picture, ATranslucentGeomShowsTheBackground) {
   std::vector<PictureRun> runs;
   runs.push_back({.model = load(R"(<mujoco><worldbody>
       <camera name="side" pos="0 -4 0" xyaxes="1 0 0 0 0 1" fovy="40"/>
@@ -167,14 +167,14 @@ TEST(Picture, ATranslucentThingLetsTheBackgroundThrough) {
   const auto grey = [&](int x, int y) { return pixels[4 * (y * kWidth + x) + 1]; };
   const int background = grey(2, kHeight / 2);
   EXPECT_GT(background, 200);
-  // Black with a gleam of at most 50.
+  // Black with a highlight of at most 50.
   const int through = grey(kWidth / 2, kHeight / 2);
   EXPECT_GE(through, background / 2 - 4);
   EXPECT_LE(through, background / 2 + 50);
 }
 
-// What moves besides qpos: a height field whose heights a scenario changes.
-TEST(Picture, ShowsWhatTheScenarioMoves) {
+// Changes besides qpos: a scenario changes the heights of a height field.
+TEST(Picture, ShowsTheMovingParts) {
   const auto run = [](bool moves) {
     PictureRun staged{.model = load(R"(<mujoco><asset>
       <hfield name="water" nrow="2" ncol="2" size="1 1 0.5 0.1"/></asset><worldbody>

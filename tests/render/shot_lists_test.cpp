@@ -1,4 +1,3 @@
-// Every scenario's shot list against a run of its scenario.
 
 #include <cmath>
 
@@ -15,8 +14,7 @@ namespace fs = std::filesystem;
 constexpr int kWidth = 480;
 constexpr int kHeight = 270;
 
-// The share of pixels that change when the bodies that move are not drawn, in the moment in which
-// it is smallest.
+// The smallest share of pixels, over all moments, that change if the moving bodies are not drawn.
 double smallest_share_of_the_plant(const FinishedRun& run, ShotList shots) {
   shots.arrows.clear();
   shots.lines.clear();
@@ -86,7 +84,7 @@ TEST_P(ShotLists, FitARunOfTheirScenario) {
       << "every scenario has a shot list";
   const ShotList shots = shot_list(testing::catalogue().get<ScenarioKind>(GetParam()).shots());
 
-  // The default case, as far as the shot list goes.
+  // The default case, up to the end of the shot list.
   ran("breakwater run " + GetParam() + " --quiet --out run --duration " +
       std::to_string(shots.to_s));
 
@@ -97,7 +95,7 @@ TEST_P(ShotLists, FitARunOfTheirScenario) {
   EXPECT_EQ(testing::probe(folder_ / "run/video.mp4", "nb_read_frames"), std::to_string(frames));
 
   ran("breakwater strip run --look fast --size 320x240");
-  // All of the moments come, side by side.
+  // All moments are side by side.
   const testing::Png png(folder_ / "run/strip.png");
   const auto count = static_cast<int>(shots.moments.size());
   EXPECT_GE(count, 2);
@@ -114,13 +112,13 @@ TEST_P(ShotLists, FitARunOfTheirScenario) {
 INSTANTIATE_TEST_SUITE_P(All, ShotLists, ::testing::ValuesIn(testing::scenario_names()),
                          [](const auto& list) { return list.param; });
 
-// Colours that differ from the gallery's by more than this are another picture; other versions of
-// Mesa differ by less than 0.5.
+// A larger difference of colours from the gallery means another picture. Other versions of Mesa
+// differ by less than 0.5.
 constexpr double kSamePicture = 2.0;
 
 using Gallery = testing::ProgramTest;
 
-TEST_F(Gallery, ShowsWhatIsDrawnNow) {
+TEST_F(Gallery, ShowsThePresentPictures) {
   ran("arm_wall_contact --quiet --duration 32 --out run");
   const auto still_at = [&](const std::string& time_s) {
     ran("breakwater still run --size 960x540 --out still.png --at " + time_s);
@@ -128,7 +126,7 @@ TEST_F(Gallery, ShowsWhatIsDrawnNow) {
   };
   const testing::Png shown(testing::source_file("renders/gallery/arm_wall_contact.png"));
   EXPECT_LT(testing::mean_difference(still_at("30.58"), shown), kSamePicture);
-  // The measure tells pictures apart: 280 ms earlier the force and the pose are others.
+  // The measure separates pictures: 280 ms earlier the force and the pose differ.
   EXPECT_GT(testing::mean_difference(still_at("30.3"), shown), kSamePicture);
 }
 

@@ -1,4 +1,3 @@
-// The arm's metrics on histories written by hand.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -18,8 +17,8 @@ std::optional<double> value(const std::vector<Metric>& metrics, const std::strin
   return std::nullopt;
 }
 
-// Steps of 10 ms, samples of 20 ms; the switch at 1 s; contact from 1.50 to 1.60 s with 3 N (the
-// raw peak of 4 N at 1.55 s), from 1.80 to 1.85 s with 2 N, and from 2 s on with 1 N.
+// Steps of 10 ms, samples of 20 ms, the switch at 1 s. Contact from 1.50 to 1.60 s with 3 N (raw
+// peak of 4 N at 1.55 s). Then contact from 1.80 to 1.85 s with 2 N, and from 2 s with 1 N.
 constexpr double kStep = 0.01;
 
 double force_at(int k) {
@@ -38,7 +37,7 @@ WallContactMetrics wall_history(int steps) {
                               .start_pose = TipPose(0.45, 0.1, 0.2)});
   for (int k = 0; k < steps; ++k) {
     const double t = k * kStep;
-    // Before the switch everything is worse, and must not count.
+    // Larger values before the switch, which must not count.
     const bool before = k < 100;
     const double filtered = before ? 99.0 : (k % 2 == 0 ? 1.0 : 1.2);
     if (metrics.after_step(t, before ? 99.0 : force_at(k), filtered, 0.001 * k)) {
@@ -53,20 +52,20 @@ WallContactMetrics wall_history(int steps) {
   return metrics;
 }
 
-TEST(WallContactMetrics, OfAHistoryWithTwoBounces) {
+TEST(WallContactMetrics, AreRightForAHistoryWithTwoBounces) {
   const auto m = wall_history(400).metrics(4.0);
   EXPECT_NEAR(*value(m, "free_motion_time_s"), 0.5, 1e-12);
   EXPECT_EQ(*value(m, "peak_force_raw_N"), 4.0);
   EXPECT_EQ(*value(m, "peak_force_filtered_N"), 1.2);
   EXPECT_EQ(*value(m, "impact_velocity_m_s"), 0.150);
-  EXPECT_EQ(*value(m, "impact_mass_kg"), 75.0);  // at step 150, and at no other
+  EXPECT_EQ(*value(m, "impact_mass_kg"), 75.0);  // at step 150 only
   EXPECT_EQ(*value(m, "bounce_count"), 2.0);
   // 1.5 to 1.7 s: nine steps of 3 N and one of 4 N.
   EXPECT_NEAR(*value(m, "contact_impulse_Ns"), 0.31, 1e-12);
   // 25 errors of 0.5 N and 25 of 0.3 N.
   EXPECT_NEAR(*value(m, "mean_force_error_N"), 0.4, 1e-12);
   EXPECT_NEAR(*value(m, "std_force_error_N"), 0.1 * std::sqrt(50.0 / 49.0), 1e-12);
-  // Of the samples 250, 252, …, 298 that with 250.
+  // Only sample 250 of 250, 252, …, 298.
   EXPECT_NEAR(*value(m, "saturated_share"), 1.0 / 25.0, 1e-12);
   // Samples 100, 150, …, 350: six of 20 ms.
   EXPECT_NEAR(*value(m, "saturated_time_s"), 0.12, 1e-12);
@@ -87,7 +86,7 @@ TEST(WallContactMetrics, AreAbsentWhereTheyDoNotApply) {
   EXPECT_TRUE(value(wall_history(300).metrics(3.0), "mean_force_error_N"));
 }
 
-// A hundred samples in the window, of a force that repeats every four and halves in the middle.
+// A hundred samples in the window. The force repeats every four samples and halves in the middle.
 std::vector<Metric> late_history(const std::array<double, 4>& force_N) {
   WallContactMetrics metrics({.force_from_s = 0.0,
                               .reference_N = 1.5,
@@ -105,7 +104,7 @@ std::vector<Metric> late_history(const std::array<double, 4>& force_N) {
   return metrics.metrics(2.5);
 }
 
-TEST(WallContactMetrics, OfTheLateForce) {
+TEST(WallContactMetrics, AreRightForTheLateForce) {
   const auto bounces = late_history({0.0, 0.0, 2.0, 3.0});
   EXPECT_EQ(*value(bounces, "late_bounce_count"), 25.0);
   EXPECT_EQ(*value(bounces, "force_frequency_Hz"), 25.0);
@@ -115,11 +114,11 @@ TEST(WallContactMetrics, OfTheLateForce) {
   EXPECT_EQ(*value(swings, "force_frequency_Hz"), 25.0);
   const auto rests = late_history({1.0, 1.0, 1.0, 1.0});
   EXPECT_EQ(*value(rests, "force_frequency_Hz"), 0.0);
-  EXPECT_FALSE(value(rests, "force_decay_ratio"));  // nothing swung in the first fifth
+  EXPECT_FALSE(value(rests, "force_decay_ratio"));  // no oscillation in the first fifth
   EXPECT_FALSE(value(late_history({0.0, 0.0, 0.0, 0.0}), "late_bounce_count"));
 }
 
-// Two joints, samples of 0.1 s; gripped at 1 s, let go at 2 s.
+// Two joints, samples of 0.1 s, gripped at 1 s, released at 2 s.
 std::vector<Metric> push_history(int samples) {
   PushMetrics metrics({.grip_s = 1.0,
                        .release_s = 2.0,
@@ -132,18 +131,18 @@ std::vector<Metric> push_history(int samples) {
     Eigen::Vector2d q(0.5, -0.5), dq(0, 0);
     TipPose tip(0.4, 0.0, 0.0);
     if (k < 10) {
-      tip << 9, 9, 9;  // does not count yet
+      tip << 9, 9, 9;  // before the window
       dq << 9, 9;
     } else if (k < 20) {
-      q << 1.5, -1.0;  // joint 1 is pushed up by 1 rad, joint 2 down by 0.5
+      q << 1.5, -1.0;  // joint 1 is pushed up by 1 rad, joint 2 down by 0.5 rad
       dq << 5, 5;
       tip << 0.1, -0.2, 1.0;
     } else if (k < 25) {
-      q << 0.5 - 0.02, -0.5 + 0.03;  // past the start by 0.02 and 0.03
+      q << 0.5 - 0.02, -0.5 + 0.03;  // beyond the start by 0.02 and 0.03
       dq << -2, 1;
-      tip << 0.39, 0.03, -0.25;  // y and φ are past their start
+      tip << 0.39, 0.03, -0.25;  // y and φ are beyond their start
     } else {
-      q << (k < 28 ? 0.6 : 0.55), -0.5;  // short of the start: no overshoot; joint 1 turns back
+      q << (k < 28 ? 0.6 : 0.55), -0.5;  // no overshoot yet; joint 1 turns back
       tip << 0.4 + 0.003, 0.004, 0.5;
     }
     metrics.after_sample(t, q, dq, tip, k < 20 ? -0.1 * k : 0.0, k % 5 == 0);
@@ -151,7 +150,7 @@ std::vector<Metric> push_history(int samples) {
   return metrics.metrics();
 }
 
-TEST(PushMetrics, OfAHistory) {
+TEST(PushMetrics, AreRightForAHistory) {
   const auto m = push_history(31);
   EXPECT_NEAR(*value(m, "max_push_rad"), 1.9, 1e-12);
   EXPECT_NEAR(*value(m, "overshoot_rad"), 0.03, 1e-12);
@@ -165,7 +164,7 @@ TEST(PushMetrics, OfAHistory) {
   EXPECT_EQ(*value(m, "peak_speed_rad_s"), 2.0);
 }
 
-// The tip is back, a joint is not: it never passes its start, and that is no success.
+// The tip returns but a joint does not. It never passes its start, so this is no success.
 TEST(PushMetrics, AnotherPostureCountsAsOvershoot) {
   PushMetrics metrics({.grip_s = 0.0,
                        .release_s = 1.0,

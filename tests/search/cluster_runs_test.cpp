@@ -1,5 +1,4 @@
-// `breakwater tune --slurm` with programs of Slurm's that the test wrote; tests/study/slurm_test.py
-// has a real one.
+// `breakwater tune --slurm` with fake Slurm programs. tests/study/slurm_test.py uses a real Slurm.
 #include <cstdlib>
 
 #include "search/tuning_folder.h"
@@ -11,7 +10,7 @@ using testing::kSmall;
 using testing::kTuning;
 using testing::ProgramResult;
 
-// Runs each task before it says which job it is; the task that FAILS names it does not run.
+// Runs each task before it prints the job's number. It does not run the tasks in FAILS.
 constexpr const char* kSbatch = R"bash(#!/bin/bash
 echo "$@" >> asked
 env | grep ^SLURM >> told
@@ -50,7 +49,7 @@ class ClusterRuns : public testing::TuningFolder {
                                     fs::directory_iterator(folder), fs::directory_iterator()))
                               : 0;
   }
-  // Lines of results in all shards: more than there are runs if some were made twice.
+  // Number of results in all shards. It is larger than the number of runs if some ran twice.
   std::size_t lines_of_shards(const std::string& study) const {
     std::size_t count = 0;
     for (const auto& entry : fs::directory_iterator(folder_ / study / "shards")) {
@@ -64,11 +63,12 @@ class ClusterRuns : public testing::TuningFolder {
   std::string path_ = std::getenv("PATH");
 };
 
-TEST_F(ClusterRuns, ChangeNoByte) {
+TEST_F(ClusterRuns, GiveTheSameBytesAsLocalRuns) {
   tuned("t.toml --out here --quiet");
   const ProgramResult result = done(on_slurm("there --tasks 9 --sbatch --qos=low"));
   expect_same("here", "there");
-  // Eight generations of each case and its validation, each run once, nothing said by a task.
+  // Eight generations of each case and its validation. Each run is made once, and the tasks print
+  // nothing.
   EXPECT_EQ(jobs("there"), 2U * 8 + 2);
   EXPECT_EQ(lines_of_shards("there"), results("there").size() - 1);
   EXPECT_EQ(read("there/slurm/1/1.log"), "");
@@ -76,7 +76,7 @@ TEST_F(ClusterRuns, ChangeNoByte) {
                   "noisy, validation: 18 runs in 3 tasks: job 7\n"));
   EXPECT_EQ(lines("asked")[0].find("--parsable --qos=low "), 0U);
   EXPECT_TRUE(has(read("there/slurm/1/job.sh"), "--job-name=\"tune-there\""));
-  // All is there: nothing is submitted.
+  // All runs are done, so nothing is submitted.
   done(on_slurm("there"));
   EXPECT_EQ(jobs("there"), 2U * 8 + 2);
   EXPECT_TRUE(has(tune("there --status").out,
@@ -84,18 +84,18 @@ TEST_F(ClusterRuns, ChangeNoByte) {
                   "36 of the validation\n"));
 }
 
-TEST_F(ClusterRuns, ThatAreMissingAreSubmittedAgain) {
+TEST_F(ClusterRuns, AreSubmittedAgainWhenMissing) {
   write("t.toml", kSmall);
   tuned("t.toml --out here --quiet");
   setenv("FAILS", "2,3", 1);
   done(on_slurm("there --tasks 3 --quiet"));
   expect_same("here", "there");
-  // A third of what is left each time: 8, 6, 4, 3, 2, 1.
+  // Each job makes a third of the rest: 8, 6, 4, 3, 2, 1.
   EXPECT_EQ(jobs("there"), 2U * 6);
   EXPECT_EQ(lines_of_shards("there"), results("there").size() - 1);
 }
 
-TEST_F(ClusterRuns, ThatNobodyMakesEndIt) {
+TEST_F(ClusterRuns, StopAfterThreeJobsWithoutResult) {
   write("t.toml", kSmall);
   tuned("t.toml --out here --quiet");
   setenv("FAILS", "1,2,3", 1);
@@ -108,34 +108,34 @@ TEST_F(ClusterRuns, ThatNobodyMakesEndIt) {
   const std::string status = tune("there --status").out;
   EXPECT_TRUE(has(status, "there: 0 of 16 runs of the search are done\n",
                   "3 tasks have ended before their points were done:\n  slurm/3/1.log: "));
-  // Here it goes on, and there again.
+  // The tuning continues here and then on the cluster.
   unsetenv("FAILS");
   tune("there --quiet", 0.1);
   done(on_slurm("there --quiet"));
   expect_same("here", "there");
 }
 
-TEST_F(ClusterRuns, TakeTheMinutesThatTheyAreGiven) {
+TEST_F(ClusterRuns, FitIntoTheMinutesOfATask) {
   write("t.toml", std::string(kSmall) + "[set]\n\"trouble.takes_s\" = 0.1\n");
-  // 8 runs of 0.1 s, or a little more, in tasks of 0.6 s.
+  // 8 runs of slightly more than 0.1 s in tasks of 0.6 s.
   const ProgramResult result = done(on_slurm("there --minutes 0.01"));
   EXPECT_TRUE(has(result.out, "8 runs in 2 tasks"));
   EXPECT_EQ(lines_of_shards("there"), results("there").size() - 1);
 }
 
-TEST_F(ClusterRuns, OfOneRunThatToldHowLongTheyTakeAreNotSubmitted) {
+TEST_F(ClusterRuns, LeaveOutTheRunMadeForTheEstimate) {
   write("t.toml",
         "scenario = \"ishigami\"\nalgorithm = \"bobyqa\"\nbudget = 5\n"
         "[search]\n\"x.first\" = { uniform = [-3, 3] }\n\"x.second\" = { uniform = [0, 1] }\n"
         "[objective]\ny_1 = { goal = \"min\" }\n");
   const ProgramResult result = done(on_slurm("s"));
-  EXPECT_EQ(jobs("s"), 4U);  // of 5 evaluations the first is made here
+  EXPECT_EQ(jobs("s"), 4U);  // the first of 5 evaluations is made here
   EXPECT_EQ(result.out.find("plain, evaluation 2: 1 run in 1 task: job 7\n"), 0U) << result.out;
   EXPECT_EQ(lines_of_shards("s"), 5U);
 }
 
-// The command may be a job itself: what it is told of that is nothing for its tasks.
-TEST_F(ClusterRuns, AreNotToldOfTheJobThatSubmitsThem) {
+// The command may run in a job itself. Its tasks must not inherit the job's variables.
+TEST_F(ClusterRuns, DoNotInheritTheSubmittingJob) {
   write("t.toml", kSmall);
   setenv("SLURM_JOB_ID", "3", 1);
   setenv("SLURM_CPUS_PER_TASK", "64", 1);
@@ -155,16 +155,17 @@ TEST_F(ClusterRuns, MayCrash) {
   done(on_slurm("there --quiet --tasks 2 --isolate"));
   expect_same("here", "there");
   EXPECT_TRUE(has(read("there/slurm/1/job.sh"), " tune ", " --isolate --points "));
-  // The run that tells how long the others take may crash too.
+  // The run that measures the time may crash too.
   write("t.toml", std::string(kSmall) + "[set]\n\"trouble.crashes_above\" = -3\n");
   const ProgramResult crashed = on_slurm("s --quiet --isolate");
-  EXPECT_EQ(crashed.status, 3) << crashed.err;  // nobody survives: the tuning is done all the same
+  EXPECT_EQ(crashed.status, 3)
+      << crashed.err;  // no candidate survives, but the tuning ends normally
   EXPECT_EQ(results("s").size(), 1U + 16);
 }
 
-TEST_F(ClusterRuns, WhereTheyRunIsNoPartOfATuning) {
+TEST_F(ClusterRuns, MayRunElsewhereInTheSameTuning) {
   write("t.toml", std::string(kSmall) + "[slurm]\naccount = \"mine\"\nmodules = [\"none\"]\n");
-  ASSERT_EQ(on_slurm("s --quiet --tasks 1").status, 130);  // there is no such module
+  ASSERT_EQ(on_slurm("s --quiet --tasks 1").status, 130);  // the module does not exist
   EXPECT_TRUE(has(tune("s --status").out, "module load none has failed"));
   write("t.toml", std::string(kSmall) + "[slurm]\naccount = \"ours\"\n");
   done(on_slurm("s --quiet"));
@@ -173,8 +174,8 @@ TEST_F(ClusterRuns, WhereTheyRunIsNoPartOfATuning) {
   expect_refused(kOnSlurm + "s", "t.toml:12: slurm.acount: unknown key (did you mean account?)");
 }
 
-// In a script a newline would begin a command.
-TEST_F(ClusterRuns, ControlCharactersGoIntoNoScript) {
+// A newline would begin a new command in the script.
+TEST_F(ClusterRuns, WriteNoControlCharactersIntoScripts) {
   for (const std::string key :
        {"account", "partition", "constraint", "modules", "environment", "options"}) {
     write("t.toml", std::string(kSmall) + "[slurm]\n" + key + " = \"a=b\\nrm -rf x\"\n");
@@ -192,7 +193,7 @@ TEST_F(ClusterRuns, ControlCharactersGoIntoNoScript) {
   }
 }
 
-TEST_F(ClusterRuns, OneCandidateAtATimeIsWarnedOf) {
+TEST_F(ClusterRuns, WarnOfASearchWithOneCandidateAtATime) {
   write("t.toml",
         "scenario = \"ishigami\"\nalgorithm = \"bobyqa\"\nbudget = 5\nseeds = { count = 3 }\n"
         "[search]\n\"x.first\" = { uniform = [-3, 3] }\n\"x.second\" = { uniform = [0, 1] }\n"
@@ -207,7 +208,7 @@ TEST_F(ClusterRuns, OneCandidateAtATimeIsWarnedOf) {
   EXPECT_EQ(jobs("s"), 5U);
 }
 
-TEST_F(ClusterRuns, InTheQueueAreLeftThere) {
+TEST_F(ClusterRuns, StayInTheQueue) {
   write("t.toml", kSmall);
   setenv("FAILS", "1,2,3", 1);
   ASSERT_EQ(on_slurm("s --quiet --tasks 1").status, 130);
@@ -220,7 +221,7 @@ TEST_F(ClusterRuns, InTheQueueAreLeftThere) {
        {" --rerun",
         "--rerun: HERE/s is still in the queue (job 7: 1 PENDING (Resources); job 7: 1 PENDING "
         "(Resources); job 7: 1 PENDING (Resources)): end it first with scancel"}});
-  // With --slurm it waits for them until it is stopped.
+  // With --slurm it waits for the queue until it is stopped.
   const ProgramResult waited = tune("t.toml --out s --slurm", 1.5, SIGTERM);
   EXPECT_EQ(waited.status, 130);
   EXPECT_EQ(waited.err,
@@ -259,7 +260,7 @@ TEST_F(ClusterRuns, NonsenseIsOneLineAndStatus2) {
     expect_refused(task, line);
   }
   setenv("PATH", "/nowhere", 1);
-  for (const char* folder : {"t", "s"}) {  // `s` is begun
+  for (const char* folder : {"t", "s"}) {  // `s` exists already
     expect_refused(kOnSlurm + folder, "scontrol: cannot be called (No such file or directory)");
   }
 }

@@ -1,4 +1,3 @@
-// What candidates' runs are worth.
 #include <breakwater/search/evaluation.h>
 
 #include <gtest/gtest.h>
@@ -36,7 +35,7 @@ TEST(Evaluation, GathersManyRuns) {
   EXPECT_EQ(fitness(tuning(), one, 7), (std::vector<double>{2.0, -4.0}));
 }
 
-TEST(Evaluation, ASurvivorDominatesAFailureAndAKeptConstraintABrokenOne) {
+TEST(Evaluation, RanksFeasibleAboveViolatedAboveFailed) {
   const Evaluation good = evaluate(tuning(), {run(1e9, -1e9, 2)}, false);
   const Evaluation bad = evaluate(tuning(), {run(0, 1, 2.1)}, false);
   const Evaluation worse = evaluate(tuning(), {run(0, 1, 50)}, false);
@@ -55,7 +54,7 @@ TEST(Evaluation, ASurvivorDominatesAFailureAndAKeptConstraintABrokenOne) {
   for (std::size_t i = 1; i < in_order.size(); ++i) {
     EXPECT_TRUE(pagmo::pareto_dominance(in_order[i - 1], in_order[i])) << i;
   }
-  // No two alike.
+  // No two are equal.
   EXPECT_TRUE(pagmo::pareto_dominance(fitness(tuning(), failed, 3), fitness(tuning(), failed, 4)));
 }
 
@@ -79,7 +78,7 @@ TEST(Evaluation, WorldsAreAllCombinations) {
   EXPECT_EQ(Worlds().size(), 1U);
 }
 
-TEST(Evaluation, AFileReadsBackTheSame) {
+TEST(Evaluation, AFileRoundTrips) {
   const std::string text = R"toml(
 scenario = "s"
 budget = 80

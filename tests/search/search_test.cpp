@@ -1,4 +1,4 @@
-// Searches on problems whose fronts and minima are known, and pagmo's own front and volume.
+// Searches on problems with known fronts and minima, and pagmo's own front and volume.
 #include <breakwater/search/search.h>
 
 #include <cmath>
@@ -58,7 +58,7 @@ TEST(Search, FindsTheFrontOfZDT1) {
   }
 }
 
-// Front: the unit sphere's part of positive coordinates. Volume below (1, 1, 1): 1 − π/6.
+// Front: the part of the unit sphere with positive coordinates. Volume below (1, 1, 1): 1 − π/6.
 TEST(Search, FindsTheFrontOfDTLZ2) {
   const pagmo::problem dtlz2{pagmo::dtlz(2, 7, 3)};
   const Asked asked = run({.dimension = 7, .objectives = 3, .budget = 6000, .population = 60},
@@ -72,7 +72,7 @@ TEST(Search, FindsTheFrontOfDTLZ2) {
   }
 }
 
-TEST(Search, FrontsAndVolumesArePagmos) {
+TEST(Search, FrontsAndVolumesMatchPagmo) {
   testing::Random random;
   for (const std::size_t objectives : {2, 3, 4}) {
     Vectors points;
@@ -117,8 +117,8 @@ TEST(Search, FindsAMinimum) {
   }
 }
 
-// To resume by replay, the same answers must lead to the same questions.
-TEST(Search, AsksTheSameAgainAndKeepsToItsBudget) {
+// A resumed tuning replays the answers, so equal answers must lead to equal points.
+TEST(Search, RepeatsItsPointsAndKeepsToItsBudget) {
   const auto f = [](const std::vector<double>& u) {
     if (u[0] > 0.7) return std::vector<double>{1e13 * (1.0 + u[1]), 1e13 * (1.0 + u[1])};
     return std::vector<double>{u[0], 1.0 - u[0] + u[1]};
@@ -142,7 +142,7 @@ TEST(Search, AsksTheSameAgainAndKeepsToItsBudget) {
   }
 }
 
-TEST(Search, WhatIsThrownComesThrough) {
+TEST(Search, PassesExceptionsOn) {
   struct Stop {};
   for (const auto& [name, algorithm] : search_algorithms()) {
     const std::size_t objectives = has_several_objectives(algorithm) ? 2 : 1;
@@ -157,7 +157,7 @@ TEST(Search, WhatIsThrownComesThrough) {
   }
 }
 
-TEST(Search, SaysWhatDoesNotFit) {
+TEST(Search, RefusesInvalidSettings) {
   using enum SearchAlgorithm;
   EXPECT_NE(objection({.algorithm = nsga2, .objectives = 1}), "");
   EXPECT_NE(objection({.algorithm = cmaes, .objectives = 2}), "");

@@ -1,4 +1,3 @@
-// `breakwater tune` as users meet it.
 #include <csignal>
 #include <cstdio>
 #include <set>
@@ -15,10 +14,10 @@ using testing::ProgramResult;
 
 class Tune : public testing::TuningFolder {};
 
-TEST_F(Tune, LeavesAFrontThatCanBeRun) {
+TEST_F(Tune, WritesAFrontWhosePointsRun) {
   write("t.toml", kTuning);
   const ProgramResult result = tuned("t.toml --out s");
-  // Without noise both seeds of a candidate, and all six that validate it, are one run.
+  // Without noise both seeds of a candidate give the same run, and so do all six of its validation.
   const std::string copies =
       " runs are the same as another one of their candidate: without noise seeds change nothing\n";
   EXPECT_TRUE(has(result.err, "tune: warning: search: 64 of 256" + copies,
@@ -35,7 +34,7 @@ TEST_F(Tune, LeavesAFrontThatCanBeRun) {
   std::size_t validated = 0;
   for (std::size_t i = 1; i < front.size(); ++i) {
     EXPECT_EQ(front[i][1], std::to_string(i));
-    EXPECT_GT(std::stod(front[i][4]), 0.0);  // else there is no second objective
+    EXPECT_GT(std::stod(front[i][4]), 0.0);  // the second objective exists
     EXPECT_LE(std::stod(front[i][6]), 8.0);
     EXPECT_EQ(front[i][5].empty(), front[i][0] == "plain");
     validated += !front[i][7].empty();
@@ -48,10 +47,10 @@ TEST_F(Tune, LeavesAFrontThatCanBeRun) {
   EXPECT_EQ(results("s").size(), 1U + 2 * 64 * 2 + 6 * 6);
   EXPECT_TRUE(
       has(read("s/report.html"), "have the reference point y_1 = ", ", positive_x_second_1 = "));
-  // A point's file is its run.
+  // The file of a point reproduces its run.
   ran("ishigami_lab run ishigami --config s/front/1.toml --out r");
   EXPECT_TRUE(has(read("r/metrics.json"), "y_1"));
-  // The volume grows with the budget.
+  // The hypervolume grows with the budget.
   const auto volumes = results("s", "hypervolume.csv");
   ASSERT_EQ(volumes.size(), 1U + 2 * 8);
   for (std::size_t i = 2; i < 9; ++i) {
@@ -60,7 +59,7 @@ TEST_F(Tune, LeavesAFrontThatCanBeRun) {
   EXPECT_GT(std::stod(volumes[8][2]), 0.0);
 }
 
-TEST_F(Tune, WorkersAndKillsChangeNoByte) {
+TEST_F(Tune, WorkersAndKillsChangeNoResult) {
   write("t.toml", kTuning);
   const std::string one = "t.toml --quiet --jobs 1 --out ", two = "t.toml --quiet --jobs 2 --out ";
   tuned(one + "one");
@@ -71,7 +70,7 @@ TEST_F(Tune, WorkersAndKillsChangeNoByte) {
   for (int i = 0; i < 20; ++i) tune((i % 2 == 0 ? one : two) + "killed", moment(random));
   tuned(two + "killed");
   expect_same("one", "killed");
-  // The folder's name alone goes on too: all is there, and nothing runs.
+  // The folder's name alone also works. All runs are done, so nothing runs.
   tuned("killed");
   expect_same("one", "killed");
 }
@@ -165,7 +164,7 @@ TEST_F(Tune, WorldsAreCombinationsOrAList) {
       "positive_x_second_1 = { goal = \"max\" }\n"
       "[world]\n\"x.third\" = [-1, 0, 1]\n\"y.noise\" = [0, 0.1, 0.2]\n"
       "[validate]\n[validate.world]\n\"x.third\" = [2, 3]\n\"y.noise\" = [0, 0.1]\n";
-  // Of each candidate: x.third and y.noise of its worlds.
+  // For each candidate: x.third and y.noise of its test conditions.
   using Pairs = std::set<std::pair<std::string, std::string>>;
   const auto worlds = [&](const std::string& folder, const std::string& use) {
     const auto rows = results(folder);
@@ -189,12 +188,12 @@ TEST_F(Tune, WorldsAreCombinationsOrAList) {
   tuned("list.toml --out list");
   EXPECT_EQ(worlds("list", "search"), (Pairs{{"-1", "0"}, {"0", "0.1"}, {"1", "0.2"}}));
   EXPECT_EQ(worlds("list", "validate"), (Pairs{{"2", "0"}, {"3", "0.1"}}));
-  // The folder's own file says the same.
+  // The file in the folder gives the same tuning.
   tuned("list");
 }
 
-// From 1 to 3 s and from 4 to 6 s: nobody asks for a window from 4 to 3 s.
-TEST_F(Tune, WorldsOfAListAreCheckedAsTheyAre) {
+// The list has 1 to 3 s and 4 to 6 s. The window from 4 to 3 s is not part of it.
+TEST_F(Tune, WorldsOfAListAreCheckedSeparately) {
   const std::string text =
       "scenario = \"motor_estimation\"\nbudget = 16\npopulation = 8\n"
       "[search]\n\"controller.kp\" = { uniform = [5, 10] }\n[objective]\n"
@@ -207,7 +206,7 @@ TEST_F(Tune, WorldsOfAListAreCheckedAsTheyAre) {
   EXPECT_EQ(ran("breakwater tune list.toml --dry-run").err, "");
 }
 
-// One joint's settling time, and one pole, alone.
+// Searches the settling time of one joint and a single pole.
 constexpr const char* kElements = R"(
 scenario = "arm_wall_contact"
 budget = 16
@@ -231,14 +230,14 @@ TEST_F(Tune, ElementsOfArraysAreSearchedAlone) {
   const auto front = results("s", "front.csv");
   EXPECT_EQ(front[0][3], "controller.t_ref_s[1]");
   EXPECT_EQ(front[0][5], "observer.poles_rad_s[1][2]");
-  // The first point by hand, with whole arrays: the same configuration.
+  // The configuration of the first point, written by hand with whole arrays.
   EXPECT_EQ(read("s/front/1.toml"),
             ran("breakwater run arm_wall_contact --print-config --set run.duration_s=3 "
                 "wall.solid_from_s=1 force.from_s=1 controller.t_ref_s=[" +
                 front[1][3] + ",1," + front[1][4] + "] observer.poles_rad_s=[[-40," + front[1][5] +
                 ",-46],[-41,-44,-47],[-42,-45,-48]]")
                 .out);
-  // The tuning's own file says the same.
+  // The file in the folder gives the same tuning.
   ran("breakwater tune s --quiet");
 
   const auto refused = [&](const std::string& from, const std::string& to,
@@ -274,13 +273,13 @@ TEST_F(Tune, WarnsOfAKeyThatACaseDoesNotUse) {
   EXPECT_TRUE(has(result.err, "tune: warning: stf: ", "disturbance.kind"));
 }
 
-// kTuning with two generations.
+// kTuning with only two generations.
 std::string brief(const std::string& more) {
   return testing::replaced(kTuning, "64", "16") + more;
 }
 
 TEST_F(Tune, ACrashIsAFailedRun) {
-  // Of x.first from -3 to 3 all above 1 end their process, and in the middle nothing does.
+  // x.first is in -3 … 3. Values above 1 end their process; the middle does not.
   write("t.toml", brief("[set]\n\"trouble.crashes_above\" = 1\n"));
   EXPECT_EQ(tune("t.toml --out once --quiet").status, 128 + SIGABRT);
   tuned("t.toml --out s --isolate --jobs 2");
@@ -297,17 +296,17 @@ TEST_F(Tune, ACrashIsAFailedRun) {
       EXPECT_LE(std::stod(point[3]), 1.0);
     }
   }
-  // Whoever runs what: one process at a time, killed again and again; and what one process began.
+  // One process at a time with repeated kills, then a single process, on the same folders.
   for (int i = 0; i < 2; ++i) tune("t.toml --out killed --isolate --quiet", 1.0);
   tuned("t.toml --out killed --isolate --jobs 1 --quiet");
   expect_same("s", "killed");
   tuned("once --isolate --quiet");
   expect_same("s", "once");
-  // All is there: nothing runs, and nothing crashes.
+  // All runs are done, so nothing runs or crashes.
   tuned("s --quiet");
 }
 
-TEST_F(Tune, ProcessesOfTheirOwnChangeNoByte) {
+TEST_F(Tune, SeparateProcessesChangeNoResult) {
   write("t.toml", brief(""));
   const ProgramResult here = tuned("t.toml --out one --quiet");
   const ProgramResult apart = tuned("t.toml --out apart --isolate --quiet");
@@ -320,13 +319,13 @@ TEST_F(Tune, WithIsolateTheFileIsCheckedBeforeItBegins) {
   expect_refused(
       "ishigami_lab tune t.toml --out s --isolate",
       "t.toml:16: constraint.y_3: a run of plain has no such metric (did you mean y_1?)");
-  // A crash in the middle of the ranges is no mistake.
+  // A crash in the middle of the ranges is allowed.
   write("t.toml", brief("[set]\n\"trouble.crashes_above\" = -0.1\n"));
   tuned("t.toml --out s --isolate --quiet");
   EXPECT_GT(results("s").size(), 1U);
 }
 
-TEST_F(Tune, ARunThatIsKilledFromOutsideIsLeftUndone) {
+TEST_F(Tune, ARunKilledFromOutsideStaysUndone) {
   write("t.toml", brief("[set]\n\"trouble.killed_above\" = 2\n"));
   const ProgramResult killed = tune("t.toml --out s --isolate --quiet");
   EXPECT_EQ(killed.status, 2);
@@ -341,7 +340,7 @@ TEST_F(Tune, ADryRunSaysHowLongItTakes) {
       "256 runs: 2 cases, 64 evaluations of each, 2 worlds and seeds together\n"
       "at most 36 more to validate: 3 of each front in 6\nabout "))
       << result.out;
-  // 292 runs of 0.1 s, or a little more.
+  // 292 runs of slightly more than 0.1 s.
   double seconds = 0.0;
   ASSERT_EQ(std::sscanf(result.out.c_str() + result.out.find("about "), "about %lf s on 2 cores",
                         &seconds),
@@ -350,7 +349,7 @@ TEST_F(Tune, ADryRunSaysHowLongItTakes) {
   EXPECT_GE(seconds, 14.6 - 0.05);
   EXPECT_LT(seconds, 2.0 * 14.6);
   EXPECT_FALSE(fs::exists(folder_ / "s"));
-  // What a run of the file tells is told before the tuning begins.
+  // Trial runs find this fault before the tuning begins.
   write("t.toml", std::string(kTuning) + "[set]\n\"trouble.fails_above\" = -1\n");
   EXPECT_EQ(
       tune("t.toml --out s --dry-run").err,
@@ -358,7 +357,7 @@ TEST_F(Tune, ADryRunSaysHowLongItTakes) {
       "tune: warning: noisy: the candidate in the middle fails: at 0.5 s: x_1 is too large\n");
 }
 
-TEST_F(Tune, WhatMakesNoGenerationIsNotCounted) {
+TEST_F(Tune, IncompleteGenerationsAreNotCounted) {
   write("t.toml", testing::replaced(kTuning, "64", "20"));
   EXPECT_TRUE(
       tuned("t.toml --out s --dry-run")
@@ -368,7 +367,7 @@ TEST_F(Tune, WhatMakesNoGenerationIsNotCounted) {
   EXPECT_TRUE(has(tune("s --status").out, "64 of 64 runs of the search are done, "));
 }
 
-TEST_F(Tune, SaysWhatATargetIsInstead) {
+TEST_F(Tune, NamesTheKindOfAWrongTarget) {
   fs::create_directory(folder_ / "empty");
   swept("ishigami --out swept --quiet");
   write("t.toml", brief(""));
@@ -386,13 +385,13 @@ TEST_F(Tune, SaysWhatATargetIsInstead) {
         "(a key with brackets needs quotes)"}});
 }
 
-TEST_F(Tune, SaysIfNobodySurvives) {
+TEST_F(Tune, ReportsThatNoCandidateSurvives) {
   write("t.toml", std::string(kSmall) + "[constraint]\ny_1 = { max = -99 }\n");
   const ProgramResult result = tune("t.toml --out s");
   EXPECT_EQ(result.status, 3);
   EXPECT_EQ(result.err, "tune: plain: no candidate of 16 met all constraints without a failure\n");
   EXPECT_EQ(results("s", "front.csv").size(), 1U);
-  // Another tuning does not go on there.
+  // Another tuning is refused in this folder.
   write("t.toml", read("t.toml") + "[world]\n\"x.third\" = [0]\n");
   expect_refused(
       "ishigami_lab tune t.toml --out s",

@@ -1,11 +1,11 @@
-// Tunings of the Ishigami function as users make them, in a folder of the test's own.
+// Tunings of the Ishigami function in a temporary folder.
 #pragma once
 
 #include "study/sweep_folder.h"
 
 namespace breakwater::testing {
 
-/// Two cases with the same budget, a constraint that hides one objective, and a validation.
+/// Two cases with equal budgets, a constraint on one objective, and a validation.
 inline constexpr const char* kTuning = R"(
 scenario = "ishigami"
 budget = 64

@@ -1,4 +1,3 @@
-// Where files are looked for.
 #include <breakwater/shell/paths.h>
 
 #include <breakwater/record/text_outputs.h>
@@ -30,7 +29,7 @@ class SearchPathOf : public ::testing::Test {
   const testing::TemporaryPath root_{"paths"};
 };
 
-TEST_F(SearchPathOf, TheScenariosComeFirstAndTheInstallationItWasBuiltAgainstLast) {
+TEST_F(SearchPathOf, ScenariosComeFirstAndTheInstallationLast) {
   const DataPlaces places{.scenarios = {root_ / "own"},
                           .installation = root_ / "built/share/breakwater"};
   const auto found = folders((root_ / "mine").string(), "prefix/bin/lab", places);
@@ -40,16 +39,16 @@ TEST_F(SearchPathOf, TheScenariosComeFirstAndTheInstallationItWasBuiltAgainstLas
   EXPECT_EQ(found, expected);
 }
 
-TEST_F(SearchPathOf, AProgramOfASourceTreeFindsTheTree) {
+TEST_F(SearchPathOf, AProgramInASourceTreeFindsTheTree) {
   EXPECT_EQ(folders("", "tree/bin/lab"), std::vector{root_ / "tree"});
 }
 
-TEST_F(SearchPathOf, AFolderAboveThatIsNoSourceTreeIsNotSearched) {
+TEST_F(SearchPathOf, OtherParentFoldersAreNotSearched) {
   fs::remove(root_ / "tree/models");
   EXPECT_TRUE(folders("", "tree/bin/lab").empty());
 }
 
-TEST_F(SearchPathOf, AnEntryThatIsNoFolderIsWarnedOfInOneLine) {
+TEST_F(SearchPathOf, WarnsOfAnEntryThatIsNotAFolder) {
   const std::string variable = "/nowhere::" + (root_ / "mine").string();
   const SearchPath path = search_path(variable, root_ / "prefix/bin/lab", {});
   ASSERT_EQ(path.warnings.size(), 1U);
@@ -57,14 +56,14 @@ TEST_F(SearchPathOf, AnEntryThatIsNoFolderIsWarnedOfInOneLine) {
   EXPECT_EQ(path.folders.front(), root_ / "mine");
 }
 
-TEST_F(SearchPathOf, WhatIsNotThereIsStillNamedInMessages) {
+TEST_F(SearchPathOf, MessagesNameMissingFolders) {
   const SearchPath path = search_path("", root_ / "own/bin/lab", {.installation = "/gone"});
   EXPECT_TRUE(path.folders.empty());
   EXPECT_EQ(path.candidates.front(), root_ / "own/bin/share/breakwater");
   EXPECT_EQ(path.candidates.back(), "/gone");
 }
 
-// Of the process: the tests' own folder is looked for in the tree.
+// The own process, whose test folder is searched in the tree.
 class OwnPlaces : public SearchPathOf {
  protected:
   ~OwnPlaces() override { set_data_places({}); }
@@ -80,14 +79,14 @@ TEST_F(OwnPlaces, AModelBesideItsScenarioHasAPortableName) {
   EXPECT_EQ(data_file("plant.xml"), model);
 }
 
-TEST_F(OwnPlaces, ANameThatAnotherFolderTakesFirstIsNotPortable) {
+TEST_F(OwnPlaces, ANameInAnEarlierFolderIsNotPortable) {
   write("own/plant.xml", "<mujoco/>");
   write("mine/plant.xml", "<mujoco/>");
   set_data_places({.scenarios = {root_ / "own", root_ / "mine"}});
   EXPECT_EQ(portable_path(root_ / "mine/plant.xml"), (root_ / "mine/plant.xml").string());
 }
 
-TEST_F(OwnPlaces, BesideTheFileThatNamesItComesFirst) {
+TEST_F(OwnPlaces, TheFolderOfTheNamingFileComesFirst) {
   write("own/plant.xml", "<mujoco/>");
   write("mine/plant.xml", "<mujoco/>");
   set_data_places({.scenarios = {root_ / "own"}});
@@ -95,7 +94,7 @@ TEST_F(OwnPlaces, BesideTheFileThatNamesItComesFirst) {
   EXPECT_FALSE(find_file("nothing.xml", root_ / "mine"));
 }
 
-TEST_F(OwnPlaces, WhatIsNowhereIsAnErrorWithEveryPlace) {
+TEST_F(OwnPlaces, AMissingFileIsAnErrorThatListsAllPlaces) {
   set_data_places({.scenarios = {root_ / "own"}, .installation = "/gone"});
   const std::string text = complaint_of([] { data_file("nothing.xml"); });
   EXPECT_TRUE(text.starts_with("nothing.xml is in none of " + (root_ / "own").string() + ", "))

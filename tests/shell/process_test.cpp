@@ -1,4 +1,4 @@
-// Signals to work that listens to none.
+// Signals to work that ignores them.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -14,8 +14,8 @@ using namespace std::chrono_literals;
 
 std::atomic<bool> is_compiling = false;
 
-// For a process of its own: a signal comes while the work is deaf or not, then it is deaf or not
-// for three seconds. The process exits with 0 if it comes to the end of these.
+// For a child process. A signal comes while the work ignores signals or not; the work then ignores
+// them or not for three seconds. The process exits with 0 if these end.
 void work(bool is_deaf_before, bool is_deaf_after) {
   end_soon_while([] { return is_compiling.load(); });
   stop_on_signals();
@@ -26,7 +26,7 @@ void work(bool is_deaf_before, bool is_deaf_after) {
   std::exit(interrupted() ? 0 : 1);
 }
 
-TEST(Process, ASignalEndsDeafWorkWhicheverBeginsFirst) {
+TEST(Process, ASignalEndsWorkThatIgnoresIt) {
   struct Row {
     bool is_deaf_before, is_deaf_after;
     int status;

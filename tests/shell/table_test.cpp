@@ -1,4 +1,3 @@
-// Tables in narrow places.
 #include <breakwater/shell/table.h>
 
 #include <gtest/gtest.h>
@@ -22,7 +21,7 @@ Table table_of(std::size_t rows, std::size_t columns) {
   return table;
 }
 
-TEST(Table, IsWholeWhereItFits) {
+TEST(Table, IsWholeIfItFits) {
   EXPECT_EQ(table_of(2, 2).print(kWide),
             "name  column1  column2\n"
             "row1       11       12\n"
@@ -30,7 +29,7 @@ TEST(Table, IsWholeWhereItFits) {
   EXPECT_EQ(table_of(2, 2).print(22), table_of(2, 2).print(kWide));
 }
 
-TEST(Table, IsCutIntoBlocksWithTheFirstColumn) {
+TEST(Table, IsCutIntoBlocksThatRepeatTheFirstColumn) {
   EXPECT_EQ(table_of(3, 2).print(15),
             "name  column1\n"
             "row1       11\n"
@@ -43,7 +42,7 @@ TEST(Table, IsCutIntoBlocksWithTheFirstColumn) {
             "row3       32\n");
 }
 
-TEST(Table, IsTurnedOverWhereThatIsShorter) {
+TEST(Table, IsTransposedIfThatIsShorter) {
   EXPECT_EQ(table_of(1, 4).print(15),
             "name     row1\n"
             "column1    11\n"

@@ -1,4 +1,3 @@
-// Friction, inertia, drive and delay, against closed forms.
 
 #include <cmath>
 
@@ -43,7 +42,7 @@ TEST(Friction, ViscousFrictionGivesItsTerminalSpeed) {
   EXPECT_NEAR(simulation.qvel()[0], 0.5, 1e-6);
 }
 
-TEST(Friction, CoulombFrictionHoldsWhatIsLessAndTakesItsPartOfWhatIsMore) {
+TEST(Friction, CoulombFrictionHoldsSmallForcesAndReducesLargeOnes) {
   Model model = cart();
   author_friction(model, 0, 0.0, 0.3);
   FunctionController weak = pushes(0.29);
@@ -59,8 +58,8 @@ TEST(Friction, CoulombFrictionHoldsWhatIsLessAndTakesItsPartOfWhatIsMore) {
   EXPECT_NEAR(moving.qvel()[0], (1.0 - 0.3) / kMass, 2e-3);
 }
 
-TEST(Friction, StopsAMovingBodyWhereEnergySays) {
-  // ½ M v² = F_C s from 0.5 m/s, which a push of 0.1 s brings about.
+TEST(Friction, StopsAMovingBodyAfterTheDistanceFromItsEnergy) {
+  // ½ M v² = F_C s from 0.5 m/s, after a push of 0.1 s.
   Model model = cart();
   author_friction(model, 0, 0.0, 0.3);
   FunctionController controller([](const Sample& y, Eigen::Ref<Eigen::VectorXd> u) {
@@ -95,7 +94,7 @@ TEST(Model, ScaledInertiaAcceleratesAccordingly) {
   EXPECT_THROW(model.scale_inertia(INFINITY), std::invalid_argument);
 }
 
-TEST(Model, ALimitedActuatorSaturatesAndAnInfiniteLimitIsNone) {
+TEST(Model, ALimitedActuatorSaturatesAndAnInfiniteLimitDoesNot) {
   for (const double limit : {2.0, HUGE_VAL}) {
     Model model = cart();
     model.limit_actuator(0, limit);

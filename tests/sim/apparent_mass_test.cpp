@@ -8,7 +8,7 @@
 namespace breakwater::apparent_mass_test {
 namespace {
 
-TEST(ApparentMass, OfASliderIsItsOwnAndThatOfItsArmature) {
+TEST(ApparentMass, ForASliderIsItsMassPlusItsArmature) {
   const Model model = testing::model_of(R"(<mujoco><worldbody><body>
       <inertial pos="0 0 0" mass="2" diaginertia="1e-3 1e-3 1e-3"/>
       <joint type="slide" axis="1 0 0" armature="3"/><site name="tip"/></body></worldbody></mujoco>)");
@@ -21,10 +21,11 @@ TEST(ApparentMass, OfASliderIsItsOwnAndThatOfItsArmature) {
   EXPECT_THROW(ApparentMass(model, "nose", Eigen::Vector3d::UnitX()), std::invalid_argument);
 }
 
-// The engine's own answer to a force at the tip: e a = (eᵀ J M⁻¹ Jᵀ e) F.
+// The engine's response to a force at the tip: e a = (eᵀ J M⁻¹ Jᵀ e) F.
 TEST(ApparentMass, IsForceOverAccelerationOfTheArmsTip) {
   Model model = Model::load(testing::source_file("models/arm.xml"));
-  model.get()->opt.disableflags |= mjDSBL_CONSTRAINT;  // the wall, and what holds the joints
+  model.get()->opt.disableflags |=
+      mjDSBL_CONSTRAINT;  // removes the wall and the holds of the joints
   const DataPointer data = model.make_data();
   const int tip = model.id(mjOBJ_SITE, "tip");
   const int body = model->site_bodyid[tip];
@@ -42,7 +43,7 @@ TEST(ApparentMass, IsForceOverAccelerationOfTheArmsTip) {
                data->site_xpos + static_cast<std::ptrdiff_t>(3) * tip, body, data->qfrc_applied);
     mj_forward(model.get(), data.get());
     const Eigen::VectorXd change = Eigen::Map<Eigen::VectorXd>(data->qacc, model->nv) - at_rest;
-    // The tip's acceleration at rest, by a small displacement along the joints' acceleration.
+    // The tip's acceleration at rest, by a small displacement along the joint acceleration.
     constexpr double kSmall = 1e-6;
     for (int j = 0; j < model->nq; ++j) data->qpos[j] += 0.5 * kSmall * change(j);
     mj_kinematics(model.get(), data.get());

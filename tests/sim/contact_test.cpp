@@ -7,7 +7,7 @@
 namespace breakwater {
 namespace {
 
-// A ball of mass m on a slide, 0.1 m before a wall, driven by a motor.
+// A ball of mass m on a slide with a motor, 0.1 m before a wall.
 Model ball_and_wall(double mass, double armature) {
   return testing::model_of(R"(<mujoco>
     <option timestep="1e-5" gravity="0 0 0" jacobian="dense"/>
@@ -61,10 +61,10 @@ TEST(Contact, StaticDepthIsForceOverStiffness) {
   }
 }
 
-TEST(Contact, ImpactIsThatOfAMassOnASpringAndDamper) {
-  // m ẍ = −K x − B ẋ from ẋ = v: x = v/ω e^{−σt} sin ωt, until the force would pull. The mass is
-  // the ball's and the little, d/((1−d) w), that author_contact() says is added; w = 1/(3·1.7 kg),
-  // the engine's mean over three directions of which the ball moves in one.
+TEST(Contact, ImpactMatchesAMassOnASpringAndDamper) {
+  // m ẍ = −K x − B ẋ from ẋ = v: x = v/ω e^{−σt} sin ωt, until the force would become negative. The
+  // mass includes the term d/((1−d) w) that author_contact() states. w = 1/(3·1.7 kg) is the
+  // engine's mean over three directions; the ball moves in one.
   const double K = 1000.0, B = 10.0, v = 0.19;
   const double m = 1.7 + 0.001 / 0.999 * 3 * 1.7;
   Ball ball(1.7, 0.0, {K, B});
@@ -83,12 +83,12 @@ TEST(Contact, ImpactIsThatOfAMassOnASpringAndDamper) {
 TEST(Contact, NeverPulls) {
   Ball ball(1.0, 0.0, {1000.0, 500.0});
   ball.data().qpos[0] = 0.101;
-  ball.data().qvel[0] = -1.0;  // leaving fast: K r − B v would be negative
+  ball.data().qvel[0] = -1.0;  // fast separation: K r − B v would be negative
   ball.step();
   EXPECT_EQ(ball.data().sensordata[0], 0.0);
 }
 
-TEST(Contact, RefusesWhatItCannotAuthor) {
+TEST(Contact, RefusesUnsupportedContacts) {
   Model model = ball_and_wall(1.0, 0.0);
   const int ball = model.id(mjOBJ_GEOM, "ball"), wall = model.id(mjOBJ_GEOM, "wall");
   EXPECT_THROW(author_contact(model, ball, wall, {0.0, 1.0}), std::invalid_argument);
@@ -99,8 +99,8 @@ TEST(Contact, RefusesWhatItCannotAuthor) {
   EXPECT_THROW(author_contact(model, ball, wall, {1.0, 1.0}), std::invalid_argument);
 }
 
-// Why the arm's wall belongs to the world: with a body of its own, MuJoCo 2.2.2 finds each contact
-// twice, and a wall of 1 kN/m acts as one of 2 kN/m.
+// The arm's wall therefore belongs to the world. If a wall has its own body, MuJoCo 2.2.2 finds
+// each contact twice, and 1 kN/m acts as 2 kN/m.
 TEST(Contact, EngineDoublesContactsWithAPlaneOnItsOwnBody) {
   for (const bool own_body : {false, true}) {
     const std::string plane = R"(<geom type="plane" size="1 1 1" zaxis="-1 0 0"/>)";

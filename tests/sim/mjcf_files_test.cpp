@@ -1,4 +1,4 @@
-// Which files a model is made of: those that the engine itself opens.
+// The files of a model: exactly those that the engine opens.
 #include <breakwater/plants/mjcf_files.h>
 
 #include <cstdint>
@@ -51,7 +51,7 @@ class MjcfFiles : public ::testing::Test {
     const std::uint32_t count = 4;
     stream.write(reinterpret_cast<const char*>(&count), sizeof(count));
     for (const auto& face : faces) {
-      stream << std::string(12, '\0');  // the normal, which nobody reads
+      stream << std::string(12, '\0');  // the normal, which is not used
       for (const int corner : face) {
         stream.write(reinterpret_cast<const char*>(corners[corner]), sizeof(corners[corner]));
       }
@@ -70,7 +70,7 @@ class MjcfFiles : public ::testing::Test {
   const testing::TemporaryPath folder_{"mjcf_files"};
 };
 
-TEST_F(MjcfFiles, AreExactlyThoseWithoutWhichTheEngineDoesNotLoadIt) {
+TEST_F(MjcfFiles, AreExactlyTheFilesThatTheEngineNeeds) {
   const std::string model = (folder_ / "robot.xml").string();
   ASSERT_NO_THROW(Model::load(model));
   EXPECT_EQ(found(), std::set<std::string>({"robot.xml", "parts/assets.xml", "parts/arm.xml",
@@ -92,7 +92,7 @@ TEST_F(MjcfFiles, AreExactlyThoseWithoutWhichTheEngineDoesNotLoadIt) {
   }
 }
 
-TEST_F(MjcfFiles, FoldersAreStrippedWhereTheModelSaysSo) {
+TEST_F(MjcfFiles, FoldersAreStrippedIfTheModelDemandsIt) {
   write("robot.xml", R"(<mujoco>
   <compiler meshdir="shapes/deep" strippath="true"/>
   <asset><mesh name="hull" file="C/elsewhere/hull.stl"/></asset>
@@ -102,7 +102,7 @@ TEST_F(MjcfFiles, FoldersAreStrippedWhereTheModelSaysSo) {
   EXPECT_EQ(found(), std::set<std::string>({"robot.xml", "shapes/deep/hull.stl"}));
 }
 
-TEST_F(MjcfFiles, WhatIsNoModelHasItselfAlone) {
+TEST_F(MjcfFiles, AnotherFileHasOnlyItself) {
   for (const char* text : {"", "<mujoco>", "nothing", "<mujoco><include/></mujoco>",
                            R"(<mujoco><include file="robot.xml"/></mujoco>)",
                            R"(<mujoco><include file="nowhere.xml"/></mujoco>)"}) {

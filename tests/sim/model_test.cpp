@@ -28,7 +28,7 @@ std::string with_body(const std::string& body, const std::string& option = "") {
 const char* const kInertial = "<inertial pos='0 0 0' mass='1' diaginertia='1 1 1'/>";
 const char* const kHinge = "<joint name='j' type='hinge'/>";
 
-TEST(Model, RefusesWhatTheEngineTakes) {
+TEST(Model, RefusesErrorsThatTheEngineAccepts) {
   const std::string inertial = kInertial, good = inertial + kHinge;
   const auto of_mass = [](const std::string& mass) {
     return testing::replaced(kInertial, "mass='1'", "mass='" + mass + "'") + kHinge;
@@ -37,7 +37,7 @@ TEST(Model, RefusesWhatTheEngineTakes) {
     EXPECT_NE(complaint(with_body(good, "<option timestep='" + timestep + "'/>")), "") << timestep;
   }
   EXPECT_NE(complaint(with_body(good + "<geom name='g' size='1e300' mass='0'/>")), "");
-  // Some of these the engine takes for 0, for what they are, or for no complaint at all.
+  // The engine reads some of these as 0 or accepts them silently.
   for (const auto& [body, option, line] : std::vector<std::array<std::string, 3>>{
            {good, "", ""},
            {of_mass("1e300"), "",
@@ -57,7 +57,7 @@ TEST(Model, RefusesWhatTheEngineTakes) {
   }
 }
 
-TEST(Model, ThatMemoryDoesNotHoldIsSaidToBeSo) {
+TEST(Model, ReportsAModelTooLargeForMemory) {
   for (const auto& [thrower, what] :
        {std::pair{+[] { throw std::bad_alloc(); }, "new"},
         std::pair{+[] { throw std::length_error(""); }, "a vector"}}) {
@@ -66,7 +66,7 @@ TEST(Model, ThatMemoryDoesNotHoldIsSaidToBeSo) {
   }
 }
 
-TEST(Model, RefusesWhatIsNoNumberInAnIncludedFileToo) {
+TEST(Model, RefusesNonNumbersInIncludedFilesToo) {
   const testing::TemporaryPath part{"part.xml", "<mujoco>\n<option gravity='0 0 inf'/>\n</mujoco>"};
   EXPECT_EQ(
       complaint_of([&] { model_of("<mujoco><include file='" + part.string() + "'/></mujoco>"); }),
@@ -81,7 +81,7 @@ TEST(Model, NamesTheLineOfAnError) {
   EXPECT_THROW(Model::load("/"), std::invalid_argument);
 }
 
-TEST(Model, NamesWhatItDoesNotHave) {
+TEST(Model, NamesMissingElements) {
   const Model arm = Model::load(testing::source_file("models/arm.xml"));
   EXPECT_GE(arm.id(mjOBJ_SENSOR, "tip_force"), 0);
   EXPECT_TRUE(has(complaint_of([&] { arm.id(mjOBJ_SENSOR, "tip_fource"); }),
@@ -97,7 +97,7 @@ TEST(Model, LoadsOnManyThreadsAtOnce) {
   }
 }
 
-TEST(Model, SharedModelsWaitForWhoeverIsCallingThem) {
+TEST(Model, SharedModelsWaitForOtherCallers) {
   std::atomic<bool> is_called = false, is_over = false;
   auto shared = std::make_unique<SharedModels>([&](const std::string&) {
     is_called = true;
@@ -125,7 +125,7 @@ TEST(Models, MotorAndCartHaveTheThesisParameters) {
   }
 }
 
-// The URDF that the controllers read and the MJCF that is simulated are the same arm.
+// The controllers' URDF and the simulated MJCF describe the same arm.
 TEST(Models, UrdfAndMjcfOfTheArmAgree) {
   const PlanarChain chain = load_planar_chain(testing::source_file("models/arm.urdf"));
   const Model model = Model::load(testing::source_file("models/arm.xml"));
@@ -167,7 +167,7 @@ TEST(Models, UrdfAndMjcfOfTheArmAgree) {
   mj_deleteData(data);
 }
 
-// READINGS: the nominal inertia is close to the armature's multiples and the stretched links'.
+// READINGS: the nominal inertia is close to that of the armature and of the stretched links.
 TEST(Models, TrueInertiaIsAboutHalfTheNominalAtTheFirstJoint) {
   const PlanarChain chain = load_planar_chain(testing::source_file("models/arm.urdf"));
   const Model model = Model::load(testing::source_file("models/arm.xml"));

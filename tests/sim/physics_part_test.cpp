@@ -12,7 +12,7 @@ namespace {
 
 using Names = std::vector<std::string>;
 
-// The same file, compiled whole and for physics.
+// One file, compiled completely and for physics only.
 struct Both {
   Model whole;
   Model physics;
@@ -44,7 +44,7 @@ void expect_same_bits(const std::vector<double>& a, const std::vector<double>& b
   EXPECT_EQ(std::memcmp(a.data(), b.data(), a.size() * sizeof(double)), 0);
 }
 
-// All arrays of a model that know nothing of geoms and materials.
+// Compares all arrays of a model that do not depend on geoms and materials.
 void expect_same_but_geoms(const Model& whole, const Model& physics) {
   const std::vector<std::string> renumbered = {
       "body_geomnum", "body_geomadr", "site_matid",   "tendon_matid", "pair_geom1",
@@ -63,7 +63,7 @@ void expect_same_but_geoms(const Model& whole, const Model& physics) {
 #undef X
 }
 
-TEST(PhysicsPart, OfTheShippedModelsHasTheSameNumbersAndStates) {
+TEST(PhysicsPart, GivesTheSameStatesForTheShippedModels) {
   for (const char* name : {"arm", "cart", "motor", "quadrotor"}) {
     const Names geoms = std::string(name) == "arm" ? Names{"wall"} : Names{};
     Both models = both(testing::source_file("models/" + std::string(name) + ".xml"), geoms);
@@ -76,7 +76,8 @@ TEST(PhysicsPart, OfTheShippedModelsHasTheSameNumbersAndStates) {
   }
 }
 
-// Each geom of it is there for another reason; the pendulum's inertia is that of geoms which go.
+// Each geom is needed for a different reason. The pendulum's inertia is from geoms that are
+// removed.
 constexpr const char* kAllReasons = R"(<mujoco>
   <compiler angle="radian"/>
   <option density="2"/>
@@ -117,7 +118,7 @@ constexpr const char* kAllReasons = R"(<mujoco>
     <tendonpos name="long" tendon="string"/></sensor>
 </mujoco>)";
 
-TEST(PhysicsPart, KeepsTheGeomsThatAnythingRefersTo) {
+TEST(PhysicsPart, KeepsReferencedGeoms) {
   Both models = both_of(kAllReasons);
   const Model& part = models.physics;
   for (const char* name :
@@ -144,7 +145,7 @@ TEST(PhysicsPart, KeepsTheGeomsThatAnythingRefersTo) {
   expect_same_bits(states(models.whole, 3000), states(models.physics, 3000));
 }
 
-TEST(PhysicsPart, KeepsWhatARunNamesAndWhatThatCanTouch) {
+TEST(PhysicsPart, KeepsNamedGeomsAndTheirContactPartners) {
   const std::string file = testing::source_file("models/arm.xml");
   EXPECT_EQ(Model::load_physics(file)->ngeom, 0);  // the wall is not solid in the file
   const Model part = Model::load_physics(file, {"wall"});
@@ -160,7 +161,7 @@ TEST(PhysicsPart, KeepsWhatARunNamesAndWhatThatCanTouch) {
   }
 }
 
-TEST(PhysicsPart, LeavesAllToARangefinder) {
+TEST(PhysicsPart, KeepsAllGeomsForARangefinder) {
   const char* const mjcf = R"(<mujoco><worldbody>
     <geom name="seen" type="box" size="1 1 1" pos="0 0 -3" contype="0" conaffinity="0"/>
     <body name="probe"><joint name="slide" type="slide" axis="0 0 1"/>
@@ -174,7 +175,7 @@ TEST(PhysicsPart, LeavesAllToARangefinder) {
   expect_same_bits(states(models.whole, 100), seen);
 }
 
-// A body with two balls that falls onto a floor and against a step: at times four contacts.
+// A body with two balls that falls onto a floor and against a step, with up to four contacts.
 std::string tumbling(const std::string& ball) {
   return R"(<mujoco><option timestep="0.001" cone="elliptic"/>
     <worldbody>
@@ -191,7 +192,7 @@ mjModel* listed(const Model& model) {
   return with_contact_pairs(*model.get());
 }
 
-TEST(ContactPairs, GiveTheContactsOfTheSearchToTheBit) {
+TEST(ContactPairs, EqualTheSearchedContactsToTheBit) {
   Model searched = testing::model_of(tumbling(""));
   Model listing = testing::model_of(tumbling(""));
   listing.list_contacts();
@@ -201,7 +202,7 @@ TEST(ContactPairs, GiveTheContactsOfTheSearchToTheBit) {
   const DataPointer b = listing.make_data();
   int most = 0;
   for (int k = 0; k < 4000; ++k) {
-    // In between, the step is not there.
+    // The step is absent in between.
     if (k == 1500 || k == 2000) {
       for (Model* model : {&searched, &listing}) {
         model->set_collidable(model->id(mjOBJ_GEOM, "step"), k == 2000);
@@ -217,12 +218,12 @@ TEST(ContactPairs, GiveTheContactsOfTheSearchToTheBit) {
   EXPECT_GE(most, 2);
 }
 
-TEST(ContactPairs, AreNotMadeWhereTheyMightDiffer) {
+TEST(ContactPairs, AreNotUsedIfTheyMightDiffer) {
   for (const char* unlike : {"friction=\"0.3\"", "solref=\"0.01 1\"", "condim=\"6\"",
                              "margin=\"0.01\"", "priority=\"1\"", "solmix=\"2\""}) {
     EXPECT_EQ(listed(testing::model_of(tumbling(unlike))), nullptr) << unlike;
   }
-  // Two bodies that move, a geom that could meet its like.
+  // Two moving bodies, each with a geom that could touch the other one.
   EXPECT_EQ(listed(testing::model_of(R"(<mujoco><worldbody><geom name="floor" type="plane"
       size="1 1 1"/><body><freejoint/><geom size="0.1"/></body><body pos="0 0 1"><freejoint/>
       <geom size="0.1"/></body></worldbody></mujoco>)")),

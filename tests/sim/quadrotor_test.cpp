@@ -20,7 +20,7 @@ Model quadrotor() {
   return Model::load(testing::source_file("models/quadrotor.xml"));
 }
 
-// Thrusts as a function of time, held over 10 ms as the simulation holds them.
+// Thrusts as a function of time, held for 10 ms as in the simulation.
 using Thrusts = std::function<Eigen::Vector4d(double)>;
 
 std::vector<Vector12d> simulate(QuadrotorPhysics physics, const WaveLoadSetup& waves,
@@ -43,7 +43,7 @@ std::vector<Vector12d> simulate(QuadrotorPhysics physics, const WaveLoadSetup& w
   return states;
 }
 
-// The same by RK4 on the thesis' equations in ζ.
+// The same motion by RK4 on the thesis' equations in ζ.
 std::vector<Vector12d> integrate(QuadrotorPhysics physics, const Thrusts& thrusts,
                                  double duration_s) {
   const QuadrotorModel model({}, physics);
@@ -111,7 +111,7 @@ TEST(QuadrotorModelFile, IsTable34) {
   EXPECT_DOUBLE_EQ(model->actuator_ctrlrange[1], table.thrust_limit_N);
 }
 
-// m v̇ = w − D v − F v² downwards, at rest at −10 m: the closed form of a fall with drag.
+// m v̇ = w − D v − F v² downwards, from rest at −10 m: the closed form of a fall with drag.
 TEST(QuadrotorForces, FreeSink) {
   const auto states = simulate(
       QuadrotorPhysics::physical, {}, [](double) { return Eigen::Vector4d::Zero(); }, 2.0);
@@ -125,12 +125,12 @@ TEST(QuadrotorForces, FreeSink) {
   const double root = std::sqrt(b * b + 4.0 * a * c);
   const double v1 = (root - b) / (2.0 * a), v2 = (root + b) / (2.0 * a);
   const double q = a * (v1 + v2), t = 2.0;
-  // v = v1 v2 (e^{qt} − 1)/(v2 e^{qt} + v1); its integral:
+  // v = v1 v2 (e^{qt} − 1)/(v2 e^{qt} + v1). Its integral:
   const double fallen = v1 * t + std::log((v1 * std::exp(-q * t) + v2) / (v1 + v2)) / a;
   EXPECT_NEAR(states.back()(2), -10.0 - fallen, 1e-9);
 }
 
-TEST(QuadrotorForces, PlanarPitchAgreesWithTheOde) {
+TEST(QuadrotorForces, PlanarPitchMatchesTheOde) {
   const Thrusts thrusts = [](double t) {
     const double push = 0.02 * std::sin(2.0 * t);
     return Eigen::Vector4d(0.7, 0.7 + push, 0.7, 0.7 - push);
@@ -143,8 +143,8 @@ TEST(QuadrotorForces, PlanarPitchAgreesWithTheOde) {
   }
 }
 
-// The ODE takes φ̇, θ̇, ψ̇ for the body's rates, so it is close only while the angles are small.
-TEST(QuadrotorForces, SmallMotionAgreesWithTheOde) {
+// The ODE uses φ̇, θ̇, ψ̇ as body rates, so it is accurate only for small angles.
+TEST(QuadrotorForces, SmallMotionMatchesTheOde) {
   const Thrusts thrusts = [](double t) -> Eigen::Vector4d {
     return Eigen::Vector4d::Constant(0.7) +
            0.05 * Eigen::Vector4d(std::sin(2.0 * t), std::sin(3.0 * t), -std::sin(2.0 * t),
@@ -159,11 +159,11 @@ TEST(QuadrotorForces, SmallMotionAgreesWithTheOde) {
     for (const Vector12d& s : states) {
       largest = std::max(largest, s.segment<3>(3).cwiseAbs().maxCoeff());
     }
-    EXPECT_GT(largest, 1e-2);  // it did move
+    EXPECT_GT(largest, 1e-2);  // the vehicle moves
   }
 }
 
-// The two plants differ by what the thesis adds: a lateral pull of the net weight when tilted.
+// The two plants differ by the thesis' lateral pull of the net weight when tilted.
 TEST(QuadrotorForces, ThesisWeightDoublesTheLateralForce) {
   const QuadrotorParameters p;
   const QuadrotorModel physical(p, QuadrotorPhysics::physical);
@@ -182,7 +182,7 @@ WaveLoadSetup sea(WaveMode mode) {
   return waves;
 }
 
-// What a page is told of the water is the water.
+// The water on a page is that of the simulation.
 TEST(WaveLoads, TheSurfaceIsTheSumOfItsWaves) {
   const Model model = quadrotor();
   WaveLoadSetup setup = sea(WaveMode::physical);
@@ -199,7 +199,7 @@ TEST(WaveLoads, TheSurfaceIsTheSumOfItsWaves) {
   }
 }
 
-// A vehicle that moves with the water feels no drag: what is left is the pressure's force.
+// A vehicle that moves with the water has no drag. Only the pressure force remains.
 TEST(WaveLoads, NoDragOnAVehicleThatMovesWithTheWater) {
   const Model model = quadrotor();
   WaveLoadSetup setup = sea(WaveMode::physical);
@@ -216,7 +216,7 @@ TEST(WaveLoads, NoDragOnAVehicleThatMovesWithTheWater) {
   EXPECT_NEAR((load.head<3>() - 1.1 * 1.5 * water.acceleration).norm(), 0.0, 1e-12);
 }
 
-// 0.13 N RMS for each metre of H_s at 10 m.
+// 0.13 N RMS per metre of H_s at 10 m.
 TEST(WaveLoads, PhysicalForceHasItsSize) {
   const Model model = quadrotor();
   const double qpos[] = {0, 0, -10, 1, 0, 0, 0};
@@ -232,7 +232,7 @@ TEST(WaveLoads, PhysicalForceHasItsSize) {
   EXPECT_NEAR(std::sqrt(sum / samples) / 2.0, 0.13, 0.01);
 }
 
-// The thesis' force is along the body's axis, and its angle jumps by π with the sign of d_z.
+// The thesis' force is along the body's axis. Its angle jumps by π with the sign of d_z.
 TEST(WaveLoads, ThesisTorqueJumps) {
   const Model model = quadrotor();
   UnderwaterForce force(model, {}, QuadrotorPhysics::thesis, sea(WaveMode::thesis), kStart);
@@ -249,7 +249,7 @@ TEST(WaveLoads, ThesisTorqueJumps) {
     lowest = std::min(lowest, torque);
     highest = std::max(highest, torque);
   }
-  // Upwards atan2 gives −tilt, downwards π − tilt; times 0.1 N m/rad.
+  // Upwards atan2 gives −tilt, downwards π − tilt, times 0.1 N m/rad.
   EXPECT_NEAR(lowest, -0.1 * tilt, 1e-4);
   EXPECT_NEAR(highest, 0.1 * (M_PI - tilt), 1e-3);
 }
@@ -267,7 +267,7 @@ TEST(WaveLoads, StillWaterGivesNone) {
   }
 }
 
-// The closed loop of estimator and backstepping on both plants, with the same noise and waves.
+// The loop of estimator and backstepping on both plants, with the same noise and waves.
 struct Loop {
   static QuadrotorController controller() {
     const QuadrotorModel model({}, QuadrotorPhysics::physical);
@@ -277,7 +277,7 @@ struct Loop {
     design.order = DisturbanceOrder::resonator;
     return {{model, law}, make_quadrotor_estimator(design, model), true};
   }
-  // The pose as it is measured at sample k.
+  // The measured pose at sample k.
   static Vector6d measured(const Vector6d& pose, int k) {
     const Noise noise(3, "loop");
     Vector6d y = pose;
@@ -362,7 +362,7 @@ TEST(QuadrotorForces, ClosedLoopTracksAsTheOde) {
 
   const double ours = tracking_rmse_m(engine, 20000), theirs = tracking_rmse_m(ode, 20000);
   EXPECT_NEAR(ours, theirs, 0.05 * theirs);
-  EXPECT_LT(theirs, 0.12);  // it does hold
+  EXPECT_LT(theirs, 0.12);  // the loop holds the pose
 }
 
 }  // namespace

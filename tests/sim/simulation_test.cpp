@@ -29,7 +29,7 @@ void run(Simulation& simulation, int steps) {
 }
 
 TEST(Simulation, Rk4IntegratesAHeldTorqueExactly) {
-  // J q̈ = τ(k) held: q(k+1) = q + T q̇ + T²/2 τ, to rounding.
+  // J q̈ = τ(k), held: q(k+1) = q + T q̇ + T²/2 τ, except for rounding.
   const double T = 0.01;
   FunctionController controller([k = 0](const Sample&, Eigen::Ref<Eigen::VectorXd> u) mutable {
     u(0) = std::sin(0.7 * k++);
@@ -48,14 +48,14 @@ TEST(Simulation, Rk4IntegratesAHeldTorqueExactly) {
   EXPECT_EQ(controller.resets, 1);
 }
 
-TEST(Simulation, EulerDoesNot) {
+TEST(Simulation, EulerDoesNotIntegrateExactly) {
   FunctionController controller([](const Sample&, Eigen::Ref<Eigen::VectorXd> u) { u(0) = 1.0; });
   Simulation simulation(motor(1e-3, Integrator::euler), controller, shaft(), 10);
   run(simulation, 1000);
   EXPECT_GT(std::abs(simulation.data().qpos[0] - 0.5), 1e-4);
 }
 
-TEST(Simulation, CartMovesAsMassAndFrictionSay) {
+TEST(Simulation, CartMovesByItsMassAndFriction) {
   const double M = 0.625, C = 0.78, F = 2.0;
   FunctionController controller([F](const Sample&, Eigen::Ref<Eigen::VectorXd> u) { u(0) = F; });
   Model model = Model::load(testing::source_file("models/cart.xml"));
@@ -80,11 +80,11 @@ TEST(Simulation, ControllerIsCalledAtItsOwnRateWithFreshAngles) {
   ASSERT_EQ(times.size(), 11U);
   for (std::size_t k = 0; k < times.size(); ++k) {
     EXPECT_DOUBLE_EQ(times[k], 0.004 * static_cast<double>(k));
-    EXPECT_NEAR(angles[k], times[k] * times[k], 1e-14);  // ½·2·t²: the angle of that very instant
+    EXPECT_NEAR(angles[k], times[k] * times[k], 1e-14);  // ½·2·t²: the angle at the same time
   }
 }
 
-TEST(Simulation, TellsOfTheStepsBeginning) {
+TEST(Simulation, ShowsTheStateAtTheBeginningOfAStep) {
   FunctionController controller([](const Sample&, Eigen::Ref<Eigen::VectorXd> u) { u(0) = 2.0; });
   Simulation simulation(motor(), controller, shaft(), 2);
   run(simulation, 3);
@@ -97,7 +97,7 @@ TEST(Simulation, TellsOfTheStepsBeginning) {
   EXPECT_FALSE(simulation.sampled());
 }
 
-TEST(Simulation, SaturatesAndSaysSo) {
+TEST(Simulation, SaturatesAndRecordsIt) {
   Model model = Model::load(testing::source_file("models/arm.xml"));
   SensingSetup sensing;
   sensing.channels = {{.name = "q1", .sensor = "joint1_pos"}};
@@ -144,7 +144,7 @@ TEST(Simulation, ForcesActInTheSameStep) {
 }
 
 TEST(Simulation, HoldsASampleThroughTheEnginesFourStages) {
-  // With RK4 the callback runs four times a step; the controller must run once.
+  // With RK4 the callback runs four times per step. The controller must run once.
   FunctionController controller([](const Sample&, Eigen::Ref<Eigen::VectorXd> u) { u(0) = 1; });
   Simulation simulation(motor(1e-3, Integrator::rk4), controller, shaft(), 1);
   run(simulation, 25);
@@ -152,7 +152,7 @@ TEST(Simulation, HoldsASampleThroughTheEnginesFourStages) {
 }
 
 TEST(Simulation, IgnoresOtherDataOfTheSameEngine) {
-  // A scratch copy stepped inside the control law, for a linearisation say.
+  // The control law steps scratch data of its own, for example to linearise.
   const Model scratch_model = motor();
   mjData* scratch = mj_makeData(scratch_model.get());
   FunctionController controller([&](const Sample&, Eigen::Ref<Eigen::VectorXd> u) {
@@ -167,7 +167,7 @@ TEST(Simulation, IgnoresOtherDataOfTheSameEngine) {
   mj_deleteData(scratch);
 }
 
-// Expects the run to fail, and returns when and why.
+// Expects the run to fail. Returns the time and the reason.
 RunFailure failure_of(Simulation& simulation, int steps) {
   try {
     run(simulation, steps);
@@ -189,10 +189,10 @@ TEST(Simulation, EndsOnAnEngineWarning) {
   const std::string reason = failure.what();
   EXPECT_TRUE(reason.starts_with("diverged: ") || reason.starts_with("an actuator command"))
       << reason;
-  EXPECT_TRUE(has(reason, "Time = "));  // the engine's own words
+  EXPECT_TRUE(has(reason, "Time = "));  // the engine's message
 }
 
-TEST(Simulation, EndsOnACommandThatIsNoNumber) {
+TEST(Simulation, EndsOnANanCommand) {
   FunctionController controller([](const Sample& y, Eigen::Ref<Eigen::VectorXd> u) {
     u(0) = y.time_s < 0.05 - 1e-9 ? 0.0 : std::nan("");
   });
@@ -265,7 +265,7 @@ std::uint64_t hash_of_a_run(double torque) {
   return simulation.state_hash();
 }
 
-TEST(Simulation, SameRunSameHashOnAnyThread) {
+TEST(Simulation, EqualRunsHaveEqualHashesOnAnyThread) {
   const std::uint64_t expected = hash_of_a_run(1.0);
   EXPECT_EQ(hash_of_a_run(1.0), expected);
   EXPECT_NE(hash_of_a_run(1.0 + 1e-15), expected);
@@ -277,7 +277,7 @@ TEST(Simulation, SameRunSameHashOnAnyThread) {
   for (const auto hash : hashes) EXPECT_EQ(hash, expected);
 }
 
-TEST(Simulation, RefusesWhatDoesNotFit) {
+TEST(Simulation, RefusesMismatchedSizes) {
   FunctionController controller([](const Sample&, Eigen::Ref<Eigen::VectorXd>) {});
   SensingSetup unknown = shaft();
   unknown.channels[0].sensor = "shaft_angle";
@@ -300,8 +300,8 @@ TEST(EngineGuard, ReturnsTheTextOfAFatalError) {
   EXPECT_EQ(call_engine([](void*) {}, nullptr), "");
 }
 
-// mju_error_s, as the engine calls it itself.
-TEST(EngineGuardDeathTest, AnErrorOutsideOfItIsToldBeforeTheAbort) {
+// mju_error_s, called as in the engine.
+TEST(EngineGuardDeathTest, AnErrorOutsideIsPrintedBeforeTheAbort) {
   EXPECT_DEATH(
       {
         call_engine([] {});
@@ -310,7 +310,7 @@ TEST(EngineGuardDeathTest, AnErrorOutsideOfItIsToldBeforeTheAbort) {
       "MuJoCo: no such thing: stack");
 }
 
-// What is said of a model whose memory `spoil` has made nonsense.
+// The error message for a model whose memory `spoil` has damaged.
 std::string refusal(const std::function<void(mjModel&)>& spoil,
                     const std::function<void(Model&)>& body) {
   Model model = Model::load(testing::source_file("models/arm.xml"));
@@ -318,14 +318,16 @@ std::string refusal(const std::function<void(mjModel&)>& spoil,
   return complaint_of([&] { body(model); });
 }
 
-TEST(EngineGuard, WhatTheEngineCannotDeriveIsRefused) {
+TEST(EngineGuard, RefusesAModelWithoutEnoughStack) {
   const std::string text =
       refusal([](mjModel& m) { m.nstack = 1; }, [](Model& model) { model.scale_inertia(2.0); });
   EXPECT_TRUE(text.ends_with("models/arm.xml: Stack overflow")) << text;
 }
 
-TEST(EngineGuard, ASimulationThatDoesNotFitIntoMemoryIsRefused) {
-  const auto spoil = [](mjModel& m) { m.njmax = 8000000; };  // so many rows squared
+TEST(EngineGuard, RefusesASimulationTooLargeForMemory) {
+  const auto spoil = [](mjModel& m) {
+    m.njmax = 8000000;
+  };  // the engine allocates the square of this number
   for (const std::string& text :
        {refusal(spoil, [](Model& model) { model.make_data(); }),
         refusal(spoil, [](Model& model) { model.scale_inertia(2.0); }),
@@ -338,13 +340,13 @@ TEST(EngineGuard, ASimulationThatDoesNotFitIntoMemoryIsRefused) {
   }
 }
 
-TEST(SharedModels, AreCompiledOnceWhoeverComesFirst) {
+TEST(SharedModels, AreCompiledOnceByAnyThread) {
   const std::string file = testing::source_file("models/arm.xml");
   int compiled = 0;
   const SharedModels shared([&](const std::string& which) {
     EXPECT_EQ(which, file);
     ++compiled;
-    std::this_thread::sleep_for(std::chrono::milliseconds(50));  // the others arrive
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));  // waits for the other threads
   });
   {
     std::vector<std::jthread> threads;
@@ -353,7 +355,7 @@ TEST(SharedModels, AreCompiledOnceWhoeverComesFirst) {
   EXPECT_EQ(compiled, 1);
 }
 
-TEST(EngineGuard, MemoryThatTheMachineDoesNotGiveIsNoMistakeOfTheModel) {
+TEST(EngineGuard, LackOfMemoryIsNotAnErrorOfTheModel) {
   const Model model = motor();
   mju_user_malloc = [](std::size_t) -> void* { return nullptr; };
   EXPECT_THROW(model.make_data(), OutOfMemory);

@@ -9,12 +9,12 @@
 
 namespace breakwater::testing {
 
-/// Compiles a model given as text.
+/// Compiles a model from a text.
 inline Model model_of(const std::string& mjcf) {
   return Model::load(TemporaryPath("model.xml", mjcf).string());
 }
 
-/// A controller that is one function of the sample.
+/// A controller that calls a function.
 class FunctionController final : public Controller {
  public:
   using Law = std::function<void(const Sample&, Eigen::Ref<Eigen::VectorXd>)>;

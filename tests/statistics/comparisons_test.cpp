@@ -1,4 +1,4 @@
-// Tests, intervals and verdicts: SciPy's numbers, the definitions, and a thing against itself.
+// Statistical tests, intervals and verdicts, against SciPy, the definitions, and equal candidates.
 #include <breakwater/statistics/paired_comparison.h>
 
 #include <fmt/format.h>
@@ -25,7 +25,7 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-// Problems for SciPy, and what we say.
+// Collects problems for SciPy with our results.
 class Questions {
  public:
   void ask(const std::string& question, double answer, double tolerance = 1e-11) {
@@ -74,7 +74,7 @@ std::vector<double> differences(std::size_t n, double shift, testing::Random& ra
   return all;
 }
 
-TEST(Comparisons, TestsAndIntervalsAreSciPys) {
+TEST(Comparisons, TestsAndIntervalsMatchSciPy) {
   testing::Random random;
   Questions questions;
   for (const std::size_t n : {1, 2, 7, 50, 2000}) {
@@ -105,7 +105,8 @@ TEST(Comparisons, TestsAndIntervalsAreSciPys) {
     ASSERT_FALSE(signed_rank_test(d).is_exact);
     questions.ask("pratt" + words(d), signed_rank_test(d).p, 1e-9);
   }
-  for (const std::size_t n : {25, 30}) {  // smaller ones draw themselves: SciPy counts no ties
+  for (const std::size_t n :
+       {25, 30}) {  // smaller samples have ties when resampled, and SciPy leaves ties out
     std::vector<double> x = differences(n, 0.0, random);
     for (double& one : x) one = std::exp(one);  // skew
     const std::vector<double> replicates =
@@ -147,7 +148,7 @@ TEST(Comparisons, TestsAndIntervalsAreSciPys) {
 }
 
 // Table 5 of Demšar (2006): q_0.05 for the Nemenyi test.
-TEST(Comparisons, CriticalDifferencesAreThePrintedOnes) {
+TEST(Comparisons, CriticalDifferencesMatchThePrintedTable) {
   const std::vector<double> printed = {1.960, 2.343, 2.569, 2.728, 2.850,
                                        2.949, 3.031, 3.102, 3.164};
   for (std::size_t k = 2; k <= 10; ++k) {
@@ -166,8 +167,8 @@ TEST(Comparisons, HolmStepsDown) {
   EXPECT_TRUE(holm({}).empty());
 }
 
-// Of samples of a distribution whose quantiles are known.
-TEST(Comparisons, IntervalsCoverWhatTheyPromise) {
+// Samples of a distribution with known quantiles.
+TEST(Comparisons, IntervalsHaveTheirNominalCoverage) {
   testing::Random random(3);
   for (const double p : {0.5, 0.9}) {
     int covered = 0;
@@ -179,8 +180,8 @@ TEST(Comparisons, IntervalsCoverWhatTheyPromise) {
       ASSERT_TRUE(interval);
       covered += interval->lower <= p && p <= interval->upper;
     }
-    EXPECT_GE(covered, 1880) << p;  // 95 % less three standard deviations
-    EXPECT_LE(covered, 1990) << p;  // and not all
+    EXPECT_GE(covered, 1880) << p;  // 95 % minus three standard deviations
+    EXPECT_LE(covered, 1990) << p;  // the intervals are not too wide
   }
   EXPECT_FALSE(quantile_interval({1, 2, 3, 4, 5}, 0.5, 0.95));
   EXPECT_TRUE(quantile_interval({1, 2, 3, 4, 5, 6}, 0.5, 0.95));
@@ -209,7 +210,7 @@ TEST(Comparisons, BitsAreTheSameEverywhere) {
   EXPECT_EQ(hash, 0x28ddc68830cbbdeeULL) << std::hex << hash;
 }
 
-// Results of candidates "a", "b", …, none of which failed.
+// Results of candidates "a", "b", … without failures.
 PairedResults results_of(const std::vector<std::string>& metrics,
                          const std::vector<Eigen::MatrixXd>& values) {
   PairedResults results;
@@ -221,7 +222,7 @@ PairedResults results_of(const std::vector<std::string>& metrics,
   return results;
 }
 
-// One metric "y" of two candidates over n worlds, whose worlds matter more than the candidates.
+// One metric "y" of two candidates in n test conditions, which matter more than the candidates.
 PairedResults two(std::size_t n, double shift, Goal goal, testing::Random& random) {
   Eigen::MatrixXd y(n, 2);
   for (Eigen::Index i = 0; i < y.rows(); ++i) {
@@ -237,7 +238,7 @@ PairedResults two(std::size_t n, double shift, Goal goal, testing::Random& rando
   return results;
 }
 
-TEST(Comparisons, AThingIsSeldomBetterThanItself) {
+TEST(Comparisons, EqualCandidatesSeldomDiffer) {
   testing::Random random(11);
   int better = 0, worse = 0;
   for (int i = 0; i < 1000; ++i) {
@@ -247,7 +248,7 @@ TEST(Comparisons, AThingIsSeldomBetterThanItself) {
     worse += comparison.metrics.front().verdict == ComparisonVerdict::worse;
   }
   EXPECT_LE(better + worse, 60);
-  EXPECT_GE(better + worse, 10);  // it can
+  EXPECT_GE(better + worse, 10);  // the test can show a difference
   ::testing::Test::RecordProperty("better", better);
 }
 
@@ -270,7 +271,7 @@ TEST(Comparisons, TheVerdictFollowsTheGoal) {
   EXPECT_EQ(verdict(0.0, Goal::min), ComparisonVerdict::no_difference_shown);
 }
 
-TEST(Comparisons, PairsWithoutBothAreLeftOutAndFailuresCountedApart) {
+TEST(Comparisons, IncompletePairsAreLeftOutAndFailuresCountedApart) {
   PairedResults results =
       results_of({"y", "never"}, {Eigen::MatrixXd(3, 3), Eigen::MatrixXd::Constant(3, 3, kNaN)});
   results.values[0] << 1, 2, 3,  //
@@ -278,7 +279,7 @@ TEST(Comparisons, PairsWithoutBothAreLeftOutAndFailuresCountedApart) {
       4, 4, kNaN;
   results.failed(1, 1) = results.failed(2, 2) = 1.0;
   const CandidateComparison comparison = compare_candidates(results);
-  ASSERT_EQ(comparison.metrics.size(), 3U);  // b-a, c-a, c-b; of "never" none
+  ASSERT_EQ(comparison.metrics.size(), 3U);  // b-a, c-a, c-b; no row for "never"
   EXPECT_EQ(comparison.metrics[0].pairs, 2U);
   EXPECT_EQ(comparison.metrics[0].difference.value, 0.5);
   EXPECT_EQ(comparison.metrics[0].probability_smaller, 0.25);
@@ -290,10 +291,10 @@ TEST(Comparisons, PairsWithoutBothAreLeftOutAndFailuresCountedApart) {
   EXPECT_EQ(comparison.failures[2].alone, 1U);
   EXPECT_EQ(comparison.failures[2].reference_alone, 1U);
   EXPECT_EQ(comparison.failures[2].p, 1.0);
-  EXPECT_TRUE(comparison.ranks.empty());  // one world has all three
+  EXPECT_TRUE(comparison.ranks.empty());  // only one test condition has all three
 }
 
-TEST(Comparisons, RowsOfFewerWorldsAreMarked) {
+TEST(Comparisons, RowsWithFewerTestConditionsAreMarked) {
   PairedResults results =
       results_of({"gappy", "whole"}, {Eigen::MatrixXd(3, 3), Eigen::MatrixXd::Ones(3, 3)});
   results.baseline = 0;
@@ -311,15 +312,15 @@ TEST(Comparisons, RowsOfFewerWorldsAreMarked) {
                              "* fewer than 3 blocks: in the others a run failed or lacks the "
                              "metric, or both runs equal those of another block";
   }
-  EXPECT_EQ(marked, 2U);  // as many worlds in b as in c, but others
+  EXPECT_EQ(marked, 2U);  // b and c have equally many test conditions, but different ones
   EXPECT_TRUE(is_said);
   results.values[0] = results.values[1];
   EXPECT_TRUE(lacks(comparison_text(compare_candidates(results), 200), "*"));
 }
 
-// A key that only "a" knows: nine values in each of two worlds are eighteen runs of it, but two of
-// the others, and two pairs of those.
-TEST(Comparisons, TheSamePairCountsOnce) {
+// A key that affects only "a", with nine values in each of two test conditions. "a" has eighteen
+// different runs, the others two each, and their pair two.
+TEST(Comparisons, EqualPairsCountOnce) {
   PairedResults results = results_of({"y"}, {Eigen::MatrixXd(18, 3)});
   results.goals = {{"y", Goal::min}};
   results.failed.col(2).head(9).setOnes();
@@ -336,7 +337,7 @@ TEST(Comparisons, TheSamePairCountsOnce) {
   EXPECT_EQ(b_beside_a.pairs, 18U);
   EXPECT_EQ(b_beside_a.verdict, ComparisonVerdict::worse);
   EXPECT_EQ(b_beside_a.median.value, 5.5);
-  EXPECT_FALSE(b_beside_a.median.interval);  // of two runs there is none
+  EXPECT_FALSE(b_beside_a.median.interval);  // two runs are too few
   EXPECT_TRUE(b_beside_a.reference_median.interval);
   const MetricComparison& c_beside_b = comparison.metrics[2];
   EXPECT_EQ(c_beside_b.pairs, 2U);
@@ -348,8 +349,8 @@ TEST(Comparisons, TheSamePairCountsOnce) {
                   "In 18 blocks b has 2 different runs, c has 2 different runs: "));
 }
 
-// Blocks of a sample, each repeated by seeds: the difference's deviation between blocks is 1, and
-// one hundredth of its variance lies within them.
+// Samples, each repeated by seeds. The difference has a deviation of 1 between blocks. A hundredth
+// of its variance is within blocks.
 PairedResults blocks_and_seeds(int blocks, int seeds, double shift, testing::Random& random) {
   PairedResults results = two(static_cast<std::size_t>(blocks * seeds), 0.0, Goal::min, random);
   results.samples = Eigen::VectorXi(blocks * seeds);
@@ -370,7 +371,7 @@ MetricComparison compared(const PairedResults& results) {
   return compare_candidates(results, {.bootstrap = {.replicates = 300}}).metrics.front();
 }
 
-// How often of 1000 studies of 5 seeds the verdict is better or worse.
+// The number of 1000 studies with 5 seeds whose verdict is better or worse.
 int shown(int blocks, double shift, bool are_seeds_worlds) {
   testing::Random random(static_cast<unsigned>(blocks));
   int count = 0;
@@ -384,7 +385,7 @@ int shown(int blocks, double shift, bool are_seeds_worlds) {
 }
 
 // The numbers of docs/how-to/comparing.md.
-TEST(Blocks, AThingIsSeldomBetterThanItselfWhateverItsSeeds) {
+TEST(Blocks, EqualCandidatesSeldomDifferForAnySeeds) {
   for (const int blocks : {5, 8, 12}) {
     const int wrong = shown(blocks, 0.0, false);
     RecordProperty("of_itself_" + std::to_string(blocks), wrong);
@@ -393,7 +394,7 @@ TEST(Blocks, AThingIsSeldomBetterThanItselfWhateverItsSeeds) {
     RecordProperty("of_itself_seeds_as_worlds_" + std::to_string(blocks), of_seeds);
     EXPECT_GE(of_seeds, 250) << blocks << ": seeds that count as worlds mislead";
   }
-  EXPECT_EQ(shown(5, 3.0, false), 0);  // five blocks say nothing
+  EXPECT_EQ(shown(5, 3.0, false), 0);  // five blocks can show nothing
 }
 
 TEST(Blocks, TheVerdictHasPower) {
@@ -405,7 +406,7 @@ TEST(Blocks, TheVerdictHasPower) {
   }
 }
 
-// Five walls, five seeds of a small noise: 25 pairs, p = 2·2⁻²⁵, and yet five worlds.
+// Five walls and five seeds with small noise: 25 pairs with p = 2·2⁻²⁵, but only five blocks.
 TEST(Blocks, SeedsRepeatABlock) {
   testing::Random random(3);
   PairedResults results = blocks_and_seeds(5, 5, 8.0, random);
@@ -429,7 +430,8 @@ TEST(Blocks, SeedsRepeatABlock) {
   EXPECT_FALSE(compared(results).between);
 }
 
-// The median over a block's seeds, then over blocks: a long block counts as much as a short one.
+// The median over the seeds of a block, then over blocks: a large block counts as much as a small
+// one.
 TEST(Blocks, MediansAreOverSeedsThenOverBlocks) {
   PairedResults results = results_of({"y"}, {Eigen::MatrixXd::Zero(7, 2)});
   results.baseline = 1;
@@ -440,7 +442,7 @@ TEST(Blocks, MediansAreOverSeedsThenOverBlocks) {
   results.failed.col(1) << 1, 0, 0, 0, 1, 0, 0;
   const CandidateComparison comparison = compare_candidates(results);
   const MetricComparison& one = comparison.metrics.front();
-  EXPECT_EQ(one.difference.value, 6.0);  // of 2, 6, 30
+  EXPECT_EQ(one.difference.value, 6.0);  // median of 2, 6, 30
   EXPECT_EQ(one.median.value, 6.0);
   EXPECT_EQ(one.blocks, 3U);
   EXPECT_EQ(one.pairs, 6U);
@@ -448,13 +450,13 @@ TEST(Blocks, MediansAreOverSeedsThenOverBlocks) {
   const FailureComparison& failures = comparison.failures.front();
   EXPECT_EQ(failures.failures, 3U);
   EXPECT_EQ(failures.reference_failures, 2U);
-  EXPECT_EQ(failures.alone, 1U);  // the first block; in the second each failed once
+  EXPECT_EQ(failures.alone, 1U);  // only in the first block; in the second one each failed once
   EXPECT_EQ(failures.reference_alone, 0U);
   EXPECT_EQ(failures.verdict, ComparisonVerdict::too_few_blocks);
 }
 
-// Eight values of a key that does nothing, in each of two samples: the same two blocks again.
-TEST(Blocks, ValuesOfAKeyWithoutEffectAreNoBlocks) {
+// Eight values of an ineffective key in each of two samples: still two blocks.
+TEST(Blocks, ValuesOfAnIneffectiveKeyAreNotBlocks) {
   testing::Random random(5);
   const PairedResults of_two = blocks_and_seeds(2, 3, 1.0, random);
   PairedResults results = of_two;
@@ -473,11 +475,11 @@ TEST(Blocks, ValuesOfAKeyWithoutEffectAreNoBlocks) {
   EXPECT_EQ(comparison.metrics.front().blocks, 2U);
   EXPECT_EQ(comparison.metrics.front().pairs, 6U);
   EXPECT_EQ(comparison.metrics.front().difference.value, compared(of_two).difference.value);
-  ASSERT_EQ(comparison.interactions.size(), 1U);  // with the key that does something
+  ASSERT_EQ(comparison.interactions.size(), 1U);  // with the effective key
   EXPECT_EQ(comparison.interactions.front().key, "busy");
 }
 
-TEST(Blocks, RanksAreOfBlocks) {
+TEST(Blocks, RanksAreComputedFromBlocks) {
   PairedResults results = results_of({"y"}, {Eigen::MatrixXd(14, 3)});
   results.samples = Eigen::VectorXi(14);
   for (int row = 0; row < 14; ++row) {
@@ -491,7 +493,7 @@ TEST(Blocks, RanksAreOfBlocks) {
   EXPECT_EQ(comparison.ranks[0].critical_difference, critical_difference(3, 7, 0.05));
 }
 
-// A key of one value a block, and differences that it makes.
+// A key with one value per block and given differences.
 PairedResults over_key(const std::vector<double>& of_values, int seeds, double noise,
                        testing::Random& random) {
   const auto blocks = static_cast<int>(of_values.size());
@@ -507,7 +509,7 @@ PairedResults over_key(const std::vector<double>& of_values, int seeds, double n
   return results;
 }
 
-TEST(Crossing, ASignThatTurnsWithAKeyIsSaid) {
+TEST(Crossing, ReportsAKeyThatChangesTheSign) {
   testing::Random random(7);
   const PairedResults results = over_key({-0.62, -0.93, -0.22, 2.2, 5.1}, 5, 0.05, random);
   const CandidateComparison comparison = compare_candidates(results);
@@ -525,14 +527,14 @@ TEST(Crossing, ASignThatTurnsWithAKeyIsSaid) {
   EXPECT_TRUE(has(text, "too few blocks †",
                   "\n† y, new beside old: the sign turns with contact.stiffness_N_m (p = "));
   EXPECT_TRUE(has(by_key_csv(comparison), "\ny,new,old,contact.stiffness_N_m,500,5,seeds,-0."));
-  // Without seeds nothing says how far each difference is one of chance.
+  // Without seeds the random part of a difference is unknown.
   EXPECT_FALSE(compare_candidates(over_key({-0.62, -0.93, -0.22, 2.2, 5.1}, 1, 0.0, random))
                    .interactions[0]
                    .turns);
 }
 
-// Blocks of a drawn key and of much else: neighbours are together, and what repeats are blocks.
-TEST(Crossing, ADrawnKeyIsTestedOverBlocks) {
+// Random values of a key, among others: neighbours form groups, whose repeats are blocks.
+TEST(Crossing, ARandomKeyIsTestedOverBlocks) {
   testing::Random random(8);
   std::vector<double> of_values;
   for (int i = 0; i < 40; ++i) of_values.push_back(0.1 * (i - 20) + deviate(random));
@@ -544,8 +546,9 @@ TEST(Crossing, ADrawnKeyIsTestedOverBlocks) {
   EXPECT_EQ(comparison.interactions[0].values[0].label, "500 to 4000");
 }
 
-// The difference is the same over the key, or is nothing: in 1000 studies 50 may be said to turn.
-TEST(Crossing, IsSeldomSaidOfWhatDoesNotTurn) {
+// The difference does not depend on the key or is zero. In 1000 studies at most 50 may report a
+// change of sign.
+TEST(Crossing, IsSeldomReportedWithoutAChangeOfSign) {
   testing::Random random(9);
   int said[3] = {0, 0, 0};
   for (int i = 0; i < 1000; ++i) {
@@ -571,7 +574,7 @@ VariedKey list_of(const std::string& key, const std::vector<std::string>& values
   return varied;
 }
 
-TEST(Keys, ThoseThatAreVariedTogetherAreOneEffect) {
+TEST(Keys, KeysVariedTogetherAreOneEffect) {
   Study study;
   study.vary = {list_of("a", {"1", "2", "3", "4"}), list_of("b", {"9", "7", "8", "6"}),
                 list_of("c", {"0", "0", "1", "1"}), list_of("d", {"5", "5", "5", "5"})};
@@ -589,15 +592,15 @@ TEST(Keys, ThoseThatAreVariedTogetherAreOneEffect) {
   EXPECT_EQ(names(), (std::vector<std::string>{"a", "b"}));  // each b has several a
 }
 
-// A candidate that never has what is wanted is not just absent from the table.
-TEST(Comparisons, WhatIsNeverMeasuredIsSaid) {
+// A candidate that never has a metric with a goal is reported.
+TEST(Comparisons, ReportsMetricsThatWereNeverMeasured) {
   const Eigen::MatrixXd never = Eigen::MatrixXd::Constant(8, 2, kNaN);
   PairedResults results = results_of({"settling_s", "repairs"}, {never, never});
   results.goals = {{"settling_s", Goal::min}};
   const CandidateComparison nobody = compare_candidates(results);
   EXPECT_EQ(nobody.never, (std::vector<std::vector<std::string>>{{}, {}}));
   results.values[0].col(0).setLinSpaced(1.0, 2.0);
-  results.values[1].col(0).setZero();  // it has no goal: what b does not have is nothing to miss
+  results.values[1].col(0).setZero();  // without a goal: b misses nothing
   const CandidateComparison comparison = compare_candidates(results);
   EXPECT_TRUE(comparison.metrics.empty());
   EXPECT_EQ(comparison.never, (std::vector<std::vector<std::string>>{{}, {"settling_s"}}));

@@ -1,4 +1,3 @@
-// Quantiles against SciPy's, and what is no distribution.
 #include <breakwater/statistics/distribution.h>
 
 #include <bit>
@@ -14,7 +13,7 @@ namespace {
 constexpr double kInf = std::numeric_limits<double>::infinity();
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-// Into both tails, where a Sobol' point of 2⁵² lies.
+// Arguments up to both tails, as far as those of 2⁵² Sobol' points.
 std::vector<double> arguments() {
   std::vector<double> all;
   for (int i = 1; i < 400; ++i) all.push_back(i / 400.0);
@@ -31,7 +30,7 @@ struct Named {
   double first, second;
 };
 
-TEST(Distribution, QuantilesAreSciPys) {
+TEST(Distribution, QuantilesMatchSciPy) {
   const std::vector<Named> distributions = {
       {DistributionKind::uniform, "uniform", 0.06, 0.12},
       {DistributionKind::uniform, "uniform", -3.0, 1e6},
@@ -61,7 +60,7 @@ TEST(Distribution, QuantilesAreSciPys) {
   }
 }
 
-TEST(Distribution, RangesAreKeptToTheirEnds) {
+TEST(Distribution, ValuesStayWithinTheRange) {
   for (const DistributionKind kind : {DistributionKind::uniform, DistributionKind::log_uniform}) {
     for (const auto& [a, b] :
          {std::pair(0.1, 0.7), std::pair(3.0, 3.0000000000000004), std::pair(1e-300, 1e-3)}) {
@@ -78,7 +77,7 @@ std::string reason(DistributionKind kind, double first, double second) {
   return complaint_of([&] { const Distribution made(kind, first, second); });
 }
 
-TEST(Distribution, SaysWhatIsWrong) {
+TEST(Distribution, RefusesInvalidArguments) {
   using enum DistributionKind;
   EXPECT_EQ(reason(uniform, 0.12, 0.06), "the range [0.12, 0.06] is upside down");
   EXPECT_EQ(reason(log_uniform, 2.0, 1.0), "the range [2, 1] is upside down");
@@ -102,7 +101,7 @@ TEST(Distribution, SaysWhatIsWrong) {
   }
 }
 
-// On every processor: a study's points are known by the hash of their configuration.
+// On every processor: a study identifies a point by the hash of its configuration.
 TEST(Distribution, BitsAreTheSameEverywhere) {
   std::uint64_t hash = 14695981039346656037ULL;
   for (const DistributionKind kind :

@@ -1,4 +1,3 @@
-// Sensitivity indices against closed forms.
 #include <breakwater/statistics/sensitivity.h>
 
 #include <cmath>
@@ -46,7 +45,7 @@ Shares of_ishigami() {
   return {{V1 / V, V2 / V, 0.0}, {(V1 + V13) / V, V2 / V, V13 / V}};
 }
 
-TEST(Sensitivity, IshigamisIndicesAreThoseOfTheClosedForm) {
+TEST(Sensitivity, IshigamisIndicesMatchTheClosedForm) {
   const Shares truth = of_ishigami();
   EXPECT_NEAR(truth.first_order[0], 0.3139, 5e-5);
   EXPECT_NEAR(truth.total[2], 0.2437, 5e-5);
@@ -66,7 +65,7 @@ TEST(Sensitivity, IshigamisIndicesAreThoseOfTheClosedForm) {
 // y = Σ aᵢ xᵢ of standard normal x: Sᵢ = Tᵢ = aᵢ²/Σ a².
 const Eigen::Vector3d kGains(1.0, 2.0, 0.5);
 
-TEST(Sensitivity, OfALinearModelFirstOrderIsTotal) {
+TEST(Sensitivity, ForALinearModelFirstOrderEqualsTotal) {
   const Model linear = [](const Eigen::VectorXd& u) {
     return 1e4 + kGains.dot(u.unaryExpr(&normal_quantile));
   };
@@ -83,7 +82,7 @@ TEST(Sensitivity, OfALinearModelFirstOrderIsTotal) {
   }
 }
 
-// Rows drawn independently, as the bootstrap takes them.
+// Rows that are independent, as the bootstrap assumes.
 Eigen::MatrixXd linear_outputs(testing::Random& random, Eigen::Index n) {
   Eigen::MatrixXd f(n, 5);
   for (Eigen::Index row = 0; row < n; ++row) {
@@ -99,8 +98,8 @@ Eigen::MatrixXd linear_outputs(testing::Random& random, Eigen::Index n) {
   return f;
 }
 
-// As the estimators are written, of rows that are drawn again.
-TEST(Sensitivity, AReplicateIsTheEstimateOfRowsDrawnAgain) {
+// The estimators as written, on resampled rows.
+TEST(Sensitivity, AReplicateIsTheEstimateFromResampledRows) {
   testing::Random random(3);
   constexpr Eigen::Index n = 20;
   const Eigen::MatrixXd f = linear_outputs(random, n).array() + 3.0;
@@ -118,7 +117,7 @@ TEST(Sensitivity, AReplicateIsTheEstimateOfRowsDrawnAgain) {
   }
 }
 
-TEST(Sensitivity, IntervalsHoldTheTruthAsOftenAsTheySay) {
+TEST(Sensitivity, IntervalsHaveTheirNominalCoverage) {
   testing::Random random(5);
   constexpr int kTrials = 400;
   Eigen::Array3i first_order = Eigen::Array3i::Zero(), total = Eigen::Array3i::Zero();
@@ -135,7 +134,7 @@ TEST(Sensitivity, IntervalsHoldTheTruthAsOftenAsTheySay) {
       total(i) += holds(indices.total[i]);
     }
   }
-  // 90 %, with a standard error of 1.5 %; percentiles of few rows hold it a little less often.
+  // 90 % with a standard error of 1.5 %. Percentiles of few rows have a slightly lower coverage.
   for (int i = 0; i < 3; ++i) {
     EXPECT_NEAR(first_order(i), 0.9 * kTrials, 0.05 * kTrials) << i;
     EXPECT_NEAR(total(i), 0.9 * kTrials, 0.05 * kTrials) << i;
@@ -143,7 +142,7 @@ TEST(Sensitivity, IntervalsHoldTheTruthAsOftenAsTheySay) {
 }
 
 // Failure where x₁ > 0.7 and x₂ > 0.6: p = 0.12, Vᵢ = p²(1 − pᵢ)/pᵢ, V = p(1 − p).
-TEST(Sensitivity, OfFailuresIsThatOfTheirIndicator) {
+TEST(Sensitivity, ForFailuresUsesTheirIndicator) {
   const Model fails = [](const Eigen::VectorXd& u) { return u(0) > 0.7 && u(1) > 0.6 ? 1.0 : 0.0; };
   const SensitivityIndices indices = sensitivity_indices(outputs(fails, 8192, 3, 2));
   const double p = 0.12, V = p * (1.0 - p);
@@ -170,7 +169,7 @@ TEST(Sensitivity, RowsWithAMissingOutputAreDropped) {
   }
 }
 
-TEST(Sensitivity, OfNothingIsAbsent) {
+TEST(Sensitivity, WithoutVarianceIsAbsent) {
   const auto is_absent = [](const Eigen::MatrixXd& f) {
     const SensitivityIndices indices = sensitivity_indices(f);
     return indices.first_order.empty() && indices.total.empty();
@@ -187,8 +186,8 @@ TEST(Sensitivity, OfNothingIsAbsent) {
   EXPECT_FALSE(is_absent(3.0 * ones + 1e-9 * random.matrix(100, 5)));
 }
 
-// One row that differs is in two of three replicates; no interval is better than a wrong one.
-TEST(Sensitivity, OfOneFailureHasNoInterval) {
+// The single failed row is in two of three replicates. No interval is better than a wrong one.
+TEST(Sensitivity, WithOneFailureHasNoInterval) {
   for (const double rest : {0.0, 0.1, 1.0 / 3.0, -7.7}) {
     Eigen::MatrixXd f = Eigen::MatrixXd::Constant(100, 5, rest);
     f(17, 0) = f(17, 2) = f(17, 3) = 1.0;
@@ -201,7 +200,7 @@ TEST(Sensitivity, OfOneFailureHasNoInterval) {
   }
 }
 
-TEST(Sensitivity, IsThatOfAnyUnit) {
+TEST(Sensitivity, DoesNotDependOnTheUnit) {
   const Eigen::MatrixXd f = outputs(ishigami, 512, 3, 4);
   const SensitivityIndices plain = sensitivity_indices(f);
   for (const double unit : {1e-200, 1e-3, 1e250}) {
@@ -213,7 +212,7 @@ TEST(Sensitivity, IsThatOfAnyUnit) {
   }
 }
 
-TEST(Sensitivity, SaysWhatIsWrong) {
+TEST(Sensitivity, RefusesInvalidArguments) {
   const Eigen::MatrixXd f = Eigen::MatrixXd::Random(8, 4);
   EXPECT_THROW(sensitivity_indices(f.leftCols(2)), std::invalid_argument);
   EXPECT_THROW(sensitivity_indices(f, {.replicates = -1}), std::invalid_argument);

@@ -1,4 +1,3 @@
-// The engine of studies, with runs that are made up.
 #include <breakwater/study/executor.h>
 
 #include <sys/resource.h>
@@ -18,7 +17,7 @@ namespace breakwater::executor_test {
 namespace {
 namespace fs = std::filesystem;
 
-// Calls `during`, and gives one number.
+// Calls `during` and returns one number.
 class Made : public Scenario {
  public:
   explicit Made(std::function<void()> during) : during_(std::move(during)) {}
@@ -40,7 +39,7 @@ class Made : public Scenario {
   RunSettings settings_;
 };
 
-// Points of one model file; while some of them run, something happens.
+// Points with one model file. Something happens while some of them run.
 class Source : public PointSource {
  public:
   explicit Source(const fs::path& folder) : folder_(folder) {
@@ -66,7 +65,7 @@ class Source : public PointSource {
   fs::path folder(std::size_t, const std::string&, bool) const override { return {}; }
   bool logs(std::size_t) const override { return false; }
 
-  std::map<std::size_t, std::function<void()>> before;  // as they are prepared
+  std::map<std::size_t, std::function<void()>> before;  // called before the preparation
   std::map<std::size_t, std::function<void()>> during;
 
  private:
@@ -75,7 +74,7 @@ class Source : public PointSource {
 
 class Executor : public ::testing::Test {
  protected:
-  // On one thread: points in their order.
+  // Runs the points in order on one thread.
   std::size_t run(const PointSource& source, KnownModels* models = nullptr) {
     Shard shard(source_.shards());
     ExecutorOptions options;
@@ -101,7 +100,7 @@ TEST_F(Executor, KeepsEveryPointUnderItsKey) {
   EXPECT_EQ(ShardIndex(source_.shards(), 4).models(), models);
 }
 
-TEST_F(Executor, ASourceMayHaveKeysOfItsOwn) {
+TEST_F(Executor, ASourceMayHaveItsOwnKeys) {
   class Own : public Source {
    public:
     using Source::Source;
@@ -116,15 +115,16 @@ TEST_F(Executor, ASourceMayHaveKeysOfItsOwn) {
   EXPECT_EQ(results_by_key(own.shards()).at("2/" + hash + "/2").number, 2U);
 }
 
-TEST_F(Executor, NoResultIsOfAModelThatChangedMeanwhile) {
+TEST_F(Executor, AModelThatChangesGivesNoResult) {
   source_.during[2] = [&] { source_.write(source_.model(), "<mujoco><!-- other --></mujoco>"); };
   expect_changed();
   EXPECT_EQ(kept(), 2U) << "those before it";
 }
 
-TEST_F(Executor, AChangeOfNeitherSizeNorTimeIsSeen) {
+TEST_F(Executor, DetectsAChangeWithEqualSizeAndTime) {
   source_.during[2] = [&] {
-    std::this_thread::sleep_for(std::chrono::milliseconds(50));  // a file system's clock ticks
+    std::this_thread::sleep_for(
+        std::chrono::milliseconds(50));  // longer than the resolution of the file system's clock
     const auto time = fs::last_write_time(source_.model());
     source_.write(source_.model(), "<mujocO/>");
     fs::last_write_time(source_.model(), time);
@@ -141,7 +141,7 @@ TEST_F(Executor, AnIncludedFileCountsToo) {
   EXPECT_EQ(kept(), 1U);
 }
 
-TEST_F(Executor, AModelThatIsGoneOrHalfWrittenRefusesNoPoint) {
+TEST_F(Executor, AMissingOrIncompleteModelRefusesNoPoint) {
   source_.during[1] = [&] { fs::remove(source_.model()); };
   expect_changed(": cannot be read");
   EXPECT_EQ(kept(), 1U);
@@ -173,8 +173,8 @@ TEST_F(Executor, ModelsThatWereReadBeforeMustBeTheSame) {
   EXPECT_EQ(kept(), 0U);
 }
 
-// What is compiled before its hash is known would be known by another file's.
-TEST_F(Executor, AHashIsThatOfWhatWasCompiled) {
+// If the hash were computed after the compilation, it could belong to a newer file.
+TEST_F(Executor, AHashBelongsToTheCompiledFile) {
   source_.before[0] = [&] {
     Model::load(source_.model().string());
     source_.write(source_.model(), "<mujoco><!-- other --></mujoco>");
@@ -194,7 +194,7 @@ TEST_F(Executor, AFileOfTwoModelsHasOneHash) {
   EXPECT_THROW(models.check_unchanged({other}), std::invalid_argument);
 }
 
-TEST_F(Executor, WhatTheMachineLacksIsNoResult) {
+TEST_F(Executor, LackOfMemoryOrFilesIsNoResult) {
   source_.during[1] = [] { throw OutOfMemory("arm.xml: Could not allocate memory"); };
   EXPECT_THROW(run(source_), OutOfMemory);
   EXPECT_EQ(kept(), 1U);
@@ -229,7 +229,7 @@ TEST_F(Executor, NoMemoryNamesThePoint) {
   EXPECT_EQ(kept(), 1U);
 }
 
-TEST_F(Executor, PointsOfOneKeyWriteOneFolder) {
+TEST_F(Executor, PointsWithOneKeyWriteOneFolder) {
   class Same : public Source {
    public:
     using Source::Source;

@@ -25,12 +25,12 @@ std::set<std::vector<std::string>> probed(const Plan& plan) {
   return values;
 }
 
-// A value of a list may be right only beside those that it stands with: 3 … 4, but not 3 … 2.
+// A value in a list may be valid only with its neighbours: 3 … 4, but not 3 … 2.
 TEST(Plan, ProbesOfAListAreItsSamples) {
   const std::set<std::vector<std::string>> samples = {{"1", "2"}, {"3", "4"}, {"5", "6"}};
   const Plan list(study(Method::list));
   EXPECT_EQ(probed(list), samples);
-  EXPECT_EQ(list.probes().size(), 2U + 2U);  // each case, each further sample
+  EXPECT_EQ(list.probes().size(), 2U + 2U);  // each case and each further sample
 }
 
 TEST(Plan, ProbesOfAGridHaveEachValueOnce) {
@@ -39,7 +39,7 @@ TEST(Plan, ProbesOfAGridHaveEachValueOnce) {
   EXPECT_EQ(probed(Plan(study(Method::grid))), around_the_first);
 }
 
-TEST(Points, AreEachOnceAndInOrder) {
+TEST(Points, AreSortedWithoutRepetition) {
   EXPECT_EQ(parse_points("7,2-4,3", 8), (std::vector<std::size_t>{2, 3, 4, 7}));
   EXPECT_EQ(print_points({2, 3, 4, 7}), "2-4,7");
   for (const char* text : {"", "8", "4-2", "1,", "1-", "x"}) {

@@ -1,4 +1,5 @@
-"""Problems from standard input, each a name and its numbers; the answers' numbers to standard output."""
+"""Reads problems (a name and numbers) from standard input and writes the answers to standard
+output."""
 
 import sys
 
@@ -16,7 +17,7 @@ def numbers(count):
 
 
 def answer(*functions):
-    """Each function answers the problems of its name."""
+    """Answer each problem with the function of its name."""
     by_name = {function.__name__.rstrip("_"): function for function in functions}
     for name in words:
         for value in by_name[name]():

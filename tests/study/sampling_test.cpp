@@ -1,4 +1,4 @@
-// Points in the unit cube: what each method promises, and SciPy's.
+// Points in the unit cube: the properties of each method, and SciPy's points.
 #include <breakwater/study/sampling.h>
 
 #include <bit>
@@ -24,7 +24,7 @@ Eigen::MatrixXd points(SamplingMethod method, std::uint64_t n, Eigen::Index d, s
   return all;
 }
 
-// Whether each of the n equal intervals of a coordinate has one of its n values.
+// Whether each of n equal intervals contains exactly one of the n values of a coordinate.
 bool hits_each_interval_once(const Eigen::VectorXd& u) {
   std::set<double> intervals;
   for (const double value : u) intervals.insert(std::floor(value * static_cast<double>(u.size())));
@@ -32,7 +32,7 @@ bool hits_each_interval_once(const Eigen::VectorXd& u) {
          *intervals.rbegin() == static_cast<double>(u.size() - 1);
 }
 
-TEST(Sampling, SobolPointsAreSciPys) {
+TEST(Sampling, SobolPointsMatchSciPy) {
   const std::vector<std::pair<Eigen::Index, Eigen::Index>> sizes = {
       {4096, 3}, {1024, 40}, {64, 3667}};
   std::ostringstream input;
@@ -52,7 +52,7 @@ TEST(Sampling, SobolPointsAreSciPys) {
   EXPECT_EQ(at, scipy.size());
 }
 
-// XORed with another point, what is left of a shifted Sobol' point is the sequence's own.
+// XOR with another point removes the shift of a Sobol' point.
 TEST(Sampling, SobolIsTheSequenceWithADigitalShift) {
   const SobolSequence sequence(5);
   const auto bits = [](double u) { return static_cast<std::uint64_t>(std::ldexp(u, 52)); };
@@ -84,7 +84,7 @@ TEST(Sampling, LatinHypercubeHitsEachIntervalOnce) {
   }
 }
 
-// Also where the numbers are largest: an interval's edges are a double's last digits away.
+// Also for the largest numbers, where the edges of an interval differ by few last digits.
 TEST(Sampling, LatinHypercubeOfManyPointsStaysInside) {
   const std::uint64_t n = std::uint64_t{1} << 40;
   const auto sampler = make_sampler(latin_hypercube, n, 2, 1);
@@ -100,9 +100,9 @@ double mean_of(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
-// The hypercubes are as even as SciPy's: within four standard errors of their mean discrepancy.
-// Random points have 6.6 times theirs, Sobol' points 0.27 times.
-TEST(Sampling, DiscrepancyOfLatinHypercubesIsThatOfSciPys) {
+// The mean discrepancy is within four standard errors of SciPy's. That of random points is 6.6
+// times larger, that of Sobol' points 0.27 times.
+TEST(Sampling, DiscrepancyOfLatinHypercubesMatchesSciPy) {
   constexpr int kSets = 200;
   constexpr Eigen::Index kPoints = 64, kDimension = 3;
   std::ostringstream input;
@@ -129,7 +129,7 @@ TEST(Sampling, DiscrepancyOfLatinHypercubesIsThatOfSciPys) {
   EXPECT_LT(mean_of(of_sobol), mean / 3.0);
 }
 
-// All orders of n intervals evenly: χ² of n! − 1 degrees of freedom, at 0.1 %.
+// All orders of n intervals are equally frequent: χ² with n! − 1 degrees of freedom, at 0.1 %.
 void expect_all_orders(int n, std::size_t orders, double chi_squared_0_1_percent) {
   constexpr int kSets = 48000;
   std::map<std::vector<int>, int> counts;
@@ -146,13 +146,13 @@ void expect_all_orders(int n, std::size_t orders, double chi_squared_0_1_percent
   EXPECT_LT(chi_squared / expected, chi_squared_0_1_percent) << n;
 }
 
-// Four numbers are permuted at once, five among sixteen.
-TEST(Sampling, LatinHypercubesPermutationsAreAllAsLikely) {
+// Four numbers are permuted directly, five as part of sixteen.
+TEST(Sampling, AllPermutationsOfLatinHypercubesAreEquallyLikely) {
   expect_all_orders(4, 24, 49.7);
   expect_all_orders(5, 120, 173.6);
 }
 
-// Means and correlations within 4.5/√n.
+// Means and correlations are within 4.5/√n.
 TEST(Sampling, CoordinatesAreUniformAndUncorrelated) {
   constexpr int n = 10000;
   for (const SamplingMethod method : {random, latin_hypercube, sobol}) {
@@ -195,14 +195,14 @@ TEST(Sampling, DependsOnTheSeedAndNotOnTheOrder) {
   }
 }
 
-TEST(Sampling, AStudyGrowsAtItsEnd) {
+TEST(Sampling, ALargerStudyKeepsTheFirstPoints) {
   for (const SamplingMethod method : {random, sobol, saltelli}) {
     const Eigen::MatrixXd few = points(method, 32, 3, 7), many = points(method, 64, 3, 7);
     EXPECT_EQ(few, many.topRows(few.rows()));
   }
 }
 
-TEST(Sampling, SaysWhatIsWrong) {
+TEST(Sampling, RefusesInvalidArguments) {
   for (const SamplingMethod method : kMethods) {
     EXPECT_THROW(make_sampler(method, 0, 3, 1), std::invalid_argument);
     EXPECT_THROW(make_sampler(method, 3, 0, 1), std::invalid_argument);
@@ -213,7 +213,7 @@ TEST(Sampling, SaysWhatIsWrong) {
   EXPECT_THROW(make_sampler(saltelli, 8, 1834, 1), std::invalid_argument);
 }
 
-// On every processor: a study's points are known by the hash of their configuration.
+// On every processor: a study identifies a point by the hash of its configuration.
 TEST(Sampling, BitsAreTheSameEverywhere) {
   const std::map<SamplingMethod, std::uint64_t> golden = {{random, 0xc18e11f0ce77e1ebULL},
                                                           {latin_hypercube, 0xd06a40b0c8b64ed6ULL},

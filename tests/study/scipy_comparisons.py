@@ -1,4 +1,4 @@
-"""SciPy's tests and intervals. In: problems, each a name and its numbers; out: numbers.
+"""SciPy's tests and intervals. Input: problems with a name and numbers. Output: numbers.
 
 binomial n p                     P(X <= 0) ... P(X <= n)
 mcnemar b c                      exact, two-sided

@@ -1,4 +1,4 @@
-"""SciPy's points and quantiles. In: problems, each a name and its numbers; out: numbers.
+"""SciPy's points and quantiles. Input: problems with a name and numbers. Output: numbers.
 
 sobol n d                        the first n points, row by row
 latin_hypercube n d m            centred discrepancies of m hypercubes, seeds 0 ... m - 1

@@ -1,4 +1,3 @@
-// Lines of shards: whole and right, or not there.
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -26,7 +25,7 @@ PointResult result_of(std::size_t number, const std::string& key, double value =
   return result;
 }
 
-// A disk that is full for a while: no file of this process may grow beyond a size.
+// Simulates a full disk: no file of this process may grow beyond a size.
 class FullDisk {
  public:
   explicit FullDisk(std::uintmax_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
@@ -50,18 +49,18 @@ class Shards : public ::testing::Test {
  protected:
   Shards() { fs::create_directories(folder_); }
 
-  // A shard with these bytes alone.
+  // Writes a shard with only these bytes.
   void write(const std::string& bytes, const std::string& name = "host-1-0.shard") {
     std::ofstream(folder_ / name, std::ios::binary) << bytes;
   }
-  // The only shard that there is.
+  // The only shard in the folder.
   fs::path shard() const {
     std::vector<fs::path> files;
     for (const auto& entry : fs::directory_iterator(folder_)) files.push_back(entry.path());
     EXPECT_EQ(files.size(), 1U);
     return files.front();
   }
-  // The bytes of a shard with these results, which is removed.
+  // The bytes of a shard with these results. The shard is removed.
   std::string bytes_of(const std::vector<PointResult>& results) {
     {
       Shard made(folder_);
@@ -108,7 +107,7 @@ TEST_F(Shards, GiveBackAllOfAResult) {
   EXPECT_TRUE(results.at("failed").reason.ends_with(" more"));
 }
 
-TEST_F(Shards, OfOneProcessTellWhichPointIsBegun) {
+TEST_F(Shards, NameThePointThatAProcessHasBegun) {
   EXPECT_TRUE(results_of_process(folder_, getpid()).results.empty());
   EXPECT_EQ(results_of_process(folder_, getpid()).begun, std::nullopt);
   Shard made(folder_);
@@ -152,7 +151,7 @@ TEST_F(Shards, GiveBackEveryBitOfANumber) {
   }
 }
 
-TEST_F(Shards, ALineThatWasCutOffIsNotThere) {
+TEST_F(Shards, ATruncatedLineDoesNotCount) {
   const std::string bytes = bytes_of({result_of(0, "first"), result_of(1, "second")});
   const std::size_t first = bytes.find('\n') + 1;
   for (std::size_t length = first; length <= bytes.size(); ++length) {
@@ -167,7 +166,7 @@ TEST_F(Shards, ALineThatWasCutOffIsNotThere) {
   }
 }
 
-TEST_F(Shards, ADamagedByteCostsItsLineAndNoNumberIsWrong) {
+TEST_F(Shards, ADamagedByteLosesOnlyItsLine) {
   const std::vector<PointResult> all = {result_of(0, "first"), result_of(1, "second", 0.7),
                                         result_of(2, "third", 0.3)};
   const std::string bytes = bytes_of(all);
@@ -180,7 +179,7 @@ TEST_F(Shards, ADamagedByteCostsItsLineAndNoNumberIsWrong) {
       write(damaged);
       const auto results = results_by_key(folder_);
       const ShardIndex index(folder_, 3);
-      // Without its end it is one line with the next one.
+      // A line without its end joins the next one.
       const std::size_t kept = position == end ? 1 : 2;
       ASSERT_EQ(results.size(), kept) << position;
       ASSERT_EQ(index.done(), kept) << position;
@@ -215,7 +214,7 @@ TEST_F(Shards, AShortWriteDoesNotSpoilTheNextLine) {
   EXPECT_EQ(ShardIndex(folder_, 4).models(), (ModelHashes{{"arm.xml", "0"}}));
 }
 
-TEST_F(Shards, OfTwoLinesOfOneKeyTheLaterCounts) {
+TEST_F(Shards, TheLaterOfTwoLinesWithOneKeyCounts) {
   const std::string one = bytes_of({result_of(0, "key", 1.0)});
   const std::string two = bytes_of({result_of(7, "key", 2.0)});
   const auto value = [&] { return results_by_key(folder_).at("key").metrics[0].second; };
@@ -223,7 +222,7 @@ TEST_F(Shards, OfTwoLinesOfOneKeyTheLaterCounts) {
   EXPECT_EQ(value(), 2.0);
   write(two + one);
   EXPECT_EQ(value(), 1.0);
-  // Of two shards that which was written later, whatever their names.
+  // The newer one of two shards counts, for any names.
   const auto now = fs::file_time_type::clock::now();
   for (const auto& [later, expected] : {std::pair("a.shard", 1.0), std::pair("b.shard", 2.0)}) {
     fs::remove(folder_ / "host-1-0.shard");
@@ -235,7 +234,7 @@ TEST_F(Shards, OfTwoLinesOfOneKeyTheLaterCounts) {
   }
 }
 
-TEST_F(Shards, LinesThatAreNoneOfOursDoNotCount) {
+TEST_F(Shards, ForeignLinesDoNotCount) {
   const std::string own = bytes_of({result_of(0, "own")});
   const std::string point = "point\t1\tkey\tcomplete\t\t0.1\t";
   const std::vector<std::string> others = {
@@ -244,7 +243,7 @@ TEST_F(Shards, LinesThatAreNoneOfOursDoNotCount) {
       "0123456789abcdef\t\n",
       "{\"key\":\"key\",\"values\":{\"a\":1.0}}\n",
       point + "\ta=1\n",                         // no checksum
-      "0123456789abcdef\t" + point + "\ta=1\n",  // of something else
+      "0123456789abcdef\t" + point + "\ta=1\n",  // checksum of another line
       std::string("\0\xff\xfe binary\n", 11),
       std::string(100000, '[') + "\n",
       with_checksum(""),
@@ -266,12 +265,12 @@ TEST_F(Shards, LinesThatAreNoneOfOursDoNotCount) {
     EXPECT_TRUE(results.contains("own")) << other;
     EXPECT_TRUE(ShardIndex(folder_, 2).has(0)) << other;
   }
-  // The same line, were it ours.
+  // The same line with a right checksum.
   write(with_checksum(point + "\ta=1") + own);
   EXPECT_EQ(results_by_key(folder_).at("key").metrics[0].second, 1.0);
 }
 
-TEST_F(Shards, OtherFilesAndNoFolderHoldNothing) {
+TEST_F(Shards, OtherFilesAndMissingFoldersAreEmpty) {
   const std::string own = bytes_of({result_of(0, "own")});
   write(own, "notes.txt");
   write("", "empty.shard");
@@ -282,20 +281,20 @@ TEST_F(Shards, OtherFilesAndNoFolderHoldNothing) {
   EXPECT_THROW(results_by_key(folder_), std::invalid_argument);
 }
 
-TEST_F(Shards, AFolderThatCannotBeReadIsNotAnEmptyOne) {
+TEST_F(Shards, AnUnreadableFolderIsNotEmpty) {
   write("text", "file");
   EXPECT_THROW(ShardIndex(folder_ / "file", 1), std::invalid_argument);
   EXPECT_THROW(results_by_key(folder_ / "file"), std::invalid_argument);
 }
 
-TEST_F(Shards, WhatMayNotBeOnTheDiskIsSaid) {
+TEST_F(Shards, ReportsAFailedSync) {
   Shard made(folder_);
   made.finish();
   made.add(result_of(0, "key"));
   for (const auto& entry : fs::directory_iterator("/proc/self/fd")) {
     std::error_code ignored;
     if (fs::equivalent(entry.path(), shard(), ignored)) {
-      close(std::stoi(entry.path().filename()));  // as if the file system had lost it
+      close(std::stoi(entry.path().filename()));  // simulates a loss by the file system
       break;
     }
   }
@@ -314,7 +313,7 @@ TEST_F(Shards, ModelsOfTwoVersionsAreNotMixed) {
                   "another version of a.xml"));
 }
 
-TEST_F(Shards, ThereMayBeVeryManyShards) {
+TEST_F(Shards, VeryManyShardsWork) {
   const std::string last = bytes_of({result_of(0, "last")});
   for (int i = 0; i < 66000; ++i) write("", "a-" + std::to_string(i) + ".shard");
   write(last, "b.shard");
@@ -330,7 +329,7 @@ TEST_F(Shards, APointIsFoundByTheBeginningOfItsKey) {
   EXPECT_THROW(index.find("ab"), std::invalid_argument);
 }
 
-TEST_F(Shards, CannotBeWrittenWhereThereIsNoFolder) {
+TEST_F(Shards, CannotBeWrittenWithoutAFolder) {
   Shard made(folder_ / "nowhere");
   EXPECT_THROW(made.add(result_of(0, "key")), OutputError);
 }

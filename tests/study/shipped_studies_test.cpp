@@ -1,4 +1,4 @@
-// The study files that come with Breakwater, and the tables in docs/studies that they made.
+// The shipped study files and the tables in docs/studies made from them.
 
 #include <atomic>
 #include <sstream>
@@ -49,7 +49,7 @@ TEST_P(EachShippedStudy, CanRun) {
   Study study = study_of(GetParam());
   Sweep(catalogue_, study).check();
 
-  // The same for a moment: a point of the beginning, of the middle, of the end.
+  // A very short run of a point at the beginning, in the middle and at the end.
   const std::string duration = "run.duration_s";
   for (VariedKey& key : study.vary) {
     if (key.key == duration) std::fill(key.values.begin(), key.values.end(), "0.05");
@@ -65,8 +65,8 @@ TEST_P(EachShippedStudy, CanRun) {
   }
 }
 
-// docs/studies/NAME.csv, where there is one, is the results.csv of this very study.
-TEST_P(EachShippedStudy, TableIsItsOwn) {
+// docs/studies/NAME.csv, if it exists, is the results.csv of this study.
+TEST_P(EachShippedStudy, ItsTableIsFromThisStudy) {
   const fs::path file = testing::source_file("docs/studies/" + GetParam() + ".csv");
   if (!fs::exists(file)) GTEST_SKIP() << "no table of it is kept";
   const Sweep sweep(catalogue_, study_of(GetParam()));

@@ -1,9 +1,8 @@
-"""A Slurm cluster of one node on the loopback, in namespaces of its own.
+"""A Slurm cluster with one node on the loopback device, in separate namespaces.
 
-Whatever ends the process that calls enter(), nothing of the cluster is left: its processes live in a
-PID namespace, its files in a tmpfs that only they see, its ports in a network without a way out.
+When the process that called enter() ends, nothing of the cluster remains. Its processes are in a
+PID namespace, its files in a private tmpfs, and its ports in a network without a way out.
 """
-
 import fcntl
 import os
 import pathlib
@@ -56,7 +55,7 @@ PartitionName=other Nodes={node} MaxTime=INFINITE State=UP
 
 
 def missing():
-    """Why there can be no cluster here; nothing if there can."""
+    """The reason why a cluster is impossible here; None if it is possible."""
     for program in ("munged", "slurmctld", "slurmd", "sbatch", "unshare"):
         if not shutil.which(program, path=os.environ["PATH"] + ":/usr/sbin"):
             return f"{program} is not installed (Debian: slurm-wlm, munge)"
@@ -73,12 +72,12 @@ NAMESPACES = ["unshare", "--pid", "--fork", "--kill-child", "--mount", "--mount-
 
 
 def enter():
-    """Goes on with this very script as the only one in namespaces of its own."""
+    """Run this script again in new namespaces."""
     if os.environ.get(INSIDE):
         return
     os.environ[INSIDE] = "1"
     os.environ["PATH"] += ":/usr/sbin:/sbin"
-    # The first process of a PID namespace has to wait for orphans; bash does.
+    # The first process of a PID namespace must wait for orphans, as bash does.
     inside = 'mount -t tmpfs none /run && "$@"; exit $?'
     os.execvp(NAMESPACES[0],
               NAMESPACES + ["bash", "-c", inside, "bash", sys.executable, *sys.argv])
@@ -96,7 +95,7 @@ def wait_for(what, condition, seconds=30.0):
 
 
 class Cluster:
-    """Starts all that belongs to it; stops it at the end of a `with`."""
+    """Starts the cluster's processes and stops them at the end of `with`."""
 
     def __init__(self, max_array_size=1001):
         self.max_array_size = max_array_size
@@ -155,13 +154,14 @@ class Cluster:
         return self.says("sinfo", "--noheader", "--partition=main", "--format=%T").strip()
 
     def states(self, job):
-        """Of its tasks, in the queue."""
+        """The states of a job's tasks in the queue."""
         return self.says("squeue", "--noheader", "--array", "--format=%T",
                          f"--jobs={job},999999").split()
 
 
 def raise_loopback():
-    """With a second address: without any but 127.0.0.1 glibc finds no addresses for Slurm."""
+    """Raise the loopback with a second address: with 127.0.0.1 alone glibc finds no address for
+    Slurm."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as any_socket:
         for name, request, value in (
                 (b"lo", SIOCSIFFLAGS, struct.pack("h14x", IFF_UP)),
@@ -185,7 +185,7 @@ def processes(wanted):
 
 
 def tasks():
-    """Breakwater's processes that are tasks."""
+    """Breakwater's task processes."""
     return processes(lambda words: b"--points" in words)
 
 

@@ -1,5 +1,5 @@
-"""Sweeps and tunings through a real Slurm: whatever happens to its tasks and nodes, the results are
-those of a run without it, byte for byte.
+"""Sweeps and tunings on a real Slurm: in spite of lost tasks and nodes, the results are
+those of a local run, byte for byte.
 
 Usage: slurm_test.py BREAKWATER ISHIGAMI_LAB [--study]
 """
@@ -21,13 +21,13 @@ import slurm_cluster  # noqa: E402
 from slurm_cluster import wait_for  # noqa: E402
 
 SKIPPED = 77
-WORK = pathlib.Path("/run/work")  # the cluster's nodes see it, nobody else
+WORK = pathlib.Path("/run/work")  # only visible to the nodes of the cluster
 MOST_TASKS = 10
 INTERRUPTED = 130
 
 
 class Study:
-    """A study that is typed again and again."""
+    """A study that is started repeatedly."""
 
     command = "sweep"
 
@@ -50,7 +50,8 @@ class Study:
         return self.looks("--status").stdout
 
     def done(self):
-        """How many lines its shards have: more than points if some ran twice."""
+        """The number of results in the shards. It exceeds the number of points if some ran
+        twice."""
         return sum(text.read_text(errors="replace").count("\tpoint\t")
                    for text in (self.folder / "shards").glob("*"))
 
@@ -72,18 +73,18 @@ class Tuning(Study):
     command = "tune"
 
     def begun_on_slurm(self, *options):
-        """Its output is this script's."""
+        """Start the study. It prints to the output of this script."""
         return subprocess.Popen([str(word) for word in self.words("--slurm", *options)], cwd=WORK,
                                 stdin=subprocess.DEVNULL)
 
     def results(self):
-        """All files but its own description, its shards and its jobs."""
+        """All files except the description, shards and jobs."""
         return {file.relative_to(self.folder): file.read_bytes()
                 for pattern in ("*.csv", "*.html", "front/*") for file in self.folder.glob(pattern)}
 
 
 def variables_of_a_task():
-    """Names in the environment of one that runs; none if none does."""
+    """Names in the environment of a running task; None without one."""
     for process in slurm_cluster.tasks():
         try:
             told = pathlib.Path(f"/proc/{process}/environ").read_bytes()
@@ -109,7 +110,7 @@ class OnSlurm(unittest.TestCase):
         return result.stdout
 
     def finish(self, study):
-        """What a user types when a job is over: nothing is left, or the rest is submitted."""
+        """Repeat the command after a job: nothing is left, or the rest is submitted."""
         study.has_ended(self.cluster, study.submissions())
         self.ok(study.on_slurm("--wait"))
 
@@ -145,14 +146,14 @@ class OnSlurm(unittest.TestCase):
 
 class Slurm(OnSlurm):
     def test_the_node_dies_and_the_results_are_the_same(self):
-        # Long enough to be looked at while it runs, on a loaded machine too.
+        # Long enough for a look during the run, also on a loaded machine.
         study = Study(BREAKWATER, "node", "motor_estimation", "--duration", "2",
                       "--vary", "noise.std_rad=lin(0,0.1,250)", "--case", "stf,vfakfd")
         said = self.ok(study.on_slurm("--tasks", "100"))
         self.assertIn(f"500 points in {MOST_TASKS} tasks: job {study.job()}", said)
 
         wait_for("some are done", lambda: study.done() > 100)
-        # Between the end of one task and the beginning of the next the node has one alone.
+        # Between two tasks the node has only one.
         queue = rf"job {study.job()}: \d+ PENDING \(\w+\), [12] RUNNING"
         wait_for("the queue shows tasks", lambda: re.search(queue, study.status()))
         again = study.on_slurm()
@@ -185,7 +186,7 @@ class Slurm(OnSlurm):
         self.same_bytes(study)
 
     def test_a_cancelled_task_ends_after_the_run_in_flight(self):
-        # A folder with all that a shell, or sbatch, could take for something else.
+        # A folder with all characters that a shell or sbatch interprets.
         study = self.ishigami("it's \"50%a\" #1 $HOME", 60, 0.03)
         self.ok(study.on_slurm("--tasks", "2"))
         wait_for("both run", lambda: len(slurm_cluster.tasks()) == 2 and study.done() > 4)
@@ -193,7 +194,7 @@ class Slurm(OnSlurm):
         run("scancel", study.job() + "_2")
         study.has_ended(self.cluster)
         self.assertLess(study.done(), 60)
-        # Every line is whole: what ran was written.
+        # Every line is complete, so all finished runs were written.
         self.assertIn(f"{study.done()} of 60 points are done", study.status())
         status = study.status()
         self.assertRegex(status, "2 tasks have ended before their points were done:\n"
@@ -237,13 +238,13 @@ class Slurm(OnSlurm):
         self.assertIn("the tasks have ended; 3 of 4 points are done; --status says why",
                       waited.stderr)
         self.assertIn("slurm/1/1.log", study.status())
-        # In processes of their own the crash is a result.
+        # In separate processes the crash is a result.
         self.ok(study.on_slurm("--wait", "--isolate"))
         self.assertIn("4 of 4 points are done; of these 1 crashed", study.status())
 
     def test_the_table_says_what_is_asked_for(self):
         file = WORK / "table.toml"
-        # What `module` is on a cluster; here it only leaves a trace.
+        # A replacement for `module` that only writes a record.
         os.environ["BASH_FUNC_module%%"] = f"() {{ echo \"$@\" >> '{WORK}/modules'; [ $2 != no ]; }}"
         self.addCleanup(os.environ.pop, "BASH_FUNC_module%%")
         table = ('scenario = "ishigami"\n[set]\n"trouble.takes_s" = 0.3\n[vary]\n"x.first" = [1, 2, 3]\n'
@@ -257,7 +258,7 @@ class Slurm(OnSlurm):
         self.assertRegex(refused.stderr, r"\Asbatch: error: .*invalid partition.*\n\Z")
         self.assertEqual(study.submissions(), 0)
 
-        # Where it runs is no part of the study: the same study with another table.
+        # [slurm] is not part of the study, so it may change.
         file.write_text(table.format("other", '"no", '))
         self.assertEqual(study.on_slurm("--wait").returncode, INTERRUPTED)
         self.assertIn(f"{slurm_cluster.NODE}: module load no has failed", study.status())
@@ -287,7 +288,7 @@ class Slurm(OnSlurm):
             '[slurm]\npartition = "other"\n')
         study = Tuning(ISHIGAMI, "tuning", file)
 
-        # The second generation runs when the node dies with its tasks.
+        # The node and its tasks die during the second generation.
         front = study.begun_on_slurm("--tasks", "4")
         wait_for("the second generation", lambda: study.done() > 32 + 4, 120)
         self.cluster.kill_node()
@@ -296,10 +297,10 @@ class Slurm(OnSlurm):
         self.assertLess(study.done(), 64)
         self.cluster.start_node()
 
-        # In the third the command is interrupted; its tasks go on without it.
+        # The command is interrupted in the third generation. Its tasks continue.
         wait_for("the third generation", lambda: study.done() > 64 + 4, 120)
         third = study.job(study.submissions())
-        run("scontrol", "hold", third)  # what is not begun waits, however slow this machine is
+        run("scontrol", "hold", third)  # tasks that have not begun wait, also on a slow machine
         front.send_signal(signal.SIGINT)
         self.assertEqual(front.wait(), INTERRUPTED)
         self.assertIn("in the queue: job " + third, study.status())
@@ -308,14 +309,14 @@ class Slurm(OnSlurm):
         self.assertRegex(here.stderr, r"\Awithout --slurm: .* is still in the queue \(job .*\n\Z")
         run("scontrol", "release", third)
 
-        # In the fourth it is killed, and one task is cancelled.
+        # In the fourth generation it is killed, and one task is cancelled.
         front = study.begun_on_slurm("--tasks", "4")
         wait_for("the fourth generation", lambda: study.done() > 96 + 4, 120)
         front.kill()
         front.wait()
         run("scancel", study.job(study.submissions()) + "_1")
 
-        # The end is a job that submits jobs; what it was given is nothing for them.
+        # Last, a job submits jobs. They must not inherit its settings.
         words = shlex.join(str(word) for word in study.words("--slurm", "--tasks", "4"))
         front = subprocess.Popen(["sbatch", "--wait", "--cpus-per-task=1", "--mem-per-cpu=1",
                                   f"--output={WORK}/front.log", "--wrap", words], cwd=WORK)
@@ -368,7 +369,7 @@ def main():
     arguments = sys.argv[1:]
     suite_class = SlurmStudy if "--study" in arguments else Slurm
     BREAKWATER, ISHIGAMI = (pathlib.Path(name).resolve() for name in arguments[:2])
-    # A copy of the program that lies elsewhere finds the pages' parts.
+    # A copy of the program in another folder finds the parts of the pages.
     os.environ["BREAKWATER_PATH"] = str(pathlib.Path(__file__).resolve().parents[2])
     names = [name for name in arguments[2:] if name != "--study"]
     load = unittest.defaultTestLoader

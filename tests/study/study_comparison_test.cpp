@@ -1,4 +1,3 @@
-// Comparisons of studies in which some runs left nothing, or are still to come.
 #include <breakwater/study/study_comparison.h>
 
 #include <fmt/format.h>
@@ -11,7 +10,7 @@
 namespace breakwater::study_comparison_test {
 namespace {
 
-// A key without effect, a key with one, and seeds with one: of eight samples two differ.
+// An ineffective key, an effective one, and effective seeds: two of eight samples differ.
 Plan plan(WorldUnit worlds = WorldUnit::samples) {
   Study study;
   study.scenario = "any";
@@ -26,7 +25,7 @@ Plan plan(WorldUnit worlds = WorldUnit::samples) {
 
 using Choice = std::function<bool(const StudyPoint&)>;
 
-// The results of all points but those that are `missing`; case b crashes where it is said to.
+// The results of all points except `missing`. Case b crashes at `crashes`.
 PairedResults results_of(const Plan& plan, const Choice& crashes, const Choice& missing) {
   const testing::TemporaryPath folder{"study_comparison"};
   std::filesystem::create_directories(folder);
@@ -56,7 +55,7 @@ bool never(const StudyPoint&) {
   return false;
 }
 
-// A crash leaves no hash: whether the runs of two values of a key are the same, others must tell.
+// A crash leaves no hash. Other runs must show whether two values of a key give the same run.
 TEST(StudyComparison, ACrashMakesNoBlockOfAKeyWithoutEffect) {
   struct Row {
     const char* crashes;
@@ -68,7 +67,7 @@ TEST(StudyComparison, ACrashMakesNoBlockOfAKeyWithoutEffect) {
            Row{"at a seed", [](const auto& point) { return point.seed == 2; }, 2, 2},
            Row{"at a value", [](const auto& point) { return point.values[1] == "10"; }, 2, 2},
            Row{"always", [](const auto&) { return true; }, 1, 2},
-           // The key has an effect then, and nobody knows which of the crashed runs are the same.
+           // The key is effective here, and nobody knows which crashed runs are equal.
            Row{"at some values", [](const auto& point) { return point.values[0] >= "3"; }, 6, 6},
        }) {
     const CandidateComparison comparison = compare_candidates(results_of(plan(), row.where, never));
@@ -77,7 +76,7 @@ TEST(StudyComparison, ACrashMakesNoBlockOfAKeyWithoutEffect) {
   }
 }
 
-// A sample of which a run is missing would seem to differ from its repeats.
+// A sample with a missing run would look different from its repeats.
 TEST(StudyComparison, AHalfFinishedSampleMakesNoBlock) {
   const Choice missing = [](const StudyPoint& point) {
     return point.values == std::vector<std::string>{"4", "20"} && point.seed == 3;
@@ -85,7 +84,7 @@ TEST(StudyComparison, AHalfFinishedSampleMakesNoBlock) {
   const PairedResults results = results_of(plan(), never, missing);
   EXPECT_EQ(results.samples.size(), 7 * 3);
   EXPECT_EQ(compare_candidates(results).blocks, 2U);
-  // Where each seed is a world, the seeds that ran count.
+  // If each seed is a block, the finished seeds count.
   const PairedResults of_seeds = results_of(plan(WorldUnit::seeds), never, missing);
   EXPECT_EQ(of_seeds.samples.size(), 8 * 3 - 1);
   EXPECT_EQ(compare_candidates(of_seeds).blocks, 6U);

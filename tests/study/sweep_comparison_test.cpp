@@ -1,4 +1,3 @@
-// A study's words about its candidates and keys: comparisons, pages, indices.
 #include <cmath>
 #include <numbers>
 
@@ -12,7 +11,7 @@ using testing::ProgramResult;
 
 class SweepComparison : public testing::SweepFolder {};
 
-TEST_F(SweepComparison, CandidatesAreComparedInTheSameWorlds) {
+TEST_F(SweepComparison, CandidatesAreComparedInTheSameTestConditions) {
   write("study.toml", R"toml(
 scenario = "ishigami"
 seeds = { first = 1, count = 2 }
@@ -28,27 +27,27 @@ goal = { y_1 = "min" }
   EXPECT_EQ(result.err, "");
   EXPECT_TRUE(has(result.out, "no difference shown"));
   const auto cells = results("s", "comparison.csv");
-  // A label has a comma, and so its quotes are cut in two: metric, goal, "case, key", ….
+  // A label contains a comma, so it has two cells: metric, goal, "case, key", ….
   ASSERT_EQ(cells.size(), 1U + 2 * 3 + 3 + 2 * 4);
   EXPECT_EQ(cells[1][0] + cells[1][1], "y_1min");
-  // x.third = 1.5 adds 0.1 (1.5⁴ − 0.5⁴) sin x₁ in each world, which its seeds leave as it is.
+  // x.third = 1.5 adds 0.1 (1.5⁴ − 0.5⁴) sin x₁ in each test condition, independent of the seed.
   EXPECT_EQ(cells[1][2] + cells[1][3], "\"plain x.third = 1.5\"");
   EXPECT_EQ(cells[1][6], "24");   // pairs
   EXPECT_EQ(cells[1][27], "12");  // blocks
   EXPECT_NEAR(std::stod(cells[1][13]), 0.5 * std::sin(0.5), 1e-12);
   EXPECT_EQ(std::stod(cells[1][16]), std::ldexp(1.0, -11));
   EXPECT_EQ(cells[1].at(20), "worse");
-  // Case noisy: the shift of seed 1 and of seed 2.
+  // Case noisy: the differences with seeds 1 and 2.
   EXPECT_NEAR(std::stod(cells[2][13]), 0.05 * (std::sin(1.0) + std::sin(2.0)), 1e-12);
-  // A metric without a goal; all candidates have the same.
+  // A metric without a goal, equal for all candidates.
   EXPECT_EQ(cells[4][0] + cells[4][1], "positive_x_second_1");
   EXPECT_EQ(cells[4].at(20), "no difference shown");
   EXPECT_EQ(cells[7][0], "failure");
-  // The same bytes again, and of another number of workers.
+  // A second collection and another number of workers give the same bytes.
   const std::string bytes = read("s/comparison.csv");
   swept("study.toml --out t --jobs 1");
   EXPECT_EQ(read("t/comparison.csv"), bytes);
-  // A study of one candidate compares nothing; seeds are no worlds of their own.
+  // A study with one candidate compares nothing. Seeds are not blocks.
   swept(
       "ishigami --case plain --seeds 1..9 --vary x.second=1,2 --metrics y_1 --goal y_1=max "
       "--out u");
@@ -60,8 +59,9 @@ goal = { y_1 = "min" }
   EXPECT_EQ(results("v", "comparison.csv").at(1).at(25), "2");  // blocks
 }
 
-// Five walls and five seeds: x.third = 1.5 is worse in all 25 pairs, and yet in five worlds alone.
-TEST_F(SweepComparison, SeedsRepeatWhatTheVariedKeysMake) {
+// Five walls and five seeds: x.third = 1.5 is worse in all 25 pairs, but there are only five
+// blocks.
+TEST_F(SweepComparison, SeedsRepeatASample) {
   write("study.toml", R"toml(
 scenario = "ishigami"
 case = "noisy"
@@ -80,14 +80,14 @@ goal.y_1 = "min"
   EXPECT_EQ(cells[1].at(18) + cells[1].at(25) + cells[1].at(14), "too few blocks50.0625");
   const std::string page = read("few/report.html");
   EXPECT_TRUE(has(page, ">too few blocks</b>", "Between: share"));
-  // Each seed a world, where that is asked for. Both values of a key without effect are one.
+  // With `--worlds seeds` each seed is a block. The two values of an ineffective key count once.
   swept("study.toml --worlds seeds --out seeds");
   cells = results("seeds", "comparison.csv");
   EXPECT_EQ(cells[1].at(18) + cells[1].at(25), "worse25");
   EXPECT_TRUE(lacks(read("seeds/report.html"), "Between: share"));
   EXPECT_TRUE(has(read("seeds/study.toml"), "worlds = \"seeds\"\n"));
   EXPECT_EQ(read("seeds/results.csv"), read("few/results.csv"));
-  // Without a varied key seeds are what there is.
+  // Without a varied key the seeds are the blocks.
   write("seeds.toml", R"toml(
 scenario = "ishigami"
 case = "noisy"
@@ -105,8 +105,8 @@ metrics = ["y_1"]
        {"--goal y_1=min --goal y_1=max", "--goal: y_1: is given twice"}});
 }
 
-// x.third makes 0.1 x₃⁴ sin x₁ of y: its sign is that of x.first.
-TEST_F(SweepComparison, ASignThatTurnsWithAVariedKeyIsSaid) {
+// x.third adds 0.1 x₃⁴ sin x₁ to y, with the sign of x.first.
+TEST_F(SweepComparison, ReportsAVariedKeyThatChangesTheSign) {
   write("study.toml", R"toml(
 scenario = "ishigami"
 case = "noisy"
@@ -145,7 +145,7 @@ TEST_F(SweepComparison, KeysVariedTogetherAreOneEffect) {
   EXPECT_TRUE(has(page, said + ": their effects cannot be told apart"));
 }
 
-TEST_F(SweepComparison, ThePageOpensWithTheFirstMetricThatIsNamed) {
+TEST_F(SweepComparison, ThePageOpensWithTheFirstNamedMetric) {
   int count = 0;
   const auto first = [&](const std::string& options) {
     const std::string out = std::to_string(++count);
@@ -159,10 +159,10 @@ TEST_F(SweepComparison, ThePageOpensWithTheFirstMetricThatIsNamed) {
   const std::string second = "positive_x_second_1";
   EXPECT_EQ(first("--metrics " + second), second);
   EXPECT_EQ(first("--goal " + second + "=max"), second);
-  EXPECT_EQ(first("--goal y_1=min --goal " + second + "=max"), "y_1");  // not by the alphabet
+  EXPECT_EQ(first("--goal y_1=min --goal " + second + "=max"), "y_1");  // not in alphabetic order
 }
 
-TEST_F(SweepComparison, RowsOfFewerWorldsAreMarked) {
+TEST_F(SweepComparison, RowsWithFewerTestConditionsAreMarked) {
   write("study.toml", R"toml(
 scenario = "ishigami"
 [vary]
@@ -177,8 +177,8 @@ baseline = "trouble.fails_above = 10"
   EXPECT_TRUE(has(result.out, "\n* fewer than 3 blocks: "));
 }
 
-// A slip of the pen costs no study.
-TEST_F(SweepComparison, AMisspeltMetricIsFoundByTheFirstRuns) {
+// A misspelt name is found before the study runs.
+TEST_F(SweepComparison, TheFirstRunsRevealAMisspeltMetric) {
   expect_refusals(
       "ishigami_lab sweep ishigami --case plain,noisy --seeds 1..9 --out misspelt ",
       {{"--goal y_2=max",
@@ -188,7 +188,7 @@ TEST_F(SweepComparison, AMisspeltMetricIsFoundByTheFirstRuns) {
         "y_1?)"}});
 }
 
-TEST_F(SweepComparison, SensitivityIndicesOfTheIshigamiFunctionAreTheClosedForm) {
+TEST_F(SweepComparison, SensitivityIndicesOfTheIshigamiFunctionMatchTheClosedForm) {
   const double pi = std::numbers::pi;
   const std::string from_minus_to_plus_pi = "=uniform(-3.141592653589793,3.141592653589793)";
   swept("ishigami --method saltelli --samples 4096 --vary x.first" + from_minus_to_plus_pi +

@@ -1,4 +1,4 @@
-// Studies as users make them, in a folder of the test's own.
+// Studies in a temporary folder.
 #pragma once
 
 #include <csignal>
@@ -13,10 +13,10 @@ class SweepFolder : public ProgramTest {
   ProgramResult sweep(const std::string& words, double kill_after_s = 0.0, int signal = 0) const {
     return run("ishigami_lab sweep " + words, kill_after_s, signal);
   }
-  /// The same where it must succeed.
+  /// The same, but it must succeed.
   ProgramResult swept(const std::string& words) const { return done(sweep(words)); }
 
-  /// The cells of a table in a study's folder, cut at every comma.
+  /// The cells of a table in a study's folder, split at every comma.
   std::vector<std::vector<std::string>> results(const std::string& study,
                                                 const std::string& table = "results.csv") const {
     std::vector<std::vector<std::string>> rows;
@@ -33,8 +33,7 @@ class SweepFolder : public ProgramTest {
     return rows;
   }
 
-  /// Runs a study, kills it `kills` times at random moments, and goes on each time; then to its
-  /// end.
+  /// Runs a study and kills it `kills` times at random moments, then completes it.
   void run_and_kill(const std::string& words, int kills, double longest_s, unsigned seed) const {
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> moment(0.0, longest_s);

@@ -1,4 +1,3 @@
-// Refusals and warnings of `breakwater sweep`.
 #include "study/sweep_folder.h"
 
 namespace breakwater {
@@ -89,7 +88,7 @@ TEST_F(SweepRefusals, NonsenseInTheCommand) {
        {"nothing.toml", "nothing.toml: there is no such file or folder"}});
 }
 
-TEST_F(SweepRefusals, WarnsOfWhatIsInVain) {
+TEST_F(SweepRefusals, WarnsOfIneffectiveKeys) {
   const auto said = [&](const std::string& words) {
     const ProgramResult result = ran(words + " --out s");
     fs::remove_all(folder_ / "s");
@@ -109,7 +108,7 @@ TEST_F(SweepRefusals, WarnsOfWhatIsInVain) {
             "positive_x_second_1 is missing: in 1 of 2 complete runs of plain"},
            {"--metrics y_2 --case 'plain, noisy' --dry-run",
             "compare.metrics: y_2: none of these runs has it (did you mean y_1?)"},
-           {"--duration 0.5 --dry-run", ""}}) {  // they know that it is shorter
+           {"--duration 0.5 --dry-run", ""}}) {  // their runs are shorter
     const ProgramResult result = said("ishigami_lab sweep ishigami " + words);
     const std::string all = result.err + result.out;
     EXPECT_TRUE(warning.empty() ? lacks(all, "warning", "same run") : has(all, warning)) << words;
@@ -117,7 +116,7 @@ TEST_F(SweepRefusals, WarnsOfWhatIsInVain) {
               warning.empty() ? "" : "sweep: warning: " + warning + "\n")
         << words;
   }
-  // A key that the chosen estimator does not use, and one that another candidate does.
+  // A key without effect for the chosen estimator, and one that only another candidate uses.
   const auto motor = [&](const std::string& cases) {
     return said("breakwater sweep motor_estimation --case " + cases +
                 " --vary observer.poles_rad_s=[-10,-20,-30],[-11,-20,-30] --duration 0.01")

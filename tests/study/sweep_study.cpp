@@ -1,4 +1,3 @@
-// A study that is killed a hundred times.
 #include <csignal>
 
 #include "study/sweep_folder.h"
@@ -8,7 +7,7 @@ namespace {
 
 using SweepStudy = testing::SweepFolder;
 
-TEST_F(SweepStudy, AHundredKillsChangeNoByte) {
+TEST_F(SweepStudy, AHundredKillsDoNotChangeTheResults) {
   const std::string study =
       "ishigami --vary x.first=lin(-3,3,20) --vary x.second=lin(-3,3,20) --seeds 1..5 "
       "--set trouble.takes_s=0.005 --jobs 2 --out ";
@@ -17,8 +16,8 @@ TEST_F(SweepStudy, AHundredKillsChangeNoByte) {
   EXPECT_EQ(read("whole/results.csv"), read("killed/results.csv"));
 }
 
-// Each kill at another moment of a short study's life: while it makes its folder, runs, collects.
-TEST_F(SweepStudy, AKillAtAnyMomentOfAShortStudyChangesNoByte) {
+// Kills at all moments of a short study: while it makes its folder, runs or collects.
+TEST_F(SweepStudy, AKillAtAnyTimeDoesNotChangeTheResults) {
   const std::string study = "ishigami --vary x.first=lin(-3,3,50) --out ";
   swept(study + "whole");
   for (int i = 0; i < 100; ++i) {

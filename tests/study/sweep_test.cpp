@@ -1,4 +1,3 @@
-// `breakwater sweep` as users meet it.
 #include <sys/wait.h>
 
 #include <chrono>
@@ -25,7 +24,7 @@ using testing::ProgramResult;
 
 class Sweep : public testing::SweepFolder {
  protected:
-  // Whether the study s has a result; not if it takes too long.
+  // Whether the study s has a result, with a time limit.
   bool wait_for_a_result() const {
     const fs::path shards = folder_ / "s/shards";
     const auto begin = std::chrono::steady_clock::now();
@@ -37,7 +36,7 @@ class Sweep : public testing::SweepFolder {
   }
 };
 
-TEST_F(Sweep, AGridIsOneRowARunInOrder) {
+TEST_F(Sweep, AGridHasOneRowPerRunInOrder) {
   swept(
       "ishigami --case plain,noisy --vary x.first=0.1,0.2 --vary x.second=lin(-1,1,3) "
       "--seeds 1..2 --out s");
@@ -60,7 +59,7 @@ TEST_F(Sweep, AGridIsOneRowARunInOrder) {
                      7 * std::pow(std::sin(std::stod(rows[i][4])), 2) +
                      0.1 * std::pow(0.5, 4) * std::sin(std::stod(rows[i][3])) +
                      (rows[i][1] == "noisy" ? 0.1 * std::sin(std::stod(rows[i][2])) : 0.0);
-    EXPECT_EQ(std::stod(rows[i][7]), y);  // 17 digits are all of it
+    EXPECT_EQ(std::stod(rows[i][7]), y);  // 17 digits identify the double
     EXPECT_EQ(rows[i][8].empty(), std::stod(rows[i][4]) <= 0.0);
   }
   EXPECT_EQ(keys.size(), rows.size() - 1);
@@ -88,19 +87,19 @@ baseline = "plain"
       "plain --out b");
   EXPECT_EQ(read("a/results.csv"), read("b/results.csv"));
   EXPECT_EQ(results("a").size(), 33U);
-  // An option comes before the file, however that writes its key.
+  // An option has priority over the file, in any spelling of the key.
   swept("study.toml --vary x.first=uniform(5,6) --set x.third=0.5 --baseline noisy --out d");
   const auto rows = results("d");
   ASSERT_EQ(rows.size(), 33U);
   const auto first = static_cast<std::size_t>(std::find(rows[0].begin(), rows[0].end(), "x.first") -
                                               rows[0].begin());
   EXPECT_GE(std::stod(rows[1][first]), 5.0);
-  // The study that it left is a study file too.
+  // The study file in the folder is valid too.
   swept("a/study.toml --out c");
   EXPECT_EQ(read("a/results.csv"), read("c/results.csv"));
 }
 
-TEST_F(Sweep, WorkersProcessesAndKillsChangeNoByte) {
+TEST_F(Sweep, WorkersProcessesAndKillsDoNotChangeTheResults) {
   const std::string study =
       "ishigami --vary x.first=lin(-3,3,12) --vary x.second=lin(-3,3,12) "
       "--set trouble.fails_above=2 --set trouble.takes_s=0.002 --out ";
@@ -113,22 +112,22 @@ TEST_F(Sweep, WorkersProcessesAndKillsChangeNoByte) {
   }
 }
 
-TEST_F(Sweep, ATornOrDamagedLineIsRunAgain) {
+TEST_F(Sweep, ARunWithADamagedLineIsRepeated) {
   const std::string study = "ishigami --vary x.first=lin(0,1,20) --out s --jobs 1";
   swept(study);
   const std::string whole = read("s/results.csv");
   fs::path shard;
   for (const auto& entry : fs::directory_iterator(folder_ / "s/shards")) shard = entry.path();
   const std::string text = testing::text_of(shard);
-  std::string damaged = text.substr(0, text.size() - 7);      // the last line is torn
-  damaged[damaged.find('\n', damaged.size() / 2) + 20] ^= 1;  // and one is not its own
+  std::string damaged = text.substr(0, text.size() - 7);      // the last line is truncated
+  damaged[damaged.find('\n', damaged.size() / 2) + 20] ^= 1;  // and one line is damaged
   std::ofstream(shard, std::ios::binary) << damaged;
   EXPECT_TRUE(has(sweep("s --status").out, "18 of 20 points are done"));
   swept(study);
   EXPECT_EQ(read("s/results.csv"), whole);
 }
 
-TEST_F(Sweep, APointIsTheRunOfItsConfiguration) {
+TEST_F(Sweep, APointEqualsTheRunOfItsConfiguration) {
   ran("breakwater sweep motor_estimation --case idob --vary encoder.bits=6,8 --seeds 2..3 "
       "--duration 0.2 --out s");
   const auto rows = results("s");
@@ -150,7 +149,7 @@ TEST_F(Sweep, APointIsTheRunOfItsConfiguration) {
                  "results.csv names them");
 }
 
-// `./dev tsan` watches it.
+// `./dev tsan` runs it.
 TEST_F(Sweep, ThreadsShareModelsAndTheShard) {
   for (const std::string jobs : {"1", "4"}) {
     ran("breakwater sweep motor_estimation --case idob,stf --vary encoder.bits=6,8 --seeds 1..3 "
@@ -160,7 +159,7 @@ TEST_F(Sweep, ThreadsShareModelsAndTheShard) {
   EXPECT_EQ(read("1/results.csv"), read("4/results.csv"));
 }
 
-TEST_F(Sweep, KeepsTheFoldersThatItIsToldTo) {
+TEST_F(Sweep, KeepsTheChosenFolders) {
   for (const auto& [keep, count] :
        std::map<std::string, std::size_t>{{"metrics", 0}, {"failed", 1}, {"all", 3}}) {
     swept("ishigami --vary x.first=0,1,3 --set trouble.fails_above=2 --keep " + keep + " --out " +
@@ -180,20 +179,20 @@ TEST_F(Sweep, KeepsTheFoldersThatItIsToldTo) {
   }
 }
 
-TEST_F(Sweep, AFailureIsCountedOrStopsIt) {
+TEST_F(Sweep, AFailureCountsOrStopsTheStudy) {
   const std::string study =
       "ishigami --vary x.first=lin(0,3,30) --set trouble.fails_above=1 --jobs 1 --out ";
   EXPECT_TRUE(has(swept(study + "counted").out, "20 failed"));
   EXPECT_EQ(results("counted").size(), 31U);
   EXPECT_EQ(results("counted").back()[4], "failed");
-  EXPECT_EQ(results("counted").back()[6], "");  // no metric of it
+  EXPECT_EQ(results("counted").back()[6], "");  // this run has no metrics
   const ProgramResult stopped = sweep(study + "stopped --on-failure stop");
   EXPECT_EQ(stopped.status, 3);
   EXPECT_TRUE(has(stopped.err, "failed: at 0.5 s: x_1 is too large"));
   EXPECT_EQ(results("stopped").size(), 12U);
 }
 
-TEST_F(Sweep, ACrashCostsOneRunInAProcessOfItsOwn) {
+TEST_F(Sweep, ACrashInASeparateProcessLosesOneRun) {
   const std::string study =
       "ishigami --vary x.first=lin(0,3,31) --set trouble.crashes_above=2.85 --isolate --out s";
   EXPECT_TRUE(has(swept(study).out, "2 crashed"));
@@ -204,8 +203,8 @@ TEST_F(Sweep, ACrashCostsOneRunInAProcessOfItsOwn) {
   }
 }
 
-// All that differs stands in one place.
-TEST_F(Sweep, AKilledStudyLeavesTheSamePage) {
+// All differences are in one place.
+TEST_F(Sweep, AKilledStudyGivesTheSamePage) {
   const std::string study =
       "ishigami --vary x.first=lin(-3,3,40) --case plain,noisy --seeds 1..3 "
       "--set trouble.takes_s=0.003 ";
@@ -223,7 +222,7 @@ TEST_F(Sweep, AKilledStudyLeavesTheSamePage) {
   EXPECT_EQ(without_machine("whole"), without_machine("elsewhere/killed"));
 }
 
-TEST_F(Sweep, TasksOfAnySchedulerTogetherAreTheStudy) {
+TEST_F(Sweep, TasksOfAnySchedulerCompleteTheStudy) {
   const std::string study = "ishigami --vary x.first=lin(0,1,25) --out ";
   swept(study + "whole");
   write("tasks.sh", swept(study + "tasks --print-tasks --tasks 4").out);
@@ -238,11 +237,11 @@ TEST_F(Sweep, ADryRunCountsAndLeavesNothing) {
       "ishigami --vary x.first=lin(0,1,1000) --seeds 1..10 --set trouble.takes_s=0.01 "
       "--jobs 2 --dry-run --out s");
   EXPECT_TRUE(has(result.out, "10000 runs: 1000 samples, 10 seeds, 1 candidate",
-                  "about 5"));  // 50 s and a little
+                  "about 5"));  // slightly more than 50 s
   EXPECT_FALSE(fs::exists(folder_ / "s"));
 }
 
-TEST_F(Sweep, AnInterruptionSaysHowToGoOn) {
+TEST_F(Sweep, AnInterruptionExplainsHowToContinue) {
   const ProgramResult result =
       sweep("ishigami --vary x.first=lin(0,1,200) --set trouble.takes_s=0.05 --out s", 1.0, SIGINT);
   EXPECT_EQ(result.status, 130);
@@ -252,7 +251,7 @@ TEST_F(Sweep, AnInterruptionSaysHowToGoOn) {
   EXPECT_LT(results("s").size(), 201U);
 }
 
-TEST_F(Sweep, GoesOnWithNothingElse) {
+TEST_F(Sweep, RefusesToContinueAnotherStudy) {
   swept("ishigami --vary x.first=1,2 --out s");
   expect_refusals("ishigami_lab sweep ",
                   {{"ishigami --vary x.first=1,3 --out s",
@@ -261,7 +260,7 @@ TEST_F(Sweep, GoesOnWithNothingElse) {
                    {"s --vary x.first=1,3",
                     "s: is a study's folder, and its study.toml says what is run: leave --case, "
                     "--vary, --out and the like out"}});
-  // Another program: what it did not make itself it does not go on with.
+  // Results of another program are not continued.
   ran("/bin/sed -i 's/^program = .*/program = \"0123456789abcdef\"/' s/study.toml");
   const ProgramResult other = sweep("s");
   EXPECT_EQ(other.status, 2);
@@ -269,7 +268,7 @@ TEST_F(Sweep, GoesOnWithNothingElse) {
                   "): go on with what it was begun with, or begin anew with --rerun\n"));
   swept("s --rerun");
   swept("s");
-  // Somebody's own folder.
+  // A folder with other files.
   write("mine/thesis.tex", "text");
   expect_refusals(
       "ishigami_lab sweep ",
@@ -278,7 +277,7 @@ TEST_F(Sweep, GoesOnWithNothingElse) {
   EXPECT_EQ(read("mine/thesis.tex"), "text");
 }
 
-TEST_F(Sweep, BeginsAnewWithoutAUsersOwnFiles) {
+TEST_F(Sweep, RerunKeepsTheUsersFiles) {
   swept("ishigami --vary x.first=1,2 --out s");
   write("s/notes.txt", "mine");
   swept("s --rerun");
@@ -287,7 +286,7 @@ TEST_F(Sweep, BeginsAnewWithoutAUsersOwnFiles) {
   expect_refused("ishigami_lab sweep s --rerun --replay " + results("s")[1][0],
                  "sweep: --rerun excludes --replay (see --help)");
   EXPECT_EQ(results("s").size(), 3U);
-  // A study file that lies where its author keeps other things is no study's folder.
+  // A study file in a folder with other files does not make it a study's folder.
   write("exp/study.toml", "scenario = \"ishigami\"\ncase = \"plain\"\nseeds = [1]\n");
   write("exp/thesis.tex", "text");
   expect_refusals(
@@ -300,7 +299,7 @@ TEST_F(Sweep, BeginsAnewWithoutAUsersOwnFiles) {
   EXPECT_EQ(read("exp/thesis.tex"), "text");
 }
 
-TEST_F(Sweep, AFailureStopsProcessesOfTheirOwnToo) {
+TEST_F(Sweep, AFailureStopsSeparateProcessesToo) {
   const ProgramResult stopped = sweep(
       "ishigami --vary x.first=lin(0,3,300) --set trouble.fails_above=0.5 --set "
       "trouble.takes_s=0.01 --isolate --jobs 2 --on-failure stop --out s");
@@ -309,7 +308,7 @@ TEST_F(Sweep, AFailureStopsProcessesOfTheirOwnToo) {
   EXPECT_LT(results("s").size(), 200U);
 }
 
-TEST_F(Sweep, ACrashHasThePointsOwnKey) {
+TEST_F(Sweep, ACrashHasTheKeyOfItsPoint) {
   const std::string run_of = "ishigami --set x.first=3 --set trouble.crashes_above=2 ";
   swept(run_of + "--isolate --out s");
   const std::string config = ran("ishigami_lab run " + run_of + "--print-config").out;
@@ -325,7 +324,7 @@ TEST_F(Sweep, ACrashBeforeAnyPointIsNoResult) {
   EXPECT_TRUE(has(sweep("s --status").out, "0 of 2 points are done"));
 }
 
-TEST_F(Sweep, APointThatAnotherProcessDoesIsNotTheOneThatCrashed) {
+TEST_F(Sweep, APointOfAnotherProcessIsNotTheCrashedOne) {
   ReadProgram study(
       {(testing::bin_folder() / "../tests/ishigami_lab").string(), "sweep", "ishigami", "--vary",
        "x.first=lin(-3,3,64)", "--set", "trouble.crashes_above=2", "--set", "trouble.takes_s=0.04",
@@ -335,7 +334,7 @@ TEST_F(Sweep, APointThatAnotherProcessDoesIsNotTheOneThatCrashed) {
   swept("s --points 50-52");
   while (study.next()) continue;
   EXPECT_EQ(study.wait(), 0);
-  std::map<std::string, int> crashes;  // by the points' numbers
+  std::map<std::string, int> crashes;  // by number of the point
   for (const auto& entry : fs::directory_iterator(folder_ / "s/shards")) {
     std::istringstream shard(testing::text_of(entry.path()));
     for (std::string line; std::getline(shard, line);) {
@@ -359,7 +358,7 @@ TEST_F(Sweep, TwoProcessesWithTheSamePointsBothSucceed) {
   EXPECT_EQ(first.wait(), 0);
 }
 
-TEST_F(Sweep, APointThatIsKilledFromOutsideIsLeftUndone) {
+TEST_F(Sweep, APointKilledFromOutsideStaysUndone) {
   const std::string study =
       "ishigami --vary x.first=lin(0,3,31) --set trouble.killed_above=2.85 --isolate --out s";
   const ProgramResult killed = sweep(study);
@@ -368,7 +367,7 @@ TEST_F(Sweep, APointThatIsKilledFromOutsideIsLeftUndone) {
                   "s: 2 runs were left undone: the same command goes on\n"));
   EXPECT_EQ(results("s").size(), 30U);
   EXPECT_EQ(sweep(study).status, 2);
-  // A scheduler's task too; not where its own points are done.
+  // A scheduler's task too, except where its points are done.
   const ProgramResult task = sweep("s --isolate --points 20-30");
   EXPECT_EQ(task.status, 2);
   EXPECT_TRUE(has(task.err, "s: 2 runs were left undone"));
@@ -390,12 +389,12 @@ TEST_F(Sweep, AnElementOfAnArrayIsAKey) {
   ASSERT_EQ(elements.size(), 5U);
   EXPECT_EQ(elements[3][3], "0.9");
   EXPECT_EQ(elements[3][4], "-41");
-  // Points of the same keys, and so the same runs, in the same order.
+  // The points have the same keys and so the same runs, in the same order.
   for (std::size_t i = 1; i < elements.size(); ++i) {
     EXPECT_TRUE(lines("arrays/results.csv")[i].starts_with(elements[i][0] + ","));
     EXPECT_TRUE(has(lines("arrays/results.csv")[i], "," + elements[i][6]));
   }
-  // The study's own file says the same, and a study file spells it likewise.
+  // The file in the folder gives the same study, and so does a study file in this spelling.
   ran("breakwater sweep elements --quiet");
   EXPECT_TRUE(has(read("elements/study.toml"), "\"controller.t_ref_s[3]\" = [0.7, 0.9]\n"));
 
@@ -415,12 +414,12 @@ TEST_F(Sweep, AnElementOfAnArrayIsAKey) {
             "controller.name is proposed or tlsc\n");
 }
 
-TEST_F(Sweep, AReplayIsTheRunThatItWasOrSaysSo) {
+TEST_F(Sweep, AReplayEqualsTheRunOrReportsADifference) {
   swept("ishigami --vary x.first=1,2 --out s");
   const std::string key = results("s").at(1).at(0);
   swept("s --replay " + key.substr(0, 8));
   EXPECT_TRUE(fs::exists(folder_ / "s/runs" / key / "log.h5"));
-  // As if another machine had made them.
+  // Simulates a result from another machine.
   PointResult other = ShardIndex(folder_ / "s/shards", 2).read(0);
   fs::remove_all(folder_ / "s/shards");
   fs::create_directory(folder_ / "s/shards");
@@ -431,7 +430,7 @@ TEST_F(Sweep, AReplayIsTheRunThatItWasOrSaysSo) {
   EXPECT_TRUE(has(differs.err, "is not the run of results.csv"));
 }
 
-TEST_F(Sweep, AReplayOfWhatIsRefusedHasNoFolder) {
+TEST_F(Sweep, AReplayOfARefusedPointHasNoFolder) {
   ran("breakwater sweep motor_estimation --vary metrics.from_s=0.1,0.5 --vary "
       "metrics.to_s=1.0,0.3 --duration 0.01 --out s");
   std::string key;
@@ -454,7 +453,7 @@ TEST_F(Sweep, ASeedIsExact) {
   EXPECT_EQ(run("/usr/bin/python3 look.py").out, "9007199254740993\n");
 }
 
-TEST_F(Sweep, BlanksAroundValuesAreNoneOfThem) {
+TEST_F(Sweep, BlanksAroundValuesAreIgnored) {
   for (const std::string seeds : {"1, 2", "1 .. 2", " 1..2 "}) {
     swept("ishigami --case 'plain, noisy' --vary 'x.first= 1 , 2' --seeds '" + seeds + "' --out s");
     EXPECT_EQ(results("s").size(), 9U);
@@ -464,21 +463,21 @@ TEST_F(Sweep, BlanksAroundValuesAreNoneOfThem) {
   EXPECT_EQ(results("words").size(), 3U);
 }
 
-TEST_F(Sweep, ADryRunOfOneRunSaysSo) {
+TEST_F(Sweep, ADryRunOfOneRunReportsIt) {
   const ProgramResult result = sweep("ishigami --dry-run");
   EXPECT_TRUE(result.out.starts_with("1 run: 1 sample, 1 seed, 1 candidate\n")) << result.out;
 }
 
-// 100 000 points of other lengths, of which the mean is 2 (first: 0.5, mean: 1).
+// 100 000 points with different lengths, whose mean is 2 (first: 0.5, mean: 1).
 TEST_F(Sweep, ADryRunDoesNotLookAtEveryPoint) {
   const ProgramResult result = sweep(
       "ishigami --vary x.first=lin(0,1,100) --vary run.duration_s=lin(0.5,1.5,1000) --set "
       "trouble.takes_s=0.36 --jobs 2 --dry-run");
-  EXPECT_TRUE(has(result.out, "about 10."));  // 10 h and a little
+  EXPECT_TRUE(has(result.out, "about 10."));  // slightly more than 10 h
   EXPECT_LT(result.seconds, 20.0);
 }
 
-TEST_F(Sweep, WhatIsToGoIsWeighedByCandidate) {
+TEST_F(Sweep, TheRemainingTimeIsEstimatedPerCandidate) {
   swept("ishigami --case plain,noisy --vary x.first=1,2 --out s");
   const fs::path shards = folder_ / "s/shards";
   std::vector<PointResult> points;
@@ -490,32 +489,32 @@ TEST_F(Sweep, WhatIsToGoIsWeighedByCandidate) {
     Shard(shards).add(point);
   }
   EXPECT_TRUE(has(sweep("s --status").out, "50.0 s of processor time to go"));
-  // One candidate is not begun, and a point of the other ran twice.
+  // One candidate has not begun, and one point of the other ran twice.
   fs::remove_all(shards);
   fs::create_directory(shards);
   for (const std::size_t i : {0, 0, 2}) Shard(shards).add(points.at(i));
   EXPECT_TRUE(has(sweep("s --status").out, "2.0 s of processor time to go"));
 }
 
-TEST_F(Sweep, SubmissionsThatCannotBeReadAreNotNone) {
+TEST_F(Sweep, UnreadableSubmissionsAreNotIgnored) {
   fs::create_directory(folder_ / "s");
   write("s/slurm", "no folder");
   EXPECT_THROW(queued(StudyFolder(folder_ / "s", kSweep), 1), std::invalid_argument);
 }
 
-TEST_F(Sweep, TwoStudiesAreNotBegunInOneFolder) {
+TEST_F(Sweep, TwoStudiesCannotBeginInOneFolder) {
   const ScenarioFile file(testing::source_file("tests/study/ishigami/ishigami.toml"), "ishigami");
   const StudyFolder study(folder_ / "s", kSweep);
   study.make("a = 1\n", file);
   EXPECT_TRUE(has(read("s/study.toml"), file_hash(file.file())));
-  EXPECT_NO_THROW(study.make("a = 1\n", file));  // by another process at the same time
+  EXPECT_NO_THROW(study.make("a = 1\n", file));  // as another process at the same time
   EXPECT_NO_THROW(study.make("a = 1\n\n[slurm]\naccount = \"mine\"\n", file));
   EXPECT_THROW(study.make("a = 2\n", file), std::invalid_argument);
   study.make_anew("a = 2\n", file);
   EXPECT_TRUE(has(read("s/study.toml"), "a = 2\n"));
 }
 
-TEST_F(Sweep, TwoSweepsOfOneStudyAreWarnedOf) {
+TEST_F(Sweep, WarnsOfTwoSweepsOfOneStudy) {
   const std::vector<std::string> study = {
       (testing::bin_folder() / "../tests/ishigami_lab").string(),
       "sweep",
@@ -544,7 +543,7 @@ TEST_F(Sweep, TwoSweepsOfOneStudyAreWarnedOf) {
   }
 }
 
-// Each of its processes, of one point, would be content with what it reads itself.
+// Each process runs one point, so it alone would not notice the change.
 TEST_F(Sweep, AModelThatChangesBetweenProcessesEndsTheStudy) {
   fs::copy_file(testing::source_file("models/motor.xml"), folder_ / "own.xml");
   ReadProgram study(
@@ -559,14 +558,14 @@ TEST_F(Sweep, AModelThatChangesBetweenProcessesEndsTheStudy) {
   EXPECT_EQ(WEXITSTATUS(study.wait()), 2);
   EXPECT_TRUE(has(said, "own.xml has changed since"));
   EXPECT_FALSE(fs::exists(folder_ / "s/results.csv"));
-  // Nothing of the other version is among the results.
+  // The results have none of the other version.
   fs::copy_file(testing::source_file("models/motor.xml"), folder_ / "own.xml",
                 fs::copy_options::overwrite_existing);
   ran("breakwater sweep s");
   EXPECT_EQ(results("s").size(), 8U);
 }
 
-TEST_F(Sweep, ModelsThatChangedAreNotGoneOnWith) {
+TEST_F(Sweep, AStudyDoesNotContinueWithChangedModels) {
   fs::copy_file(testing::source_file("models/motor.xml"), folder_ / "own.xml");
   const std::string study =
       "breakwater sweep motor_estimation --set model.mjcf=own.xml --seeds 1..2 --duration 0.01 "

@@ -1,4 +1,3 @@
-// lin(a,b,n) and log(a,b,n).
 #include <breakwater/study/value_list.h>
 
 #include <cmath>
@@ -12,7 +11,7 @@ namespace {
 
 using Values = std::vector<double>;
 
-TEST(ValueList, HasTheNumbersThatOneWouldWrite) {
+TEST(ValueList, HasTheNumbersOfTwelveDigits) {
   EXPECT_EQ(value_list("lin(0.06,0.12,4)"), (Values{0.06, 0.08, 0.1, 0.12}));
   EXPECT_EQ(value_list(" lin( -1 , 1, 5 ) "), (Values{-1.0, -0.5, 0.0, 0.5, 1.0}));
   EXPECT_EQ(value_list("lin(0,1,11)"),
@@ -22,7 +21,7 @@ TEST(ValueList, HasTheNumbersThatOneWouldWrite) {
   EXPECT_EQ(value_list("lin(0.1,0.3,2)"), (Values{0.1, 0.3}));
 }
 
-TEST(ValueList, KeepsAllDigitsOfOthers) {
+TEST(ValueList, KeepsAllDigitsOfOtherNumbers) {
   EXPECT_EQ(value_list("lin(0,1,4)"), (Values{0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0}));
   const Values values = value_list("log(1,2,13)");  // semitones
   for (int i = 0; i <= 12; ++i) {
@@ -43,7 +42,7 @@ std::string reason(const std::string& text) {
   return complaint_of([&] { value_list(text); });
 }
 
-TEST(ValueList, SaysWhatIsWrong) {
+TEST(ValueList, RefusesInvalidArguments) {
   EXPECT_EQ(reason("lin(1,0,3)"), "\"lin(1,0,3)\" is upside down");
   EXPECT_EQ(reason("lin(1,1,3)"), "\"lin(1,1,3)\" is empty: both ends are the same");
   EXPECT_EQ(reason("log(0,1,3)"), "\"log(0,1,3)\" must be positive: it is logarithmic");
@@ -64,14 +63,14 @@ TEST(ValueList, SaysWhatIsWrong) {
   }
 }
 
-TEST(ValueList, IsKnownFromOtherTexts) {
+TEST(ValueList, IsDistinguishedFromOtherTexts) {
   EXPECT_TRUE(is_value_list("lin(0,1,3)"));
   EXPECT_TRUE(is_value_list("  log (0,"));
   EXPECT_FALSE(is_value_list("linear"));
   EXPECT_FALSE(is_value_list("hpfc"));
 }
 
-TEST(OptionParts, AQuoteThatIsEscapedEndsNoText) {
+TEST(OptionParts, AnEscapedQuoteDoesNotEndAText) {
   using Parts = std::vector<std::string>;
   EXPECT_EQ(option_parts(R"("a\",b", c)"), (Parts{R"("a\",b")", "c"}));
   EXPECT_EQ(option_parts(R"("a\\",b)"), (Parts{R"("a\\")", "b"}));

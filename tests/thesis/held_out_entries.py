@@ -3,8 +3,8 @@
 
 held_out_entries.py BREAKWATER EXPERIMENTS REPRODUCED [--seed S] [--count N]
 
-The runs that an entry names are made anew, their log.h5 is read, and what verdicts.csv says was
-measured is computed from signals and settings alone: no metric of the project's is read.
+The script repeats the runs of an entry and reads their log.h5. From signals and settings alone it
+computes the measured value in verdicts.csv, without any metric of the project.
 """
 import argparse
 import csv
@@ -52,7 +52,7 @@ def rms(values):
 
 
 def settling(t, error, from_s, band):
-    """From from_s on, until the error stays within the band; infinite if it does not."""
+    """Time from from_s until the error stays within the band; infinite if it never does."""
     outside = np.flatnonzero((np.abs(error) > band) & (t >= from_s - 1e-9))
     if len(outside) == 0:
         return t[t >= from_s - 1e-9][0] - from_s
@@ -60,13 +60,13 @@ def settling(t, error, from_s, band):
 
 
 def reach(t, values, from_s, level):
-    """From from_s on, until |value| first reaches the level; infinite if it does not."""
+    """Time from from_s until |value| first reaches the level; infinite if it never does."""
     there = np.flatnonzero((np.abs(values) >= level) & (t >= from_s - 1e-9))
     return t[there[0]] - from_s if len(there) else np.inf
 
 
 def turns(values, band):
-    """Turns by more than the band, the first way apart."""
+    """The number of reversals larger than the band, without the first movement."""
     kept = [values[0]]  # alternating extremes
     way = 0
     for value in values[1:]:
@@ -211,7 +211,7 @@ def cart_constrained():
 
 def arm_wall_contact():
     def after_switch(run):
-        """Steps of the physics from the switch to force control on: time, force, filtered force."""
+        """Physics steps after the switch to force control: time, force, filtered force."""
         track = run.log["physics"]
         later = track["time_s"] >= run.get("force.from_s") - 1e-9
         return [track[name][later] for name in ("time_s", "force_true_N", "force_filtered_N")]
@@ -315,12 +315,12 @@ METRICS = {
     for kind in (motor, cart_estimation, cart_position, cart_offset_free, cart_constrained,
                  arm_wall_contact, arm_push, quadrotor_waves)
 }
-# Its force metrics are of the physics' rate, which the log has about the impact alone by itself.
+# The force metrics need the rate of the physics, which the log has only around the impact.
 MORE_SETS = {"arm_wall_contact": ["record.fine_to_s=100"]}
 
 
 def filled(text, variables):
-    """A text with each {NAME} replaced by its value, which may have variables too."""
+    """Replace each {NAME} in a text by its value, which may contain variables too."""
     while (name := re.search(r"{(\w+)}", str(text))) is not None:
         text = str(text).replace(name[0], str(variables[name[1]]))
     return str(text)
@@ -348,7 +348,7 @@ def runs_of(experiments):
 
 
 class Recomputed:
-    """Values of metrics of runs, one for each repetition."""
+    """Metrics of runs, with a value per repetition."""
 
     def __init__(self, breakwater, experiments, folder):
         self.breakwater = breakwater
@@ -388,7 +388,7 @@ def recompute(entry, recomputed):
 
 
 def holds(entry, value):
-    """What a statement's "holds if from A, below B" makes of the value."""
+    """Whether a value satisfies the statement's "holds if from A, below B"."""
     bounds = dict(re.findall(r"(from|below) (\S+?)(?:,|$)", entry["holds_if"]))
     return value >= float(bounds.get("from", "-inf")) and value < float(bounds.get("below", "inf"))
 

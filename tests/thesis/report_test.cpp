@@ -1,4 +1,3 @@
-// What reports are made of: verdicts, measurements, tables, pages.
 
 #include <cmath>
 #include <limits>
@@ -42,7 +41,7 @@ TEST(Verdict, NumbersHaveTwoBands) {
   EXPECT_EQ(judge(kNever, printed, standard), Verdict::not_reproduced);
 }
 
-TEST(Verdict, WhatRoundsToThePrintedDigitsIsReproduced) {
+TEST(Verdict, AValueThatRoundsToThePrintedDigitsIsReproduced) {
   const PrintedResults& printed = printed_results();
   const auto half_unit = [&](const char* path) { return printed.find(path).value().half_unit; };
   EXPECT_DOUBLE_EQ(half_unit("motor_estimation.table_4_8.Ts_1e-2.n48[5]"), 0.05);     // 66.0
@@ -59,34 +58,34 @@ TEST(Verdict, WhatRoundsToThePrintedDigitsIsReproduced) {
   EXPECT_EQ(judge(0.0151, one_digit, standard), Verdict::not_reproduced);
   const PrintedResult three_digits{0.0100, "0.0100", 0.00005};
   EXPECT_EQ(judge(0.0149, three_digits, standard), Verdict::within_class);
-  // "461 s at least" asks for no number about 461.
+  // "461 s at least" has no upper bound.
   Standard at_least;
   at_least.reproduced.above = 1000.0;
   at_least.within.above = 500.0;
   EXPECT_EQ(judge(461.2, {461.0, "461", 0.5}, at_least), Verdict::not_reproduced);
 }
 
-TEST(Verdict, WordsAreDeserved) {
+TEST(Verdict, AMeasuredNumberGetsTheWordOfItsBand) {
   const PrintedResults& printed = printed_results();
   const std::string path = "cart_estimation.table_4_4.ramp.first";
   const PrintedResult result = printed.find(path).value();
   EXPECT_EQ(result.word, "P");
   EXPECT_EQ(judge(0.049, result, printed.standard(path)), Verdict::reproduced);
   EXPECT_EQ(judge(0.051, result, printed.standard(path)), Verdict::not_reproduced);
-  // A high sine is ignored: following it would be wrong.
+  // A high sine must be ignored, so following it is wrong.
   const std::string high = "cart_estimation.table_4_4.high_sine.first";
   EXPECT_EQ(judge(1.0, *printed.find(high), printed.standard(high)), Verdict::reproduced);
   EXPECT_EQ(judge(0.02, *printed.find(high), printed.standard(high)), Verdict::not_reproduced);
 }
 
-TEST(Verdict, NeverIsAnAnswer) {
+TEST(Verdict, AnInfiniteTimeIsAResult) {
   const PrintedResults& printed = printed_results();
   const std::string path = "cart_estimation.table_4_7.step.conventional";
   EXPECT_EQ(judge(kNever, *printed.find(path), printed.standard(path)), Verdict::reproduced);
   EXPECT_EQ(judge(5.0, *printed.find(path), printed.standard(path)), Verdict::not_reproduced);
 }
 
-// A cell of metric `metric` of run "any".
+// A cell with metric `metric` of run "any".
 CellSpec cell_of(const std::string& metric, const std::string& printed = "") {
   CellSpec cell;
   cell.quantity = {"any", metric};
@@ -94,7 +93,7 @@ CellSpec cell_of(const std::string& metric, const std::string& printed = "") {
   return cell;
 }
 
-// What says that the metric lies above a bound.
+// A statement that the metric lies above a bound.
 CellSpec statement_of(const std::string& metric, double above) {
   CellSpec cell = cell_of(metric);
   cell.says = "so";
@@ -102,7 +101,7 @@ CellSpec statement_of(const std::string& metric, double above) {
   return cell;
 }
 
-// Runs "any" whose metric has these values.
+// Runs "any" with these values of the metric.
 Measured runs_of(const std::string& metric, const std::vector<double>& values) {
   Measured measured;
   for (const double value : values) measured["any"].emplace_back().values[metric] = value;
@@ -113,7 +112,7 @@ Judged judged(const CellSpec& cell, const Measured& measured) {
   return judge_cell(cell, measured, printed_results());
 }
 
-// Every number of a page goes through here: what is measured decides, and nothing else.
+// Every number of a page is judged here. Only the measured value matters.
 TEST(Verdict, FlipsWithTheMeasuredValue) {
   const std::string metric = "free_motion_time_s";
   const CellSpec cell = cell_of(metric, "arm_wall_contact.force_2N.proposed.free_motion_time_s");
@@ -127,7 +126,7 @@ TEST(Verdict, FlipsWithTheMeasuredValue) {
   EXPECT_EQ(verdict({0.1, 0.2, 0.528}), Verdict::not_reproduced);
 }
 
-TEST(Verdict, AFailedRunIsNoSuccess) {
+TEST(Verdict, AFailedRunIsNotReproduced) {
   CellSpec cell = cell_of("converged", "quadrotor_waves.converges.ukf_second");
   cell.if_failed = 0.0;
   Measured measured;
@@ -137,7 +136,7 @@ TEST(Verdict, AFailedRunIsNoSuccess) {
   EXPECT_EQ(judged(cell, measured).verdict, Verdict::reproduced);
 }
 
-TEST(Verdict, AFailedRunHoldsNothingUnlessTheCellSaysWhat) {
+TEST(Verdict, AFailedRunHasNoValueUnlessTheCellDefinesOne) {
   CellSpec cell = statement_of("max_speed_m_s", 1.0);
   cell.if_failed = std::numeric_limits<double>::quiet_NaN();
   Measured measured = runs_of("max_speed_m_s", {1.2, 1.2, 1.2});
@@ -145,14 +144,14 @@ TEST(Verdict, AFailedRunHoldsNothingUnlessTheCellSaysWhat) {
   measured["any"][1].failed = true;
   EXPECT_EQ(judged(cell, measured).verdict, Verdict::not_reproduced);
   EXPECT_EQ(judged(cell, measured).measured, "1 of 3 runs fail");
-  // The same where it is what others are divided by.
+  // The same for a denominator.
   measured["any"][1].failed = false;
   cell.over = Quantity{"other", cell.quantity.metric};
   measured["other"].emplace_back().failed = true;
   EXPECT_EQ(judged(cell, measured).verdict, Verdict::not_reproduced);
 }
 
-TEST(Verdict, AnAbsentMetricIsNotMeasuredUnlessTheCellSaysThatItMeansNever) {
+TEST(Verdict, AnAbsentMetricIsNotMeasuredUnlessTheCellDefinesItAsInfinite) {
   CellSpec cell = statement_of("setling_time_s", 1.0);
   Measured measured = runs_of("settling_time_s", {0.1});
   const Judged misspelt = judged(cell, measured);
@@ -165,7 +164,7 @@ TEST(Verdict, AnAbsentMetricIsNotMeasuredUnlessTheCellSaysThatItMeansNever) {
   measured["any"][0].absent.insert("setling_time_s");
   EXPECT_EQ(judged(cell, measured).verdict, Verdict::reproduced);
   EXPECT_EQ(judged(cell, measured).measured, "never");
-  // What is there and no number is not measured, whatever absence means.
+  // A value that is not a number is not measured, whatever an absent value means.
   measured["any"][0].values["setling_time_s"] = NAN;
   EXPECT_EQ(judged(cell, measured).verdict, Verdict::not_measured);
 }
@@ -181,7 +180,7 @@ TEST(Verdict, OneRunWithoutTheMetricLeavesTheCellNotMeasured) {
   }
 }
 
-TEST(Verdict, APartOfNothingIsNotMeasured) {
+TEST(Verdict, ARatioWithoutDenominatorIsNotMeasured) {
   CellSpec cell = statement_of("peak_N", -1e300);
   cell.over = Quantity{"other", "peak_N"};
   cell.absent_is_never = true;
@@ -198,7 +197,7 @@ TEST(Verdict, APartOfNothingIsNotMeasured) {
   EXPECT_EQ(judged(cell, measured).verdict, Verdict::reproduced);
 }
 
-TEST(Verdict, OverAnotherMetricOfTheSameRunIsThePartOfEachRun) {
+TEST(Verdict, ARatioOfMetricsOfOneRunIsComputedPerRun) {
   CellSpec cell = statement_of("|error_N|", 1.0);
   cell.over = Quantity{"any", "error_of_zero_N"};
   cell.divisor = 2.0;
@@ -207,13 +206,13 @@ TEST(Verdict, OverAnotherMetricOfTheSameRunIsThePartOfEachRun) {
   for (std::size_t i = 0; i < 3; ++i) measured["any"][i].values["error_of_zero_N"] = of_zero[i];
   EXPECT_EQ(values_of(cell, measured), (std::vector<double>{3.0, 2.0, 0.5}));
   EXPECT_EQ(judged(cell, measured).median, 2.0);
-  // Of another run: all over its median.
+  // Relative to another run: all values divided by its median.
   measured["other"] = measured["any"];
   cell.over->run = "other";
   EXPECT_EQ(values_of(cell, measured), (std::vector<double>{1.5, 2.0, 2.5}));
 }
 
-TEST(Verdict, WhatIsShownHasNone) {
+TEST(Verdict, AShownCellHasNoVerdict) {
   CellSpec cell = cell_of("peak_N");
   cell.shows = "not claimed";
   const Judged shown = judged(cell, runs_of("peak_N", {3.0}));
@@ -221,7 +220,7 @@ TEST(Verdict, WhatIsShownHasNone) {
   EXPECT_EQ(verdict_word(shown, cell, false), "shown");
 }
 
-TEST(Verdict, WhatHoldsByConstructionIsVacuousAndAHypothesisIsCalledSo) {
+TEST(Verdict, VacuousCellsAndHypothesesAreLabelled) {
   CellSpec cell = cell_of("peak_N");
   cell.says = "small";
   cell.holds.below = 2.0;
@@ -248,13 +247,13 @@ TEST(Verdict, SixOfTenDoNotConverge) {
             Verdict::not_reproduced);
 }
 
-TEST(Median, IsInTheMiddle) {
+TEST(Median, IsTheMiddleValue) {
   EXPECT_EQ(median({3.0, 1.0, 2.0}), 2.0);
   EXPECT_EQ(median({4.0, 1.0, 2.0, 3.0}), 2.5);
   EXPECT_EQ(median({1.0, kNever, kNever}), kNever);
 }
 
-TEST(Measurement, IsWhatTheShardKept) {
+TEST(Measurement, EqualsTheResultInTheShard) {
   const testing::TemporaryPath folder{"shards"};
   std::filesystem::create_directories(folder);
   {
@@ -272,7 +271,7 @@ TEST(Measurement, IsWhatTheShardKept) {
   const auto results = results_by_key(folder);
   const Measurement complete = measurement_of(results.at("complete"));
   EXPECT_FALSE(complete.failed);
-  // The run has them, but they are no finite numbers: not measured, and not absent.
+  // The run has the metrics, but they are not finite: not measured, and not absent.
   EXPECT_TRUE(std::isnan(complete.values.at("max d_hat_Nm")));
   EXPECT_TRUE(std::isnan(complete.values.at("a_m")));
   EXPECT_EQ(complete.values.at("b_m"), 1.0);
@@ -316,8 +315,8 @@ TEST(Experiments, HaveEveryTableAndNinetyFigures) {
         "arm_wall_contact.tuned.force_5N.peak_force_N"}) {
     EXPECT_TRUE(cells.contains(path)) << path;
   }
-  // Every printed number and verdict is judged somewhere, 56 + 14 of the motor, 6 of the quadrotor,
-  // 12 + 8 + 12 and 5 of the cart, 18 + 5 of the arm, but for two that are misprints.
+  // Each printed number and verdict is judged somewhere, except two misprints. There are 56 + 14 of
+  // the motor, 6 of the quadrotor, 12 + 8 + 12 and 5 of the cart, 18 + 5 of the arm.
   cells.erase("");
   EXPECT_EQ(cells.size(), 134U);
   for (const char* misprint :
@@ -326,7 +325,7 @@ TEST(Experiments, HaveEveryTableAndNinetyFigures) {
   }
 }
 
-// Entries are named there as "2.4.3.2: which".
+// Entries there have names such as "2.4.3.2: which".
 TEST(Experiments, TheTablesOfClaimsNameEverySectionAndNoOther) {
   std::set<std::string> sections;
   for (const SectionSpec& section : own_experiments().sections) sections.insert(section.id);
@@ -353,7 +352,7 @@ TEST(Experiments, TheTablesOfClaimsNameEverySectionAndNoOther) {
   EXPECT_EQ(named, sections);
 }
 
-TEST(Experiments, EveryCellOfOursIsSettled) {
+TEST(Experiments, EveryShippedCellHasACriterion) {
   const Experiments experiments = own_experiments(Effort::full);
   for (const SectionSpec& section : experiments.sections) {
     EXPECT_FALSE(section.docs.empty());
@@ -368,7 +367,7 @@ TEST(Experiments, EveryCellOfOursIsSettled) {
   }
 }
 
-TEST(Experiments, MistakesAreSaidWithTheirLine) {
+TEST(Experiments, MessagesNameTheLineOfAMistake) {
   const testing::TemporaryPath file{"experiments.toml"};
   const auto message = [&](const std::string& text) -> std::string {
     std::ofstream(file) << text;
@@ -397,8 +396,8 @@ TEST(Experiments, MistakesAreSaidWithTheirLine) {
              ":9: section.run.spread.width: \"wide\" is no number"}}) {
     EXPECT_EQ(message(text), file.string() + line);
   }
-  // A cell is made of the table's `cell` (line 11), its column (12) and its row (14); its own table
-  // stands in the row.
+  // A cell merges the table's `cell` (line 11), its column (12) and its row (14). Its own table is
+  // in the row.
   const auto of_cell = [&](const std::string& row) {
     return message(run +
                    "[[section.table]]\ntitle = \"t\"\ncell = { run = \"x\", below = 1.0 }\n"
@@ -440,7 +439,7 @@ TEST(Experiments, MistakesAreSaidWithTheirLine) {
   EXPECT_THROW(read_experiments(file.string(), Effort::quick), std::invalid_argument);
 }
 
-TEST(Experiments, OnlyOursAreTheThesis) {
+TEST(Experiments, OnlyTheShippedListIsThatOfTheThesis) {
   EXPECT_FALSE(own_experiments().is_own);
   const testing::TemporaryPath file{"mine.toml", "title = \"Mine\"\n"};
   const Experiments mine = read_experiments(file.string(), Effort::quick);
@@ -448,7 +447,7 @@ TEST(Experiments, OnlyOursAreTheThesis) {
   EXPECT_EQ(mine.title, "Mine");
 }
 
-TEST(Score, SaysHeldOfWhatIsNotTheThesis) {
+TEST(Score, CountsStatementsOfOtherListsAsHeld) {
   Score score;
   EXPECT_EQ(score.text(), "0 reproduced, 0 within the class, 0 not reproduced");
   score.holds = 2;
@@ -467,7 +466,7 @@ TEST(Score, SaysHeldOfWhatIsNotTheThesis) {
       << score.text();
 }
 
-// A short run in a folder, to be damaged.
+// A short run in a folder, for damage.
 class DamagedRun : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -480,8 +479,8 @@ class DamagedRun : public ::testing::Test {
     metrics_ = nlohmann::json::parse(std::ifstream(folder_ / "metrics.json"));
   }
 
-  // What each of those who read runs says; "" if nothing is wrong for it. Anything else than
-  // std::invalid_argument would be called a defect.
+  // The error message of each reader of runs; "" without an error. An exception other than
+  // std::invalid_argument would count as an internal error.
   std::vector<std::string> complaints() const {
     const std::vector<std::string> all = {
         complaint_of([&] { const SavedRun run(folder_); }),
@@ -489,7 +488,7 @@ class DamagedRun : public ::testing::Test {
     for (const std::string& complaint : all) EXPECT_TRUE(lacks(complaint, "\n"));
     return all;
   }
-  // The same where a file of the run has this content.
+  // The same after a file of the run gets this content.
   template <typename Content>
   std::vector<std::string> complaints_of(const std::string& file, const Content& content) const {
     std::ofstream(folder_ / file) << content;
@@ -501,7 +500,7 @@ class DamagedRun : public ::testing::Test {
   nlohmann::json metrics_;
 };
 
-TEST_F(DamagedRun, EveryValueOfTheManifestMayBeWrong) {
+TEST_F(DamagedRun, HandlesEveryWrongValueOfTheManifest) {
   const std::set<std::string> needed = {"scenario", "case", "seed", "status"};
   const std::set<std::string> read = {"scenario", "case",   "seed",      "status",
                                       "program",  "models", "state_hash"};
@@ -533,7 +532,7 @@ TEST_F(DamagedRun, EveryValueOfTheManifestMayBeWrong) {
       EXPECT_NE(complaint, "") << whole;
     }
   }
-  // A failed run says when and why.
+  // A failed run has a time and a reason.
   manifest_["status"] = "failed";
   EXPECT_TRUE(has(complaints_of("manifest.json", manifest_)[0], "time_s: is missing"));
   manifest_["time_s"] = "soon";
@@ -543,7 +542,7 @@ TEST_F(DamagedRun, EveryValueOfTheManifestMayBeWrong) {
   EXPECT_EQ(complaints_of("manifest.json", manifest_)[0], "");
 }
 
-TEST_F(DamagedRun, EveryValueOfTheMetricsMayBeWrong) {
+TEST_F(DamagedRun, HandlesEveryWrongValueOfTheMetrics) {
   ASSERT_FALSE(metrics_.empty());
   for (const auto& [key, value] : metrics_.items()) {
     for (const char* wrong : {"true", "\"1\"", "[]", "{}"}) {
@@ -567,7 +566,7 @@ TEST_F(DamagedRun, EveryValueOfTheMetricsMayBeWrong) {
   EXPECT_TRUE(has(complaints()[0], "it has no metrics.json"));
 }
 
-TEST(SavedRun, UnitsAreTheEndsOfNames) {
+TEST(SavedRun, UnitsComeFromTheEndsOfNames) {
   EXPECT_EQ(unit_of("rmse_velocity_rad_s"), "rad/s");
   EXPECT_EQ(unit_of("max_speed_m_s"), "m/s");
   EXPECT_EQ(unit_of("free_motion_time_s"), "s");
@@ -575,7 +574,7 @@ TEST(SavedRun, UnitsAreTheEndsOfNames) {
   EXPECT_EQ(unit_of("bounce_count"), "");
 }
 
-TEST(Latex, HasNoCharacterOfItsOwn) {
+TEST(Latex, EscapesItsSpecialCharacters) {
   EXPECT_EQ(latex_escaped("peak_force 50 % {a} $x$ #1 & ~^\\"),
             "peak\\_force 50 \\% \\{a\\} \\$x\\$ \\#1 \\& "
             "\\textasciitilde{}\\textasciicircum{}\\textbackslash{}");
@@ -586,18 +585,18 @@ TEST(Latex, HasNoCharacterOfItsOwn) {
             "\\midrule\n1 & 2 \\\\\n\\bottomrule\n\\end{tabular}\n");
 }
 
-TEST(Csv, QuotesWhatNeedsIt) {
+TEST(Csv, QuotesCellsThatNeedIt) {
   EXPECT_EQ(csv_line({"a", "b,c", "d\"e", ""}), "a,\"b,c\",\"d\"\"e\",\n");
 }
 
-TEST(Base64, IsThatOfRfc4648) {
+TEST(Base64, MatchesRfc4648) {
   for (const auto& [plain, coded] : std::vector<std::pair<std::string, std::string>>{
            {"", ""}, {"f", "Zg=="}, {"fo", "Zm8="}, {"foo", "Zm9v"}, {"foobar", "Zm9vYmFy"}}) {
     EXPECT_EQ(base64(plain.data(), plain.size()), coded);
   }
 }
 
-TEST(Page, EscapesWhatComesFromRuns) {
+TEST(Page, EscapesTextsOfRuns) {
   kainjow::mustache::data page;
   page.set("title", "<script>alert(1)</script> & co");
   page.set("scenario", "\"quoted\" <b>");
@@ -615,7 +614,7 @@ TEST(Page, EscapesWhatComesFromRuns) {
                   "default-src 'none'"));
 }
 
-TEST(Numbers, OfPagesAreShortAndCountsAreWhole) {
+TEST(Numbers, OnPagesAreShortAndCountsAreWhole) {
   for (const auto& [value, text] :
        std::vector<std::pair<double, std::string>>{{1460.0, "1460"},
                                                    {20000.0, "20000"},
@@ -631,7 +630,7 @@ TEST(Numbers, OfPagesAreShortAndCountsAreWhole) {
   }
 }
 
-TEST(Differences, AreSharesMultiplesOrDifferences) {
+TEST(Differences, ArePercentagesMultiplesOrDifferences) {
   EXPECT_EQ(difference_in_words(2.0, 2.0), "=");
   EXPECT_EQ(difference_in_words(1.041, 1.0), "+4.1 %");
   EXPECT_EQ(difference_in_words(-1.5, -1.0), "-50.0 %");

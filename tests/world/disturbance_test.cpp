@@ -15,7 +15,8 @@ constexpr DisturbanceKind kKinds[] = {DisturbanceKind::none,      DisturbanceKin
                                       DisturbanceKind::ramp,      DisturbanceKind::sine,
                                       DisturbanceKind::two_sines, DisturbanceKind::chirp};
 
-// From 1 s on, with all that any kind needs: a chirp from 2 to 5 rad/s in 2 s.
+// A disturbance from 1 s on, with the parameters of all kinds; the chirp goes from 2 to 5 rad/s in
+// 2 s.
 Disturbance of_kind(DisturbanceKind kind) {
   return {kind, 3.0, 2.0, 1.0, 0.7, 6.0, 5.0, 2.0};
 }
@@ -37,7 +38,7 @@ TEST(Disturbance, HasItsShapeFromThenOn) {
   EXPECT_NEAR(sine.value(1.0 + M_PI / 10.0), 0.0, 1e-12);
 }
 
-// At a quarter of the first sine's period the second, of three times its frequency, is at −1.
+// At a quarter of the first sine's period, the second sine (three times its frequency) is at −1.
 TEST(Disturbance, TwoSinesAddUp) {
   const Disturbance two = of_kind(DisturbanceKind::two_sines);
   EXPECT_EQ(two.value(1.0), 0.0);
@@ -45,11 +46,11 @@ TEST(Disturbance, TwoSinesAddUp) {
   EXPECT_NEAR(two.rate(1.0), 3.0 * 2.0 + 0.7 * 6.0, 1e-12);
 }
 
-// Its phase is what its frequency, which grows evenly and then stays, has gone through.
+// The phase is the integral of the frequency, which grows linearly and then stays.
 TEST(Disturbance, AChirpSweepsItsFrequencyAndKeepsTheLast) {
   const Disturbance chirp = of_kind(DisturbanceKind::chirp);
   const auto phase = [](double elapsed_s) {
-    constexpr int kPieces = 3000;  // the midpoint rule, exact where the frequency is a line
+    constexpr int kPieces = 3000;  // the midpoint rule is exact for a linear frequency
     double sum = 0.0;
     for (int i = 0; i < kPieces; ++i) {
       const double at = elapsed_s * (i + 0.5) / kPieces;
@@ -60,7 +61,7 @@ TEST(Disturbance, AChirpSweepsItsFrequencyAndKeepsTheLast) {
   for (const double elapsed_s : {0.0, 0.5, 1.0, 2.0, 3.0, 6.0}) {
     EXPECT_NEAR(chirp.value(1.0 + elapsed_s), 3.0 * std::sin(phase(elapsed_s)), 1e-9) << elapsed_s;
   }
-  // It slows down as well.
+  // It may also slow down.
   const Disturbance slower{DisturbanceKind::chirp, 1.0, 5.0, 0.0, 0.0, 0.0, 0.0, 2.0};
   EXPECT_DOUBLE_EQ(slower.value(2.0), std::sin(5.0));
   EXPECT_DOUBLE_EQ(slower.value(9.0), std::sin(5.0));
@@ -87,7 +88,7 @@ TEST(Pwm, RoundsToItsSteps) {
   EXPECT_EQ(Pwm{}.output(0.123), 0.123);
 }
 
-TEST(DelayLine, GivesWhatItWasGivenSoManyCallsAgo) {
+TEST(DelayLine, DelaysItsInputByAFixedNumberOfCalls) {
   for (int delay = 0; delay < 4; ++delay) {
     DelayLine line(delay);
     for (int k = 0; k < 20; ++k) EXPECT_EQ(line.update(k), std::max(k - delay, 0)) << delay;

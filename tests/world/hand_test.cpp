@@ -20,8 +20,8 @@ TEST(Hand, TurnsSmoothlyAndLetsGo) {
   EXPECT_EQ(kHand.moment_Nm(5.0, 0.7, 0.0), 0.0);
 }
 
-TEST(Hand, PullsTowardsWhereItIs) {
-  // Where the link is just where and as fast as the hand, it feels nothing.
+TEST(Hand, PullsTowardsItsPosition) {
+  // The hand has no effect on a link with its position and velocity.
   const double t = 3.4, dt = 1e-6;
   const double rate = (kHand.target_rad(t + dt) - kHand.target_rad(t - dt)) / (2 * dt);
   EXPECT_NEAR(kHand.moment_Nm(t, kHand.target_rad(t), rate), 0.0, 1e-6);

@@ -26,7 +26,7 @@ TEST(Encoder, TruncatesTowardsZeroOnBothSides) {
       EXPECT_DOUBLE_EQ(encoder.measure(sign * 0.1999), sign * 0.1);
     }
   }
-  // The phase moves the edges here too, and counted it still reads 0 where it starts.
+  // The phase moves the edges here too, but the encoder still reads 0 at its start.
   const Encoder late{0.1, 0.03, EncoderOrigin::counted, EncoderRounding::truncate};
   EXPECT_EQ(late.measure(0.0699), 0.0);
   EXPECT_DOUBLE_EQ(late.measure(0.0701), 0.1);
@@ -41,18 +41,18 @@ TEST(Encoder, CountsFromWhereItStarts) {
     for (double angle = -2.0; angle < 2.0; angle += 0.00317) {
       const double counts = encoder.measure(angle) / 0.1;
       EXPECT_NEAR(counts, std::round(counts), 1e-9);  // whole counts
-      // Half a count of rounding, and where between two edges it started.
+      // Half a count of rounding, plus the start position between two edges.
       const double start = phase - 0.1 * std::round(phase / 0.1);
       EXPECT_LE(std::abs(encoder.measure(angle) - angle - start), 0.05 + 1e-12);
     }
   }
-  // The phase moves the edges: the first one up is passed Δ/2 − φ away.
+  // The phase moves the edges: the first upper one is at Δ/2 − φ.
   const Encoder early{0.1, 0.03};
   EXPECT_EQ(early.measure(0.0199), 0.0);
   EXPECT_DOUBLE_EQ(early.measure(0.0201), 0.1);
 }
 
-TEST(Encoder, CalibratedItIsWithinHalfACountAtAnyPhase) {
+TEST(Encoder, WithCalibrationTheErrorIsHalfACountAtAnyPhase) {
   for (const double phase : {0.0, 0.013, -0.04}) {
     const Encoder encoder{0.1, phase, EncoderOrigin::calibrated};
     for (double angle = -2.0; angle < 2.0; angle += 0.00317) {
@@ -63,7 +63,7 @@ TEST(Encoder, CalibratedItIsWithinHalfACountAtAnyPhase) {
   }
 }
 
-TEST(Encoder, CountsPerRevolutionAreThoseOfEquation423) {
+TEST(Encoder, CountsPerRevolutionFollowEquation423) {
   const EncoderCounts counts{8, 4, 50};
   EXPECT_EQ(counts.pulses_per_revolution(), 256 * 4 * 50);
   EXPECT_DOUBLE_EQ(counts.quantum_rad(), 2 * M_PI / (256 * 4 * 50));

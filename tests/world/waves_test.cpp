@@ -22,13 +22,13 @@ TEST(Jonswap, SignificantHeightIsFourTimesTheRootOfM0) {
     SeaState s = sea();
     s.gamma = gamma;
     const JonswapSpectrum spectrum(s);
-    double m0 = 0.0;  // by a rule of its own: midpoints of equal steps
+    double m0 = 0.0;  // midpoint rule with equal steps
     for (double w = 5e-4; w < 30.0; w += 1e-3) m0 += 1e-3 * spectrum.density(w);
     EXPECT_NEAR(4.0 * std::sqrt(m0), 2.0, 0.02) << gamma;
   }
 }
 
-// With γ = 1 it is Pierson and Moskowitz' spectrum, whose integral is in closed form:
+// With γ = 1 it is the Pierson-Moskowitz spectrum, whose integral has a closed form:
 // S = 5/16 H_s² ω_p⁴ ω⁻⁵ exp(−5/4 (ω_p/ω)⁴).
 TEST(Jonswap, WithoutPeakEnhancementIsPiersonMoskowitz) {
   SeaState s = sea(3.0, 10.0);
@@ -57,7 +57,8 @@ TEST(Jonswap, PeaksAtThePeakPeriod) {
   }
 }
 
-// Against a sea's components: Σ g ω / Σ g, with g the square of a component's acceleration.
+// Compared with a sea's components: Σ g ω / Σ g, where g is the squared acceleration of a
+// component.
 TEST(Waves, AccelerationHasItsMeanFrequencyAboveThePeak) {
   for (const double depth : {0.0, 5.0, 10.0, 40.0}) {
     for (const double water : {0.0, 50.0}) {
@@ -77,7 +78,7 @@ TEST(Waves, AccelerationHasItsMeanFrequencyAboveThePeak) {
       EXPECT_NEAR(mean_acceleration_frequency(s, depth), moment / area, 2e-3 * moment / area);
     }
   }
-  // It falls with depth, towards the peak.
+  // It falls with depth, towards the peak frequency.
   EXPECT_GT(mean_acceleration_frequency(sea(), 0.0), mean_acceleration_frequency(sea(), 10.0));
   EXPECT_GT(mean_acceleration_frequency(sea(), 10.0), 2.0 * M_PI / sea().peak_period_s);
   EXPECT_THROW(mean_acceleration_frequency(sea(), -1.0), std::invalid_argument);
@@ -98,7 +99,7 @@ TEST(Waves, AnHourHasTheSignificantHeight) {
   }
 }
 
-// The Fourier transform of an hour, over bands, against the spectrum.
+// The Fourier transform of an hour, compared with the spectrum over bands.
 TEST(Waves, SpectrumIsRecovered) {
   const SeaState s = sea();
   const Waves waves(s, 0.0);
@@ -120,13 +121,14 @@ TEST(Waves, SpectrumIsRecovered) {
       energy += 2.0 * std::norm(sum / static_cast<double>(samples));
     }
     const double target = spectrum.variance(bounds[b] * wp, bounds[b + 1] * wp);
-    // The bounds are those of components' bands; what is left is the transform's leakage.
+    // The bounds are those of the components' bands. The difference is the leakage of the
+    // transform.
     EXPECT_NEAR(energy, target, 0.05 * target + 0.002) << bounds[b];
   }
 }
 
-// The water's motion obeys what it was derived from: the surface moves with it, no water is made,
-// the acceleration is the velocity's rate.
+// The motion of the water obeys its laws. It has no divergence, the surface moves with it, and the
+// acceleration is the derivative of the velocity.
 TEST(Waves, ObeyTheLawsOfWater) {
   for (const double depth_m : {0.0, 15.0}) {
     SeaState s = sea();
@@ -158,7 +160,7 @@ TEST(Waves, ObeyTheLawsOfWater) {
       const double slope =
           (waves.elevation(t, p.x() + h, p.y()) - waves.elevation(t, p.x() - h, p.y())) / (2 * h);
       EXPECT_NEAR(waves.at(t, surface).slope.x(), slope, 1e-7);
-      // Euler's equation: the pressure's gradient is what accelerates the water.
+      // Euler's equation: the pressure gradient accelerates the water.
       EXPECT_NEAR(-9.806 * waves.at(t, p).slope.x(), waves.at(t, p).acceleration.x(), 1e-9);
     }
   }
@@ -189,7 +191,7 @@ TEST(Waves, DispersionHoldsInFiniteDepth) {
   EXPECT_NEAR(Waves(s, 0.0).at(1.0, Eigen::Vector3d(0, 0, -15)).velocity.z(), 0.0, 1e-14);
 }
 
-// The low-passed slope is what a filter makes of the slope's samples.
+// The low-pass filtered slope equals a filter over the slope's samples.
 TEST(Waves, LowPassOnTheSlope) {
   const double tau = 0.32, step = 1e-3;
   const Waves raw(sea(), 0.0);

@@ -1,4 +1,4 @@
-// main() of a program of one's own scenario alone.
+// main() of a program with one external scenario.
 #include <breakwater/program/scenario_program.h>
 
 #include "own_scenario/own_scenario/own_scenario.h"

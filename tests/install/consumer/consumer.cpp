@@ -1,4 +1,4 @@
-// A controller from outside of the tree, run on an installed model.
+// An external controller on an installed model.
 #include <cmath>
 #include <cstdio>
 

@@ -4,7 +4,7 @@
 #include <breakwater/linear/state_space.h>
 #include <breakwater/observers/idob.h>
 
-// A double integrator, sampled; and the pole 0.9 of an observer of it.
+// A sampled double integrator, and an observer with the pole 0.9.
 int main() {
   breakwater::StateSpace plant;
   plant.A = (Eigen::Matrix2d() << 0, 1, 0, 0).finished();

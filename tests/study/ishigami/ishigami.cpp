@@ -1,4 +1,4 @@
-// A program with one scenario, the Ishigami function: studies of it cost nothing but the study.
+// A program with one scenario, the Ishigami function, whose runs take almost no time:
 //     y = sin x₁ + 7 sin² x₂ + 0.1 x₃⁴ sin x₁
 // T. Ishigami, T. Homma, Proc. ISUMA '90 (1990) 398–403.
 #include <algorithm>
@@ -53,7 +53,7 @@ class Ishigami : public Scenario {
       recording.failure = Failure{0.5, "x_1 is too large"};
     } else {
       add(recording.metrics, "y_1", "1", y);
-      // One that not all runs have.
+      // A metric that not all runs have.
       if (x2_ > 0.0) add(recording.metrics, "positive_x_second_1", "1", x2_);
     }
     recording.tracks.emplace_back("control", std::vector<Signal>{{"y", "1", "y", view(y)}}, 1);
@@ -75,7 +75,7 @@ std::unique_ptr<Scenario> make_ishigami(const Catalogue&) {
 }  // namespace breakwater
 
 int main(int argc, char** argv) {
-  // A process of --isolate that ends before it begins any point.
+  // Ends a process of --isolate before it begins a point.
   if (std::getenv("ISHIGAMI_TASKS_CRASH") != nullptr &&
       std::find(argv, argv + argc, std::string_view("--points")) != argv + argc) {
     std::abort();
