@@ -8,6 +8,7 @@ words that the glossary's column "not" has in code type, and beginnings such as 
 import argparse
 import bisect
 import collections
+import inspect
 import io
 import itertools
 import pathlib
@@ -23,7 +24,7 @@ import markdown_pages  # noqa: E402
 LONGEST = 25
 FILES = [":/" + name for name in (
     "*.md", "src", "tests", "scenarios", "python", "scripts", "templates", "studies", "data")]
-SUFFIXES = {".md", ".h", ".cpp", ".py", ".toml", ".sh"}
+SUFFIXES = {".md", ".h", ".cpp", ".js", ".py", ".toml", ".sh"}
 BEGINNING = re.compile(r"(Of|What|Who|Whose|Those|Else)\b")
 ABBREVIATION = re.compile(r"\b(Eqs?|Figs?|Sec|cf|vs|al|e\.g|i\.e|approx|resp|no)\.(?=\s)")
 CPP = re.compile(r'R"(\w*)\(.*?\)\1"|"(?P<text>(?:\\.|[^"\\\n])*)"|\'(?:\\.|[^\'\\\n])\'|//[/!]?<?(?P<line>[^\n]*)'
@@ -48,7 +49,7 @@ def paragraphs(kind, lines):
     """Blocks of lines of text: an empty one ends a block, an item of a list begins one."""
     pieces = []
     for line, text in lines:
-        is_formula = kind == "comment" and re.match(r" {5,}\S", text) is not None
+        is_formula = kind == "comment" and re.match(r" {5,}\S|.*\S {2,}\S", text) is not None  # or a row of columns
         is_item = re.match(r"\s*([-*+]|\d+\.)\s", text) is not None
         if pieces and (not text.strip() or is_item or is_formula or line != pieces[-1][0] + 1):
             yield Block(kind, pieces)
@@ -113,8 +114,8 @@ def of_python(text, with_strings):
         if token.type == tokenize.COMMENT:
             comments.append((token.start[0], token.line[:token.start[1]], token.string.lstrip("#!")))
         elif token.type == tokenize.STRING and before not in {tokenize.OP, tokenize.NAME, tokenize.STRING}:
-            lines = enumerate(token.string.strip('rf"').split("\n"), token.start[0])
-            yield from paragraphs("comment", [(line, words.strip()) for line, words in lines])
+            lines = inspect.cleandoc(token.string.strip('rf"')).split("\n")
+            yield from paragraphs("comment", enumerate((" " + words for words in lines), token.start[0]))
         elif token.type == tokenize.STRING and with_strings and '"""' not in token.string:
             yield from of_string([(token.start[0], token.string.strip("rf").strip("\"'"))])
         before = token.type if token.type not in {tokenize.COMMENT, tokenize.NL} else before
@@ -123,7 +124,7 @@ def of_python(text, with_strings):
 
 def of_hash(text):
     return of_comments([(*place(text, match.start()), match["line"])
-                        for match in HASH.finditer(text) if match["line"] is not None])
+                        for match in HASH.finditer(text) if match["line"] is not None and not match[0].startswith("#!")])
 
 
 def blocks_of(name, text):
@@ -132,7 +133,7 @@ def blocks_of(name, text):
         return of_page(text)
     if suffix == ".py":
         return of_python(text, with_strings)
-    return of_cpp(text, with_strings) if suffix in {".h", ".cpp"} else of_hash(text)
+    return of_cpp(text, with_strings and suffix != ".js") if suffix in {".h", ".cpp", ".js"} else of_hash(text)
 
 
 def plain(text):

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Installs the packages in a clean Debian 12 and uses them there as a plain user, with nothing of the
-# source tree at hand: try_packages.sh FOLDER_OF_DEBS. Needs root (or user namespaces) and mmdebstrap.
+# Installs the packages in a clean Debian 12 and uses them there as a plain user, without the source
+# tree: try_packages.sh FOLDER_OF_DEBS. It needs root (or user namespaces) and mmdebstrap.
 set -euo pipefail
 debs=$(readlink -f "$1")
 root=$(mktemp -d)

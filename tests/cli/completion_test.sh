@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# What bash completes: completion_test.sh COMPLETION_FILE BIN_FOLDER
+# Checks the completions of bash: completion_test.sh COMPLETION_FILE BIN_FOLDER
 set -u
 source "$1"
 PATH=$2:$PATH

@@ -313,7 +313,7 @@
       this.meshes.push({geom, mesh, material, ghost, moves, isBounded, casts: mesh.castShadow});
     }
 
-    // Of the first arrow's site, or else of the last body that moves.
+    // The trail of the first arrow's site. Without arrows, that of the last moving body.
     makeTrails() {
       const {run} = this;
       const arrow = run.arrows.find((a) => run.bodies[a.body].moves);
@@ -455,7 +455,7 @@
       shared.headSpecular.value.fromArray(headlight.specular);
       if (lights.length === 0 && headlight.diffuse.every((v) => v === 0)) ambient.addScalar(0.3);
       this.lights = [];
-      // Those with shadows come first, as three.js sorts them.
+      // Lights with shadows come first, as three.js sorts them.
       const order = lights.map((light, i) => ({light, i})).sort((a, b) => Number(b.light.shadow) - Number(a.light.shadow));
       for (const {light, i} of order) {
         ambient.add(vector(light.ambient));

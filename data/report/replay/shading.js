@@ -1,7 +1,7 @@
 // Light and shadow as the stills have them: OpenGL's own lighting, without a gamma, at every pixel.
 "use strict";
 (() => {
-  // What a surface sends back of a light, in a fragment's colour and in water's at a vertex.
+  // The light that a surface reflects: for the colour of a fragment, and for water at a vertex.
   const SHED = `vec3 shed(vec3 normal, vec3 view, vec3 direction, vec3 diffuse, vec3 specular) {
   float facing = dot(normal, direction);
   if (facing <= 0.0) return vec3(0.0);
@@ -208,7 +208,7 @@ void main() {
     return made;
   }
 
-  // What all materials of a scene share: the lights.
+  // The lights, which all materials of a scene share.
   function lightUniforms() {
     return {ambient: {value: new THREE.Vector3()}, headDiffuse: {value: new THREE.Vector3()},
             headSpecular: {value: new THREE.Vector3()}, directionalSpecular: {value: []}, spotSpecular: {value: []},

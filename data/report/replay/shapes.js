@@ -76,7 +76,7 @@
     return geometry([-a, -b, 0, a, -b, 0, a, b, 0, -a, b, 0], [0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1], [0, 1, 2, 0, 2, 3]);
   }
 
-  // Of every so many rows and columns, and the last of each.
+  // Every n-th row and column, and the last ones.
   function gridIndex(rows, columns, every = 1) {
     const taken = (count) => [...Array.from({length: Math.ceil((count - 1) / every)}, (_, i) => i * every), count - 1];
     const down = taken(rows), across = taken(columns);
@@ -108,8 +108,8 @@
     return made;
   }
 
-  // An edge is sharp where a vertex' normal is far from the face's, as MuJoCo has it; a mesh with
-  // texture coordinates brings normals that are right.
+  // An edge is sharp where the normal of a vertex differs much from that of the face, as in MuJoCo. A mesh with
+  // texture coordinates has correct normals.
   const SHARP = 0.8;
 
   function mesh({vertices, normals, texcoords, faces}) {

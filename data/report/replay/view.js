@@ -2,12 +2,12 @@
 "use strict";
 (() => {
   const SPEEDS = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10];
-  // What is framed at this width to height stays in sight when a picture is narrower: as in stills.
+  // A narrower picture still shows all that is in the frame at this aspect ratio, as in stills.
   const FRAMED_ASPECT = 4 / 3;
   const LIGHT = {top: [200 / 255, 212 / 255, 224 / 255], bottom: [240 / 255, 243 / 255, 246 / 255]};
   const DARK = {top: [0.10, 0.12, 0.15], bottom: [0.20, 0.23, 0.27]};
-  // From the best to the quickest: pixels per pixel of the page, side of the shadow map (0: none), and
-  // without a graphics card of how many rows and columns of the water one is drawn.
+  // From the best to the quickest. `pixels`: for each pixel of the page. `shadow`: side of the shadow map (0: none).
+  // `water`: without a graphics card, every n-th row and column of the water is drawn.
   const QUALITIES = [{pixels: 2, shadow: 2048, water: 1}, {pixels: 1, shadow: 1024, water: 2},
                      {pixels: 0.75, shadow: 512, water: 2}, {pixels: 0.66, shadow: 0, water: 2},
                      {pixels: 0.45, shadow: 0, water: 3}];
@@ -68,7 +68,7 @@
       this.picture = box.querySelector(".picture");
       this.time = Number(box.dataset.time);
       this.isPlaying = false;
-      this.player = null;  // what the page's charts know of it
+      this.player = null;  // the charts' view of this replay
       this.quality = 1;
       this.look = "auto";
       this.intervals = [];
@@ -538,7 +538,7 @@
       return {x: 0.5 * area.w + scale * p.x, y: 0.5 * area.h - scale * p.y, scale};
     }
 
-    // What moves, as circles on the picture.
+    // The moving bodies as circles on the picture.
     balls(actor, area) {
       const circles = [];
       for (const {centre, radius} of actor.beads()) {
@@ -595,7 +595,7 @@
       else this.resting = setTimeout(() => this.rest(), REST_MS);
     }
 
-    // What stands still is drawn as well as can be.
+    // A still picture has the best quality.
     rest() {
       if (this.isReady && !this.isPlaying && !this.waiting) this.draw(true);
     }
