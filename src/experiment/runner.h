@@ -17,7 +17,7 @@
 namespace breakwater {
 
 /// A key that its case or --set gives though it has no effect in the run.
-struct VainKey {
+struct IneffectiveKey {
   std::string origin;  ///< "FILE:LINE" or "--set"
   std::string key;
   std::string reason;
@@ -27,8 +27,8 @@ struct VainKey {
 struct PreparedRun {
   std::unique_ptr<Scenario> scenario;
   std::string case_name;
-  std::string config_text;               ///< the effective configuration, as a scenario file
-  std::vector<VainKey> vain;             ///< what the case or --set gives
+  std::string config_text;                  ///< the effective configuration, as a scenario file
+  std::vector<IneffectiveKey> ineffective;  ///< what the case or --set gives
   bool is_as_shipped = false;            ///< the project's own case, but for seed and compression
   std::vector<std::string> model_files;  ///< that its keys name
 };

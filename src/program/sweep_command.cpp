@@ -128,13 +128,13 @@ class SweepCommand : public StudyCommand {
       if (!comparison->interactions.empty()) replace_file(by_key, by_key_csv(*comparison));
     }
     write_study_report(catalogue_, plan_, index, folder_, comparison);
-    const std::vector<std::string> to_know = notes(plan_, index);
+    const std::vector<std::string> lines = notes(plan_, index);
     if (options_.quiet) {
-      warn(name(), to_know);
+      warn(name(), lines);
       return;
     }
     if (comparison) fmt::print("{}\n", comparison_text(*comparison, output_width()));
-    for (const std::string& note : to_know) fmt::print("{}\n", note);
+    for (const std::string& note : lines) fmt::print("{}\n", note);
     fmt::print("{}\nresults: {}\n", counted(index), csv.string());
     if (comparison) fmt::print("comparison: {}\n", compared.string());
     fmt::print("report: {}\n", (folder_.path() / "report.html").string());

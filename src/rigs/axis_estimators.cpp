@@ -1,8 +1,8 @@
 // Breakwater's estimators of an axis: the keys of each, and how it is made of them.
 #include <breakwater/observers/asymmetric_fakfd.h>
-#include <breakwater/observers/filter_bank.h>
 #include <breakwater/observers/idob.h>
 #include <breakwater/observers/mdob.h>
+#include <breakwater/observers/multiple_model_estimator.h>
 #include <breakwater/observers/qvff.h>
 #include <breakwater/observers/sized_filters.h>
 #include <breakwater/observers/state_observer.h>
@@ -252,25 +252,25 @@ Estimator make_stf(const DisturbanceModel& settings, const NominalAxis& axis) {
   return sized_stf(stf_design(settings.extend(axis), axis.sensor, axis.period_s), axis.sensor);
 }
 
-struct FilterBankSettings {
+struct MultipleModelSettings {
   double largest_d = 0.0;
 };
 
-void bind_filter_bank(Fields& fields, FilterBankSettings& settings) {
+void bind_multiple_model(Fields& fields, MultipleModelSettings& settings) {
   fields.number("observer.largest_disturbance", settings.largest_d, not_negative(),
                 "D, how large a disturbance can be [N m, or N]; 0: as large as the drive's force, "
                 "or a record's inputs");
   fields.standard("observer.largest_disturbance", {0.0});
 }
 
-Estimator make_filter_bank(const FilterBankSettings& settings, const NominalAxis& axis) {
+Estimator make_multiple_model(const MultipleModelSettings& settings, const NominalAxis& axis) {
   const double largest_d = settings.largest_d > 0.0 ? settings.largest_d : axis.force_limit;
   if (!(largest_d > 0.0) || !std::isfinite(largest_d)) {
     throw WrongKey("observer.largest_disturbance",
                    "0 means as large as the inputs, which have no largest value above 0: give one");
   }
-  return std::make_unique<FilterBank>(
-      FilterBankDesign{axis.plant, axis.period_s, axis.sensor, largest_d});
+  return std::make_unique<MultipleModelEstimator>(
+      MultipleModelDesign{axis.plant, axis.period_s, axis.sensor, largest_d});
 }
 
 }  // namespace
@@ -284,8 +284,8 @@ std::vector<AxisEstimatorKind> axis_estimators() {
           {"vfakfd", "the same with a variable one", bind_vfakfd, make_vfakfd},
           {"qvff", "the same, designed for quantisation and noise", bind_qvff, make_qvff},
           {"stf", "strong tracking filter", bind_stf, make_stf},
-          {"qbank", "a bank of filters with the encoder's exact likelihood", bind_filter_bank,
-           make_filter_bank}};
+          {"qbank", "several Kalman filters with the encoder's exact likelihood", bind_multiple_model,
+           make_multiple_model}};
 }
 
 }  // namespace breakwater

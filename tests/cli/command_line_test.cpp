@@ -292,7 +292,7 @@ TEST_F(CommandLine, TakesMjcfsNamesOfIntegrators) {
   }
 }
 
-TEST_F(CommandLine, SaysWhichKeysAreSetInVain) {
+TEST_F(CommandLine, NamesTheIneffectiveKeys) {
   const std::string why = "controller.k_force: has an effect only where controller.name is hpfc\n";
   const auto brief = [this](const std::string& words) {
     const ProgramResult result = ran("arm_wall_contact --duration 0.01 --out run " + words);
@@ -304,11 +304,12 @@ TEST_F(CommandLine, SaysWhichKeysAreSetInVain) {
   EXPECT_EQ(brief("--set controller.k_force=1 --case hpfc-2N"), "");
   // Some of the cases use it.
   EXPECT_EQ(brief("--set controller.k_force=1 --case all"), "");
-  copy_with(kWallFile, "vain.toml", "[case.drac-2N]", "[case.drac-2N]\ncontroller.k_force = 1");
-  EXPECT_TRUE(brief("--config vain.toml --case drac-2N")
+  copy_with(kWallFile, "ineffective.toml", "[case.drac-2N]",
+            "[case.drac-2N]\ncontroller.k_force = 1");
+  EXPECT_TRUE(brief("--config ineffective.toml --case drac-2N")
                   .starts_with("arm_wall_contact drac-2N: warning: "));
-  EXPECT_TRUE(brief("--config vain.toml --case drac-2N").ends_with(": " + why));
-  EXPECT_EQ(brief("--config vain.toml"), "");
+  EXPECT_TRUE(brief("--config ineffective.toml --case drac-2N").ends_with(": " + why));
+  EXPECT_EQ(brief("--config ineffective.toml"), "");
 }
 
 TEST_F(CommandLine, TheMatrixTakesWhatAllCasesTake) {

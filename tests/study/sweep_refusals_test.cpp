@@ -89,7 +89,7 @@ TEST_F(SweepRefusals, NonsenseInTheCommand) {
        {"nothing.toml", "nothing.toml: there is no such file or folder"}});
 }
 
-TEST_F(SweepRefusals, WarnsOfWhatIsInVain) {
+TEST_F(SweepRefusals, WarnsOfIneffectiveKeys) {
   const auto said = [&](const std::string& words) {
     const ProgramResult result = ran(words + " --out s");
     fs::remove_all(folder_ / "s");

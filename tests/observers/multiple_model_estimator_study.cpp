@@ -4,7 +4,7 @@
 // their one parameter, on the row's own phases, which the bank is not. All of it for an encoder
 // that rounds and for one that truncates. Prints the tables of
 // docs/explanation/methods/multiple-model-estimator.md.
-#include <breakwater/observers/filter_bank.h>
+#include <breakwater/observers/multiple_model_estimator.h>
 
 #include <gtest/gtest.h>
 
@@ -23,7 +23,7 @@
 #include "observers/motor_loop.h"
 #include "support.h"
 
-namespace breakwater::filter_bank_study {
+namespace breakwater::multiple_model_estimator_study {
 namespace {
 
 using testing::MotorLoop;
@@ -135,7 +135,7 @@ struct Result {
 Result compare(double period_s, const Behind& behind, const Acting& acting,
                EncoderRounding rounding) {
   const Row row(period_s, behind, acting, rounding);
-  FilterBank bank({row.plant(), period_s, row.sensor(), 10.0});
+  MultipleModelEstimator bank({row.plant(), period_s, row.sensor(), 10.0});
   VfakfdDesign variable;
   variable.alpha = Eigen::VectorXd::Constant(
       1, behind.noise_std > 0.0 ? 100.0 : vfakfd_alpha(behind.pulses, period_s));
@@ -199,12 +199,12 @@ Summary compare_all(const std::vector<Behind>& encoders, const std::vector<Actin
   return sum;
 }
 
-class FilterBankStudy : public ::testing::TestWithParam<EncoderRounding> {
+class MultipleModelStudy : public ::testing::TestWithParam<EncoderRounding> {
  protected:
   bool truncates() const { return GetParam() == EncoderRounding::truncate; }
 };
 
-TEST_P(FilterBankStudy, AgainstRivalsTunedForEachOfSeventyRows) {
+TEST_P(MultipleModelStudy, AgainstRivalsTunedForEachOfSeventyRows) {
   const std::vector<Behind> encoders = {
       bits(4), bits(8), bits(12), bits(48), {"48 bits, σ = .01", std::exp2(48), 0.01}};
   const std::vector<Acting> disturbances = {{"step 10", kStepOf10},
@@ -222,7 +222,7 @@ TEST_P(FilterBankStudy, AgainstRivalsTunedForEachOfSeventyRows) {
 
 // Other encoders and other disturbances than those that its constants were found with. Behind dry
 // friction, which jumps wherever the shaft turns back, a tuned DKF is better in 9 rows of 10.
-TEST_P(FilterBankStudy, OnFortyRowsThatNobodyTunedOn) {
+TEST_P(MultipleModelStudy, OnFortyRowsThatNobodyTunedOn) {
   const std::vector<Behind> encoders = {
       bits(5), bits(6), bits(10), bits(16), {"6 bits, gear 25", 25.0 * std::exp2(6)}};
   const std::vector<Acting> disturbances = {
@@ -237,7 +237,7 @@ TEST_P(FilterBankStudy, OnFortyRowsThatNobodyTunedOn) {
   EXPECT_GE(sum.below_stf, 36);
 }
 
-INSTANTIATE_TEST_SUITE_P(Encoder, FilterBankStudy,
+INSTANTIATE_TEST_SUITE_P(Encoder, MultipleModelStudy,
                          ::testing::Values(EncoderRounding::nearest, EncoderRounding::truncate),
                          [](const auto& rounding) {
                            return rounding.param == EncoderRounding::truncate ? "truncates"
@@ -245,4 +245,4 @@ INSTANTIATE_TEST_SUITE_P(Encoder, FilterBankStudy,
                          });
 
 }  // namespace
-}  // namespace breakwater::filter_bank_study
+}  // namespace breakwater::multiple_model_estimator_study

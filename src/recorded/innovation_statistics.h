@@ -17,10 +17,10 @@ namespace breakwater {
 /// beyond what all but one of 10⁴ of such are, e² > 15.1 R, is not explained, and counts as 15.1 in
 /// the mean: a step of the disturbance shall not decide over a record. Rounding alone never gives
 /// one, since prediction and code are then at most a count apart: e² ≤ 12 R.
-class InnovationWatch {
+class InnovationStatistics {
  public:
   /// `sensor_std`: the root of SensorError::variance(); 0: nothing is known of it.
-  explicit InnovationWatch(double sensor_std) : variance_(sensor_std * sensor_std) {}
+  explicit InnovationStatistics(double sensor_std) : variance_(sensor_std * sensor_std) {}
 
   /// `instant_error`: the output's speed times the standard deviation of the instant.
   void add(double innovation, double instant_error);

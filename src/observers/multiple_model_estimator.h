@@ -10,7 +10,7 @@
 
 namespace breakwater {
 
-struct FilterBankDesign {
+struct MultipleModelDesign {
   StateSpace plant;        ///< continuous, one axis: J q̈ = u − d − c q̇ with q measured
   double period_s = 0.0;   ///< T_s
   SensorError sensor;      ///< of q; the noise is added to the code, not before rounding
@@ -27,16 +27,16 @@ struct FilterBankDesign {
 /// w = ½·3ⁱ [1/s] up to (D/(J ρ √T_s))^0.4/1.5, and at most 30/T_s.
 ///
 /// Each model is updated by what the code y says: that q lies within its code_range(), y ± Δ/2 of
-/// an encoder that rounds. How it is told so, and how likely the model found it, filter_bank.cpp
-/// and docs/explanation/methods/multiple-model-estimator.md say. Log-likelihoods add up to the
-/// models' log-weights, of which the best is 0. One that falls below −(L₀ + 6), L₀ = ln(2/T_s), is
-/// seeded anew from the best with the weight −L₀: about once in two seconds each belief is given
-/// another chance, and no belief is ever lost. x̂ and d̂ are the weighted means of the models above
-/// −3.
+/// an encoder that rounds. How it is told so, and how likely the model found it,
+/// multiple_model_estimator.cpp and docs/explanation/methods/multiple-model-estimator.md say.
+/// Log-likelihoods add up to the models' log-weights, of which the best is 0. One that falls below
+/// −(L₀ + 6), L₀ = ln(2/T_s), is seeded anew from the best with the weight −L₀: about once in two
+/// seconds each belief is given another chance, and no belief is ever lost. x̂ and d̂ are the
+/// weighted means of the models above −3.
 ///
 /// An output that is no number is not used: the models predict. Allocates nothing after
 /// construction.
-class FilterBank final : public DisturbanceEstimator {
+class MultipleModelEstimator final : public DisturbanceEstimator {
  public:
   enum class Kind { constant, inertia, walk, ramp };
 
@@ -53,7 +53,7 @@ class FilterBank final : public DisturbanceEstimator {
 
   /// Throws std::invalid_argument unless the plant is one axis, its position measured, T_s and D
   /// are positive and the sensor's error is some, or 0.
-  explicit FilterBank(const FilterBankDesign& design);
+  explicit MultipleModelEstimator(const MultipleModelDesign& design);
 
   void reset(const Vector& x) override;
   void update(const Vector& held_input, const Vector& y) override;
@@ -72,9 +72,9 @@ class FilterBank final : public DisturbanceEstimator {
   struct Observation;
 
   void start(const Eigen::Vector2d& x);
-  void know_noise(double instant_error);
+  void set_noise(double instant_error);
   void predict(Model& model, double u) const;
-  double observe(Model& model, const Observation& seen) const;
+  double observe(Model& model, const Observation& observed) const;
   static double keep_inertia(Model& model);
   double log_likelihood(double e, double S, const CodeRange& range) const;
   bool is_fine(const CodeRange& range, double S) const;
