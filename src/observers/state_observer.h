@@ -11,7 +11,7 @@ namespace breakwater {
 
 /// x̂(k+1) = A x̂(k) + B u(k) + H (y(k) − C x̂(k)), with d̂ = 0: what stands beside the disturbance
 /// observers to show what they add. As with the IDOB, x̂(k) has seen y(0) … y(k−1).
-class StateObserver final : public DisturbanceEstimator {
+class StateObserver : public DisturbanceEstimator {
  public:
   /// `poles` [1/s], continuous, n in all, one group per output, each stable. Throws
   /// std::invalid_argument if one is not, or they cannot be placed.
@@ -31,10 +31,13 @@ class StateObserver final : public DisturbanceEstimator {
   View disturbance() const override { return {disturbance_.data(), disturbance_.size()}; }
   std::span<const Signal> signals() const override { return signals_; }
 
+  /// The poles are those of A − H C, which multiplies the estimation error at each sample.
   Eigen::Index poles() const override { return predictor_.state().size(); }
   void pole_matrix(Eigen::Ref<Eigen::MatrixXd> F) const override {
     F = predictor_.error_dynamics();
   }
+
+  const Eigen::MatrixXd& H() const { return predictor_.H(); }
 
  private:
   PolePredictor predictor_;

@@ -3,6 +3,8 @@
 
 #include <CLI/CLI.hpp>
 #include <cstddef>
+#include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -52,6 +54,8 @@ void add_study_options(CLI::App& app, StudyOptions& options, const StudyOptionsH
 /// Throws std::invalid_argument, `TARGET: …`, if it is none.
 StudyFolder begun_folder(const std::string& target, const StudyKind& kind,
                          const std::string& what_it_is);
+/// TARGET as a file that tells of a study; shipped ones are found from everywhere.
+std::optional<std::filesystem::path> file_of_study(const std::string& target);
 /// Where a study of that name is made.
 StudyFolder new_folder(const StudyOptions& options, const std::string& name, const StudyKind& kind);
 

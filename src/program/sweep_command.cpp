@@ -17,7 +17,6 @@
 #include <breakwater/program/sweep_preview.h>
 #include <breakwater/record/partial_file.h>
 #include <breakwater/shell/child_program.h>
-#include <breakwater/shell/paths.h>
 #include <breakwater/shell/process.h>
 #include <breakwater/shell/progress.h>
 #include <breakwater/shell/table.h>
@@ -53,11 +52,7 @@ OpenedStudy open_study(const Catalogue& catalogue, const SweepOptions& options) 
   toml::table tables;
   std::string name = given;
   std::string origin = given;
-  std::optional<fs::path> file;
-  if (fs::is_regular_file(target)) file = target;
-  // Shipped studies are found from everywhere.
-  if (!file && target.extension() == ".toml") file = look_for(given);
-  if (file) {
+  if (const auto file = file_of_study(given)) {
     origin = file->string();
     tables = study_tables(origin);
     name = file->stem().string();

@@ -284,8 +284,8 @@ std::vector<AxisEstimatorKind> axis_estimators() {
           {"vfakfd", "the same with a variable one", bind_vfakfd, make_vfakfd},
           {"qvff", "the same, designed for quantisation and noise", bind_qvff, make_qvff},
           {"stf", "strong tracking filter", bind_stf, make_stf},
-          {"qbank", "several Kalman filters with the encoder's exact likelihood", bind_multiple_model,
-           make_multiple_model}};
+          {"qbank", "several Kalman filters with the encoder's exact likelihood",
+           bind_multiple_model, make_multiple_model}};
 }
 
 }  // namespace breakwater

@@ -126,15 +126,14 @@ class ShardIndex {
 
 /// All that one process of this computer has written by now.
 struct ProcessResults {
-  std::vector<PointResult> results;  ///< in their order
-  std::optional<std::size_t> begun;  ///< the point that was begun last
-  std::string begun_key = {};        ///< its key; empty as long as it is being prepared
-  std::uintmax_t bytes = 0;          ///< the size of its shards
+  std::vector<PointResult> results;    ///< in their order
+  std::optional<std::size_t> begun;    ///< the point that was begun last
+  std::string begun_key = {};          ///< its key; empty as long as it is being prepared
+  std::vector<std::size_t> read = {};  ///< up to which byte each of its shards was read
 };
 
-/// A process that wrote nothing has no results. `known` is what was read before: the shards are
-/// read again only if they have grown since. Throws std::invalid_argument if a shard cannot be
-/// read.
+/// A process that wrote nothing has no results. `known` is what was read before: only what the
+/// shards have grown by since is read. Throws std::invalid_argument if a shard cannot be read.
 ProcessResults results_of_process(const std::filesystem::path& folder, pid_t process,
                                   ProcessResults known = {});
 
