@@ -89,7 +89,7 @@ class Part {
                                 ", is " + description(result));
   }
 
-  void tell_setup(const py::object& setup) const { py::setattr(part_.get(), "setup", setup); }
+  void set_setup(const py::object& setup) const { py::setattr(part_.get(), "setup", setup); }
 
   // The result of signals(), a dict NAME: (unit, description, array). Keeps the arrays.
   std::vector<Signal> signals() {
@@ -152,7 +152,7 @@ class PythonController final : public Controller {
   PythonController(const py::object& part, const char* sample_class, const py::object& setup,
                    const char* command)
       : part_(part, sample_class), command_(command) {
-    part_.tell_setup(setup);
+    part_.set_setup(setup);
     signals_ = part_.signals();
   }
 
@@ -177,7 +177,7 @@ class PythonController final : public Controller {
 class PythonAxisEstimator final : public DisturbanceEstimator {
  public:
   PythonAxisEstimator(const py::object& part, const py::object& setup) : part_(part, "AxisSample") {
-    part_.tell_setup(setup);
+    part_.set_setup(setup);
     signals_ = part_.signals();
   }
 
@@ -206,7 +206,7 @@ class PythonQuadrotorEstimator final : public QuadrotorEstimator {
  public:
   PythonQuadrotorEstimator(const py::object& part, const py::object& setup)
       : part_(part, "QuadrotorSample") {
-    part_.tell_setup(setup);
+    part_.set_setup(setup);
   }
 
   void reset(const Vector6d& pose) override {

@@ -75,10 +75,11 @@ OwnRun run(const std::string& scenario, const std::optional<std::string>& case_n
 // not if they are from the case.
 std::vector<std::string> warnings(const OwnRun& own, bool has_python_parts) {
   std::vector<std::string> lines;
-  for (const VainKey& vain : own.prepared.vain) {
-    const bool is_set = vain.origin == "--set";
+  for (const IneffectiveKey& ineffective : own.prepared.ineffective) {
+    const bool is_set = ineffective.origin == "--set";
     if (has_python_parts && !is_set) continue;
-    lines.push_back(fmt::format("{}: {}: {}", is_set ? "set" : vain.origin, vain.key, vain.reason));
+    lines.push_back(fmt::format("{}: {}: {}", is_set ? "set" : ineffective.origin, ineffective.key,
+                                ineffective.reason));
   }
   for (const std::string& warning : own.prepared.scenario->warnings()) lines.push_back(warning);
   lines.insert(lines.end(), own.recording.warnings.begin(), own.recording.warnings.end());

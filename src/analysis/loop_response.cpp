@@ -33,15 +33,15 @@ PulseResponse run(const AxisLoopDesign& design, const ProbeSequence& probe, std:
   const AxisLoop loop = design.parts->make(design.task);
   Eigen::Vector2d x = design.start_state;
   std::deque<double> measured;
-  const bool is_told_all = design.task.senses_true_state;
-  Sample sample{0.0, Eigen::VectorXd::Zero(is_told_all ? 3 : 1)};
+  const bool has_full_state = design.task.senses_true_state;
+  Sample sample{0.0, Eigen::VectorXd::Zero(has_full_state ? 3 : 1)};
   Eigen::VectorXd u = Eigen::VectorXd::Zero(1);
   const auto sense = [&](std::size_t k) {
     sample.time_s = static_cast<double>(k) * design.task.axis.period_s;
     measured.push_back((design.plant.C * x)(0) + probe.at(Probe::noise, k));
     if (measured.size() > static_cast<std::size_t>(design.delay_samples) + 1) measured.pop_front();
     sample.y(0) = measured.front();
-    if (is_told_all) sample.y.tail<2>() = x;
+    if (has_full_state) sample.y.tail<2>() = x;
   };
   PulseResponse out;
   out.command.reserve(samples);

@@ -222,7 +222,7 @@ class SpectrumEstimator final : public FilterEstimator<Ukf<WaveForces<2, 2>, 6>>
   void assume() {
     filter_.change_process([&](Process& process) {
       process.set_resonators(bank_.resonators());
-      process.set_torque_walk(
+      process.set_torque_noise(
           std::hypot(torque_walk_Nm_, torque_walk_per_force_m_ * wave_force_std_N()));
     });
     filter_.set_process_noise(filter_.process().Q());
@@ -273,8 +273,8 @@ std::unique_ptr<QuadrotorEstimator> make_spectrum(const QuadrotorEstimatorDesign
   waves.period_s = design.period_s;
   const WaveForceBank bank(waves);
   const ResonatorPair& first = bank.resonators();
-  const Process process(model, design.resonator.walks(), first, kHorizontalShare, design.period_s,
-                        design.kinematics);
+  const Process process(model, design.resonator.process_noise(), first, kHorizontalShare,
+                        design.period_s, design.kinematics);
   NonlinearKalmanDesign<Process::kStates, 6> kalman;
   kalman.Q = process.Q();
   kalman.R = measurement_covariance(design);

@@ -20,13 +20,13 @@ Vector6d HeldThrust::velocity_step(
 }
 
 template <int K, int Order>
-WaveForces<K, Order>::WaveForces(const QuadrotorModel& model, const DisturbanceWalks& walks,
+WaveForces<K, Order>::WaveForces(const QuadrotorModel& model, const ProcessNoiseStd& noise,
                                  const Resonators& resonators, double horizontal_share,
                                  double period_s, AttitudeKinematics kinematics)
     : held_(model, period_s, kinematics), horizontal_share_(horizontal_share) {
-  const bool fits = walks.velocity_std_m_s > 0.0 && walks.rate_std_rad_s > 0.0 &&
-                    walks.bias_std_N > 0.0 && horizontal_share > 0.0;
-  if (!fits) throw std::invalid_argument("resonators: the walks' deviations must be positive");
+  const bool fits = noise.velocity_std_m_s > 0.0 && noise.rate_std_rad_s > 0.0 &&
+                    noise.bias_std_N > 0.0 && horizontal_share > 0.0;
+  if (!fits) throw std::invalid_argument("resonators: the standard deviations must be positive");
   const auto square = [](double value) { return value * value; };
   A_.setIdentity();
   A_.template block<6, 6>(0, 6).diagonal().setConstant(period_s);
@@ -40,10 +40,10 @@ WaveForces<K, Order>::WaveForces(const QuadrotorModel& model, const DisturbanceW
         0.5 * period_s * A_.template block<6, kStates - 12>(6, 12);
   }
   Q_.setZero();
-  Q_.diagonal().template segment<3>(6).setConstant(square(walks.velocity_std_m_s));
-  Q_.diagonal().template segment<3>(9).setConstant(square(walks.rate_std_rad_s));
-  Q_.diagonal().template segment<3>(kBias).setConstant(square(walks.bias_std_N));
-  set_torque_walk(walks.torque_std_Nm);
+  Q_.diagonal().template segment<3>(6).setConstant(square(noise.velocity_std_m_s));
+  Q_.diagonal().template segment<3>(9).setConstant(square(noise.rate_std_rad_s));
+  Q_.diagonal().template segment<3>(kBias).setConstant(square(noise.bias_std_N));
+  set_torque_noise(noise.torque_std_Nm);
   set_resonators(resonators);
 }
 
@@ -69,7 +69,7 @@ void WaveForces<K, Order>::set_resonators(const Resonators& resonators) {
 }
 
 template <int K, int Order>
-void WaveForces<K, Order>::set_torque_walk(double std_Nm) {
+void WaveForces<K, Order>::set_torque_noise(double std_Nm) {
   if (!(std_Nm > 0.0)) {
     throw std::invalid_argument("resonators: the torques' walk must be positive");
   }

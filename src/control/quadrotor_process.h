@@ -78,8 +78,8 @@ class ThrusterDisturbance : public ProcessTypes<12 + 4 * (Order + 1), 4, 6> {
   Square A_;
 };
 
-/// Standard deviations of the process noise of a world-force model, in each sample.
-struct DisturbanceWalks {
+/// Standard deviations of the process noise of a world-force's model, in each sample.
+struct ProcessNoiseStd {
   double velocity_std_m_s = 3e-3;  ///< ẋ, ẏ, ż
   double rate_std_rad_s = 2e-3;    ///< φ̇, θ̇, ψ̇
   double bias_std_N = 5e-4;        ///< the constant forces
@@ -90,12 +90,12 @@ struct DisturbanceWalks {
 struct ResonatorDesign {
   double damping = 0.08;           ///< damping ratio
   double force_std_N = 0.13;       ///< stationary standard deviation of each world force
-  double velocity_std_m_s = 3e-3;  ///< DisturbanceWalks
+  double velocity_std_m_s = 3e-3;  ///< this and what follows: ProcessNoiseStd
   double rate_std_rad_s = 2e-3;
   double bias_std_N = 5e-4;
   double torque_std_Nm = 2e-4;
 
-  DisturbanceWalks walks() const {
+  ProcessNoiseStd process_noise() const {
     return {velocity_std_m_s, rate_std_rad_s, bias_std_N, torque_std_Nm};
   }
 };
@@ -127,7 +127,7 @@ class WaveForces : public ProcessTypes<18 + 6 * K, 4, 6 * Order> {
 
   /// `horizontal_share`: variance of a horizontal axis' force divided by that of the vertical one.
   /// Throws std::invalid_argument if a value is not positive, or a damping is not below 1.
-  WaveForces(const QuadrotorModel& model, const DisturbanceWalks& walks,
+  WaveForces(const QuadrotorModel& model, const ProcessNoiseStd& noise,
              const Resonators& resonators, double horizontal_share, double period_s,
              AttitudeKinematics kinematics);
 
@@ -142,7 +142,7 @@ class WaveForces : public ProcessTypes<18 + 6 * K, 4, 6 * Order> {
   void set_resonators(const Resonators& resonators);
   /// Sets σ of the torques' process noise in each sample [N m]. Throws std::invalid_argument unless
   /// it is positive.
-  void set_torque_walk(double std_Nm);
+  void set_torque_noise(double std_Nm);
   /// Covariance of the process noise in one sample, with the present resonators.
   const Square& Q() const { return Q_; }
 
@@ -163,8 +163,9 @@ class WaveResonators : public WaveForces<1, 1> {
   /// Throws std::invalid_argument if a value is not positive.
   WaveResonators(const QuadrotorModel& model, const ResonatorDesign& design, double omega_rad_s,
                  double period_s, AttitudeKinematics kinematics = AttitudeKinematics::level)
-      : WaveForces(model, design.walks(), {{{omega_rad_s, design.damping, design.force_std_N}}},
-                   1.0, period_s, kinematics),
+      : WaveForces(model, design.process_noise(),
+                   {{{omega_rad_s, design.damping, design.force_std_N}}}, 1.0, period_s,
+                   kinematics),
         design_(design) {}
 
   /// Sets ω [rad/s], the frequency of the force.

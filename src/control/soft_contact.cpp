@@ -101,7 +101,7 @@ void SoftContact::decide(Eigen::Ref<Eigen::VectorXd> a) {
     phase_ = Phase::approach;
   }
   look_along_path();
-  if (phase_ == Phase::approach || phase_ == Phase::contact) see_contact();
+  if (phase_ == Phase::approach || phase_ == Phase::contact) detect_contact();
   const Authority bounds = authority();
   const bool is_possible = bounds.lower <= bounds.upper;
   authority_ << std::max(kLeastAuthority_m_s2, is_possible ? -bounds.lower : 0.0),
@@ -207,7 +207,7 @@ double SoftContact::approach_acceleration() {
   return approach_.k_d() * (speed_cap_m_s_ - velocity_[0]);
 }
 
-void SoftContact::see_contact() {
+void SoftContact::detect_contact() {
   if (phase_ == Phase::approach) {
     if (raw_force_N_ <= kContact_N) return;
     phase_ = Phase::contact;

@@ -71,7 +71,7 @@ class SoftContact final : public ArmController {
   Authority authority() const;
   double braking_of_elbow(double inertia_kgm2) const;
   void identify_elbow();
-  void see_contact();
+  void detect_contact();
   double approach_acceleration();
   double contact_acceleration() const;
 

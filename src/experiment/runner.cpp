@@ -125,7 +125,7 @@ PreparedRun prepare_scenario(std::unique_ptr<Scenario> scenario, const ScenarioF
     // A case may set keys for its own choice. A user who chooses another part made no mistake.
     const ConfigEntry* choice = config.find(unused.choice);
     const bool is_chosen_otherwise = choice != nullptr && choice->is_set() && !entry.is_set();
-    if (!is_chosen_otherwise) run.vain.push_back({entry.origin, unused.key, unused.reason});
+    if (!is_chosen_otherwise) run.ineffective.push_back({entry.origin, unused.key, unused.reason});
   }
   run.config_text = fields.print(run.scenario->name(), run.case_name);
   run.model_files = fields.files();

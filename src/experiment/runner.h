@@ -17,7 +17,7 @@
 namespace breakwater {
 
 /// An ineffective key that the case or --set sets.
-struct VainKey {
+struct IneffectiveKey {
   std::string origin;  ///< "FILE:LINE" or "--set"
   std::string key;
   std::string reason;
@@ -27,8 +27,8 @@ struct VainKey {
 struct PreparedRun {
   std::unique_ptr<Scenario> scenario;
   std::string case_name;
-  std::string config_text;     ///< the effective configuration, as a scenario file
-  std::vector<VainKey> vain;   ///< ineffective keys of the case or --set
+  std::string config_text;                  ///< the effective configuration, as a scenario file
+  std::vector<IneffectiveKey> ineffective;  ///< ineffective keys of the case or --set
   bool is_as_shipped = false;  ///< the project's own case, except for seed and compression
   std::vector<std::string> model_files;  ///< the files that its keys name
 };

@@ -15,7 +15,7 @@ namespace breakwater {
 namespace {
 
 constexpr double kDoubtfulViolation = 1e-6;  // below: may be rounding of the active rows,
-constexpr double kHeldShare = 1e-3;          // if their error is at least this share of it
+constexpr double kActiveShare = 1e-3;        // if their error is at least this share of it
 constexpr double kWrongSign = 1e-11;  // multiplier with the wrong sign, relative to max(1, ‖g‖∞)
 constexpr double kRefineAbove = 1e-10;  // KKT residual
 constexpr int kMostRefinements = 3;
@@ -51,15 +51,15 @@ class Core final : public QpSolver {
   };
 
   // A row of the working set.
-  struct Held {
+  struct Active {
     Eigen::Index row;
     double side;    // 1: at its upper bound, −1: at its lower
     double length;  // squared, in the metric of H⁻¹
   };
 
-  Eigen::Index active() const { return factor_.size(); }
-  const Held& held(Eigen::Index j) const { return held_[static_cast<std::size_t>(j)]; }
-  static double bound(const QpInput& input, const Held& row) {
+  Eigen::Index active_count() const { return factor_.size(); }
+  const Active& active(Eigen::Index j) const { return active_[static_cast<std::size_t>(j)]; }
+  static double bound(const QpInput& input, const Active& row) {
     return row.side > 0.0 ? input.upper(row.row) : input.lower(row.row);
   }
   double softness(Eigen::Index row) const { return has_soft_ ? softness_(row) : 0.0; }
@@ -81,7 +81,7 @@ class Core final : public QpSolver {
   void rows_of(const Eigen::VectorXd& z, Eigen::VectorXd& values);
   Violation worst_violation(const QpInput& input) const;
   QpStatus drive_to_bound(Violation violation, QpSolution& solution);
-  double held_error(const QpInput& input) const;
+  double active_error(const QpInput& input) const;
   double pivot_towards(Eigen::Index row);
   double pivot_with_less_cancellation(Eigen::Index row, double own);
   void hold_bounds(const QpInput& input);
@@ -107,10 +107,10 @@ class Core final : public QpSolver {
   std::unique_ptr<HorizonSweeps> sweeps_;
 
   LdlFactor factor_;  // factor of S
-  std::vector<Held> held_;
-  std::vector<Held> previous_;  // work space of refactor()
-  Eigen::VectorXd weight_;      // 1/length of each inactive row in the metric of H⁻¹; 0: active
-  Eigen::VectorXd softness_;    // softness in the present factor
+  std::vector<Active> active_;
+  std::vector<Active> previous_;  // work space of refactor()
+  Eigen::VectorXd weight_;    // 1/length of each inactive row in the metric of H⁻¹; 0: active
+  Eigen::VectorXd softness_;  // softness in the present factor
   bool is_softness_known_ = true;  // the input has the same softness
   bool has_soft_ = false;
   bool is_tilted_ = false;  // the residual is not only due to violated rows
@@ -149,7 +149,7 @@ Core<N>::Core(const QpModel& model, int max_changes)
   const Eigen::Index n = factors_.variables();
   const Eigen::Index m = factors_.rows();
   largest_row_ = m > 0 ? factors_.model.Omega.cwiseAbs().rowwise().sum().maxCoeff() : 0.0;
-  held_.reserve(static_cast<std::size_t>(m));
+  active_.reserve(static_cast<std::size_t>(m));
   previous_.reserve(static_cast<std::size_t>(m));
   softness_.setZero(m);
   weight_.setZero(m);
@@ -175,8 +175,8 @@ void Core<N>::weigh(Eigen::Index row) {
 
 template <int N>
 void Core<N>::reset() {
-  for (const Held& row : held_) weigh(row.row);
-  held_.clear();
+  for (const Active& row : active_) weigh(row.row);
+  active_.clear();
   factor_.clear();
 }
 
@@ -192,7 +192,7 @@ void Core<N>::solve(const QpInput& input, QpSolution& solution) {
   const bool empty = solution.status == QpStatus::infeasible;  // a lower bound above its upper one
   if (empty) reset();
   take_over(input);
-  const bool warm = active() > 0;
+  const bool warm = active_count() > 0;
   attempt(input, solution);
   if (empty) solution.status = QpStatus::infeasible;
   // The warm start may be the reason for a failure.
@@ -241,23 +241,23 @@ void Core<N>::attempt(const QpInput& input, QpSolution& solution) {
 // Removes active rows that have no bound now, and adopts a new softness.
 template <int N>
 void Core<N>::take_over(const QpInput& input) {
-  for (Eigen::Index j = active() - 1; j >= 0; --j) {
-    if (std::isinf(bound(input, held(j)))) remove(j);
+  for (Eigen::Index j = active_count() - 1; j >= 0; --j) {
+    if (std::isinf(bound(input, active(j)))) remove(j);
   }
   if (is_softness_known_) return;
   softness_ = input.softness;
   has_soft_ = (softness_.array() != 0.0).any();
   refactor();
   for (Eigen::Index i = 0; i < softness_.size(); ++i) weigh(i);
-  for (const Held& row : held_) weight_(row.row) = 0.0;
+  for (const Active& row : active_) weight_(row.row) = 0.0;
 }
 
 // Factors the working set anew, and drops the rows that depend on others.
 template <int N>
 void Core<N>::refactor() {
-  previous_.assign(held_.begin(), held_.end());
+  previous_.assign(active_.begin(), active_.end());
   reset();
-  for (const Held& row : previous_) {
+  for (const Active& row : previous_) {
     const double pivot = pivot_towards(row.row);
     if (pivot > 0.0) add(row.row, row.side, pivot);
   }
@@ -270,7 +270,7 @@ QpStatus Core<N>::search(const QpInput& input, QpSolution& solution) {
     place(input, solution);
     Violation violation = worst_violation(input);
     if (violation.row >= 0 && violation.amount < kDoubtfulViolation &&
-        held_error(input) > kHeldShare * violation.amount) {
+        active_error(input) > kActiveShare * violation.amount) {
       hold_bounds(input);
       place(input, solution);
       violation = worst_violation(input);
@@ -289,24 +289,24 @@ template <int N>
 void Core<N>::make_dual_feasible(const QpInput& input) {
   const double wrong = kWrongSign * std::max(1.0, g_norm_);
   if constexpr (N == Eigen::Dynamic) {
-    if (active() > 0) rows_of(z_free_, values_free_);
+    if (active_count() > 0) rows_of(z_free_, values_free_);
   }
-  for (Eigen::Index j = 0; j < active(); ++j) {
-    const Eigen::Index row = held(j).row;
+  for (Eigen::Index j = 0; j < active_count(); ++j) {
+    const Eigen::Index row = active(j).row;
     if constexpr (N == Eigen::Dynamic) {
-      target_(j) = values_free_(row) - bound(input, held(j));
+      target_(j) = values_free_(row) - bound(input, active(j));
     } else {
-      target_(j) = rows_.col(row).dot(z_free_) - bound(input, held(j));
+      target_(j) = rows_.col(row).dot(z_free_) - bound(input, active(j));
     }
   }
   for (;;) {
-    const Eigen::Index k = active();
+    const Eigen::Index k = active_count();
     for (Eigen::Index j = 0; j < k; ++j) mu_(j) = target_(j);
     factor_.solve(mu_.data());
     Eigen::Index worst = -1;
     double most = wrong;
     for (Eigen::Index j = 0; j < k; ++j) {
-      const double against = -held(j).side * mu_(j);
+      const double against = -active(j).side * mu_(j);
       if (against > most) {
         most = against;
         worst = j;
@@ -324,10 +324,10 @@ void Core<N>::place(const QpInput& input, QpSolution& solution) {
   Eigen::Map<Vector> z(solution.z.data(), solution.z.size());
   if constexpr (N == Eigen::Dynamic) {
     z = z_free_;
-    for (Eigen::Index j = 0; j < active(); ++j) z -= mu_(j) * step_.col(held(j).row);
+    for (Eigen::Index j = 0; j < active_count(); ++j) z -= mu_(j) * step_.col(active(j).row);
   } else {
     Vector sum = z_free_;  // in registers
-    for (Eigen::Index j = 0; j < active(); ++j) sum -= mu_(j) * step_.col(held(j).row);
+    for (Eigen::Index j = 0; j < active_count(); ++j) sum -= mu_(j) * step_.col(active(j).row);
     z = sum;
   }
   scan(input, solution);
@@ -363,11 +363,11 @@ typename Core<N>::Violation Core<N>::worst_violation(const QpInput& input) const
 
 // The largest error of an active row at its bound.
 template <int N>
-double Core<N>::held_error(const QpInput& input) const {
+double Core<N>::active_error(const QpInput& input) const {
   double error = 0.0;
-  for (Eigen::Index j = 0; j < active(); ++j) {
-    const double value = values_(held(j).row) - softness(held(j).row) * mu_(j);
-    error = std::max(error, std::abs(value - bound(input, held(j))));
+  for (Eigen::Index j = 0; j < active_count(); ++j) {
+    const double value = values_(active(j).row) - softness(active(j).row) * mu_(j);
+    error = std::max(error, std::abs(value - bound(input, active(j))));
   }
   return error;
 }
@@ -382,10 +382,10 @@ QpStatus Core<N>::drive_to_bound(Violation violation, QpSolution& solution) {
     ++solution.iterations;
     const double pivot = pivot_towards(violation.row);
     double step = pivot > 0.0 ? violation.amount / pivot : kNoBound;
-    const Eigen::Index k = active();
+    const Eigen::Index k = active_count();
     Eigen::Index blocking = -1;
     for (Eigen::Index j = 0; j < k; ++j) {
-      const double own_side = held(j).side;
+      const double own_side = active(j).side;
       const double falls = own_side * sign * direction_(j);
       if (falls <= 0.0) continue;
       const double reach = std::max(own_side * mu_(j), 0.0);
@@ -397,7 +397,7 @@ QpStatus Core<N>::drive_to_bound(Violation violation, QpSolution& solution) {
     if (std::isinf(step)) {
       proof_.setZero();
       proof_(violation.row) = sign;
-      for (Eigen::Index j = 0; j < k; ++j) proof_(held(j).row) = -sign * direction_(j);
+      for (Eigen::Index j = 0; j < k; ++j) proof_(active(j).row) = -sign * direction_(j);
       return QpStatus::infeasible;
     }
     for (Eigen::Index j = 0; j < k; ++j) mu_(j) -= sign * step * direction_(j);
@@ -417,11 +417,11 @@ QpStatus Core<N>::drive_to_bound(Violation violation, QpSolution& solution) {
 // working set; 0: the row depends on the working set.
 template <int N>
 double Core<N>::pivot_towards(Eigen::Index row) {
-  const Eigen::Index k = active();
+  const Eigen::Index k = active_count();
   const double own = length_(row) + softness(row);
   bool is_doubtful = false;
   for (Eigen::Index j = 0; j < k; ++j) {
-    const Held& other = held(j);
+    const Active& other = active(j);
     half_(j) = gram(row, other.row);
     is_doubtful |= factor_.pivot(j) <= kDoubtfulPivot * other.length;
   }
@@ -439,17 +439,18 @@ double Core<N>::pivot_with_less_cancellation(Eigen::Index row, double own) {
   double pivot = 0.0;
   for (int pass = 0;; ++pass) {
     residual_ = rows_.col(row);
-    for (Eigen::Index j = 0; j < active(); ++j) residual_ -= direction_(j) * rows_.col(held(j).row);
+    for (Eigen::Index j = 0; j < active_count(); ++j)
+      residual_ -= direction_(j) * rows_.col(active(j).row);
     gradient_.noalias() = H_inverse_ * residual_;
     pivot = residual_.dot(gradient_) + softness(row);
-    for (Eigen::Index j = 0; j < active(); ++j) {
-      const Eigen::Index other = held(j).row;
+    for (Eigen::Index j = 0; j < active_count(); ++j) {
+      const Eigen::Index other = active(j).row;
       pivot += softness(other) * direction_(j) * direction_(j);
       correction_(j) = rows_.col(other).dot(gradient_) - softness(other) * direction_(j);
     }
     if (pass == 2) break;
     factor_.solve(correction_.data());
-    direction_.head(active()) += correction_.head(active());
+    direction_.head(active_count()) += correction_.head(active_count());
   }
   return pivot > kDependentPivot * own ? pivot : 0.0;
 }
@@ -460,7 +461,7 @@ void Core<N>::finish(const QpInput& input, QpSolution& solution) {
   if (solution.status != QpStatus::solved) return;
   // Refinement does not change the violation of inactive rows.
   for (int i = 0; i < kMostRefinements && solution.kkt_residual > kRefineAbove &&
-                  (is_tilted_ || held_error(input) > kRefineAbove);
+                  (is_tilted_ || active_error(input) > kRefineAbove);
        ++i) {
     refine(input, solution);
     measure(input, solution);
@@ -475,10 +476,10 @@ void Core<N>::measure(const QpInput& input, QpSolution& solution) {
   set_gradient(input, solution);
   double scale = std::max(1.0, g_norm_);
   double slack = 0.0;  // the largest product with a multiplier
-  for (Eigen::Index j = 0; j < active(); ++j) {
-    const double mu = solution.mu(held(j).row);
+  for (Eigen::Index j = 0; j < active_count(); ++j) {
+    const double mu = solution.mu(active(j).row);
     scale = std::max(scale, std::abs(mu));
-    slack = std::max(slack, std::abs(mu * (values_(held(j).row) - bound(input, held(j)))));
+    slack = std::max(slack, std::abs(mu * (values_(active(j).row) - bound(input, active(j)))));
   }
   const double largest_value = largest_row_ * solution.z.template lpNorm<Eigen::Infinity>();
   if (has_soft_ || !is_finite(gradient_) || !(largest_value < kNoBound)) {
@@ -494,9 +495,9 @@ void Core<N>::measure(const QpInput& input, QpSolution& solution) {
 template <int N>
 void Core<N>::set_multipliers(QpSolution& solution) const {
   solution.mu.setZero();
-  for (Eigen::Index j = 0; j < active(); ++j) {
+  for (Eigen::Index j = 0; j < active_count(); ++j) {
     // A multiplier with the wrong sign is due to rounding and counts as 0.
-    if (held(j).side * mu_(j) > 0.0) solution.mu(held(j).row) = mu_(j);
+    if (active(j).side * mu_(j) > 0.0) solution.mu(active(j).row) = mu_(j);
   }
 }
 
@@ -512,20 +513,20 @@ void Core<N>::set_gradient(const QpInput& input, const QpSolution& solution) {
   }
   gradient_.noalias() = H_ * Eigen::Map<const Vector>(solution.z.data(), solution.z.size());
   gradient_ += input.g;
-  for (Eigen::Index j = 0; j < active(); ++j) {
-    gradient_ += solution.mu(held(j).row) * rows_.col(held(j).row);
+  for (Eigen::Index j = 0; j < active_count(); ++j) {
+    gradient_ += solution.mu(active(j).row) * rows_.col(active(j).row);
   }
 }
 
 // Corrects the multipliers by the errors of the active rows.
 template <int N>
 void Core<N>::hold_bounds(const QpInput& input) {
-  for (Eigen::Index j = 0; j < active(); ++j) {
-    const Eigen::Index row = held(j).row;
-    correction_(j) = values_(row) - softness(row) * mu_(j) - bound(input, held(j));
+  for (Eigen::Index j = 0; j < active_count(); ++j) {
+    const Eigen::Index row = active(j).row;
+    correction_(j) = values_(row) - softness(row) * mu_(j) - bound(input, active(j));
   }
   factor_.solve(correction_.data());
-  mu_.head(active()) += correction_.head(active());
+  mu_.head(active_count()) += correction_.head(active_count());
 }
 
 template <int N>
@@ -543,14 +544,14 @@ void Core<N>::refine(const QpInput& input, QpSolution& solution) {
 template <int N>
 void Core<N>::add(Eigen::Index row, double side, double pivot) {
   factor_.add(half_.data(), pivot);
-  held_.push_back({row, side, length_(row) + softness(row)});
+  active_.push_back({row, side, length_(row) + softness(row)});
   weight_(row) = 0.0;
 }
 
 template <int N>
 void Core<N>::remove(Eigen::Index position) {
-  weigh(held(position).row);
-  held_.erase(held_.begin() + position);
+  weigh(active(position).row);
+  active_.erase(active_.begin() + position);
   factor_.remove(position);
 }
 

@@ -17,8 +17,8 @@ OrthogonalActiveSet::OrthogonalActiveSet(const QpFactors& factors, int max_chang
     : factors_(factors), max_changes_(max_changes) {
   const Eigen::Index n = factors.variables();
   const Eigen::Index m = factors.rows();
-  held_.reserve(static_cast<std::size_t>(m));
-  is_held_.resize(static_cast<std::size_t>(m));
+  active_.reserve(static_cast<std::size_t>(m));
+  is_active_.resize(static_cast<std::size_t>(m));
   Q_.resize(n + m, m);
   R_.resize(m, m);
   c_.setZero(n + m);
@@ -30,17 +30,17 @@ void OrthogonalActiveSet::solve(const QpInput& input, QpSolution& solution) {
   const Eigen::Index n = factors_.variables();
   const bool has_soft = (input.softness.array() != 0.0).any();
   depth_ = has_soft ? n + factors_.rows() : n;
-  held_.clear();
-  std::fill(is_held_.begin(), is_held_.end(), false);
+  active_.clear();
+  std::fill(is_active_.begin(), is_active_.end(), false);
   changes_left_ = max_changes_;
   solution.z.setZero();
   solution.mu.setZero();
   correct(input, solution);
   solution.status = search(input, solution);
   values_.noalias() = factors_.model.Omega * solution.z;
-  for (Eigen::Index j = 0; j < active(); ++j) {
-    double& mu = solution.mu(held(j).row);
-    if (held(j).side * mu < 0.0) mu = 0.0;
+  for (Eigen::Index j = 0; j < active_count(); ++j) {
+    double& mu = solution.mu(active(j).row);
+    if (active(j).side * mu < 0.0) mu = 0.0;
   }
   solution.kkt_residual = kkt_residual(factors_.model, input, solution, values_, residual_);
   if (solution.status == QpStatus::infeasible) solution.mu = proof_;
@@ -53,16 +53,16 @@ QpStatus OrthogonalActiveSet::search(const QpInput& input, QpSolution& solution)
   const double wrong = kDoubtfulSign * std::max(1.0, input.g.lpNorm<Eigen::Infinity>());
   for (;;) {
     // After a correction, a multiplier near 0 may have the other sign.
-    for (Eigen::Index j = active() - 1; j >= 0; --j) {
-      if (held(j).side * solution.mu(held(j).row) >= -wrong) continue;
+    for (Eigen::Index j = active_count() - 1; j >= 0; --j) {
+      if (active(j).side * solution.mu(active(j).row) >= -wrong) continue;
       if (changes_left_-- == 0) return QpStatus::iteration_cap;
       ++solution.iterations;
       remove(j, solution);
       correct(input, solution);
-      j = active();
+      j = active_count();
     }
     values_.noalias() = factors_.model.Omega * solution.z;
-    const Held row = worst_violation(input);
+    const Active row = worst_violation(input);
     if (row.row < 0) return QpStatus::solved;
     const QpStatus status = drive_to_bound(input, row, solution);
     if (status != QpStatus::solved) return status;
@@ -70,11 +70,11 @@ QpStatus OrthogonalActiveSet::search(const QpInput& input, QpSolution& solution)
 }
 
 // The largest violation in the metric of H⁻¹.
-OrthogonalActiveSet::Held OrthogonalActiveSet::worst_violation(const QpInput& input) const {
-  Held worst{-1, 0.0};
+OrthogonalActiveSet::Active OrthogonalActiveSet::worst_violation(const QpInput& input) const {
+  Active worst{-1, 0.0};
   double most = 0.0;
   for (Eigen::Index i = 0; i < values_.size(); ++i) {
-    if (is_held_[static_cast<std::size_t>(i)]) continue;
+    if (is_active_[static_cast<std::size_t>(i)]) continue;
     const double above = values_(i) - input.upper(i);
     const double below = input.lower(i) - values_(i);
     const double beyond = std::max(above, below) - kQpViolation;
@@ -89,7 +89,8 @@ OrthogonalActiveSet::Held OrthogonalActiveSet::worst_violation(const QpInput& in
   return worst;
 }
 
-QpStatus OrthogonalActiveSet::drive_to_bound(const QpInput& input, Held row, QpSolution& solution) {
+QpStatus OrthogonalActiveSet::drive_to_bound(const QpInput& input, Active row,
+                                             QpSolution& solution) {
   const Eigen::Index n = factors_.variables();
   const double sign = row.side;
   const double own = std::sqrt(factors_.gram(row.row, row.row) + input.softness(row.row));
@@ -101,22 +102,22 @@ QpStatus OrthogonalActiveSet::drive_to_bound(const QpInput& input, Held row, QpS
         factors_.model.Omega.row(row.row).dot(solution.z) - input.softness(row.row) * multiplier;
     const double amount = sign > 0.0 ? value - input.upper(row.row) : input.lower(row.row) - value;
     double length = compare(input, row.row);
-    if (length <= kDependent * own || (depth_ == n && active() == n)) length = 0.0;
+    if (length <= kDependent * own || (depth_ == n && active_count() == n)) length = 0.0;
     if (length == 0.0 && is_proof(input, row)) return QpStatus::infeasible;
     double step = length > 0.0 ? std::max(amount, 0.0) / (length * length) : kNoBound;
     Eigen::Index blocking = -1;
-    for (Eigen::Index j = 0; j < active(); ++j) {
-      const double falls = held(j).side * sign * direction_(j);
+    for (Eigen::Index j = 0; j < active_count(); ++j) {
+      const double falls = active(j).side * sign * direction_(j);
       if (falls <= 0.0) continue;
-      const double reach = std::max(held(j).side * solution.mu(held(j).row), 0.0);
+      const double reach = std::max(active(j).side * solution.mu(active(j).row), 0.0);
       if (reach < step * falls) {
         step = reach / falls;
         blocking = j;
       }
     }
     if (std::isinf(step)) return QpStatus::inaccurate;
-    for (Eigen::Index j = 0; j < active(); ++j) {
-      solution.mu(held(j).row) -= sign * step * direction_(j);
+    for (Eigen::Index j = 0; j < active_count(); ++j) {
+      solution.mu(active(j).row) -= sign * step * direction_(j);
     }
     multiplier += sign * step;
     if (blocking < 0) {
@@ -134,7 +135,7 @@ QpStatus OrthogonalActiveSet::drive_to_bound(const QpInput& input, Held row, QpS
 // length.
 double OrthogonalActiveSet::compare(const QpInput& input, Eigen::Index row) {
   const Eigen::Index n = factors_.variables();
-  const Eigen::Index k = active();
+  const Eigen::Index k = active_count();
   const auto& Omega = factors_.model.Omega;
   auto c = c_.head(depth_);
   shares_.head(k).setZero();
@@ -143,7 +144,7 @@ double OrthogonalActiveSet::compare(const QpInput& input, Eigen::Index row) {
     residual_ = Omega.row(row).transpose();
     c.tail(depth_ - n).setZero();
     for (Eigen::Index j = 0; j < k; ++j) {
-      const Eigen::Index other = held(j).row;
+      const Eigen::Index other = active(j).row;
       residual_ -= direction_(j) * Omega.row(other).transpose();
       if (depth_ > n) c(n + other) = -direction_(j) * std::sqrt(input.softness(other));
     }
@@ -161,31 +162,31 @@ double OrthogonalActiveSet::compare(const QpInput& input, Eigen::Index row) {
 }
 
 // Whether the row and the working set contradict each other.
-bool OrthogonalActiveSet::is_proof(const QpInput& input, Held row) {
+bool OrthogonalActiveSet::is_proof(const QpInput& input, Active row) {
   proof_.setZero();
   proof_(row.row) = row.side;
-  for (Eigen::Index j = 0; j < active(); ++j) {
+  for (Eigen::Index j = 0; j < active_count(); ++j) {
     const double y = -row.side * direction_(j);
-    if (held(j).side * y >= 0.0) proof_(held(j).row) = y;
+    if (active(j).side * y >= 0.0) proof_(active(j).row) = y;
   }
   return infeasibility_margin(factors_.model, input, proof_) >= kInfeasibleFrom;
 }
 
 // Adds the row of the last compare().
-void OrthogonalActiveSet::add(Held row, double length) {
-  const Eigen::Index k = active();
+void OrthogonalActiveSet::add(Active row, double length) {
+  const Eigen::Index k = active_count();
   Q_.col(k).head(depth_) = c_.head(depth_) / length;
   R_.col(k).head(k) = shares_.head(k);
   R_(k, k) = length;
-  held_.push_back(row);
-  is_held_[static_cast<std::size_t>(row.row)] = true;
+  active_.push_back(row);
+  is_active_[static_cast<std::size_t>(row.row)] = true;
 }
 
 void OrthogonalActiveSet::remove(Eigen::Index position, QpSolution& solution) {
-  const Eigen::Index k = active();
-  solution.mu(held(position).row) = 0.0;
-  is_held_[static_cast<std::size_t>(held(position).row)] = false;
-  held_.erase(held_.begin() + position);
+  const Eigen::Index k = active_count();
+  solution.mu(active(position).row) = 0.0;
+  is_active_[static_cast<std::size_t>(active(position).row)] = false;
+  active_.erase(active_.begin() + position);
   for (Eigen::Index j = position; j + 1 < k; ++j) R_.col(j).head(j + 2) = R_.col(j + 1).head(j + 2);
   for (Eigen::Index j = position; j + 1 < k; ++j) {
     Eigen::JacobiRotation<double> rotation;
@@ -198,12 +199,12 @@ void OrthogonalActiveSet::remove(Eigen::Index position, QpSolution& solution) {
 // Corrects z and the multipliers for the working set.
 void OrthogonalActiveSet::correct(const QpInput& input, QpSolution& solution) {
   const Eigen::Index n = factors_.variables();
-  const Eigen::Index k = active();
+  const Eigen::Index k = active_count();
   const auto& model = factors_.model;
   auto y = correction_.head(k);
   for (int pass = 0; pass < kCorrections; ++pass) {
     for (Eigen::Index j = 0; j < k; ++j) {
-      const auto [row, side] = held(j);
+      const auto [row, side] = active(j);
       y(j) = (side >= 0.0 ? input.upper(row) : input.lower(row)) -
              model.Omega.row(row).dot(solution.z) + input.softness(row) * solution.mu(row);
     }
@@ -217,7 +218,7 @@ void OrthogonalActiveSet::correct(const QpInput& input, QpSolution& solution) {
     factors_.L.triangularView<Eigen::Lower>().transpose().solveInPlace(residual_);
     solution.z -= residual_;
     triangle().triangularView<Eigen::Upper>().solveInPlace(y);
-    for (Eigen::Index j = 0; j < k; ++j) solution.mu(held(j).row) -= y(j);
+    for (Eigen::Index j = 0; j < k; ++j) solution.mu(active(j).row) -= y(j);
   }
 }
 

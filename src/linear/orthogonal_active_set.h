@@ -25,30 +25,30 @@ class OrthogonalActiveSet {
   void solve(const QpInput& input, QpSolution& solution);
 
  private:
-  struct Held {
+  struct Active {
     Eigen::Index row;
     double side;  // 1: at its upper bound, −1: at its lower, 0: at both
   };
 
-  const Held& held(Eigen::Index j) const { return held_[static_cast<std::size_t>(j)]; }
-  Eigen::Index active() const { return static_cast<Eigen::Index>(held_.size()); }
-  auto basis() const { return Q_.topLeftCorner(depth_, active()); }
-  auto triangle() const { return R_.topLeftCorner(active(), active()); }
+  const Active& active(Eigen::Index j) const { return active_[static_cast<std::size_t>(j)]; }
+  Eigen::Index active_count() const { return static_cast<Eigen::Index>(active_.size()); }
+  auto basis() const { return Q_.topLeftCorner(depth_, active_count()); }
+  auto triangle() const { return R_.topLeftCorner(active_count(), active_count()); }
 
   QpStatus search(const QpInput& input, QpSolution& solution);
-  Held worst_violation(const QpInput& input) const;
-  QpStatus drive_to_bound(const QpInput& input, Held row, QpSolution& solution);
+  Active worst_violation(const QpInput& input) const;
+  QpStatus drive_to_bound(const QpInput& input, Active row, QpSolution& solution);
   double compare(const QpInput& input, Eigen::Index row);
-  bool is_proof(const QpInput& input, Held row);
-  void add(Held row, double length);
+  bool is_proof(const QpInput& input, Active row);
+  void add(Active row, double length);
   void remove(Eigen::Index position, QpSolution& solution);
   void correct(const QpInput& input, QpSolution& solution);
 
   const QpFactors& factors_;
   int max_changes_;
   int changes_left_ = 0;
-  std::vector<Held> held_;
-  std::vector<bool> is_held_;
+  std::vector<Active> active_;
+  std::vector<bool> is_active_;
   Eigen::Index depth_ = 0;     // length of the vectors: n, or n + m if a row is soft
   Eigen::MatrixXd Q_;          // (n + m)×m
   Eigen::MatrixXd R_;          // m×m

@@ -26,7 +26,7 @@ class AsymmetricFakfd final : public KalmanEstimator<> {
       throw std::invalid_argument("FAKFD: Eq. 4.5 as printed needs a plant with one output");
     }
     this->lambda_ = 1.0 / gamma.maxCoeff();
-    seen_.setZero(1, gamma.size());
+    output_cross_.setZero(1, gamma.size());
   }
 
   void update(const Vector& held_input, const Vector& y) override {
@@ -34,9 +34,9 @@ class AsymmetricFakfd final : public KalmanEstimator<> {
     gain_.noalias() = covariance_ * C_.transpose();
     gain_ /= output_covariance_(0, 0) + R_(0, 0);
     extended_state_.noalias() += gain_ * innovation_;
-    seen_.noalias() = C_ * covariance_;
+    output_cross_.noalias() = C_ * covariance_;
     if (!inflates_correction_) inflate();
-    covariance_.noalias() -= gain_ * seen_;
+    covariance_.noalias() -= gain_ * output_cross_;
     if (inflates_correction_) inflate();
   }
 
@@ -45,7 +45,7 @@ class AsymmetricFakfd final : public KalmanEstimator<> {
 
   Eigen::VectorXd gamma_;
   bool inflates_correction_;
-  Eigen::MatrixXd seen_;  // C̅ P(k|k−1)
+  Eigen::MatrixXd output_cross_;  // C̅ P(k|k−1)
 };
 
 }  // namespace breakwater

@@ -21,9 +21,7 @@ StateSpace observable(const StateSpace& continuous_plant, double period_s) {
 }  // namespace
 
 Idob::Idob(const StateSpace& continuous_plant, const std::vector<PoleGroup>& poles, double period_s)
-    : states_(continuous_plant.states()),
-      predictor_(observable(continuous_plant, period_s), poles, period_s),
-      signals_(
-          {{"innovation", "", "e = y - C x(k|k-1) (Eq. 4.15)", view(predictor_.innovation())}}) {}
+    : StateObserver(observable(continuous_plant, period_s), poles, period_s),
+      states_(continuous_plant.states()) {}
 
 }  // namespace breakwater

@@ -4,8 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include <breakwater/observers/disturbance_estimator.h>
-#include <breakwater/observers/pole_predictor.h>
+#include <breakwater/observers/state_observer.h>
 
 namespace breakwater {
 
@@ -21,39 +20,19 @@ namespace breakwater {
 ///
 /// Sign: d̂ opposes the input. With the nominal inertia J_n, u = J_n a + d̂ gives the acceleration
 /// a (Eq. 2.82). Eqs. 2.6 and 2.15 print the other sign.
-class Idob final : public DisturbanceEstimator {
+class Idob final : public StateObserver {
  public:
   /// `poles` [1/s]: one group per output, n + m stable poles in all. Throws std::invalid_argument
   /// if the extended plant is not observable (with its rank) or the placement fails.
   Idob(const StateSpace& continuous_plant, const std::vector<PoleGroup>& poles, double period_s);
 
-  void reset(const Vector& x) override { predictor_.reset(x); }
-  void update(const Vector& held_input, const Vector& y) override {
-    predictor_.update(held_input, y);
-  }
-  bool follow(const SampleInterval& interval) override {
-    predictor_.over(interval.length_s);
-    return true;
-  }
-
-  View state() const override { return {predictor_.state().data(), states_}; }
+  View state() const override { return {StateObserver::state().data(), states_}; }
   View disturbance() const override {
-    return {predictor_.state().data() + states_, poles() - states_};
+    return {StateObserver::state().data() + states_, poles() - states_};
   }
-  std::span<const Signal> signals() const override { return signals_; }
-
-  /// The poles of Ā_d − H C̄_d, the dynamics of the estimation error.
-  Eigen::Index poles() const override { return predictor_.state().size(); }
-  void pole_matrix(Eigen::Ref<Eigen::MatrixXd> F) const override {
-    F = predictor_.error_dynamics();
-  }
-
-  const Eigen::MatrixXd& H() const { return predictor_.H(); }
 
  private:
   Eigen::Index states_;
-  PolePredictor predictor_;
-  std::vector<Signal> signals_;
 };
 
 }  // namespace breakwater

@@ -141,7 +141,7 @@ class KalmanEstimator : public DisturbanceEstimator {
           B_ * Eigen::Map<const Eigen::Matrix<double, m, 1>>(held_input.data(), held_input.size());
       extended_state_ = predicted_;
       if constexpr (kOneOutput) {
-        one_output::carry<N>(A_, Q_, covariance_);
+        one_output::predict_covariance<N>(A_, Q_, covariance_);
       } else {
         work_.noalias() = A_ * covariance_;
         covariance_.noalias() = work_ * A_.transpose();
@@ -151,12 +151,12 @@ class KalmanEstimator : public DisturbanceEstimator {
     has_prior_ = false;
     innovation_ = Eigen::Map<const Outputs>(y.data(), y.size());
     innovation_.noalias() -= C_ * extended_state_;
-    see_covariance();
-    if (instant_std_s_ > 0.0) see_instant(held_input);
+    compute_output_covariance();
+    if (instant_std_s_ > 0.0) correct_for_instant(held_input);
   }
 
   /// Adds the effect of the uncertain time to R.
-  void see_instant(const Vector& held_input) {
+  void correct_for_instant(const Vector& held_input) {
     instant_error_.noalias() = output_rate_ * extended_state_;
     instant_error_.noalias() += input_rate_ * held_input;
     instant_error_ = instant_error_.cwiseAbs() * instant_std_s_;
@@ -165,7 +165,7 @@ class KalmanEstimator : public DisturbanceEstimator {
   }
 
   /// Computes C̅ P and C̅ P C̅ᵀ.
-  void see_covariance() {
+  void compute_output_covariance() {
     if constexpr (kOneOutput) {
       output_cross_ =
           one_output::times<N>(covariance_, C_.transpose(), measures_first_).transpose();

@@ -27,7 +27,7 @@ double product(const A& a, const B& b) {
 
 /// P ← A P Aᵀ + Q, exactly symmetric.
 template <int N>
-void carry(const Covariance<N>& A, const Covariance<N>& Q, Covariance<N>& P) {
+void predict_covariance(const Covariance<N>& A, const Covariance<N>& Q, Covariance<N>& P) {
   double AP[N][N];
   for (int i = 0; i < N; ++i) {
     for (int j = 0; j < N; ++j) {

@@ -5,8 +5,8 @@ namespace {
 
 constexpr double kQuantumShare = 1.0;
 constexpr double kNoiseShare = 4.5;
-constexpr double kQuantumWake = 0.5;
-constexpr double kNoiseWake = 1.5;
+constexpr double kQuantumThreshold = 0.5;
+constexpr double kNoiseThreshold = 1.5;
 constexpr double kSmallestAlpha = 1e-22;  // the error of the arithmetic in place of the sensor's
 
 }  // namespace
@@ -15,9 +15,9 @@ VfakfdDesign qvff_design(const SensorError& error) {
   check(error, error.quantum.size());
   VfakfdDesign design;
   design.dead_zone = kQuantumShare * error.quantum + kNoiseShare * error.noise_std;
-  design.alpha = (kQuantumWake * error.quantum)
+  design.alpha = (kQuantumThreshold * error.quantum)
                      .cwiseAbs2()
-                     .cwiseMax((kNoiseWake * error.noise_std).cwiseAbs2())
+                     .cwiseMax((kNoiseThreshold * error.noise_std).cwiseAbs2())
                      .cwiseMax(kSmallestAlpha);
   return design;
 }

@@ -11,7 +11,7 @@ namespace breakwater {
 
 /// x̂(k+1) = A x̂(k) + B u(k) + H (y(k) − C x̂(k)) with d̂ = 0, for comparison with the disturbance
 /// observers. x̂(k) depends on y(0) … y(k−1), as with the IDOB.
-class StateObserver final : public DisturbanceEstimator {
+class StateObserver : public DisturbanceEstimator {
  public:
   /// `poles` [1/s], continuous and stable: n in all, one group per output. Throws
   /// std::invalid_argument if a pole is not stable or the placement fails.
@@ -31,10 +31,13 @@ class StateObserver final : public DisturbanceEstimator {
   View disturbance() const override { return {disturbance_.data(), disturbance_.size()}; }
   std::span<const Signal> signals() const override { return signals_; }
 
+  /// The poles are those of A − H C, which multiplies the estimation error at each sample.
   Eigen::Index poles() const override { return predictor_.state().size(); }
   void pole_matrix(Eigen::Ref<Eigen::MatrixXd> F) const override {
     F = predictor_.error_dynamics();
   }
+
+  const Eigen::MatrixXd& H() const { return predictor_.H(); }
 
  private:
   PolePredictor predictor_;

@@ -45,7 +45,7 @@ class Stf final : public KalmanEstimator<N, m, p> {
     if (inflation > 1.0) {
       this->lambda_ = 1.0 / inflation;
       this->covariance_ *= inflation;
-      this->see_covariance();
+      this->compute_output_covariance();
     }
     this->correct(this->R_);
   }

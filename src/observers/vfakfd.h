@@ -61,7 +61,7 @@ class Vfakfd final : public KalmanEstimator<N, m, p> {
       correct_and_forget();
       return;
     }
-    this->lambda_ = std::clamp(lambda_max_ - surprise(), lambda_min_, lambda_max_);
+    this->lambda_ = std::clamp(lambda_max_ - nis(), lambda_min_, lambda_max_);
     observation_covariance_.setZero();
     observation_covariance_.diagonal().setConstant(this->lambda_);
     this->correct(observation_covariance_);
@@ -85,7 +85,7 @@ class Vfakfd final : public KalmanEstimator<N, m, p> {
   }
 
   // ẽᵀ (I + C̅ P C̅ᵀ)⁻¹ ẽ
-  double surprise() {
+  double nis() {
     weighted_ = (this->innovation_.cwiseAbs() - dead_zone_ - kInstantShare * this->instant_error_)
                     .cwiseMax(0.0)
                     .cwiseProduct(weight_);

@@ -82,7 +82,7 @@ void WaveForceBank::reset(double position_m) {
 
 void WaveForceBank::update(double known_force_N, double position_m) {
   elapsed_s_ += design_.period_s;
-  const bool listens_only = elapsed_s_ < design_.settling_s;
+  const bool is_settling = elapsed_s_ < design_.settling_s;
   const double keep = 1.0 - design_.period_s / design_.memory_s;
   const double step = design_.period_s / design_.mass_kg;
   double best = -1e300;
@@ -96,12 +96,12 @@ void WaveForceBank::update(double known_force_N, double position_m) {
     x.segment<2>(5).noalias() = shape.second * c.x.segment<2>(5);
     const double innovation = position_m - x(0);
     c.x = x + c.gain * innovation;
-    if (listens_only) continue;
+    if (is_settling) continue;
     c.log_likelihood =
         keep * c.log_likelihood - 0.5 * (c.log_variance + innovation * innovation / c.variance);
     best = std::max(best, c.log_likelihood);
   }
-  if (!listens_only) average(best);
+  if (!is_settling) average(best);
 }
 
 void WaveForceBank::average(double best) {

@@ -56,7 +56,7 @@ void WaveFrequency::reset(double position_m) {
 
 void WaveFrequency::update(double known_force_N, double position_m) {
   elapsed_s_ += design_.period_s;
-  const bool listens_only = elapsed_s_ < design_.settling_s;
+  const bool is_settling = elapsed_s_ < design_.settling_s;
   const double keep = 1.0 - design_.period_s / design_.memory_s;
   double best = -1e300;
   for (Candidate& c : candidates_) {
@@ -64,12 +64,12 @@ void WaveFrequency::update(double known_force_N, double position_m) {
     x(1) += design_.period_s / design_.mass_kg * known_force_N;
     const double innovation = position_m - x(0);
     c.x = x + c.gain * innovation;
-    if (listens_only) continue;
+    if (is_settling) continue;
     c.log_likelihood = keep * c.log_likelihood -
                        0.5 * (math::log(c.variance) + innovation * innovation / c.variance);
     best = std::max(best, c.log_likelihood);
   }
-  if (listens_only) return;
+  if (is_settling) return;
   double weights = 0.0;
   double sum = 0.0;
   for (const Candidate& c : candidates_) {

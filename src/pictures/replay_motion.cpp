@@ -71,7 +71,7 @@ ReplayMotion replay_motion(PictureRun& run, const std::vector<double>& times_s) 
   motion.bodies.resize(static_cast<std::size_t>(model->nbody));
   motion.cameras.resize(static_cast<std::size_t>(model->ncam));
   motion.lights.resize(static_cast<std::size_t>(model->nlight));
-  std::vector<Visibility> seen(static_cast<std::size_t>(model->ngeom));
+  std::vector<Visibility> visibility(static_cast<std::size_t>(model->ngeom));
   std::vector<double> qpos;
   double looks = 0.0;
   const auto add = [](std::vector<PoseTrack>& tracks, auto&& pose_of) {
@@ -88,14 +88,14 @@ ReplayMotion replay_motion(PictureRun& run, const std::vector<double>& times_s) 
     add(motion.cameras, [&](int i) { return poser.camera(i); });
     add(motion.lights, [&](int i) { return poser.light(i); });
     for (int i = 0; i < model->ngeom; ++i) {
-      Visibility& geom = seen[static_cast<std::size_t>(i)];
+      Visibility& geom = visibility[static_cast<std::size_t>(i)];
       const bool now = is_drawn(model, i);
       geom.geom = i;
       if (frame == 0) geom.at_first = now;
       if (now != (geom.at_first == (geom.changes.size() % 2 == 0))) geom.changes.push_back(frame);
     }
   }
-  for (const Visibility& geom : seen) {
+  for (const Visibility& geom : visibility) {
     if (geom.at_first || !geom.changes.empty()) motion.geoms.push_back(geom.geom);
     if (!geom.changes.empty()) motion.visibility.push_back(geom);
   }

@@ -93,7 +93,7 @@ class MjcfCheck {
 
  private:
   void check(const std::filesystem::path& file) {
-    if (!seen_.insert(file.lexically_normal()).second) return;
+    if (!visited_.insert(file.lexically_normal()).second) return;
     const XmlFile xml(file.string());
     std::vector<const tinyxml2::XMLElement*> elements = {xml.root()};
     while (!elements.empty()) {
@@ -124,7 +124,7 @@ class MjcfCheck {
   std::filesystem::path folder_;  // the folder for includes
   std::uint64_t most_elements_;
   double elements_ = 0.0;
-  std::set<std::filesystem::path> seen_;
+  std::set<std::filesystem::path> visited_;
 };
 
 }  // namespace

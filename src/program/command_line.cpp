@@ -156,25 +156,28 @@ int make_videos(const std::vector<RunSummary>& runs, const Arguments& arguments,
 }
 
 // Warns only about a --set that is ineffective in all runs.
-void print_vain_sets(const std::string& scenario, const std::vector<PreparedRun>& runs) {
-  for (const VainKey& vain : runs.front().vain) {
-    const bool is_vain_in_all = std::all_of(runs.begin(), runs.end(), [&](const PreparedRun& run) {
-      return std::any_of(run.vain.begin(), run.vain.end(), [&](const VainKey& other) {
-        return other.key == vain.key && other.origin == "--set";
-      });
-    });
-    if (!is_vain_in_all) continue;
-    warn(scenario, {fmt::format("--set: {}: {}", vain.key, vain.reason)});
+void print_ineffective_sets(const std::string& scenario, const std::vector<PreparedRun>& runs) {
+  for (const IneffectiveKey& ineffective : runs.front().ineffective) {
+    const bool is_ineffective_in_all =
+        std::all_of(runs.begin(), runs.end(), [&](const PreparedRun& run) {
+          return std::any_of(run.ineffective.begin(), run.ineffective.end(),
+                             [&](const IneffectiveKey& other) {
+                               return other.key == ineffective.key && other.origin == "--set";
+                             });
+        });
+    if (!is_ineffective_in_all) continue;
+    warn(scenario, {fmt::format("--set: {}: {}", ineffective.key, ineffective.reason)});
   }
 }
 
 void print_warnings(const std::string& scenario, const std::vector<PreparedRun>& runs) {
-  print_vain_sets(scenario, runs);
+  print_ineffective_sets(scenario, runs);
   for (const PreparedRun& run : runs) {
     const std::string which = fmt::format("{} {}", scenario, run.case_name);
-    for (const VainKey& vain : run.vain) {
-      if (vain.origin == "--set") continue;
-      warn(which, {fmt::format("{}: {}: {}", vain.origin, vain.key, vain.reason)});
+    for (const IneffectiveKey& ineffective : run.ineffective) {
+      if (ineffective.origin == "--set") continue;
+      warn(which,
+           {fmt::format("{}: {}: {}", ineffective.origin, ineffective.key, ineffective.reason)});
     }
     warn(which, run.scenario->warnings());
   }

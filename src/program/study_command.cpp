@@ -4,13 +4,12 @@
 
 #include <algorithm>
 #include <csignal>
-#include <filesystem>
-#include <optional>
 #include <stdexcept>
 
 #include <breakwater/cluster/slurm_options.h>
 #include <breakwater/cluster/slurm_queue.h>
 #include <breakwater/shell/all_cores.h>
+#include <breakwater/shell/paths.h>
 #include <breakwater/shell/process.h>
 #include <breakwater/shell/table.h>
 #include <breakwater/study/isolated.h>
@@ -47,6 +46,12 @@ StudyFolder begun_folder(const std::string& target, const StudyKind& kind,
   }
   fs::current_path(folder.working_folder());
   return folder;
+}
+
+std::optional<fs::path> file_of_study(const std::string& target) {
+  if (fs::is_regular_file(target)) return target;
+  const auto shipped = target.ends_with(".toml") ? look_for(target) : std::nullopt;
+  return shipped && fs::is_regular_file(*shipped) ? shipped : std::nullopt;
 }
 
 StudyFolder new_folder(const StudyOptions& options, const std::string& name,

@@ -3,6 +3,8 @@
 
 #include <CLI/CLI.hpp>
 #include <cstddef>
+#include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -51,6 +53,8 @@ void add_study_options(CLI::App& app, StudyOptions& options, const StudyOptionsH
 /// std::invalid_argument (`TARGET: …`) if there is no such study.
 StudyFolder begun_folder(const std::string& target, const StudyKind& kind,
                          const std::string& what_it_is);
+/// TARGET as a file of a study, also a shipped one, or nothing.
+std::optional<std::filesystem::path> file_of_study(const std::string& target);
 /// The folder for a new study of this name.
 StudyFolder new_folder(const StudyOptions& options, const std::string& name, const StudyKind& kind);
 

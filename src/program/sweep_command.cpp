@@ -17,7 +17,6 @@
 #include <breakwater/program/sweep_preview.h>
 #include <breakwater/record/partial_file.h>
 #include <breakwater/shell/child_program.h>
-#include <breakwater/shell/paths.h>
 #include <breakwater/shell/process.h>
 #include <breakwater/shell/progress.h>
 #include <breakwater/shell/table.h>
@@ -53,11 +52,7 @@ OpenedStudy open_study(const Catalogue& catalogue, const SweepOptions& options) 
   toml::table tables;
   std::string name = given;
   std::string origin = given;
-  std::optional<fs::path> file;
-  if (fs::is_regular_file(target)) file = target;
-  // Shipped studies are found from any folder.
-  if (!file && target.extension() == ".toml") file = look_for(given);
-  if (file) {
+  if (const auto file = file_of_study(given)) {
     origin = file->string();
     tables = study_tables(origin);
     name = file->stem().string();
@@ -128,13 +123,13 @@ class SweepCommand : public StudyCommand {
       if (!comparison->interactions.empty()) replace_file(by_key, by_key_csv(*comparison));
     }
     write_study_report(catalogue_, plan_, index, folder_, comparison);
-    const std::vector<std::string> to_know = notes(plan_, index);
+    const std::vector<std::string> lines = notes(plan_, index);
     if (options_.quiet) {
-      warn(name(), to_know);
+      warn(name(), lines);
       return;
     }
     if (comparison) fmt::print("{}\n", comparison_text(*comparison, output_width()));
-    for (const std::string& note : to_know) fmt::print("{}\n", note);
+    for (const std::string& note : lines) fmt::print("{}\n", note);
     fmt::print("{}\nresults: {}\n", counted(index), csv.string());
     if (comparison) fmt::print("comparison: {}\n", compared.string());
     fmt::print("report: {}\n", (folder_.path() / "report.html").string());

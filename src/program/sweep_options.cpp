@@ -100,9 +100,9 @@ std::pair<std::string, std::string> key_and_value(const std::string& option,
 }
 
 // The tables of a study file, with the options merged in.
-class LaidTables {
+class OptionTables {
  public:
-  LaidTables(toml::table& tables, const SweepOptions& options)
+  OptionTables(toml::table& tables, const SweepOptions& options)
       : tables_(tables), options_(options) {}
 
   void lay_what(const WhatOption& what) {
@@ -250,7 +250,7 @@ void add_sweep_options(CLI::App& app, SweepOptions& options) {
 void lay_on(const SweepOptions& options, toml::table& tables) {
   const std::vector<std::string>& cases = options.what.at(kCase.option);
   if (!cases.empty()) tables.erase("case");
-  LaidTables laid(tables, options);
+  OptionTables laid(tables, options);
   laid.lay_what(kCase);
   laid.lay_run();
   laid.lay_varied();

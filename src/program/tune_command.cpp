@@ -90,10 +90,8 @@ OpenedTuning open_tuning(const Catalogue& catalogue, const StudyOptions& options
     }
     return {tuning_of(folder), folder, folder.path().string()};
   }
-  // Shipped tunings are found from any folder.
-  const std::optional<fs::path> file =
-      fs::is_regular_file(target) ? target : look_for(options.target);
-  if (!file || !fs::is_regular_file(*file)) {
+  const auto file = file_of_study(options.target);
+  if (!file) {
     throw std::invalid_argument(options.target +
                                 (catalogue.has<ScenarioKind>(options.target)
                                      ? ": is a scenario: a tuning is a file that names it"

@@ -339,7 +339,7 @@ Values taken(std::FILE* sheet) {
 using Counts = std::vector<std::size_t>;
 
 // Exit statuses of the child. If a limit or a crash ends it, its sheet is incomplete.
-enum { kTold, kTooMuch };
+enum { kWritten, kTooMuch };
 
 // Sets limits for this process, and makes it end with its parent.
 void confine(const std::string& file, pid_t parent) {
@@ -347,7 +347,7 @@ void confine(const std::string& file, pid_t parent) {
   std::signal(SIGINT, SIG_IGN);
   std::signal(SIGTERM, SIG_IGN);
   prctl(PR_SET_PDEATHSIG, SIGKILL);
-  if (getppid() != parent) _exit(kTold);  // the parent has already ended
+  if (getppid() != parent) _exit(kWritten);  // the parent has already ended
 
   struct stat about = {};
   stat(file.c_str(), &about);
@@ -364,7 +364,7 @@ void confine(const std::string& file, pid_t parent) {
   }
 }
 
-[[noreturn]] void tell_all(const std::string& file, std::FILE* sheet) {
+[[noreturn]] void write_contents(const std::string& file, std::FILE* sheet) {
   try {
     const std::vector<LogEntry> datasets = list_datasets(file);
     std::size_t values = 0;
@@ -384,7 +384,7 @@ void confine(const std::string& file, pid_t parent) {
   } catch (...) {
     // The parent notices the incomplete sheet.
   }
-  _exit(kTold);
+  _exit(kWritten);
 }
 
 LogContents contents_of(std::FILE* sheet) {
@@ -477,8 +477,8 @@ LoggedSignal read_hdf5_signal(const std::string& file, const std::string& datase
 
 LogContents read_foreign_log(const std::string& file) {
   const int sheet = memfd_create("log", MFD_CLOEXEC);
-  const std::unique_ptr<FILE, int (*)(FILE*)> told(fdopen(sheet, "w+"), std::fclose);
-  if (!told) throw OutputError(file + ": cannot be read (" + std::strerror(errno) + ")");
+  const std::unique_ptr<FILE, int (*)(FILE*)> written(fdopen(sheet, "w+"), std::fclose);
+  if (!written) throw OutputError(file + ": cannot be read (" + std::strerror(errno) + ")");
   {
     const std::lock_guard lock(hdf5_in_use);
     hdf5();  // load it once, before the fork
@@ -487,7 +487,7 @@ LogContents read_foreign_log(const std::string& file) {
     if (child < 0) throw OutputError(file + ": cannot be read (" + std::strerror(errno) + ")");
     if (child == 0) {
       confine(file, parent);
-      tell_all(file, told.get());
+      write_contents(file, written.get());
     }
     if (outcome_of(child) == kTooMuch) {
       throw std::invalid_argument(fmt::format(
@@ -495,9 +495,9 @@ LogContents read_foreign_log(const std::string& file) {
           kForeignBytes / 1'000'000));
     }
   }
-  std::rewind(told.get());
+  std::rewind(written.get());
   try {
-    return contents_of(told.get());
+    return contents_of(written.get());
   } catch (const std::runtime_error&) {
     throw std::invalid_argument(file + ": is not a log, or one that is damaged");
   }

@@ -11,7 +11,7 @@
 #include <breakwater/experiment/run_tables.h>
 #include <breakwater/experiment/runner.h>
 #include <breakwater/record/file_hash.h>
-#include <breakwater/recorded/innovation_watch.h>
+#include <breakwater/recorded/innovation_statistics.h>
 #include <breakwater/recorded/recorded_estimation.h>
 #include <breakwater/shell/child_program.h>
 #include <breakwater/shell/paths.h>
@@ -34,13 +34,13 @@ struct Arguments {
 };
 
 // The file, the case and the sets of the arguments.
-struct Asked {
+struct Request {
   ScenarioFile file;
   std::string case_name;
   std::vector<std::string> sets;
 };
 
-Asked asked_of(const Arguments& arguments) {
+Request request_of(const Arguments& arguments) {
   ScenarioFile file(arguments.config.empty() ? data_file("data/estimate/estimate.toml").string()
                                              : arguments.config,
                     kEstimate);
@@ -57,32 +57,33 @@ Asked asked_of(const Arguments& arguments) {
 }
 
 // The record may still be missing: the user fills in its name and the other required keys.
-std::string editable_config(const Catalogue& catalogue, const Asked& asked,
+std::string editable_config(const Catalogue& catalogue, const Request& request,
                             const std::string& name) {
   RecordedEstimation estimation(catalogue);
   Fields fields = estimation.fields();
-  fields.check(asked.file);
-  fields.read_incomplete(asked.file.config(asked.case_name, asked.sets));
+  fields.check(request.file);
+  fields.read_incomplete(request.file.config(request.case_name, request.sets));
   return fields.print(kEstimate, name);
 }
 
 int estimate(const Catalogue& catalogue, const Arguments& arguments) {
   stop_on_signals();
-  const Asked asked = asked_of(arguments);
-  const std::string& called = arguments.observer.empty() ? asked.case_name : arguments.observer;
+  const Request request = request_of(arguments);
+  const std::string& called = arguments.observer.empty() ? request.case_name : arguments.observer;
   if (arguments.print_config) {
-    fmt::print("{}", editable_config(catalogue, asked, called));
+    fmt::print("{}", editable_config(catalogue, request, called));
     return kSuccess;
   }
   const PreparedRun run =
-      prepare_scenario(std::make_unique<RecordedEstimation>(catalogue), asked.file, asked.case_name,
-                       asked.sets, Tables::unchecked, called);
+      prepare_scenario(std::make_unique<RecordedEstimation>(catalogue), request.file,
+                       request.case_name, request.sets, Tables::unchecked, called);
   const std::string& name = run.case_name;
   RunFolder folder(arguments.out.empty() ? fs::path("runs") / kEstimate / name
                                          : fs::path(arguments.out));
   if (!arguments.quiet) {
-    for (const VainKey& vain : run.vain) {
-      warn(kEstimate, {fmt::format("{}: {}: {}", vain.origin, vain.key, vain.reason)});
+    for (const IneffectiveKey& ineffective : run.ineffective) {
+      warn(kEstimate,
+           {fmt::format("{}: {}: {}", ineffective.origin, ineffective.key, ineffective.reason)});
     }
     warn(kEstimate, run.scenario->warnings());
   }

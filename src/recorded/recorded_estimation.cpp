@@ -9,7 +9,7 @@
 #include <breakwater/observers/record_intervals.h>
 #include <breakwater/plants/damped_inertia.h>
 #include <breakwater/record/window_metrics.h>
-#include <breakwater/recorded/innovation_watch.h>
+#include <breakwater/recorded/innovation_statistics.h>
 #include <breakwater/shell/table.h>
 #include <breakwater/sim/state_hash.h>
 
@@ -170,7 +170,7 @@ Recording RecordedEstimation::run(const RunControl& control) const {
   Track log("control", std::move(signals), rows);
   StateHash hash;
   WindowStatistics d(TimeWindow{-std::numeric_limits<double>::infinity()});
-  InnovationWatch watch(sensor_std());
+  InnovationStatistics statistics(sensor_std());
   RecordIntervals intervals({.times_s = record_.times_s,
                              .inputs = record_.inputs,
                              .inputs_act_before = input_acts_ == InputActs::before,
@@ -195,7 +195,7 @@ Recording RecordedEstimation::run(const RunControl& control) const {
     raw_velocity = starts ? 0.0 : (y(0) - position) / (time_s - record_.times_s[k - 1]);
     if (starts) {
       stretch += 1.0;
-      watch.interrupt();
+      statistics.interrupt();
       start(0) = y(0);
       estimator->reset(start);
     } else if (is_followed) {
@@ -210,7 +210,7 @@ Recording RecordedEstimation::run(const RunControl& control) const {
     hash.update(estimates);
     d.add(time_s, estimates[2]);
     if (!innovation.empty() && !starts) {
-      watch.add(innovation.front(), estimates[1] * time_std_s_);
+      statistics.add(innovation.front(), estimates[1] * time_std_s_);
     }
   }
 
@@ -229,10 +229,10 @@ Recording RecordedEstimation::run(const RunControl& control) const {
   add(metrics, "gap_count", "1", static_cast<double>(timing_.gaps.size()));
   add(metrics, with("mean_disturbance", units.force_suffix), units.force, d.mean());
   add(metrics, with("std_disturbance", units.force_suffix), units.force, d.standard_deviation());
-  add(metrics, with("rms_innovation", units.position_suffix), units.position, watch.rms());
-  add(metrics, "innovation_correlation_1", "1", watch.correlation());
-  add(metrics, "normalised_innovation_squared", "1", watch.normalised_square());
-  add(metrics, "unexplained_share", "1", watch.unexplained_share());
+  add(metrics, with("rms_innovation", units.position_suffix), units.position, statistics.rms());
+  add(metrics, "innovation_correlation_1", "1", statistics.correlation());
+  add(metrics, "normalised_innovation_squared", "1", statistics.normalised_square());
+  add(metrics, "unexplained_share", "1", statistics.unexplained_share());
   return recording;
 }
 

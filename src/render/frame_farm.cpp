@@ -180,7 +180,7 @@ class Children {
   std::vector<Child>& all() { return children_; }
 
   // The reason of a child's end without an answer.
-  static std::string cause_of_death(Child& child) {
+  static std::string end_of(Child& child) {
     int status = 0;
     waitpid(child.pid, &status, 0);
     child.pid = -1;
@@ -311,8 +311,7 @@ std::string draw_frames(const FrameFarm& farm, const std::function<Drawer(std::s
       Child& child = children.all()[i];
       Answer answer{};
       if (!read_all(child.answers, &answer, sizeof(answer))) {
-        throw RenderError("video: a process that drew it ended (" +
-                          Children::cause_of_death(child) + ")");
+        throw RenderError("video: a process that drew it ended (" + Children::end_of(child) + ")");
       }
       if (answer.kind == Answer::Kind::failed) throw RenderError(answer.text.data());
       if (answer.kind == Answer::Kind::ready) {

@@ -1,8 +1,8 @@
 // Breakwater's estimators of an axis: their keys, and the functions that make them.
 #include <breakwater/observers/asymmetric_fakfd.h>
-#include <breakwater/observers/filter_bank.h>
 #include <breakwater/observers/idob.h>
 #include <breakwater/observers/mdob.h>
+#include <breakwater/observers/multiple_model_estimator.h>
 #include <breakwater/observers/qvff.h>
 #include <breakwater/observers/sized_filters.h>
 #include <breakwater/observers/state_observer.h>
@@ -259,11 +259,11 @@ Estimator make_stf(const DisturbanceModel& settings, const NominalAxis& axis) {
   return sized_stf(stf_design(settings.extend(axis), axis.sensor, axis.period_s), axis.sensor);
 }
 
-struct FilterBankSettings {
+struct MultipleModelSettings {
   double largest_d = 0.0;
 };
 
-void bind_filter_bank(Fields& fields, FilterBankSettings& settings) {
+void bind_multiple_model(Fields& fields, MultipleModelSettings& settings) {
   fields.number(
       "observer.largest_disturbance", settings.largest_d, not_negative(),
       "D: largest possible disturbance; 0: the drive's largest force, or the largest input "
@@ -271,14 +271,14 @@ void bind_filter_bank(Fields& fields, FilterBankSettings& settings) {
   fields.standard("observer.largest_disturbance", {0.0});
 }
 
-Estimator make_filter_bank(const FilterBankSettings& settings, const NominalAxis& axis) {
+Estimator make_multiple_model(const MultipleModelSettings& settings, const NominalAxis& axis) {
   const double largest_d = settings.largest_d > 0.0 ? settings.largest_d : axis.force_limit;
   if (!(largest_d > 0.0) || !std::isfinite(largest_d)) {
     throw WrongKey("observer.largest_disturbance",
                    "must be positive here: 0 selects the largest input, which is 0 or unlimited");
   }
-  return std::make_unique<FilterBank>(
-      FilterBankDesign{axis.plant, axis.period_s, axis.sensor, largest_d});
+  return std::make_unique<MultipleModelEstimator>(
+      MultipleModelDesign{axis.plant, axis.period_s, axis.sensor, largest_d});
 }
 
 }  // namespace
@@ -296,7 +296,7 @@ std::vector<AxisEstimatorKind> axis_estimators() {
       {"stf", "strong tracking filter: KFD that raises its covariance after a change", bind_stf,
        make_stf},
       {"qbank", "multiple-model estimator with the exact likelihood of the encoder",
-       bind_filter_bank, make_filter_bank}};
+       bind_multiple_model, make_multiple_model}};
 }
 
 }  // namespace breakwater

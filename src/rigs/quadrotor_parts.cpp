@@ -163,7 +163,7 @@ ForceSpectrum force_spectrum(const SeaState& sea, double depth_m, double strengt
   return force;
 }
 
-ForceSpectrum seen_by(const AxisNoise& axis, ForceSpectrum spectrum) {
+ForceSpectrum with_noise_of(const AxisNoise& axis, ForceSpectrum spectrum) {
   spectrum.noise.clear();
   for (const double omega : spectrum.omega_rad_s) {
     spectrum.noise.push_back(force_noise_density(axis, omega));
@@ -203,7 +203,7 @@ void describe_waves(QuadrotorEstimatorDesign& design, const KalmanSettings& sett
       sea.peak_period_s = kShortest_s * math::pow(kLongest_s / kShortest_s, i / (kPeriods - 1.0));
     }
     const ForceSpectrum force = force_spectrum(sea, -task.reference_m.z(), middle_N);
-    ResonatorPair pair = fit_resonators(seen_by(vertical, force));
+    ResonatorPair pair = fit_resonators(with_noise_of(vertical, force));
     for (Resonator& r : pair) r.std /= middle_N;
     bank.shapes.push_back(pair);
     if (settings.torque_arm_m == 0.0) continue;
@@ -211,7 +211,8 @@ void describe_waves(QuadrotorEstimatorDesign& design, const KalmanSettings& sett
     for (double& density : torque.density) {
       density *= kHorizontalShare * settings.torque_arm_m * settings.torque_arm_m;
     }
-    log_walk += math::log(fit_walk(seen_by(roll, torque), design.period_s) / middle_N) / periods;
+    log_walk +=
+        math::log(fit_walk(with_noise_of(roll, torque), design.period_s) / middle_N) / periods;
   }
   design.torque_walk_per_force_m = settings.torque_arm_m == 0.0 ? 0.0 : math::exp(log_walk);
 }

@@ -13,7 +13,7 @@
 namespace breakwater {
 namespace {
 
-constexpr int kMostInVain = 3;  // jobs in a row without a result
+constexpr int kMostWithoutResult = 3;  // jobs in a row without a result
 
 // The runs that are in no shard.
 std::vector<std::size_t> missing(const ShardIndex& index, std::vector<std::size_t> runs) {
@@ -56,7 +56,7 @@ void run_on_slurm(const TuningPlan& plan, const ClusterTuning& cluster,
                   const std::vector<std::size_t>& runs) {
   const StudyFolder& folder = cluster.folder;
   std::vector<std::size_t> left = runs;
-  for (int in_vain = 0;;) {
+  for (int without_result = 0;;) {
     wait_for_queue(folder, plan.size());
     if (interrupted()) throw Interrupted();
     const ShardIndex index(folder.shards(), plan.size());
@@ -68,10 +68,10 @@ void run_on_slurm(const TuningPlan& plan, const ClusterTuning& cluster,
       cluster.make_here({left.front()});  // shows how long the others take
       continue;
     }
-    if (left.size() < before) in_vain = 0;
-    if (in_vain++ == kMostInVain) {
-      throw RunsMissing(fmt::format("{} jobs in a row have brought nothing of {}", kMostInVain,
-                                    text_of(plan, left)));
+    if (left.size() < before) without_result = 0;
+    if (without_result++ == kMostWithoutResult) {
+      throw RunsMissing(fmt::format("{} jobs in a row have brought nothing of {}",
+                                    kMostWithoutResult, text_of(plan, left)));
     }
     const SlurmStudy study = {folder, plan.tuning().slurm,
                               fmt::format("{}\n", fmt::join(plan.candidate_lines(left), "\n"))};

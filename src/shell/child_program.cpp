@@ -121,7 +121,7 @@ int ReadProgram::wait() {
 }
 
 void ReadProgram::interrupt() {
-  if (!std::exchange(is_told_, true)) kill(process_, SIGTERM);
+  if (!std::exchange(is_interrupted_, true)) kill(process_, SIGTERM);
 }
 
 std::optional<int> EndedProgram::exit_status() const {

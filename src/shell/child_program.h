@@ -53,7 +53,7 @@ class ReadProgram {
 
  private:
   pid_t process_ = 0;
-  bool is_told_ = false;
+  bool is_interrupted_ = false;
   std::optional<int> status_;
   std::unique_ptr<FILE, int (*)(FILE*)> said_{nullptr, std::fclose};
 };

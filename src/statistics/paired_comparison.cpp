@@ -397,12 +397,12 @@ CandidateComparison compare_candidates(const PairedResults& results,
   CandidateComparison comparison;
   comparison.candidates = results.candidates;
   comparison.worlds = static_cast<std::size_t>(results.failed.rows());
-  std::vector<std::size_t> everybody(results.candidates.size());
-  std::iota(everybody.begin(), everybody.end(), 0);
-  const Blocks blocks(results, everybody);
+  std::vector<std::size_t> all(results.candidates.size());
+  std::iota(all.begin(), all.end(), 0);
+  const Blocks blocks(results, all);
   comparison.blocks = blocks.size();
   std::vector<Blocks> of_one;
-  for (const std::size_t c : everybody) {
+  for (const std::size_t c : all) {
     of_one.emplace_back(results, std::vector{c});
     comparison.reached.push_back(of_one.back().size());
     comparison.never.push_back(never_measured(results, c));

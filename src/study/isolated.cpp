@@ -50,9 +50,9 @@ class Children {
     std::size_t next = begin;
     ProcessResults written;
     EndedProgram ended = run_beside(words, [&](ReadProgram& child) {
-      const std::size_t seen = written.results.size();
+      const std::size_t before = written.results.size();
       written = results_of_process(folder_.shards(), child.process(), std::move(written));
-      for (std::size_t i = seen; i < written.results.size(); ++i) {
+      for (std::size_t i = before; i < written.results.size(); ++i) {
         // An earlier process may have had the same process number.
         const std::size_t nth = place_of(written.results[i].number, begin, end);
         if (nth == end) continue;
@@ -62,18 +62,18 @@ class Children {
       if (has_to_stop()) child.interrupt();
     });
     // A child that was still loading ends by the signal without a message.
-    const bool is_told = has_to_stop();
+    const bool has_stopped = has_to_stop();
     const std::optional<int> status = ended.exit_status();
     const bool is_over = status && (*status == kInterrupted || *status == kRunFailed);
     if (is_over || status == kUsage) {
       const std::string reason = ended.take_reason();
       ended.repeat_said();
-      if (!is_over && !is_told) throw std::invalid_argument(reason);
+      if (!is_over && !has_stopped) throw std::invalid_argument(reason);
       is_stopped_ = true;
       return end;
     }
     ended.repeat_said();
-    if (is_told || next == end || status == kSuccess) return end;
+    if (has_stopped || next == end || status == kSuccess) return end;
     // The child may have left out points that another process did.
     const std::size_t at = written.begun ? place_of(*written.begun, next, end) : end;
     if (status || at == end) {

@@ -135,22 +135,24 @@ class MappedFile {
 };
 
 // Calls body(offset, length, rest) for each line with a right checksum; `rest` is the line without
-// it.
+// it. Begins at `begin`, where a line does; returns
+// where the next one will.
 template <typename Body>
-void each_line(const fs::path& file, Body&& body) {
+std::size_t each_line(const fs::path& file, Body&& body, std::size_t begin = 0) {
   const MappedFile mapped(file);
   const std::string_view text = mapped.text();
-  for (std::size_t begin = 0; begin < text.size();) {
+  while (begin < text.size()) {
     const std::size_t end = text.find('\n', begin);
-    if (end == std::string_view::npos) return;  // an incomplete line
+    if (end == std::string_view::npos) break;  // an incomplete line
     const std::string_view line = text.substr(begin, end - begin);
     if (const auto rest = checked(line)) body(begin, line.size(), *rest);
     begin = end + 1;
   }
+  return begin;
 }
 
 // The n-th shard of a process number: an earlier process may have had the same number.
-fs::path shard_of(const fs::path& folder, pid_t process, int n) {
+fs::path shard_of(const fs::path& folder, pid_t process, std::size_t n) {
   return folder / fmt::format("{}-{}{}", process_name(process), n, kSuffix);
 }
 
@@ -221,7 +223,7 @@ void Shard::begin(std::size_t point, const std::string& key) {
 }
 
 void Shard::append(const std::string& text) {
-  for (int n = 0; descriptor_ < 0; ++n) {
+  for (std::size_t n = 0; descriptor_ < 0; ++n) {
     file_ = shard_of(folder_, getpid(), n);
     descriptor_ = open(file_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_APPEND | O_CLOEXEC, 0666);
     if (descriptor_ < 0 && errno != EEXIST) fail_to_write(file_);
@@ -327,24 +329,21 @@ std::size_t ShardIndex::find(const std::string& key) const {
 }
 
 ProcessResults results_of_process(const fs::path& folder, pid_t process, ProcessResults known) {
-  std::vector<fs::path> files;
-  ProcessResults found;
-  for (int n = 0; fs::exists(shard_of(folder, process, n)); ++n) {
-    files.push_back(shard_of(folder, process, n));
-    found.bytes += fs::file_size(files.back());
-  }
-  if (found.bytes == known.bytes) return known;
   const auto read = [&](std::size_t, std::size_t, std::string_view rest) {
-    if (auto result = read_result(rest)) return found.results.push_back(std::move(*result));
+    if (auto result = read_result(rest)) return known.results.push_back(std::move(*result));
     Parts parts(rest);
     std::size_t point = 0;
     if (parts.next() == kBegin && read_number(parts.next(), point)) {
-      found.begun = point;
-      found.begun_key = parts.next();
+      known.begun = point;
+      known.begun_key = parts.next();
     }
   };
-  for (const fs::path& file : files) each_line(file, read);
-  return found;
+  for (std::size_t n = 0; fs::exists(shard_of(folder, process, n)); ++n) {
+    const fs::path file = shard_of(folder, process, n);
+    if (n == known.read.size()) known.read.push_back(0);
+    if (fs::file_size(file) > known.read[n]) known.read[n] = each_line(file, read, known.read[n]);
+  }
+  return known;
 }
 
 std::vector<int> other_writers(const fs::path& folder) {

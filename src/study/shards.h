@@ -126,14 +126,14 @@ class ShardIndex {
 
 /// All results that a process of this computer has written so far.
 struct ProcessResults {
-  std::vector<PointResult> results;  ///< in their order
-  std::optional<std::size_t> begun;  ///< the last point that has begun
-  std::string begun_key = {};        ///< empty while the point is being prepared
-  std::uintmax_t bytes = 0;          ///< size of its shards
+  std::vector<PointResult> results;    ///< in their order
+  std::optional<std::size_t> begun;    ///< the last point that has begun
+  std::string begun_key = {};          ///< empty while the point is being prepared
+  std::vector<std::size_t> read = {};  ///< bytes read of each shard
 };
 
-/// A process without shards has no results. `known` are the results read before: shards are read
-/// again only if they have grown. Throws std::invalid_argument if a shard cannot be read.
+/// A process without shards has no results. `known` are the results read before: only what
+/// the shards have grown by is read. Throws std::invalid_argument if a shard cannot be read.
 ProcessResults results_of_process(const std::filesystem::path& folder, pid_t process,
                                   ProcessResults known = {});
 

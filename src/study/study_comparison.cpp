@@ -68,8 +68,9 @@ std::vector<std::size_t> effective_coordinates(const std::vector<Place>& places,
 // Decides which runs without a state hash (refused or crashed) are repeats. Two of them are equal
 // if they ended alike and agree in all effective coordinates. Each other run gets a new number,
 // from `next` on.
-void tell_apart(const std::vector<Place>& places, const std::vector<Eigen::Index>& without_hash,
-                int& next, Eigen::Ref<Eigen::VectorXi> runs) {
+void number_without_hash(const std::vector<Place>& places,
+                         const std::vector<Eigen::Index>& without_hash, int& next,
+                         Eigen::Ref<Eigen::VectorXi> runs) {
   if (without_hash.empty()) return;
   const Eigen::VectorXi outcomes = runs;
   const std::vector<std::size_t> effective = effective_coordinates(places, outcomes);
@@ -168,7 +169,8 @@ PairedResults paired_results(const Plan& plan, const ShardIndex& index) {
   for (Eigen::MatrixXd& values : results.values) values.conservativeResize(kept, Eigen::NoChange);
   int next = static_cast<int>(numbers.size());
   for (std::size_t c = 0; c < k; ++c) {
-    tell_apart(places, without_hash[c], next, results.runs.col(static_cast<Eigen::Index>(c)));
+    number_without_hash(places, without_hash[c], next,
+                        results.runs.col(static_cast<Eigen::Index>(c)));
   }
   return results;
 }

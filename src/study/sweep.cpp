@@ -138,14 +138,15 @@ std::vector<std::string> Sweep::check() const {
   const SharedModels shared;
   const Study& study = plan_->study();
   const std::vector<StudyPoint> probes = plan_->probes();
-  std::map<std::string, std::pair<std::size_t, std::string>> vain;  // number of probes and reason
+  // By key: the number of probes and the reason.
+  std::map<std::string, std::pair<std::size_t, std::string>> ineffective;
   try {
     // The first one also checks every table of the file.
     prepare_run(catalogue_, study.scenario, *file_,
                 plan_->candidates()[probes.front().candidate].case_name, probes.front().sets);
     for (const StudyPoint& probe : probes) {
-      for (const VainKey& key : prepare(probe).vain) {
-        auto& [count, reason] = vain[key.key];
+      for (const IneffectiveKey& key : prepare(probe).ineffective) {
+        auto& [count, reason] = ineffective[key.key];
         ++count;
         reason = key.reason;
       }
@@ -155,8 +156,8 @@ std::vector<std::string> Sweep::check() const {
   }
   std::vector<std::string> warnings;
   for (const auto& [key, place] : places_of_keys(study)) {
-    const auto found = vain.find(whole_key(key));
-    if (found == vain.end() || found->second.first < probes.size()) continue;
+    const auto found = ineffective.find(whole_key(key));
+    if (found == ineffective.end() || found->second.first < probes.size()) continue;
     warnings.push_back(fmt::format("{}: {}", place, found->second.second));
   }
   const bool is_even = study.method == Method::sobol || study.method == Method::saltelli;

@@ -130,11 +130,11 @@ Verdict judge(double measured, const PrintedResult& printed, const Standard& sta
     if (standard.within.contains(measured, *printed.number)) return Verdict::within_class;
     return Verdict::not_reproduced;
   }
-  const bool is_deserved =
+  const bool is_reproduced =
       std::any_of(standard.words.begin(), standard.words.end(), [&](const auto& entry) {
         return entry.first == printed.word && entry.second.contains(measured);
       });
-  return is_deserved ? Verdict::reproduced : Verdict::not_reproduced;
+  return is_reproduced ? Verdict::reproduced : Verdict::not_reproduced;
 }
 
 std::string css_class(Verdict verdict) {

@@ -11,9 +11,9 @@
 #include <breakwater/control/quadrotor_process.h>
 #include <breakwater/observers/ekf.h>
 #include <breakwater/observers/fakfd.h>
-#include <breakwater/observers/filter_bank.h>
 #include <breakwater/observers/idob.h>
 #include <breakwater/observers/kfd.h>
+#include <breakwater/observers/multiple_model_estimator.h>
 #include <breakwater/observers/qvff.h>
 #include <breakwater/observers/stf.h>
 #include <breakwater/observers/ukf.h>
@@ -171,7 +171,7 @@ void report_quadrotor() {
   r << 1e-2, 1e-2, 1e-2, 1e-4, 1e-4, 1e-4;
   design.R = r.asDiagonal();
   design.P0 = 0.1 * Eigen::Matrix<double, 24, 24>::Identity();
-  const WaveForces<2, 2> spectrum(model, DisturbanceWalks{},
+  const WaveForces<2, 2> spectrum(model, ProcessNoiseStd{},
                                   {{{0.81, 0.03, 0.11}, {1.13, 0.09, 0.07}}}, 0.5, 0.01,
                                   AttitudeKinematics::exact);
   NonlinearKalmanDesign<30, 6> spectrum_design;
@@ -194,7 +194,7 @@ int main() {
   Idob idob(damped_inertia(1.0, 0.0), {{-10.0, -20.0, -30.0}}, kPeriod);
   std::puts("3 states, 1 output");
   report("IDOB, sizes known at run time", idob, 1);
-  FilterBank bank({damped_inertia(1.0, 0.0), kPeriod, sensor(1), 10.0});
+  MultipleModelEstimator bank({damped_inertia(1.0, 0.0), kPeriod, sensor(1), 10.0});
   const std::string name = "QBANK, " + std::to_string(bank.models().size()) + " models";
   report(name.c_str(), bank, 1);
   report_quadrotor();

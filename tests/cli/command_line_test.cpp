@@ -307,11 +307,12 @@ TEST_F(CommandLine, WarnsOfIneffectiveKeys) {
   EXPECT_EQ(brief("--set controller.k_force=1 --case hpfc-2N"), "");
   // Some cases use it.
   EXPECT_EQ(brief("--set controller.k_force=1 --case all"), "");
-  copy_with(kWallFile, "vain.toml", "[case.drac-2N]", "[case.drac-2N]\ncontroller.k_force = 1");
-  EXPECT_TRUE(brief("--config vain.toml --case drac-2N")
+  copy_with(kWallFile, "ineffective.toml", "[case.drac-2N]",
+            "[case.drac-2N]\ncontroller.k_force = 1");
+  EXPECT_TRUE(brief("--config ineffective.toml --case drac-2N")
                   .starts_with("arm_wall_contact drac-2N: warning: "));
-  EXPECT_TRUE(brief("--config vain.toml --case drac-2N").ends_with(": " + why));
-  EXPECT_EQ(brief("--config vain.toml"), "");
+  EXPECT_TRUE(brief("--config ineffective.toml --case drac-2N").ends_with(": " + why));
+  EXPECT_EQ(brief("--config ineffective.toml"), "");
 }
 
 TEST_F(CommandLine, TheMatrixAcceptsKeysOfAllCases) {

@@ -94,7 +94,7 @@ inline void all_endure(int steps) {
   const QuadrotorModel model({}, QuadrotorPhysics::physical);
   const WaveResonators resonators(model, {}, 1.0, 0.01);
   const ThrusterDisturbance<2> polynomial(model, 0.01);
-  const WaveForces<2, 2> spectrum(model, DisturbanceWalks{2e-4, 1e-4, 5e-4, 5e-4},
+  const WaveForces<2, 2> spectrum(model, ProcessNoiseStd{2e-4, 1e-4, 5e-4, 5e-4},
                                   {{{0.81, 0.03, 0.11}, {1.13, 0.09, 0.07}}}, 0.5, 0.01,
                                   AttitudeKinematics::exact);
   endures(Ukf<WaveForces<2, 2>, 6>(spectrum, endurance_design(spectrum)), steps);

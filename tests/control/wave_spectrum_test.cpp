@@ -470,8 +470,9 @@ TEST(WaveForces, WithOneZeroForceEqualsTheFilterOfOneForce) {
 // of freedom.
 TEST(WaveForces, NeesIsInItsBandWithATrueModel) {
   const QuadrotorModel model({}, QuadrotorPhysics::physical);
-  DisturbanceWalks walks{.velocity_std_m_s = 2e-4, .rate_std_rad_s = 1e-4};
-  const Waves2 process(model, walks, kSea, kHorizontalShare, kPeriod_s, AttitudeKinematics::exact);
+  ProcessNoiseStd process_noise{.velocity_std_m_s = 2e-4, .rate_std_rad_s = 1e-4};
+  const Waves2 process(model, process_noise, kSea, kHorizontalShare, kPeriod_s,
+                       AttitudeKinematics::exact);
   const auto design = design_of(process);
   constexpr int kRuns = 60;
   double nees = 0.0;
@@ -504,7 +505,7 @@ TEST(WaveForces, RefuseNonsense) {
   EXPECT_THROW(make(pair, 1.0), std::invalid_argument);
   EXPECT_THROW(make(kSea, 0.0), std::invalid_argument);
   Waves2 process = make(kSea, 1.0);
-  EXPECT_THROW(process.set_torque_walk(0.0), std::invalid_argument);
+  EXPECT_THROW(process.set_torque_noise(0.0), std::invalid_argument);
   QuadrotorEstimatorDesign design;
   design.order = DisturbanceOrder::spectrum;
   EXPECT_THROW(make_quadrotor_estimator(design, model), std::invalid_argument);  // no sea

@@ -312,17 +312,17 @@ TEST(OwnParts, DoesNotWarnOfKeysForTheChoiceOfACase) {
   const Catalogue catalogue = standard_catalogue();
   const ScenarioFile file(catalogue.get<ScenarioKind>("cart_estimation").file().string(),
                           "cart_estimation");
-  const auto vain = [&](const std::vector<std::string>& sets) {
+  const auto ineffective = [&](const std::vector<std::string>& sets) {
     std::string keys;
-    for (const VainKey& key :
-         prepare_run(catalogue, "cart_estimation", file, "gamma-diag", sets).vain) {
+    for (const IneffectiveKey& key :
+         prepare_run(catalogue, "cart_estimation", file, "gamma-diag", sets).ineffective) {
       keys += key.origin + " " + key.key + "\n";
     }
     return keys;
   };
-  EXPECT_EQ(vain({}), "");
-  EXPECT_EQ(vain({"observer.name=stf"}), "");
-  EXPECT_EQ(vain({"observer.name=stf", "observer.gamma_d=1.1"}), "--set observer.gamma_d\n");
+  EXPECT_EQ(ineffective({}), "");
+  EXPECT_EQ(ineffective({"observer.name=stf"}), "");
+  EXPECT_EQ(ineffective({"observer.name=stf", "observer.gamma_d=1.1"}), "--set observer.gamma_d\n");
 }
 
 // The poles are wrong, not the choice of the observer.

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <stdexcept>
 
-#include <breakwater/observers/filter_bank.h>
 #include <breakwater/observers/idob.h>
 #include <breakwater/observers/kfd.h>
+#include <breakwater/observers/multiple_model_estimator.h>
 #include <breakwater/observers/stf.h>
 #include <breakwater/plants/damped_inertia.h>
 #include "support.h"
@@ -38,7 +38,8 @@ std::unique_ptr<DisturbanceEstimator> estimator(int kind, double inertia) {
     const ExtendedPlant extended = sample_with_disturbance_model(plant, 0, kPeriod);
     return std::make_unique<Stf<>>(stf_design(extended, encoder(), kPeriod), encoder());
   }
-  return std::make_unique<FilterBank>(FilterBankDesign{plant, kPeriod, encoder(), 50.0 * inertia});
+  return std::make_unique<MultipleModelEstimator>(
+      MultipleModelDesign{plant, kPeriod, encoder(), 50.0 * inertia});
 }
 
 // Each axis has the estimates and signals of a separate estimator.

@@ -169,8 +169,9 @@ class Warned(unittest.TestCase):
 
     def test_of_keys_without_effect_and_of_seeds_that_change_nothing(self):
         poles = {"observer.poles_rad_s": [[-10, -20, -30], [-11, -20, -30]]}
-        (vain,) = self.of(case="stf", vary=poles)
-        self.assertRegex(vain, "^vary: observer.poles_rad_s: has an effect only where observer.name is ")
+        (ineffective,) = self.of(case="stf", vary=poles)
+        self.assertRegex(
+            ineffective, "^vary: observer.poles_rad_s: has an effect only where observer.name is ")
         self.assertEqual(self.of(case=["stf", "idob"], vary=poles), [])
         (seeds,) = self.of(case="idob", seeds=[1, 2], set={"noise.std_rad": 0})
         self.assertEqual(seeds, "seeds: the 2 of each sample gave the same run: without noise they change nothing")

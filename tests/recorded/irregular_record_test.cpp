@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include <breakwater/experiment/runner.h>
-#include <breakwater/recorded/innovation_watch.h>
+#include <breakwater/recorded/innovation_statistics.h>
 #include <breakwater/recorded/recorded_estimation.h>
 #include "support.h"
 
@@ -193,7 +193,7 @@ TEST_F(IrregularRecord, WarnsOfAModelThatDoesNotExplainTheData) {
   }
 }
 
-TEST_F(IrregularRecord, TheFilterBankNeedsNoTuning) {
+TEST_F(IrregularRecord, TheMultipleModelEstimatorNeedsNoTuning) {
   testing::Random random(7);
   const std::vector<Row> rows = moved_motor(instants(0.05, random));
   EXPECT_LE(error(estimate(rows, "qbank"), rows), 0.01 * kLoad);

@@ -5,9 +5,9 @@
 #include <cstdlib>
 
 #include <breakwater/observers/fakfd.h>
-#include <breakwater/observers/filter_bank.h>
 #include <breakwater/observers/idob.h>
 #include <breakwater/observers/mdob.h>
+#include <breakwater/observers/multiple_model_estimator.h>
 #include <breakwater/observers/qvff.h>
 #include <breakwater/observers/sized_filters.h>
 #include <breakwater/observers/state_observer.h>
@@ -187,7 +187,8 @@ TEST(Allocation, EstimatorsDoNotAllocateWithVariableIntervals) {
   estimators.push_back(
       std::make_unique<StateObserver>(motor, std::vector<PoleGroup>{{{-10, 5}, {-10, -5}}}, T));
   estimators.push_back(std::make_unique<Mdob>(MdobDesign{1e-3, 50.0, 20.0}, T));
-  estimators.push_back(std::make_unique<FilterBank>(FilterBankDesign{motor, T, sensor, 1.0}));
+  estimators.push_back(
+      std::make_unique<MultipleModelEstimator>(MultipleModelDesign{motor, T, sensor, 1.0}));
   Eigen::VectorXd u = Eigen::VectorXd::Constant(1, 0.1);
   Eigen::VectorXd y = Eigen::VectorXd::Zero(1);
   for (std::size_t i = 0; i < estimators.size(); ++i) {

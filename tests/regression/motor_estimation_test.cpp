@@ -180,7 +180,7 @@ TEST_P(QuantisedRow, StfBeatsVfakfdWithEveryEncoderAndQvffWithARoundingOne) {
 }
 
 // Without a parameter that depends on the row.
-TEST_P(QuantisedRow, TheFilterBankBeatsVfakfdAndHoldsTheShaftBest) {
+TEST_P(QuantisedRow, TheMultipleModelEstimatorBeatsVfakfdAndHoldsTheShaftBest) {
   const Row& row = GetParam();
   const Sets sets = cell(row.period_s, row.bits);
   const Medians bank = over_phases("qbank", sets, row.bits);

@@ -15,8 +15,9 @@ TEST(UnusedKeys, NoShippedCaseSetsOne) {
   for (const std::string& name : testing::scenario_names()) {
     const ScenarioFile file = testing::scenario_file(name);
     for (const std::string& case_name : file.cases()) {
-      for (const VainKey& vain : testing::prepare(name, case_name).vain) {
-        ADD_FAILURE() << name << " " << case_name << ": " << vain.origin << ": " << vain.key;
+      for (const IneffectiveKey& ineffective : testing::prepare(name, case_name).ineffective) {
+        ADD_FAILURE() << name << " " << case_name << ": " << ineffective.origin << ": "
+                      << ineffective.key;
       }
     }
   }

@@ -1,6 +1,6 @@
 // QBANK: its likelihoods against quadrature, its models against linear theory, its weights against
 // a second implementation, and its behaviour with a faulty sensor.
-#include <breakwater/observers/filter_bank.h>
+#include <breakwater/observers/multiple_model_estimator.h>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
@@ -15,19 +15,19 @@
 #include "observers/motor_loop.h"
 #include "support.h"
 
-namespace breakwater::filter_bank_test {
+namespace breakwater::multiple_model_estimator_test {
 namespace {
 
 using testing::MotorLoop;
-using Kind = FilterBank::Kind;
+using Kind = MultipleModelEstimator::Kind;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 SensorError sensor(double quantum, double noise_std) {
   return {Eigen::VectorXd::Constant(1, quantum), Eigen::VectorXd::Constant(1, noise_std)};
 }
 
-FilterBankDesign design(double quantum, double noise_std, double period_s = 1e-3,
-                        double friction = 0.0) {
+MultipleModelDesign design(double quantum, double noise_std, double period_s = 1e-3,
+                           double friction = 0.0) {
   return {damped_inertia(1.0, friction), period_s, sensor(quantum, noise_std), 10.0};
 }
 
@@ -89,9 +89,9 @@ TEST(CodeInterval, FarTailsHaveAFiniteLogarithm) {
 
 // With white noise alone each model is a Kalman filter and QBANK is their Bayesian mixture, here
 // with dense matrices, inverses and densities.
-TEST(FilterBank, IsTheMixtureOfTextbookFiltersBehindWhiteNoise) {
+TEST(MultipleModelEstimator, IsTheMixtureOfTextbookFiltersBehindWhiteNoise) {
   constexpr double kPeriod = 1e-2, kNoise = 0.02, kFriction = 0.4;
-  FilterBank bank(design(0.0, kNoise, kPeriod, kFriction));
+  MultipleModelEstimator bank(design(0.0, kNoise, kPeriod, kFriction));
   const std::size_t n = bank.models().size();
   ASSERT_GT(n, 6u);
   const StateSpace plant = zero_order_hold(damped_inertia(1.0, kFriction), kPeriod);
@@ -100,7 +100,7 @@ TEST(FilterBank, IsTheMixtureOfTextbookFiltersBehindWhiteNoise) {
   std::vector<Eigen::VectorXd> x(n, Eigen::VectorXd::Zero(4));
   std::vector<Eigen::MatrixXd> P;
   std::vector<double> log_weight(n, 0.0);
-  for (const FilterBank::Model& model : bank.models()) P.push_back(model.P);
+  for (const MultipleModelEstimator::Model& model : bank.models()) P.push_back(model.P);
   testing::Random random(11);
   double q = 0.0, v = 0.0;
   Eigen::VectorXd u = Eigen::VectorXd::Zero(1), y = u;
@@ -110,7 +110,7 @@ TEST(FilterBank, IsTheMixtureOfTextbookFiltersBehindWhiteNoise) {
     Eigen::Vector3d mean = Eigen::Vector3d::Zero();
     double sum = 0.0, largest = -1e300;
     for (std::size_t i = 0; i < n; ++i) {
-      const FilterBank::Model& model = bank.models()[i];
+      const MultipleModelEstimator::Model& model = bank.models()[i];
       Eigen::MatrixXd F = Eigen::MatrixXd::Identity(4, 4), Q = Eigen::MatrixXd::Zero(4, 4);
       F.topLeftCorner(2, 2) = plant.A;
       F.block(0, 2, 2, 1) = -plant.B;
@@ -138,7 +138,7 @@ TEST(FilterBank, IsTheMixtureOfTextbookFiltersBehindWhiteNoise) {
     }
     bank.update(u, y);
     for (std::size_t i = 0; i < n; ++i) {
-      const FilterBank::Model& model = bank.models()[i];
+      const MultipleModelEstimator::Model& model = bank.models()[i];
       EXPECT_LT((model.x - x[i]).norm(), 1e-9 * (1.0 + x[i].norm())) << k << " " << i;
       EXPECT_LT((model.P - P[i]).norm(), 1e-9 * (1.0 + P[i].norm())) << k << " " << i;
       EXPECT_NEAR(model.log_weight, log_weight[i] - largest, 1e-8);
@@ -157,9 +157,9 @@ TEST(FilterBank, IsTheMixtureOfTextbookFiltersBehindWhiteNoise) {
   }
 }
 
-TEST(FilterBank, ItsConstantModelEqualsTheKalmanFilter) {
+TEST(MultipleModelEstimator, ItsConstantModelEqualsTheKalmanFilter) {
   constexpr double kPeriod = 1e-2, kNoise = 0.01;
-  FilterBank bank(design(0.0, kNoise, kPeriod));
+  MultipleModelEstimator bank(design(0.0, kNoise, kPeriod));
   const ExtendedPlant plant =
       extend_by_disturbance_model(zero_order_hold(damped_inertia(1.0, 0.0), kPeriod), 0, kPeriod);
   const double variance = kNoise * kNoise;
@@ -173,7 +173,7 @@ TEST(FilterBank, ItsConstantModelEqualsTheKalmanFilter) {
     y(0) = kNoise * random.uniform(-1.7, 1.7);
     bank.update(u, y);
     plain.update(u, y);
-    const FilterBank::Model& constant = bank.models()[0];
+    const MultipleModelEstimator::Model& constant = bank.models()[0];
     ASSERT_EQ(constant.kind, Kind::constant);
     ASSERT_GT(constant.log_weight, -10.0) << "it must not have been seeded anew";
     EXPECT_LT((constant.x.head(3) - plain.extended_state()).norm(),
@@ -184,10 +184,10 @@ TEST(FilterBank, ItsConstantModelEqualsTheKalmanFilter) {
 
 // For small T_s the poles of the steady filters lie on the circle of radius w. They are s⁶ = −w⁶
 // and s⁸ = w⁸ in the left half plane (spectral factorisation).
-TEST(FilterBank, BandwidthsMatchTheRadiusOfThePoles) {
+TEST(MultipleModelEstimator, BandwidthsMatchTheRadiusOfThePoles) {
   constexpr double kPeriod = 1e-3, kNoise = 0.01;
-  const FilterBank bank(design(0.0, kNoise, kPeriod));
-  for (const FilterBank::Model& model : bank.models()) {
+  const MultipleModelEstimator bank(design(0.0, kNoise, kPeriod));
+  for (const MultipleModelEstimator::Model& model : bank.models()) {
     if (model.bandwidth_rad_s < 1.0 || model.bandwidth_rad_s * kPeriod > 0.02) continue;
     const int order = model.kind == Kind::ramp ? 1 : 0;
     const ExtendedPlant plant = extend_by_disturbance_model(
@@ -208,9 +208,9 @@ TEST(FilterBank, BandwidthsMatchTheRadiusOfThePoles) {
 
 // A code gives only its interval. After one sample the position of the constant model has the mean
 // and variance of the truncated prior, by quadrature.
-TEST(FilterBank, OneCodeUpdatesByBayesRule) {
+TEST(MultipleModelEstimator, OneCodeUpdatesByBayesRule) {
   const double quantum = quantum_of(8);
-  FilterBank bank(design(quantum, 0.0));
+  MultipleModelEstimator bank(design(quantum, 0.0));
   const double prior = bank.models()[0].P(0, 0);
   Eigen::VectorXd u = Eigen::VectorXd::Zero(1), y = u;
   y(0) = quantum;  // one count from the predicted position
@@ -220,14 +220,14 @@ TEST(FilterBank, OneCodeUpdatesByBayesRule) {
   const long double mass = integral(alpha, beta, 0, 0.0L);
   const long double mean = integral(alpha, beta, 1, 0.0L) / mass;
   const long double square = integral(alpha, beta, 2, 0.0L) / mass;
-  const FilterBank::Model& model = bank.models()[0];
+  const MultipleModelEstimator::Model& model = bank.models()[0];
   EXPECT_NEAR(model.x(0), root * static_cast<double>(mean), 1e-12);
   EXPECT_NEAR(model.P(0, 0), prior * static_cast<double>(square - mean * mean), 1e-9 * prior);
 }
 
-TEST(FilterBank, AnUnchangedCodeInformsOnlyIfItCouldHaveChanged) {
+TEST(MultipleModelEstimator, AnUnchangedCodeInformsOnlyIfItCouldHaveChanged) {
   const double quantum = quantum_of(8);
-  FilterBank bank(design(quantum, 0.0));
+  MultipleModelEstimator bank(design(quantum, 0.0));
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(1);
   bank.update(zero, zero);
   const Eigen::Matrix4d first = bank.models()[0].P;
@@ -242,9 +242,9 @@ TEST(FilterBank, AnUnchangedCodeInformsOnlyIfItCouldHaveChanged) {
 
 class Recovery : public ::testing::TestWithParam<double> {};
 
-double share_of(const FilterBank& bank, Kind kind) {
+double share_of(const MultipleModelEstimator& bank, Kind kind) {
   double share = 0.0, sum = 0.0;
-  for (const FilterBank::Model& model : bank.models()) {
+  for (const MultipleModelEstimator::Model& model : bank.models()) {
     sum += std::exp(model.log_weight);
     if (model.kind == kind) share += std::exp(model.log_weight);
   }
@@ -266,7 +266,7 @@ TEST_P(Recovery, AfterNanAJumpAndASaturatedCode) {
   double healthy = 0.0;
   for (int failure = 0; failure < 4; ++failure) {
     SCOPED_TRACE(failure);
-    FilterBank bank(design(quantum, 0.0, period));
+    MultipleModelEstimator bank(design(quantum, 0.0, period));
     MotorLoop loop;
     loop.period_s = period;
     loop.encoder = {.quantum = quantum, .phase = 0.2 * quantum};
@@ -299,8 +299,8 @@ TEST_P(Recovery, AfterNanAJumpAndASaturatedCode) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(FilterBank, Recovery, ::testing::Values(1e-1, 1e-2, 1e-3, 1e-4),
-                         [](const auto& row) {
+INSTANTIATE_TEST_SUITE_P(MultipleModelEstimator, Recovery,
+                         ::testing::Values(1e-1, 1e-2, 1e-3, 1e-4), [](const auto& row) {
                            return "T" + std::to_string(static_cast<int>(1e6 * row.param)) + "us";
                          });
 
@@ -332,12 +332,12 @@ TEST(SensorError, CodesBoundThePosition) {
 }
 
 // A truncating encoder, and QBANK with the right and the wrong rounding.
-TEST(FilterBank, NeedsTheTruncationOfTheEncoderAsAParameter) {
+TEST(MultipleModelEstimator, NeedsTheTruncationOfTheEncoderAsAParameter) {
   const double quantum = quantum_of(8);
   const auto error = [&](EncoderRounding encoder, EncoderRounding told) {
-    FilterBankDesign known = design(quantum, 0.0);
+    MultipleModelDesign known = design(quantum, 0.0);
     known.sensor.rounding = told;
-    FilterBank bank(known);
+    MultipleModelEstimator bank(known);
     std::vector<double> errors;
     for (const double phase : {-0.35, -0.1, 0.0, 0.15, 0.4}) {
       MotorLoop loop;
@@ -353,9 +353,9 @@ TEST(FilterBank, NeedsTheTruncationOfTheEncoderAsAParameter) {
 }
 
 // NaN in the input too, and a reset to the initial state.
-TEST(FilterBank, ResetRestoresTheInitialState) {
+TEST(MultipleModelEstimator, ResetRestoresTheInitialState) {
   const double quantum = quantum_of(12);
-  FilterBank used(design(quantum, 0.0)), fresh(design(quantum, 0.0));
+  MultipleModelEstimator used(design(quantum, 0.0)), fresh(design(quantum, 0.0));
   Eigen::VectorXd u = Eigen::VectorXd::Zero(1), y = u;
   testing::Random random(2);
   for (int k = 0; k < 300; ++k) {
@@ -376,22 +376,22 @@ TEST(FilterBank, ResetRestoresTheInitialState) {
   }
 }
 
-TEST(FilterBank, RefusesAPlantThatIsNotAnAxis) {
-  EXPECT_NO_THROW(FilterBank(design(1e-3, 0.0)));
-  FilterBankDesign wrong = design(1e-3, 0.0);
+TEST(MultipleModelEstimator, RefusesAPlantThatIsNotAnAxis) {
+  EXPECT_NO_THROW(MultipleModelEstimator(design(1e-3, 0.0)));
+  MultipleModelDesign wrong = design(1e-3, 0.0);
   wrong.plant.A(1, 0) = -1.0;  // a spring
-  EXPECT_THROW(FilterBank{wrong}, std::invalid_argument);
+  EXPECT_THROW(MultipleModelEstimator{wrong}, std::invalid_argument);
   wrong = design(1e-3, 0.0);
   wrong.plant.C(0, 1) = 1.0;
-  EXPECT_THROW(FilterBank{wrong}, std::invalid_argument);
+  EXPECT_THROW(MultipleModelEstimator{wrong}, std::invalid_argument);
   wrong = design(1e-3, 0.0);
   wrong.largest_d = 0.0;
-  EXPECT_THROW(FilterBank{wrong}, std::invalid_argument);
+  EXPECT_THROW(MultipleModelEstimator{wrong}, std::invalid_argument);
   wrong.largest_d = std::numeric_limits<double>::infinity();
-  EXPECT_THROW(FilterBank{wrong}, std::invalid_argument);
-  EXPECT_THROW(FilterBank(design(-1.0, 0.0)), std::invalid_argument);
-  EXPECT_THROW(FilterBank(design(1e-3, 0.0, 0.0)), std::invalid_argument);
+  EXPECT_THROW(MultipleModelEstimator{wrong}, std::invalid_argument);
+  EXPECT_THROW(MultipleModelEstimator(design(-1.0, 0.0)), std::invalid_argument);
+  EXPECT_THROW(MultipleModelEstimator(design(1e-3, 0.0, 0.0)), std::invalid_argument);
 }
 
 }  // namespace
-}  // namespace breakwater::filter_bank_test
+}  // namespace breakwater::multiple_model_estimator_test

@@ -17,10 +17,10 @@ namespace breakwater {
 /// above 15.1, the 99.99 % quantile, is unexplained. It counts as 15.1 in the mean, so that a step
 /// of the disturbance does not dominate a record. Rounding alone gives no such value: the
 /// prediction and the code then differ by at most a count, so e² ≤ 12 R.
-class InnovationWatch {
+class InnovationStatistics {
  public:
   /// `sensor_std` is the root of SensorError::variance(); 0: unknown.
-  explicit InnovationWatch(double sensor_std) : variance_(sensor_std * sensor_std) {}
+  explicit InnovationStatistics(double sensor_std) : variance_(sensor_std * sensor_std) {}
 
   /// `instant_error` is the speed of the output times the standard deviation of the instant.
   void add(double innovation, double instant_error);

@@ -1,4 +1,4 @@
-#include <breakwater/recorded/innovation_watch.h>
+#include <breakwater/recorded/innovation_statistics.h>
 
 #include <fmt/format.h>
 
@@ -21,7 +21,7 @@ double largest_mean(double n) {
 
 }  // namespace
 
-void InnovationWatch::add(double innovation, double instant_error) {
+void InnovationStatistics::add(double innovation, double instant_error) {
   ++count_;
   const double square = innovation * innovation;
   const double R = variance_ + instant_error * instant_error;
@@ -33,22 +33,22 @@ void InnovationWatch::add(double innovation, double instant_error) {
   has_last_ = true;
 }
 
-std::optional<double> InnovationWatch::rms() const {
+std::optional<double> InnovationStatistics::rms() const {
   if (count_ == 0) return std::nullopt;
   return std::sqrt(squares_ / static_cast<double>(count_));
 }
 
-std::optional<double> InnovationWatch::normalised_square() const {
+std::optional<double> InnovationStatistics::normalised_square() const {
   if (count_ == 0 || variance_ == 0.0) return std::nullopt;
   return normalised_ / static_cast<double>(count_);
 }
 
-std::optional<double> InnovationWatch::unexplained_share() const {
+std::optional<double> InnovationStatistics::unexplained_share() const {
   if (count_ == 0 || variance_ == 0.0) return std::nullopt;
   return static_cast<double>(unexplained_) / static_cast<double>(count_);
 }
 
-std::optional<double> InnovationWatch::correlation() const {
+std::optional<double> InnovationStatistics::correlation() const {
   if (squares_ == 0.0) return std::nullopt;
   return products_ / squares_;
 }

@@ -10,7 +10,7 @@
 
 namespace breakwater {
 
-struct FilterBankDesign {
+struct MultipleModelDesign {
   StateSpace plant;        ///< continuous, one axis: J q̈ = u − d − c q̇ with q measured
   double period_s = 0.0;   ///< T_s
   SensorError sensor;      ///< error of q; the noise is added to the code, not before rounding
@@ -30,11 +30,11 @@ struct FilterBankDesign {
 /// encoder that rounds. The log-likelihoods add up to the models' log-weights, and the best weight
 /// is 0. A model with a weight below −(L₀ + 6), L₀ = ln(2/T_s), restarts from the best model with
 /// the weight −L₀. Each model thus gets a new chance about every two seconds. x̂ and d̂ are the
-/// weighted means of the models above −3. See filter_bank.cpp and
+/// weighted means of the models above −3. See multiple_model_estimator.cpp and
 /// docs/explanation/methods/multiple-model-estimator.md.
 ///
 /// If the output is not finite, the models only predict. Allocates nothing after construction.
-class FilterBank final : public DisturbanceEstimator {
+class MultipleModelEstimator final : public DisturbanceEstimator {
  public:
   enum class Kind { constant, inertia, walk, ramp };
 
@@ -51,7 +51,7 @@ class FilterBank final : public DisturbanceEstimator {
 
   /// Throws std::invalid_argument unless the plant has one axis with measured position, T_s and D
   /// are positive, and the sensor's errors are not negative.
-  explicit FilterBank(const FilterBankDesign& design);
+  explicit MultipleModelEstimator(const MultipleModelDesign& design);
 
   void reset(const Vector& x) override;
   void update(const Vector& held_input, const Vector& y) override;
@@ -70,9 +70,9 @@ class FilterBank final : public DisturbanceEstimator {
   struct Observation;
 
   void start(const Eigen::Vector2d& x);
-  void know_noise(double instant_error);
+  void set_noise(double instant_error);
   void predict(Model& model, double u) const;
-  double observe(Model& model, const Observation& seen) const;
+  double observe(Model& model, const Observation& observed) const;
   static double keep_inertia(Model& model);
   double log_likelihood(double e, double S, const CodeRange& range) const;
   bool is_fine(const CodeRange& range, double S) const;

@@ -3,7 +3,7 @@
 // with noise). IDOB, DKF and FAKFD have one parameter tuned for each row and its phases; QBANK has
 // not. Each row is run with an encoder that rounds and one that truncates. Prints the tables of
 // docs/explanation/methods/multiple-model-estimator.md.
-#include <breakwater/observers/filter_bank.h>
+#include <breakwater/observers/multiple_model_estimator.h>
 
 #include <gtest/gtest.h>
 
@@ -22,7 +22,7 @@
 #include "observers/motor_loop.h"
 #include "support.h"
 
-namespace breakwater::filter_bank_study {
+namespace breakwater::multiple_model_estimator_study {
 namespace {
 
 using testing::MotorLoop;
@@ -134,7 +134,7 @@ struct Result {
 Result compare(double period_s, const Behind& behind, const Acting& acting,
                EncoderRounding rounding) {
   const Row row(period_s, behind, acting, rounding);
-  FilterBank bank({row.plant(), period_s, row.sensor(), 10.0});
+  MultipleModelEstimator bank({row.plant(), period_s, row.sensor(), 10.0});
   VfakfdDesign variable;
   variable.alpha = Eigen::VectorXd::Constant(
       1, behind.noise_std > 0.0 ? 100.0 : vfakfd_alpha(behind.pulses, period_s));
@@ -198,12 +198,12 @@ Summary compare_all(const std::vector<Behind>& encoders, const std::vector<Actin
   return sum;
 }
 
-class FilterBankStudy : public ::testing::TestWithParam<EncoderRounding> {
+class MultipleModelStudy : public ::testing::TestWithParam<EncoderRounding> {
  protected:
   bool truncates() const { return GetParam() == EncoderRounding::truncate; }
 };
 
-TEST_P(FilterBankStudy, IsComparedWithFiltersTunedForEachOfSeventyRows) {
+TEST_P(MultipleModelStudy, IsComparedWithFiltersTunedForEachOfSeventyRows) {
   const std::vector<Behind> encoders = {
       bits(4), bits(8), bits(12), bits(48), {"48 bits, σ = .01", std::exp2(48), 0.01}};
   const std::vector<Acting> disturbances = {{"step 10", kStepOf10},
@@ -221,7 +221,7 @@ TEST_P(FilterBankStudy, IsComparedWithFiltersTunedForEachOfSeventyRows) {
 
 // Encoders and disturbances that differ from those of the chosen constants. With dry friction,
 // which jumps when the shaft turns back, a tuned DKF is better in 9 of 10 rows.
-TEST_P(FilterBankStudy, IsTestedOnFortyUnseenRows) {
+TEST_P(MultipleModelStudy, IsTestedOnFortyUnseenRows) {
   const std::vector<Behind> encoders = {
       bits(5), bits(6), bits(10), bits(16), {"6 bits, gear 25", 25.0 * std::exp2(6)}};
   const std::vector<Acting> disturbances = {
@@ -236,7 +236,7 @@ TEST_P(FilterBankStudy, IsTestedOnFortyUnseenRows) {
   EXPECT_GE(sum.below_stf, 36);
 }
 
-INSTANTIATE_TEST_SUITE_P(Encoder, FilterBankStudy,
+INSTANTIATE_TEST_SUITE_P(Encoder, MultipleModelStudy,
                          ::testing::Values(EncoderRounding::nearest, EncoderRounding::truncate),
                          [](const auto& rounding) {
                            return rounding.param == EncoderRounding::truncate ? "truncates"
@@ -244,4 +244,4 @@ INSTANTIATE_TEST_SUITE_P(Encoder, FilterBankStudy,
                          });
 
 }  // namespace
-}  // namespace breakwater::filter_bank_study
+}  // namespace breakwater::multiple_model_estimator_study

@@ -1,4 +1,4 @@
-#include <breakwater/observers/filter_bank.h>
+#include <breakwater/observers/multiple_model_estimator.h>
 
 #include <algorithm>
 #include <cmath>
@@ -20,7 +20,7 @@ constexpr double kInertiaStd = 0.25;      // prior of θ
 constexpr double kSmallestGain = 0.5;     // bounds of 1 + θ
 constexpr double kLargestGain = 2.0;
 constexpr double kGainVariance = 1e-3;  // variance of the pseudo-measurement that bounds 1 + θ
-constexpr double kSurprise = 4.0;       // gate, in standard deviations
+constexpr double kGate = 4.0;           // gate, in standard deviations
 constexpr double kLargestInflation = 1e12;
 constexpr double kFineQuantum = 0.05;  // a narrower code, in √S, counts as a number
 constexpr double kKnownCode = 0.01;    // s²/Δ² below which noise does not hide the code
@@ -47,7 +47,7 @@ double mean_positive(double mean, double std) {
 // Updates the states by new knowledge of z = x̄_i + noise, z ~ N(ẑ, S). The mean of z moves by
 // `shift`, and S falls by the fraction `fall`. This equals a Kalman update with R = S/fall − P_ii,
 // in Joseph's form.
-void learn(FilterBank::Model& model, int i, double S, double shift, double fall) {
+void correct(MultipleModelEstimator::Model& model, int i, double S, double shift, double fall) {
   const Eigen::Vector4d cross = model.P.col(i);
   model.x += cross * (shift / S);
   if (!(fall > kSmallestFall)) return;
@@ -59,7 +59,7 @@ void learn(FilterBank::Model& model, int i, double S, double shift, double fall)
 }
 
 // Rounding can make P indefinite: d and θ are hardly distinguishable while the input is constant.
-bool is_lost(const FilterBank::Model& model) {
+bool is_degenerate(const MultipleModelEstimator::Model& model) {
   return !std::isfinite(model.log_weight) || !model.x.allFinite() || !model.P.allFinite() ||
          !(model.P.diagonal().minCoeff() >= 0.0);
 }
@@ -67,13 +67,13 @@ bool is_lost(const FilterBank::Model& model) {
 }  // namespace
 
 // The content of one sample.
-struct FilterBank::Observation {
+struct MultipleModelEstimator::Observation {
   double y;
   CodeRange range;
   double moved;  // counts since the last sample; NaN: unknown code
 };
 
-FilterBank::FilterBank(const FilterBankDesign& design)
+MultipleModelEstimator::MultipleModelEstimator(const MultipleModelDesign& design)
     : period_s_(design.period_s), hold_(design.plant), piece_s_(design.period_s) {
   check(design.plant);
   check(design.sensor, 1);
@@ -96,7 +96,7 @@ FilterBank::FilterBank(const FilterBankDesign& design)
   const double sigma = design.sensor.noise_std(0);
   sensor_variance_ = noise_variance_ = sigma * sigma + kRounding * kRounding;
   prior_variance_ = std::max(quantum_ * quantum_ / 12.0 + sigma * sigma, kRounding * kRounding);
-  know_noise(0.0);
+  set_noise(0.0);
   chance_ = std::max(math::log(1.0 / (kChances_per_s * period_s_)), 0.0);
 
   const double J = 1.0 / plant.B(1, 0);
@@ -132,16 +132,16 @@ FilterBank::FilterBank(const FilterBankDesign& design)
   start(Eigen::Vector2d::Zero());
 }
 
-void FilterBank::reset(const Vector& x) {
+void MultipleModelEstimator::reset(const Vector& x) {
   follow({});
-  know_noise(0.0);
+  set_noise(0.0);
   start(x.head<2>());
 }
 
-bool FilterBank::follow(const SampleInterval& interval) {
+bool MultipleModelEstimator::follow(const SampleInterval& interval) {
   const double length_s = interval.length_s > 0.0 ? interval.length_s : period_s_;
   instant_std_s_ = interval.instant_std_s;
-  if (instant_std_s_ == 0.0) know_noise(0.0);
+  if (instant_std_s_ == 0.0) set_noise(0.0);
   pieces_ = pieces_of(length_s, period_s_);
   piece_s_ = length_s / pieces_;
   input_variance_ = interval.input_std * interval.input_std * pieces_;
@@ -156,12 +156,12 @@ bool FilterBank::follow(const SampleInterval& interval) {
   return true;
 }
 
-void FilterBank::know_noise(double instant_error) {
+void MultipleModelEstimator::set_noise(double instant_error) {
   noise_variance_ = sensor_variance_ + instant_error * instant_error;
   code_is_known_ = quantum_ > 0.0 && noise_variance_ < kKnownCode * quantum_ * quantum_;
 }
 
-void FilterBank::start(const Eigen::Vector2d& x) {
+void MultipleModelEstimator::start(const Eigen::Vector2d& x) {
   has_begun_ = has_output_ = false;
   last_input_ = 0.0;
   for (Model& model : models_) {
@@ -180,28 +180,29 @@ void FilterBank::start(const Eigen::Vector2d& x) {
   combine();
 }
 
-void FilterBank::update(const Vector& held_input, const Vector& y) {
+void MultipleModelEstimator::update(const Vector& held_input, const Vector& y) {
   if (std::isfinite(held_input(0))) last_input_ = held_input(0);
   if (has_begun_) {
     for (Model& model : models_) predict(model, last_input_);
   }
-  if (instant_std_s_ > 0.0) know_noise(models_[best_].x(1) * instant_std_s_);
+  if (instant_std_s_ > 0.0) set_noise(models_[best_].x(1) * instant_std_s_);
   has_begun_ = true;
   innovation_ = 0.0;
   if (std::isfinite(y(0))) {
     innovation_ = y(0) - models_[best_].x(0);
-    Observation seen{y(0), code_range(y(0), quantum_, rounding_), NAN};
-    if (code_is_known_ && has_output_) seen.moved = std::round((y(0) - last_output_) / quantum_);
+    Observation observed{y(0), code_range(y(0), quantum_, rounding_), NAN};
+    if (code_is_known_ && has_output_)
+      observed.moved = std::round((y(0) - last_output_) / quantum_);
     last_output_ = y(0);
     has_output_ = true;
-    for (Model& model : models_) model.log_weight += observe(model, seen);
+    for (Model& model : models_) model.log_weight += observe(model, observed);
     weigh();
   }
   combine();
 }
 
 // x̄ ← F x̄ + [B u; 0; 0], P ← F P Fᵀ + Q.
-void FilterBank::predict(Model& model, double u) const {
+void MultipleModelEstimator::predict(Model& model, double u) const {
   Eigen::Matrix4d F = Eigen::Matrix4d::Identity();
   F.topLeftCorner<2, 2>() = A_;
   F.block<2, 1>(0, 2) = -B_;
@@ -222,12 +223,12 @@ void FilterBank::predict(Model& model, double u) const {
 }
 
 // Whether the code's interval is so narrow that the code counts as a number.
-bool FilterBank::is_fine(const CodeRange& range, double S) const {
+bool MultipleModelEstimator::is_fine(const CodeRange& range, double S) const {
   return !code_is_known_ || range.width() < kFineQuantum * std::sqrt(S);
 }
 
 // Log-likelihood of the code y for the innovation e: the probability of the code's interval.
-double FilterBank::log_likelihood(double e, double S, const CodeRange& range) const {
+double MultipleModelEstimator::log_likelihood(double e, double S, const CodeRange& range) const {
   const double width = range.width();
   if (is_fine(range, S)) {
     return log_density(e + range.middle(), S + width * width / 12.0) +
@@ -238,43 +239,43 @@ double FilterBank::log_likelihood(double e, double S, const CodeRange& range) co
 }
 
 // Corrects one model. Returns the log-likelihood of the observation.
-double FilterBank::observe(Model& model, const Observation& seen) const {
-  const CodeRange& range = seen.range;
-  double e = seen.y - model.x(0);
+double MultipleModelEstimator::observe(Model& model, const Observation& observed) const {
+  const CodeRange& range = observed.range;
+  double e = observed.y - model.x(0);
   double S = model.P(0, 0) + noise_variance_;
 
   // Consistency: an innovation outside the gate inflates the model's covariance.
   double charged = INFINITY;
   const double excess = std::max({e + range.lower, -(e + range.upper), 0.0});
-  if (excess > kSurprise * std::sqrt(S)) {
+  if (excess > kGate * std::sqrt(S)) {
     charged = log_likelihood(e, S, range);
-    const double wanted = excess * excess / (kSurprise * kSurprise) - noise_variance_;
+    const double wanted = excess * excess / (kGate * kGate) - noise_variance_;
     model.P *= std::clamp(wanted / model.P(0, 0), 1.0, kLargestInflation);
     S = model.P(0, 0) + noise_variance_;
   }
   double found;
   if (is_fine(range, S)) {
     found = log_likelihood(e, S, range);
-    learn(model, 0, S + range.width() * range.width() / 12.0, e + range.middle(), 1.0);
+    correct(model, 0, S + range.width() * range.width() / 12.0, e + range.middle(), 1.0);
     found += keep_inertia(model);
     model.outside = 1.0;
     return std::min(found, charged);
   }
   const double root = std::sqrt(S);
   const CodeInterval interval((e + range.lower) / root, (e + range.upper) / root);
-  if (std::abs(seen.moved) == 1.0) {
+  if (std::abs(observed.moved) == 1.0) {
     // The position passed the edge between the two codes within the last period.
     const double way =
-        mean_positive(seen.moved * model.x(1), std::sqrt(model.P(1, 1))) * pieces_ * piece_s_;
+        mean_positive(observed.moved * model.x(1), std::sqrt(model.P(1, 1))) * pieces_ * piece_s_;
     const double passed = std::clamp(way, kShortestWay * quantum_, quantum_);
-    e += seen.moved > 0.0 ? range.lower + 0.5 * passed : range.upper - 0.5 * passed;
+    e += observed.moved > 0.0 ? range.lower + 0.5 * passed : range.upper - 0.5 * passed;
     const double R = noise_variance_ + passed * passed / 12.0;
     found = log_density(e, model.P(0, 0) + R) + math::log(passed);
-    learn(model, 0, model.P(0, 0) + R, e, 1.0);
+    correct(model, 0, model.P(0, 0) + R, e, 1.0);
   } else {
     double share = 1.0;
     found = interval.log_mass();
-    if (seen.moved == 0.0) {
+    if (observed.moved == 0.0) {
       // An unchanged code is informative only on the probability that has left its interval since.
       const double outside = interval.outside();
       share =
@@ -283,33 +284,33 @@ double FilterBank::observe(Model& model, const Observation& seen) const {
     }
     if (share > 0.0) {
       const auto [mean, variance] = interval.moments();
-      learn(model, 0, S, share * root * mean, share * std::clamp(1.0 - variance, 0.0, 1.0));
+      correct(model, 0, S, share * root * mean, share * std::clamp(1.0 - variance, 0.0, 1.0));
     }
   }
   found += keep_inertia(model);
   const double after = std::sqrt(model.P(0, 0) + noise_variance_);
-  const double rest = seen.y - model.x(0);
+  const double rest = observed.y - model.x(0);
   model.outside =
       CodeInterval((rest + range.lower) / after, (rest + range.upper) / after).outside();
   return std::min(found, charged);
 }
 
 // Bounds 1 + θ by a pseudo-measurement. Returns its log-likelihood.
-double FilterBank::keep_inertia(Model& model) {
+double MultipleModelEstimator::keep_inertia(Model& model) {
   if (model.kind != Kind::inertia) return 0.0;
   const double gain = 1.0 + model.x(3);
   const double e = std::clamp(gain, kSmallestGain, kLargestGain) - gain;
   if (e == 0.0) return 0.0;
   const double S = model.P(3, 3) + kGainVariance;
-  learn(model, 3, S, e, 1.0);
+  correct(model, 3, S, e, 1.0);
   return -0.5 * e * e / S;
 }
 
-void FilterBank::weigh() {
+void MultipleModelEstimator::weigh() {
   double largest = -INFINITY;
   for (std::size_t i = 0; i < models_.size(); ++i) {
     Model& model = models_[i];
-    if (is_lost(model)) model.log_weight = -INFINITY;
+    if (is_degenerate(model)) model.log_weight = -INFINITY;
     if (model.log_weight > largest) {
       largest = model.log_weight;
       best_ = i;
@@ -323,7 +324,7 @@ void FilterBank::weigh() {
 }
 
 // Restarts `model` from the estimate of `from`, as far as the states agree, with the weight −L₀.
-void FilterBank::seed(Model& model, const Model& from) const {
+void MultipleModelEstimator::seed(Model& model, const Model& from) const {
   const Kind had = from.kind;
   Eigen::Vector4d x = from.x;
   Eigen::Matrix4d P = from.P;
@@ -354,7 +355,7 @@ void FilterBank::seed(Model& model, const Model& from) const {
   model.log_weight = -chance_;
 }
 
-void FilterBank::combine() {
+void MultipleModelEstimator::combine() {
   estimate_.setZero();
   shares_.setZero();
   double sum = 0.0;
