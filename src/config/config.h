@@ -121,7 +121,4 @@ class ScenarioFile {
   std::string default_case_;
 };
 
-/// The candidate that `word` most likely was meant to be, as " (did you mean X?)"; else "".
-std::string did_you_mean(const std::string& word, const std::vector<std::string>& candidates);
-
 }  // namespace breakwater

@@ -54,7 +54,7 @@ OpenedStudy open_study(const Catalogue& catalogue, const SweepOptions& options) 
   std::string name = given;
   std::string origin = given;
   std::optional<fs::path> file;
-  if (fs::is_regular_file(target)) file = target;
+  if (fs::exists(target) && !fs::is_directory(target)) file = target;
   // Shipped studies are found from everywhere.
   if (!file && target.extension() == ".toml") file = look_for(given);
   if (file) {
@@ -134,7 +134,9 @@ class SweepCommand : public StudyCommand {
       return;
     }
     if (comparison) fmt::print("{}\n", comparison_text(*comparison, output_width()));
-    for (const std::string& note : to_know) fmt::print("{}\n", note);
+    for (const std::string& note : to_know) {
+      fmt::print("{}\n", fmt::join(wrapped(note, output_width()), "\n"));
+    }
     fmt::print("{}\nresults: {}\n", counted(index), csv.string());
     if (comparison) fmt::print("comparison: {}\n", compared.string());
     fmt::print("report: {}\n", (folder_.path() / "report.html").string());

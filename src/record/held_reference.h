@@ -15,7 +15,7 @@ namespace breakwater {
 
 /// Watches the error e = reference − what follows it, from the reference's last change to the run's
 /// end, in eight equal parts of that time. Not held: the last part's root mean square is half of
-/// what was asked for, or more. Growing: each of the last four parts has a peak of |e| 1.5 times
+/// what was asked for, or more. Growing: each of the last three parts has a peak of |e| 1.5 times
 /// that of the part before, or more. That is growth by a power of the time; a ramp's lag is none.
 class HeldReference {
  public:

@@ -14,6 +14,7 @@
 #include <breakwater/recorded/innovation_watch.h>
 #include <breakwater/recorded/recorded_estimation.h>
 #include <breakwater/shell/child_program.h>
+#include <breakwater/shell/digits.h>
 #include <breakwater/shell/paths.h>
 #include <breakwater/shell/process.h>
 
@@ -29,6 +30,7 @@ struct Arguments {
   std::string config;
   std::vector<std::string> sets;
   std::string out;
+  bool list_cases = false;
   bool print_config = false;
   bool quiet = false;
 };
@@ -41,9 +43,9 @@ struct Asked {
 };
 
 Asked asked_of(const Arguments& arguments) {
-  ScenarioFile file(arguments.config.empty() ? data_file("data/estimate/estimate.toml").string()
-                                             : arguments.config,
-                    kEstimate);
+  ScenarioFile file(
+      arguments.config.empty() ? recorded_estimation().file().string() : arguments.config,
+      kEstimate);
   // The file has settings for each of our estimators; another's are all in --set.
   const bool has_settings = file.has_case(arguments.observer);
   std::vector<std::string> sets;
@@ -69,6 +71,10 @@ std::string editable_config(const Catalogue& catalogue, const Asked& asked,
 int estimate(const Catalogue& catalogue, const Arguments& arguments) {
   stop_on_signals();
   const Asked asked = asked_of(arguments);
+  if (arguments.list_cases) {
+    for (const std::string& name : asked.file.cases()) fmt::print("{}\n", name);
+    return kSuccess;
+  }
   const std::string& called = arguments.observer.empty() ? asked.case_name : arguments.observer;
   if (arguments.print_config) {
     fmt::print("{}", editable_config(catalogue, asked, called));
@@ -117,7 +123,7 @@ int estimate_main(const Catalogue& catalogue, int argc, const char* const* argv)
         ->type_name("FILE");
     app.add_option("--observer", arguments.observer,
                    "which estimator of an axis (" + own_program_name() +
-                       " list --parts), or which\nof the file's cases (default: stf)")
+                       " list --parts), or which\nof the file's cases (--list-cases; default: stf)")
         ->type_name("NAME");
     app.add_option("--config", arguments.config,
                    "settings of your own, such as an earlier result's config.toml")
@@ -129,6 +135,9 @@ int estimate_main(const Catalogue& catalogue, int argc, const char* const* argv)
     app.add_option("--out", arguments.out, "the folder of the result (default: runs/estimate/NAME)")
         ->type_name("DIR");
     app.add_flag("--quiet", arguments.quiet, "print errors only");
+    add_digits(app);
+    app.add_flag("--list-cases", arguments.list_cases,
+                 "print the file's cases, one a line, and exit");
     app.add_flag("--print-config", arguments.print_config,
                  "print the effective configuration and exit");
     app.footer(

@@ -135,13 +135,16 @@ struct ComparisonSettings {
   BootstrapSettings bootstrap = {.replicates = 2000, .level = 0.95, .seed = 1};
 };
 
+/// Whether no test can show anything from n blocks: 2·2⁻ⁿ > alpha (five or fewer).
+bool are_too_few(std::size_t blocks, double alpha = ComparisonSettings{}.alpha);
+
 /// Compares them. Medians have quantile_interval(), the median difference bca_interval() of its
 /// bootstrap (of more than 2000 blocks quantile_interval(), which is near to it then).
 ///
 /// The verdict: x is `better` (`worse`) than y if p_holm ≤ alpha and the interval of the median
 /// difference lies on the better (worse) side of zero, zero not in it; `smaller` and `larger` take
 /// their place where the metric has no goal; else `no difference shown`, which is not "equal". No
-/// test can show anything from n blocks with 2·2⁻ⁿ > alpha (five or fewer): `too few blocks`.
+/// test can show anything from blocks that are_too_few(): `too few blocks`.
 /// Failures: of more blocks with fewer is better if p_holm ≤ alpha.
 ///
 /// A metric that no pair has in common has no row; one in which no pair differs is no test, and

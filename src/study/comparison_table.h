@@ -26,6 +26,8 @@ std::string turns_text(const CandidateComparison& comparison, const KeyInteracti
 /// Why nothing can be shown, where the verdict of a metric is that there are too few blocks; else
 /// empty.
 std::string few_text(const CandidateComparison& comparison);
+/// The same of so many blocks, which are too few, and pairs of runs in them.
+std::string few_text(std::size_t blocks, std::size_t pairs);
 
 /// "In 18 blocks b has 2 different runs: …": what a reader must know where the same
 /// runs come again. Empty if none does.
