@@ -44,10 +44,10 @@ _breakwater() {
     word=${COMP_WORDS[i]}
     [[ $word != --* ]] || { [ "$word" != --set ] || before=--set; break; }
   done
-  if [ "$("$program" --help 2>/dev/null | grep -c '^Subcommands:')" -eq 0 ]; then
+  if [ "$("$program" --help 2>/dev/null | grep -c '^Usage:.*SUBCOMMAND')" -eq 0 ]; then
     _breakwater_run "$before" "$current" "$program"  # a scenario's own binary
   elif [ "$COMP_CWORD" -eq 1 ]; then
-    COMPREPLY=($(compgen -W "$("$program" --help | sed -n '/^Subcommands:/,$s/^  \([a-z]\{1,\}\) .*/\1/p')" -- "$current"))
+    COMPREPLY=($(compgen -W "$("$program" --help | sed -n 's/^  \([a-z]\{1,\}\) .*/\1/p')" -- "$current"))
   elif [ "$command" = run ] && [ "$COMP_CWORD" -eq 2 ]; then
     COMPREPLY=($(compgen -W "$(_breakwater_words "$program" list)" -- "$current"))
   elif [ "$command" = sweep ] && [ "$COMP_CWORD" -eq 2 ]; then

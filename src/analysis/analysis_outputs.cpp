@@ -13,6 +13,7 @@
 #include <breakwater/pages/svg_plot.h>
 #include <breakwater/record/csv.h>
 #include <breakwater/record/partial_file.h>
+#include <breakwater/shell/digits.h>
 #include <breakwater/shell/table.h>
 
 namespace breakwater {
@@ -109,7 +110,7 @@ const std::vector<Quantity>& quantities() {
 }
 
 std::string shown(double value) {
-  return std::isfinite(value) ? fmt::format("{:.4g}", value) : "-";
+  return std::isfinite(value) ? in_digits(value) : "-";
 }
 
 std::string digits(double value) {

@@ -9,6 +9,7 @@
 #include <breakwater/analysis/analysis_outputs.h>
 #include <breakwater/experiment/runner.h>
 #include <breakwater/shell/child_program.h>
+#include <breakwater/shell/digits.h>
 #include <breakwater/shell/process.h>
 #include <breakwater/shell/progress.h>
 #include <breakwater/sim/model.h>
@@ -68,6 +69,7 @@ void describe(CLI::App& app, Arguments& arguments) {
       ->check(CLI::Range(1, 4096));
   app.add_flag("--design-only", arguments.is_design_only, "measure nothing");
   app.add_flag("--quiet", arguments.quiet, "print errors only");
+  add_digits(app);
   app.footer(
       "Designed: the controller and its estimator with the linear plant, if they are linear.\n"
       "Measured: one sine after another in the simulation, with the case's encoder, drive and\n"

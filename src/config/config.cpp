@@ -6,10 +6,11 @@
 #include <cctype>
 #include <charconv>
 #include <filesystem>
-#include <numeric>
 #include <stdexcept>
 
 #include <breakwater/config/toml_file.h>
+#include <breakwater/record/input_file.h>
+#include <breakwater/shell/did_you_mean.h>
 #include <breakwater/shell/paths.h>
 
 namespace breakwater {
@@ -145,34 +146,7 @@ std::vector<std::string> read_named(const toml::table& file_table, const std::st
   return names;
 }
 
-std::size_t edit_distance(const std::string& a, const std::string& b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), 0U);
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = std::exchange(row[0], i);
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t replaced = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
-      diagonal = std::exchange(row[j], std::min({row[j] + 1, row[j - 1] + 1, replaced}));
-    }
-  }
-  return row.back();
-}
-
 }  // namespace
-
-std::string did_you_mean(const std::string& word, const std::vector<std::string>& candidates) {
-  if (word.size() > kLongestWord) return "";
-  const std::string* best = nullptr;
-  std::size_t best_distance = std::max<std::size_t>(2, word.size() / 3) + 1;
-  for (const std::string& candidate : candidates) {
-    const std::size_t distance = edit_distance(word, candidate);
-    if (distance < best_distance) {
-      best_distance = distance;
-      best = &candidate;
-    }
-  }
-  return best != nullptr ? " (did you mean " + *best + "?)" : "";
-}
 
 std::string whole_key(const std::string& key) {
   return key.substr(0, key.find('['));
@@ -241,11 +215,12 @@ std::string Config::find_file_of(const std::string& key, const std::string& name
   const std::filesystem::path folder =
       is_set ? std::filesystem::path() : std::filesystem::path(file_).parent_path();
   const auto file = find_file(name, folder);
-  std::error_code error;
-  if (!file || !std::filesystem::is_regular_file(*file, error)) {
+  if (!file) {
     const std::string place = folder.empty() ? "the working folder" : folder.string();
     fail(key, "there is no file " + name + " in " + place + " or any of " + searched_places());
   }
+  const std::string reason = why_unreadable(*file);
+  if (!reason.empty()) fail(key, name + ": cannot be read (" + reason + ")");
   return file->string();
 }
 

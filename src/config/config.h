@@ -118,7 +118,4 @@ class ScenarioFile {
   std::string default_case_;
 };
 
-/// " (did you mean X?)" with the candidate most similar to `word`; "" if none is similar.
-std::string did_you_mean(const std::string& word, const std::vector<std::string>& candidates);
-
 }  // namespace breakwater

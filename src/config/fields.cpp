@@ -11,6 +11,7 @@
 #include <stdexcept>
 
 #include <breakwater/config/toml_text.h>
+#include <breakwater/shell/did_you_mean.h>
 #include <breakwater/shell/paths.h>
 
 namespace breakwater {

@@ -10,6 +10,7 @@
 #include <breakwater/config/fields.h>
 #include <breakwater/config/toml_file.h>
 #include <breakwater/config/toml_text.h>
+#include <breakwater/shell/did_you_mean.h>
 
 namespace breakwater {
 

@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <array>
-#include <filesystem>
 #include <fstream>
 #include <stdexcept>
 #include <string_view>
+
+#include <breakwater/record/input_file.h>
 
 namespace breakwater {
 namespace {
@@ -91,14 +92,7 @@ std::string at_line(const std::string& file, const toml::source_region& source) 
 }
 
 toml::table parse_toml_file(const std::string& file, std::string* text_of_file) {
-  std::error_code error;
-  const bool is_file = std::filesystem::is_regular_file(file, error);
-  std::ifstream stream;
-  if (is_file) stream.open(file, std::ios::binary);  // opening a pipe may block forever
-  if (!is_file || !stream) {
-    throw std::invalid_argument(file + ": cannot be read" +
-                                (error ? " (" + error.message() + ")" : ""));
-  }
+  std::ifstream stream = open_input(file);
   // Reads at most one character more than is allowed, which shows that the file is too long.
   std::string text;
   std::array<char, 1 << 14> block;

@@ -1,5 +1,6 @@
 #include <breakwater/experiment/catalogue.h>
 
+#include <breakwater/shell/did_you_mean.h>
 #include <breakwater/shell/paths.h>
 
 namespace breakwater {

@@ -15,6 +15,7 @@ struct CommandKind {
   std::string summary;  ///< one line, for PROGRAM --help
   /// Returns the exit status. argv[0] is the command's name.
   int (*run)(const Catalogue&, int argc, const char* const* argv);
+  const char* group = "Your own work";  ///< in which PROGRAM --help has it
 };
 
 }  // namespace breakwater

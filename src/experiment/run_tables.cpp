@@ -11,6 +11,7 @@
 #include <utility>
 
 #include <breakwater/experiment/references.h>
+#include <breakwater/shell/digits.h>
 #include <breakwater/shell/table.h>
 #include <breakwater/shell/terminal.h>
 
@@ -34,10 +35,6 @@ bool is_changed(const Catalogue& catalogue, const std::string& scenario, const R
 
 std::string with_legend(const Catalogue& catalogue, const std::string& text) {
   return text.find(" *") != std::string::npos ? reference_legend(catalogue) + text : text;
-}
-
-std::string format_value(double value) {
-  return fmt::format("{:.5g}", value);
 }
 
 std::optional<ReferenceValue> printed_value(const std::vector<ReferenceValue>& values,
@@ -72,7 +69,7 @@ std::string metrics_table(const std::string& scenario, const RunSummary& run,
   if (!printed.empty()) header.insert(header.end(), {"printed", "deviation"});
   Table table(header);
   for (const Metric& metric : run.metrics) {
-    std::vector<std::string> row = {metric.name, format_value(metric.value), metric.unit};
+    std::vector<std::string> row = {metric.name, in_digits(metric.value), metric.unit};
     if (const auto value = printed_value(printed, metric.name)) {
       row.push_back(value->text);
       row.push_back(format_deviation(*value, metric.value));
@@ -99,7 +96,7 @@ std::string matrix_tables(const Matrix& matrix, const std::vector<RunSummary>& r
         const RunSummary& run = runs[j * cases + i];
         const auto metric = find_metric(run.metrics, name);
         const std::string missing = run.failure ? "failed" : "-";
-        row.push_back(metric ? format_value(metric->value) : missing);
+        row.push_back(metric ? in_digits(metric->value) : missing);
       }
       table.add(row);
     }
@@ -166,7 +163,7 @@ std::string comparison_table(const std::string& scenario, const std::vector<RunS
     header.push_back(run.case_name);
   }
 
-  Table table(header);
+  Table table(header, 2);
   for (const Metric& metric : rows) {
     std::vector<std::string> values = {metric.name, metric.unit};
     std::vector<std::string> printed_row = {"  printed", metric.unit};
@@ -176,7 +173,7 @@ std::string comparison_table(const std::string& scenario, const std::vector<RunS
       const auto measured = find_metric(runs[i].metrics, metric.name);
       const auto value = printed_value(printed[i], metric.name);
       const std::string missing = runs[i].failure ? "failed" : "-";
-      values.push_back(measured ? format_value(measured->value) : missing);
+      values.push_back(measured ? in_digits(measured->value) : missing);
       printed_row.push_back(value ? value->text : "-");
       deviations.push_back(value && measured ? format_deviation(*value, measured->value) : "-");
       any_printed |= value.has_value();

@@ -11,7 +11,9 @@
 #include <stdexcept>
 
 #include <breakwater/config/config.h>
+#include <breakwater/record/input_file.h>
 #include <breakwater/record/run_folder.h>
+#include <breakwater/shell/did_you_mean.h>
 
 namespace breakwater {
 namespace fs = std::filesystem;
@@ -39,10 +41,11 @@ SavedRun::SavedRun(const fs::path& folder) : folder_(folder) {
   }
   manifest_ = read_manifest(folder_);
   for (const char* file : {"config.toml", "log.h5"}) {
-    if (!fs::is_regular_file(folder_ / file)) {
+    if (!fs::exists(folder_ / file)) {
       throw std::invalid_argument(folder_.string() + ": the run is incomplete: it has no " + file +
                                   "; run it again");
     }
+    open_input(folder_ / file);
   }
   std::stringstream config;
   config << std::ifstream(folder_ / "config.toml").rdbuf();

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <breakwater/shell/did_you_mean.h>
+
 namespace breakwater {
 namespace {
 

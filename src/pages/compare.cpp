@@ -17,6 +17,8 @@
 #include <breakwater/pages/signal_charts.h>
 #include <breakwater/record/csv.h>
 #include <breakwater/shell/child_program.h>
+#include <breakwater/shell/did_you_mean.h>
+#include <breakwater/shell/digits.h>
 #include <breakwater/shell/table.h>
 
 namespace breakwater {
@@ -153,7 +155,7 @@ std::optional<double> Comparison::difference(std::size_t run, const std::string&
 std::string Comparison::text(std::size_t width) const {
   std::vector<std::string> header = {"metric", "unit"};
   header.insert(header.end(), labels_.begin(), labels_.end());
-  Table table(header);
+  Table table(header, 2);
   for (const Metric& metric : metrics_) {
     std::vector<std::string> values = {metric.name, metric.unit};
     std::vector<std::string> differences = {"  difference", "", ""};
@@ -161,7 +163,7 @@ std::string Comparison::text(std::size_t width) const {
     bool is_printed = false;
     for (std::size_t i = 0; i < runs_.size(); ++i) {
       const auto value = runs_[i].metric(metric.name);
-      values.push_back(value ? fmt::format("{:.5g}", *value) : "-");
+      values.push_back(value ? in_digits(*value) : "-");
       const auto reference = printed_[i].find(metric.name);
       is_printed = is_printed || reference != printed_[i].end();
       printed.push_back(reference == printed_[i].end() ? "-" : reference->second.text);

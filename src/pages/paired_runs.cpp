@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include <breakwater/config/config.h>
+#include <breakwater/shell/did_you_mean.h>
 
 namespace breakwater {
 namespace {

@@ -19,6 +19,7 @@
 #include <breakwater/record/text_outputs.h>
 #include <breakwater/render/render_error.h>
 #include <breakwater/shell/child_program.h>
+#include <breakwater/shell/digits.h>
 #include <breakwater/shell/paths.h>
 #include <breakwater/shell/process.h>
 #include <breakwater/shell/progress.h>
@@ -224,6 +225,7 @@ int runs_main(const Catalogue& catalogue, bool is_comparison, int argc, const ch
         ->type_name("METRIC=GOAL")
         ->allow_extra_args(false)
         ->needs("--paired");
+    add_digits(app);
     app.add_flag("--json", arguments.json, "print the table as JSON")->excludes("--paired");
     app.add_flag("--csv", arguments.csv, "write compare.csv: the metrics and their differences");
     app.add_flag("--latex", arguments.latex, "write compare.tex: a booktabs table of the metrics");

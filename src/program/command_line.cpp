@@ -12,6 +12,7 @@
 #include <breakwater/program/run_changes.h>
 #include <breakwater/program/video_later.h>
 #include <breakwater/record/run_folder.h>
+#include <breakwater/shell/digits.h>
 #include <breakwater/shell/exit_statuses.h>
 #include <breakwater/shell/process.h>
 #include <breakwater/shell/progress.h>
@@ -43,10 +44,7 @@ struct Arguments {
 void describe(CLI::App& app, const std::string& video_program, Arguments& arguments) {
   app.add_option("--case", arguments.case_name,
                  "which case to run (--list-cases), or all: every case, on all cores")
-      ->type_name("NAME")
-      ->check([](const std::string& name) {
-        return std::string(name.empty() ? "must be a case's name (--list-cases)" : "");
-      });
+      ->type_name("NAME");
   add_run_changes(app, arguments.run, "another scenario file, such as a run's own config.toml",
                   "override keys of the scenario file (--print-config shows them all)");
   app.add_option("--seed", arguments.seed, "the same as --set run.seed=N")
@@ -66,6 +64,7 @@ void describe(CLI::App& app, const std::string& video_program, Arguments& argume
   app.add_flag("--csv", arguments.csv, "write log.csv as well");
   app.add_flag("--quiet", arguments.quiet, "print errors only");
   app.add_flag("--json", arguments.json, "print JSON in place of the table");
+  add_digits(app);
   app.add_flag("--list-cases", arguments.list_cases, "print the cases, one a line, and exit");
   app.add_flag("--matrix", arguments.matrix,
                "run every case under every condition, on all cores, and print one table a metric\n"

@@ -14,6 +14,7 @@
 #include <breakwater/record/process_name.h>
 #include <breakwater/record/text_outputs.h>
 #include <breakwater/shell/child_program.h>
+#include <breakwater/shell/did_you_mean.h>
 #include <breakwater/shell/paths.h>
 #include <breakwater/shell/process.h>
 

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include <breakwater/analysis/analyze_command.h>
-#include <breakwater/config/config.h>
 #include <breakwater/experiment/command_kind.h>
 #include <breakwater/pages/report_commands.h>
 #include <breakwater/pictures/picture_commands.h>
@@ -16,6 +15,7 @@
 #include <breakwater/program/commands.h>
 #include <breakwater/program/own_places.h>
 #include <breakwater/shell/child_program.h>
+#include <breakwater/shell/did_you_mean.h>
 #include <breakwater/shell/process.h>
 #include <breakwater/study/study_folder.h>
 #include <breakwater/thesis/reproduce_command.h>
@@ -40,26 +40,37 @@ int run_main(const Catalogue& catalogue, int argc, const char* const* argv) {
 
 }  // namespace
 
-// In the order of the help. The commands of the catalogue are among ours.
+// In the order and the groups of the help. Commands of the catalogue are among them.
 std::vector<CommandKind> all_commands(const Catalogue& catalogue) {
-  std::vector<CommandKind> all = {
-      {"list", "print the scenarios and what they study", list_main},
-      {"run", "run a scenario: run NAME [OPTION...]; run NAME --help says which", run_main},
-      {"waves", "check a sea's spectrum and its water", waves_main},
-      {kSweep.command, "run a scenario over many values and seeds: sweep SCENARIO|STUDY.toml|DIR",
-       sweep_main},
-      {kTune.command, "search for the best values of some keys: tune TUNE.toml|DIR", tune_main},
-      {kAnalyze, "measure a control loop over frequency: analyze SCENARIO", analyze_main},
-      {"new", "make a project of your own: new controller|observer|scenario NAME",
-       new_project_main},
-      {kListRuns, "list the runs and studies in a folder, newest first: ls [DIR]", list_runs_main},
-      {kRemoveRuns, "remove runs that failed: rm --failed [DIR]", remove_runs_main},
-      {"doctor", "check what works on this machine, and what to install", doctor_main},
-      {"reference", "write the reference pages: commands, keys, metrics, columns", reference_main}};
-  for (const auto& more : {catalogue.all<CommandKind>(), picture_commands(),
-                           std::vector{reproduce_command()}, report_commands()}) {
-    all.insert(all.end(), more.begin(), more.end());
-  }
+  std::vector<CommandKind> all;
+  const auto add = [&](const char* group, const std::vector<CommandKind>& commands) {
+    for (CommandKind command : commands) {
+      command.group = group;
+      all.push_back(command);
+    }
+  };
+  constexpr const char* kRuns = "Run and look";
+  add(kRuns,
+      {{"list", "print the scenarios and what they study", list_main},
+       {"run", "run a scenario: run NAME [OPTION...]; run NAME --help says which", run_main},
+       {kListRuns, "list the runs and studies in a folder, newest first: ls [DIR]", list_runs_main},
+       {kRemoveRuns, "remove runs that failed: rm --failed [DIR]", remove_runs_main}});
+  add(kRuns, picture_commands());
+  add(kRuns, report_commands());
+  add("Study",
+      {{kSweep.command, "run a scenario over many values and seeds: sweep SCENARIO|STUDY.toml|DIR",
+        sweep_main},
+       {kTune.command, "search for the best values of some keys: tune TUNE.toml|DIR", tune_main},
+       {kAnalyze, "measure a control loop over frequency: analyze SCENARIO", analyze_main}});
+  add("Thesis", {reproduce_command()});
+  add(CommandKind().group,
+      {{"new", "make a project of your own: new controller|observer|scenario NAME",
+        new_project_main}});
+  add(CommandKind().group, catalogue.all<CommandKind>());
+  add("Tools", {{"waves", "check a sea's spectrum and its water", waves_main},
+                {"doctor", "check what works on this machine, and what to install", doctor_main},
+                {"reference", "write the reference pages: commands, keys, metrics, columns",
+                 reference_main}});
   return all;
 }
 
@@ -76,14 +87,17 @@ int program(int argc, const char* const* argv, const Catalogue& catalogue,
   const std::string own_name = own_program_name();
   return guarded(own_name, [&] {
     CLI::App app("Breakwater: a testbed for robust model-based motion control.", own_name);
-    app.require_subcommand(1);
     app.set_version_flag("--version", std::string(kVersion) + " (" + kGitCommit + ")");
     std::vector<std::string> names;
     for (const CommandKind& command : commands) {
-      app.add_subcommand(command.name, command.summary);
+      app.add_subcommand(command.name, command.summary)->group(command.group);
       names.push_back(command.name);
     }
-    if (!word.empty() && word[0] != '-') {
+    if (argc < 2) {
+      fmt::print("{}", app.help());
+      return static_cast<int>(kSuccess);
+    }
+    if (!word.starts_with('-')) {
       throw std::invalid_argument(own_name + ": there is no command \"" + word + "\"" +
                                   (catalogue.has<ScenarioKind>(word)
                                        ? " (did you mean run " + word + "?)"

@@ -15,8 +15,7 @@
 namespace breakwater {
 namespace {
 
-constexpr const char* kBriefRun = "run.duration_s=0.1";  // the columns are the same in a long run
-constexpr std::size_t kTrack = 3;                        // cell of a column's row with its track
+constexpr std::size_t kTrack = 3;  // cell of a column's row with its track
 constexpr const char* kFineLog = "record.fine_from_s";
 
 using Row = std::vector<std::string>;
@@ -127,7 +126,7 @@ std::string cases(const Catalogue& catalogue, const ScenarioKind& kind, const Sc
     const std::string& name = file.cases()[i];
     const auto scenario = kind.make(catalogue);
     Fields fields = scenario->fields();
-    fields.read(file.config(name));
+    fields.read_incomplete(file.config(name));
     const auto value = values(fields.help());
     std::vector<std::string> sets;
     for (const auto& entry : tables[i + 1].entries()) {
@@ -148,15 +147,16 @@ std::string metrics(const Scenario& scenario) {
 }
 
 // The columns in the logs of all cases, without repetition.
-std::string columns(const Catalogue& catalogue, const ScenarioFile& file,
-                    const std::string& scenario) {
+std::string columns(const Catalogue& catalogue, const ScenarioKind& kind, const ScenarioFile& file,
+                    const std::vector<std::string>& brief_run) {
   std::vector<Row> rows = {{code("time_s"), "s", "1", "all", "time of the row", ""}};
   std::vector<std::vector<std::string>> have = {file.cases()};
   for (const std::string& name : file.cases()) {
-    std::vector<std::string> sets = {kBriefRun};
+    std::vector<std::string> sets = brief_run;
     // The window with the fine log may begin after the end of a brief run.
     if (file.config(name).find(kFineLog) != nullptr) sets.push_back(std::string(kFineLog) + "=0");
-    const PreparedRun run = prepare_run(catalogue, scenario, file, name, sets);
+    const PreparedRun run =
+        prepare_scenario(kind.make(catalogue), file, name, sets, Tables::checked);
     const Recording recording = run.scenario->run({});
     for (const Track& track : recording.tracks) {
       for (std::size_t i = 0; i < track.signals(); ++i) {
@@ -201,11 +201,12 @@ std::string commands_page(const Catalogue& catalogue) {
          table({"Command", "Purpose"}, rows) + details;
 }
 
-std::string scenario_page(const Catalogue& catalogue, const ScenarioKind& kind) {
+std::string scenario_page(const Catalogue& catalogue, const ScenarioKind& kind,
+                          const std::vector<std::string>& brief_run) {
   const auto scenario = kind.make(catalogue);
   const ScenarioFile file(kind.file().string(), kind.name);
   Fields fields = scenario->fields();
-  fields.read(file.config(file.default_case()));
+  fields.read_incomplete(file.config(file.default_case()));
   return fmt::format("# {}\n\n{}.\n\n## Cases\n\n", code(kind.name), capital(scenario->summary())) +
          fmt::format("The default case is `{}`.\n\n", file.default_case()) +
          cases(catalogue, kind, file) +
@@ -219,7 +220,7 @@ std::string scenario_page(const Catalogue& catalogue, const ScenarioKind& kind) 
          "## Columns of the log\n\n"
          "`log.h5` has these columns, in a group for each track. A column with several values is "
          "`NAME_1`, `NAME_2`, … in `log.csv`.\n\n" +
-         columns(catalogue, file, kind.name);
+         columns(catalogue, kind, file, brief_run);
 }
 
 std::string exit_statuses_page() {

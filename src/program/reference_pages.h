@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include <breakwater/experiment/catalogue.h>
 
@@ -12,8 +13,10 @@ namespace breakwater {
 std::string commands_page(const Catalogue& catalogue);
 
 /// The purpose, cases, keys, metrics and log columns of a scenario. Runs each case briefly to find
-/// the columns. Throws std::invalid_argument if the scenario file is wrong.
-std::string scenario_page(const Catalogue& catalogue, const ScenarioKind& kind);
+/// the columns, with the sets (key=value) `brief_run`. Throws std::invalid_argument if the scenario
+/// file is wrong.
+std::string scenario_page(const Catalogue& catalogue, const ScenarioKind& kind,
+                          const std::vector<std::string>& brief_run);
 
 /// The meaning of each exit status.
 std::string exit_statuses_page();

@@ -9,6 +9,7 @@
 #include <breakwater/cluster/slurm_options.h>
 #include <breakwater/cluster/slurm_queue.h>
 #include <breakwater/shell/all_cores.h>
+#include <breakwater/shell/digits.h>
 #include <breakwater/shell/paths.h>
 #include <breakwater/shell/process.h>
 #include <breakwater/shell/table.h>
@@ -33,6 +34,7 @@ void add_study_options(CLI::App& app, StudyOptions& options, const StudyOptionsH
       ->group(help.begun)
       ->excludes("--rerun");
   app.add_flag("--quiet", options.quiet, "print errors and warnings only")->group(help.how);
+  add_digits(app)->group(help.how);
   app.add_flag("--slurm", options.slurm, help.slurm)->group(kOnCluster);
   add_slurm_options(app, options.request);
 }
@@ -49,7 +51,7 @@ StudyFolder begun_folder(const std::string& target, const StudyKind& kind,
 }
 
 std::optional<fs::path> file_of_study(const std::string& target) {
-  if (fs::is_regular_file(target)) return target;
+  if (fs::exists(target) && !fs::is_directory(target)) return target;
   const auto shipped = target.ends_with(".toml") ? look_for(target) : std::nullopt;
   return shipped && fs::is_regular_file(*shipped) ? shipped : std::nullopt;
 }

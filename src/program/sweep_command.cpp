@@ -129,7 +129,9 @@ class SweepCommand : public StudyCommand {
       return;
     }
     if (comparison) fmt::print("{}\n", comparison_text(*comparison, output_width()));
-    for (const std::string& note : lines) fmt::print("{}\n", note);
+    for (const std::string& note : lines) {
+      fmt::print("{}\n", fmt::join(wrapped(note, output_width()), "\n"));
+    }
     fmt::print("{}\nresults: {}\n", counted(index), csv.string());
     if (comparison) fmt::print("comparison: {}\n", compared.string());
     fmt::print("report: {}\n", (folder_.path() / "report.html").string());

@@ -12,6 +12,8 @@
 #include <breakwater/shell/process.h>
 #include <breakwater/shell/progress.h>
 #include <breakwater/shell/table.h>
+#include <breakwater/statistics/paired_comparison.h>
+#include <breakwater/study/comparison_table.h>
 #include <breakwater/study/study_comparison.h>
 
 namespace breakwater {
@@ -47,6 +49,10 @@ std::vector<std::string> warnings_of(const Sweep& sweep, const std::vector<Point
   }
   for (const auto& [place, meant] : unknown_metrics(plan.study(), all)) {
     warnings.push_back(fmt::format("{}: none of these runs has it{}", place, meant));
+  }
+  const std::size_t blocks = most_blocks(plan);
+  if (blocks > 0 && are_too_few(blocks)) {
+    warnings.push_back(few_text(blocks, plan.samples() * plan.seeds()));
   }
   if (plan.seeds() > 1 && runs.front().status == PointStatus::complete) {
     RunControl control;

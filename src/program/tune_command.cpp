@@ -19,6 +19,7 @@
 #include <breakwater/config/toml_file.h>
 #include <breakwater/pages/tuning_report.h>
 #include <breakwater/program/study_command.h>
+#include <breakwater/record/input_file.h>
 #include <breakwater/search/cluster_runs.h>
 #include <breakwater/search/tuning_outputs.h>
 #include <breakwater/shell/child_program.h>
@@ -218,8 +219,7 @@ bool print_result(const TuningPlan& plan, const TuningResult& result, const Stud
 }
 
 std::vector<std::string> lines_of(const fs::path& file) {
-  std::ifstream stream(file);
-  if (!stream) throw std::invalid_argument(file.string() + ": cannot be read");
+  std::ifstream stream = open_input(file);
   std::vector<std::string> lines;
   for (std::string line; std::getline(stream, line);) lines.push_back(line);
   return lines;

@@ -8,6 +8,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include <breakwater/record/input_file.h>
+
 namespace breakwater {
 namespace {
 
@@ -16,7 +18,7 @@ constexpr std::size_t kBlock = 1 << 16;
 }  // namespace
 
 std::string file_hash(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
+  std::ifstream stream = open_input(file);
   const std::unique_ptr<XXH3_state_t, XXH_errorcode (*)(XXH3_state_t*)> state(XXH3_createState(),
                                                                               XXH3_freeState);
   XXH3_64bits_reset(state.get());
@@ -25,7 +27,6 @@ std::string file_hash(const std::filesystem::path& file) {
     stream.read(block.data(), static_cast<std::streamsize>(block.size()));
     XXH3_64bits_update(state.get(), block.data(), static_cast<std::size_t>(stream.gcount()));
   }
-  // A stream that reads a folder is not at its end.
   if (stream.bad() || !stream.eof()) {
     throw std::invalid_argument(file.string() + ": cannot be read");
   }

@@ -16,8 +16,8 @@ namespace breakwater {
 /// Splits the time from the reference's last change to the end of the run into eight equal parts,
 /// and watches the error e = reference − response. The reference is not held if the root mean
 /// square of e in the last part is at least half the distance to go. The error grows if each of the
-/// last four parts has a peak of |e| at least 1.5 times that of the part before. A ramp's lag grows
-/// more slowly.
+/// last three parts has a peak of |e| at least 1.5 times that of the part before. A ramp's lag
+/// grows more slowly.
 class HeldReference {
  public:
   /// `what` follows the reference ("the position"), in `unit`. A window that no run covers gives no

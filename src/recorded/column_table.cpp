@@ -10,6 +10,8 @@
 #include <string_view>
 
 #include <breakwater/config/config.h>
+#include <breakwater/record/input_file.h>
+#include <breakwater/shell/did_you_mean.h>
 
 namespace breakwater {
 namespace {
@@ -64,8 +66,7 @@ std::string shown(std::string_view cell) {
 
 class Reader {
  public:
-  explicit Reader(const std::string& file) : file_(file), stream_(file) {
-    if (!stream_) throw std::invalid_argument(file + ": cannot be read");
+  explicit Reader(const std::string& file) : file_(file), stream_(open_input(file)) {
     if (!next()) throw std::invalid_argument(file + ": is empty");
     separator_ = separator_of(line_);
     split(line_, separator_, cells_);

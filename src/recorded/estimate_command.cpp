@@ -14,6 +14,7 @@
 #include <breakwater/recorded/innovation_statistics.h>
 #include <breakwater/recorded/recorded_estimation.h>
 #include <breakwater/shell/child_program.h>
+#include <breakwater/shell/digits.h>
 #include <breakwater/shell/paths.h>
 #include <breakwater/shell/process.h>
 
@@ -29,6 +30,7 @@ struct Arguments {
   std::string config;
   std::vector<std::string> sets;
   std::string out;
+  bool list_cases = false;
   bool print_config = false;
   bool quiet = false;
 };
@@ -41,9 +43,9 @@ struct Request {
 };
 
 Request request_of(const Arguments& arguments) {
-  ScenarioFile file(arguments.config.empty() ? data_file("data/estimate/estimate.toml").string()
-                                             : arguments.config,
-                    kEstimate);
+  ScenarioFile file(
+      arguments.config.empty() ? recorded_estimation().file().string() : arguments.config,
+      kEstimate);
   // The file has a case for each estimator of Breakwater. Another one needs --set.
   const bool has_settings = file.has_case(arguments.observer);
   std::vector<std::string> sets;
@@ -69,6 +71,10 @@ std::string editable_config(const Catalogue& catalogue, const Request& request,
 int estimate(const Catalogue& catalogue, const Arguments& arguments) {
   stop_on_signals();
   const Request request = request_of(arguments);
+  if (arguments.list_cases) {
+    for (const std::string& name : asked.file.cases()) fmt::print("{}\n", name);
+    return kSuccess;
+  }
   const std::string& called = arguments.observer.empty() ? request.case_name : arguments.observer;
   if (arguments.print_config) {
     fmt::print("{}", editable_config(catalogue, request, called));
@@ -117,7 +123,7 @@ int estimate_main(const Catalogue& catalogue, int argc, const char* const* argv)
         ->type_name("FILE");
     app.add_option("--observer", arguments.observer,
                    "use this estimator of an axis (see " + own_program_name() +
-                       " list --parts)\nor this case of the file (default: stf)")
+                       " list --parts)\nor this case of the file (--list-cases; default: stf)")
         ->type_name("NAME");
     app.add_option("--config", arguments.config,
                    "read settings from this file, such as an earlier result's config.toml")
@@ -129,6 +135,9 @@ int estimate_main(const Catalogue& catalogue, int argc, const char* const* argv)
                    "write the result to this folder (default: runs/estimate/NAME)")
         ->type_name("DIR");
     app.add_flag("--quiet", arguments.quiet, "print errors only");
+    add_digits(app);
+    app.add_flag("--list-cases", arguments.list_cases,
+                 "print the file's cases, one a line, and exit");
     app.add_flag("--print-config", arguments.print_config,
                  "print the effective configuration and exit");
     app.footer(

@@ -4,12 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <span>
 
 #include <breakwater/observers/record_intervals.h>
 #include <breakwater/plants/damped_inertia.h>
 #include <breakwater/record/window_metrics.h>
 #include <breakwater/recorded/innovation_statistics.h>
+#include <breakwater/shell/paths.h>
 #include <breakwater/shell/table.h>
 #include <breakwater/sim/state_hash.h>
 
@@ -20,6 +22,39 @@ constexpr std::size_t kMostGapsNamed = 3;
 constexpr std::size_t kRowsBetweenReports = 100000;
 
 }  // namespace
+
+ScenarioKind recorded_estimation() {
+  return {"estimate",
+          [](const Catalogue& catalogue) -> std::unique_ptr<Scenario> {
+            return std::make_unique<RecordedEstimation>(catalogue);
+          },
+          data_file("data/estimate")};
+}
+
+std::vector<MetricDefinition> RecordedEstimation::metric_definitions() const {
+  std::vector<MetricDefinition> definitions = {
+      {"sample_count", "1", "rows of the record"},
+      {"period_s", "s", "csv.period_s, or the mean interval without gaps"},
+      {"jitter_rms_s", "s", "root mean square of interval minus period, without gaps"},
+      {"jitter_max_s", "s", "largest difference of interval and period, without gaps"},
+      {"gap_count", "1", "intervals longer than csv.gap_periods"}};
+  for (const AxisUnits& units : {rotation_units(), translation_units()}) {
+    definitions.push_back({"mean_disturbance_" + units.force_suffix, units.force,
+                           "mean of the estimated disturbance over all rows"});
+    definitions.push_back({"std_disturbance_" + units.force_suffix, units.force,
+                           "standard deviation of the estimated disturbance over all rows"});
+    definitions.push_back({"rms_innovation_" + units.position_suffix, units.position,
+                           "root mean square of the innovation e, the measured position minus the "
+                           "predicted one"});
+  }
+  definitions.push_back(
+      {"innovation_correlation_1", "1", "correlation of the innovation with that of the next row"});
+  definitions.push_back({"normalised_innovation_squared", "1",
+                         "mean of e^2/R with each term limited to 15.1, where R is the variance of "
+                         "the sensor's error"});
+  definitions.push_back({"unexplained_share", "1", "share of rows with e^2/R above 15.1"});
+  return definitions;
+}
 
 Fields RecordedEstimation::fields() {
   Fields fields;
@@ -63,7 +98,7 @@ Fields RecordedEstimation::fields() {
       "encoder.quantum", quantum_, not_negative(),
       "encoder resolution, one count; 0: not quantised [rad or m] (--set encoder.quantum=VALUE)");
   fields.number("encoder.pulses_per_revolution", pulses_, not_negative(),
-                "b_reso of Eq. 4.26, or counts per metre; 0: unknown");
+                "b_reso of Eq. 4.26, or counts per metre; 0: 2 pi/encoder.quantum");
   bind_encoder_rounding(fields, "encoder.rounding", rounding_);
   fields.only_where({"encoder.rounding"}, "encoder.quantum is not 0",
                     [this] { return quantum_ != 0.0; });
@@ -76,12 +111,14 @@ Fields RecordedEstimation::fields() {
 }
 
 NominalAxis RecordedEstimation::axis() const {
+  const double turn = motion_ == Motion::rotation ? 2.0 * std::numbers::pi : 1.0;
+  const double counts = quantum_ == 0.0 ? 0.0 : turn / quantum_;  // Eq. 4.23
   return {.plant = damped_inertia(inertia_, viscous_friction_),
           .period_s = timing_.period_s,
           .force_limit = largest_input_,
           .sensor = {Eigen::VectorXd::Constant(1, quantum_),
                      Eigen::VectorXd::Constant(1, noise_std_), rounding_},
-          .pulses_per_revolution = pulses_,
+          .pulses_per_revolution = pulses_ == 0.0 ? counts : pulses_,
           .units = motion_ == Motion::rotation ? rotation_units() : translation_units()};
 }
 

@@ -19,6 +19,7 @@ class RecordedEstimation final : public Scenario {
 
   std::string name() const override { return "estimate"; }
   std::string summary() const override { return "an estimator on recorded data of one axis"; }
+  std::vector<MetricDefinition> metric_definitions() const override;
   Fields fields() override;
   void check(const Config& config) override;
   const RunSettings& run_settings() const override { return run_; }
@@ -59,5 +60,8 @@ class RecordedEstimation final : public Scenario {
   double largest_input_ = 0.0;  // the largest magnitude
   bool follows_ = false;        // the estimator uses the length of each interval
 };
+
+/// It with the file of its cases, as if it were a scenario that the catalogue has.
+ScenarioKind recorded_estimation();
 
 }  // namespace breakwater

@@ -138,7 +138,7 @@ double AxisSettings::pulses_per_revolution() const {
   if (encoder_bits == 0) return 0.0;
   return EncoderCounts{static_cast<double>(encoder_bits), encoder_multiplication,
                        encoder_gear_ratio}
-      .pulses_per_revolution();
+      .counts_per_revolution();
 }
 
 double AxisSettings::quantum() const {

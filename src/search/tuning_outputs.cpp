@@ -11,6 +11,7 @@
 #include <breakwater/record/csv.h>
 #include <breakwater/record/partial_file.h>
 #include <breakwater/search/front.h>
+#include <breakwater/shell/digits.h>
 #include <breakwater/shell/table.h>
 
 namespace breakwater {
@@ -18,7 +19,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kDigits = 4;              // on a terminal
 constexpr std::size_t kMostShown = 12;  // points of a front without validation
 
 std::string digits(double value) {
@@ -123,9 +123,9 @@ std::string hypervolume_csv(const TuningResult& result) {
 }
 
 std::string brief(const GatheredValue& number) {
-  if (!number.interval) return fmt::format("{:.{}g}", number.value, kDigits);
-  return fmt::format("{:.{}g} [{:.{}g}, {:.{}g}]", number.value, kDigits, number.interval->lower,
-                     kDigits, number.interval->upper, kDigits);
+  if (!number.interval) return in_digits(number.value);
+  return fmt::format("{} [{}, {}]", in_digits(number.value), in_digits(number.interval->lower),
+                     in_digits(number.interval->upper));
 }
 
 }  // namespace
@@ -230,7 +230,7 @@ std::string front_text(const TuningPlan& plan, const TuningResult& result, std::
     std::vector<std::string> row = {std::to_string(first_label + i)};
     Cells cells;
     put_values(plan, c, point.evaluation, cells);
-    for (const std::string& value : cells.in(keys)) row.push_back(in_short(value, kDigits));
+    for (const std::string& value : cells.in(keys)) row.push_back(in_short(value, shown_digits()));
     for (std::size_t k = 0; k < tuning.objectives.size(); ++k) {
       row.push_back(brief(point.tuned.objectives[k]));
       if (!tuning.validation) continue;

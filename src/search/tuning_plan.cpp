@@ -10,6 +10,7 @@
 
 #include <breakwater/config/toml_text.h>
 #include <breakwater/record/file_hash.h>
+#include <breakwater/shell/did_you_mean.h>
 #include <breakwater/signals/thread_time.h>
 #include <breakwater/study/sweep.h>
 

@@ -14,6 +14,7 @@
 
 #include <breakwater/record/stop_asked.h>
 #include <breakwater/record/track.h>
+#include <breakwater/shell/did_you_mean.h>
 
 namespace breakwater {
 namespace {
@@ -86,6 +87,29 @@ int caught(const std::string& program, const std::function<int()>& body) {
   }
 }
 
+// An empty "$VARIABLE" of a script is no option that was left out. One that may stand alone has an
+// empty value then.
+void check_none_is_empty(const CLI::App& app) {
+  for (const CLI::Option* option : app.get_options()) {
+    if (option->get_expected_min() == 0) continue;
+    for (const std::string& value : option->results()) {
+      if (value.empty()) throw CLI::ValidationError(option->get_name(), "must not be empty");
+    }
+  }
+}
+
+// The option that the first unknown one was meant to be, as did_you_mean().
+std::string meant_option(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : app.get_options()) {
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  }
+  for (const std::string& word : app.remaining()) {
+    if (word.starts_with("--")) return did_you_mean(word, names);
+  }
+  return "";
+}
+
 }  // namespace
 
 void stop_on_signals(std::initializer_list<int> more) {
@@ -145,11 +169,16 @@ int guarded(const std::string& program, const std::function<int()>& body) {
 std::optional<int> parse(CLI::App& app, int argc, const char* const* argv) {
   try {
     app.parse(argc, argv);
+    check_none_is_empty(app);
     return std::nullopt;
   } catch (const CLI::CallForHelp&) {
     fmt::print("{}", app.help());
   } catch (const CLI::CallForVersion& version) {
     fmt::print("{}\n", version.what());
+  } catch (const CLI::ExtrasError& error) {
+    fmt::print(stderr, "{}: {}{} (see --help)\n", app.get_name(), one_line(error.what()),
+               meant_option(app));
+    return kUsage;
   } catch (const CLI::ParseError& error) {
     fmt::print(stderr, "{}: {} (see --help)\n", app.get_name(), one_line(error.what()));
     return kUsage;

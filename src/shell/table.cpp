@@ -75,7 +75,7 @@ std::vector<std::string> wrapped(const std::string& text, std::size_t width) {
   std::vector<std::string> lines(1);
   std::stringstream words(text);
   for (std::string word; words >> word;) {
-    if (!lines.back().empty() && lines.back().size() + 1 + word.size() > width) {
+    if (!lines.back().empty() && shown_width(lines.back()) + 1 + shown_width(word) > width) {
       lines.emplace_back();
     }
     if (!lines.back().empty()) lines.back() += ' ';

@@ -104,10 +104,6 @@ std::vector<double> medians_of(const Groups& values) {
   return medians;
 }
 
-bool are_too_few(std::size_t blocks, double alpha) {
-  return std::ldexp(2.0, -static_cast<int>(std::min<std::size_t>(blocks, 1000))) > alpha;
-}
-
 // A pair of candidates with its blocks and those of each candidate alone.
 struct Pair {
   std::size_t x, y;
@@ -390,6 +386,10 @@ const std::string& name_of(ComparisonVerdict verdict) {
 bool CandidateComparison::has_repeats() const {
   return std::any_of(failures.begin(), failures.end(),
                      [](const FailureComparison& one) { return one.pairs > one.blocks; });
+}
+
+bool are_too_few(std::size_t blocks, double alpha) {
+  return std::ldexp(2.0, -static_cast<int>(std::min<std::size_t>(blocks, 1000))) > alpha;
 }
 
 CandidateComparison compare_candidates(const PairedResults& results,

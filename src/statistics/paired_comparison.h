@@ -134,15 +134,17 @@ struct ComparisonSettings {
   BootstrapSettings bootstrap = {.replicates = 2000, .level = 0.95, .seed = 1};
 };
 
+/// Whether no test can show anything from n blocks: 2·2⁻ⁿ > alpha (five or fewer).
+bool are_too_few(std::size_t blocks, double alpha = ComparisonSettings{}.alpha);
+
 /// Compares the candidates. Medians have quantile_interval(). The median difference has
 /// bca_interval() of its bootstrap, or quantile_interval() with more than 2000 blocks, where both
 /// are close.
 ///
 /// The verdict: x is `better` or `worse` than y if p_holm ≤ alpha and the interval of the median
 /// difference excludes zero on that side. Without a goal it is `smaller` or `larger`. Otherwise it
-/// is `no difference shown`, which does not mean equal. With 2·2⁻ⁿ > alpha (n ≤ 5 blocks) no test
-/// can show anything: `too few blocks`. A candidate is better in failures if it has fewer in more
-/// blocks and p_holm ≤ alpha.
+/// is `no difference shown`, which does not mean equal, or `too few blocks` (are_too_few()). A
+/// candidate is better in failures if it has fewer in more blocks and p_holm ≤ alpha.
 ///
 /// A metric that no pair has in common has no row. A metric in which no pair differs is not a test
 /// and does not count in Holm's correction.

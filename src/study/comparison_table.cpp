@@ -10,6 +10,7 @@
 
 #include <breakwater/config/names.h>
 #include <breakwater/record/csv.h>
+#include <breakwater/shell/digits.h>
 #include <breakwater/shell/table.h>
 
 namespace breakwater {
@@ -62,18 +63,14 @@ Row begun_row(const CandidateComparison& comparison, const Comparison& one,
   return row;
 }
 
-std::string brief(double value) {
-  return fmt::format("{:.4g}", value);
-}
-
 std::string percent(double share) {
   return fmt::format("{:.0f} %", 100.0 * share);
 }
 
 std::string brief(const EstimatedMedian& median) {
-  if (!median.interval) return brief(median.value);
-  return fmt::format("{} [{}, {}]", brief(median.value), brief(median.interval->lower),
-                     brief(median.interval->upper));
+  if (!median.interval) return in_digits(median.value);
+  return fmt::format("{} [{}, {}]", in_digits(median.value), in_digits(median.interval->lower),
+                     in_digits(median.interval->upper));
 }
 
 }  // namespace
@@ -172,7 +169,7 @@ std::string by_key_csv(const CandidateComparison& comparison) {
 std::string turns_text(const CandidateComparison& comparison, const KeyInteraction& one) {
   std::vector<std::string> values;
   for (const KeyInteraction::Value& value : one.values) {
-    values.push_back(fmt::format("{} at {}", brief(value.median), value.label));
+    values.push_back(fmt::format("{} at {}", in_digits(value.median), value.label));
   }
   return fmt::format("{}, {} beside {}: the sign turns with {} (p {}): {}", one.metric,
                      comparison.candidates[one.candidate], comparison.candidates[one.reference],
@@ -198,10 +195,14 @@ std::string few_text(const CandidateComparison& comparison) {
   };
   const auto metric = std::find_if(comparison.metrics.begin(), comparison.metrics.end(), is_few);
   if (metric == comparison.metrics.end()) return "";
+  return few_text(metric->blocks, metric->pairs);
+}
+
+std::string few_text(std::size_t blocks, std::size_t pairs) {
   std::string text = fmt::format(
       "Too few blocks: with {} blocks p cannot be below {:.4g}, and a verdict needs at least 6",
-      metric->blocks, std::min(1.0, std::ldexp(2.0, -static_cast<int>(metric->blocks))));
-  if (metric->pairs > metric->blocks) {
+      blocks, std::min(1.0, std::ldexp(2.0, -static_cast<int>(blocks))));
+  if (pairs > blocks) {
     text +=
         ". Random seeds repeat a block and do not count as blocks (worlds = \"seeds\" changes "
         "this)";
@@ -244,7 +245,7 @@ std::string comparison_text(const CandidateComparison& comparison, std::size_t w
   for (const MetricComparison& one : comparison.metrics) {
     const bool has_goal = one.probability_better.has_value();
     add(begun(one.metric, one, one.between ? fmt::format("{:.3g} %", 100.0 * *one.between) : "-"),
-        {brief(one.median.value), brief(one.difference), p_text(one.p_holm),
+        {in_digits(one.median.value), brief(one.difference), p_text(one.p_holm),
          has_goal ? percent(*one.probability_better) : "-",
          name_of(one.verdict) + (one.turns_with.empty() ? "" : " †")});
   }
@@ -257,7 +258,7 @@ std::string comparison_text(const CandidateComparison& comparison, std::size_t w
   }
   std::string text = table.print(width);
   const auto add_line = [&](const std::string& line) {
-    if (!line.empty()) text += line + '\n';
+    if (!line.empty()) text += fmt::format("{}\n", fmt::join(wrapped(line, width), "\n"));
   };
   if (has_mark) {
     add_line(fmt::format(

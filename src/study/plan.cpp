@@ -9,6 +9,7 @@
 
 #include <breakwater/config/config.h>
 #include <breakwater/config/toml_text.h>
+#include <breakwater/shell/did_you_mean.h>
 
 namespace breakwater {
 namespace {

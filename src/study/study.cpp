@@ -13,6 +13,7 @@
 
 #include <breakwater/config/toml_file.h>
 #include <breakwater/config/toml_text.h>
+#include <breakwater/shell/did_you_mean.h>
 #include <breakwater/study/study_reader.h>
 #include <breakwater/study/value_list.h>
 
@@ -258,6 +259,11 @@ std::vector<std::uint64_t> parse_seeds(const std::string& text) {
   const auto fail = [&]() -> std::vector<std::uint64_t> {
     throw std::invalid_argument("--seeds: " + text + ": must be 1..20 or 1,4,7");
   };
+  const auto check_count = [&](std::uint64_t count) {
+    if (count <= kMostSeeds) return;
+    throw std::invalid_argument(
+        fmt::format("--seeds: {}: must be at most {} seeds", text, kMostSeeds));
+  };
   const auto number = [&](std::string_view given) {
     const std::string part = without_blanks(std::string(given));
     std::uint64_t value = 0;
@@ -269,7 +275,8 @@ std::vector<std::uint64_t> parse_seeds(const std::string& text) {
   if (const std::size_t dots = all.find(".."); dots != std::string_view::npos) {
     const std::uint64_t first = number(all.substr(0, dots));
     const std::uint64_t last = number(all.substr(dots + 2));
-    if (last < first || last - first >= kMostSeeds) return fail();
+    if (last < first) return fail();
+    check_count(last - first + 1);
     std::vector<std::uint64_t> seeds;
     for (std::uint64_t seed = first; seed <= last; ++seed) seeds.push_back(seed);
     return seeds;

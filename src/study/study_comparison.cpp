@@ -12,6 +12,7 @@
 
 #include <breakwater/config/config.h>
 #include <breakwater/record/file_hash.h>
+#include <breakwater/shell/did_you_mean.h>
 #include <breakwater/study/key_effects.h>
 
 namespace breakwater {
@@ -85,6 +86,11 @@ void number_without_hash(const std::vector<Place>& places,
   }
 }
 
+// Whether each seed of a sample is a block of its own.
+bool counts_seeds(const Study& study) {
+  return study.vary.empty() || study.worlds == WorldUnit::seeds;
+}
+
 }  // namespace
 
 PairedResults paired_results(const Plan& plan, const ShardIndex& index) {
@@ -120,7 +126,7 @@ PairedResults paired_results(const Plan& plan, const ShardIndex& index) {
     results.keys.push_back(keys[effect.key]);
     results.keys.back().name = effect.name;
   }
-  const bool are_seeds_worlds = study.vary.empty() || study.worlds == WorldUnit::seeds;
+  const bool are_seeds_worlds = counts_seeds(study);
   // A sample waits until all its seeds have run. Earlier, repeats could not be recognised.
   const auto is_done = [&](std::size_t sample) {
     const std::size_t runs = plan.seeds() * k;
@@ -176,10 +182,15 @@ PairedResults paired_results(const Plan& plan, const ShardIndex& index) {
 }
 
 std::optional<CandidateComparison> compare_study(const Plan& plan, const ShardIndex& index) {
-  const std::size_t candidates = plan.candidates().size();
-  if (candidates < 2) return std::nullopt;
-  if (plan.study().baseline.empty() && candidates > kMostWithoutBaseline) return std::nullopt;
+  if (most_blocks(plan) == 0) return std::nullopt;
   return compare_candidates(paired_results(plan, index));
+}
+
+std::size_t most_blocks(const Plan& plan) {
+  const std::size_t candidates = plan.candidates().size();
+  if (candidates < 2) return 0;
+  if (plan.study().baseline.empty() && candidates > kMostWithoutBaseline) return 0;
+  return plan.samples() * (counts_seeds(plan.study()) ? plan.seeds() : 1);
 }
 
 std::vector<UnknownMetric> unknown_metrics(const Study& study,

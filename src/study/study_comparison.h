@@ -20,8 +20,11 @@ namespace breakwater {
 /// large for memory.
 PairedResults paired_results(const Plan& plan, const ShardIndex& index);
 
-/// compare_candidates() of a study; nothing if it has one candidate, or more than 20 and no
-/// baseline.
+/// The number of blocks in a comparison of the candidates, if no run fails. 0: the study compares
+/// nothing, since it has one candidate, or more than 20 and no baseline.
+std::size_t most_blocks(const Plan& plan);
+
+/// compare_candidates() of them; nothing if the study compares nothing.
 std::optional<CandidateComparison> compare_study(const Plan& plan, const ShardIndex& index);
 
 struct UnknownMetric {

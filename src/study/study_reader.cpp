@@ -13,6 +13,7 @@
 #include <breakwater/config/config.h>
 #include <breakwater/config/toml_file.h>
 #include <breakwater/config/toml_text.h>
+#include <breakwater/shell/did_you_mean.h>
 #include <breakwater/study/value_list.h>
 
 namespace breakwater {
@@ -78,7 +79,9 @@ void refuse_misspelt(const TomlEntry& entry) {
   if (!meant.empty()) entry.fail("there is no distribution " + name + meant);
 }
 
-VariedKey varied_key(const TomlEntry& entry, const std::string& path) {
+// `others` are the keys beside those that are varied.
+VariedKey varied_key(const TomlEntry& entry, const std::string& path,
+                     const std::set<std::string>& others) {
   VariedKey key;
   key.key = path;
   key.place = entry.place();
@@ -99,6 +102,8 @@ VariedKey varied_key(const TomlEntry& entry, const std::string& path) {
     if (key.values.empty()) entry.fail("has no values");
   }
   if (key.values.empty()) {
+    const std::string meant = did_you_mean(path, {others.begin(), others.end()});
+    if (!meant.empty()) entry.fail("unknown key" + meant);
     entry.fail(
         "must be an array of values, \"lin(a,b,n)\", \"log(a,b,n)\", { uniform = [a, b] }, "
         "{ log_uniform = [a, b] } or { normal = [m, s] }");
@@ -120,7 +125,7 @@ void collect(const TomlEntry& table, const std::string& prefix, const std::set<s
       collect(entry, path + ".", but, found);
       continue;
     }
-    found.emplace_back(entry.begin(), varied_key(entry, path));
+    found.emplace_back(entry.begin(), varied_key(entry, path, but));
   }
 }
 

@@ -13,6 +13,7 @@
 #include <breakwater/config/config.h>
 #include <breakwater/config/toml_entry.h>
 #include <breakwater/config/toml_file.h>
+#include <breakwater/shell/did_you_mean.h>
 #include <breakwater/shell/paths.h>
 
 namespace breakwater {

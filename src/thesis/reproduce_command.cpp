@@ -10,6 +10,7 @@
 #include <breakwater/record/partial_file.h>
 #include <breakwater/record/text_outputs.h>
 #include <breakwater/shell/child_program.h>
+#include <breakwater/shell/did_you_mean.h>
 #include <breakwater/shell/paths.h>
 #include <breakwater/shell/process.h>
 #include <breakwater/thesis/reproduction.h>

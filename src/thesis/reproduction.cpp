@@ -11,6 +11,7 @@
 #include <breakwater/experiment/runner.h>
 #include <breakwater/experiment/saved_run.h>
 #include <breakwater/record/file_hash.h>
+#include <breakwater/shell/did_you_mean.h>
 #include <breakwater/shell/progress.h>
 #include <breakwater/statistics/quantile.h>
 #include <breakwater/study/executor.h>

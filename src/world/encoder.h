@@ -43,11 +43,11 @@ struct EncoderCounts {
   double multiplication = 1.0;  ///< edges counted per pulse
   double gear_ratio = 1.0;      ///< revolutions of the encoder's shaft per measured revolution
 
-  double pulses_per_revolution() const {
+  double counts_per_revolution() const {
     return math::pow(2.0, bits) * multiplication * gear_ratio;
   }
   /// Q_max = 2π/b_reso (Eq. 4.23).
-  double quantum_rad() const { return 2.0 * std::numbers::pi / pulses_per_revolution(); }
+  double quantum_rad() const { return 2.0 * std::numbers::pi / counts_per_revolution(); }
 };
 
 }  // namespace breakwater

@@ -34,7 +34,7 @@ TEST_F(CommandLine, HelpExplainsTheUse) {
   EXPECT_TRUE(has(help.out, "--case", "--config", "--set", "--seed", "--duration", "--out", "--csv",
                   "--quiet", "--list-cases", "--print-config"));
   EXPECT_TRUE(help.err.empty());
-  ran("breakwater --help");
+  EXPECT_EQ(ran("breakwater --help").out, ran("breakwater").out);
   ran("arm_wall_contact --version");
 }
 
@@ -44,6 +44,7 @@ TEST_F(CommandLine, ListsScenariosAndCases) {
   EXPECT_EQ(run("arm_wall_contact --list-cases").out,
             "proposed-2N\nhpfc-2N\ndrac-2N\nproposed-5N\nhpfc-5N\ndrac-5N\ntuned-2N\ntuned-5N\n"
             "tlsc-2N\ntlsc-5N\n");
+  EXPECT_TRUE(has(run("breakwater estimate --list-cases").out, "stf\nqvff\n"));
   EXPECT_EQ(run("breakwater run arm_push --list-cases").out,
             "proposed-link1\nproposed-link2\nproposed-link3\nhpfc-link1\nhpfc-link2\nhpfc-link3\n"
             "drac-link1\ndrac-link2\ndrac-link3\ntlsc-link1\ntlsc-link2\ntlsc-link3\n");
@@ -165,7 +166,8 @@ TEST_F(NonsenseIn, IsOneLine) {
   expect_refusals(
       "arm_wall_contact ",
       {{"--caes all",
-        "arm_wall_contact: The following arguments were not expected: all --caes (see --help)"},
+        "arm_wall_contact: The following arguments were not expected: all --caes (did you mean "
+        "--case?) (see --help)"},
        {"--case propsed-2N",
         "--case: PROJECT/scenarios/arm_wall_contact/arm_wall_contact.toml has no case "
         "\"propsed-2N\" (did you mean proposed-2N?)"},
@@ -210,10 +212,13 @@ TEST_F(NonsenseIn, IsOneLine) {
        {"--seed x", "arm_wall_contact: --seed: must be a number, is \"x\" (see --help)"},
        {"--seed 1.5", "--seed: must be a whole number, is 1.5"},
        {"--seed 2 --set run.seed=1", "--seed: --set gives run.seed too: leave one out"},
-       {"--case ''", "arm_wall_contact: --case: must be a case's name (--list-cases) (see --help)"},
+       {"--case ''", "arm_wall_contact: --case: must not be empty (see --help)"},
+       {"--out ''", "arm_wall_contact: --out: must not be empty (see --help)"},
+       {"--config ''", "arm_wall_contact: --config: must not be empty (see --help)"},
+       {"--set wall.distance_m=1 ''", "arm_wall_contact: --set: must not be empty (see --help)"},
        {"--duration 0", "--duration: must be positive, is 0"},
        {"--config missing.toml", "missing.toml: cannot be read (No such file or directory)"},
-       {"--config thesis", "thesis: cannot be read"},
+       {"--config thesis", "thesis: cannot be read (it is a folder)"},
        {"--config truncated.toml",
         place("truncated.toml", "distance_m") +
             "is not TOML: Error while parsing key-value pair: expected value, saw '#'"},
@@ -280,11 +285,17 @@ TEST_F(NonsenseIn, IsOneLine) {
 }
 
 TEST_F(CommandLine, UmbrellaRefusesNonsense) {
-  expect_refusals("breakwater",
-                  {{"", "breakwater: A subcommand is required (see --help)"},
-                   {" lisst", "breakwater: there is no command \"lisst\" (did you mean list?)"},
-                   {" run arm_wal_contact",
-                    "there is no scenario \"arm_wal_contact\" (did you mean arm_wall_contact?)"}});
+  expect_refusals(
+      "breakwater",
+      {{" ''", "breakwater: there is no command \"\" (did you mean ls?)"},
+       {" --cas", "breakwater: The following argument was not expected: --cas (see --help)"},
+       {" reference --out ''", "breakwater reference: --out: must not be empty (see --help)"},
+       {" estimate --observer ''",
+        "breakwater estimate: --observer: must not be empty (see --help)"},
+       {" compare ''", "compare: RUN: must not be empty (see --help)"},
+       {" lisst", "breakwater: there is no command \"lisst\" (did you mean list?)"},
+       {" run arm_wal_contact",
+        "there is no scenario \"arm_wal_contact\" (did you mean arm_wall_contact?)"}});
 }
 
 TEST_F(CommandLine, TakesMjcfsNamesOfIntegrators) {
@@ -468,7 +479,11 @@ TEST_F(LargeModels, EndlessFilesAreRefusedInOneLine) {
       expect_refused(run_, file + ": is no regular file: it may never end");
     }
   }
-  expect_refused("breakwater run motor_estimation --out run --config fifo", "fifo: cannot be read");
+  expect_refused("breakwater run motor_estimation --out run --config fifo",
+                 "fifo: cannot be read (it is not a regular file)");
+  expect_refused("breakwater estimate --set plant.inertia=1 encoder.quantum=1 --csv fifo",
+                 "--set: csv.file: fifo: cannot be read (it is not a regular file)");
+  expect_refused("breakwater sweep fifo", "fifo: cannot be read (it is not a regular file)");
 }
 
 TEST_F(LargeModels, RefusesMoreElementsThanTheKeyAllows) {

@@ -18,7 +18,7 @@ expect() {
 }
 
 expect 'video' breakwater v
-expect 'reproduce report replay' breakwater rep
+expect 'report replay reproduce' breakwater rep
 expect 'arm_wall_contact arm_push' breakwater run arm
 expect '--case --config --csv' breakwater run arm_push --c
 expect 'drac-link1 drac-link2 drac-link3' breakwater run arm_push --case drac

@@ -2,6 +2,7 @@
 
 #include <breakwater/config/fields.h>
 #include <breakwater/pictures/shot_list.h>
+#include <breakwater/shell/did_you_mean.h>
 #include <breakwater/shell/table.h>
 #include <breakwater/thesis/printed_results.h>
 #include "support.h"

@@ -57,7 +57,7 @@ const std::map<std::string, std::set<std::string>> kKnowLittle = {
     {"record", {"signals"}},
     {"render", {"linear", "signals", "world", "sim", "record"}},
     {"shell", {"signals", "record"}},
-    {"config", {"shell"}},
+    {"config", {"record", "shell"}},
     {"experiment", {"signals", "plants", "sim", "record", "shell", "config"}},
     {"statistics", {"math"}}};
 

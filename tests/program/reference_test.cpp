@@ -3,6 +3,7 @@
 
 #include <fstream>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include <breakwater/program/commands.h>
@@ -91,6 +92,24 @@ TEST_F(Reference, HasEveryMetricAndColumnOfABriefRun) {
       const std::string row = "\n| `" + log.signal(i).name + "` | " + log.signal(i).unit + " | ";
       EXPECT_NE(text.find(row), std::string::npos) << scenario << row;
     }
+  }
+}
+
+TEST_F(Reference, HasEveryKeyMetricAndColumnOfEstimate) {
+  const auto made = testing::run_program(
+      {"breakwater", "estimate", "--csv", testing::source_file("data/estimate/motor.csv"), "--set",
+       "plant.inertia=1e-3", "encoder.quantum=1.5e-3", "--out", "est"},
+      folder_);
+  ASSERT_EQ(made.status, 0) << made.err;
+  std::vector<std::string> names = keys_of(text_of(folder_ / "est/config.toml"));
+  const auto metrics = nlohmann::json::parse(text_of(folder_ / "est/metrics.json"));
+  for (const auto& metric : metrics.items()) names.push_back(metric.key());
+  std::istringstream header(testing::lines_of(text_of(folder_ / "est/log.csv")).front());
+  for (std::string column; std::getline(header, column, ',');) names.push_back(column);
+  EXPECT_GT(names.size(), 40u);
+  const std::string text = page("estimate.md");
+  for (const std::string& name : names) {
+    EXPECT_NE(text.find("\n| `" + name + "` |"), std::string::npos) << name;
   }
 }
 

@@ -32,8 +32,11 @@ TEST(Fingerprint, SeparatesItsParts) {
 }
 
 TEST(FileHash, NamesAnUnreadableFile) {
-  for (const char* file : {"/no/such/file", "/tmp"}) {
-    EXPECT_EQ(complaint_of([&] { file_hash(file); }), std::string(file) + ": cannot be read");
+  for (const auto& [file, reason] :
+       {std::pair("/no/such/file", "No such file or directory"),
+        std::pair("/tmp", "it is a folder"), std::pair("/dev/zero", "it is not a regular file")}) {
+    EXPECT_EQ(complaint_of([&] { file_hash(file); }),
+              std::string(file) + ": cannot be read (" + reason + ")");
   }
 }
 

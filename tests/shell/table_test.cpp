@@ -79,6 +79,7 @@ TEST(Wrapped, CutsAtSpaces) {
   EXPECT_EQ(wrapped("one two three", 7), (std::vector<std::string>{"one two", "three"}));
   EXPECT_EQ(wrapped("abcdefgh i", 4), (std::vector<std::string>{"abcdefgh", "i"}));
   EXPECT_EQ(wrapped("", 4), std::vector<std::string>{""});
+  EXPECT_EQ(wrapped("† µs † µs", 4), (std::vector<std::string>{"† µs", "† µs"}));
 }
 
 }  // namespace

@@ -384,7 +384,7 @@ int shown(int blocks, double shift, bool are_seeds_worlds) {
   return count;
 }
 
-// The numbers of docs/how-to/comparing.md.
+// The numbers of docs/explanation/statistics.md.
 TEST(Blocks, EqualCandidatesSeldomDifferForAnySeeds) {
   for (const int blocks : {5, 8, 12}) {
     const int wrong = shown(blocks, 0.0, false);

@@ -143,7 +143,7 @@ TEST_F(Executor, AnIncludedFileCountsToo) {
 
 TEST_F(Executor, AMissingOrIncompleteModelRefusesNoPoint) {
   source_.during[1] = [&] { fs::remove(source_.model()); };
-  expect_changed(": cannot be read");
+  expect_changed(": cannot be read (No such file or directory)");
   EXPECT_EQ(kept(), 1U);
   source_.write(source_.model(), "<mujoco/>");
   source_.during.clear();

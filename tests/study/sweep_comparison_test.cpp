@@ -120,8 +120,8 @@ metrics = ["y_1"]
 )toml");
   const ProgramResult result = swept("study.toml --out s");
   EXPECT_TRUE(has(result.out,
-                  "† y_1, x.third = 1.5 beside x.third = 0.5: the sign turns with "
-                  "x.first (p < 1e-15): -0.4546 at -2, -0.4207 at -1, "));
+                  "\n† y_1, x.third = 1.5 beside x.third = 0.5: the sign turns with x.first (p <\n"
+                  "1e-15): -0.4546 at -2, -0.4207 at -1, "));
   const auto cells = results("s", "comparison_by_key.csv");
   ASSERT_EQ(cells.size(), 6U);
   EXPECT_EQ(cells[1].at(3) + cells[1].at(4), "x.first-2");

@@ -57,6 +57,8 @@ TEST_F(SweepRefusals, NonsenseInAFile) {
             "bad.toml:4: compare.goal.y_1: must be one of min, max, is \"mni\" (did you mean "
             "min?)"},
            {compare + "goal = \"min\"\n", "bad.toml:4: compare.goal: must be a table"},
+           {compare + "basline = \"plain\"\n",
+            "bad.toml:4: compare.basline: unknown key (did you mean baseline?)"},
            {compare + "baseline = \"\"\n",
             "bad.toml:4: compare.baseline: must be a text, is empty"},
            {"[slurm]\naccount = \"\"\n", "bad.toml:3: slurm.account: must be a text, is empty"},
@@ -73,8 +75,8 @@ TEST_F(SweepRefusals, NonsenseInTheCommand) {
   write("noisy.toml", "scenario = \"ishigami\"\ncase = \"noisy\"\n");
   expect_refusals(
       "ishigami_lab sweep ",
-      {{"noisy.toml --case ''", "--case: must be a text, is empty"},
-       {"noisy.toml --metrics ''", "--metrics: must be a text, is empty"},
+      {{"noisy.toml --case ''", "sweep: --case: must not be empty (see --help)"},
+       {"noisy.toml --replay ''", "sweep: --replay: must not be empty (see --help)"},
        {"ishigami --goal y_1=least", "--goal: y_1: must be one of min, max, is \"least\""},
        {"ishigami --vary x.first", "--vary: x.first: must be of the form KEY=VALUE"},
        {"ishigami --vary x.first=1,,2", "--vary: x.first: 1,,2: a value is missing"},
@@ -84,6 +86,7 @@ TEST_F(SweepRefusals, NonsenseInTheCommand) {
         "--vary: x.first: unifrom(0,1): there is no unifrom(): there are uniform, "
         "log_uniform, normal, lin, log (did you mean uniform?)"},
        {"ishigami --seeds 5..1", "--seeds: 5..1: must be 1..20 or 1,4,7"},
+       {"ishigami --seeds 1..100000000", "--seeds: 1..100000000: must be at most 1000000 seeds"},
        {"ishigam", "there is no scenario \"ishigam\" (did you mean ishigami?)"},
        {"nothing.toml", "nothing.toml: there is no such file or folder"}});
 }
@@ -106,7 +109,9 @@ TEST_F(SweepRefusals, WarnsOfIneffectiveKeys) {
            {"--vary x.second=1,2", ""},
            {"--vary x.second=-1,1",
             "positive_x_second_1 is missing: in 1 of 2 complete runs of plain"},
-           {"--metrics y_2 --case 'plain, noisy' --dry-run",
+           {"--case 'plain, noisy' --vary x.second=1,2 --dry-run",
+            "Too few blocks: with 2 blocks p cannot be below 0.5, and a verdict needs at least 6"},
+           {"--metrics y_2 --case 'plain, noisy' --vary 'x.second=lin(1,6,6)' --dry-run",
             "compare.metrics: y_2: none of these runs has it (did you mean y_1?)"},
            {"--duration 0.5 --dry-run", ""}}) {  // their runs are shorter
     const ProgramResult result = said("ishigami_lab sweep ishigami " + words);

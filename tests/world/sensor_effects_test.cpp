@@ -65,7 +65,7 @@ TEST(Encoder, WithCalibrationTheErrorIsHalfACountAtAnyPhase) {
 
 TEST(Encoder, CountsPerRevolutionFollowEquation423) {
   const EncoderCounts counts{8, 4, 50};
-  EXPECT_EQ(counts.pulses_per_revolution(), 256 * 4 * 50);
+  EXPECT_EQ(counts.counts_per_revolution(), 256 * 4 * 50);
   EXPECT_DOUBLE_EQ(counts.quantum_rad(), 2 * M_PI / (256 * 4 * 50));
   EXPECT_DOUBLE_EQ((EncoderCounts{8}.quantum_rad()), 0.02454369260617026);  // the thesis' 0.0245
 }

@@ -1,0 +1,34 @@
+// A file that a user names, to be read.
+#pragma once
+
+#include <unistd.h>
+
+#include <cerrno>
+#include <filesystem>
+#include <fstream>
+#include <stdexcept>
+#include <string>
+#include <system_error>
+
+namespace breakwater {
+
+/// Why it cannot be read: "No such file or directory", "it is a folder", …; empty if it can. A pipe
+/// or a device cannot: it may never end.
+inline std::string why_unreadable(const std::filesystem::path& file) {
+  std::error_code error;
+  const std::filesystem::file_status status = std::filesystem::status(file, error);
+  if (error) return error.message();
+  if (std::filesystem::is_directory(status)) return "it is a folder";
+  if (!std::filesystem::is_regular_file(status)) return "it is not a regular file";
+  if (access(file.c_str(), R_OK) != 0) return std::generic_category().message(errno);
+  return "";
+}
+
+/// Throws std::invalid_argument `FILE: cannot be read (REASON)`.
+inline std::ifstream open_input(const std::filesystem::path& file) {
+  const std::string reason = why_unreadable(file);
+  if (reason.empty()) return std::ifstream(file, std::ios::binary);
+  throw std::invalid_argument(file.string() + ": cannot be read (" + reason + ")");
+}
+
+}  // namespace breakwater
