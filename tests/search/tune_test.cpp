@@ -281,7 +281,7 @@ std::string brief(const std::string& more) {
 
 TEST_F(Tune, ACrashIsAFailedRun) {
   // Of x.first from -3 to 3 all above 1 end their process, and in the middle nothing does.
-  write("t.toml", brief("[set]\n\"trouble.crashes_above\" = 1\n"));
+  write("t.toml", std::string(kSmall) + "[set]\n\"trouble.crashes_above\" = 1\n");
   EXPECT_EQ(tune("t.toml --out once --quiet").status, 128 + SIGABRT);
   tuned("t.toml --out s --isolate --jobs 2");
   const auto rows = results("s");
