@@ -298,7 +298,7 @@ TEST_F(Tune, ACrashIsAFailedRun) {
     }
   }
   // Whoever runs what: one process at a time, killed again and again; and what one process began.
-  for (int i = 0; i < 2; ++i) tune("t.toml --out killed --isolate --quiet", 1.0);
+  for (int i = 0; i < 2; ++i) tune("t.toml --out killed --isolate --quiet", 0.2);
   tuned("t.toml --out killed --isolate --jobs 1 --quiet");
   expect_same("s", "killed");
   tuned("once --isolate --quiet");
