@@ -7,7 +7,7 @@
 namespace breakwater {
 namespace {
 
-constexpr std::size_t kLongestCorrected = 200;  // of words, since it takes time
+constexpr std::size_t kLongestCorrected = 200;  // a longer word takes too much time
 
 std::size_t edit_distance(const std::string& a, const std::string& b) {
   std::vector<std::size_t> row(b.size() + 1);

@@ -1,8 +1,6 @@
 // `breakwater reference`: its pages agree with the program's output.
 #include <gtest/gtest.h>
 
-#include <fstream>
-#include <map>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -15,12 +13,6 @@
 namespace breakwater {
 namespace {
 namespace fs = std::filesystem;
-
-std::string text_of(const fs::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file).rdbuf();
-  return text.str();
-}
 
 // The keys in a configuration printed by --print-config: "controller.name" and so on.
 std::vector<std::string> keys_of(const std::string& config_text) {
@@ -48,7 +40,9 @@ class Reference : public ::testing::Test {
   }
   static void TearDownTestSuite() { fs::remove_all(folder_); }
 
-  static std::string page(const std::string& name) { return text_of(folder_ / "pages" / name); }
+  static std::string page(const std::string& name) {
+    return testing::text_of(folder_ / "pages" / name);
+  }
 
   inline static const fs::path folder_ = testing::temporary_path("reference");
 };
@@ -110,34 +104,6 @@ TEST_F(Reference, HasEveryKeyMetricAndColumnOfEstimate) {
   const std::string text = page("estimate.md");
   for (const std::string& name : names) {
     EXPECT_NE(text.find("\n| `" + name + "` |"), std::string::npos) << name;
-  }
-}
-
-// Names and units of all metrics and costs of the shipped cases.
-std::map<std::string, std::string> reported_metrics(const std::string& scenario) {
-  std::map<std::string, std::string> reported;
-  const auto run = [&](const std::string& name, const std::vector<std::string>& sets) {
-    const Recording recording = testing::prepare(scenario, name, sets).scenario->run({});
-    EXPECT_FALSE(recording.failure) << scenario << " " << name;
-    for (const auto* list : {&recording.metrics, &recording.costs}) {
-      for (const Metric& metric : *list) reported[metric.name] = metric.unit;
-    }
-  };
-  const ScenarioFile file = testing::scenario_file(scenario);
-  for (const std::string& name : file.cases()) run(name, {});
-  // No shipped case has a disturbance with a lag.
-  if (scenario == "cart_estimation") run(file.default_case(), {"disturbance.kind=ramp"});
-  return reported;
-}
-
-TEST(MetricDefinitions, CoverTheShippedCases) {
-  for (const std::string& scenario : testing::scenario_names()) {
-    std::map<std::string, std::string> defined;
-    for (const MetricDefinition& metric :
-         make_scenario(testing::catalogue(), scenario)->metric_definitions()) {
-      EXPECT_TRUE(defined.emplace(metric.name, metric.unit).second) << metric.name;
-    }
-    EXPECT_EQ(defined, reported_metrics(scenario)) << scenario;
   }
 }
 

@@ -280,7 +280,7 @@ std::string brief(const std::string& more) {
 
 TEST_F(Tune, ACrashIsAFailedRun) {
   // x.first is in -3 … 3. Values above 1 end their process; the middle does not.
-  write("t.toml", brief("[set]\n\"trouble.crashes_above\" = 1\n"));
+  write("t.toml", std::string(kSmall) + "[set]\n\"trouble.crashes_above\" = 1\n");
   EXPECT_EQ(tune("t.toml --out once --quiet").status, 128 + SIGABRT);
   tuned("t.toml --out s --isolate --jobs 2");
   const auto rows = results("s");
@@ -297,7 +297,7 @@ TEST_F(Tune, ACrashIsAFailedRun) {
     }
   }
   // One process at a time with repeated kills, then a single process, on the same folders.
-  for (int i = 0; i < 2; ++i) tune("t.toml --out killed --isolate --quiet", 1.0);
+  for (int i = 0; i < 2; ++i) tune("t.toml --out killed --isolate --quiet", 0.2);
   tuned("t.toml --out killed --isolate --jobs 1 --quiet");
   expect_same("s", "killed");
   tuned("once --isolate --quiet");

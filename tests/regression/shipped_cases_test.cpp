@@ -1,0 +1,69 @@
+// The shipped cases: their metrics, and the warning about a reference that is not held.
+#include <map>
+#include <tuple>
+
+#include "catalogue.h"
+#include "regression/run_case.h"
+
+namespace breakwater {
+namespace {
+
+using testing::run_case;
+
+TEST(ReferenceOfARun, IsReportedIfNotHeld) {
+  const std::vector<std::tuple<std::string, std::string, std::vector<std::string>>> runs = {
+      // An IDOB with a hundredth of the mass, and a loop with a small gain.
+      {"cart_position", "idob", {"nominal.mass_kg=0.005"}},
+      {"cart_position", "idob", {"controller.kp=1e-3"}}};
+  for (const auto& [scenario, case_name, sets] : runs) {
+    const auto lines = run_case(scenario, case_name, sets).warnings;
+    ASSERT_EQ(lines.size(), 1U) << scenario << " " << case_name;
+    EXPECT_TRUE(has(lines.front(), "does not hold its reference"));
+  }
+}
+
+// The conventional controllers stay in another posture after a hand has turned the arm. Filters
+// without forgetting follow a step of force too slowly. One filter diverges.
+bool loses_its_reference(const std::string& scenario, const std::string& name) {
+  if (scenario == "arm_push") return name.starts_with("hpfc") || name.starts_with("drac");
+  if (scenario == "cart_estimation") {
+    return name == "order0" || name == "order1" || name == "order2";
+  }
+  return scenario == "quadrotor_waves" && name == "ekf-second";
+}
+
+class ShippedCases : public ::testing::TestWithParam<std::string> {};
+
+// One run of each case serves both. The long cases at the wall end after their impact.
+TEST_P(ShippedCases, ReportTheDefinedMetricsAndHoldTheirReferences) {
+  const std::string scenario = GetParam();
+  std::map<std::string, std::string> defined, reported;  // name and unit
+  for (const MetricDefinition& metric :
+       make_scenario(testing::catalogue(), scenario)->metric_definitions()) {
+    EXPECT_TRUE(defined.emplace(metric.name, metric.unit).second) << metric.name;
+  }
+  const auto run = [&](const std::string& name, const std::vector<std::string>& sets = {}) {
+    const Recording recording = testing::completed_run(scenario, name, sets);
+    for (const auto* list : {&recording.metrics, &recording.costs}) {
+      for (const Metric& metric : *list) reported[metric.name] = metric.unit;
+    }
+    return recording.warnings.empty();
+  };
+  const ScenarioFile file = testing::scenario_file(scenario);
+  for (const std::string& name : file.cases()) {
+    if (scenario == "arm_wall_contact") {
+      run(name, {"run.duration_s=33", "metrics.from_s=32", "metrics.to_s=33"});
+    } else {
+      EXPECT_EQ(run(name), !loses_its_reference(scenario, name)) << name;
+    }
+  }
+  // No shipped case has a disturbance with a lag.
+  if (scenario == "cart_estimation") run(file.default_case(), {"disturbance.kind=ramp"});
+  EXPECT_EQ(defined, reported);
+}
+
+INSTANTIATE_TEST_SUITE_P(Regression, ShippedCases, ::testing::ValuesIn(testing::scenario_names()),
+                         [](const auto& scenario) { return scenario.param; });
+
+}  // namespace
+}  // namespace breakwater
