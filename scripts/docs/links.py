@@ -11,22 +11,11 @@ import urllib.parse
 
 import markdown_pages
 
-def links_of(page, text):
-    """The links of a page, and those in the cells of the CSV files that it shows as tables."""
-    yield from markdown_pages.links(text)
-    for number, line in markdown_pages.prose(text):
-        try:
-            rows = markdown_pages.csv_table(page, line) or []
-        except FileNotFoundError:
-            continue  # the link to the file itself is broken
-        for row in rows:
-            for _, *link in markdown_pages.links(" ".join(row)):
-                yield number, *link
 
 def broken(page):
     """Yields (line number, what is wrong)."""
     text = page.read_text(encoding="utf-8")
-    for number, image, label, target in links_of(page, text):
+    for number, image, label, target in markdown_pages.links_of(page, text):
         if "://" in target or target.startswith("mailto:"):
             continue
         path, _, fragment = target.partition("#")
@@ -41,11 +30,13 @@ def broken(page):
         elif image and not label.strip():
             yield number, f"{target}: a picture without words for those who do not see it"
 
+
 def main(arguments):
     pages = [pathlib.Path(name) for name in arguments] or markdown_pages.pages()
     findings = [f"{page}:{number}: {what}" for page in pages for number, what in broken(page)]
     print("\n".join(findings) if findings else f"{len(pages)} pages: all links hold")
     return 1 if findings else 0
+
 
 if __name__ == "__main__":
     sys.exit(main(sys.argv[1:]))
