@@ -215,7 +215,7 @@ def on_files(files, config):
     shutil.rmtree(MADE, ignore_errors=True)
     wanted = {ROOT / "CHANGELOG.md", ROOT / "CONTRIBUTING.md"}
     for page in markdown_pages.pages():
-        for _, _, _, target in markdown_pages.links(page.read_text(encoding="utf-8")):
+        for _, _, _, target in markdown_pages.links_of(page, page.read_text(encoding="utf-8")):
             path = target.partition("#")[0]
             if path and "://" not in path:
                 wanted.add(pathlib.Path(os.path.normpath(page.parent / urllib.parse.unquote(path))))

@@ -15,7 +15,7 @@ import markdown_pages
 def broken(page):
     """Yields (line number, reason)."""
     text = page.read_text(encoding="utf-8")
-    for number, image, label, target in markdown_pages.links(text):
+    for number, image, label, target in markdown_pages.links_of(page, text):
         if "://" in target or target.startswith("mailto:"):
             continue
         path, _, fragment = target.partition("#")

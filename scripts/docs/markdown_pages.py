@@ -62,6 +62,19 @@ def csv_table(page, line):
         return list(csv.reader(file))
 
 
+def links_of(page, text):
+    """The links of a page, and those in the cells of the CSV files that it shows as tables."""
+    yield from links(text)
+    for number, line in prose(text):
+        try:
+            rows = csv_table(page, line) or []
+        except FileNotFoundError:
+            continue  # the link to the file itself is broken
+        for row in rows:
+            for _, *link in links(" ".join(row)):
+                yield number, *link
+
+
 def headings(text):
     """Yields (line number, level, text)."""
     for number, line in prose(text):

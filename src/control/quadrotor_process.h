@@ -78,7 +78,7 @@ class ThrusterDisturbance : public ProcessTypes<12 + 4 * (Order + 1), 4, 6> {
   Square A_;
 };
 
-/// Standard deviations of the process noise of a world-force's model, in each sample.
+/// Standard deviations of the process noise of a world-force model, in each sample.
 struct ProcessNoiseStd {
   double velocity_std_m_s = 3e-3;  ///< ẋ, ẏ, ż
   double rate_std_rad_s = 2e-3;    ///< φ̇, θ̇, ψ̇

@@ -135,8 +135,7 @@ class MappedFile {
 };
 
 // Calls body(offset, length, rest) for each line with a right checksum; `rest` is the line without
-// it. Begins at `begin`, where a line does; returns
-// where the next one will.
+// it. `begin` is the begin of a line. Returns the begin of the next one.
 template <typename Body>
 std::size_t each_line(const fs::path& file, Body&& body, std::size_t begin = 0) {
   const MappedFile mapped(file);

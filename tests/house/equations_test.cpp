@@ -79,10 +79,10 @@ std::string text_of(const fs::path& file) {
   return testing::text_of(file);
 }
 
-/// A line of the page that begins with equations. It is a table row with links to code, or a list
+/// A line that begins with equations. It is a table row with links to code, or a list
 /// item that explains why there is none.
 struct Entry {
-  int line;
+  std::string place;  // file and line
   bool is_row;
   Equations equations;
   std::vector<std::string> code;  // paths from the project's folder
@@ -90,24 +90,42 @@ struct Entry {
 
 const std::string kPage = "docs/reference/from-equation-to-code.md";
 
+/// The page, and the CSV files that it shows as tables. Links in their cells start at the page.
+std::vector<std::string> files_of_the_page() {
+  const std::regex table("\\]\\(([^()]+\\.csv)\\)<!-- table -->");
+  const std::string page = text_of(testing::source_file(kPage));
+  std::vector<std::string> files = {kPage};
+  for (std::sregex_iterator i(page.begin(), page.end(), table), none; i != none; ++i) {
+    files.push_back("docs/reference/" + (*i)[1].str());
+  }
+  return files;
+}
+
 std::vector<Entry> entries_of_the_page() {
   std::vector<Entry> entries;
   const std::regex code("\\]\\((?:\\.\\./)+((?:src|scenarios)/[^)#]+)\\)");
-  std::istringstream page(text_of(testing::source_file(kPage)));
-  int number = 0;
-  for (std::string line; std::getline(page, line);) {
-    ++number;
-    const bool is_row = line.starts_with("| ");
-    if (!is_row && !line.starts_with("- ")) continue;
-    Entry entry{number, is_row, {}, {}};
-    const auto end = read_list(line.cbegin() + 2, line.cend(), entry.equations);
-    if (entry.equations.empty()) continue;  // a table's head
-    EXPECT_TRUE(std::string(end, line.cend()).starts_with(is_row ? " |" : ": "))
-        << kPage << ":" << number << ": what follows the equations?";
-    for (std::sregex_iterator link(line.begin(), line.end(), code), none; link != none; ++link) {
-      entry.code.push_back((*link)[1]);
+  for (const std::string& file : files_of_the_page()) {
+    const bool is_row = file != kPage;
+    std::istringstream text(text_of(testing::source_file(file)));
+    int number = 0;
+    for (std::string line; std::getline(text, line);) {
+      ++number;
+      if (!is_row && !line.starts_with("- ")) continue;
+      const bool quoted = line.starts_with('"');
+      Entry entry{file + ":" + std::to_string(number), is_row, {}, {}};
+      const auto begin = line.cbegin() + (is_row ? quoted : 2);
+      const auto end = read_list(begin, line.cend(), entry.equations);
+      if (entry.equations.empty()) continue;  // a table's head
+      EXPECT_TRUE(std::string(end, line.cend())
+                      .starts_with(!is_row  ? ": "
+                                   : quoted ? "\","
+                                            : ","))
+          << entry.place << ": what follows the equations?";
+      for (std::sregex_iterator link(line.begin(), line.end(), code), none; link != none; ++link) {
+        entry.code.push_back((*link)[1]);
+      }
+      entries.push_back(entry);
     }
-    entries.push_back(entry);
   }
   return entries;
 }
@@ -144,17 +162,17 @@ TEST(Equations, ThePageHasEachEquationOfTheThesisOnce) {
 TEST(Equations, TheFilesOfARowNameItsEquations) {
   int rows = 0;
   for (const Entry& entry : entries_of_the_page()) {
-    const std::string place = kPage + ":" + std::to_string(entry.line);
     if (!entry.is_row) {
-      EXPECT_TRUE(entry.code.empty()) << place << ": an item of the list has code";
+      EXPECT_TRUE(entry.code.empty()) << entry.place << ": an item of the list has code";
       continue;
     }
     ++rows;
-    EXPECT_FALSE(entry.code.empty()) << place << ": no file";
+    EXPECT_FALSE(entry.code.empty()) << entry.place << ": no file";
     for (const std::string& file : entry.code) {
       const std::set<Equation> there = named(text_of(testing::source_file(file)));
       for (const Equation& equation : entry.equations) {
-        EXPECT_TRUE(there.contains(equation)) << place << ": " << file << " lacks Eq. " << equation;
+        EXPECT_TRUE(there.contains(equation))
+            << entry.place << ": " << file << " lacks Eq. " << equation;
       }
     }
   }
@@ -183,9 +201,12 @@ TEST(Equations, EachEquationInTheCodeHasARow) {
 
 TEST(Equations, ThePagesLinksLeadSomewhere) {
   const std::regex link("\\]\\(([^)#]+)(#[^)]*)?\\)");
-  const std::string page = text_of(testing::source_file(kPage));
-  for (std::sregex_iterator i(page.begin(), page.end(), link), none; i != none; ++i) {
-    EXPECT_TRUE(fs::exists(testing::source_file("docs/reference/" + (*i)[1].str()))) << (*i)[1];
+  for (const std::string& file : files_of_the_page()) {
+    const std::string text = text_of(testing::source_file(file));
+    for (std::sregex_iterator i(text.begin(), text.end(), link), none; i != none; ++i) {
+      EXPECT_TRUE(fs::exists(testing::source_file("docs/reference/" + (*i)[1].str())))
+          << file << ": " << (*i)[1];
+    }
   }
 }
 
