@@ -14,6 +14,7 @@
 #include <breakwater/experiment/runner.h>
 #include <breakwater/experiment/saved_run.h>
 #include <breakwater/program/program.h>
+#include <breakwater/shell/did_you_mean.h>
 #include "arrays.h"
 #include "interpreter.h"
 #include "parts.h"

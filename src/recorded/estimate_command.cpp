@@ -72,7 +72,7 @@ int estimate(const Catalogue& catalogue, const Arguments& arguments) {
   stop_on_signals();
   const Request request = request_of(arguments);
   if (arguments.list_cases) {
-    for (const std::string& name : asked.file.cases()) fmt::print("{}\n", name);
+    for (const std::string& name : request.file.cases()) fmt::print("{}\n", name);
     return kSuccess;
   }
   const std::string& called = arguments.observer.empty() ? request.case_name : arguments.observer;
