@@ -12,6 +12,9 @@
 namespace breakwater::python {
 namespace py = pybind11;
 
+/// The catalogue of the `breakwater` program.
+const Catalogue& shipped_parts();
+
 /// The catalogue with `controller` and `estimator`, each an object or None, as kinds of every rig;
 /// they are called as their classes are. Throws std::invalid_argument if a kind of that name is
 /// there already.

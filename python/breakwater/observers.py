@@ -19,6 +19,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core
+from .arguments import toml_text
 from .linear import _groups, _rows, _whole
 
 Matrix = npt.ArrayLike
@@ -237,6 +238,45 @@ class Stf(Filter):
                 "delta": delta,
                 "sigma": sigma,
                 "rounding": str(rounding),
+            },
+        )
+
+
+class AxisObserver(Filter):
+    """Any observer that `observer.name` of a scenario with an axis takes, "qbank" say, with its keys: `observer.KEY`
+    is the argument KEY. `breakwater reference` lists them.
+
+    A, B, C: position and velocity under one input, the position measured (damped_inertia); delta, sigma and
+    rounding as of Stf. largest_input: of the drive, 0: not known; pulses_per_revolution: of the encoder, 0: not
+    known.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        A: Matrix,
+        B: Matrix,
+        C: Matrix,
+        *,
+        period_s: float,
+        delta: Matrix = 0.0,
+        sigma: Matrix = 0.0,
+        rounding: str = "nearest",
+        largest_input: float = 0.0,
+        pulses_per_revolution: float = 0.0,
+        **keys: object,
+    ):
+        keys = {"name": str(name), **keys}
+        super().__init__(
+            "axis",
+            {
+                **_plant(A, B, C, 0, period_s),
+                "delta": delta,
+                "sigma": sigma,
+                "rounding": str(rounding),
+                "largest_input": largest_input,
+                "pulses_per_revolution": pulses_per_revolution,
+                "keys": [f"observer.{key}={toml_text(value, key)}" for key, value in keys.items()],
             },
         )
 
