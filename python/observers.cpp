@@ -22,8 +22,10 @@
 #include <breakwater/observers/sized_filters.h>
 #include <breakwater/observers/state_observer.h>
 #include <breakwater/observers/stf.h>
+#include <breakwater/rigs/axis_parts.h>
 #include "arrays.h"
 #include "interpreter.h"
+#include "parts.h"
 
 namespace breakwater::python {
 namespace {
@@ -150,6 +152,30 @@ Estimator make_stf(const Arguments& arguments) {
   return sized_stf(stf_design(plant, error, arguments.period_s()), error);
 }
 
+// An estimator of the catalogue, with its own keys.
+Estimator make_of_catalogue(const Arguments& arguments) {
+  PartChoice<AxisEstimatorKind> choice(shipped_parts(), "observer.name");
+  Fields fields;
+  choice.bind(fields);
+  Config config("AxisObserver", {});
+  for (const auto& key : arguments.at("keys").cast<std::vector<std::string>>()) config.set(key);
+  fields.read(config);
+  for (const UnusedKey& unused : fields.unused()) config.fail(unused.key, unused.reason);
+  const StateSpace plant = arguments.plant();
+  if (plant.states() != 2 || plant.inputs() != 1 || plant.outputs() != 1) {
+    throw std::invalid_argument(
+        "A, B, C: must be an axis: position and velocity, one input, "
+        "the position measured");
+  }
+  const double largest_input = arguments.number("largest_input");
+  NominalAxis axis{.plant = plant,
+                   .period_s = arguments.period_s(),
+                   .sensor = arguments.sensor(1),
+                   .pulses_per_revolution = arguments.number("pulses_per_revolution")};
+  if (largest_input > 0.0) axis.force_limit = largest_input;
+  return choice.check(config, axis);
+}
+
 Estimator make(const std::string& kind, const Arguments& arguments) {
   if (kind == "state_observer") {
     return std::make_unique<StateObserver>(arguments.plant(), arguments.poles(),
@@ -165,6 +191,7 @@ Estimator make(const std::string& kind, const Arguments& arguments) {
   if (kind == "vfakfd") return make_vfakfd(arguments);
   if (kind == "qvff") return make_qvff(arguments);
   if (kind == "stf") return make_stf(arguments);
+  if (kind == "axis") return make_of_catalogue(arguments);
   throw std::invalid_argument("there is no estimator \"" + kind + "\"");
 }
 

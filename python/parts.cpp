@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <tuple>
 
+#include <breakwater/program/program.h>
 #include <breakwater/rigs/arm_parts.h>
 #include <breakwater/rigs/axis_parts.h>
 #include <breakwater/rigs/quadrotor_parts.h>
@@ -321,6 +322,11 @@ constexpr const char* kForce = "one force";
 constexpr const char* kThrusts = "thrusts [N]";
 
 }  // namespace
+
+const Catalogue& shipped_parts() {
+  static const Catalogue all = standard_catalogue();
+  return all;
+}
 
 PythonParts::PythonParts(const Catalogue& standard, const py::object& controller,
                          const py::object& estimator)

@@ -12,6 +12,9 @@
 namespace breakwater::python {
 namespace py = pybind11;
 
+/// The catalogue of the `breakwater` program.
+const Catalogue& shipped_parts();
+
 /// The catalogue with `controller` and `estimator`, each an object or None, as kinds for every rig.
 /// Their names are those of their classes. Throws std::invalid_argument if such a kind exists.
 ///

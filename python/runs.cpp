@@ -23,11 +23,6 @@ namespace breakwater::python {
 namespace {
 namespace fs = std::filesystem;
 
-const Catalogue& standard() {
-  static const Catalogue all = standard_catalogue();
-  return all;
-}
-
 // A run made by this process.
 struct OwnRun {
   PreparedRun prepared;
@@ -52,7 +47,7 @@ OwnRun run(const std::string& scenario, const std::optional<std::string>& case_n
            const std::optional<std::string>& config, std::vector<std::string> sets,
            const py::object& controller, const py::object& estimator,
            const std::optional<std::string>& out) {
-  const PythonParts parts(standard(), controller, estimator);
+  const PythonParts parts(shipped_parts(), controller, estimator);
   OwnRun own;
   std::optional<RunFolder> folder;
   {
@@ -204,13 +199,14 @@ void bind_runs(py::module_& module) {
   module.def("did_you_mean", did_you_mean);
   module.def("scenarios", [] {
     py::dict summaries;
-    for (const ScenarioKind& kind : standard().all<ScenarioKind>()) {
-      summaries[py::str(kind.name)] = kind.make(standard())->summary();
+    for (const ScenarioKind& kind : shipped_parts().all<ScenarioKind>()) {
+      summaries[py::str(kind.name)] = kind.make(shipped_parts())->summary();
     }
     return summaries;
   });
   module.def("cases", [](const std::string& scenario) {
-    return ScenarioFile(standard().get<ScenarioKind>(scenario).file().string(), scenario).cases();
+    return ScenarioFile(shipped_parts().get<ScenarioKind>(scenario).file().string(), scenario)
+        .cases();
   });
 }
 

@@ -13,7 +13,8 @@ Many runs:    sweep
 Your own:     Controller, Estimator; ArmSample, AxisSample, QuadrotorSample; PlanarChain
 Design:       dare, lqr, place_poles, place_observer_poles, zero_order_hold, damped_inertia,
               extend_by_disturbance_model, observability_rank; QpSolver, solve_qp
-On your data: Stf, Qvff, Vfakfd, Fakfd, Kfd, Idob, Mdob, StateObserver, QuadrotorFilter
+On your data: AxisObserver, by name; Stf, Qvff, Vfakfd, Fakfd, Kfd, Idob, Mdob, StateObserver;
+              QuadrotorFilter
 Errors:       InputError, RunFailed
 
 docs/tutorials/python.md has the tutorial.
@@ -37,6 +38,7 @@ from .linear import (
     zero_order_hold,
 )
 from .observers import (
+    AxisObserver,
     Estimates,
     Fakfd,
     Filter,
@@ -57,6 +59,7 @@ from .sweeps import sweep
 
 __all__ = [
     "ArmSample",
+    "AxisObserver",
     "AxisSample",
     "Controller",
     "Estimates",

@@ -19,6 +19,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core
+from .arguments import toml_text
 from .linear import _groups, _rows, _whole
 
 Matrix = npt.ArrayLike
@@ -252,6 +253,45 @@ class Stf(Filter):
                 "delta": delta,
                 "sigma": sigma,
                 "rounding": str(rounding),
+            },
+        )
+
+
+class AxisObserver(Filter):
+    """Any observer of a scenario's axis, such as "qbank". The argument KEY is the key `observer.KEY`, which
+    `breakwater reference` lists.
+
+    A, B, C: plant with one input and the states position and velocity; the position is measured (damped_inertia).
+    delta, sigma, rounding: sensor, as for Stf. largest_input: limit of the drive; 0: unknown.
+    pulses_per_revolution: counts of the encoder in a revolution; 0: unknown.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        A: Matrix,
+        B: Matrix,
+        C: Matrix,
+        *,
+        period_s: float,
+        delta: Matrix = 0.0,
+        sigma: Matrix = 0.0,
+        rounding: str = "nearest",
+        largest_input: float = 0.0,
+        pulses_per_revolution: float = 0.0,
+        **keys: object,
+    ):
+        keys = {"name": str(name), **keys}
+        super().__init__(
+            "axis",
+            {
+                **_plant(A, B, C, 0, period_s),
+                "delta": delta,
+                "sigma": sigma,
+                "rounding": str(rounding),
+                "largest_input": largest_input,
+                "pulses_per_revolution": pulses_per_revolution,
+                "keys": [f"observer.{key}={toml_text(value, key)}" for key, value in keys.items()],
             },
         )
 

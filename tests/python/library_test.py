@@ -39,6 +39,8 @@ def every_filter():
         "Kfd": bw.Kfd(**plant, Q=100.0, P0=[1.0, 2.0, 3.0]),
         "Idob": bw.Idob(**plant, poles=[-10, -20 + 3j, -20 - 3j]),
         "StateObserver": bw.StateObserver(**plant, poles=[-10, -20]),
+        "qbank": bw.AxisObserver("qbank", **plant, delta=1e-3, largest_disturbance=1.0),
+        "stf": bw.AxisObserver("stf", **plant, delta=1e-3, sigma=1e-5, disturbance_order=0),
         "Mdob": bw.Mdob(0.5, cutoff_rad_s=20, derivative_cutoff_rad_s=50, period_s=PERIOD),
     }
 
@@ -247,6 +249,12 @@ class Nonsense(unittest.TestCase):
             "delta: must be of 1 numbers": lambda: bw.Stf(A, B, C, delta=[1, 2]),
             "delta: must be finite": lambda: bw.Stf(A, B, C, delta=np.inf),
             "delta: must be an array of real numbers, is None": lambda: bw.Stf(A, B, C, delta=None),
+            "observer.name: must be": lambda: bw.AxisObserver("sft", A, B, C, period_s=PERIOD),
+            "observer.poles_rad_s: .*missing": lambda: bw.AxisObserver("idob", A, B, C, period_s=PERIOD),
+            "observer.gamma: has an effect only": lambda: bw.AxisObserver(
+                "idob", A, B, C, period_s=PERIOD, poles_rad_s=[-1, -2, -3], gamma=1.1),
+            "must be an axis": lambda: bw.AxisObserver(
+                "idob", eye, eye, eye, period_s=PERIOD, poles_rad_s=[-1, -2, -3]),
             "quantum": lambda: bw.Stf(A, B, C, delta=-1.0),
             "rounding: must be nearest or truncate": lambda: bw.Stf(A, B, C, delta=1, rounding="up"),
             "alpha": lambda: bw.Vfakfd(A, B, C, alpha=0.0),
