@@ -95,10 +95,10 @@ TEST_F(Reference, HasEveryKeyMetricAndColumnOfEstimate) {
        "plant.inertia=1e-3", "encoder.quantum=1.5e-3", "--out", "est"},
       folder_);
   ASSERT_EQ(made.status, 0) << made.err;
-  std::vector<std::string> names = keys_of(text_of(folder_ / "est/config.toml"));
-  const auto metrics = nlohmann::json::parse(text_of(folder_ / "est/metrics.json"));
+  std::vector<std::string> names = keys_of(testing::text_of(folder_ / "est/config.toml"));
+  const auto metrics = nlohmann::json::parse(testing::text_of(folder_ / "est/metrics.json"));
   for (const auto& metric : metrics.items()) names.push_back(metric.key());
-  std::istringstream header(testing::lines_of(text_of(folder_ / "est/log.csv")).front());
+  std::istringstream header(testing::lines_of(testing::text_of(folder_ / "est/log.csv")).front());
   for (std::string column; std::getline(header, column, ',');) names.push_back(column);
   EXPECT_GT(names.size(), 40u);
   const std::string text = page("estimate.md");
