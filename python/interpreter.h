@@ -30,7 +30,6 @@ class Locked {
 
 /// Releases the lock. The interpreter's exit waits some time for such threads. Throws as
 /// check_not_ending().
-/// check_not_ending().
 class Unlocked {
  public:
   Unlocked();

@@ -213,7 +213,7 @@ def sweep(
         ("keep", text_or_none(keep, "keep")),
         ("jobs", None if jobs is None else _whole(jobs, "jobs")),
     ]
-    for name, value in (("out", folder), *options):
+    for name, value in (("study", target), ("out", folder), *options):
         if value == "":
             raise InputError(f"{name}: is empty")
     words = ["sweep", "--quiet", *(f"--{name}={value}" for name, value in options if value is not None)]

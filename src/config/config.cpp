@@ -16,7 +16,7 @@
 namespace breakwater {
 namespace {
 
-constexpr std::size_t kLongestWord = 200;  // longest shown key or name
+constexpr std::size_t kLongestWord = 200;  // longest key or name that is accepted
 constexpr std::size_t kLongestShown = 40;
 
 using Entries = std::map<std::string, ConfigEntry>;

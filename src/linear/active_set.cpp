@@ -115,7 +115,8 @@ class Core final : public QpSolver {
   bool has_soft_ = false;
   bool is_tilted_ = false;  // the residual is not only due to violated rows
 
-  // Their size is that of the largest working set. Only the first active() entries are used.
+  // Their size is that of the largest working set. Only the first active_count() entries
+  // are used.
   Eigen::VectorXd mu_;         // multipliers of the working set
   Eigen::VectorXd target_;     // S μ
   Eigen::VectorXd half_;       // D⁻¹ L⁻¹ s, with the column s of a row in the Gram matrix

@@ -24,8 +24,8 @@ Eigen::MatrixXd input_noise(const ExtendedPlant& plant, double q);
 /// The other process noise of a KFD, Q = q·I on every state.
 Eigen::MatrixXd uniform_noise(const ExtendedPlant& plant, double q);
 
-/// The process noise of the disturbance Kalman filter (DKF): on d (order 0) or its
-/// highest derivative alone.
+/// The process noise of the disturbance Kalman filter (DKF): on d (order 0) or its highest
+/// derivative alone.
 Eigen::MatrixXd disturbance_noise(const ExtendedPlant& plant, double q);
 
 }  // namespace breakwater

@@ -6,7 +6,7 @@
 
 namespace breakwater {
 
-/// Thrown by work that was asked to stop. The first `finished_runs` runs are complete and kept.
+/// Thrown by work that was asked to stop. `finished_runs` runs are complete and kept.
 class Interrupted : public std::runtime_error {
  public:
   explicit Interrupted(std::size_t finished_runs = 0)

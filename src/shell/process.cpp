@@ -87,8 +87,8 @@ int caught(const std::string& program, const std::function<int()>& body) {
   }
 }
 
-// An empty "$VARIABLE" of a script is no option that was left out. One that may stand alone has an
-// empty value then.
+// An empty "$VARIABLE" of a script must not pass for an omitted option. An option with an optional
+// value may be empty.
 void check_none_is_empty(const CLI::App& app) {
   for (const CLI::Option* option : app.get_options()) {
     if (option->get_expected_min() == 0) continue;

@@ -39,10 +39,10 @@ class Model {
  public:
   /// Compiles an MJCF file. Throws std::invalid_argument with one line, `FILE[:LINE]: reason`, if
   /// the file cannot be read or compiled or has too many elements. All numbers must be finite and
-  /// at most 1e30. Timestep, masses, inertias and sizes must be in a sensible
-  /// range. (The engine accepts NaN, a timestep of −1 s and a mass of 1e300 kg.) Throws OutOfMemory
-  /// if the machine has too little memory. While there are SharedModels, returns a copy of the
-  /// first compilation. Thread-safe.
+  /// at most 1e30. Timestep, masses, inertias and sizes must be in a sensible range. (The engine
+  /// accepts NaN, a timestep of −1 s and a mass of 1e300 kg.) Throws OutOfMemory if the machine has
+  /// too little memory. While there are SharedModels, returns a copy of the first compilation.
+  /// Thread-safe.
   static Model load(const ModelFile& mjcf);
 
   /// Like load(), but only with the parts that affect the motion: the same states to the bit, in

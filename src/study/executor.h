@@ -59,8 +59,8 @@ struct ExecutorOptions {
 /// file is compiled once. Only one of the points with the same key writes its folder. The process
 /// may open as many files as the system allows. A failed point is a result. A model file that
 /// changed during the study ends it (std::invalid_argument). So does a lack of memory or open files
-/// (OutOfMemory or OutputError). Returns the number of runs,
-/// which is smaller if the study was stopped. Throws std::invalid_argument or OutputError.
+/// (OutOfMemory or OutputError). Returns the number of runs, which is smaller if the study was
+/// stopped. Throws std::invalid_argument or OutputError.
 std::size_t run_points(const std::vector<std::size_t>& points, const PointSource& source,
                        Shard& shard, const ExecutorOptions& options);
 

@@ -16,8 +16,8 @@ namespace breakwater {
 /// repeat a sample; without varied keys, or with `worlds = "seeds"`, each seed is a block. Keys
 /// that vary together count as one (key_effects()). Equal runs have the same number. A run without
 /// a state hash repeats another one if both ended alike and differ only in keys and seeds without
-/// effect on the candidate. Throws std::invalid_argument if the table would be too
-/// large for memory.
+/// effect on the candidate. Throws std::invalid_argument if the table would be too large for
+/// memory.
 PairedResults paired_results(const Plan& plan, const ShardIndex& index);
 
 /// The number of blocks in a comparison of the candidates, if no run fails. 0: the study compares

@@ -241,7 +241,7 @@ class Nonsense(unittest.TestCase):
             "^out: must be a path, is int": sweep(out=3),
             "^out: is empty": sweep(out=""),
             "^method: is empty": sweep(method=""),
-            "no scenario \"\"": sweep(""),
+            "^study: is empty": sweep(""),
             "nowhere.toml: cannot be read": sweep(config="nowhere.toml"),
             "^controller: a sweep runs without Python": sweep(controller=bw.Controller()),
             "^vary: has too many values for a command": sweep(

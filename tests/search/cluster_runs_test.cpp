@@ -248,7 +248,8 @@ TEST_F(ClusterRuns, NonsenseIsOneLineAndStatus2) {
   EXPECT_EQ(jobs("s"), 0U);
   const std::string points = "ishigami_lab tune s --points ";
   expect_refusals(points, {{"0-3", "--points: 0-3: must be @FILE:LINE"},
-                           {"@s/slurm/1/tasks:1", "s/slurm/1/candidates: cannot be read"}});
+                           {"@s/slurm/1/tasks:1",
+                            "s/slurm/1/candidates: cannot be read (No such file or directory)"}});
   write("s/slurm/1/tasks", "0-3\n");
   const std::string task = points + "@" + (folder_ / "s/slurm/1/tasks").string() + ":1";
   for (const auto& [candidates, line] : Refusals{
