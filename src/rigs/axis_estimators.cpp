@@ -221,7 +221,7 @@ Estimator make_vfakfd(const VfakfdSettings& settings, const NominalAxis& axis) {
   if (settings.alpha == 0.0 && axis.pulses_per_revolution == 0.0) {
     throw WrongKey(
         "observer.alpha",
-        "must be positive without a quantised encoder: 0 selects Eq. 4.26, which needs b_reso");
+        "must be positive: 0 selects Eq. 4.26, which needs the encoder's counts per revolution");
   }
   VfakfdDesign design;
   design.alpha = Eigen::VectorXd::Constant(

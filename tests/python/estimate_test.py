@@ -117,7 +117,7 @@ class Estimate(unittest.TestCase):
         time_s, u, y = self.irregular()
         done = estimate(self.folder, "--csv", "rig.csv", "--out", "rig", "--set", *self.period)
         self.assertRegex(done.stderr, r"warning: \S*rig.csv: 1 gap after 0\.39\d+ s for 0\.05\d* s: "
-                                      r"predicted over, .*\n")
+                                      r"the estimator predicts over a gap, .*\n")
         run = bw.load(self.folder / "rig")
         np.testing.assert_array_equal(run.time_s, time_s)
         self.assertEqual(run["stretch"].max(), 1.0)
@@ -187,7 +187,7 @@ class Estimate(unittest.TestCase):
             (["--csv", "motor.csv", "--set", "encoder.quantum=-1"], r"^--set: encoder.quantum: must"),
             (["--csv", "motor.csv", "--set", "plant.inertai=1"], r"did you mean plant.inertia"),
             (["--csv", "motor.csv", "--set", "csv.input_scale=0"], r"csv.input_scale: must not be 0"),
-            (["--csv", "motor.csv", "--observer", "vfakfd"], r"observer.alpha: 0 means"),
+            (["--csv", "motor.csv", "--observer", "vfakfd"], r"observer.alpha: must be positive: 0 selects"),
             (["--csv", "motor.csv", "--observer", "kfd", "--set", "observer.initial_covariance=[1]"],
              r"observer.initial_covariance: needs one"),
         ):
