@@ -11,6 +11,7 @@ struct LoopMargins {
   double crossover_rad_s;        ///< the last frequency at which |L| = 1
   double phase_margin_rad;       ///< the smallest distance of arg L from −π at |L| = 1
   double gain_margin;            ///< the smallest factor above 1 that makes it unstable
+  double gain_margin_rad_s;      ///< where that is
   double gain_reduction_margin;  ///< the largest factor below 1 that does
   double delay_margin_s;         ///< the smallest additional delay that does
   double sensitivity_peak;       ///< M_s = max |1/(1 + L)|; 1/M_s is L's least distance from −1

@@ -1,6 +1,7 @@
 // breakwater compare: runs of one scenario side by side.
 #pragma once
 
+#include <kainjow/mustache.hpp>
 #include <map>
 #include <optional>
 #include <string>
@@ -22,9 +23,10 @@ struct CompareChoice {
   bool with_replay = true;
 };
 
-/// How a metric's value is off the first run's: "=", "+4.1 %", from three times on "×8.0"; where
-/// the first is no measure of it, being 0, of the other sign or ten times smaller, the difference.
-std::string difference_in_words(double value, double first);
+/// How the values of a metric are off the first, all in one way: in percent; from three times on as
+/// "×8.0"; where the first is no measure of one, being 0, of the other sign or ten times smaller, as
+/// differences. "=" for equal ones, "-" where there is none.
+std::vector<std::string> differences_in_words(const std::vector<std::optional<double>>& values);
 
 /// Some runs' metrics and signals. The first run is what the others are compared with.
 class Comparison {
@@ -45,11 +47,16 @@ class Comparison {
   /// `notes`, one line each, say what of the replay could not be shown.
   std::string html(std::vector<std::string>& notes) const;
   const std::vector<std::string>& labels() const { return labels_; }
+  const std::vector<Identity>& looks() const { return identities_; }
   const std::vector<std::string>& signals() const { return signals_; }
 
  private:
   std::optional<double> difference(std::size_t run, const std::string& metric) const;
-  void choose_signals(const ShotList& shots);
+  std::vector<std::optional<double>> values_of(const std::string& metric) const;
+  bool is_common(const std::string& signal) const;
+  bool changes(const std::string& signal) const;  // in one of the runs, or between them
+  kainjow::mustache::data cells_of(const std::string& metric) const;
+  void choose_signals();
   PageChart chart_of(const std::string& signal) const;
 
   const Catalogue& catalogue_;
@@ -58,7 +65,10 @@ class Comparison {
   std::vector<std::string> labels_;
   std::vector<std::map<std::string, ReferenceValue>> printed_;  // for each run, by metric
   std::vector<Metric> metrics_;  // of which only names and units count
+  ShotList shots_;
+  std::vector<Identity> identities_;
   std::vector<std::string> signals_;
+  std::size_t keys_ = 0;  // of signals_, that are shown at first
 };
 
 }  // namespace breakwater

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <breakwater/record/series.h>
+#include <breakwater/render/identity.h>
 
 namespace breakwater {
 
@@ -14,9 +15,8 @@ struct ChartSeries {
   std::string unit;
   std::string description;
   Series values;
-  bool is_reference = false;  ///< drawn dashed and grey
-  bool is_off = false;        ///< at first
-  int colour = -1;            ///< which of the page's; −1: the next
+  bool is_off = false;               ///< at first
+  std::optional<Identity> identity;  ///< its look, if it is the first here with that
 };
 
 /// Time series over one time axis.
@@ -34,7 +34,8 @@ struct PageChart {
   std::string axis_title() const;
   /// What it shows, in words.
   std::string alternative_text() const;
-  /// For the page's script: series decimated, as base64 of 32-bit floats. Safe within <script>.
+  /// For the page's script: series decimated; times [µs] and values, in hundred-thousandths of
+  /// their range, as differences, so that they can be compressed. Safe within <script>.
   std::string json() const;
 };
 

@@ -16,7 +16,7 @@ void add_paired_metric(const CandidateComparison& comparison, const std::string&
 
 /// A key with whose values the sign of a difference turns, as the section shows it.
 kainjow::mustache::data turn_of(const CandidateComparison& comparison, const KeyInteraction& one,
-                                std::size_t colour);
+                                Identity look);
 
 /// The same of the failures.
 void add_paired_failures(const CandidateComparison& comparison, kainjow::mustache::data& section);

@@ -19,6 +19,7 @@ struct ReplayPart {
   kainjow::mustache::data box;     ///< for data/report/replay_box.mustache
   std::optional<PageChart> chart;  ///< the shot list's lines
   ShotList shots;
+  std::vector<Identity> identities;  ///< of the runs
   Window window;                   ///< the shot list's, of these runs
   bool is_whole = false;           ///< the window leaves next to nothing of them out
   std::vector<std::string> notes;  ///< what it could not show, one line each

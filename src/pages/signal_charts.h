@@ -10,23 +10,29 @@
 
 namespace breakwater {
 
-/// Signals of one group, width and unit whose names differ by what they are of a quantity alone:
-/// true, measured, estimated, a reference, commanded, applied.
+/// Signals of one width and unit whose names differ by their roles in a quantity alone: true,
+/// measured, estimated, a reference, commanded, applied. One that two groups have is here once, from
+/// the group with more rows.
 struct LoggedQuantity {
-  std::string title;  ///< "contact force", without its unit
+  std::string title;  ///< "Contact force", without its unit
   std::vector<LogEntry> kinds;
   std::size_t rank = 0;
 };
 
 /// All quantities of a log. First those that a shot list shows, in its order; then those of which
-/// there are several kinds; then the others, and last what another group than `control` has.
+/// there are several kinds; then the others.
 std::vector<LoggedQuantity> quantities(const std::vector<LogEntry>& signals, const ShotList& shots);
 
-/// "force true" of "force_true_N": a signal's name without its unit, as people write it.
-std::string readable_name(const std::string& signal, const std::string& unit);
+/// "physics/force_true_N"; a signal of the group `control` goes without it.
+std::string signal_path(const LogEntry& entry);
 
-/// One chart for each quantity, or for each of its values where there are several of several kinds.
-std::vector<PageChart> signal_charts(const SavedRun& run, const std::string& id,
-                                     const ShotList& shots);
+struct SignalCharts {
+  std::vector<PageChart> key;          ///< those of the shot list's page, or the first quantities
+  std::vector<PageChart> others;       ///< one for each other quantity, or for each of its values
+  std::vector<std::string> constants;  ///< "saturated = 0": signals that no chart shows
+};
+
+/// No signal is in two charts, and no chart has two units.
+SignalCharts signal_charts(const SavedRun& run, const std::string& id, const ShotList& shots);
 
 }  // namespace breakwater

@@ -8,11 +8,12 @@
 #include <vector>
 
 #include <breakwater/pages/quantile_bands.h>
+#include <breakwater/render/identity.h>
 #include <breakwater/statistics/sensitivity.h>
 
 namespace breakwater {
 
-// Colours: c0, c1, … are the candidates' (svg_plot.h), h0 … h23 those of values from small to large
+// Colours: c0, c1, … are the identities' (svg_plot.h), h0 … h23 those of values from small to large
 // (data/report/study.css). data-r holds the numbers of runs in the page's list
 // of runs that a mark is about, with commas between.
 
@@ -36,6 +37,7 @@ struct LineChart {
   std::vector<std::string> x_labels;         ///< written below them; empty: an axis of numbers
   bool is_share = false;                     ///< y from 0 to 1
   std::vector<std::vector<LineMark>> lines;  ///< of each candidate, a mark a group
+  std::vector<Identity> looks;               ///< of the lines
 };
 
 /// Lines through medians, with bands; crosses below where runs failed.
@@ -87,10 +89,10 @@ struct ParallelChart {
 std::string draw(const ParallelChart& chart);
 
 /// 10 to 90 % as a line, the quartiles as a box, the median, in a range that rows share.
-std::string draw_box(const QuantileBand& band, std::size_t colour, double low, double high);
+std::string draw_box(const QuantileBand& band, Identity look, double low, double high);
 
 /// A first-order and a total index with their intervals, from 0 to 1.
 std::string draw_indices(const SensitivityIndex& first_order, const SensitivityIndex& total,
-                         std::size_t colour);
+                         Identity look);
 
 }  // namespace breakwater

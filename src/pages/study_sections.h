@@ -49,17 +49,14 @@ class RunList {
 /// Makes the sections of one study's metrics.
 class StudySections {
  public:
-  /// `labels` are the candidates'. All references must outlive it.
+  /// `labels` and `looks` are the candidates'. All references must outlive it.
   StudySections(const Plan& plan, const ShardIndex& index, const StudyNumbers& numbers,
                 const std::vector<OutputIndices>& indices, const std::vector<std::string>& labels,
-                RunList& runs);
+                const std::vector<Identity>& looks, RunList& runs);
 
   /// Which candidates have lines and heat maps, in their colours' order.
   const std::vector<std::size_t>& drawn() const { return drawn_; }
-  /// The colour of a candidate; that of the last one where it is not drawn.
-  std::size_t colour(std::size_t candidate) const {
-    return std::min(colour_of_[candidate], drawn_.size() - 1);
-  }
+  Identity look(std::size_t candidate) const { return looks_[candidate]; }
   const StudyDetail& detail() const { return detail_; }
 
   /// What the template shows of a metric; without one, of the failures.
@@ -69,6 +66,7 @@ class StudySections {
 
  private:
   struct Output;  // a metric, or the failures
+  static std::string title_of(const Output& output);
   std::vector<QuantileBand> bands_of(const Output& output) const;
   std::string line_chart(const Output& output, const KeyGroups& key) const;
   void add_heat_maps(const Output& output, kainjow::mustache::data& section) const;
@@ -81,10 +79,11 @@ class StudySections {
   const StudyNumbers& numbers_;
   const std::vector<OutputIndices>& indices_;
   const std::vector<std::string>& labels_;
+  const std::vector<Identity>& looks_;
   RunList& runs_;
   StudyDetail detail_;
   std::vector<std::size_t> drawn_;
-  std::vector<std::size_t> colour_of_;  // of a candidate; drawn_.size(): it is not drawn
+  std::vector<std::size_t> place_of_;  // of a candidate in drawn_; drawn_.size(): it is not drawn
   std::vector<KeyGroups> keys_;         // for lines
   std::vector<KeyEffect> effects_;      // of these
   std::vector<KeyGroups> sides_;        // of heat maps

@@ -7,11 +7,12 @@
 #include <vector>
 
 #include <breakwater/pages/chart_scale.h>
+#include <breakwater/render/identity.h>
 
 namespace breakwater {
 
 // Colours and sizes of text are the page's (data/report/page.css, drawn.css): c0, c1, … are the
-// series'. Lengths are in units of the drawing, which are pixels on a phone.
+// identities'. Lengths are in units of the drawing, which are pixels on a phone.
 
 inline constexpr double kLetterWidth = 6.2;
 
@@ -24,17 +25,17 @@ std::string px(double value);
 /// At most `most` letters, so that it stays in its place.
 std::string shortened(const std::string& text, std::size_t most);
 
-/// The colour of series i; dashed where the colours come again.
-std::string series_class(std::size_t i);
+/// The classes of an identity's colour and dash.
+std::string series_class(Identity identity);
 
 /// Elements: words, in a class of the page's style unless it is empty; a dot.
 std::string svg_text(double x, double y, const char* anchor, const std::string& text,
                      const std::string& name = "");
 std::string svg_dot(double x, double y);
 
-/// Paths: an oblique cross, and a spot in the shape that series i has.
+/// Paths: an oblique cross, and a spot in an identity's shape.
 std::string cross_path(double x, double y, double half);
-std::string spot_path(double x, double y, std::size_t series);
+std::string spot_path(double x, double y, Identity identity);
 
 using PlotPoint = std::pair<double, double>;
 /// Through points, but for those that are not finite: there it breaks.

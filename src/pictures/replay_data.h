@@ -19,6 +19,7 @@ struct LabelledRun {
 struct ReplayData {
   std::string json;                ///< for data/report/replay.js; safe within <script>
   std::vector<PictureRun> staged;  ///< the runs as pictures have them, for charts
+  std::vector<Identity> identities;  ///< of the runs
   Window window;                   ///< the shot list's, of these runs
   Window whole;                    ///< all of the longest run
   std::vector<std::string> notes;  ///< what the page cannot show, one line each

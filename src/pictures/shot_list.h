@@ -39,6 +39,19 @@ struct ShotLine {
   Style style = Style::solid;
 };
 
+/// What the page of a run shows before all else.
+struct ShotPage {
+  struct KeyChart {
+    std::string title;
+    std::vector<std::string> signals;  ///< of the log; those that a run does not have are left out
+  };
+
+  std::string camera;                ///< of the replay; empty: the shot list's
+  std::string opens_before;          ///< caption of the moment; empty: at the window's begin
+  std::vector<std::string> metrics;  ///< empty: the scenario's first
+  std::vector<KeyChart> charts;      ///< empty: the first quantities of the log
+};
+
 enum class Corner { top_left, top_right, bottom_left, bottom_right };
 
 struct ShotList {
@@ -56,6 +69,7 @@ struct ShotList {
   std::string chart_title;
   Corner chart_corner = Corner::bottom_right;
   std::vector<ShotLine> lines;
+  ShotPage page;
 };
 
 /// A scenario's shot list, or, if there is no such file, all of a run without arrows and chart.

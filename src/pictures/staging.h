@@ -51,6 +51,11 @@ inline constexpr std::size_t kMostRuns = 4;
 std::deque<FinishedRun> open_runs(const Catalogue& catalogue,
                                   const std::vector<std::string>& folders);
 
+/// The looks of runs that are shown together.
+std::vector<Identity> identities_of(const Catalogue& catalogue, const std::vector<SavedRun>& runs);
+/// The cases of a scenario, in its file's order; none where this program does not have it.
+std::vector<std::string> cases_of(const Catalogue& catalogue, const std::string& scenario);
+
 /// All of the longest run, at the speed of life.
 Window whole_window(const ShownRuns& runs);
 

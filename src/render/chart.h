@@ -7,13 +7,14 @@
 
 #include <breakwater/record/series.h>
 #include <breakwater/render/canvas.h>
+#include <breakwater/render/identity.h>
 
 namespace breakwater {
 
 struct ChartLine {
   std::string label;
   Series series;
-  bool dashed = false;
+  Identity identity = 0;
 };
 
 /// What of time and values a chart shows.
@@ -42,8 +43,6 @@ class Chart {
 
   /// Where a point is, from the chart's own top left corner.
   Point place(double time_s, double value) const;
-
-  static Colour colour(std::size_t line);
 
  private:
   void draw_frame(const std::string& title);

@@ -65,13 +65,15 @@ std::vector<PageChart> charts_of(const FigureSpec& figure, const std::string& gr
     chart.lines = panel.lines;
     for (const std::string& signal : panel.once) {
       chart.series.push_back(series_of(logs.of(figure.runs.front().run), signal, signal, panel));
-      chart.series.back().is_reference = true;
+      chart.series.back().identity = role_of_signal(signal).value_or(kReferenceIdentity);
     }
     for (const FigureRun& run : figure.runs) {
       for (const std::string& signal : panel.signals) {
         std::string label = run.label.empty() ? signal : run.label;
         if (!run.label.empty() && panel.signals.size() > 1) label += ", " + signal;
         chart.series.push_back(series_of(logs.of(run.run), signal, label, panel));
+        // Of several runs each has a colour of its own, whatever it shows.
+        if (figure.runs.size() == 1) chart.series.back().identity = role_of_signal(signal);
         chart.series.back().is_off =
             std::find(figure.off.begin(), figure.off.end(), run.label) != figure.off.end();
       }
