@@ -64,12 +64,13 @@
   // At round values, four of them or more.
   function fourTicks(low, high) {
     const raw = (high - low) / 4, power = 10 ** Math.floor(Math.log10(raw));
-    const countOf = (step) => Math.floor(high / step + 1e-9) - Math.ceil(low / step - 1e-9) + 1;
+    // The library leaves out what is at the upper end.
+    const countOf = (step) => Math.ceil(high / step - 1e-9) - Math.ceil(low / step - 1e-9);
     const step = [10, 5, 2, 1, 0.5, 0.2].map((f) => f * power).find((one) => countOf(one) >= 4);
     const digits = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
     const first = Math.ceil(low / step - 1e-9);
     return Array.from({length: countOf(step)}, (_, i) => {
-      const v = (first + i) * step, size = Math.max(Math.abs(low), Math.abs(high));
+      const v = Math.min(Math.max((first + i) * step, low), high), size = Math.max(Math.abs(low), Math.abs(high));
       return {v, label: size >= 1e5 || size < 1e-3 ? v === 0 ? "0" : v.toExponential(1) : v.toFixed(digits)};
     });
   }

@@ -6,10 +6,12 @@ program and gallery.toml are the same, Doxygen's pages as long as the headers ar
 """
 
 import argparse
+import concurrent.futures
 import functools
 import hashlib
 import http.server
 import json
+import os
 import pathlib
 import shlex
 import shutil
@@ -66,8 +68,9 @@ def gallery():
         print("  there is no build/bin/breakwater (./dev build): the gallery shows what was kept")
         return
     program = digest(BREAKWATER)
-    for exhibit in tomllib.loads((HERE / "gallery.toml").read_text(encoding="utf-8"))["exhibit"]:
-        draw(exhibit, program)
+    exhibits = tomllib.loads((HERE / "gallery.toml").read_text(encoding="utf-8"))["exhibit"]
+    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+        list(pool.map(lambda exhibit: draw(exhibit, program), exhibits))
 
 
 def reference():

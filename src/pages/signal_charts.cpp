@@ -69,6 +69,9 @@ class Charts {
     add_constant_references(made);
     for (PageChart& chart : made) {
       chart.id = fmt::format("{}-{}", id_, ++count_);
+      // What is left of a quantity that another chart has already.
+      const bool is_rest = signals.size() > 1 && chart.series.size() == 1;
+      if (is_rest) chart.title += ", " + chart.series.front().label;
       to.push_back(std::move(chart));
     }
   }

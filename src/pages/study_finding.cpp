@@ -9,6 +9,8 @@
 #include <breakwater/experiment/saved_run.h>
 #include <breakwater/pages/html_page.h>
 #include <breakwater/pages/labels.h>
+#include <breakwater/shell/table.h>
+#include <breakwater/study/comparison_table.h>
 
 namespace breakwater {
 namespace {
@@ -68,14 +70,18 @@ std::string finding(const CandidateComparison& comparison, const std::string& me
   if (all.empty()) return "";
   const std::string unit = unit_of(metric);
   const std::string& reference = comparison.candidates[all.front()->reference];
-  std::vector<std::string> parts, equal, few;
+  std::vector<std::string> parts, unshown;
   std::string turns;
+  double least_p = 1.0;
+  bool are_few = false;
   for (const MetricComparison* one : all) {
     const std::string& name = comparison.candidates[one->candidate];
     if (is_shown(*one)) {
       parts.push_back(fmt::format("{} is {}", name, difference(*one, unit)));
     } else {
-      (one->verdict == ComparisonVerdict::too_few_blocks ? few : equal).push_back(name);
+      unshown.push_back(fmt::format("{} (median {})", name, size_of(one->median.value, unit)));
+      least_p = std::min(least_p, one->p_holm);
+      are_few |= one->verdict == ComparisonVerdict::too_few_blocks;
     }
     for (const KeyInteraction& key : comparison.interactions) {
       if (key.turns && key.metric == metric && key.candidate == one->candidate &&
@@ -83,24 +89,16 @@ std::string finding(const CandidateComparison& comparison, const std::string& me
         turns += turn(comparison, key);
     }
   }
-  std::string text = metric_label(metric, unit) + ", beside " + reference + ": ";
-  if (!equal.empty()) parts.push_back("no difference is shown of " + listed(equal));
-  if (!few.empty()) {
-    // The medians are seen all the same.
-    std::vector<std::string> medians;
-    for (const MetricComparison* one : all) {
-      if (one->verdict != ComparisonVerdict::too_few_blocks) continue;
-      medians.push_back(fmt::format("{} {}", comparison.candidates[one->candidate],
-                                    size_of(one->median.value, unit)));
-    }
-    parts.push_back(fmt::format("{} are too few to show a difference; medians are {}, and {} of {}",
-                                all.front()->blocks == 1
-                                    ? std::string("1 block")
-                                    : fmt::format("{} blocks", all.front()->blocks),
-                                listed(medians), size_of(all.front()->reference_median.value, unit),
-                                reference));
+  if (!unshown.empty()) {
+    parts.push_back(fmt::format(
+        "{} {} not shown to differ from it ({}): {}", listed(unshown),
+        unshown.size() == 1 ? "is" : "are", size_of(all.front()->reference_median.value, unit),
+        are_few ? fmt::format("{} are too few", number_of(all.front()->blocks, "block"))
+                : fmt::format("p {} or more, of {} and after Holm’s correction", p_text(least_p),
+                              number_of(all.front()->blocks, "block"))));
   }
-  return text + fmt::format("{}.", fmt::join(parts, "; ")) + turns;
+  return fmt::format("{}, beside {}: {}.{}", metric_label(metric, unit), reference,
+                     fmt::join(parts, "; "), turns);
 }
 
 }  // namespace breakwater

@@ -143,7 +143,10 @@ void SvgPlot::frame(const PlotArea& area) {
 }
 
 void SvgPlot::y_grid(const PlotArea& area, const ChartScale& y, int count) {
-  for (const ChartScale::Tick& tick : y.ticks(count)) {
+  constexpr std::size_t kFewest = 4;
+  std::vector<ChartScale::Tick> ticks = y.ticks(count);
+  if (ticks.size() < kFewest) ticks = y.ticks(2 * count);
+  for (const ChartScale::Tick& tick : ticks) {
     const double at = y(tick.value);
     path("grid", fmt::format("M{} {}H{}", px(area.left), px(at), px(area.right)));
     text(area.left - 5.0, at + 3.5, "end", tick.label);

@@ -2,12 +2,14 @@
 #include <breakwater/render/identity.h>
 
 #include <gtest/gtest.h>
+#include <support.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <fstream>
 #include <set>
-#include <sstream>
+#include <string>
 
 namespace breakwater::identity_test {
 namespace {
@@ -67,7 +69,8 @@ double contrast(const std::string& one, const std::string& other) {
 
 TEST(Identity, AllColoursDifferForEverySightAndStandOutFromThePage) {
   for (const auto& [colour_of, paper] :
-       {std::pair(light_colour, "#ffffff"), std::pair(dark_colour, "#14181c")}) {
+       {std::pair(&light_colour, std::string("#ffffff")),
+        std::pair(&dark_colour, std::string("#14181c"))}) {
     for (Identity i = kReferenceIdentity; i < kIdentityColours; ++i) {
       EXPECT_GE(contrast(colour_of(i), paper), 3.0) << colour_of(i);  // WCAG 1.4.11
       for (Identity k = kReferenceIdentity; k < i; ++k) {
@@ -98,7 +101,7 @@ TEST(Identity, ASignalsRoleHasItsColourAndNoTwoLinesHaveTheSame) {
 }
 
 TEST(Identity, TheScriptOfFiguresHasTheSame) {
-  std::ifstream file(std::string(BREAKWATER_SOURCE_DIR) + "/scripts/figures.py");
+  std::ifstream file(testing::source_file("scripts/figures.py"));
   const std::string text{std::istreambuf_iterator<char>(file), {}};
   std::string colours;
   for (Identity i = 0; i < kIdentityColours; ++i) {
