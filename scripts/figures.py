@@ -2,7 +2,7 @@
 """Draws signals of finished runs as a figure for a paper.
 
     scripts/figures.py RUN [RUN ...] --signal NAME [--signal NAME ...] --out FIGURE.pdf
-                       [--from S] [--to S] [--label TEXT ...] [--width INCHES]
+                       [--from S] [--to S] [--label TEXT ...] [--look N ...] [--width INCHES]
 
 One panel for each signal, one line for each run, one time axis for all. NAME is a signal of the log's
 group `control`, GROUP/NAME one of another, NAME[2] the second value of one that has several.
