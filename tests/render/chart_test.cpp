@@ -85,7 +85,7 @@ TEST(Chart, APeakNarrowerThanAPixelIsSeen) {
   bool seen = false;
   for (int x = static_cast<int>(top.x) - 2; x <= static_cast<int>(top.x) + 2; ++x) {
     const std::uint8_t* p = canvas.pixels() + 4 * (static_cast<int>(top.y) * kWidth + x);
-    seen |= p[2] > p[0] + 80;  // the first line is red
+    seen |= p[0] > p[2] + 80;  // the first line is blue
   }
   EXPECT_TRUE(seen);
 }
