@@ -158,7 +158,7 @@ def gallery():
             lines += [f'<img src="{folder}/still.png" alt="{exhibit["alt"]}">', "", "```", *exhibit["runs"], "```", ""]
             continue
         lines += [
-            f'<video controls preload="none" playsinline poster="{folder}/still.png" width="1280" height="720"'
+            f'<video controls preload="none" playsinline poster="{folder}/still.png" width="960" height="540"'
             f' src="{folder}/video.mp4" aria-label="{exhibit["alt"]}">{exhibit["alt"]}</video>', "",
             f'<a class="md-button" href="{folder}/replay.html">Replay in three dimensions</a>', "",
             "```", *exhibit["runs"], "```", ""]

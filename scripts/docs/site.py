@@ -55,10 +55,10 @@ def draw(exhibit, program):
         words = shlex.split(command)
         run(BREAKWATER, *words[1:], "--quiet", "--out", folder / "runs" / str(number))
     runs = sorted(path.parent for path in (folder / "runs").rglob("manifest.json"))
-    run(BREAKWATER, "video", *runs, "--out", folder / "video.mp4")
+    run(BREAKWATER, "video", *runs, "--size", "960x540", "--out", folder / "video.mp4")
     run(BREAKWATER, "replay", *runs, "--out", folder / "replay.html")
     # What is seen before the video is played.
-    run(BREAKWATER, "still", *runs[:1], "--at", exhibit["at_s"], "--size", "1280x720",
+    run(BREAKWATER, "still", *runs[:1], "--at", exhibit["at_s"], "--size", "960x540",
         "--out", folder / "still.png")
     stamp.write_text(json.dumps(made))
 
