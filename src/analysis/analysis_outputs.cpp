@@ -50,7 +50,7 @@ std::vector<Response> responses(const AxisUnits& units) {
       {"complementary", &LoopPoint::complementary, false, "Complementary sensitivity T = L/(1 + L)",
        "What the drive does against a disturbance; its peak is M_t.", ""},
       {"loop_gain", &LoopPoint::loop_gain, false, "Loop gain L",
-       "Of the loop opened at the plant’s input; the margins are read off it.", ""}};
+       "The loop is opened at the plant’s input. Brackets: the designed phase and gain margins.", ""}};
 }
 
 struct Way {
@@ -170,12 +170,11 @@ std::string reason_of_difference(const LoopAnalysis& loop) {
   const double a = in_dB(designed.gain_margin), b = in_dB(measured.gain_margin);
   if (!(std::abs(a - b) > kFar_dB)) return "";
   const auto& points = loop.measured.points;
-  const auto above = std::find_if(points.begin() + 1, points.end() - 1, [&](const LoopPoint& point) {
-    return point.omega_rad_s >= measured.gain_margin_rad_s;
-  });
+  const auto above = std::find_if(
+      points.begin() + 1, points.end() - 1,
+      [&](const LoopPoint& point) { return point.omega_rad_s >= measured.gain_margin_rad_s; });
   const double low = (above - 1)->omega_rad_s, high = above->omega_rad_s;
-  std::string why =
-      "what the design leaves out (encoder, limits, friction) changes the loop there";
+  std::string why = "what the design leaves out (encoder, limits, friction) changes the loop there";
   if (!is_reliable(*above) || !is_reliable(*(above - 1))) {
     why =
         "the points there are not reliable (grey): the probe moves the encoder by too few counts. "
@@ -184,7 +183,8 @@ std::string reason_of_difference(const LoopAnalysis& loop) {
     why = "the points are far apart there: --points tells more";
   }
   return fmt::format(
-      "{}: the gain margin is {:.1f} dB as designed and {:.1f} dB as measured. The measured one lies "
+      "{}: the gain margin is {:.1f} dB as designed and {:.1f} dB as measured. The measured one "
+      "lies "
       "between {:.4g} and {:.4g} rad/s, and {}.",
       loop.label, a, b, low, high, why);
 }

@@ -13,8 +13,9 @@ namespace breakwater {
 /// One column a loop and way; rows are bandwidth, margins, peaks.
 std::string margins_table(const std::vector<LoopAnalysis>& loops, std::size_t width);
 
-/// `cases` are the scenario's, in whose colours the loops are drawn. Writes analysis.csv (one row a loop, way and frequency), margins.csv and report.html into a
-/// folder, which is made. Throws OutputError.
+/// `cases` are the scenario's, in whose colours the loops are drawn. Writes analysis.csv (one row a
+/// loop, way and frequency), margins.csv and report.html into a folder, which is made. Throws
+/// OutputError.
 void write_analysis(const std::vector<LoopAnalysis>& loops, const std::string& scenario,
                     const std::vector<std::string>& cases, const std::string& command,
                     const AxisUnits& units, const std::filesystem::path& folder);

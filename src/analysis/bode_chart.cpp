@@ -61,14 +61,14 @@ std::string curve(const std::vector<double>& at, const std::vector<double>& valu
 }
 
 // The phase margin at the crossover, from a half turn to the line; the gain margin below 0 dB.
-std::string margin_marks(const BodeLoop& loop, const std::vector<double>& phases, const ChartScale& x,
-                         const ChartScale& gain, const ChartScale& phase) {
+std::string margin_marks(const BodeLoop& loop, const std::vector<double>& phases,
+                         const ChartScale& x, const ChartScale& gain, const ChartScale& phase) {
   const LoopMargins& margins = *loop.margins;
   std::string svg;
   const auto mark = [&](double omega, double from, double to, const std::string& text) {
-    svg += fmt::format("<path class=\"margin\" d=\"M{0} {1}m-4 0h8m-4 0V{2}m-4 0h8\"/>", px(x(omega)),
-                       px(from), px(to));
-    svg += svg_text(x(omega) + 6.0, 0.5 * (from + to) + 3.5, "start", text, "halo");
+    svg += fmt::format(
+        "<g><title>{}</title><path class=\"margin\" d=\"M{} {}m-4 0h8m-4 0V{}m-4 0h8\"/></g>",
+        xml_text(text), px(x(omega)), px(from), px(to));
   };
   const auto& at = loop.line.omega_rad_s;
   if (std::isfinite(margins.phase_margin_rad)) {
@@ -76,11 +76,13 @@ std::string margin_marks(const BodeLoop& loop, const std::vector<double>& phases
     const auto i = std::min(static_cast<std::size_t>(next - at.begin()), at.size() - 1);
     const double half_turn = -180.0 + 360.0 * std::round((phases[i] + 180.0) / 360.0);
     mark(margins.crossover_rad_s, phase(half_turn), phase(phases[i]),
-         fmt::format("{:.0f}°", margins.phase_margin_rad * 180.0 / std::numbers::pi));
+         fmt::format("{}, phase margin {:.1f} deg", loop.label,
+                     margins.phase_margin_rad * 180.0 / std::numbers::pi));
   }
   if (std::isfinite(margins.gain_margin)) {
     const double dB_margin = 20.0 * std::log10(margins.gain_margin);
-    mark(margins.gain_margin_rad_s, gain(0.0), gain(-dB_margin), fmt::format("{:.1f} dB", dB_margin));
+    mark(margins.gain_margin_rad_s, gain(0.0), gain(-dB_margin),
+         fmt::format("{}, gain margin {:.1f} dB", loop.label, dB_margin));
   }
   return svg;
 }
@@ -140,9 +142,8 @@ std::string draw_bode(const std::string& title, const std::string& unit,
       plot.add(fmt::format(
           "<g class=\"m{}\"><title>{}</title>{}{}</g>", is_unsure ? " unsure" : "",
           xml_text(fmt::format("{}, measured {}at {:.4g} rad/s: {:.2f} dB, {:.1f} deg", loop.label,
-                               is_unsure ? "without certainty " : "",
-                               loop.marks.omega_rad_s[k], drawn[i].mark_dB[k],
-                               drawn[i].mark_phase[k])),
+                               is_unsure ? "without certainty " : "", loop.marks.omega_rad_s[k],
+                               drawn[i].mark_dB[k], drawn[i].mark_phase[k])),
           svg_dot(at, gain(drawn[i].mark_dB[k])), svg_dot(at, phase(drawn[i].mark_phase[k]))));
     }
     if (loop.margins) plot.add(margin_marks(loop, drawn[i].line_phase, x, gain, phase));

@@ -28,7 +28,7 @@ namespace mustache = kainjow::mustache;
 namespace {
 
 constexpr std::size_t kFewestRuns = 2;
-constexpr std::size_t kManyKeys = 4;   // that many are folded away
+constexpr std::size_t kManyKeys = 4;  // that many are folded away
 
 void check(const std::vector<SavedRun>& runs) {
   if (runs.size() < kFewestRuns) {
@@ -110,11 +110,11 @@ std::vector<std::string> differences_in_words(const std::vector<std::optional<do
     }
     const double first = *values.front();
     const double percent = 100.0 * (*value - first) / std::abs(first);
-    words.push_back(*value == first          ? "="
-                    : largest < kManifold    ? std::abs(percent) < 0.05 ? "±0.0 %"
-                                                                        : fmt::format("{:+.1f} %", percent)
-                    : largest < kNoMeasure   ? fmt::format("×{:.2f}", *value / first)
-                                             : fmt::format("{:+.3g}", *value - first));
+    words.push_back(*value == first ? "="
+                    : largest < kManifold
+                        ? std::abs(percent) < 0.05 ? "±0.0 %" : fmt::format("{:+.1f} %", percent)
+                    : largest < kNoMeasure ? fmt::format("×{:.2f}", *value / first)
+                                           : fmt::format("{:+.3g}", *value - first));
   }
   return words;
 }
@@ -147,9 +147,9 @@ void Comparison::choose_signals() {
   if (!choice_.signals.empty()) return;
   // The first of each of the page's charts is what runs are compared by.
   for (const ShotPage::KeyChart& chart : shots_.page.charts) {
-    const auto place = std::find_if(
-        chart.signals.begin(), chart.signals.end(),
-        [&](const std::string& name) { return is_common(name) && changes(name); });
+    const auto place =
+        std::find_if(chart.signals.begin(), chart.signals.end(),
+                     [&](const std::string& name) { return is_common(name) && changes(name); });
     if (place == chart.signals.end()) continue;
     const auto names = expanded(*place, runs_.front().entry(*place).width);
     signals_.insert(signals_.end(), names.begin(), names.end());
@@ -168,8 +168,7 @@ void Comparison::choose_signals() {
 
 bool Comparison::is_common(const std::string& signal) const {
   return std::all_of(runs_.begin(), runs_.end(), [&](const SavedRun& run) {
-    return run.has_signal(signal) &&
-           run.entry(signal).width == runs_.front().entry(signal).width;
+    return run.has_signal(signal) && run.entry(signal).width == runs_.front().entry(signal).width;
   });
 }
 
@@ -285,9 +284,9 @@ PageChart Comparison::chart_of(const std::string& signal) const {
   const LogEntry& entry = one.entry(signal);
   const std::string label = signal_label(entry), quantity = quantity_of(entry);
   const std::size_t open = signal.find('[');
-  chart.title = capitalised(quantity.empty() || quantity == label ? label
-                                                                  : quantity + ", " + label) +
-                (open == std::string::npos ? "" : " " + signal.substr(open));
+  chart.title =
+      capitalised(quantity.empty() || quantity == label ? label : quantity + ", " + label) +
+      (open == std::string::npos ? "" : " " + signal.substr(open));
   for (std::size_t i = 0; i < runs_.size(); ++i) {
     ChartSeries series;
     series.label = labels_[i];
@@ -408,8 +407,7 @@ std::string Comparison::html(std::vector<std::string>& notes) const {
     entry.set("label", label);
     toc << entry;
   }
-  page.set("title",
-           fmt::format("{} compared", fmt::join(labels_, ", ")));
+  page.set("title", fmt::format("{} compared", fmt::join(labels_, ", ")));
   page.set("scenario", runs_.front().scenario());
   page.set("first", labels_.front());
   page.set("toc", toc);

@@ -23,9 +23,10 @@ struct CompareChoice {
   bool with_replay = true;
 };
 
-/// How the values of a metric are off the first, all in one way: in percent; from three times on as
-/// "×8.0"; where the first is no measure of one, being 0, of the other sign or ten times smaller, as
-/// differences. "=" for equal ones, "-" where there is none.
+/// The differences of a metric's values from the first, all of one kind: percentages; multiples
+/// such as "×8.00", if a value is three to ten times the first; else plain differences. An equal
+/// value has
+/// "=", a missing one "-".
 std::vector<std::string> differences_in_words(const std::vector<std::optional<double>>& values);
 
 /// Some runs' metrics and signals. The first run is what the others are compared with.

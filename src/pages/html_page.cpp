@@ -42,13 +42,14 @@ std::string identity_style() {
     light += fmt::format("--c{}:{};", k, light_colour(identity));
     dark += fmt::format("--c{}:{};", k, dark_colour(identity));
     classes += fmt::format(".c{0}{{--c:var(--c{0})}}\n", k);
-    // Of the first ones each has the dash with its own number.
+    // Each of the first ones has the dash with its own number.
     std::string strip, lengths;
     double at = 0.0;
     bool is_stroke = false;
     for (const double length : dashes(identity)) {
       is_stroke = !is_stroke;
-      strip += fmt::format(",{} {}px {}px", is_stroke ? "var(--c)" : "transparent", at, at + length);
+      strip +=
+          fmt::format(",{} {}px {}px", is_stroke ? "var(--c)" : "transparent", at, at + length);
       at += length;
       lengths += fmt::format("{} ", length);
     }
@@ -66,7 +67,8 @@ std::string identity_style() {
 std::string taken_data(std::string& content) {
   const std::string begin = "<script type=\"application/json\" id=\"", end = "</script>";
   std::string all;
-  for (std::size_t at = content.find(begin); at != std::string::npos; at = content.find(begin, at)) {
+  for (std::size_t at = content.find(begin); at != std::string::npos;
+       at = content.find(begin, at)) {
     const std::size_t id = at + begin.size();
     const std::size_t quote = content.find('"', id);
     const std::size_t stop = content.find(end, quote);
@@ -77,7 +79,7 @@ std::string taken_data(std::string& content) {
   return "{" + all + "}";
 }
 
-// What a page's loader unpacks: scripts in their order, and data.
+// The scripts of a page in their order, and its data: its loader unpacks them.
 std::string packed_page(const nlohmann::json& scripts, const std::string& data) {
   const std::string json =
       fmt::format("{{\"scripts\":{},\"data\":{}}}",

@@ -23,7 +23,7 @@ struct ShownMetric {
 std::vector<ShownMetric> shown_metrics(const Catalogue& catalogue, const std::string& scenario,
                                        const ShotList& shots, const std::vector<Metric>& metrics);
 
-/// What templates call it: name, unit (empty for a number), about.
+/// Sets `name`, `unit` (not for a plain number) and `about` for a template.
 void set_name(const ShownMetric& shown, kainjow::mustache::data& row);
 
 /// A scenario's shot list; an empty one where there is none that can be read.

@@ -83,7 +83,10 @@ std::string PageChart::axis_title() const {
 std::string PageChart::alternative_text() const {
   std::string text = fmt::format("Chart of {} over time", axis_title());
   for (const ChartSeries& one : series) {
-    if (one.values.values.empty()) continue;
+    if (one.values.values.empty()) {
+      text += "; " + one.label;
+      continue;
+    }
     const auto [low, high] =
         std::minmax_element(one.values.values.begin(), one.values.values.end());
     text += fmt::format("; {} from {:.3g} to {:.3g}", one.label, *low, *high);

@@ -110,8 +110,9 @@ mustache::data turn_of(const CandidateComparison& comparison, const KeyInteracti
   turn.set("repeats_are", one.is_of_worlds ? "seeds of the value’s one block" : "blocks");
   LineChart chart;
   chart.x_title = one.key;
-  chart.y_title = fmt::format("{}, {} less {}", metric_label_with_unit(one.metric, unit_of(one.metric)), comparison.candidates[one.candidate],
-                              comparison.candidates[one.reference]);
+  chart.y_title =
+      fmt::format("{}, {} less {}", metric_label_with_unit(one.metric, unit_of(one.metric)),
+                  comparison.candidates[one.candidate], comparison.candidates[one.reference]);
   chart.is_log_x = one.is_log;
   chart.lines.resize(1);
   chart.looks = {look};

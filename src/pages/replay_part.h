@@ -20,9 +20,9 @@ struct ReplayPart {
   std::optional<PageChart> chart;  ///< the shot list's lines
   ShotList shots;
   std::vector<Identity> identities;  ///< of the runs
-  Window window;                   ///< the shot list's, of these runs
-  bool is_whole = false;           ///< the window leaves next to nothing of them out
-  std::vector<std::string> notes;  ///< what it could not show, one line each
+  Window window;                     ///< the shot list's, of these runs
+  bool is_whole = false;             ///< the window leaves next to nothing of them out
+  std::vector<std::string> notes;    ///< what it could not show, one line each
 };
 
 struct ReplayOptions {

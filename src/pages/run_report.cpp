@@ -22,8 +22,7 @@ void add_metrics(const Catalogue& catalogue, const SavedRun& run, const ShotList
                  mustache::data& section) {
   const auto printed = printed_of(catalogue, run);
   mustache::data rows(mustache::data::type::list), keys(mustache::data::type::list);
-  for (const ShownMetric& shown :
-       shown_metrics(catalogue, run.scenario(), shots, run.metrics())) {
+  for (const ShownMetric& shown : shown_metrics(catalogue, run.scenario(), shots, run.metrics())) {
     mustache::data row;
     set_name(shown, row);
     row.set("value", format_number(shown.metric.value));
@@ -45,14 +44,14 @@ void add_metrics(const Catalogue& catalogue, const SavedRun& run, const ShotList
   section.set("has_printed", !printed.empty());
 }
 
-// A reference that is no signal, but a key of the run: the shot list's lines have it.
+// Adds a reference that is a key of the run and no signal: the shot list's lines have it.
 void add_reference(const PageChart& shown, std::vector<PageChart>& charts) {
   for (const ChartSeries& series : shown.series) {
     if (series.identity != kReferenceIdentity || charts.empty()) continue;
     PageChart& first = charts.front();
-    const auto has_one = std::any_of(
-        first.series.begin(), first.series.end(),
-        [](const ChartSeries& one) { return one.identity == kReferenceIdentity; });
+    const auto has_one =
+        std::any_of(first.series.begin(), first.series.end(),
+                    [](const ChartSeries& one) { return one.identity == kReferenceIdentity; });
     if (!has_one && first.series.front().unit == series.unit) first.series.push_back(series);
   }
 }

@@ -28,9 +28,8 @@ std::string bare(const std::string& name) {
 
 // Another group may have the same signal at another rate.
 void add_kind(std::vector<LogEntry>& kinds, const LogEntry& entry) {
-  const auto same = std::find_if(kinds.begin(), kinds.end(), [&](const LogEntry& kind) {
-    return kind.name == entry.name;
-  });
+  const auto same = std::find_if(kinds.begin(), kinds.end(),
+                                 [&](const LogEntry& kind) { return kind.name == entry.name; });
   if (same == kinds.end()) {
     kinds.push_back(entry);
   } else if (entry.rows > same->rows) {
@@ -69,7 +68,7 @@ class Charts {
     add_constant_references(made);
     for (PageChart& chart : made) {
       chart.id = fmt::format("{}-{}", id_, ++count_);
-      // What is left of a quantity that another chart has already.
+      // Another chart has the rest of the quantity already.
       const bool is_rest = signals.size() > 1 && chart.series.size() == 1;
       if (is_rest) chart.title += ", " + chart.series.front().label;
       to.push_back(std::move(chart));
@@ -80,14 +79,13 @@ class Charts {
 
  private:
   static std::string place_of(const OneSignal& one) {
-    return signal_path(one.entry) +
-           (one.entry.width == 1 ? "" : fmt::format("[{}]", one.index));
+    return signal_path(one.entry) + (one.entry.width == 1 ? "" : fmt::format("[{}]", one.index));
   }
 
   ChartSeries series_of(const OneSignal& one, const std::string& name) const {
     ChartSeries series;
-    series.label = signal_label(one.entry) +
-                   (one.entry.width == 1 ? "" : fmt::format(" [{}]", one.index));
+    series.label =
+        signal_label(one.entry) + (one.entry.width == 1 ? "" : fmt::format(" [{}]", one.index));
     series.unit = one.entry.unit_of(one.index);
     series.description = name + ": " + one.entry.description;
     series.values = run_.signal(name);
@@ -209,8 +207,7 @@ SignalCharts signal_charts(const SavedRun& run, const std::string& id, const Sho
   }
   const bool has_own = !made.key.empty();
   for (const LoggedQuantity& quantity : quantities(run.signals(), shots)) {
-    std::vector<PageChart>& to =
-        has_own || made.key.size() >= kKeyCharts ? made.others : made.key;
+    std::vector<PageChart>& to = has_own || made.key.size() >= kKeyCharts ? made.others : made.key;
     const std::size_t width = quantity.kinds.front().width;
     if (quantity.kinds.size() == 1) {
       charts.add(quantity.title, values_of(quantity.kinds.front()), to);

@@ -11,8 +11,8 @@
 namespace breakwater {
 
 /// Signals of one width and unit whose names differ by their roles in a quantity alone: true,
-/// measured, estimated, a reference, commanded, applied. One that two groups have is here once, from
-/// the group with more rows.
+/// measured, estimated, a reference, commanded, applied. One that two groups have is here once,
+/// from the group with more rows.
 struct LoggedQuantity {
   std::string title;  ///< "Contact force", without its unit
   std::vector<LogEntry> kinds;
@@ -27,7 +27,7 @@ std::vector<LoggedQuantity> quantities(const std::vector<LogEntry>& signals, con
 std::string signal_path(const LogEntry& entry);
 
 struct SignalCharts {
-  std::vector<PageChart> key;          ///< those of the shot list's page, or the first quantities
+  std::vector<PageChart> key;  ///< the shot list's page has them, or they are the first quantities
   std::vector<PageChart> others;       ///< one for each other quantity, or for each of its values
   std::vector<std::string> constants;  ///< "saturated = 0": signals that no chart shows
 };

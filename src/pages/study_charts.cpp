@@ -64,8 +64,9 @@ std::string draw(const LineChart& chart) {
     return all;
   };
   for (std::size_t c = 0; c < chart.lines.size() && !chart.is_share; ++c) {
-    plot.path("band " + series_class(chart.looks[c]), band_path(points(chart.lines[c], &LineMark::upper),
-                                                   points(chart.lines[c], &LineMark::lower)));
+    plot.path("band " + series_class(chart.looks[c]),
+              band_path(points(chart.lines[c], &LineMark::upper),
+                        points(chart.lines[c], &LineMark::lower)));
   }
   for (std::size_t c = 0; c < chart.lines.size(); ++c) {
     const std::string name = series_class(chart.looks[c]);

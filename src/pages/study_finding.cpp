@@ -27,8 +27,7 @@ std::string size_of(double value, const std::string& unit) {
 // "larger by 1.07 N (95 %: 0.93 to 1.2)".
 std::string difference(const MetricComparison& one, const std::string& unit) {
   const double by = one.difference.value;
-  std::string text =
-      fmt::format("{} by {}", by < 0.0 ? "smaller" : "larger", size_of(by, unit));
+  std::string text = fmt::format("{} by {}", by < 0.0 ? "smaller" : "larger", size_of(by, unit));
   if (one.difference.interval) {
     double low = std::abs(one.difference.interval->lower);
     double high = std::abs(one.difference.interval->upper);

@@ -1,4 +1,4 @@
-// What a study found, in sentences.
+// The finding of a study, in sentences.
 #pragma once
 
 #include <string>
@@ -7,9 +7,9 @@
 
 namespace breakwater {
 
-/// Who is smaller or larger in a metric than the first reference that it is compared with, by how
-/// much and how sure, and where the sign turns: "Peak force, filtered: hpfc-2N is larger than
-/// proposed-2N by 1.07 N (95 %: 0.93 to 1.2). …". Empty for a metric that is not compared.
+/// A sentence about a metric: the candidates beside the first reference, the differences with their
+/// intervals, and the keys with which a sign turns. "Peak force, filtered, beside proposed-2N:
+/// hpfc-2N is larger by 1.07 N (95 %: 0.93 to 1.2)." It is empty for a metric that is not compared.
 std::string finding(const CandidateComparison& comparison, const std::string& metric);
 
 }  // namespace breakwater

@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include <breakwater/config/toml_text.h>
-#include <breakwater/pages/chart_scale.h>
 #include <breakwater/experiment/saved_run.h>
+#include <breakwater/pages/chart_scale.h>
 #include <breakwater/pages/html_page.h>
 #include <breakwater/pages/labels.h>
 #include <breakwater/pages/svg_plot.h>

@@ -84,10 +84,10 @@ class StudySections {
   StudyDetail detail_;
   std::vector<std::size_t> drawn_;
   std::vector<std::size_t> place_of_;  // of a candidate in drawn_; drawn_.size(): it is not drawn
-  std::vector<KeyGroups> keys_;         // for lines
-  std::vector<KeyEffect> effects_;      // of these
-  std::vector<KeyGroups> sides_;        // of heat maps
-  std::vector<std::uint32_t> lines_;    // single runs that did not fail
+  std::vector<KeyGroups> keys_;        // for lines
+  std::vector<KeyEffect> effects_;     // of these
+  std::vector<KeyGroups> sides_;       // of heat maps
+  std::vector<std::uint32_t> lines_;   // single runs that did not fail
   std::vector<FailedRun> failed_;
 };
 

@@ -78,7 +78,8 @@ std::string cross_path(double x, double y, double half) {
 std::string spot_path(double x, double y, Identity identity) {
   constexpr std::array<const char*, 3> kShapes = {"m-3 0a3 3 0 1 0 6 0a3 3 0 1 0 -6 0z",
                                                   "m0 -4l4 4l-4 4l-4 -4z", "m-3 -3h6v6h-6z"};
-  return fmt::format("M{} {}{}", px(x), px(y), kShapes[static_cast<std::size_t>(dash_number(identity)) % kShapes.size()]);
+  return fmt::format("M{} {}{}", px(x), px(y),
+                     kShapes[static_cast<std::size_t>(dash_number(identity)) % kShapes.size()]);
 }
 
 std::string line_path(const std::vector<PlotPoint>& points) {

@@ -194,8 +194,8 @@ std::string in_words(const Tuning& tuning, const TuningResult& result, const Cho
     const std::string& metric = tuning.objectives[i].metric;
     const GatheredValue& value = shown.objectives[i];
     const std::string unit = unit_of(metric);
-    std::string text = fmt::format("{} {}{}", metric_label(metric, unit), format_number(value.value),
-                                   unit == "1" ? "" : " " + unit);
+    std::string text = fmt::format("{} {}{}", metric_label(metric, unit),
+                                   format_number(value.value), unit == "1" ? "" : " " + unit);
     if (value.interval) {
       text += fmt::format(" (95 %: {} to {})", format_number(value.interval->lower),
                           format_number(value.interval->upper));
@@ -269,8 +269,8 @@ mustache::data front_rows(const FrontTable& table, std::size_t chosen) {
 
 }  // namespace
 
-void write_tuning_report(const Catalogue& catalogue, const TuningPlan& plan, const TuningResult& result,
-                         const std::filesystem::path& folder) {
+void write_tuning_report(const Catalogue& catalogue, const TuningPlan& plan,
+                         const TuningResult& result, const std::filesystem::path& folder) {
   const Tuning& tuning = plan.tuning();
   const FrontTable table = front_table(plan, result);
   std::vector<std::string> names;

@@ -17,12 +17,12 @@ struct LabelledRun {
 };
 
 struct ReplayData {
-  std::string json;                ///< for data/report/replay.js; safe within <script>
-  std::vector<PictureRun> staged;  ///< the runs as pictures have them, for charts
+  std::string json;                  ///< for data/report/replay.js; safe within <script>
+  std::vector<PictureRun> staged;    ///< the runs as pictures have them, for charts
   std::vector<Identity> identities;  ///< of the runs
-  Window window;                   ///< the shot list's, of these runs
-  Window whole;                    ///< all of the longest run
-  std::vector<std::string> notes;  ///< what the page cannot show, one line each
+  Window window;                     ///< the shot list's, of these runs
+  Window whole;                      ///< all of the longest run
+  std::vector<std::string> notes;    ///< what the page cannot show, one line each
 };
 
 /// The scenes and motions of up to kMostRuns runs: looks from the compiled models, poses from the

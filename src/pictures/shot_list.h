@@ -39,7 +39,7 @@ struct ShotLine {
   Style style = Style::solid;
 };
 
-/// What the page of a run shows before all else.
+/// The first part of a run's page.
 struct ShotPage {
   struct KeyChart {
     std::string title;

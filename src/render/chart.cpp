@@ -152,7 +152,8 @@ void Chart::draw_legend(double baseline) {
     frame_->text({x, baseline}, lines_[i].label, size, kChartInk, Align::right);
     const double y = std::round(baseline - 0.35 * size) + 0.5;
     frame_->line({{x - text - 1.7 * size, y}, {x - text - 0.4 * size, y}},
-                 on_paper(lines_[i].identity), 2.4 * unit_px_, strokes(lines_[i].identity, unit_px_));
+                 on_paper(lines_[i].identity), 2.4 * unit_px_,
+                 strokes(lines_[i].identity, unit_px_));
     x -= text + kLegendGap * size;
   }
 }

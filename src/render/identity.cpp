@@ -47,13 +47,16 @@ const char* dark_colour(Identity identity) {
 
 Colour on_paper(Identity identity) {
   const unsigned long rgb = std::strtoul(light_colour(identity) + 1, nullptr, 16);
-  const auto part = [&](unsigned shift) { return static_cast<double>(rgb >> shift & 255U) / 255.0; };
+  const auto part = [&](unsigned shift) {
+    return static_cast<double>(rgb >> shift & 255U) / 255.0;
+  };
   return {part(16), part(8), part(0)};
 }
 
 int dash_number(Identity identity) {
   // With each turn of the colours the dashes go one on: the pairs come again after 49.
-  return identity < 0 ? kIdentityDashes : (identity + identity / kIdentityColours) % kIdentityDashes;
+  return identity < 0 ? kIdentityDashes
+                      : (identity + identity / kIdentityColours) % kIdentityDashes;
 }
 
 const std::vector<double>& dashes(Identity identity) {

@@ -30,7 +30,8 @@ const std::vector<double>& dashes(Identity identity);
 /// Which of the patterns that is, from 0.
 int dash_number(Identity identity);
 
-/// The identity of a word of a signal's name that says its role: "true", "measured", "hat", "ref", …
+/// The identity of a word of a signal's name that says its role: "true", "measured", "hat", "ref",
+/// …
 std::optional<Identity> role_of_word(const std::string& word);
 /// The same of a whole name, "force_measured_N", "force.reference_N".
 std::optional<Identity> role_of_signal(const std::string& name);
@@ -41,7 +42,7 @@ std::vector<std::string> words_of(const std::string& name);
 /// first that is.
 std::vector<Identity> distinct_identities(const std::vector<std::optional<Identity>>& preferred);
 
-/// Those of candidates: a scenario's case has the place in which its file lists it.
+/// The same of candidates. A case has its place in the list of the scenario's cases.
 std::vector<Identity> candidate_identities(const std::vector<std::string>& names,
                                            const std::vector<std::string>& cases);
 

@@ -1,7 +1,7 @@
-"""What the pages of runs, comparisons, studies, tunings and analyses have in common.
+"""The pages of runs, comparisons, studies, tunings and analyses in Chromium.
 
-Each begins with its answer, clips no table on a phone, can be read in light and in dark, has one unit
-on an axis, and shows a case in the same colour as the others.
+Each begins with its answer. It clips no table on a phone. Its text has contrast in light and in dark.
+An axis has one unit. A case has the same colour on all pages.
 
 Usage: browser_pages_test.py BUILD_BIN_FOLDER
 """
@@ -18,7 +18,7 @@ from chromium import CONTRAST, visit  # noqa: E402
 TIMEOUT_S = 120
 CASES = ["idob", "dkf"]
 SHORT = ["run.duration_s=2", "metrics.from_s=1", "metrics.to_s=2"]
-# What must be seen before anything is scrolled.
+# The parts that must be seen before anything is scrolled.
 FIRST = {
     "run": [".card div:nth-child(4)", ".replay .picture"],
     "compare": ["#metrics tbody tr:nth-child(4)", "#keys"],

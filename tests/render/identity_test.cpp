@@ -18,7 +18,7 @@ using Triple = std::array<double, 3>;
 using Matrix = std::array<Triple, 3>;
 
 constexpr Matrix kNormal = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
-// What dichromats see of linear RGB: G. M. Machado, M. M. Oliveira, L. A. F. Fernandes, "A
+// Linear RGB as dichromats see it: G. M. Machado, M. M. Oliveira, L. A. F. Fernandes, "A
 // Physiologically-based Model for Simulation of Color Vision Deficiency", 2009, severity 1.
 constexpr Matrix kProtanopia = {{{0.152286, 1.052583, -0.204868},
                                  {0.114503, 0.786281, 0.099216},
@@ -68,9 +68,8 @@ double contrast(const std::string& one, const std::string& other) {
 }
 
 TEST(Identity, AllColoursDifferForEverySightAndStandOutFromThePage) {
-  for (const auto& [colour_of, paper] :
-       {std::pair(&light_colour, std::string("#ffffff")),
-        std::pair(&dark_colour, std::string("#14181c"))}) {
+  for (const auto& [colour_of, paper] : {std::pair(&light_colour, std::string("#ffffff")),
+                                         std::pair(&dark_colour, std::string("#14181c"))}) {
     for (Identity i = kReferenceIdentity; i < kIdentityColours; ++i) {
       EXPECT_GE(contrast(colour_of(i), paper), 3.0) << colour_of(i);  // WCAG 1.4.11
       for (Identity k = kReferenceIdentity; k < i; ++k) {

@@ -611,8 +611,7 @@ TEST(Page, EscapesWhatComesFromRuns) {
   page.set("charts", charts);
   const std::string html = html_page("compare", page);
   EXPECT_TRUE(lacks(html, "<script>alert"));
-  EXPECT_TRUE(has(html, "&lt;script&gt;alert(1)&lt;/script&gt; &amp; co",
-                  "default-src 'none'"));
+  EXPECT_TRUE(has(html, "&lt;script&gt;alert(1)&lt;/script&gt; &amp; co", "default-src 'none'"));
 }
 
 TEST(Numbers, OfPagesAreShortAndCountsAreWhole) {
