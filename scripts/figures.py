@@ -2,7 +2,7 @@
 """Draws signals of finished runs as a figure for a paper.
 
     scripts/figures.py RUN [RUN ...] --signal NAME [--signal NAME ...] --out FIGURE.pdf
-                       [--from S] [--to S] [--label TEXT ...] [--width INCHES]
+                       [--from S] [--to S] [--label TEXT ...] [--look N ...] [--width INCHES]
 
 The figure has a panel per signal, a line per run, and a common time axis. NAME is a signal of the log's group
 `control`, GROUP/NAME one of another group. NAME[2] is the second value of a vector. FIGURE is .pdf, .svg or
@@ -36,6 +36,9 @@ try:
 except ImportError as error:
     refuse(f"{error.name} is missing: apt-get install python3-h5py python3-matplotlib")
 
+# The colours of pages (src/render/identity.cpp).
+COLOURS = ["#451de2", "#c71e2e", "#0ca162", "#9542a7", "#431341", "#5977ff", "#b58e03"]
+DASHES = ["-", (0, (9, 3)), (0, (5, 3)), (0, (9, 3, 2, 3)), (0, (2, 3)), (0, (14, 4)), (0, (5, 3, 2, 3, 2, 3))]
 STYLE = {
     "font.size": 8,
     "font.family": "serif",
@@ -47,8 +50,6 @@ STYLE = {
     "grid.alpha": 0.25,
     "lines.linewidth": 0.9,
     "legend.frameon": False,
-    "axes.prop_cycle": matplotlib.cycler(
-        color=["#1b6ca8", "#d1495b", "#2a8c5c", "#b8741a", "#6d4fa3", "#4f6272"]),
     # Text stays text: TrueType in PDF. SVG has outlines, so that no viewer lacks a font.
     "pdf.fonttype": 42,
     "svg.fonttype": "path",
@@ -123,7 +124,7 @@ def labels_of(runs):
     return cases if len(set(cases)) == len(cases) else [Path(run).name for run in runs]
 
 
-def draw(runs, labels, signals, window, width):
+def draw(runs, labels, looks, signals, window, width):
     plt.rcParams.update(STYLE)
     figure, axes = plt.subplots(len(signals), 1, sharex=True, squeeze=False,
                                 figsize=(width, 0.45 + PANEL_HEIGHT * len(signals)),
@@ -131,19 +132,19 @@ def draw(runs, labels, signals, window, width):
     for axis, signal in zip(axes[:, 0], signals):
         if not any(has(run, signal) for run in runs):
             read(runs[0], signal)  # this reports the error
-        for run, label in zip(runs, labels):
+        for run, label, look in zip(runs, labels, looks):
+            style = {"label": label, "color": COLOURS[look % 7], "linestyle": DASHES[(look + look // 7) % 7]}
             if not has(run, signal):
-                axis.plot([], [], label=f"{label}: –")
+                axis.plot([], [], **style)
                 continue
             time, values, unit = read(run, signal)
             inside = (time >= window[0]) & (time <= window[1])
-            axis.plot(time[inside], values[inside], label=label)
+            axis.plot(time[inside], values[inside], **style)
         axis.set_ylabel(**axis_label(signal, unit, PANEL_HEIGHT))
     axes[-1, 0].set_xlabel("time [s]")
     if len(runs) > 1:
         # The legend has all runs, also those without this signal.
-        handles = [plt.Line2D([], [], color=f"C{i}") for i in range(len(runs))]
-        axes[0, 0].legend(handles, labels, loc="lower left", bbox_to_anchor=(0, 1), ncols=columns(labels, width), borderpad=0,
+        axes[0, 0].legend(axes[0, 0].get_lines(), labels, loc="lower left", bbox_to_anchor=(0, 1), ncols=columns(labels, width), borderpad=0,
                           handlelength=1.4, columnspacing=1.2)
     return figure
 
@@ -156,6 +157,7 @@ def main():
     parser.add_argument("--from", dest="start", type=float, default=float("-inf"), metavar="S")
     parser.add_argument("--to", dest="end", type=float, default=float("inf"), metavar="S")
     parser.add_argument("--label", action="append", metavar="TEXT", help="one for each run")
+    parser.add_argument("--look", action="append", type=int, metavar="N", help="one for each run: its place among the colours, from 0")
     parser.add_argument("--width", type=float, default=3.5, metavar="INCHES",
                         help="3.5: one column of a paper (default)")
     parser.add_argument("--check", action="store_true", help="only say whether it could draw")
@@ -167,7 +169,10 @@ def main():
     labels = arguments.label or labels_of(arguments.runs)
     if len(labels) != len(arguments.runs):
         parser.error(f"{len(labels)} --label for {len(arguments.runs)} runs")
-    figure = draw(arguments.runs, labels, arguments.signal, (arguments.start, arguments.end),
+    looks = arguments.look or range(len(labels))
+    if len(looks) != len(labels):
+        parser.error(f"{len(looks)} --look for {len(labels)} runs")
+    figure = draw(arguments.runs, labels, looks, arguments.signal, (arguments.start, arguments.end),
                   arguments.width)
     metadata = {"Date": None} if arguments.out.endswith(".svg") else None
     figure.savefig(arguments.out, dpi=200, metadata=metadata)

@@ -10,6 +10,49 @@ import subprocess
 import sys
 import threading
 
+# For a page that looks at others: faint(document) names the texts that are hard to read.
+CONTRAST = r"""
+function rgba(text) {
+  const [r, g, b, a = 1] = text.match(/[\d.]+/g).map(Number);
+  return [r, g, b, a];
+}
+const over = (top, below) => [0, 1, 2].map((i) => top[i] * top[3] + below[i] * (1 - top[3])).concat(1);
+const luminance = (c) => {
+  const [r, g, b] = c.map((v) => (v /= 255) <= .04045 ? v / 12.92 : ((v + .055) / 1.055) ** 2.4);
+  return .2126 * r + .7152 * g + .0722 * b;
+};
+// Text that is not as far from its background as WCAG 2.1 AA wants: 4.5, large text 3.
+function faint(page) {
+  const found = {}, view = page.defaultView;
+  for (const place of page.body.querySelectorAll("*")) {
+    if (![...place.childNodes].some((child) => child.nodeType === 3 && child.data.trim())) continue;
+    if (!place.getClientRects().length || place.closest("svg, [aria-hidden], [hidden], .headerlink, .katex-mathml, script, style")) continue;
+    const style = view.getComputedStyle(place);
+    if (style.visibility !== "visible") continue;
+    const layers = [];
+    let opacity = 1, hidden = false;
+    for (let at = place; at; at = at.parentElement) {
+      const look = view.getComputedStyle(at);
+      layers.push(rgba(look.backgroundColor));
+      opacity *= +look.opacity;
+    }
+    if (opacity < .05) continue;
+    let below = [255, 255, 255, 1];
+    for (const layer of layers.reverse()) below = over(layer, below);
+    const colour = rgba(style.color);
+    const text = over([colour[0], colour[1], colour[2], colour[3] * opacity], below);
+    const [light, dark] = [luminance(text), luminance(below)].sort((a, b) => b - a);
+    const ratio = (light + .05) / (dark + .05), size = parseFloat(style.fontSize);
+    const large = size >= 24 || (size >= 18.66 && +style.fontWeight >= 700);
+    if (ratio < (large ? 3 : 4.5)) {
+      found[`${place.tagName.toLowerCase()}.${place.className} in ${place.parentElement.className}`] =
+          `${ratio.toFixed(2)}: ${place.textContent.trim().slice(0, 30)}`;
+    }
+  }
+  return found;
+}
+"""
+
 
 def visit(pages, folder, flags, timeout_s):
     """Opens "/" of `pages` (path: (bytes, content type)).

@@ -2,7 +2,6 @@
 // replays together.
 "use strict";
 (() => {
-  const COLOURS = 10;        // number of colours in page.css
   const FIRST_CHARTS = 8;  // charts drawn before the first scroll
   const groups = new Map();  // name → charts and players that show the same moment
   const axes = new Map();    // name → charts with the same time window
@@ -17,11 +16,10 @@
     return axes.get(name);
   }
 
-  function numbers(base64) {
-    const text = atob(base64);
-    const bytes = new Uint8Array(text.length);
-    for (let i = 0; i < text.length; ++i) bytes[i] = text.charCodeAt(i);
-    return new Float32Array(bytes.buffer);
+  // Numbers from their differences in whole units. A null is a gap.
+  function numbers(differences, first, unit) {
+    let sum = 0;
+    return Float64Array.from(differences, (by) => by === null ? NaN : first + unit * (sum += by));
   }
 
   // The linearly interpolated value of a series at a time.
@@ -38,7 +36,7 @@
 
   function rowsOf(series) {
     const times = new Set();
-    const all = series.map((s) => ({t: numbers(s.t), v: numbers(s.v)}));
+    const all = series.map((s) => ({t: numbers(s.t, 0, 1e-6), v: numbers(s.v, s.from, s.step)}));
     for (const s of all) for (const t of s.t) times.add(t);
     const samplers = all.map((s) => sampler(s.t, s.v));
     return Array.from(times).sort((a, b) => a - b).map((t) => [t, ...samplers.map((f) => f(t))]);
@@ -52,20 +50,30 @@
   };
 
   const dark = matchMedia("(prefers-color-scheme: dark)");
-  const onPaper = matchMedia("print");
-  const isDark = () => dark.matches && !onPaper.matches;
 
-  // References are grey. The other series take the next colour.
-  function coloursOf(series) {
-    let next = 0;
-    const style = getComputedStyle(document.documentElement);
-    const colour = (i) => style.getPropertyValue(`--c${i % COLOURS}`).trim();
-    return series.map((s) => s.reference ? (isDark() ? "#a3b0bc" : "#4a5561")
-                                         : colour(s.colour >= 0 ? s.colour : next++));
+  const cssValue = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+  const coloursOf = (series) => series.map((s) => cssValue("--c" + s.colour));
+
+  function dashOf(series) {
+    const lengths = cssValue("--d" + series.dash);
+    return lengths === "none" ? null : lengths.split(" ").map(Number);
   }
 
-  const lineColours = () => isDark() ? {gridLineColor: "#2c353e", axisLineColor: "#55626f"}
-                                     : {gridLineColor: "#e6ebf0", axisLineColor: "#b8c4ce"};
+  const lineColours = () => ({gridLineColor: cssValue("--line"), axisLineColor: cssValue("--soft")});
+
+  // At round values, four of them or more.
+  function fourTicks(low, high) {
+    const raw = (high - low) / 4, power = 10 ** Math.floor(Math.log10(raw));
+    // The library leaves out what is at the upper end.
+    const countOf = (step) => Math.ceil(high / step - 1e-9) - Math.ceil(low / step - 1e-9);
+    const step = [10, 5, 2, 1, 0.5, 0.2].map((f) => f * power).find((one) => countOf(one) >= 4);
+    const digits = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
+    const first = Math.ceil(low / step - 1e-9);
+    return Array.from({length: countOf(step)}, (_, i) => {
+      const v = Math.min(Math.max((first + i) * step, low), high), size = Math.max(Math.abs(low), Math.abs(high));
+      return {v, label: size >= 1e5 || size < 1e-3 ? v === 0 ? "0" : v.toExponential(1) : v.toFixed(digits)};
+    });
+  }
 
   function element(kind, className, parent) {
     const made = document.createElement(kind);
@@ -82,7 +90,7 @@
       this.plot = box.querySelector(".plot");
       this.group = groupOf(box.dataset.group);
       this.axis = axisOf(box.dataset.axis);
-      const data = JSON.parse(document.getElementById(box.dataset.chart).textContent);
+      const data = pageData[box.dataset.chart];
       if (this.axis.charts.length === 0 && data.window) this.axis.window = data.window;
       this.series = data.series;
       this.colours = coloursOf(data.series);
@@ -92,7 +100,7 @@
         labels: ["time", ...data.series.map((s, i) => i + " " + s.label)],
         colors: this.colours,
         visibility: data.series.map((s) => !s.off),
-        series: Object.fromEntries(data.series.map((s, i) => [i + " " + s.label, s.reference ? {strokePattern: [5, 3], strokeWidth: 1.2} : {}])),
+        series: Object.fromEntries(data.series.map((s, i) => [i + " " + s.label, {strokePattern: dashOf(s)}])),
         legend: "never",
         connectSeparatedPoints: false,
         strokeWidth: 1.4,
@@ -104,7 +112,7 @@
         maxNumberWidth: 7,
         includeZero: false,
         dateWindow: this.axis.window,
-        axes: {y: {axisLabelWidth: 54}, x: {drawGrid: true}},
+        axes: {y: {axisLabelWidth: 54, ticker: fourTicks}, x: {drawGrid: true}},
         underlayCallback: (context, area, graph) => this.underlay(context, area, graph, data.lines),
         highlightCallback: (event, time) => this.isPlayed ? this.showValues(time) : setTime(this.group, time),
         unhighlightCallback: () => this.isPlayed ? this.showValues(this.group.time) : setTime(this.group, null),
@@ -127,7 +135,6 @@
     // Draws with the current colours and width.
     redraw() {
       this.colours = coloursOf(this.series);
-      this.box.querySelectorAll(".key").forEach((key, i) => key.style.setProperty("--colour", this.colours[i]));
       this.graph.updateOptions({colors: this.colours, ...lineColours()}, true);
       this.graph.resize();
       this.placeCursor();
@@ -140,7 +147,7 @@
         key.type = "button";
         key.title = series.about;
         key.setAttribute("aria-pressed", String(!series.off));
-        key.style.setProperty("--colour", this.colours[i]);
+        key.className += ` c${series.colour} d${series.dash}`;
         element("i", "", key);
         element("span", "", key).textContent = series.label;
         key.addEventListener("click", () => {
@@ -154,7 +161,7 @@
 
     underlay(context, area, graph, lines) {
       context.save();
-      context.strokeStyle = "#8895a2";
+      context.strokeStyle = cssValue("--soft");
       context.setLineDash([5, 4]);
       for (const value of lines) {
         const y = graph.toDomYCoord(value);
@@ -183,8 +190,7 @@
     showValues(time) {
       this.clock.textContent = time === null ? "" : "t = " + Number(time.toPrecision(6)) + " s";
       this.series.forEach((series, i) => {
-        const value = time === null ? "" : shown(this.at(time, i + 1));
-        this.values[i].textContent = value === "" ? "" : value + (series.unit ? " " + series.unit : "");
+        this.values[i].textContent = time === null ? "" : shown(this.at(time, i + 1));
       });
     }
 
@@ -340,7 +346,7 @@
 
   // Draws the other charts when the page is idle or scrolls to them.
   function drawTheRest() {
-    const rest = charts.filter((box) => !box.dataset.drawn);
+    const rest = charts.filter((box) => !box.dataset.drawn && box.offsetParent);
     const soon = window.requestIdleCallback || ((work) => setTimeout(() => work({timeRemaining: () => 8}), 30));
     const go = (idle) => {
       do {
@@ -380,8 +386,8 @@
   });
   dark.addEventListener("change", redrawAll);
   // The scripts behind this one add the players.
-  document.addEventListener("DOMContentLoaded", () => {
-    charts.slice(0, FIRST_CHARTS).forEach(draw);
+  setTimeout(() => {
+    charts.filter((box) => box.offsetParent).slice(0, FIRST_CHARTS).forEach(draw);
     drawTheRest();
     document.querySelectorAll("button.range").forEach((button) => button.addEventListener("click", () => {
       const axis = axisOf(button.dataset.axis);
@@ -389,5 +395,5 @@
       zoom(axis, whole ? null : [Number(button.dataset.from), Number(button.dataset.to)], null);
       button.textContent = whole ? button.dataset.close : button.dataset.far;
     }));
-  });
+  }, 0);
 })();

@@ -181,7 +181,7 @@
     event.preventDefault();
   });
   // Makes marks reachable by keyboard.
-  document.querySelectorAll("code[data-r], .m, .p").forEach((mark) => {
+  document.querySelectorAll("td [data-r], .m, .p").forEach((mark) => {
     mark.tabIndex = 0;
     mark.setAttribute("role", "button");
     if (mark.classList.contains("p")) mark.setAttribute("aria-label", "run " + inWords(data.runs[Number(mark.dataset.r)]));

@@ -16,7 +16,10 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 
-METHODS = {"proposed": "#0b6e99", "hpfc": "#2e8b57", "drac": "#c8551b"}
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))
+from figures import COLOURS  # noqa: E402
+
+METHODS = dict(zip(("proposed", "hpfc", "drac"), COLOURS))
 SMALL_ERROR = 0.01  # share of the reference: standard deviation of a settled force error
 DECAYED = 0.5       # share of the force's standard deviation, over the window: it still settles
 LATE_s = 100.0      # runs that are seen to the end of the window

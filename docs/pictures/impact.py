@@ -15,8 +15,11 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))
+from figures import COLOURS  # noqa: E402
+
 SWITCH_S = 30.0  # key force.from_s
-METHODS = {"proposed": "#1b6ca8", "hpfc": "#2a9d5c", "drac": "#d1495b"}
+METHODS = dict(zip(("proposed", "hpfc", "drac"), COLOURS))
 NAMES = {"proposed": "proposed (PFC)", "hpfc": "HPFC", "drac": "DRAC"}
 
 

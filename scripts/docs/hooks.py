@@ -152,10 +152,13 @@ def gallery():
         folder = f"gallery/{exhibit['name']}"
         lines += [f"## {exhibit['title']}", "", exhibit["text"].strip(), ""]
         if not (kept / exhibit["name"] / "made.json").exists():
-            lines += ["*Not drawn when this site was built.*", ""]
+            # Without its runs a picture that is kept stands here.
+            (MADE / folder).mkdir(parents=True, exist_ok=True)
+            shutil.copy(ROOT / "renders/gallery" / exhibit["picture"], MADE / folder / "still.png")
+            lines += [f'<img src="{folder}/still.png" alt="{exhibit["alt"]}">', "", "```", *exhibit["runs"], "```", ""]
             continue
         lines += [
-            f'<video controls preload="none" playsinline poster="{folder}/still.png" width="1280" height="720"'
+            f'<video controls preload="none" playsinline poster="{folder}/still.png" width="960" height="540"'
             f' src="{folder}/video.mp4" aria-label="{exhibit["alt"]}">{exhibit["alt"]}</video>', "",
             f'<a class="md-button" href="{folder}/replay.html">Replay in three dimensions</a>', "",
             "```", *exhibit["runs"], "```", ""]

@@ -6,10 +6,12 @@ program or gallery.toml changes, Doxygen's pages until a header changes.
 """
 
 import argparse
+import concurrent.futures
 import functools
 import hashlib
 import http.server
 import json
+import os
 import pathlib
 import shlex
 import shutil
@@ -53,10 +55,10 @@ def draw(exhibit, program):
         words = shlex.split(command)
         run(BREAKWATER, *words[1:], "--quiet", "--out", folder / "runs" / str(number))
     runs = sorted(path.parent for path in (folder / "runs").rglob("manifest.json"))
-    run(BREAKWATER, "video", *runs, "--out", folder / "video.mp4")
+    run(BREAKWATER, "video", *runs, "--size", "960x540", "--out", folder / "video.mp4")
     run(BREAKWATER, "replay", *runs, "--out", folder / "replay.html")
     # The picture before the video plays.
-    run(BREAKWATER, "still", *runs[:1], "--at", exhibit["at_s"], "--size", "1280x720",
+    run(BREAKWATER, "still", *runs[:1], "--at", exhibit["at_s"], "--size", "960x540",
         "--out", folder / "still.png")
     stamp.write_text(json.dumps(made))
 
@@ -66,8 +68,9 @@ def gallery():
         print("  there is no build/bin/breakwater (./dev build): the gallery shows what was kept")
         return
     program = digest(BREAKWATER)
-    for exhibit in tomllib.loads((HERE / "gallery.toml").read_text(encoding="utf-8"))["exhibit"]:
-        draw(exhibit, program)
+    exhibits = tomllib.loads((HERE / "gallery.toml").read_text(encoding="utf-8"))["exhibit"]
+    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+        list(pool.map(lambda exhibit: draw(exhibit, program), exhibits))
 
 
 def reference():

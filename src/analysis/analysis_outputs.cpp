@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <functional>
@@ -50,7 +51,8 @@ std::vector<Response> responses(const AxisUnits& units) {
       {"complementary", &LoopPoint::complementary, false, "Complementary sensitivity T = L/(1 + L)",
        "Reaction of the drive to a disturbance. Its peak is M_t.", ""},
       {"loop_gain", &LoopPoint::loop_gain, false, "Loop gain L",
-       "The loop is opened at the plant’s input. L determines the margins.", ""}};
+       "The loop is opened at the plant’s input. Brackets: the designed phase and gain margins.",
+       ""}};
 }
 
 struct Way {
@@ -156,12 +158,46 @@ std::string margins_csv(const std::vector<LoopAnalysis>& loops) {
   return text;
 }
 
+// A measured point counts if its windows agree, and the drive does anything about the probe.
+bool is_reliable(const LoopPoint& point) {
+  constexpr double kMostSpread = 0.2;
+  return point.spread <= kMostSpread && std::abs(point.complementary) > 1e-9;
+}
+
+// Why a measured margin is far from the designed one; empty where it is not.
+std::string reason_of_difference(const LoopAnalysis& loop) {
+  constexpr double kFar_dB = 3.0, kWide = 1.6;
+  if (loop.designed.points.empty() || loop.measured.points.empty()) return "";
+  const LoopMargins &designed = loop.designed.margins, &measured = loop.measured.margins;
+  const double a = in_dB(designed.gain_margin), b = in_dB(measured.gain_margin);
+  if (!(std::abs(a - b) > kFar_dB)) return "";
+  const auto& points = loop.measured.points;
+  const auto above = std::find_if(
+      points.begin() + 1, points.end() - 1,
+      [&](const LoopPoint& point) { return point.omega_rad_s >= measured.gain_margin_rad_s; });
+  const double low = (above - 1)->omega_rad_s, high = above->omega_rad_s;
+  std::string why = "what the design leaves out (encoder, limits, friction) changes the loop there";
+  if (!is_reliable(*above) || !is_reliable(*(above - 1))) {
+    why =
+        "the points there are not reliable (grey): the probe moves the encoder by too few counts. "
+        "Trust the designed one, or probe with a larger --amplitude";
+  } else if (high > kWide * low) {
+    why = "the points are far apart there: --points tells more";
+  }
+  return fmt::format(
+      "{}: the gain margin is {:.1f} dB as designed and {:.1f} dB as measured. The measured one "
+      "lies "
+      "between {:.4g} and {:.4g} rad/s, and {}.",
+      loop.label, a, b, low, high, why);
+}
+
 BodeCurve curve_of(const LoopAnalysis& loop, const LoopCurve& curve, const Response& response) {
   BodeCurve result;
   if (!loop.estimates && response.needs_estimator) return result;
   for (const LoopPoint& point : curve.points) {
     result.omega_rad_s.push_back(point.omega_rad_s);
     result.gain.push_back(point.*response.value);
+    result.is_unsure.push_back(!is_reliable(point));
   }
   return result;
 }
@@ -207,7 +243,11 @@ std::string margins_table(const std::vector<LoopAnalysis>& loops, std::size_t wi
 }
 
 void write_analysis(const std::vector<LoopAnalysis>& loops, const std::string& scenario,
-                    const std::string& command, const AxisUnits& units, const fs::path& folder) {
+                    const std::vector<std::string>& cases, const std::string& command,
+                    const AxisUnits& units, const fs::path& folder) {
+  std::vector<std::string> names;
+  for (const LoopAnalysis& loop : loops) names.push_back(loop.label);
+  const std::vector<Identity> looks = candidate_identities(names, cases);
   const std::vector<Response> all = responses(units);
   mustache::data page;
   page.set("title", "Frequency response of " + scenario);
@@ -223,18 +263,23 @@ void write_analysis(const std::vector<LoopAnalysis>& loops, const std::string& s
   contents("margins", "Margins");
   for (std::size_t i = 0; i < loops.size(); ++i) {
     mustache::data one = named("label", loops[i].label);
-    one.set("colour", series_class(i));
+    one.set("colour", series_class(looks[i]));
     legend << one;
     if (!loops[i].designed.reason.empty()) {
       notes << named("text", fmt::format("{}: no design curve, because the loop is not linear: {}.",
                                          loops[i].label, loops[i].designed.reason));
     }
+    const std::string why = reason_of_difference(loops[i]);
+    if (!why.empty()) notes << named("text", why);
   }
   for (const Response& response : all) {
     std::vector<BodeLoop> drawn;
     for (const LoopAnalysis& loop : loops) {
-      drawn.push_back({loop.label, curve_of(loop, loop.designed, response),
+      drawn.push_back({loop.label, looks[drawn.size()], curve_of(loop, loop.designed, response),
                        curve_of(loop, loop.measured, response)});
+      if (response.value == &LoopPoint::loop_gain && !loop.designed.points.empty()) {
+        drawn.back().margins = loop.designed.margins;
+      }
     }
     const std::string svg = draw_bode(response.title, response.unit, drawn);
     if (svg.empty()) continue;

@@ -13,10 +13,11 @@ namespace breakwater {
 /// One column per loop and way (designed, measured); the rows are bandwidth, margins and peaks.
 std::string margins_table(const std::vector<LoopAnalysis>& loops, std::size_t width);
 
-/// Writes analysis.csv (one row per loop, way and frequency), margins.csv and report.html into a
-/// new folder. Throws OutputError.
+/// `cases` are the scenario's, in whose colours the loops are drawn. Writes analysis.csv (one row a
+/// loop, way and frequency), margins.csv and report.html into a new folder. Throws
+/// OutputError.
 void write_analysis(const std::vector<LoopAnalysis>& loops, const std::string& scenario,
-                    const std::string& command, const AxisUnits& units,
-                    const std::filesystem::path& folder);
+                    const std::vector<std::string>& cases, const std::string& command,
+                    const AxisUnits& units, const std::filesystem::path& folder);
 
 }  // namespace breakwater

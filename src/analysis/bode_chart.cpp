@@ -61,6 +61,33 @@ std::string curve(const std::vector<double>& at, const std::vector<double>& valu
   return line_path(points);
 }
 
+// The phase margin at the crossover, from a half turn to the line; the gain margin below 0 dB.
+std::string margin_marks(const BodeLoop& loop, const std::vector<double>& phases,
+                         const ChartScale& x, const ChartScale& gain, const ChartScale& phase) {
+  const LoopMargins& margins = *loop.margins;
+  std::string svg;
+  const auto mark = [&](double omega, double from, double to, const std::string& text) {
+    svg += fmt::format(
+        "<g><title>{}</title><path class=\"margin\" d=\"M{} {}m-4 0h8m-4 0V{}m-4 0h8\"/></g>",
+        xml_text(text), px(x(omega)), px(from), px(to));
+  };
+  const auto& at = loop.line.omega_rad_s;
+  if (std::isfinite(margins.phase_margin_rad)) {
+    const auto next = std::lower_bound(at.begin(), at.end(), margins.crossover_rad_s);
+    const auto i = std::min(static_cast<std::size_t>(next - at.begin()), at.size() - 1);
+    const double half_turn = -180.0 + 360.0 * std::round((phases[i] + 180.0) / 360.0);
+    mark(margins.crossover_rad_s, phase(half_turn), phase(phases[i]),
+         fmt::format("{}, phase margin {:.1f} deg", loop.label,
+                     margins.phase_margin_rad * 180.0 / std::numbers::pi));
+  }
+  if (std::isfinite(margins.gain_margin)) {
+    const double dB_margin = 20.0 * std::log10(margins.gain_margin);
+    mark(margins.gain_margin_rad_s, gain(0.0), gain(-dB_margin),
+         fmt::format("{}, gain margin {:.1f} dB", loop.label, dB_margin));
+  }
+  return svg;
+}
+
 }  // namespace
 
 std::string draw_bode(const std::string& title, const std::string& unit,
@@ -105,20 +132,22 @@ std::string draw_bode(const std::string& title, const std::string& unit,
   plot.x_title(kPhase, "frequency [rad/s]");
   for (std::size_t i = 0; i < loops.size(); ++i) {
     const BodeLoop& loop = loops[i];
-    const std::string name = series_class(i);
+    const std::string name = series_class(loop.look);
     plot.path("line " + name, curve(loop.line.omega_rad_s, drawn[i].line_dB, x, gain, gains));
     plot.path("line " + name, curve(loop.line.omega_rad_s, drawn[i].line_phase, x, phase, turns));
     plot.add(fmt::format("<g class=\"{}\">", name));
     for (std::size_t k = 0; k < loop.marks.gain.size(); ++k) {
       if (drawn[i].mark_dB[k] < gains.low) continue;
       const double at = x(loop.marks.omega_rad_s[k]);
+      const bool is_unsure = !loop.marks.is_unsure.empty() && loop.marks.is_unsure[k];
       plot.add(fmt::format(
-          "<g class=\"m\"><title>{}</title>{}{}</g>",
-          xml_text(fmt::format("{}, measured at {:.4g} rad/s: {:.2f} dB, {:.1f} deg", loop.label,
-                               loop.marks.omega_rad_s[k], drawn[i].mark_dB[k],
-                               drawn[i].mark_phase[k])),
+          "<g class=\"m{}\"><title>{}</title>{}{}</g>", is_unsure ? " unsure" : "",
+          xml_text(fmt::format("{}, measured {}at {:.4g} rad/s: {:.2f} dB, {:.1f} deg", loop.label,
+                               is_unsure ? "without certainty " : "", loop.marks.omega_rad_s[k],
+                               drawn[i].mark_dB[k], drawn[i].mark_phase[k])),
           svg_dot(at, gain(drawn[i].mark_dB[k])), svg_dot(at, phase(drawn[i].mark_phase[k]))));
     }
+    if (loop.margins) plot.add(margin_marks(loop, drawn[i].line_phase, x, gain, phase));
     plot.add("</g>");
   }
   return plot.svg();

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <stdexcept>
@@ -11,10 +12,13 @@
 #include <breakwater/config/config.h>
 #include <breakwater/experiment/differing_keys.h>
 #include <breakwater/pages/html_page.h>
+#include <breakwater/pages/key_metrics.h>
+#include <breakwater/pages/labels.h>
 #include <breakwater/pages/latex.h>
 #include <breakwater/pages/replay_part.h>
 #include <breakwater/pages/run_report.h>
 #include <breakwater/pages/signal_charts.h>
+#include <breakwater/pages/svg_plot.h>
 #include <breakwater/record/csv.h>
 #include <breakwater/shell/child_program.h>
 #include <breakwater/shell/did_you_mean.h>
@@ -26,7 +30,7 @@ namespace mustache = kainjow::mustache;
 namespace {
 
 constexpr std::size_t kFewestRuns = 2;
-constexpr std::size_t kManyKeys = 12;  // a longer list is folded
+constexpr std::size_t kManyKeys = 4;  // a longer list is folded
 
 void check(const std::vector<SavedRun>& runs) {
   if (runs.size() < kFewestRuns) {
@@ -92,13 +96,29 @@ const SavedRun* first_with(const std::vector<SavedRun>& runs, const std::string&
 
 }  // namespace
 
-std::string difference_in_words(double value, double first) {
+std::vector<std::string> differences_in_words(const std::vector<std::optional<double>>& values) {
   constexpr double kManifold = 3.0, kNoMeasure = 10.0;
-  if (value == first) return "=";
-  const double ratio = value / first;
-  if (!(ratio > 0.0 && ratio < kNoMeasure)) return fmt::format("{:+.3g}", value - first);
-  return ratio >= kManifold ? fmt::format("×{:.1f}", ratio)
-                            : fmt::format("{:+.1f} %", 100.0 * (value - first) / std::abs(first));
+  double largest = 0.0;  // largest ratio; infinite if it says nothing
+  for (const std::optional<double>& value : values) {
+    if (!value || !values.front() || *value == *values.front()) continue;
+    const double ratio = *value / *values.front();
+    largest = std::max(largest, ratio > 0.0 ? ratio : std::numeric_limits<double>::infinity());
+  }
+  std::vector<std::string> words;
+  for (const std::optional<double>& value : values) {
+    if (!value || !values.front()) {
+      words.emplace_back("-");
+      continue;
+    }
+    const double first = *values.front();
+    const double percent = 100.0 * (*value - first) / std::abs(first);
+    words.push_back(*value == first ? "="
+                    : largest < kManifold
+                        ? std::abs(percent) < 0.05 ? "±0.0 %" : fmt::format("{:+.1f} %", percent)
+                    : largest < kNoMeasure ? fmt::format("×{:.2f}", *value / first)
+                                           : fmt::format("{:+.3g}", *value - first));
+  }
+  return words;
 }
 
 Comparison::Comparison(const Catalogue& catalogue, std::vector<SavedRun> runs,
@@ -110,39 +130,57 @@ Comparison::Comparison(const Catalogue& catalogue, std::vector<SavedRun> runs,
         fmt::format("--from {:g}, --to {:g}: must rise", *choice.from_s, *choice.to_s));
   }
   labels_ = labels_of(catalogue, runs_);
+  identities_ = identities_of(catalogue, runs_);
   for (const SavedRun& run : runs_) printed_.push_back(printed_of(catalogue, run));
   metrics_ = choose_metrics(runs_, choice.metrics);
-  ShotList shots;
-  if (catalogue.has<ScenarioKind>(runs_.front().scenario())) {
-    try {
-      shots = shot_list(catalogue.get<ScenarioKind>(runs_.front().scenario()).shots());
-    } catch (const std::invalid_argument&) {
-      shots = {};  // without a shot list the order is that of the log
-    }
-  }
-  choose_signals(shots);
+  shots_ = shots_of(catalogue, runs_.front().scenario());
+  choose_signals();
 }
 
 // The chosen signals, or the signals that all runs have, the most important first.
-void Comparison::choose_signals(const ShotList& shots) {
+void Comparison::choose_signals() {
   for (const std::string& name : choice_.signals) {
     const SavedRun* run = first_with(runs_, name);
     const LogEntry& entry = run != nullptr ? run->entry(name) : runs_.front().entry(name);
     const auto names = expanded(name, entry.width);
     signals_.insert(signals_.end(), names.begin(), names.end());
   }
+  keys_ = signals_.size();
   if (!choice_.signals.empty()) return;
-  for (const LoggedQuantity& quantity : quantities(runs_.front().signals(), shots)) {
+  // The first of each of the page's charts is what runs are compared by.
+  for (const ShotPage::KeyChart& chart : shots_.page.charts) {
+    const auto place =
+        std::find_if(chart.signals.begin(), chart.signals.end(),
+                     [&](const std::string& name) { return is_common(name) && changes(name); });
+    if (place == chart.signals.end()) continue;
+    const auto names = expanded(*place, runs_.front().entry(*place).width);
+    signals_.insert(signals_.end(), names.begin(), names.end());
+  }
+  keys_ = signals_.size();
+  for (const LoggedQuantity& quantity : quantities(runs_.front().signals(), shots_)) {
     for (const LogEntry& entry : quantity.kinds) {
-      if (entry.group != "control") continue;
-      const bool is_common = std::all_of(runs_.begin(), runs_.end(), [&](const SavedRun& run) {
-        return run.has_signal(entry.name) && run.entry(entry.name).width == entry.width;
-      });
-      if (!is_common) continue;
-      const auto names = expanded(entry.name, entry.width);
-      signals_.insert(signals_.end(), names.begin(), names.end());
+      if (!is_common(signal_path(entry))) continue;
+      for (const std::string& name : expanded(signal_path(entry), entry.width)) {
+        const bool is_there = std::find(signals_.begin(), signals_.end(), name) != signals_.end();
+        if (!is_there && changes(name)) signals_.push_back(name);
+      }
     }
   }
+}
+
+bool Comparison::is_common(const std::string& signal) const {
+  return std::all_of(runs_.begin(), runs_.end(), [&](const SavedRun& run) {
+    return run.has_signal(signal) && run.entry(signal).width == runs_.front().entry(signal).width;
+  });
+}
+
+bool Comparison::changes(const std::string& signal) const {
+  if (runs_.front().entry(signal).width > 1 && signal.find('[') == std::string::npos) return true;
+  const double first = runs_.front().signal(signal).values.front();
+  return std::any_of(runs_.begin(), runs_.end(), [&](const SavedRun& run) {
+    const std::vector<double> values = run.signal(signal).values;
+    return std::any_of(values.begin(), values.end(), [&](double v) { return v != first; });
+  });
 }
 
 std::optional<double> Comparison::difference(std::size_t run, const std::string& metric) const {
@@ -152,15 +190,22 @@ std::optional<double> Comparison::difference(std::size_t run, const std::string&
   return *value - *first;
 }
 
+std::vector<std::optional<double>> Comparison::values_of(const std::string& metric) const {
+  std::vector<std::optional<double>> values;
+  for (const SavedRun& run : runs_) values.push_back(run.metric(metric));
+  return values;
+}
+
 std::string Comparison::text(std::size_t width) const {
   std::vector<std::string> header = {"metric", "unit"};
   header.insert(header.end(), labels_.begin(), labels_.end());
-  Table table(header, 2);
+  Table table(header);
   for (const Metric& metric : metrics_) {
     std::vector<std::string> values = {metric.name, metric.unit};
     std::vector<std::string> differences = {"  difference", "", ""};
     std::vector<std::string> printed = {"  printed", metric.unit};
     bool is_printed = false;
+    const std::vector<std::string> words = differences_in_words(values_of(metric.name));
     for (std::size_t i = 0; i < runs_.size(); ++i) {
       const auto value = runs_[i].metric(metric.name);
       values.push_back(value ? in_digits(*value) : "-");
@@ -168,8 +213,7 @@ std::string Comparison::text(std::size_t width) const {
       is_printed = is_printed || reference != printed_[i].end();
       printed.push_back(reference == printed_[i].end() ? "-" : reference->second.text);
       if (i == 0) continue;
-      const auto first = runs_.front().metric(metric.name);
-      differences.push_back(value && first ? difference_in_words(*value, *first) : "-");
+      differences.push_back(words[i]);
     }
     table.add(values);
     table.add(differences);
@@ -239,13 +283,18 @@ PageChart Comparison::chart_of(const std::string& signal) const {
   const SavedRun& one = *first_with(runs_, signal);
   PageChart chart;
   chart.group = "compare";
-  chart.title = signal;
+  const LogEntry& entry = one.entry(signal);
+  const std::string label = signal_label(entry), quantity = quantity_of(entry);
+  const std::size_t open = signal.find('[');
+  chart.title =
+      capitalised(quantity.empty() || quantity == label ? label : quantity + ", " + label) +
+      (open == std::string::npos ? "" : " " + signal.substr(open));
   for (std::size_t i = 0; i < runs_.size(); ++i) {
     ChartSeries series;
     series.label = labels_[i];
     series.unit = one.unit(signal);
-    series.description = one.entry(signal).description;
-    series.colour = static_cast<int>(i);
+    series.description = signal + ": " + entry.description;
+    series.identity = identities_[i];
     if (runs_[i].has_signal(signal)) {
       series.values = runs_[i].signal(signal);
     } else {
@@ -255,6 +304,28 @@ PageChart Comparison::chart_of(const std::string& signal) const {
     chart.series.push_back(series);
   }
   return chart;
+}
+
+mustache::data Comparison::cells_of(const std::string& metric) const {
+  const std::vector<std::string> words = differences_in_words(values_of(metric));
+  mustache::data cells(mustache::data::type::list);
+  for (std::size_t i = 0; i < runs_.size(); ++i) {
+    mustache::data cell;
+    const auto value = runs_[i].metric(metric);
+    cell.set("value", value ? format_number(*value) : "–");
+    if (i > 0 && value) cell.set("difference", words[i]);
+    const auto reference = printed_[i].find(metric);
+    if (value && reference != printed_[i].end()) {
+      const Agreement agreement = reference->second.agrees(*value);
+      mustache::data printed;
+      printed.set("number", reference->second.text);
+      printed.set("verdict", agreement.text);
+      printed.set("verdict_class", agreement.tone);
+      cell.set("printed", printed);
+    }
+    cells << cell;
+  }
+  return cells;
 }
 
 std::string Comparison::html(std::vector<std::string>& notes) const {
@@ -290,6 +361,7 @@ std::string Comparison::html(std::vector<std::string>& notes) const {
   for (std::size_t i = 0; i < runs_.size(); ++i) {
     mustache::data column;
     column.set("name", labels_[i]);
+    column.set("colour", series_class(identities_[i]));
     column.set("folder", runs_[i].folder().string());
     columns << column;
   }
@@ -312,60 +384,43 @@ std::string Comparison::html(std::vector<std::string>& notes) const {
   page.set("has_keys", !differing.empty());
   page.set("has_many_keys", differing.size() > kManyKeys);
   mustache::data rows(mustache::data::type::list);
-  for (const Metric& metric : metrics_) {
+  mustache::data others(mustache::data::type::list);
+  for (const ShownMetric& shown :
+       shown_metrics(catalogue_, runs_.front().scenario(), shots_, metrics_)) {
     mustache::data row;
-    row.set("name", metric.name);
-    row.set("unit", metric.unit);
-    mustache::data cells(mustache::data::type::list);
-    for (std::size_t i = 0; i < runs_.size(); ++i) {
-      mustache::data cell;
-      const auto value = runs_[i].metric(metric.name);
-      cell.set("value", value ? format_number(*value) : "–");
-      const auto first = runs_.front().metric(metric.name);
-      if (i > 0 && value && first) cell.set("difference", difference_in_words(*value, *first));
-      const auto reference = printed_[i].find(metric.name);
-      if (value && reference != printed_[i].end()) {
-        const Agreement agreement = reference->second.agrees(*value);
-        mustache::data printed;
-        printed.set("number", reference->second.text);
-        printed.set("verdict", agreement.text);
-        printed.set("verdict_class", agreement.tone);
-        cell.set("printed", printed);
-      }
-      cells << cell;
-    }
-    row.set("cells", cells);
-    rows << row;
+    set_name(shown, row);
+    row.set("cells", cells_of(shown.metric.name));
+    (shown.is_key ? rows : others) << row;
   }
-  mustache::data charts(mustache::data::type::list);
-  const auto add_chart = [&](PageChart chart) {
+  mustache::data charts(mustache::data::type::list), other_charts(mustache::data::type::list);
+  for (std::size_t i = 0; i < signals_.size(); ++i) {
+    PageChart chart = chart_of(signals_[i]);
+    chart.id = fmt::format("signal-{}", i + 1);
     chart.from_s = from_s;
     chart.to_s = to_s;
-    charts << chart_data(chart);
-  };
-  if (replay && replay->chart && choice_.signals.empty()) add_chart(*replay->chart);
-  for (std::size_t s = 0; s < signals_.size(); ++s) {
-    PageChart chart = chart_of(signals_[s]);
-    chart.id = fmt::format("signal-{}", s + 1);
-    add_chart(chart);
+    (i < keys_ ? charts : other_charts) << chart_data(chart);
   }
   mustache::data toc(mustache::data::type::list);
   for (const auto& [href, label] :
-       {std::pair("signals", "Signals"), std::pair("keys", "What differs"),
-        std::pair("metrics", "Metrics")}) {
+       {std::pair("metrics", "Metrics"), std::pair("keys", "Settings that differ"),
+        std::pair("signals", "Signals")}) {
     mustache::data entry;
     entry.set("href", href);
     entry.set("label", label);
     toc << entry;
   }
-  page.set("title",
-           fmt::format("{}: {} compared", runs_.front().scenario(), fmt::join(labels_, ", ")));
+  page.set("title", fmt::format("{} compared", fmt::join(labels_, ", ")));
   page.set("scenario", runs_.front().scenario());
   page.set("first", labels_.front());
   page.set("toc", toc);
   page.set("columns", columns);
   page.set("rows", rows);
+  page.set("has_others", !others.is_empty_list());
+  page.set("others", others);
   page.set("charts", charts);
+  page.set("other_charts", other_charts);
+  page.set("other_count", std::to_string(signals_.size() - keys_));
+  page.set("has_other_charts", keys_ < signals_.size());
   return html_page("compare", page);
 }
 

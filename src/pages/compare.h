@@ -1,6 +1,7 @@
 // breakwater compare: runs of one scenario side by side.
 #pragma once
 
+#include <kainjow/mustache.hpp>
 #include <map>
 #include <optional>
 #include <string>
@@ -22,10 +23,10 @@ struct CompareChoice {
   bool with_replay = true;
 };
 
-/// The difference of a value from that of the first run: "=", "+4.1 %", or "×8.0" from a factor of
-/// three on. The absolute difference if the first value is 0, has the other sign or is ten times
-/// smaller.
-std::string difference_in_words(double value, double first);
+/// The differences of values from the first, all of one kind. Percentages by default; multiples
+/// such as "×8.00" if a value is three to ten times the first or a share of it; else plain
+/// differences. An equal value has "=", and a missing one "-".
+std::vector<std::string> differences_in_words(const std::vector<std::optional<double>>& values);
 
 /// The metrics and signals of some runs, compared with the first run.
 class Comparison {
@@ -46,11 +47,16 @@ class Comparison {
   /// Appends to `notes` one line for each part of the replay that is missing.
   std::string html(std::vector<std::string>& notes) const;
   const std::vector<std::string>& labels() const { return labels_; }
+  const std::vector<Identity>& looks() const { return identities_; }
   const std::vector<std::string>& signals() const { return signals_; }
 
  private:
   std::optional<double> difference(std::size_t run, const std::string& metric) const;
-  void choose_signals(const ShotList& shots);
+  std::vector<std::optional<double>> values_of(const std::string& metric) const;
+  bool is_common(const std::string& signal) const;
+  bool changes(const std::string& signal) const;  // in one of the runs, or between them
+  kainjow::mustache::data cells_of(const std::string& metric) const;
+  void choose_signals();
   PageChart chart_of(const std::string& signal) const;
 
   const Catalogue& catalogue_;
@@ -59,7 +65,10 @@ class Comparison {
   std::vector<std::string> labels_;
   std::vector<std::map<std::string, ReferenceValue>> printed_;  // for each run, by metric
   std::vector<Metric> metrics_;  // only their names and units are used
+  ShotList shots_;
+  std::vector<Identity> identities_;
   std::vector<std::string> signals_;
+  std::size_t keys_ = 0;  // number of signals_ that are shown at first
 };
 
 }  // namespace breakwater

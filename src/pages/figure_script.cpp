@@ -31,6 +31,7 @@ int draw_figure(const FigureContent& content, const std::filesystem::path& file)
   for (const std::filesystem::path& run : content.runs) words.push_back(run.string());
   // The "=" is needed: a label may begin with a dash.
   for (const std::string& label : content.labels) words.push_back("--label=" + label);
+  for (const Identity look : content.looks) words.push_back(fmt::format("--look={}", look));
   for (const std::string& signal : content.signals) words.push_back("--signal=" + signal);
   if (content.from_s) words.push_back(fmt::format("--from={}", *content.from_s));
   if (content.to_s) words.push_back(fmt::format("--to={}", *content.to_s));

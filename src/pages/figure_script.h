@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include <breakwater/render/identity.h>
+
 namespace breakwater {
 
 /// The Python that draws figures: BREAKWATER_PYTHON, or Debian's own Python, which finds Debian's
@@ -19,6 +21,7 @@ bool can_draw_figures();
 struct FigureContent {
   std::vector<std::filesystem::path> runs;
   std::vector<std::string> labels;
+  std::vector<Identity> looks;  ///< one for each run
   std::vector<std::string> signals;
   std::optional<double> from_s;
   std::optional<double> to_s;

@@ -1,11 +1,15 @@
 #include <breakwater/pages/html_page.h>
 
+#include <fmt/format.h>
+
 #include <cctype>
+#include <cstdint>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
 #include <breakwater/pictures/page_data.h>
 #include <breakwater/record/file_bytes.h>
+#include <breakwater/render/identity.h>
 #include <breakwater/shell/paths.h>
 #include <breakwater/version.h>
 
@@ -29,6 +33,60 @@ std::string fill_in(const fs::path& file, const mustache::data& data) {
   return sheet.render(data);
 }
 
+// The identities' colours and dashes as a style: c0 …, d0 …, and the same as --c0 …, --d0 … for
+// scripts. The last of each are references'.
+std::string identity_style() {
+  std::string light, dark, classes;
+  for (int k = 0; k <= kIdentityColours; ++k) {
+    const Identity identity = k < kIdentityColours ? k : kReferenceIdentity;
+    light += fmt::format("--c{}:{};", k, light_colour(identity));
+    dark += fmt::format("--c{}:{};", k, dark_colour(identity));
+    classes += fmt::format(".c{0}{{--c:var(--c{0})}}\n", k);
+    // Each of the first ones has the dash with its own number.
+    std::string strip, lengths;
+    double at = 0.0;
+    bool is_stroke = false;
+    for (const double length : dashes(identity)) {
+      is_stroke = !is_stroke;
+      strip +=
+          fmt::format(",{} {}px {}px", is_stroke ? "var(--c)" : "transparent", at, at + length);
+      at += length;
+      lengths += fmt::format("{} ", length);
+    }
+    light += fmt::format("--d{}:{};", k, lengths.empty() ? "none" : lengths);
+    classes += fmt::format(
+        ".d{0} .line,.line.d{0}{{stroke-dasharray:var(--d{0})}}.d{0}>i{{background:{1}}}\n", k,
+        strip.empty() ? "var(--c)" : fmt::format("repeating-linear-gradient(90deg{})", strip));
+  }
+  return fmt::format(
+      ":root{{{}}}\n@media screen and (prefers-color-scheme:dark){{:root{{{}}}}}\n{}", light, dark,
+      classes);
+}
+
+// Takes the data of charts and replays out of a page, as one JSON object by their ids.
+std::string taken_data(std::string& content) {
+  const std::string begin = "<script type=\"application/json\" id=\"", end = "</script>";
+  std::string all;
+  for (std::size_t at = content.find(begin); at != std::string::npos;
+       at = content.find(begin, at)) {
+    const std::size_t id = at + begin.size();
+    const std::size_t quote = content.find('"', id);
+    const std::size_t stop = content.find(end, quote);
+    all += fmt::format("{}\"{}\":{}", all.empty() ? "" : ",", content.substr(id, quote - id),
+                       content.substr(quote + 2, stop - quote - 2));
+    content.erase(at, stop + end.size() - at);
+  }
+  return "{" + all + "}";
+}
+
+// The scripts of a page in their order, and its data: its loader unpacks them.
+std::string packed_page(const nlohmann::json& scripts, const std::string& data) {
+  const std::string json =
+      fmt::format("{{\"scripts\":{},\"data\":{}}}",
+                  scripts.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace), data);
+  return packed_bytes({reinterpret_cast<const std::uint8_t*>(json.data()), json.size()});
+}
+
 }  // namespace
 
 std::vector<fs::path> page_libraries() {
@@ -42,27 +100,28 @@ std::string html_page(const std::string& name, mustache::data& data, PageCharts 
                           [text = bytes_of(part(partial + ".mustache"))] { return text; })));
   }
   mustache::data page = data;
-  page.set("content", fill_in(part(name + ".mustache"), data));
-  const std::string own = bytes_of(part("page.css"));
+  std::string content = fill_in(part(name + ".mustache"), data);
+  const std::string own = identity_style() + bytes_of(part("page.css"));
+  const bool has_replays = data.get("has_replays") != nullptr;
   if (charts == PageCharts::over_time) {
     page.set("has_charts", true);
-    page.set("dygraphs", bytes_of(kCharts));
     page.set("style", bytes_of(kChartStyle) + own);
-    page.set("script", bytes_of(part("page.js")));
+    nlohmann::json scripts = {bytes_of(kCharts), bytes_of(part("page.js"))};
+    if (has_replays) {
+      scripts.insert(scripts.begin(), {bytes_of(kThree), bytes_of(kOrbit)});
+      for (const char* script : {"data", "shapes", "shading", "scene", "view"}) {
+        scripts.push_back(bytes_of(part(std::string("replay/") + script + ".js")));
+      }
+      page.set("replay_style", bytes_of(part("replay/replay.css")));
+    }
+    page.set("packed", packed_page(scripts, taken_data(content)));
+    page.set("script", bytes_of(part("unpack.js")));
   } else {
     page.set("style", own + bytes_of(part("drawn.css")) + bytes_of(part(name + ".css")));
     const fs::path shared = part("drawn.js"), of_page = shared.parent_path() / (name + ".js");
     page.set("script", bytes_of(shared) + (fs::exists(of_page) ? bytes_of(of_page) : ""));
   }
-  if (data.get("has_replays") != nullptr) {
-    page.set("three", bytes_of(kThree) + bytes_of(kOrbit));
-    std::string viewer;
-    for (const char* script : {"data", "shapes", "shading", "scene", "view"}) {
-      viewer += bytes_of(part(std::string("replay/") + script + ".js"));
-    }
-    page.set("viewer", viewer);
-    page.set("replay_style", bytes_of(part("replay/replay.css")));
-  }
+  page.set("content", content);
   page.set("contents_script", bytes_of(part("contents.js")));
   page.set("version", std::string(kVersion) + " (" + kGitCommit + ")");
   return fill_in(part("page.mustache"), page);

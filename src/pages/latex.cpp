@@ -2,11 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <cctype>
 #include <cmath>
 #include <cstdlib>
 
-#include <breakwater/pages/signal_charts.h>
+#include <breakwater/pages/labels.h>
 
 namespace breakwater {
 
@@ -49,19 +48,7 @@ std::string latex_number(double value) {
 }
 
 std::string latex_name(const std::string& metric, const std::string& unit) {
-  std::string name = readable_name(metric, unit);
-  // Acronyms are in capitals.
-  for (const char* word : {"rmse", "rms", "iae", "itae", "rmse"}) {
-    if (name == word || name.starts_with(std::string(word) + " ")) {
-      for (std::size_t i = 0; word[i] != 0; ++i) {
-        name[i] = static_cast<char>(std::toupper(static_cast<unsigned char>(name[i])));
-      }
-    }
-  }
-  if (!name.empty()) {
-    name[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(name[0])));
-  }
-  std::string text = latex_escaped(name);
+  std::string text = latex_escaped(metric_label(metric, unit));
   if (unit.empty() || unit == "1") return text;
   std::string plain = latex_escaped(unit);
   for (const auto& [sign, code] : {std::pair("²", "$^2$"), std::pair("³", "$^3$")}) {

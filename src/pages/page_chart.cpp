@@ -9,7 +9,6 @@
 
 #include <breakwater/pages/decimation.h>
 #include <breakwater/pages/html_page.h>
-#include <breakwater/pictures/page_data.h>
 
 namespace breakwater {
 namespace {
@@ -32,9 +31,43 @@ Series thinned(const Series& series, const std::optional<double>& from_s,
   return thin;
 }
 
-std::string packed(const std::vector<double>& values) {
-  const std::vector<float> narrow(values.begin(), values.end());
-  return base64(narrow.data(), narrow.size() * sizeof(float));
+// Differences of whole multiples of a unit; null where there is no number.
+nlohmann::json differences(const std::vector<double>& values, double first, double unit) {
+  nlohmann::json all = nlohmann::json::array();
+  long long last = 0;
+  for (const double value : values) {
+    if (!std::isfinite(value)) {
+      all.push_back(nullptr);
+      continue;
+    }
+    const long long now = std::llround((value - first) / unit);
+    all.push_back(now - last);
+    last = now;
+  }
+  return all;
+}
+
+nlohmann::ordered_json series_json(const ChartSeries& series, Identity identity,
+                                   const Series& thin) {
+  constexpr double kMicrosecond = 1e-6, kSteps = 1e5;
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const double value : thin.values) {
+    if (!std::isfinite(value)) continue;
+    low = std::min(low, value);
+    high = std::max(high, value);
+  }
+  const double unit = high > low ? (high - low) / kSteps : 1.0;
+  const double first = low <= high ? low : 0.0;
+  return {{"label", series.label},
+          {"unit", series.unit == "1" ? "" : series.unit},
+          {"about", series.description},
+          {"colour", identity < 0 ? kIdentityColours : identity % kIdentityColours},
+          {"dash", dash_number(identity)},
+          {"off", series.is_off},
+          {"t", differences(thin.times_s, 0.0, kMicrosecond)},
+          {"from", first},
+          {"step", unit},
+          {"v", differences(thin.values, first, unit)}};
 }
 
 }  // namespace
@@ -50,7 +83,10 @@ std::string PageChart::axis_title() const {
 std::string PageChart::alternative_text() const {
   std::string text = fmt::format("Chart of {} over time", axis_title());
   for (const ChartSeries& one : series) {
-    if (one.values.values.empty()) continue;
+    if (one.values.values.empty()) {
+      text += "; " + one.label;
+      continue;
+    }
     const auto [low, high] =
         std::minmax_element(one.values.values.begin(), one.values.values.end());
     text += fmt::format("; {} from {:.3g} to {:.3g}", one.label, *low, *high);
@@ -65,16 +101,12 @@ std::string PageChart::json() const {
   json["lines"] = lines;
   if (from_s && to_s) json["window"] = {*from_s, *to_s};
   json["series"] = nlohmann::json::array();
-  for (const ChartSeries& one : series) {
-    const Series thin = thinned(one.values, from_s, to_s);
-    json["series"].push_back({{"label", one.label},
-                              {"unit", one.unit == "1" ? "" : one.unit},
-                              {"about", one.description},
-                              {"reference", one.is_reference},
-                              {"off", one.is_off},
-                              {"colour", one.colour},
-                              {"t", packed(thin.times_s)},
-                              {"v", packed(thin.values)}});
+  std::vector<std::optional<Identity>> preferred;
+  for (const ChartSeries& one : series) preferred.push_back(one.identity);
+  const std::vector<Identity> identities = distinct_identities(preferred);
+  for (std::size_t i = 0; i < series.size(); ++i) {
+    json["series"].push_back(
+        series_json(series[i], identities[i], thinned(series[i].values, from_s, to_s)));
   }
   return script_json(json);
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <breakwater/record/series.h>
+#include <breakwater/render/identity.h>
 
 namespace breakwater {
 
@@ -14,9 +15,8 @@ struct ChartSeries {
   std::string unit;
   std::string description;
   Series values;
-  bool is_reference = false;  ///< drawn dashed and grey
-  bool is_off = false;        ///< hidden at first
-  int colour = -1;            ///< index in the page's colours; −1: the next one
+  bool is_off = false;               ///< hidden at first
+  std::optional<Identity> identity;  ///< its look, if it is the first here with that
 };
 
 /// Time series over one time axis.
@@ -34,7 +34,8 @@ struct PageChart {
   std::string axis_title() const;
   /// A description in words.
   std::string alternative_text() const;
-  /// The chart for the page's script: decimated series, as base64 of 32-bit floats. Safe inside
+  /// The chart for the page's script: decimated; times [µs] and values, in hundred-thousandths of
+  /// their range, as differences, so that they can be compressed. Safe inside
   /// <script>.
   std::string json() const;
 };

@@ -6,7 +6,9 @@
 #include <numeric>
 #include <vector>
 
+#include <breakwater/experiment/saved_run.h>
 #include <breakwater/pages/html_page.h>
+#include <breakwater/pages/labels.h>
 #include <breakwater/pages/study_charts.h>
 #include <breakwater/study/comparison_table.h>
 
@@ -99,7 +101,7 @@ void add_paired_metric(const CandidateComparison& comparison, const std::string&
 }
 
 mustache::data turn_of(const CandidateComparison& comparison, const KeyInteraction& one,
-                       std::size_t colour) {
+                       Identity look) {
   mustache::data turn;
   turn.set("key", one.key);
   turn.set("candidate", comparison.candidates[one.candidate]);
@@ -108,10 +110,12 @@ mustache::data turn_of(const CandidateComparison& comparison, const KeyInteracti
   turn.set("repeats_are", one.is_of_worlds ? "seeds of the value’s one block" : "blocks");
   LineChart chart;
   chart.x_title = one.key;
-  chart.y_title = fmt::format("{}, {} less {}", one.metric, comparison.candidates[one.candidate],
-                              comparison.candidates[one.reference]);
+  chart.y_title =
+      fmt::format("{}, {} less {}", metric_label_with_unit(one.metric, unit_of(one.metric)),
+                  comparison.candidates[one.candidate], comparison.candidates[one.reference]);
   chart.is_log_x = one.is_log;
-  chart.lines.resize(colour + 1);  // earlier lines stay empty: the index is the colour
+  chart.lines.resize(1);
+  chart.looks = {look};
   mustache::data rows(mustache::data::type::list);
   for (const KeyInteraction::Value& value : one.values) {
     mustache::data row;

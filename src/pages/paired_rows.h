@@ -15,7 +15,7 @@ void add_paired_metric(const CandidateComparison& comparison, const std::string&
 
 /// A key whose values change the sign of a difference, for the section.
 kainjow::mustache::data turn_of(const CandidateComparison& comparison, const KeyInteraction& one,
-                                std::size_t colour);
+                                Identity look);
 
 /// Adds the pairs of the failures, as add_paired_metric() does.
 void add_paired_failures(const CandidateComparison& comparison, kainjow::mustache::data& section);

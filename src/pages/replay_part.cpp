@@ -52,7 +52,7 @@ std::string unit_of_title(const std::string& title) {
   return is_one ? title.substr(open + 1, title.size() - open - 2) : "";
 }
 
-PageChart chart_of(const ShotList& shots, const std::vector<PictureRun>& runs,
+PageChart chart_of(const ShotList& shots, const ReplayData& data,
                    const std::vector<std::string>& labels, const ReplayOptions& options) {
   PageChart chart;
   chart.id = options.id + "-shots";
@@ -61,25 +61,35 @@ PageChart chart_of(const ShotList& shots, const std::vector<PictureRun>& runs,
   const std::string unit = unit_of_title(shots.chart_title);
   if (!unit.empty()) chart.title = shots.chart_title.substr(0, shots.chart_title.rfind('['));
   while (chart.title.ends_with(' ')) chart.title.pop_back();
-  for (std::size_t i = 0; i < runs.size(); ++i) {
-    for (const ChartLine& line : runs[i].lines) {
-      const bool is_first_alone = line.dashed && i > 0;  // a reference is equal for all runs
-      if (is_first_alone) continue;
+  const bool is_one = data.staged.size() == 1;
+  for (std::size_t i = 0; i < data.staged.size(); ++i) {
+    for (const ChartLine& line : data.staged[i].lines) {
+      const bool is_reference = line.identity == kReferenceIdentity;
+      if (is_reference && i > 0) continue;  // it is equal for all runs
       ChartSeries series;
-      series.label = runs.size() > 1 && !line.dashed ? labels[i] + ", " + line.label : line.label;
+      series.label = is_one || is_reference ? line.label : labels[i] + ", " + line.label;
       series.unit = unit;
       series.values = line.series;
-      series.is_reference = line.dashed;
+      if (is_one || is_reference) series.identity = line.identity;
       // With several runs each run has one line in its colour. The user can switch on its other
       // lines.
-      if (runs.size() > 1) {
-        series.colour = static_cast<int>(i);
-        series.is_off = !line.dashed && &line != &runs[i].lines.front();
-      }
+      if (!is_one && &line == &data.staged[i].lines.front()) series.identity = data.identities[i];
+      series.is_off = !series.identity;
       chart.series.push_back(series);
     }
   }
   return chart;
+}
+
+// When the page begins: a little before the moment that it is about.
+double begin_of(const ShotList& shots, const FinishedRun& run, const Window& window) {
+  constexpr double kShare = 0.02;
+  const auto moment =
+      std::find_if(shots.moments.begin(), shots.moments.end(),
+                   [&](const ShotMoment& one) { return one.caption == shots.page.opens_before; });
+  const auto time_s = moment == shots.moments.end() ? std::nullopt : time_of(*moment, run);
+  if (!time_s) return window.from_s;
+  return std::max(run.times_s().front(), *time_s - kShare * (window.to_s - window.from_s));
 }
 
 }  // namespace
@@ -90,13 +100,15 @@ ReplayPart replay_part(const std::deque<FinishedRun>& runs, const std::vector<st
   part.shots = shot_list(runs.front().shots_file());
   std::vector<LabelledRun> labelled;
   for (std::size_t i = 0; i < runs.size(); ++i) labelled.push_back({runs[i], labels[i]});
-  const ReplayData data = replay_data(labelled, part.shots, options.camera);
+  const ReplayData data = replay_data(
+      labelled, part.shots, options.camera.empty() ? part.shots.page.camera : options.camera);
+  part.identities = data.identities;
   part.window = data.window;
   part.is_whole =
       data.window.to_s - data.window.from_s > 0.98 * (data.whole.to_s - data.whole.from_s);
   part.notes = data.notes;
   if (!part.shots.lines.empty()) {
-    part.chart = chart_of(part.shots, data.staged, labels, options);
+    part.chart = chart_of(part.shots, data, labels, options);
     part.chart->from_s = part.window.from_s;
     part.chart->to_s = part.window.to_s;
     if (part.chart->series.empty()) part.chart.reset();
@@ -107,7 +119,7 @@ ReplayPart replay_part(const std::deque<FinishedRun>& runs, const std::vector<st
                   part.shots.title.empty() ? runs.front().scenario().summary() : part.shots.title);
   part.box.set("id", options.id);
   part.box.set("group", options.group);
-  part.box.set("time", fmt::format("{:g}", part.window.from_s));
+  part.box.set("time", fmt::format("{:.6g}", begin_of(part.shots, runs.front(), part.window)));
   part.box.set("alt", about);
   part.box.set("json", data.json);
   if (!strip.empty()) {

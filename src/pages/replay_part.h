@@ -19,9 +19,10 @@ struct ReplayPart {
   kainjow::mustache::data box;     ///< for the template replay_box.mustache
   std::optional<PageChart> chart;  ///< the lines of the shot list
   ShotList shots;
-  Window window;                   ///< the time window of the shot list for these runs
-  bool is_whole = false;           ///< the window covers nearly the whole run
-  std::vector<std::string> notes;  ///< one line for each missing part
+  std::vector<Identity> identities;  ///< one for each run
+  Window window;                     ///< the time window of the shot list for these runs
+  bool is_whole = false;             ///< the window covers nearly the whole run
+  std::vector<std::string> notes;    ///< one line for each missing part
 };
 
 struct ReplayOptions {

@@ -92,9 +92,10 @@ int compare(const Catalogue& catalogue, const RunsArguments& arguments) {
   for (const char* kind : {"svg", "pdf"}) {
     if (!(kind[0] == 's' ? arguments.svg : arguments.pdf)) continue;
     const fs::path file = out / (std::string("compare.") + kind);
-    const int made = draw_figure({folders, comparison.labels(), comparison.signals(),
-                                  arguments.choice.from_s, arguments.choice.to_s},
-                                 file);
+    const int made =
+        draw_figure({folders, comparison.labels(), comparison.looks(), comparison.signals(),
+                     arguments.choice.from_s, arguments.choice.to_s},
+                    file);
     if (made != kSuccess) status = made;
     if (made == kSuccess) written.push_back(file);
   }

@@ -3,111 +3,180 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <set>
+
+#include <breakwater/pages/html_page.h>
+#include <breakwater/pages/labels.h>
 
 namespace breakwater {
 namespace {
 
-// The kinds of a signal, as its name has them.
-const std::set<std::string> kKinds = {"true",   "measured",  "hat",     "estimate",
-                                      "ref",    "reference", "command", "applied",
-                                      "sensor", "filtered",  "raw"};
-const std::set<std::string> kReferences = {"ref", "reference"};
-
-std::vector<std::string> words_of(const std::string& name) {
-  std::vector<std::string> words(1);
-  for (const char c : name) {
-    if (c == '_') {
-      words.emplace_back();
-    } else {
-      words.back() += c;
-    }
-  }
-  return words;
-}
-
-// A unit as the end of a name: "rad_s2" for "rad/s^2".
-std::string suffix_of(const std::string& unit) {
-  std::string suffix = "_";
-  for (const char c : unit) {
-    if (c == '/') suffix += '_';
-    if (std::isalnum(static_cast<unsigned char>(c)) != 0) suffix += c;
-  }
-  return suffix;
-}
-
-std::string without_unit(const std::string& signal, const std::string& unit) {
-  for (const std::string& one : {unit, unit.substr(0, unit.find(", "))}) {
-    // "²" has two bytes and neither is a letter.
-    std::string plain = one;
-    const std::size_t square = plain.find("²");
-    if (square != std::string::npos) plain.replace(square, std::string("²").size(), "2");
-    const std::string suffix = suffix_of(plain);
-    if (suffix.size() > 1 && signal.size() > suffix.size() && signal.ends_with(suffix)) {
-      return signal.substr(0, signal.size() - suffix.size());
-    }
-  }
-  return signal;
-}
-
-std::string joined(const std::vector<std::string>& words) {
-  return fmt::format("{}", fmt::join(words, " "));
-}
-
-// A name without its unit and its kind.
-std::string stem_of(const LogEntry& entry) {
-  const std::string& unit = entry.unit;
-  std::vector<std::string> words = words_of(without_unit(entry.name, unit));
-  const auto kind = std::find_if(words.begin(), words.end(),
-                                 [](const std::string& word) { return kKinds.contains(word); });
-  if (kind != words.end()) words.erase(kind);
-  return joined(words);
-}
-
-bool is_reference(const LogEntry& entry) {
-  const std::vector<std::string> words = words_of(entry.name);
-  return std::any_of(words.begin(), words.end(),
-                     [](const std::string& word) { return kReferences.contains(word); });
-}
+constexpr std::size_t kKeyCharts = 5;
 
 // The true signal comes first, then the measured one, then the estimates.
-std::size_t order_of(const LogEntry& entry) {
-  constexpr std::array<const char*, 4> kOrder = {"true", "measured", "hat", "estimate"};
-  const std::vector<std::string> words = words_of(entry.name);
-  for (std::size_t i = 0; i < kOrder.size(); ++i) {
-    if (std::find(words.begin(), words.end(), kOrder[i]) != words.end()) return i;
-  }
-  return kOrder.size();
+Identity order_of(const LogEntry& entry) {
+  const Identity role = role_of_signal(entry.name).value_or(kIdentityColours);
+  return role == kReferenceIdentity ? kIdentityColours : role;
 }
 
-// The name of the signal without an index: "NAME" for "NAME[3]".
+// The signal's name for "physics/NAME[3]".
 std::string bare(const std::string& name) {
-  return name.substr(0, name.find('['));
+  const std::size_t slash = name.find('/');
+  const std::size_t begin = slash == std::string::npos ? 0 : slash + 1;
+  return name.substr(begin, name.find('[') - begin);
+}
+
+// Another group may have the same signal at another rate.
+void add_kind(std::vector<LogEntry>& kinds, const LogEntry& entry) {
+  const auto same = std::find_if(kinds.begin(), kinds.end(),
+                                 [&](const LogEntry& kind) { return kind.name == entry.name; });
+  if (same == kinds.end()) {
+    kinds.push_back(entry);
+  } else if (entry.rows > same->rows) {
+    *same = entry;
+  }
+}
+
+// A value of a signal, and the signal's name.
+struct OneSignal {
+  LogEntry entry;
+  std::size_t index = 1;
+};
+
+// Makes the charts of one run. A signal is in one chart at most, and a constant one in none.
+class Charts {
+ public:
+  Charts(const SavedRun& run, const std::string& id) : run_(run), id_(id) {}
+
+  // One chart for each unit.
+  void add(const std::string& title, const std::vector<OneSignal>& signals,
+           std::vector<PageChart>& to) {
+    std::vector<PageChart> made;
+    for (const OneSignal& one : signals) {
+      const std::string name = place_of(one);
+      // The same of another group counts too.
+      if (!used_.emplace(one.entry.name, one.index).second) continue;
+      ChartSeries series = series_of(one, name);
+      const auto& values = series.values.values;
+      if (std::all_of(values.begin(), values.end(),
+                      [&](double value) { return value == values.front(); })) {
+        waiting_.emplace_back(name, std::move(series));
+        continue;
+      }
+      chart_of(series.unit, title, made).series.push_back(std::move(series));
+    }
+    add_constant_references(made);
+    for (PageChart& chart : made) {
+      chart.id = fmt::format("{}-{}", id_, ++count_);
+      // Another chart has the rest of the quantity already.
+      const bool is_rest = signals.size() > 1 && chart.series.size() == 1;
+      if (is_rest) chart.title += ", " + chart.series.front().label;
+      to.push_back(std::move(chart));
+    }
+  }
+
+  const std::vector<std::string>& constants() const { return constants_; }
+
+ private:
+  static std::string place_of(const OneSignal& one) {
+    return signal_path(one.entry) + (one.entry.width == 1 ? "" : fmt::format("[{}]", one.index));
+  }
+
+  ChartSeries series_of(const OneSignal& one, const std::string& name) const {
+    ChartSeries series;
+    series.label =
+        signal_label(one.entry) + (one.entry.width == 1 ? "" : fmt::format(" [{}]", one.index));
+    series.unit = one.entry.unit_of(one.index);
+    series.description = name + ": " + one.entry.description;
+    series.values = run_.signal(name);
+    series.identity = role_of_signal(one.entry.name);
+    return series;
+  }
+
+  PageChart& chart_of(const std::string& unit, const std::string& title,
+                      std::vector<PageChart>& made) const {
+    for (PageChart& chart : made) {
+      if (chart.series.front().unit == unit) return chart;
+    }
+    PageChart& chart = made.emplace_back();
+    chart.group = id_;
+    chart.title = title;
+    return chart;
+  }
+
+  // A reference that stands still says where the others should be.
+  void add_constant_references(std::vector<PageChart>& made) {
+    for (auto& [name, series] : waiting_) {
+      const std::string& unit = series.unit;
+      const bool is_reference = series.identity == kReferenceIdentity;
+      const auto chart = std::find_if(made.begin(), made.end(), [&](const PageChart& one) {
+        return one.series.front().unit == unit;
+      });
+      if (is_reference && chart != made.end()) {
+        chart->series.push_back(std::move(series));
+      } else if (!series.values.values.empty()) {
+        constants_.push_back(
+            fmt::format("{} = {}", name, format_number(series.values.values.front())));
+      }
+    }
+    waiting_.clear();
+  }
+
+  const SavedRun& run_;
+  const std::string& id_;
+  std::size_t count_ = 0;
+  std::set<std::pair<std::string, std::size_t>> used_;
+  std::vector<std::string> constants_;
+  std::vector<std::pair<std::string, ChartSeries>> waiting_;  // constant ones of one chart
+};
+
+std::vector<OneSignal> values_of(const LogEntry& entry) {
+  std::vector<OneSignal> all;
+  for (std::size_t i = 1; i <= entry.width; ++i) all.push_back({entry, i});
+  return all;
+}
+
+// The values of a shot list's names, of those that the run has.
+std::vector<OneSignal> named(const SavedRun& run, const std::vector<std::string>& names) {
+  std::vector<OneSignal> all;
+  for (const std::string& name : names) {
+    if (!run.has_signal(name)) continue;
+    const LogEntry& entry = run.entry(name);
+    const std::size_t open = name.find('[');
+    if (open == std::string::npos) {
+      const auto values = values_of(entry);
+      all.insert(all.end(), values.begin(), values.end());
+    } else {
+      all.push_back({entry, std::stoul(name.substr(open + 1))});
+    }
+  }
+  return all;
 }
 
 }  // namespace
 
-std::string readable_name(const std::string& signal, const std::string& unit) {
-  return joined(words_of(without_unit(signal, unit)));
+std::string signal_path(const LogEntry& entry) {
+  return entry.group == "control" ? entry.name : entry.group + "/" + entry.name;
 }
 
 std::vector<LoggedQuantity> quantities(const std::vector<LogEntry>& signals,
                                        const ShotList& shots) {
   std::vector<std::string> shown;
+  for (const ShotPage::KeyChart& chart : shots.page.charts) {
+    for (const std::string& name : chart.signals) shown.push_back(bare(name));
+  }
   for (const ShotLine& line : shots.lines) shown.push_back(bare(line.value));
   for (const ShotArrow& arrow : shots.arrows) shown.push_back(bare(arrow.signal));
   std::vector<LoggedQuantity> all;
   for (const LogEntry& entry : signals) {
     if (entry.name == "qpos" || entry.rows == 0) continue;
-    const std::string stem = stem_of(entry);
+    const std::string stem = quantity_of(entry);
     const auto found = std::find_if(all.begin(), all.end(), [&](const LoggedQuantity& quantity) {
       const LogEntry& first = quantity.kinds.front();
-      return first.group == entry.group && first.width == entry.width && first.unit == entry.unit &&
-             stem_of(first) == stem;
+      return first.width == entry.width && first.unit == entry.unit && quantity.title == stem;
     });
     if (found != all.end()) {
-      found->kinds.push_back(entry);
+      add_kind(found->kinds, entry);
     } else {
       all.push_back({stem, {entry}});
     }
@@ -116,22 +185,13 @@ std::vector<LoggedQuantity> quantities(const std::vector<LogEntry>& signals,
     std::stable_sort(
         quantity.kinds.begin(), quantity.kinds.end(),
         [](const LogEntry& a, const LogEntry& b) { return order_of(a) < order_of(b); });
-    const LogEntry& first = quantity.kinds.front();
-    quantity.rank = shown.size() + (first.group != "control"     ? 2
-                                    : quantity.kinds.size() == 1 ? 1
-                                                                 : 0);
+    quantity.rank = shown.size() + (quantity.kinds.size() == 1 ? 1 : 0);
     for (const LogEntry& kind : quantity.kinds) {
       const auto place = std::find(shown.begin(), shown.end(), kind.name);
-      if (kind.group == "control" && place != shown.end()) {
-        quantity.rank = std::min(quantity.rank, static_cast<std::size_t>(place - shown.begin()));
-      }
+      quantity.rank = std::min(quantity.rank, static_cast<std::size_t>(place - shown.begin()));
     }
-    if (quantity.kinds.size() == 1) {
-      quantity.title = readable_name(first.name, first.unit);
-    } else if (quantity.title.empty()) {
-      quantity.title = "input";  // command and applied alone leave no name
-    }
-    if (first.group != "control") quantity.title += " (" + first.group + ")";
+    // Command and applied are alone leave nothing.
+    quantity.title = quantity.title.empty() ? "Input" : capitalised(quantity.title);
   }
   std::stable_sort(all.begin(), all.end(), [](const LoggedQuantity& a, const LoggedQuantity& b) {
     return a.rank < b.rank;
@@ -139,48 +199,29 @@ std::vector<LoggedQuantity> quantities(const std::vector<LogEntry>& signals,
   return all;
 }
 
-std::vector<PageChart> signal_charts(const SavedRun& run, const std::string& id,
-                                     const ShotList& shots) {
-  std::vector<PageChart> charts;
-  const auto add = [&](const std::string& title) -> PageChart& {
-    PageChart& chart = charts.emplace_back();
-    chart.id = fmt::format("{}-{}", id, charts.size());
-    chart.group = id;
-    chart.title = title;
-    return chart;
-  };
-  const auto series = [&](const LogEntry& entry, std::size_t index) {
-    const std::string name = entry.group == "control" ? entry.name : entry.group + "/" + entry.name;
-    const std::string one = entry.width == 1 ? "" : fmt::format("[{}]", index);
-    ChartSeries made;
-    made.label = name + one;
-    made.unit = entry.unit_of(index);
-    made.description = entry.description;
-    made.values = run.signal(entry.group + "/" + entry.name + one);
-    return made;
-  };
+SignalCharts signal_charts(const SavedRun& run, const std::string& id, const ShotList& shots) {
+  SignalCharts made;
+  Charts charts(run, id);
+  for (const ShotPage::KeyChart& chart : shots.page.charts) {
+    charts.add(chart.title, named(run, chart.signals), made.key);
+  }
+  const bool has_own = !made.key.empty();
   for (const LoggedQuantity& quantity : quantities(run.signals(), shots)) {
+    std::vector<PageChart>& to = has_own || made.key.size() >= kKeyCharts ? made.others : made.key;
     const std::size_t width = quantity.kinds.front().width;
-    if (width == 1 || quantity.kinds.size() == 1) {
-      PageChart& chart = add(quantity.title);
-      for (const LogEntry& entry : quantity.kinds) {
-        for (std::size_t i = 1; i <= width; ++i) {
-          chart.series.push_back(series(entry, i));
-          chart.series.back().is_reference =
-              width == 1 && quantity.kinds.size() > 1 && is_reference(entry);
-        }
-      }
+    if (quantity.kinds.size() == 1) {
+      charts.add(quantity.title, values_of(quantity.kinds.front()), to);
       continue;
     }
     for (std::size_t i = 1; i <= width; ++i) {
-      PageChart& chart = add(fmt::format("{}[{}]", quantity.title, i));
-      for (const LogEntry& entry : quantity.kinds) {
-        chart.series.push_back(series(entry, i));
-        chart.series.back().is_reference = is_reference(entry);
-      }
+      std::vector<OneSignal> kinds;
+      for (const LogEntry& entry : quantity.kinds) kinds.push_back({entry, i});
+      charts.add(width == 1 ? quantity.title : fmt::format("{} [{}]", quantity.title, i), kinds,
+                 to);
     }
   }
-  return charts;
+  made.constants = charts.constants();
+  return made;
 }
 
 }  // namespace breakwater

@@ -10,23 +10,29 @@
 
 namespace breakwater {
 
-/// Signals of one quantity in one group, with equal width and unit. They differ in their kind:
-/// true, measured, estimated, reference, commanded or applied.
+/// Signals of one width and unit. They differ by their roles in a their kind: true,
+/// measured, estimated, reference, commanded or applied. One that two groups have is here once,
+/// from the group with more rows.
 struct LoggedQuantity {
-  std::string title;  ///< "contact force", without its unit
+  std::string title;  ///< "Contact force", without its unit
   std::vector<LogEntry> kinds;
   std::size_t rank = 0;
 };
 
 /// All quantities of a log. First come those of the shot list in its order, then those of several
-/// kinds, then the others, last those of other groups than `control`.
+/// kinds, then the others.
 std::vector<LoggedQuantity> quantities(const std::vector<LogEntry>& signals, const ShotList& shots);
 
-/// The name of a signal without its unit: "force true" for "force_true_N".
-std::string readable_name(const std::string& signal, const std::string& unit);
+/// "physics/force_true_N"; a signal of the group `control` goes without "force_true_N".
+std::string signal_path(const LogEntry& entry);
 
-/// One chart for each quantity. A vector of several kinds has one chart for each of its values.
-std::vector<PageChart> signal_charts(const SavedRun& run, const std::string& id,
-                                     const ShotList& shots);
+struct SignalCharts {
+  std::vector<PageChart> key;  ///< the shot list's page has them, or they are the first quantities
+  std::vector<PageChart> others;       ///< one for each other quantity. A vector of several values
+  std::vector<std::string> constants;  ///< "saturated = 0": signals that no chart shows
+};
+
+/// No signal is in two charts, and no chart has two units.
+SignalCharts signal_charts(const SavedRun& run, const std::string& id, const ShotList& shots);
 
 }  // namespace breakwater

@@ -64,11 +64,12 @@ std::string draw(const LineChart& chart) {
     return all;
   };
   for (std::size_t c = 0; c < chart.lines.size() && !chart.is_share; ++c) {
-    plot.path("band " + series_class(c), band_path(points(chart.lines[c], &LineMark::upper),
-                                                   points(chart.lines[c], &LineMark::lower)));
+    plot.path("band " + series_class(chart.looks[c]),
+              band_path(points(chart.lines[c], &LineMark::upper),
+                        points(chart.lines[c], &LineMark::lower)));
   }
   for (std::size_t c = 0; c < chart.lines.size(); ++c) {
-    const std::string name = series_class(c);
+    const std::string name = series_class(chart.looks[c]);
     plot.path("line " + name, line_path(points(chart.lines[c], &LineMark::y)));
     plot.add(fmt::format("<g class=\"{}\">", name));
     for (const LineMark& mark : chart.lines[c]) {
@@ -262,9 +263,9 @@ std::string draw(const ParallelChart& chart) {
   return plot.svg();
 }
 
-std::string draw_box(const QuantileBand& band, std::size_t colour, double low, double high) {
+std::string draw_box(const QuantileBand& band, Identity look, double low, double high) {
   constexpr double kBox = 150.0;
-  SvgPlot plot(fmt::format("box {}", series_class(colour)), kBox, 18.0, "");
+  SvgPlot plot(fmt::format("box {}", series_class(look)), kBox, 18.0, "");
   if (band.measured > 0) {
     const ChartScale x(low, high, is_for_log(low, high), 3.0, kBox - 3.0);
     plot.path("line", fmt::format("M{} 9H{}", px(x(band.q10)), px(x(band.q90))));
@@ -275,8 +276,8 @@ std::string draw_box(const QuantileBand& band, std::size_t colour, double low, d
 }
 
 std::string draw_indices(const SensitivityIndex& first_order, const SensitivityIndex& total,
-                         std::size_t colour) {
-  SvgPlot plot(fmt::format("box {}", series_class(colour)), 150.0, 22.0, "");
+                         Identity look) {
+  SvgPlot plot(fmt::format("box {}", series_class(look)), 150.0, 22.0, "");
   plot.path("axis", "M4 0V22M146 0V22");
   const auto x = [](double index) { return px(4.0 + 142.0 * std::clamp(index, -0.02, 1.02)); };
   const auto row = [&](const SensitivityIndex& index, double y, const char* name) {

@@ -8,11 +8,12 @@
 #include <vector>
 
 #include <breakwater/pages/quantile_bands.h>
+#include <breakwater/render/identity.h>
 #include <breakwater/statistics/sensitivity.h>
 
 namespace breakwater {
 
-// Classes of colours: c0, c1, … for the candidates (svg_plot.h), h0 … h23 for values from small to
+// Classes of colours: c0, c1, … for the identities' (svg_plot.h), h0 … h23 for values from small to
 // large (data/report/study.css). The attribute data-r lists the runs of a mark: indices into the
 // page's list, separated by commas.
 
@@ -36,6 +37,7 @@ struct LineChart {
   std::vector<std::string> x_labels;         ///< labels of the groups; empty: a numeric axis
   bool is_share = false;                     ///< the y axis is from 0 to 1
   std::vector<std::vector<LineMark>> lines;  ///< for each candidate a mark per group
+  std::vector<Identity> looks;               ///< one for each line
 };
 
 /// Draws lines through medians, with bands. Crosses at the bottom mark failed runs.
@@ -87,10 +89,10 @@ std::string draw(const ParallelChart& chart);
 
 /// Draws 10 to 90 % as a line, the quartiles as a box, and the median, on an axis common to all
 /// rows.
-std::string draw_box(const QuantileBand& band, std::size_t colour, double low, double high);
+std::string draw_box(const QuantileBand& band, Identity look, double low, double high);
 
 /// Draws a first-order and a total index with their intervals, on an axis from 0 to 1.
 std::string draw_indices(const SensitivityIndex& first_order, const SensitivityIndex& total,
-                         std::size_t colour);
+                         Identity look);
 
 }  // namespace breakwater

@@ -7,10 +7,14 @@
 #include <vector>
 
 #include <breakwater/config/toml_text.h>
+#include <breakwater/experiment/saved_run.h>
 #include <breakwater/pages/html_page.h>
+#include <breakwater/pages/labels.h>
 #include <breakwater/pages/paired_rows.h>
+#include <breakwater/pages/study_finding.h>
 #include <breakwater/pages/study_sections.h>
 #include <breakwater/pages/svg_plot.h>
+#include <breakwater/pictures/staging.h>
 #include <breakwater/record/partial_file.h>
 #include <breakwater/shell/child_program.h>
 #include <breakwater/shell/process.h>
@@ -182,10 +186,26 @@ void add_turns(const CandidateComparison& comparison, const std::string& metric,
   mustache::data turns(mustache::data::type::list);
   for (const KeyInteraction& one : comparison.interactions) {
     if (one.metric != metric || !one.turns || left == 0) continue;
-    turns << turn_of(comparison, one, sections.colour(one.candidate));
+    turns << turn_of(comparison, one, sections.look(one.candidate));
     --left;
   }
   section.set("turns", turns);
+}
+
+std::string label_of(const std::string& metric) {
+  return metric_label_with_unit(metric, unit_of(metric));
+}
+
+// A sentence of each of the first metrics.
+mustache::data findings(const std::optional<CandidateComparison>& comparison,
+                        const std::vector<std::string>& metrics) {
+  constexpr std::size_t kMostFindings = 2;
+  mustache::data all(mustache::data::type::list);
+  for (std::size_t m = 0; comparison && m < std::min(metrics.size(), kMostFindings); ++m) {
+    const std::string text = finding(*comparison, metrics[m]);
+    if (!text.empty()) all << mustache::data("text", text);
+  }
+  return all;
 }
 
 // The table of all metrics: the median for each of the first candidates.
@@ -202,7 +222,8 @@ void add_overview(mustache::data& page, const StudySections& sections, const Stu
   for (std::size_t m = 0; m < numbers.metrics.size(); ++m) {
     const std::vector<QuantileBand> all = sections.by_candidate(m);
     mustache::data row;
-    row.set("name", numbers.metrics[m]);
+    row.set("name", label_of(numbers.metrics[m]));
+    row.set("about", numbers.metrics[m]);
     if (m < sections.detail().metrics) row.set("href", fmt::format("metric-{}", m + 1));
     mustache::data cells(mustache::data::type::list);
     for (std::size_t c = 0; c < shown; ++c) {
@@ -236,6 +257,7 @@ void write_study_report(const Catalogue& catalogue, const Plan& plan, const Shar
   const Study& study = plan.study();
   const auto scenario = make_scenario(catalogue, study.scenario);
   std::vector<std::string> first = study.named_metrics();
+  for (const std::string& metric : scenario->main_metrics()) first.push_back(metric);
   for (const std::string& metric : scenario->matrix().metrics) first.push_back(metric);
   const StudyNumbers numbers = study_numbers(plan, index, first);
   std::vector<std::string> labels;
@@ -246,7 +268,9 @@ void write_study_report(const Catalogue& catalogue, const Plan& plan, const Shar
     write_indices(indices, numbers, labels, folder.path() / "indices.csv");
   }
   RunList runs;
-  const StudySections sections(plan, index, numbers, indices, labels, runs);
+  const std::vector<Identity> looks =
+      candidate_identities(labels, cases_of(catalogue, study.scenario));
+  const StudySections sections(plan, index, numbers, indices, labels, looks, runs);
 
   mustache::data page;
   mustache::data toc(mustache::data::type::list);
@@ -270,15 +294,14 @@ void write_study_report(const Catalogue& catalogue, const Plan& plan, const Shar
                          "study’s samples and seeds; failures are counted over all runs.",
                          numbers.runs.size()));
   }
-  contents("study", "The study");
-  if (!numbers.metrics.empty()) contents("metrics", "All metrics");
+  contents("study", "Finding");
 
   mustache::data legend(mustache::data::type::list);
   for (std::size_t i = 0; i < sections.drawn().size(); ++i) {
     const std::string& label = labels[sections.drawn()[i]];
     mustache::data one;
     one.set("label", label == study.baseline ? label + " (baseline)" : label);
-    one.set("colour", series_class(i));
+    one.set("colour", series_class(sections.look(sections.drawn()[i])));
     legend << one;
   }
   page.set("legend", legend);
@@ -297,7 +320,7 @@ void write_study_report(const Catalogue& catalogue, const Plan& plan, const Shar
       add_turns(*comparison, numbers.metrics[m], sections, turns_left, section);
     }
     metrics << section;
-    contents(fmt::format("metric-{}", m + 1), numbers.metrics[m]);
+    contents(fmt::format("metric-{}", m + 1), label_of(numbers.metrics[m]));
   }
   page.set("metrics", metrics);
   page.set("has_metrics", sections.detail().metrics > 0);
@@ -314,6 +337,9 @@ void write_study_report(const Catalogue& catalogue, const Plan& plan, const Shar
     page.set("failures", failures);
     contents(kFailuresId, "Failed runs");
   }
+  if (!numbers.metrics.empty()) contents("metrics", "All metrics");
+  contents("set-up", "Set-up");
+  page.set("findings", findings(comparison, numbers.metrics));
   add_overview(page, sections, numbers, labels);
   page.set("toc", toc);
   page.set("runs", runs.json(plan, index));

@@ -7,8 +7,10 @@
 #include <nlohmann/json.hpp>
 
 #include <breakwater/config/toml_text.h>
+#include <breakwater/experiment/saved_run.h>
 #include <breakwater/pages/chart_scale.h>
 #include <breakwater/pages/html_page.h>
+#include <breakwater/pages/labels.h>
 #include <breakwater/pages/svg_plot.h>
 #include <breakwater/shell/table.h>
 
@@ -122,22 +124,29 @@ struct StudySections::Output {
   std::vector<std::uint32_t> order;
 };
 
+std::string StudySections::title_of(const Output& output) {
+  return output.is_failures ? output.name
+                            : metric_label_with_unit(output.name, unit_of(output.name));
+}
+
 StudySections::StudySections(const Plan& plan, const ShardIndex& index, const StudyNumbers& numbers,
                              const std::vector<OutputIndices>& indices,
-                             const std::vector<std::string>& labels, RunList& runs)
+                             const std::vector<std::string>& labels,
+                             const std::vector<Identity>& looks, RunList& runs)
     : plan_(plan),
       index_(index),
       numbers_(numbers),
       indices_(indices),
       labels_(labels),
+      looks_(looks),
       runs_(runs),
       detail_(study_detail(plan, numbers.metrics.size())) {
   for (std::size_t c = 0; c < std::min(labels.size(), kMostDrawn); ++c) drawn_.push_back(c);
   for (std::size_t c = kMostDrawn; c < labels.size(); ++c) {
     if (plan.candidates()[c].label == plan.study().baseline) drawn_.back() = c;
   }
-  colour_of_.assign(labels.size(), drawn_.size());
-  for (std::size_t i = 0; i < drawn_.size(); ++i) colour_of_[drawn_[i]] = i;
+  place_of_.assign(labels.size(), drawn_.size());
+  for (std::size_t i = 0; i < drawn_.size(); ++i) place_of_[drawn_[i]] = i;
 
   if (has_heat_maps(plan.study())) {
     std::size_t columns = numbers.keys[0].values.size(), rows = columns;
@@ -190,16 +199,17 @@ std::string StudySections::line_chart(const Output& output, const KeyGroups& key
   const std::vector<QuantileBand> all =
       bands(numbers_, output.column, output.order, (drawn_.size() + 1) * key.size(),
             [&](const StudyRun& run) {
-              return colour_of_[run.candidate] * key.size() + key.of_sample[run.sample];
+              return place_of_[run.candidate] * key.size() + key.of_sample[run.sample];
             });
   LineChart chart;
   chart.x_title = key.name;
-  chart.y_title = output.name;
+  chart.y_title = title_of(output);
   chart.is_log_x = key.is_log;
   chart.is_share = output.is_failures;
   chart.x = key.centre;
   if (!key.is_number || (!key.is_binned && key.size() <= 8)) chart.x_labels = key.labels;
   for (std::size_t i = 0; i < drawn_.size(); ++i) {
+    chart.looks.push_back(looks_[drawn_[i]]);
     std::vector<LineMark>& line = chart.lines.emplace_back();
     for (std::size_t g = 0; g < key.size(); ++g) {
       const QuantileBand& band = all[i * key.size() + g];
@@ -228,7 +238,7 @@ void StudySections::add_heat_maps(const Output& output, mustache::data& section)
   const std::size_t cells = x.size() * y.size();
   const std::vector<QuantileBand> all = bands(
       numbers_, output.column, output.order, (drawn_.size() + 1) * cells, [&](const StudyRun& run) {
-        return colour_of_[run.candidate] * cells + y.of_sample[run.sample] * x.size() +
+        return place_of_[run.candidate] * cells + y.of_sample[run.sample] * x.size() +
                x.of_sample[run.sample];
       });
   const auto value_of_cell = [&](const QuantileBand& band) {
@@ -340,7 +350,7 @@ mustache::data StudySections::index_rows(const Output& output) const {
       row.set("first", index_text(one.indices.first_order[k]));
       row.set("total", index_text(one.indices.total[k]));
       row.set("svg", draw_indices(one.indices.first_order[k], one.indices.total[k],
-                                  colour_of_[one.candidate]));
+                                  looks_[one.candidate]));
       rows << row;
     }
   }
@@ -360,7 +370,7 @@ mustache::data StudySections::comparison(const Output& output) const {
     const QuantileBand& band = all[c];
     mustache::data row;
     row.set("label", labels_[c]);
-    row.set("colour", series_class(colour_of_[c]));
+    row.set("colour", series_class(looks_[c]));
     row.set("runs", std::to_string(band.runs));
     row.set("failed", std::to_string(band.failed));
     row.set("any_failed", band.failed > 0);
@@ -370,7 +380,7 @@ mustache::data StudySections::comparison(const Output& output) const {
       row.set("has_values", true);
       row.set("quartiles", format_number(band.q25) + " to " + format_number(band.q75));
       row.set("tenths", format_number(band.q10) + " to " + format_number(band.q90));
-      row.set("svg", draw_box(band, colour_of_[c], low, high));
+      row.set("svg", draw_box(band, looks_[c], low, high));
       const auto run = [&](const char* name, double value, std::size_t point) {
         mustache::data one;
         one.set("value", format_number(value));
@@ -394,7 +404,8 @@ mustache::data StudySections::section(std::optional<std::size_t> metric) const {
                          in_order(column)};
   mustache::data section;
   section.set("id", metric ? fmt::format("metric-{}", *metric + 1) : kFailuresId);
-  section.set("name", metric ? output.name : "Failed runs");
+  section.set("name", metric ? title_of(output) : "Failed runs");
+  section.set("about", output.name);
   section.set("is_failures", output.is_failures);
   section.set("is_metric", !output.is_failures);
   section.set("comparison", comparison(output));

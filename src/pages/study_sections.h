@@ -49,17 +49,14 @@ class RunList {
 /// Makes the sections of one study's metrics.
 class StudySections {
  public:
-  /// `labels` are the names of the candidates. All references must outlive the object.
+  /// `labels` and `looks` are the names of the candidates. All references must outlive the object.
   StudySections(const Plan& plan, const ShardIndex& index, const StudyNumbers& numbers,
                 const std::vector<OutputIndices>& indices, const std::vector<std::string>& labels,
-                RunList& runs);
+                const std::vector<Identity>& looks, RunList& runs);
 
   /// The candidates with lines and heat maps, in the order of their colours.
   const std::vector<std::size_t>& drawn() const { return drawn_; }
-  /// The colour of a candidate. A candidate that is not drawn has that of the last one.
-  std::size_t colour(std::size_t candidate) const {
-    return std::min(colour_of_[candidate], drawn_.size() - 1);
-  }
+  Identity look(std::size_t candidate) const { return looks_[candidate]; }
   const StudyDetail& detail() const { return detail_; }
 
   /// The template's data of a metric, or of the failures without `metric`.
@@ -69,6 +66,7 @@ class StudySections {
 
  private:
   struct Output;  // a metric or the failures
+  static std::string title_of(const Output& output);
   std::vector<QuantileBand> bands_of(const Output& output) const;
   std::string line_chart(const Output& output, const KeyGroups& key) const;
   void add_heat_maps(const Output& output, kainjow::mustache::data& section) const;
@@ -81,14 +79,15 @@ class StudySections {
   const StudyNumbers& numbers_;
   const std::vector<OutputIndices>& indices_;
   const std::vector<std::string>& labels_;
+  const std::vector<Identity>& looks_;
   RunList& runs_;
   StudyDetail detail_;
   std::vector<std::size_t> drawn_;
-  std::vector<std::size_t> colour_of_;  // by candidate; drawn_.size(): not drawn
-  std::vector<KeyGroups> keys_;         // for line charts
-  std::vector<KeyEffect> effects_;      // one per entry of `keys_`
-  std::vector<KeyGroups> sides_;        // for heat maps
-  std::vector<std::uint32_t> lines_;    // single runs that did not fail
+  std::vector<std::size_t> place_of_;  // by candidate in drawn_; drawn_.size(): not drawn
+  std::vector<KeyGroups> keys_;        // for line charts
+  std::vector<KeyEffect> effects_;     // one per entry of `keys_`
+  std::vector<KeyGroups> sides_;       // for heat maps
+  std::vector<std::uint32_t> lines_;   // single runs that did not fail
   std::vector<FailedRun> failed_;
 };
 

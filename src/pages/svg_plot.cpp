@@ -11,8 +11,6 @@
 namespace breakwater {
 namespace {
 
-constexpr std::size_t kColours = 10;  // in data/report/page.css
-
 std::string points_path(const std::vector<PlotPoint>& points, char first) {
   std::string path;
   for (const auto& [x, y] : points) {
@@ -67,8 +65,9 @@ std::string shortened(const std::string& text, std::size_t most) {
   return text;
 }
 
-std::string series_class(std::size_t i) {
-  return fmt::format("c{}{}", i % kColours, i < kColours ? "" : " dashed");
+std::string series_class(Identity identity) {
+  return fmt::format("c{} d{}", identity < 0 ? kIdentityColours : identity % kIdentityColours,
+                     dash_number(identity));
 }
 
 std::string cross_path(double x, double y, double half) {
@@ -76,10 +75,11 @@ std::string cross_path(double x, double y, double half) {
                      px(2.0 * half), px(-2.0 * half), px(-2.0 * half), px(2.0 * half));
 }
 
-std::string spot_path(double x, double y, std::size_t series) {
+std::string spot_path(double x, double y, Identity identity) {
   constexpr std::array<const char*, 3> kShapes = {"m-3 0a3 3 0 1 0 6 0a3 3 0 1 0 -6 0z",
                                                   "m0 -4l4 4l-4 4l-4 -4z", "m-3 -3h6v6h-6z"};
-  return fmt::format("M{} {}{}", px(x), px(y), kShapes[series / kColours % kShapes.size()]);
+  return fmt::format("M{} {}{}", px(x), px(y),
+                     kShapes[static_cast<std::size_t>(dash_number(identity)) % kShapes.size()]);
 }
 
 std::string line_path(const std::vector<PlotPoint>& points) {
@@ -144,7 +144,10 @@ void SvgPlot::frame(const PlotArea& area) {
 }
 
 void SvgPlot::y_grid(const PlotArea& area, const ChartScale& y, int count) {
-  for (const ChartScale::Tick& tick : y.ticks(count)) {
+  constexpr std::size_t kFewest = 4;
+  std::vector<ChartScale::Tick> ticks = y.ticks(count);
+  if (ticks.size() < kFewest) ticks = y.ticks(2 * count);
+  for (const ChartScale::Tick& tick : ticks) {
     const double at = y(tick.value);
     path("grid", fmt::format("M{} {}H{}", px(area.left), px(at), px(area.right)));
     text(area.left - 5.0, at + 3.5, "end", tick.label);

@@ -7,11 +7,12 @@
 #include <vector>
 
 #include <breakwater/pages/chart_scale.h>
+#include <breakwater/render/identity.h>
 
 namespace breakwater {
 
 // Colours and font sizes are in data/report/page.css and drawn.css. The classes c0, c1, … are those
-// of the series. The unit of length is a pixel on a phone.
+// identities'. the series. The unit of length is a pixel on a phone.
 
 inline constexpr double kLetterWidth = 6.2;
 
@@ -24,17 +25,17 @@ std::string px(double value);
 /// Cuts a text to at most `most` letters.
 std::string shortened(const std::string& text, std::size_t most);
 
-/// The class of the colour of series i, with dashes once all colours are used.
-std::string series_class(std::size_t i);
+/// The classes of an identity's colour and dash.
+std::string series_class(Identity identity);
 
 /// SVG elements: a text, with a class unless `name` is empty; a dot.
 std::string svg_text(double x, double y, const char* anchor, const std::string& text,
                      const std::string& name = "");
 std::string svg_dot(double x, double y);
 
-/// SVG paths: an oblique cross; a spot in the shape of series i.
+/// SVG paths: an oblique cross; a spot in an identity's shape.
 std::string cross_path(double x, double y, double half);
-std::string spot_path(double x, double y, std::size_t series);
+std::string spot_path(double x, double y, Identity identity);
 
 using PlotPoint = std::pair<double, double>;
 /// A line through the finite points, with gaps at the others.

@@ -4,10 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <optional>
 
 #include <breakwater/config/names.h>
+#include <breakwater/experiment/saved_run.h>
 #include <breakwater/pages/html_page.h>
+#include <breakwater/pages/labels.h>
 #include <breakwater/pages/svg_plot.h>
+#include <breakwater/pictures/staging.h>
 #include <breakwater/record/partial_file.h>
 #include <breakwater/search/tuning_outputs.h>
 #include <breakwater/shell/table.h>
@@ -63,7 +68,8 @@ double value_of(const std::optional<Evaluation>& evaluation, std::size_t objecti
   return evaluation->objectives[objective].value;
 }
 
-std::string front_chart(const TuningPlan& plan, const TuningResult& result) {
+std::string front_chart(const TuningPlan& plan, const TuningResult& result,
+                        const std::vector<Identity>& looks, std::size_t chosen) {
   const Tuning& tuning = plan.tuning();
   std::vector<Mark> marks;
   PlotRange x_range, y_range;
@@ -83,7 +89,8 @@ std::string front_chart(const TuningPlan& plan, const TuningResult& result) {
   }
   const ChartScale x = across(x_range), y = upwards(y_range);
   const auto title = [&](const Objective& one) {
-    return fmt::format("{} ({})", one.metric, name_of(over_names(), one.over));
+    return fmt::format("{}, {}", metric_label_with_unit(one.metric, unit_of(one.metric)),
+                       name_of(over_names(), one.over));
   };
   SvgPlot plot = axes(x, y, title(tuning.objectives[0]), title(tuning.objectives[1]),
                       "The fronts of all cases; the table below has the numbers");
@@ -95,21 +102,29 @@ std::string front_chart(const TuningPlan& plan, const TuningResult& result) {
       if (mark.tuned == c) points.emplace_back(x(mark.x), y(mark.y));
     }
     std::sort(points.begin(), points.end());
-    plot.path("line faint " + series_class(c), line_path(points));
+    plot.path("line faint " + series_class(looks[c]), line_path(points));
   }
   for (const Mark& mark : marks) {
-    plot.add(fmt::format("<g class=\"{}\"><title>{}</title>", series_class(mark.tuned),
+    plot.add(fmt::format("<g class=\"{}\"><title>{}</title>", series_class(looks[mark.tuned]),
                          xml_text(mark.text)));
     if (!std::isnan(mark.x_fresh)) {
       plot.path("x", cross_path(x(mark.x_fresh), y(mark.y_fresh), 3.0));
     }
-    plot.path("spot", spot_path(x(mark.x), y(mark.y), mark.tuned));
+    plot.path("spot", spot_path(x(mark.x), y(mark.y), looks[mark.tuned]));
+    const auto number = static_cast<std::size_t>(&mark - marks.data()) + 1;
+    if (number == chosen) {
+      plot.add(fmt::format("<circle class=\"chosen\" cx=\"{}\" cy=\"{}\" r=\"8\"/>", px(x(mark.x)),
+                           px(y(mark.y))));
+      const bool is_right = x(mark.x) > 0.5 * (kFrontArea.left + kFrontArea.right);
+      plot.text(x(mark.x) + (is_right ? -12.0 : 12.0), y(mark.y) + 3.5, is_right ? "end" : "start",
+                fmt::format("point {}", number), "title");
+    }
     plot.add("</g>");
   }
   return plot.svg();
 }
 
-std::string volume_chart(const TuningResult& result) {
+std::string volume_chart(const TuningResult& result, const std::vector<Identity>& looks) {
   PlotRange x_range, y_range;
   for (const TunedFront& front : result.fronts) {
     for (const auto& [evaluations, volume] : front.hypervolume) {
@@ -125,9 +140,70 @@ std::string volume_chart(const TuningResult& result) {
     for (const auto& [evaluations, volume] : result.fronts[c].hypervolume) {
       points.emplace_back(x(static_cast<double>(evaluations)), y(volume));
     }
-    plot.path("line " + series_class(c), line_path(points));
+    plot.path("line " + series_class(looks[c]), line_path(points));
   }
   return plot.svg();
+}
+
+// The point that is nearest to the best of all objectives, each over its range on the fronts: of
+// fresh worlds where they were met.
+struct ChosenPoint {
+  std::size_t front = 0, point = 0, label = 0;
+};
+std::optional<ChosenPoint> chosen_point(const Tuning& tuning, const TuningResult& result) {
+  std::vector<std::vector<double>> values;
+  std::vector<ChosenPoint> points;
+  std::size_t label = 0;
+  for (std::size_t f = 0; f < result.fronts.size(); ++f) {
+    for (std::size_t k = 0; k < result.fronts[f].points.size(); ++k) {
+      const FrontPoint& point = result.fronts[f].points[k];
+      ++label;
+      if (point.fresh && point.fresh->failures > 0) continue;
+      values.push_back(minimised(tuning, point.fresh.value_or(point.tuned)));
+      points.push_back({f, k, label});
+    }
+  }
+  std::vector<PlotRange> ranges(tuning.objectives.size());
+  for (const auto& all : values) {
+    for (std::size_t i = 0; i < all.size(); ++i) ranges[i].add(all[i]);
+  }
+  std::optional<ChosenPoint> chosen;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    double distance = 0.0;
+    for (std::size_t i = 0; i < ranges.size(); ++i) {
+      const double width = ranges[i].high - ranges[i].low;
+      const double part = width > 0.0 ? (values[k][i] - ranges[i].low) / width : 0.0;
+      distance += part * part;
+    }
+    if (distance < least) {
+      least = distance;
+      chosen = points[k];
+    }
+  }
+  return chosen;
+}
+
+// "Point 3 of hpfc-2N: Peak force, filtered 2.3 N (95 %: 2.2 to 2.4), …".
+std::string in_words(const Tuning& tuning, const TuningResult& result, const ChosenPoint& chosen) {
+  const TunedFront& front = result.fronts[chosen.front];
+  const FrontPoint& point = front.points[chosen.point];
+  const Evaluation& shown = point.fresh ? *point.fresh : point.tuned;
+  std::vector<std::string> parts;
+  for (std::size_t i = 0; i < tuning.objectives.size(); ++i) {
+    const std::string& metric = tuning.objectives[i].metric;
+    const GatheredValue& value = shown.objectives[i];
+    const std::string unit = unit_of(metric);
+    std::string text = fmt::format("{} {}{}", metric_label(metric, unit),
+                                   format_number(value.value), unit == "1" ? "" : " " + unit);
+    if (value.interval) {
+      text += fmt::format(" (95 %: {} to {})", format_number(value.interval->lower),
+                          format_number(value.interval->upper));
+    }
+    parts.push_back(text);
+  }
+  return fmt::format("Point {} of {} is the best compromise{}: {}.", chosen.label, front.case_name,
+                     point.fresh ? " on fresh worlds" : "", fmt::join(parts, ", "));
 }
 
 mustache::data drawing(const std::string& svg) {
@@ -136,12 +212,12 @@ mustache::data drawing(const std::string& svg) {
   return data;
 }
 
-mustache::data legend(const TuningResult& result) {
+mustache::data legend(const TuningResult& result, const std::vector<Identity>& looks) {
   mustache::data list(mustache::data::type::list);
   for (std::size_t c = 0; c < result.fronts.size(); ++c) {
     mustache::data one;
-    one.set("series", series_class(c));
-    one.set("spot", spot_path(0.0, 0.0, c));
+    one.set("series", series_class(looks[c]));
+    one.set("spot", spot_path(0.0, 0.0, looks[c]));
     one.set("case", result.fronts[c].case_name);
     one.set("size", std::to_string(result.fronts[c].points.size()));
     one.set("evaluations", std::to_string(result.fronts[c].evaluations.size()));
@@ -174,7 +250,7 @@ std::string readable(const std::string& cell) {
   return cell.find('.') == std::string::npos ? cell : in_short(cell, kDigits);
 }
 
-mustache::data front_rows(const FrontTable& table) {
+mustache::data front_rows(const FrontTable& table, std::size_t chosen) {
   mustache::data rows(mustache::data::type::list);
   for (const FrontRow& row : table.rows) {
     mustache::data cells(mustache::data::type::list);
@@ -185,6 +261,7 @@ mustache::data front_rows(const FrontTable& table) {
     }
     mustache::data line;
     line.set("cells", cells);
+    line.set("is_chosen", row.label == chosen);
     rows << line;
   }
   return rows;
@@ -192,10 +269,14 @@ mustache::data front_rows(const FrontTable& table) {
 
 }  // namespace
 
-void write_tuning_report(const TuningPlan& plan, const TuningResult& result,
-                         const std::filesystem::path& folder) {
+void write_tuning_report(const Catalogue& catalogue, const TuningPlan& plan,
+                         const TuningResult& result, const std::filesystem::path& folder) {
   const Tuning& tuning = plan.tuning();
   const FrontTable table = front_table(plan, result);
+  std::vector<std::string> names;
+  for (const TunedFront& front : result.fronts) names.push_back(front.case_name);
+  const std::vector<Identity> looks =
+      candidate_identities(names, cases_of(catalogue, tuning.scenario));
   mustache::data data;
   data.set("title", "Tuning of " + tuning.scenario);
   mustache::data toc(mustache::data::type::list);
@@ -216,16 +297,23 @@ void write_tuning_report(const TuningPlan& plan, const TuningResult& result,
     fresh.set("worlds", number_of(tuning.validation->size(), "world"));
     data.set("validation", fresh);
   }
-  data.set("cases", legend(result));
+  const auto chosen = chosen_point(tuning, result);
+  if (chosen) {
+    mustache::data lead;
+    lead.set("text", in_words(tuning, result, *chosen));
+    lead.set("label", std::to_string(chosen->label));
+    data.set("chosen", lead);
+  }
+  data.set("cases", legend(result, looks));
   if (!table.rows.empty()) {
     mustache::data reference;
     reference.set("text", reference_text(tuning, result));
     data.set("reference", reference);
   }
   if (tuning.objectives.size() > 1 && !table.rows.empty()) {
-    data.set("front", drawing(front_chart(plan, result)));
+    data.set("front", drawing(front_chart(plan, result, looks, chosen ? chosen->label : 0)));
   }
-  if (!table.rows.empty()) data.set("volumes", drawing(volume_chart(result)));
+  if (!table.rows.empty()) data.set("volumes", drawing(volume_chart(result, looks)));
   mustache::data columns(mustache::data::type::list);
   for (const std::string& name : table.columns) {
     mustache::data one;
@@ -233,7 +321,7 @@ void write_tuning_report(const TuningPlan& plan, const TuningResult& result,
     columns << one;
   }
   data.set("columns", columns);
-  data.set("rows", front_rows(table));
+  data.set("rows", front_rows(table, chosen ? chosen->label : 0));
   replace_file(folder / "report.html", html_page("tuning", data, PageCharts::drawn));
 }
 

@@ -371,6 +371,9 @@ ReplayData replay_data(const std::vector<LabelledRun>& runs, const ShotList& sho
   json["window"] = {
       {"from", data.window.from_s}, {"to", data.window.to_s}, {"speed", data.window.speed}};
   Json all = Json::array();
+  std::vector<SavedRun> saved;
+  for (const FinishedRun* run : finished) saved.push_back(run->saved());
+  data.identities = identities_of(runs.front().run.catalogue(), saved);
   for (const LabelledRun& run : runs) {
     std::vector<std::string> missing;
     data.staged.push_back(stage(run.run, shots, camera, &missing));
@@ -380,6 +383,7 @@ ReplayData replay_data(const std::vector<LabelledRun>& runs, const ShotList& sho
     }
     data.notes.insert(data.notes.end(), run.run.notes().begin(), run.run.notes().end());
     all.push_back(run_json(run, data.staged.back(), data.window, assets, data.notes));
+    all.back()["colour"] = data.identities[all.size() - 1] % kIdentityColours;
   }
   json["camera"] = data.staged.front().camera;
   Json moments = Json::array();

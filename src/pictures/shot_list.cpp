@@ -63,6 +63,20 @@ ShotArrow read_arrow(const TomlEntry& arrow) {
           .contact_mark_m = arrow["contact_mark_m"].number(not_negative())};
 }
 
+ShotPage read_page(const TomlEntry& page) {
+  ShotPage read;
+  if (!page) return read;
+  page.allow({"camera", "opens_before", "metrics", "chart"});
+  read.camera = page["camera"].text_or_nothing();
+  read.opens_before = page["opens_before"].text_or_nothing();
+  if (page["metrics"]) read.metrics = page["metrics"].texts();
+  for (const TomlEntry& chart : page["chart"].elements()) {
+    chart.allow({"title", "signals"});
+    read.charts.push_back({chart["title"].text(), chart["signals"].texts()});
+  }
+  return read;
+}
+
 ShotLine read_line(const TomlEntry& line) {
   line.allow({"label", "value", "style"});
   return {line["label"].text_or_empty(), line["value"].text(), line["style"].choice(kStyles)};
@@ -73,7 +87,7 @@ ShotLine read_line(const TomlEntry& line) {
 ShotList read_shot_list(const std::string& file) {
   const toml::table tables = parse_toml_file(file);
   const TomlEntry root(tables, file);
-  root.allow({"title", "camera", "video", "moment", "arrow", "chart", "line"});
+  root.allow({"title", "camera", "video", "moment", "arrow", "chart", "line", "page"});
   ShotList shots;
   shots.title = root["title"].text_or_empty();
   shots.camera = root["camera"].text_or_empty();
@@ -87,6 +101,7 @@ ShotList read_shot_list(const std::string& file) {
   shots.chart_title = root["chart"]["title"].text_or_empty();
   root["chart"]["corner"].choice(kCorners, shots.chart_corner);
   for (const TomlEntry& line : root["line"].elements()) shots.lines.push_back(read_line(line));
+  shots.page = read_page(root["page"]);
   return shots;
 }
 

@@ -39,6 +39,19 @@ struct ShotLine {
   Style style = Style::solid;
 };
 
+/// The first part of a run's page.
+struct ShotPage {
+  struct KeyChart {
+    std::string title;
+    std::vector<std::string> signals;  ///< signals of the log; a missing one is left out
+  };
+
+  std::string camera;                ///< camera of the replay; empty: that of the shot list
+  std::string opens_before;          ///< caption of the moment; empty: at the window's begin
+  std::vector<std::string> metrics;  ///< empty: the scenario's first
+  std::vector<KeyChart> charts;      ///< empty: the first quantities of the log
+};
+
 enum class Corner { top_left, top_right, bottom_left, bottom_right };
 
 struct ShotList {
@@ -56,6 +69,7 @@ struct ShotList {
   std::string chart_title;
   Corner chart_corner = Corner::bottom_right;
   std::vector<ShotLine> lines;
+  ShotPage page;
 };
 
 /// A scenario's shot list. Without a file, it shows the whole run without arrows and chart. Throws

@@ -51,7 +51,12 @@ inline constexpr std::size_t kMostRuns = 4;
 std::deque<FinishedRun> open_runs(const Catalogue& catalogue,
                                   const std::vector<std::string>& folders);
 
-/// The whole longest run, in real time.
+/// The looks of runs that are shown together.
+std::vector<Identity> identities_of(const Catalogue& catalogue, const std::vector<SavedRun>& runs);
+/// The cases of a scenario, in its file's order; none where this program does not have it.
+std::vector<std::string> cases_of(const Catalogue& catalogue, const std::string& scenario);
+
+/// All whole longest run, in real time.
 Window whole_window(const ShownRuns& runs);
 
 /// The window of a video of these runs: the wish, or the window of the shot list up to the end of

@@ -305,7 +305,7 @@ class TuneCommand : public StudyCommand {
       const TuningResult result = search_and_validate();
       warn_of_copies(plan_, result.runs);
       write_outputs(plan_, result, folder_.path());
-      write_tuning_report(plan_, result, folder_.path());
+      write_tuning_report(catalogue_, plan_, result, folder_.path());
       return print_result(plan_, result, folder_, options_.quiet) ? kSuccess : kRunFailed;
     } catch (const Interrupted&) {
       fmt::print(stderr, "{}: interrupted; {}\n", name(),

@@ -16,11 +16,14 @@ constexpr Colour kPaper{1.0, 1.0, 1.0, 1.0};
 constexpr Colour kChartInk{0.13, 0.15, 0.18, 1.0};
 constexpr Colour kGrid{0.88, 0.89, 0.90, 1.0};
 constexpr Colour kMark{0.45, 0.47, 0.50, 1.0};
-// Okabe and Ito's palette, which colour-blind readers can distinguish.
-constexpr std::array<Colour, 4> kPalette = {
-    {{0.835, 0.369, 0.0}, {0.0, 0.447, 0.698}, {0.0, 0.62, 0.451}, {0.8, 0.475, 0.655}}};
 constexpr double kTextUnits = 15.0;
-constexpr double kLegendGap = 2.4;  // between its entries, in multiples of the text size
+constexpr double kLegendGap = 2.4;  // between its entries, in text sizes
+
+std::vector<double> strokes(Identity identity, double unit_px) {
+  std::vector<double> lengths = dashes(identity);
+  for (double& length : lengths) length *= unit_px;
+  return lengths;
+}
 
 // The smallest step of 1, 2 or 5 times a power of ten that divides `span` into at most `parts`.
 double nice_step(double span, double parts) {
@@ -70,10 +73,6 @@ ChartRange chart_range(const std::vector<ChartLine>& lines, double from_s, doubl
   range.highest += room;
   if (range.lowest < 0.0 || span == 0.0) range.lowest -= room;
   return range;
-}
-
-Colour Chart::colour(std::size_t line) {
-  return kPalette[line % kPalette.size()];
 }
 
 Chart::Chart(const std::string& title, std::vector<ChartLine> lines, const ChartRange& range,
@@ -152,10 +151,9 @@ void Chart::draw_legend(double baseline) {
     const double text = frame_->text_width(lines_[i].label, size);
     frame_->text({x, baseline}, lines_[i].label, size, kChartInk, Align::right);
     const double y = std::round(baseline - 0.35 * size) + 0.5;
-    const std::vector<double> dashes =
-        lines_[i].dashed ? std::vector{0.35 * size, 0.25 * size} : std::vector<double>{};
-    frame_->line({{x - text - 1.7 * size, y}, {x - text - 0.4 * size, y}}, colour(i),
-                 2.4 * unit_px_, dashes);
+    frame_->line({{x - text - 1.7 * size, y}, {x - text - 0.4 * size, y}},
+                 on_paper(lines_[i].identity), 2.4 * unit_px_,
+                 strokes(lines_[i].identity, unit_px_));
     x -= text + kLegendGap * size;
   }
 }
@@ -198,12 +196,12 @@ void Chart::draw(Canvas& canvas, int left, int top, double now_s) {
   for (std::size_t i = lines_.size(); i-- > 0;) {  // draw the first line last, on top
     std::vector<Point> points = trace(lines_[i], now);
     for (Point& p : points) p = shift(p);
-    const std::vector<double> dashes =
-        lines_[i].dashed ? std::vector{5.0 * unit_px_, 4.0 * unit_px_} : std::vector<double>{};
-    canvas.line(points, colour(i), 2.0 * unit_px_, dashes);
+    canvas.line(points, on_paper(lines_[i].identity), 2.0 * unit_px_,
+                strokes(lines_[i].identity, unit_px_));
   }
   if (!lines_.empty()) {
-    canvas.dot(shift(place(now, lines_.front().series.at(now))), 4.5 * unit_px_, colour(0));
+    canvas.dot(shift(place(now, lines_.front().series.at(now))), 4.5 * unit_px_,
+               on_paper(lines_.front().identity));
   }
 }
 

@@ -7,13 +7,14 @@
 
 #include <breakwater/record/series.h>
 #include <breakwater/render/canvas.h>
+#include <breakwater/render/identity.h>
 
 namespace breakwater {
 
 struct ChartLine {
   std::string label;
   Series series;
-  bool dashed = false;
+  Identity identity = 0;
 };
 
 /// The ranges of time and values in a chart.
@@ -43,8 +44,6 @@ class Chart {
 
   /// The place of a point, from the top left corner of the chart.
   Point place(double time_s, double value) const;
-
-  static Colour colour(std::size_t line);
 
  private:
   void draw_frame(const std::string& title);

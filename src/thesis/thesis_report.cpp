@@ -12,6 +12,7 @@
 #include <breakwater/experiment/saved_run.h>
 #include <breakwater/pages/decimation.h>
 #include <breakwater/pages/html_page.h>
+#include <breakwater/pages/labels.h>
 #include <breakwater/pages/replay_part.h>
 #include <breakwater/pictures/shot_list.h>
 #include <breakwater/pictures/staging.h>
@@ -40,12 +41,19 @@ class Logs {
   std::map<std::string, SavedRun> runs_;
 };
 
+// `label` is the run's.
 ChartSeries series_of(const SavedRun& run, const std::string& signal, const std::string& label,
                       const PanelSpec& panel) {
+  const bool is_one_of_many = panel.signals.size() > 1;
   const LogEntry& entry = run.entry(signal);
   const double least = std::numeric_limits<double>::lowest();
   const double most = std::numeric_limits<double>::max();
-  return {label, run.unit(signal), entry.description,
+  const std::string unit = run.unit(signal);
+  const std::size_t open = signal.find('[');
+  const std::string name =
+      metric_label(entry.name, unit) + (open == std::string::npos ? "" : " " + signal.substr(open));
+  return {label.empty() ? name : label + (is_one_of_many ? ", " + name : ""), unit,
+          signal + ": " + entry.description,
           cut(run.signal(signal), panel.from_s.value_or(least), panel.to_s.value_or(most))};
 }
 
@@ -64,14 +72,14 @@ std::vector<PageChart> charts_of(const FigureSpec& figure, const std::string& gr
     chart.title = panel.title;
     chart.lines = panel.lines;
     for (const std::string& signal : panel.once) {
-      chart.series.push_back(series_of(logs.of(figure.runs.front().run), signal, signal, panel));
-      chart.series.back().is_reference = true;
+      chart.series.push_back(series_of(logs.of(figure.runs.front().run), signal, "", panel));
+      chart.series.back().identity = role_of_signal(signal).value_or(kReferenceIdentity);
     }
     for (const FigureRun& run : figure.runs) {
       for (const std::string& signal : panel.signals) {
-        std::string label = run.label.empty() ? signal : run.label;
-        if (!run.label.empty() && panel.signals.size() > 1) label += ", " + signal;
-        chart.series.push_back(series_of(logs.of(run.run), signal, label, panel));
+        chart.series.push_back(series_of(logs.of(run.run), signal, run.label, panel));
+        // If a figure has several runs, each has its own colour.
+        if (figure.runs.size() == 1) chart.series.back().identity = role_of_signal(signal);
         chart.series.back().is_off =
             std::find(figure.off.begin(), figure.off.end(), run.label) != figure.off.end();
       }

@@ -323,10 +323,9 @@ TEST_F(Reports, LabelsOfRunsHaveTheKeysInWhichTheyDiffer) {
   const std::string report = read("page/report.html");
   EXPECT_TRUE(has(report, "<code>run.seed</code></th><td>7</td>"));
   EXPECT_TRUE(lacks(report, ">thesis</th>", "class=\"replay\""));
-  // The true, measured and estimated angle are in one chart.
-  const std::size_t chart = report.find("position [rad]");
-  ASSERT_NE(chart, std::string::npos);
-  EXPECT_NE(report.find("position_true_rad", chart), std::string::npos);
+  // The shot list's key charts come first; what is true and estimated angle are in one of them.
+  EXPECT_TRUE(has(report, "Chart of Angle [rad] over time; true from"));
+  EXPECT_LT(report.find("Chart of Angle [rad]"), report.find("All metrics</h3>"));
   // A signal that only one run has.
   ran("breakwater compare a c --signal innovation --out page --no-replay --svg");
   EXPECT_TRUE(has(read("page/compare.html"), "mdob: –"));
@@ -411,7 +410,7 @@ TEST_F(Reports, CompareWritesTablesAndFigures) {
           "--metric rmse_velocity_rad_s");
   EXPECT_TRUE(has(result.out, "rmse_velocity_rad_s", "-98."));
   EXPECT_EQ(lines("both/compare.csv").size(), 2U);
-  EXPECT_TRUE(has(read("both/compare.tex"), "RMSE velocity [rad/s] &"));
+  EXPECT_TRUE(has(read("both/compare.tex"), "RMSE of velocity [rad/s] &"));
   const std::string svg = read("both/compare.svg");
   EXPECT_TRUE(has(svg, "<svg"));
   EXPECT_TRUE(lacks(svg, "<text")) << "letters are outlines";

@@ -16,7 +16,7 @@ import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tests"))
-from chromium import visit  # noqa: E402
+from chromium import CONTRAST, visit  # noqa: E402
 
 SKIPPED = 77
 SITE = ROOT / "build/site"
@@ -31,46 +31,7 @@ const open = (path) => new Promise((resolve) => {
   frame.src = path;
 });
 
-function rgba(text) {
-  const [r, g, b, a = 1] = text.match(/[\\d.]+/g).map(Number);
-  return [r, g, b, a];
-}
-const over = (top, below) => [0, 1, 2].map((i) => top[i] * top[3] + below[i] * (1 - top[3])).concat(1);
-const luminance = (c) => {
-  const [r, g, b] = c.map((v) => (v /= 255) <= .04045 ? v / 12.92 : ((v + .055) / 1.055) ** 2.4);
-  return .2126 * r + .7152 * g + .0722 * b;
-};
-// Text that is not as far from its background as WCAG 2.1 AA wants: 4.5, large text 3.
-function faint(page) {
-  const found = {}, view = page.defaultView;
-  for (const place of page.body.querySelectorAll("*")) {
-    if (![...place.childNodes].some((child) => child.nodeType === 3 && child.data.trim())) continue;
-    if (!place.getClientRects().length || place.closest("svg, [aria-hidden], [hidden], .headerlink, .katex-mathml, script, style")) continue;
-    const style = view.getComputedStyle(place);
-    if (style.visibility !== "visible") continue;
-    const layers = [];
-    let opacity = 1, hidden = false;
-    for (let at = place; at; at = at.parentElement) {
-      const look = view.getComputedStyle(at);
-      layers.push(rgba(look.backgroundColor));
-      opacity *= +look.opacity;
-    }
-    if (opacity < .05) continue;
-    let below = [255, 255, 255, 1];
-    for (const layer of layers.reverse()) below = over(layer, below);
-    const colour = rgba(style.color);
-    const text = over([colour[0], colour[1], colour[2], colour[3] * opacity], below);
-    const [light, dark] = [luminance(text), luminance(below)].sort((a, b) => b - a);
-    const ratio = (light + .05) / (dark + .05), size = parseFloat(style.fontSize);
-    const large = size >= 24 || (size >= 18.66 && +style.fontWeight >= 700);
-    if (ratio < (large ? 3 : 4.5)) {
-      found[`${place.tagName.toLowerCase()}.${place.className} in ${place.parentElement.className}`] =
-          `${ratio.toFixed(2)}: ${place.textContent.trim().slice(0, 30)}`;
-    }
-  }
-  return found;
-}
-
+CONTRAST
 async function look() {
   const seen = { pages: {}, requests: [], faint: {} };
   const note = () => seen.requests.push(...frame.contentWindow.performance.getEntriesByType("resource").map((r) => r.name));
@@ -144,7 +105,7 @@ class Site(unittest.TestCase):
                     for file in files if file.suffix == ".html" and file.name != "404.html"}
         cls.forwards = {path: html for path, html in cls.html.items() if 'http-equiv="refresh"' in html}
         pages = sorted(path for path in cls.html if not path.startswith("/source/") and path not in cls.forwards)
-        driver = DRIVER.replace("PAGES", json.dumps(pages), 1).replace("LOOKED_AT", json.dumps(LOOKED_AT)).replace("SORTABLE", json.dumps(SORTABLE))
+        driver = DRIVER.replace("CONTRAST", CONTRAST, 1).replace("PAGES", json.dumps(pages), 1).replace("LOOKED_AT", json.dumps(LOOKED_AT)).replace("SORTABLE", json.dumps(SORTABLE))
         served = {"/" + str(file.relative_to(SITE)): (
             file.read_bytes(), mimetypes.guess_type(file.name)[0] or "application/octet-stream") for file in files}
         served["/"] = (driver.encode(), "text/html; charset=utf-8")

@@ -53,9 +53,9 @@ async function look() {
   seen.closed = panel.hidden;
   (heat || mark.parentNode).dispatchEvent(new page.KeyboardEvent("keydown", {key: heat ? "ArrowRight" : "Enter", bubbles: true, cancelable: true}));
   seen.byKey = panel.hidden ? "" : panel.textContent;
-  const code = section.querySelector(".candidates code");
+  const code = section.querySelector(".candidates [data-r]");
   code.dispatchEvent(new page.MouseEvent("click", {bubbles: true}));
-  seen.ofTable = [code.textContent, panel.querySelector("code").textContent];
+  seen.ofTable = [code.title, panel.querySelector("code").textContent];
   panel.querySelector(".close").click();
 
   seen.unnamed = Array.from(dom.querySelectorAll("svg, .scroll, nav, select")).filter((e) =>

@@ -7,8 +7,10 @@
 
 #include <breakwater/config/toml_text.h>
 #include <breakwater/pages/chart_scale.h>
+#include <breakwater/pages/labels.h>
 #include <breakwater/pages/quantile_bands.h>
 #include <breakwater/pages/study_charts.h>
+#include <breakwater/pages/study_finding.h>
 #include <breakwater/pages/study_indices.h>
 #include <breakwater/pages/study_numbers.h>
 #include <breakwater/pages/study_report.h>
@@ -376,6 +378,40 @@ TEST(StudyReport, AnEmptyStudyHasAPage) {
   EXPECT_TRUE(has(folder.page(), "not yet run"));
   folder.fill([](const StudyPoint&, PointResult& result) { fail(result, ""); });
   EXPECT_TRUE(has(folder.page(), "Failed runs"));
+}
+
+TEST(Finding, SaysWhoByHowMuchHowSureAndWhereTheSignTurns) {
+  CandidateComparison comparison;
+  comparison.candidates = {"base", "soft", "hard"};
+  MetricComparison soft{"peak_force_filtered_N", Goal::min, 1, 0, 12, 12};
+  soft.difference = {-1.5, ConfidenceInterval{-2.0, -1.0}};
+  soft.verdict = ComparisonVerdict::better;
+  MetricComparison hard{"peak_force_filtered_N", Goal::min, 2, 0, 12, 12};
+  hard.median = {9.0};
+  soft.reference_median = hard.reference_median = {8.0};
+  hard.p_holm = 0.4;
+  comparison.metrics = {soft, hard};
+  KeyInteraction turn{"peak_force_filtered_N", 1, 0, "wall.distance_m"};
+  turn.turns = true;
+  turn.values = {{"0.1", 0.1, 6, -2.0}, {"0.2", 0.2, 6, 1.0}};
+  comparison.interactions = {turn};
+  EXPECT_EQ(finding(comparison, "peak_force_filtered_N"),
+            "Peak force, filtered, beside base: soft is smaller by 1.5 N (95 %: 1 to 2), which is "
+            "better; hard (median 9 N) is not shown to differ from it (8 N): p 0.4 or more, of 12 "
+            "blocks and after Holm’s correction. Its sign turns with wall.distance_m: soft is "
+            "smaller at 0.1 and larger at 0.2.");
+  EXPECT_EQ(finding(comparison, "bounce_count"), "");
+}
+
+TEST(Labels, AreForPeople) {
+  for (const auto& [metric, unit, label] :
+       {std::tuple("peak_force_filtered_N", "N", "Peak force, filtered [N]"),
+        std::tuple("rmse_velocity_rad_s", "rad/s", "RMSE of velocity [rad/s]"),
+        std::tuple("bounce_count", "1", "Bounce count"),
+        std::tuple("max_y_error_m", "m", "Largest y error [m]"),
+        std::tuple("settling_time_5pct_s", "s", "Settling time to 5 % [s]")}) {
+    EXPECT_EQ(metric_label_with_unit(metric, unit), label);
+  }
 }
 
 }  // namespace

@@ -12,12 +12,12 @@ constexpr int kWidth = 460;
 constexpr int kHeight = 220;
 
 ChartLine ramp() {
-  return {"ramp", {{0.0, 1.0, 2.0}, {0.0, 5.0, 10.0}}, false};
+  return {"ramp", {{0.0, 1.0, 2.0}, {0.0, 5.0, 10.0}}};
 }
 
 // The middle of the dot in the first line's colour.
 Point dot_of(Canvas& canvas) {
-  const Colour c = Chart::colour(0);
+  const Colour c = on_paper(0);
   const auto is_colour = [&](int x, int y) {
     const std::uint8_t* p = canvas.pixels() + 4 * (y * canvas.width() + x);
     return std::abs(p[0] - 255.0 * c.blue) < 2 && std::abs(p[1] - 255.0 * c.green) < 2 &&
@@ -72,7 +72,7 @@ TEST(Chart, DrawsNoFutureValues) {
 }
 
 TEST(Chart, DrawsAPeakNarrowerThanAPixel) {
-  ChartLine spike{"spike", {}, false};
+  ChartLine spike{"spike", {}};
   for (int i = 0; i <= 100000; ++i) {
     spike.series.times_s.push_back(2.0 * i / 100000.0);
     spike.series.values.push_back(i == 50000 ? 10.0 : 0.0);
@@ -84,7 +84,7 @@ TEST(Chart, DrawsAPeakNarrowerThanAPixel) {
   bool seen = false;
   for (int x = static_cast<int>(top.x) - 2; x <= static_cast<int>(top.x) + 2; ++x) {
     const std::uint8_t* p = canvas.pixels() + 4 * (static_cast<int>(top.y) * kWidth + x);
-    seen |= p[2] > p[0] + 80;  // the first line is red
+    seen |= p[0] > p[2] + 80;  // the first line is blue
   }
   EXPECT_TRUE(seen);
 }

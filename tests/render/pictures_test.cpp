@@ -453,7 +453,7 @@ TEST_F(Pictures, TheChartEndsWhereTheLogSays) {
     const Rectangle& area = picture.chart_area(0);
     const int x = static_cast<int>(std::lround(area.left + dot.x - 0.5));
     const int y = static_cast<int>(std::lround(area.top + dot.y - 0.5));
-    const Colour colour = Chart::colour(0);
+    const Colour colour = on_paper(0);
     for (int dy = -2; dy <= 2; ++dy) {
       const std::uint8_t* p = pixels + static_cast<std::ptrdiff_t>(4 * ((y + dy) * 1280 + x));
       EXPECT_NEAR(p[2], 255.0 * colour.red, 3.0) << time_s;

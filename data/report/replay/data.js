@@ -135,7 +135,7 @@ const Replay = {};
     const channels = channelsOf(await unpacked(json.motion), json.channels, times.frames);
     const tracks = (list) => list.map((one) => new Track(one, channels));
     return {
-      label: json.label, times, scene: json.scene, visibility: json.visibility, surfaces: json.surfaces,
+      label: json.label, colour: json.colour, times, scene: json.scene, visibility: json.visibility, surfaces: json.surfaces,
       bodies: tracks(json.bodies), cameras: tracks(json.cameras), lights: tracks(json.lights),
       arrows: json.arrows.map((arrow) => ({...arrow, signals: arrow.values.map((one) => new Signal(one, channels))})),
     };

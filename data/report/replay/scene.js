@@ -1,7 +1,8 @@
 // The runs of a replay as one scene of three.js, posed at any time.
 "use strict";
 (() => {
-  const RUN_COLOURS = ["#1b6ca8", "#d1495b", "#2a8c5c", "#b8741a"];
+  // Its identity's, as the page has it now.
+  const runColour = (run) => getComputedStyle(document.documentElement).getPropertyValue("--c" + run.colour).trim();
   const GHOST_OPACITY = 0.42;
   const TRAIL_POINTS = 1500;
   const SHORTEST_ARROW_M = 1e-4;
@@ -260,7 +261,7 @@
     constructor(run, number, data, stage) {
       this.run = run;
       this.number = number;
-      this.colour = RUN_COLOURS[number % RUN_COLOURS.length];
+      this.colour = runColour(run);
       this.root = new THREE.Group();
       this.bodies = run.scene.bodies.map(() => new THREE.Group());
       for (const body of this.bodies) this.root.add(body);
@@ -552,5 +553,4 @@
   }
 
   Replay.Stage = Stage;
-  Replay.runColour = (i) => RUN_COLOURS[i % RUN_COLOURS.length];
 })();

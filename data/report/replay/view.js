@@ -94,7 +94,7 @@
         this.refuse("This browser cannot draw in three dimensions (it has no WebGL): here are pictures of the run instead.");
         return;
       }
-      const json = JSON.parse(document.getElementById(this.box.dataset.replay).textContent);
+      const json = pageData[this.box.dataset.replay];
       this.data = await Replay.load(json);
       this.begin = json.begin;
       this.end = Math.max(...this.data.runs.map((run) => run.times.end));
@@ -225,7 +225,7 @@
       this.captions.textContent = "";
       this.runLabels = this.data.runs.map((run, i) => {
         const caption = element("div", "caption", this.captions);
-        if (this.data.runs.length > 1) element("i", "", caption).style.background = Replay.runColour(i);
+        if (this.data.runs.length > 1) element("i", "", caption).style.background = `var(--c${run.colour})`;
         element("b", "", caption, run.label);
         return caption;
       });
@@ -640,6 +640,15 @@
   }
 
   const boxes = Array.from(document.querySelectorAll(".replay"));
+  // Space plays wherever the focus is, but for what it acts on itself.
+  document.addEventListener("keydown", (event) => {
+    if (event.key !== " " || event.target.closest(".replay.live, button, select, input, textarea, summary, video")) return;
+    const live = boxes.map((box) => box.replay).filter((view) => view.isReady);
+    if (live.length === 0) return;
+    const middle = (view) => { const at = view.box.getBoundingClientRect(); return Math.abs(at.top + at.bottom - innerHeight); };
+    live.sort((a, b) => middle(a) - middle(b))[0].toggle();
+    event.preventDefault();
+  });
   for (const box of boxes) {
     const view = new View(box);
     if (box.dataset.group && window.pagePlayers) {

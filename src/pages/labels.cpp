@@ -1,0 +1,102 @@
+#include <breakwater/pages/labels.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <map>
+#include <vector>
+
+#include <breakwater/render/identity.h>
+
+namespace breakwater {
+namespace {
+
+// Words of keys that are short for something.
+const std::map<std::string, std::string> kWords = {
+    {"hat", "estimated"}, {"estimate", "estimated"}, {"ref", "reference"}, {"rmse", "RMSE of"},
+    {"rms", "RMS of"},    {"std", "deviation of"},   {"max", "largest"},   {"min", "smallest"},
+    {"qp", "QP"},         {"nees", "NEES"},          {"5pct", "to 5 %"},   {"99pct", "to 99 %"}};
+
+std::string in_words(const std::string& word) {
+  const auto found = kWords.find(word);
+  return found == kWords.end() ? word : found->second;
+}
+
+// "rad_s2" of "rad/s^2": how a unit ends a name.
+std::string suffix_of(const std::string& unit) {
+  std::string suffix = "_";
+  for (const char c : unit) {
+    if (c == '/') suffix += '_';
+    if (std::isalnum(static_cast<unsigned char>(c)) != 0) suffix += c;
+  }
+  return suffix;
+}
+
+std::string joined(const std::vector<std::string>& words) {
+  return fmt::format("{}", fmt::join(words, " "));
+}
+
+struct Split {
+  std::vector<std::string> quantity, roles;
+};
+
+Split split(const std::string& name, const std::string& unit) {
+  Split parts;
+  for (const std::string& word : words_of(without_unit(name, unit))) {
+    (role_of_word(word) ? parts.roles : parts.quantity).push_back(word);
+  }
+  return parts;
+}
+
+}  // namespace
+
+std::string without_unit(const std::string& name, const std::string& unit) {
+  for (const std::string& one : {unit, unit.substr(0, unit.find(", "))}) {
+    // "²" is two bytes that are no letters.
+    std::string plain = one;
+    const std::size_t square = plain.find("²");
+    if (square != std::string::npos) plain.replace(square, std::string("²").size(), "2");
+    const std::string suffix = suffix_of(plain);
+    if (suffix.size() > 1 && name.size() > suffix.size() && name.ends_with(suffix)) {
+      return name.substr(0, name.size() - suffix.size());
+    }
+  }
+  return name;
+}
+
+std::string metric_label(const std::string& metric, const std::string& unit) {
+  Split parts = split(metric, unit);
+  for (auto* words : {&parts.quantity, &parts.roles}) {
+    std::transform(words->begin(), words->end(), words->begin(), in_words);
+  }
+  const std::string quantity = joined(parts.quantity);
+  return capitalised(parts.roles.empty() || quantity.empty()
+                         ? quantity + joined(parts.roles)
+                         : quantity + ", " + joined(parts.roles));
+}
+
+std::string metric_label_with_unit(const std::string& metric, const std::string& unit) {
+  const std::string label = metric_label(metric, unit);
+  return unit.empty() || unit == "1" ? label : fmt::format("{} [{}]", label, unit);
+}
+
+std::string quantity_of(const LogEntry& entry) {
+  return joined(split(entry.name, entry.unit).quantity);
+}
+
+std::string signal_label(const LogEntry& entry) {
+  Split parts = split(entry.name, entry.unit);
+  std::transform(parts.roles.begin(), parts.roles.end(), parts.roles.begin(), in_words);
+  return joined(parts.roles.empty() ? parts.quantity : parts.roles);
+}
+
+std::string capitalised(std::string text) {
+  constexpr std::size_t kLongestSymbol = 2;
+  if (text.find(' ') > kLongestSymbol && !text.empty() && text.size() > kLongestSymbol) {
+    text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
+  }
+  return text;
+}
+
+}  // namespace breakwater
