@@ -82,6 +82,11 @@ class Model {
   /// positive and finite, and the engine can derive what follows from them.
   void scale_inertia(double ratio);
 
+  /// Adds a point mass at a body's centre of mass, or takes one away. Throws std::invalid_argument
+  /// if there is no such body, the mass that results is negative, or the engine cannot derive what
+  /// follows from it.
+  void add_mass(const std::string& body, double mass_kg);
+
   /// Lets the engine look for contacts faster, where that changes none: with_contact_pairs(). What
   /// it knows of the geoms' contacts does not change any more but by set_collidable().
   void list_contacts();
@@ -103,6 +108,8 @@ class Model {
   static Model copy(const mjModel& model, const std::string& file);
   static Model physics(const mjModel& full, const std::string& file,
                        const std::vector<std::string>& geoms);
+
+  void derive_constants();
 
   Model(mjModel* model, std::string file) : model_(model), file_(std::move(file)) {}
 

@@ -12,6 +12,7 @@
 #include <breakwater/world/delay_line.h>
 #include <breakwater/world/disturbance.h>
 #include <breakwater/world/encoder.h>
+#include <breakwater/world/force_sensor.h>
 #include <breakwater/world/low_pass.h>
 #include <breakwater/world/noise.h>
 
@@ -26,7 +27,8 @@ enum class Reading {
 };
 
 /// One entry of a sample: which MuJoCo sensor it reads and what happens to the value on its way:
-/// true → low-pass (analogue, at every physics step) → disturb → quantise → noise → delay → hold.
+/// true → body → low-pass (both analogue, at every physics step) → electronics (if it has any) →
+/// disturb → quantise → noise → delay → hold.
 ///
 /// Position and velocity sensors without a low-pass are read fresh at the sampling instant. Force,
 /// touch and acceleration sensors, and all behind a low-pass, give the value of the physics step
@@ -36,7 +38,9 @@ struct SensorChannel {
   std::string sensor;  ///< name of the MJCF sensor
   int component = 0;   ///< of the sensor's values
   Reading reading = Reading::component;
+  SensorBody body;          ///< of a force sensor; without a resonance: none
   double low_pass_s = 0.0;  ///< time constant [s]; 0: none
+  SensorElectronics electronics;
   Disturbance disturbance;  ///< added at each sample (an output disturbance), in the value's unit
   Encoder encoder;
   double noise_std =
@@ -94,7 +98,9 @@ class Sensing {
     SensorChannel setup;
     int address;   // in sensordata
     bool is_late;  // known only after the step
+    Resonance body;
     LowPass filter;
+    SampledReading electronics;
     Noise noise;
     DelayLine delay;
     double value = 0.0;
