@@ -62,9 +62,7 @@ ArmRole ArmWallContact::role() const {
   role.convert_gain_N_m = convert_gain_per_m_ * force_reference_N_;
   role.force_filter_time_constant_s = filter_time_constant_s_;
   role.geoms = {kTip, kWall};
-  role.prepare_model = [this](Model& model) {
-    wall_.prepare(model, kTip, kWall, wall_x_m());
-  };
+  role.prepare_model = [this](Model& model) { wall_.prepare(model, kTip, kWall, wall_x_m()); };
   role.make_contact = [this](const Model& model) {
     return wall_.is_of_engine() ? nullptr : wall_.make(model, kTip, kWall);
   };

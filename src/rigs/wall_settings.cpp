@@ -118,7 +118,8 @@ void WallSettings::check_impact(const Config& config, Integrator integrator, dou
                                 double mass_kg, double speed_m_s) const {
   const std::unique_ptr<ContactForceLaw> law = make_law();
   const double depth_m = deepest_m(*law, 0.5 * mass_kg * speed_m_s * speed_m_s);
-  for (const auto& [depth, speed] : {std::pair(depth_m, 0.0), std::pair(0.5 * depth_m, speed_m_s)}) {
+  for (const auto& [depth, speed] :
+       {std::pair(depth_m, 0.0), std::pair(0.5 * depth_m, speed_m_s)}) {
     const ContactSlopes slopes = slopes_of(*law, ContactState(), depth, speed, mass_kg);
     if (!is_stable(integrator, timestep_s, slopes)) {
       config.fail("physics.timestep_s", limit_in_words(integrator, timestep_s, slopes));
@@ -137,8 +138,7 @@ void WallSettings::prepare(Model& model, const std::string& sphere, const std::s
   }
 }
 
-void WallSettings::animate(Model& model, const std::string& wall, double x_m,
-                           double time_s) const {
+void WallSettings::animate(Model& model, const std::string& wall, double x_m, double time_s) const {
   if (motion_.kind == WallMotionKind::fixed || motion_.kind == WallMotionKind::free) return;
   // Along x: the plane is the same as if it moved along its normal.
   place_wall(model, wall, x_m + motion().at(time_s).position_m / math::cos(angle_rad_));

@@ -12,7 +12,8 @@ namespace breakwater {
 /// Keys of the contact and of the wall's motion, and what they make.
 class WallSettings {
  public:
-  explicit WallSettings(const Catalogue& catalogue) : law_(catalogue, "contact.law", "kelvin_voigt") {}
+  explicit WallSettings(const Catalogue& catalogue)
+      : law_(catalogue, "contact.law", "kelvin_voigt") {}
 
   void bind_wall(Fields& fields);
   void bind_law(Fields& fields) { law_.bind(fields); }
@@ -20,8 +21,8 @@ class WallSettings {
   void check(const Config& config) const;
   /// Refuses a timestep at which an impact of a mass would not be stable, blaming
   /// physics.timestep_s. Throws std::invalid_argument.
-  void check_impact(const Config& config, Integrator integrator, double timestep_s,
-                    double mass_kg, double speed_m_s) const;
+  void check_impact(const Config& config, Integrator integrator, double timestep_s, double mass_kg,
+                    double speed_m_s) const;
 
   /// Whether MuJoCo's own contact is the law: then the wall collides, and stands.
   bool is_of_engine() const;

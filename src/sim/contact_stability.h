@@ -17,8 +17,8 @@ struct ContactSlopes {
 };
 
 /// The slopes of a law at a penetration [m] and a speed [m/s], by difference quotients.
-ContactSlopes slopes_of(const ContactForceLaw& law, const ContactState& state,
-                        double penetration_m, double speed_m_s, double mass_kg);
+ContactSlopes slopes_of(const ContactForceLaw& law, const ContactState& state, double penetration_m,
+                        double speed_m_s, double mass_kg);
 
 /// Whether the integrator is stable on it with the timestep h. The relaxation needs
 /// h relaxation < 2. The motion needs, with

@@ -46,8 +46,7 @@ Sensing::Sensing(const Model& model, const SensingSetup& setup)
     channels_.push_back({channel, model->sensor_adr[id] + channel.component, is_late,
                          Resonance(channel.body, step_s_), LowPass(channel.low_pass_s, step_s_),
                          SampledReading(channel.electronics, step_s_, setup.seed, channel.name),
-                         Noise(setup.seed, channel.name),
-                         DelayLine(channel.delay_samples)});
+                         Noise(setup.seed, channel.name), DelayLine(channel.delay_samples)});
   }
   const bool fault_has_channel =
       fault_.channel.empty() ||
@@ -100,8 +99,8 @@ void Sensing::take(std::int64_t k, const mjData& data, Sample& sample) {
   for (std::size_t i = 0; i < channels_.size(); ++i) {
     Channel& channel = channels_[i];
     if (!channel.is_late) channel.value = channel.read(data);
-    const double reading = channel.setup.electronics.is_on() ? channel.electronics.value()
-                                                             : channel.value;
+    const double reading =
+        channel.setup.electronics.is_on() ? channel.electronics.value() : channel.value;
     const double disturbed = reading + channel.setup.disturbance.value(sample.time_s);
     double measured = channel.setup.encoder.measure(disturbed);
     if (channel.setup.noise_std > 0.0) {

@@ -95,8 +95,8 @@ void WallContact::find_geometry(double time_s, const mjModel& model, const mjDat
   mjtNum velocity[6];
   mj_objectVelocity(&model, &data, mjOBJ_GEOM, sphere_, velocity, 0);
   stage.wall = motion_.kind == WallMotionKind::free ? wall_at_stage() : motion_.at(time_s);
-  stage.penetration_m = radius_m_ - dot(normal_, center) + dot(normal_, point) -
-                        stage.wall.position_m;
+  stage.penetration_m =
+      radius_m_ - dot(normal_, center) + dot(normal_, point) - stage.wall.position_m;
   stage.approach_m_s = -dot(normal_, velocity + 3) - stage.wall.speed_m_s;
 }
 

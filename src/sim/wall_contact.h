@@ -66,8 +66,7 @@ class WallContact final : public StagedForce {
 
   void find_normal(const mjData& data);
   void find_geometry(double time_s, const mjModel& model, const mjData& data, Stage& stage);
-  void check_stability(double time_s, const mjModel& model, const mjData& data,
-                       const Stage& stage);
+  void check_stability(double time_s, const mjModel& model, const mjData& data, const Stage& stage);
   WallPosition wall_at_stage() const;
   ContactState state_at_stage() const;
   double force_of_law(Stage& stage) const;
@@ -93,10 +92,10 @@ class WallContact final : public StagedForce {
   std::size_t number_ = 0;  // of the next stage
   Stage first_;
   double impulse_Ns_ = 0.0;
-  std::array<double, 3> normal_{};   // out of the wall
-  std::vector<double> jacobian_;     // 3 × n, of the contact point
-  std::vector<double> along_;        // Jᵀ times the normal
-  std::vector<double> recoil_;       // M⁻¹ times that
+  std::array<double, 3> normal_{};  // out of the wall
+  std::vector<double> jacobian_;    // 3 × n, of the contact point
+  std::vector<double> along_;       // Jᵀ times the normal
+  std::vector<double> recoil_;      // M⁻¹ times that
 };
 
 }  // namespace breakwater

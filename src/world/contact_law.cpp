@@ -79,9 +79,9 @@ StandardLinearSolid::StandardLinearSolid(double stiffness_N_m, double maxwell_st
     : stiffness_N_m_(stiffness_N_m),
       maxwell_N_m_(maxwell_stiffness_N_m),
       relaxation_s_(relaxation_s) {
-  need(is_positive(stiffness_N_m) && is_positive(maxwell_stiffness_N_m) &&
-           is_positive(relaxation_s),
-       "standard linear solid: needs two stiffnesses > 0 and a relaxation time > 0");
+  need(
+      is_positive(stiffness_N_m) && is_positive(maxwell_stiffness_N_m) && is_positive(relaxation_s),
+      "standard linear solid: needs two stiffnesses > 0 and a relaxation time > 0");
 }
 
 double StandardLinearSolid::force(double penetration_m, double, ContactState& state) const {

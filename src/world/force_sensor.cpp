@@ -17,8 +17,9 @@ void refuse_unless(bool holds, const char* what) {
 std::int64_t steps_in(double time_s, double step_s) {
   constexpr double kMostSteps = 1e9;
   const double steps = std::round(time_s / step_s);
-  refuse_unless(time_s >= 0.0 && steps <= kMostSteps && std::abs(steps * step_s - time_s) <= 1e-6 * step_s,
-       "sensor: own period and delay must be multiples of the timestep");
+  refuse_unless(
+      time_s >= 0.0 && steps <= kMostSteps && std::abs(steps * step_s - time_s) <= 1e-6 * step_s,
+      "sensor: own period and delay must be multiples of the timestep");
   return static_cast<std::int64_t>(steps);
 }
 
@@ -28,7 +29,7 @@ Resonance::Resonance(const SensorBody& body, double step_s) : is_on_(body.is_on(
   const double omega = body.resonance_rad_s;
   const double zeta = body.damping_ratio;
   refuse_unless(std::isfinite(omega) && omega >= 0.0 && zeta >= 0.0 && zeta < 1.0 && step_s > 0.0,
-       "sensor: needs a resonance >= 0 and a damping ratio from 0 to below 1");
+                "sensor: needs a resonance >= 0 and a damping ratio from 0 to below 1");
   if (!is_on_) return;
   const double sigma = zeta * omega;
   const double damped = omega * std::sqrt(1.0 - zeta * zeta);
@@ -61,9 +62,9 @@ SampledReading::SampledReading(const SensorElectronics& electronics, double step
       noise_(seed, name + " drift"),
       delay_(static_cast<int>(steps_in(electronics.delay_s, step_s))) {
   refuse_unless(std::isfinite(electronics.bias) && electronics.drift_per_sqrt_s >= 0.0 &&
-           std::isfinite(electronics.drift_per_sqrt_s) && electronics.range >= 0.0 &&
-           electronics.quantum >= 0.0 && std::isfinite(electronics.quantum),
-       "sensor: drift, range and quantum must be finite and not negative");
+                    std::isfinite(electronics.drift_per_sqrt_s) && electronics.range >= 0.0 &&
+                    electronics.quantum >= 0.0 && std::isfinite(electronics.quantum),
+                "sensor: drift, range and quantum must be finite and not negative");
 }
 
 double SampledReading::convert(double value) {

@@ -36,11 +36,11 @@ class Resonance {
 
 /// The electronics of a sensor, in this order. Each link is off at 0.
 struct SensorElectronics {
-  double bias = 0.0;             ///< [unit]
-  double drift_per_sqrt_s = 0.0; ///< standard deviation of a random walk after 1 s [unit/√s]
-  double range = 0.0;            ///< the reading is clipped to ± this [unit]
-  double quantum = 0.0;          ///< one step of the converter [unit]
-  double period_s = 0.0;         ///< own sampling period; 0: at every physics step
+  double bias = 0.0;              ///< [unit]
+  double drift_per_sqrt_s = 0.0;  ///< standard deviation of a random walk after 1 s [unit/√s]
+  double range = 0.0;             ///< the reading is clipped to ± this [unit]
+  double quantum = 0.0;           ///< one step of the converter [unit]
+  double period_s = 0.0;          ///< own sampling period; 0: at every physics step
   double delay_s = 0.0;
 
   bool is_on() const {

@@ -11,8 +11,7 @@ WallPosition in_table(const std::vector<double>& times_s, const std::vector<doub
   const auto next = std::upper_bound(times_s.begin(), times_s.end(), time_s);
   if (next == times_s.end()) return {positions_m.back(), 0.0};
   const auto i = static_cast<std::size_t>(next - times_s.begin());
-  const double speed_m_s =
-      (positions_m[i] - positions_m[i - 1]) / (times_s[i] - times_s[i - 1]);
+  const double speed_m_s = (positions_m[i] - positions_m[i - 1]) / (times_s[i] - times_s[i - 1]);
   return {positions_m[i - 1] + speed_m_s * (time_s - times_s[i - 1]), speed_m_s};
 }
 
@@ -25,8 +24,8 @@ WallPosition along(const Disturbance& path, double time_s) {
 WallPosition WallMotion::at(double time_s) const {
   switch (kind) {
     case WallMotionKind::ramp:
-      return along(
-          {.kind = DisturbanceKind::ramp, .amplitude = speed_m_s, .start_s = start_s}, time_s);
+      return along({.kind = DisturbanceKind::ramp, .amplitude = speed_m_s, .start_s = start_s},
+                   time_s);
     case WallMotionKind::sine:
       return along({.kind = DisturbanceKind::sine,
                     .amplitude = amplitude_m,
