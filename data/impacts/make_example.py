@@ -3,8 +3,8 @@
 
     data/impacts/make_example.py > data/impacts/rubber-ball.csv
 
-No rig measured it. A mass of 0.5 kg strikes with 0.25 m/s a contact that stiffens exponentially and
-loses energy by a hysteresis that depends on the direction alone:
+No rig measured it. A mass of 0.5 kg strikes a contact with 0.25 m/s. The contact stiffens
+exponentially and loses energy by a hysteresis that depends on the direction alone:
 
     F = F0 (exp(x/x0) - 1) (1 + h sign(v)),   F0 = 4 N, x0 = 0.9 mm, h = 0.18
 

@@ -1,4 +1,4 @@
-// What an impact is judged by.
+// The metrics of an impact.
 #pragma once
 
 #include <optional>

@@ -16,7 +16,7 @@ constexpr const char* kStruckWall = "wall";
 constexpr const char* kImpactTip = "tip";
 constexpr const char* kCarriage = "carriage";
 constexpr const char* kRail = "rail";
-constexpr double kModelMass_kg = 1.0;  // of models/impact.xml
+constexpr double kModelMass_kg = 1.0;  // as in models/impact.xml
 
 class NoController final : public Controller {
  public:

@@ -8,8 +8,8 @@
 
 namespace breakwater {
 
-/// The first contact of a recorded force: from where it first rises beyond a small share of its
-/// largest value until it falls below it again.
+/// The first contact of a recorded force. It begins where the force rises beyond a small share of
+/// its largest value, and ends where it falls below that again.
 struct ImpactPulse {
   double begin_s = 0.0;
   double duration_s = 0.0;
@@ -37,8 +37,8 @@ class ImpactComparison {
 
   const ImpactPulse& simulated() const { return simulated_pulse_; }
   const ImpactPulse& measured() const { return measured_pulse_; }
-  /// Root mean square of simulated less measured force, at the measured samples from the beginning
-  /// of the contact to the end of the longer one [N].
+  /// Root mean square of simulated less measured force [N], at the measured samples. The window
+  /// ends with the longer contact.
   double rmse_N() const { return rmse_N_; }
 
   std::string text(std::size_t width) const;

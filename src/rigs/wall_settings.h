@@ -26,7 +26,7 @@ class WallSettings {
 
   /// Whether MuJoCo's own contact is the law: then the wall collides, and stands.
   bool is_of_engine() const;
-  /// Puts the plane `wall` and the geoms that belong to it at x, tilts them, and compiles the law
+  /// Puts the plane `wall` and the geoms that belong to it at x, and tilts them. Compiles the law
   /// into the model if it is MuJoCo's.
   void prepare(Model& model, const std::string& sphere, const std::string& wall, double x_m) const;
   /// Moves them to where they are at a time; a free wall stays where it rests.
@@ -42,7 +42,7 @@ class WallSettings {
   PartChoice<ContactLawKind> law_;
   double angle_rad_ = 0.0;
   WallMotion motion_;  // without the table
-  std::string file_;   // of the table
+  std::string file_;   // the table
 };
 
 }  // namespace breakwater

@@ -9,13 +9,13 @@
 namespace breakwater {
 namespace {
 
-constexpr double kLimit = 4.0;  // of h² k/m + 2 h c/m
+constexpr double kLimit = 4.0;  // h² k/m + 2 h c/m
 constexpr double kFirstOrderLimit = 2.0;
 
-constexpr double kSmallStep = 1e-6;     // of a difference quotient, relative to a length ...
+constexpr double kSmallStep = 1e-6;     // step of a difference quotient, relative to a length ...
 constexpr double kSmallDepth_m = 1e-6;  // ... that is at least this
 
-// |R(z)|² of a real number, or of one of a complex pair.
+// |R(z)|²
 double growth_squared(double re, double im) {
   const std::complex<double> z(re, im);
   return std::norm(1.0 + z * (1.0 + z / 2.0 * (1.0 + z / 3.0 * (1.0 + z / 4.0))));

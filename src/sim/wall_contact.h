@@ -18,12 +18,12 @@ namespace breakwater {
 /// point and along the plane's normal. The engine's own contact of the two must be off. The state
 /// of the law and a free wall are integrated with the plant.
 ///
-/// If the law is MuJoCo's own (for_engine()), it applies nothing and only measures: the engine's
-/// contact of the two is on, the wall stands, and nothing else constrains the sphere's body.
+/// If the law is MuJoCo's own (for_engine()), it applies nothing and only measures. Then the
+/// engine's contact of the two is on, the wall stands, and nothing else constrains the sphere.
 ///
-/// In contact it checks each step whether the integrator is stable (contact_stability.h), with the
-/// law's local stiffness and damping and the mass that the contact meets. It throws RunFailure,
-/// which names the longest stable timestep, if it is not.
+/// In contact it checks each step whether the integrator is stable (contact_stability.h). It uses
+/// the law's local stiffness and damping, and the mass that the contact meets. If it is not stable,
+/// it throws RunFailure, which names the longest stable timestep.
 class WallContact final : public StagedForce {
  public:
   /// Throws std::invalid_argument if the model has no such sphere, or no such plane of the world.
@@ -37,8 +37,8 @@ class WallContact final : public StagedForce {
   void apply(double time_s, const mjModel& model, mjData& data) override;
   void end_step(const mjData& data) override;
 
-  /// At the beginning of the last step: the force [N] (0 if the law is the engine's), the
-  /// penetration [m] (negative: the gap), its rate [m/s] and the wall [m].
+  /// Values at the beginning of the last step. The force is 0 if the law is the engine's. A
+  /// negative penetration is a gap.
   const double& force_N() const { return first_.force_N; }
   const double& penetration_m() const { return first_.penetration_m; }
   const double& approach_m_s() const { return first_.approach_m_s; }
@@ -54,7 +54,7 @@ class WallContact final : public StagedForce {
  private:
   static constexpr std::size_t kMostStages = 4;
 
-  // What one stage sees.
+  // The values of one stage.
   struct Stage {
     double penetration_m = 0.0;
     double approach_m_s = 0.0;
@@ -89,7 +89,7 @@ class WallContact final : public StagedForce {
   ContactState state_;
 
   std::array<Stage, kMostStages> stage_;
-  std::size_t number_ = 0;  // of the next stage
+  std::size_t number_ = 0;  // the next stage
   Stage first_;
   double impulse_Ns_ = 0.0;
   std::array<double, 3> normal_{};  // out of the wall

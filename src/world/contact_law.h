@@ -75,8 +75,8 @@ class HuntCrossley final : public ContactForceLaw {
   double dissipation_;
 };
 
-/// The α of a Hunt–Crossley law that gives the restitution e at the impact speed v [m/s], for any
-/// exponent: with β = α v, β (1 + e) = ln((1 + β)/(1 − e β)).
+/// The α [s/m] of a Hunt–Crossley law with the restitution e at the impact speed v [m/s]. It holds
+/// for any exponent: with β = α v, β (1 + e) = ln((1 + β)/(1 − e β)).
 /// Throws std::invalid_argument unless 0 < e ≤ 1 and v > 0.
 double dissipation_of_restitution(double restitution, double speed_m_s);
 

@@ -29,7 +29,7 @@ class Resonance {
 
  private:
   bool is_on_;
-  double ee_ = 0.0, ev_ = 0.0, ve_ = 0.0, vv_ = 0.0;  // of deviation and speed over a step
+  double ee_ = 0.0, ev_ = 0.0, ve_ = 0.0, vv_ = 0.0;  // deviation and speed over a step
   double value_ = 0.0;
   double speed_ = 0.0;
 };
@@ -49,7 +49,7 @@ struct SensorElectronics {
   }
 };
 
-/// What SensorElectronics make of an analogue value.
+/// The reading that SensorElectronics make from an analogue value.
 class SampledReading {
  public:
   /// `name` is of the noise stream of the drift. Throws std::invalid_argument if a value but the

@@ -1,7 +1,7 @@
 // Impacts by Breakwater's Hunt-Crossley law and by Simbody's: one table. Exit status 1 if a peak or
 // a duration differs by more than 0.5 %.
 //
-// A sphere of 1 kg strikes a half space; the three-link arm of models/arm.xml, without joint
+// A sphere of 1 kg strikes a half space. The three-link arm of models/arm.xml, without joint
 // friction and rotor inertia, is driven against it by constant torques. Simbody's HuntCrossleyForce
 // is k x^1.5 (1 + 1.5 c v), with k = 4/3 sqrt(R) E and E = E1/2^1.5 for two equal materials.
 #include <array>
