@@ -71,7 +71,7 @@ ArmRole ArmWallContact::role() const {
 }
 
 void ArmWallContact::check(const Config& config) {
-  wall_.check(config);
+  wall_.check(config, arm_.physics);
   force_sensor_.check(config, arm_.physics.timestep_s);
   check_arm(arm_, role(), config);
   if (wall_solid_from_s_ > force_from_s_) {

@@ -58,7 +58,7 @@ Fields ImpactTest::fields() {
 
 void ImpactTest::check(const Config& config) {
   physics_.check(config, run_);
-  wall_.check(config);
+  wall_.check(config, physics_);
   force_sensor_.check(config, physics_.timestep_s);
   if (force_sensor_.tool_mass_kg >= mass_kg_) {
     config.fail("sensor.force_tool_mass_kg", "must be less than impact.mass_kg");
@@ -67,8 +67,8 @@ void ImpactTest::check(const Config& config) {
     config.fail("record.fine_to_s", "must not be before record.fine_from_s");
   }
   const double along_normal = math::cos(wall_.angle_rad());
-  wall_.check_impact(config, physics_.integrator, physics_.timestep_s,
-                     mass_kg_ / (along_normal * along_normal), speed_m_s_ * along_normal);
+  wall_.check_impact(config, physics_, mass_kg_ / (along_normal * along_normal),
+                     speed_m_s_ * along_normal);
   wall_.make(plant(), kImpactTip, kStruckWall);
 }
 

@@ -32,6 +32,12 @@ double deepest_m(const ContactForceLaw& law, double energy_J) {
   return low;
 }
 
+void check_stability(const Config& config, const PhysicsSettings& physics,
+                     const ContactSlopes& slopes) {
+  if (is_stable(physics.integrator, physics.timestep_s, slopes)) return;
+  config.fail("physics.timestep_s", limit_in_words(physics.integrator, physics.timestep_s, slopes));
+}
+
 }  // namespace
 
 void WallSettings::bind_wall(Fields& fields) {
@@ -81,9 +87,14 @@ void WallSettings::bind_wall(Fields& fields) {
   });
 }
 
-void WallSettings::check(const Config& config) const {
+void WallSettings::check(const Config& config, const PhysicsSettings& physics) const {
   law_.check(config);
   config.blame("wall.file", [&] { motion(); });
+  if (motion_.kind != WallMotionKind::free) return;
+  check_stability(config, physics,
+                  {.stiffness_N_m = motion_.stiffness_N_m,
+                   .damping_Ns_m = motion_.damping_Ns_m,
+                   .mass_kg = motion_.mass_kg});
 }
 
 WallMotion WallSettings::motion() const {
@@ -114,17 +125,13 @@ bool WallSettings::is_of_engine() const {
   return make_law()->for_engine() != nullptr;
 }
 
-void WallSettings::check_impact(const Config& config, Integrator integrator, double timestep_s,
+void WallSettings::check_impact(const Config& config, const PhysicsSettings& physics,
                                 double mass_kg, double speed_m_s) const {
   const std::unique_ptr<ContactForceLaw> law = make_law();
   const double depth_m = deepest_m(*law, 0.5 * mass_kg * speed_m_s * speed_m_s);
-  for (const auto& [depth, speed] :
-       {std::pair(depth_m, 0.0), std::pair(0.5 * depth_m, speed_m_s)}) {
-    const ContactSlopes slopes = slopes_of(*law, ContactState(), depth, speed, mass_kg);
-    if (!is_stable(integrator, timestep_s, slopes)) {
-      config.fail("physics.timestep_s", limit_in_words(integrator, timestep_s, slopes));
-    }
-  }
+  check_stability(config, physics, slopes_of(*law, ContactState(), depth_m, 0.0, mass_kg));
+  check_stability(config, physics,
+                  slopes_of(*law, ContactState(), 0.5 * depth_m, speed_m_s, mass_kg));
 }
 
 void WallSettings::prepare(Model& model, const std::string& sphere, const std::string& wall,

@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include <breakwater/experiment/settings.h>
 #include <breakwater/rigs/contact_parts.h>
 #include <breakwater/sim/wall_contact.h>
 
@@ -17,11 +18,12 @@ class WallSettings {
 
   void bind_wall(Fields& fields);
   void bind_law(Fields& fields) { law_.bind(fields); }
-  /// Throws std::invalid_argument `ORIGIN: KEY: reason` if there is no such law or motion.
-  void check(const Config& config) const;
+  /// Throws std::invalid_argument `ORIGIN: KEY: reason` if there is no such law or motion, or the
+  /// spring and damper of a free wall are not stable with the timestep.
+  void check(const Config& config, const PhysicsSettings& physics) const;
   /// Refuses a timestep at which an impact of a mass would not be stable, blaming
   /// physics.timestep_s. Throws std::invalid_argument.
-  void check_impact(const Config& config, Integrator integrator, double timestep_s, double mass_kg,
+  void check_impact(const Config& config, const PhysicsSettings& physics, double mass_kg,
                     double speed_m_s) const;
 
   /// Whether MuJoCo's own contact is the law: then the wall collides, and stands.

@@ -74,10 +74,10 @@ double longest_stable_timestep_s(Integrator integrator, const ContactSlopes& slo
 
 std::string limit_in_words(Integrator integrator, double timestep_s, const ContactSlopes& slopes) {
   std::ostringstream text;
-  text << std::setprecision(4) << "the contact's stiffness of " << slopes.stiffness_N_m
+  text << std::setprecision(4) << "a stiffness of " << slopes.stiffness_N_m
        << " N/m and damping of " << slopes.damping_Ns_m << " N s/m with a mass of "
-       << slopes.mass_kg << " kg are beyond the stability limit of a timestep of " << timestep_s
-       << " s; the longest stable physics.timestep_s is "
+       << slopes.mass_kg << " kg are beyond the stability limit of the contact for a timestep of "
+       << timestep_s << " s; the longest stable physics.timestep_s is "
        << longest_stable_timestep_s(integrator, slopes);
   return text.str();
 }

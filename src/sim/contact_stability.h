@@ -31,8 +31,8 @@ bool is_stable(Integrator integrator, double timestep_s, const ContactSlopes& sl
 /// The longest stable timestep [s]; infinite if there is none.
 double longest_stable_timestep_s(Integrator integrator, const ContactSlopes& slopes);
 
-/// Says why an unstable timestep is refused: "the contact's stiffness of 4e+09 N/m ... is beyond
-/// the stability limit: ... the longest stable physics.timestep_s is 3.1e-05".
+/// Says why an unstable timestep is refused: "a stiffness of 4e+09 N/m ... are beyond the stability
+/// limit ...; the longest stable physics.timestep_s is 3.1e-05".
 std::string limit_in_words(Integrator integrator, double timestep_s, const ContactSlopes& slopes);
 
 }  // namespace breakwater

@@ -363,6 +363,10 @@ TEST(ImpactScenario, RefusesWrongKeys) {
       {"hertz", "sensor.force_tool_mass_kg=1", "must be less than impact.mass_kg"},
       {"hertz", "sensor.force_period_s=1.5e-5", "sensor.force_period_s: must be a whole multiple"},
       {"hertz", "wall.motion=ramp", "wall.speed_m_s: is missing"}};
+  const Sets loose = {"wall.motion=free", "wall.mass_kg=1e-9", "wall.stiffness_N_m=1e4",
+                      "wall.damping_Ns_m=0"};
+  EXPECT_TRUE(has(complaint_of([&] { prepare(kScenario, "hertz", loose); }),
+                  "physics.timestep_s: a stiffness of 1e+04 N/m", "longest stable"));
   for (const Row& row : rows) {
     EXPECT_TRUE(has(complaint_of([&] { prepare(kScenario, row.law, {row.set}); }), row.complaint))
         << row.set;
