@@ -8,6 +8,7 @@
 #include "cart_estimation/cart_estimation.h"
 #include "cart_offset_free/cart_offset_free.h"
 #include "cart_position/cart_position.h"
+#include "impact_test/impact_test.h"
 #include "motor_estimation/motor_estimation.h"
 #include "quadrotor_waves/quadrotor_waves.h"
 
@@ -31,8 +32,10 @@ Catalogue standard_catalogue() {
   add("cart_constrained", make<CartConstrained>);
   add("cart_estimation", make<CartEstimation>);
   add("motor_estimation", make<MotorEstimation>);
+  add("impact_test", make<ImpactTest>);
   add("quadrotor_waves", make<QuadrotorWaves>);
   for (ArmControllerKind& kind : arm_controllers()) catalogue.add(std::move(kind));
+  for (ContactLawKind& kind : contact_laws()) catalogue.add(std::move(kind));
   for (AxisEstimatorKind& kind : axis_estimators()) catalogue.add(std::move(kind));
   for (AxisControllerKind& kind : axis_controllers()) catalogue.add(std::move(kind));
   for (QuadrotorEstimatorKind& kind : quadrotor_estimators()) catalogue.add(std::move(kind));

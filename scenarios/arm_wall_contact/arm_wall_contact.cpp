@@ -24,16 +24,13 @@ std::vector<MetricDefinition> ArmWallContact::metric_definitions() const {
 Fields ArmWallContact::fields() {
   Fields fields;
   arm_.bind(fields);
+  force_sensor_.bind(fields);
   fields.number("wall.distance_m", wall_distance_m_, positive(),
                 "distance from the tip at the start pose to the wall's face [m]");
   fields.number("wall.solid_from_s", wall_solid_from_s_, not_negative(),
                 "time at which the wall becomes solid: the stretched arm starts inside it [s]");
-  fields.number(
-      "contact.stiffness_N_m", contact_.stiffness_N_m, positive(),
-      "K: contact stiffness of the chain of sensor, end effector, gears and links, not of "
-      "the steel [N/m]");
-  fields.number("contact.damping_Ns_m", contact_.damping_Ns_m, not_negative(),
-                "B: damping of the same chain [N s/m]");
+  wall_.bind_wall(fields);
+  wall_.bind_law(fields);
   fields.number("force.reference_N", force_reference_N_, positive(),
                 "F_x^ref: reference of the contact force [N]");
   fields.number("force.from_s", force_from_s_, not_negative(),
@@ -53,6 +50,10 @@ Fields ArmWallContact::fields() {
   return fields;
 }
 
+double ArmWallContact::wall_x_m() const {
+  return start_pose(arm_)[0] + wall_distance_m_;
+}
+
 ArmRole ArmWallContact::role() const {
   ArmRole role;
   role.force_control_from_s = force_from_s_;
@@ -60,14 +61,17 @@ ArmRole ArmWallContact::role() const {
   role.convert_gain_N_m = convert_gain_per_m_ * force_reference_N_;
   role.force_filter_time_constant_s = filter_time_constant_s_;
   role.geoms = {kTip, kWall};
-  role.prepare_model = [this](Model& model) {
-    place_wall(model, kWall, start_pose(arm_)[0] + wall_distance_m_);
-    author_contact(model, geom_id(model, kTip), geom_id(model, kWall), contact_);
+  role.prepare_model = [this](Model& model) { wall_.prepare(model, kTip, kWall, wall_x_m()); };
+  role.make_contact = [this](const Model& model) {
+    return wall_.is_of_engine() ? nullptr : wall_.make(model, kTip, kWall);
   };
+  role.force_sensor = force_sensor_;
   return role;
 }
 
 void ArmWallContact::check(const Config& config) {
+  wall_.check(config, arm_.physics);
+  force_sensor_.check(config, arm_.physics.timestep_s);
   check_arm(arm_, role(), config);
   if (wall_solid_from_s_ > force_from_s_) {
     config.fail("wall.solid_from_s", "must not be after force.from_s");
@@ -89,6 +93,7 @@ void ArmWallContact::prepare_scene(Model& model) const {
 
 void ArmWallContact::animate_scene(Model& model, double time_s) const {
   show_geoms(model, "wall_", time_s >= wall_solid_from_s_);
+  wall_.animate(model, kWall, wall_x_m(), time_s);
 }
 
 Recording ArmWallContact::run(const RunControl& control) const {
@@ -122,7 +127,7 @@ Recording ArmWallContact::run(const RunControl& control) const {
   ApparentMass mass_along_x(sim.model(), "tip", Eigen::Vector3d::UnitX());
 
   const auto step = [&](std::int64_t k) {
-    if (k == solid_step) sim.set_collidable(wall, true);
+    if (k == solid_step) rig.set_solid(wall, true);
     sim.step();
     const bool strikes = metrics.after_step(sim.time_s(), rig.contact_force_N(),
                                             rig.filtered_force_N(), rig.tip_speed_x_m_s());

@@ -3,7 +3,7 @@
 
 #include <breakwater/experiment/scenario.h>
 #include <breakwater/rigs/arm_rig.h>
-#include <breakwater/sim/contact.h>
+#include <breakwater/rigs/wall_settings.h>
 
 namespace breakwater {
 
@@ -11,7 +11,7 @@ namespace breakwater {
 /// presses on it with `force.reference_N`. The main metrics are impact force and free-motion time.
 class ArmWallContact final : public Scenario {
  public:
-  explicit ArmWallContact(const Catalogue& catalogue) : arm_(catalogue) {}
+  explicit ArmWallContact(const Catalogue& catalogue) : arm_(catalogue), wall_(catalogue) {}
 
   std::string name() const override { return "arm_wall_contact"; }
   std::string summary() const override {
@@ -30,11 +30,13 @@ class ArmWallContact final : public Scenario {
 
  private:
   ArmRole role() const;
+  double wall_x_m() const;
 
   ArmSettings arm_;
   double wall_distance_m_ = 0.0;
   double wall_solid_from_s_ = 0.0;
-  ContactLaw contact_;
+  WallSettings wall_;
+  ForceSensorSettings force_sensor_;
   double force_from_s_ = 0.0;
   double force_reference_N_ = 0.0;
   double convert_gain_per_m_ = 0.0;

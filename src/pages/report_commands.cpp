@@ -12,6 +12,7 @@
 #include <breakwater/pages/compare.h>
 #include <breakwater/pages/figure_script.h>
 #include <breakwater/pages/html_page.h>
+#include <breakwater/pages/measured_impact.h>
 #include <breakwater/pages/paired_runs.h>
 #include <breakwater/pages/replay_part.h>
 #include <breakwater/pages/run_report.h>
@@ -35,6 +36,7 @@ struct RunsArguments {
   std::string out = ".";
   bool paired = false;
   std::string baseline;
+  std::string measured;
   std::vector<std::string> goals;
   bool csv = false;
   bool json = false;
@@ -106,6 +108,26 @@ int compare(const Catalogue& catalogue, const RunsArguments& arguments) {
     for (const fs::path& file : written) fmt::print("{}\n", file.string());
   }
   return status;
+}
+
+int compare_measured(const RunsArguments& arguments) {
+  const std::vector<SavedRun> runs = open_all(arguments.runs);
+  const std::vector<std::string>& signals = arguments.choice.signals;
+  if (runs.size() != 1 || signals.size() > 1) {
+    throw std::invalid_argument("--measured: give one run, and at most one --signal");
+  }
+  const ImpactComparison comparison(runs.front(),
+                                    signals.empty() ? "physics/force_sensor_N" : signals.front(),
+                                    arguments.measured);
+  const fs::path file = made_folder(arguments.out) / "measured.html";
+  replace_file(file, comparison.html());
+  say("compare", {}, runs);
+  if (arguments.json) {
+    fmt::print("{}", comparison.json());
+  } else if (!arguments.quiet) {
+    fmt::print("{}\n{}\n", comparison.text(output_width()), file.string());
+  }
+  return kSuccess;
 }
 
 std::map<std::string, Goal> read_goals(const std::vector<std::string>& texts) {
@@ -226,6 +248,12 @@ int runs_main(const Catalogue& catalogue, bool is_comparison, int argc, const ch
         ->type_name("METRIC=GOAL")
         ->allow_extra_args(false)
         ->needs("--paired");
+    app.add_option("--measured", arguments.measured,
+                   "instead: a recorded impact, a table with time_s and force_N, over that of one\n"
+                   "run (its signal physics/force_sensor_N, or --signal); writes measured.html")
+        ->type_name("FILE")
+        ->check(CLI::ExistingFile)
+        ->excludes("--paired");
     add_digits(app);
     app.add_flag("--json", arguments.json, "print the table as JSON")->excludes("--paired");
     app.add_flag("--csv", arguments.csv, "write compare.csv: the metrics and their differences");
@@ -241,6 +269,7 @@ int runs_main(const Catalogue& catalogue, bool is_comparison, int argc, const ch
                  : "It writes report.html, a page that needs no network.");
   if (const auto status = parse(app, argc, argv)) return *status;
   if (arguments.paired) return compare_paired(arguments);
+  if (!arguments.measured.empty()) return compare_measured(arguments);
   return is_comparison ? compare(catalogue, arguments) : report(catalogue, arguments);
 }
 

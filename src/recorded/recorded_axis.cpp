@@ -4,7 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include <breakwater/recorded/column_table.h>
+#include <breakwater/config/column_table.h>
 #include <breakwater/statistics/quantile.h>
 
 namespace breakwater {

@@ -88,6 +88,9 @@ SensingSetup sensing_setup(const ArmSettings& settings, const ArmRole& role,
                             .noise_std = settings.force_noise_N});
   setup.channels.push_back(
       {.name = "force_raw", .sensor = "tip_force", .noise_std = settings.force_noise_N});
+  for (std::size_t i = setup.channels.size() - 2; i < setup.channels.size(); ++i) {
+    role.force_sensor.apply(setup.channels[i]);
+  }
   settings.faults.apply(setup);
   setup.seed = settings.run.seed;
   return setup;
@@ -210,7 +213,11 @@ ArmRig::ArmRig(const ArmSettings& settings, const ArmRole& role)
                            settings.friction_Nm);
     }
   }
+  if (role.force_sensor.tool_mass_kg > 0.0) {
+    model.add_mass("tip", role.force_sensor.tool_mass_kg);
+  }
   if (role.prepare_model) role.prepare_model(model);
+  if (role.make_contact) contact_ = role.make_contact(model);
   const int home = model.id(mjOBJ_KEY, "home");
   std::vector<double> qpos(model->key_qpos + static_cast<std::ptrdiff_t>(home) * model->nq,
                            model->key_qpos + static_cast<std::ptrdiff_t>(home + 1) * model->nq);
@@ -227,6 +234,13 @@ ArmRig::ArmRig(const ArmSettings& settings, const ArmRole& role)
   simulation_->set_position(qpos);
   contact_force_ = &simulation_->sensor("tip_touch");
   force_sensor_ = &simulation_->sensor("tip_force");
+  if (contact_) {
+    simulation_->add(*contact_);
+    contact_force_ = &contact_->force_N();
+  }
+  if (role.force_sensor.has_body()) {
+    force_sensor_ = &simulation_->sensing().filtered(static_cast<std::size_t>(chain_.joints()) + 1);
+  }
   tip_speed_x_ = &simulation_->sensor("tip_vel");
   for (Eigen::Index i = 0; i < chain_.joints(); ++i) {
     q_sensors_.push_back(&simulation_->sensor(chain_.joint(i).name + "_pos"));
@@ -236,6 +250,14 @@ ArmRig::ArmRig(const ArmSettings& settings, const ArmRole& role)
 
 const double& ArmRig::filtered_force_N() const {
   return simulation_->sensing().filtered(static_cast<std::size_t>(chain_.joints()));
+}
+
+void ArmRig::set_solid(int wall, bool is_solid) {
+  if (contact_) {
+    contact_->set_solid(is_solid);
+  } else {
+    simulation_->set_collidable(wall, is_solid);
+  }
 }
 
 void ArmRig::observe() {
@@ -266,6 +288,9 @@ std::vector<Signal> ArmRig::signals() const {
       {"torque_command_Nm", "N m", "commanded joint torques", view(sim.command())},
       {"torque_applied_Nm", "N m", "joint torques after saturation", view(sim.actuation())},
       {"saturated", "1", "1 where any torque is at its limit", view(saturated_)}};
+  if (contact_) {
+    signals.push_back({"wall_m", "m", "how far the wall has moved", view(contact_->wall_m())});
+  }
   for (const Signal& signal : controller_->signals()) signals.push_back(signal);
   return signals;
 }

@@ -10,7 +10,9 @@
 #include <breakwater/experiment/scenario.h>
 #include <breakwater/rigs/arm_parts.h>
 #include <breakwater/rigs/axis_parts.h>
+#include <breakwater/rigs/force_sensor_settings.h>
 #include <breakwater/sim/simulation.h>
+#include <breakwater/sim/wall_contact.h>
 
 namespace breakwater {
 
@@ -52,6 +54,9 @@ struct ArmRole {
   std::vector<std::string> geoms;
   std::function<void(Model&)>
       prepare_model;  ///< may be empty; called before the simulation is made
+  /// Makes a contact that is applied as a force; may be empty, or give null.
+  std::function<std::unique_ptr<WallContact>(const Model&)> make_contact;
+  ForceSensorSettings force_sensor;
 };
 
 /// Checks what the single fields cannot: sizes, periods, the design of controller and observer.
@@ -79,6 +84,8 @@ class ArmRig {
   Simulation& simulation() { return *simulation_; }
   const Simulation& simulation() const { return *simulation_; }
   const PlanarChain& chain() const { return chain_; }
+  /// Makes the wall solid, or not, which is the geom `wall` of the model.
+  void set_solid(int wall, bool is_solid);
 
   /// Updates the true values below from the last step of the simulation.
   void observe();
@@ -97,6 +104,7 @@ class ArmRig {
  private:
   PlanarChain chain_;
   std::unique_ptr<Controller> controller_;
+  std::unique_ptr<WallContact> contact_;  // null: the engine's
   std::unique_ptr<Simulation> simulation_;
   Eigen::VectorXd q_;
   Eigen::VectorXd dq_;

@@ -1,14 +1,25 @@
 #include <breakwater/sim/contact.h>
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
+#include <breakwater/math/functions.h>
 #include <breakwater/sim/named_elements.h>
 
 namespace breakwater {
 namespace {
 
 constexpr double kSoftImpedance = 0.001;  // d, ten times the engine's smallest
+
+int world_plane(const Model& model, const std::string& wall) {
+  const int plane = geom_id(model, wall);
+  if (model->geom_type[plane] != mjGEOM_PLANE || model->geom_bodyid[plane] != 0) {
+    throw std::invalid_argument(model.file() + ": geom \"" + wall +
+                                "\" must be a plane of the world body");
+  }
+  return plane;
+}
 
 }  // namespace
 
@@ -56,15 +67,33 @@ void author_contact(Model& model, int geom1, int geom2, const ContactLaw& law) {
 }
 
 void place_wall(Model& model, const std::string& wall, double x_m) {
-  const int plane = geom_id(model, wall);
+  const int plane = world_plane(model, wall);
   mjModel& m = *model.get();
-  if (m.geom_type[plane] != mjGEOM_PLANE || m.geom_bodyid[plane] != 0) {
-    throw std::invalid_argument(model.file() + ": geom \"" + wall +
-                                "\" must be a plane of the world body");
-  }
   const double moved_m = x_m - m.geom_pos[3 * plane];
   for (const int part : model.geoms_named(wall)) m.geom_pos[3 * part] += moved_m;
   m.geom_pos[3 * plane] = x_m;
+}
+
+void tilt_wall(Model& model, const std::string& wall, double angle_rad) {
+  const int plane = world_plane(model, wall);
+  if (angle_rad == 0.0) return;
+  mjModel& m = *model.get();
+  const math::SineCosine turn = math::sincos(angle_rad);
+  const math::SineCosine half = math::sincos(0.5 * angle_rad);
+  const mjtNum rotation[4] = {half.cosine, 0.0, 0.0, half.sine};
+  const mjtNum pivot_x = m.geom_pos[3 * plane];
+  const mjtNum pivot_y = m.geom_pos[3 * plane + 1];
+  for (const int part : model.geoms_named(wall)) {
+    mjtNum* position = m.geom_pos + static_cast<ptrdiff_t>(3) * part;
+    const mjtNum x = position[0] - pivot_x;
+    const mjtNum y = position[1] - pivot_y;
+    position[0] = pivot_x + turn.cosine * x - turn.sine * y;
+    position[1] = pivot_y + turn.sine * x + turn.cosine * y;
+    mjtNum* own = m.geom_quat + static_cast<ptrdiff_t>(4) * part;
+    mjtNum turned[4];
+    mju_mulQuat(turned, rotation, own);
+    std::copy_n(turned, 4, own);
+  }
 }
 
 }  // namespace breakwater

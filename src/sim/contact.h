@@ -30,4 +30,8 @@ void author_contact(Model& model, int geom1, int geom2, const ContactLaw& law);
 /// `wall` move too. Throws std::invalid_argument if there is no such plane.
 void place_wall(Model& model, const std::string& wall, double x_m);
 
+/// Turns that plane, together with the same geoms, about the vertical through its own position,
+/// counter-clockwise seen from above. Throws as place_wall().
+void tilt_wall(Model& model, const std::string& wall, double angle_rad);
+
 }  // namespace breakwater

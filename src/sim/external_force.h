@@ -19,4 +19,21 @@ class ExternalForce {
   virtual void apply(double time_s, const mjModel& model, mjData& data) const = 0;
 };
 
+/// A force with a state of its own, which it integrates by the stages of the engine's integrator.
+/// Must not allocate.
+class StagedForce {
+ public:
+  StagedForce() = default;
+  StagedForce(const StagedForce&) = delete;
+  StagedForce& operator=(const StagedForce&) = delete;
+  virtual ~StagedForce() = default;
+
+  /// Called before the first stage of a physics step.
+  virtual void begin_step() = 0;
+  /// Called at each stage, like ExternalForce::apply(). May throw RunFailure.
+  virtual void apply(double time_s, const mjModel& model, mjData& data) = 0;
+  /// Called after the step, with the data of its last stage.
+  virtual void end_step(const mjData& data) = 0;
+};
+
 }  // namespace breakwater

@@ -304,9 +304,24 @@ void Model::scale_inertia(double ratio) {
   mjModel& m = *model_;
   for (int i = 0; i < m.nbody; ++i) m.body_mass[i] *= ratio;
   for (int i = 0; i < 3 * m.nbody; ++i) m.body_inertia[i] *= ratio;
-  // The constants that the engine derives from mass and inertia.
+  derive_constants();
+}
+
+void Model::add_mass(const std::string& body, double mass_kg) {
+  const int number = id(mjOBJ_BODY, body);
+  mjModel& m = *model_;
+  const double mass = m.body_mass[number] + mass_kg;
+  if (!(mass >= 0.0 && mass <= kLargestMass_kg)) {
+    refuse(file_, "body " + name_of(m, mjOBJ_BODY, number) + ": mass is out of range");
+  }
+  m.body_mass[number] = mass;
+  derive_constants();
+}
+
+// The constants that the engine derives from mass and inertia.
+void Model::derive_constants() {
   const DataPointer data = make_data();
-  const std::string fatal = call_engine([&] { mj_setConst(&m, data.get()); });
+  const std::string fatal = call_engine([&] { mj_setConst(model_.get(), data.get()); });
   if (!fatal.empty()) refuse_for_engine(file_, fatal, "");
 }
 

@@ -82,6 +82,11 @@ class Model {
   /// is positive and finite and the engine can compute the derived constants.
   void scale_inertia(double ratio);
 
+  /// Adds a point mass at a body's centre of mass, or removes one. Throws std::invalid_argument if
+  /// there is no such body, the resulting mass is negative, or the engine cannot compute the
+  /// derived constants.
+  void add_mass(const std::string& body, double mass_kg);
+
   /// Speeds up the search for contacts by with_contact_pairs(), if this changes no contact. After
   /// that, only set_collidable() can change the contact parameters of geoms.
   void list_contacts();
@@ -103,6 +108,8 @@ class Model {
   static Model copy(const mjModel& model, const std::string& file);
   static Model physics(const mjModel& full, const std::string& file,
                        const std::vector<std::string>& geoms);
+
+  void derive_constants();
 
   Model(mjModel* model, std::string file) : model_(model), file_(std::move(file)) {}
 

@@ -41,10 +41,12 @@ Sensing::Sensing(const Model& model, const SensingSetup& setup)
       throw std::invalid_argument(model.file() + ": sensor \"" + channel.sensor +
                                   "\" is no quaternion");
     }
-    const bool is_late = model->sensor_needstage[id] == mjSTAGE_ACC || channel.low_pass_s > 0.0;
+    const bool is_late = model->sensor_needstage[id] == mjSTAGE_ACC || channel.low_pass_s > 0.0 ||
+                         channel.body.is_on() || channel.electronics.is_on();
     channels_.push_back({channel, model->sensor_adr[id] + channel.component, is_late,
-                         LowPass(channel.low_pass_s, step_s_), Noise(setup.seed, channel.name),
-                         DelayLine(channel.delay_samples)});
+                         Resonance(channel.body, step_s_), LowPass(channel.low_pass_s, step_s_),
+                         SampledReading(channel.electronics, step_s_, setup.seed, channel.name),
+                         Noise(setup.seed, channel.name), DelayLine(channel.delay_samples)});
   }
   const bool fault_has_channel =
       fault_.channel.empty() ||
@@ -70,13 +72,17 @@ void Sensing::reset(const mjData& data) {
   for (Channel& channel : channels_) {
     channel.value = channel.read(data);
     channel.last_good = channel.value;
+    channel.body.reset(channel.value);
     channel.filter.reset(channel.value);
+    channel.electronics.reset(channel.value);
   }
 }
 
 void Sensing::after_step(const mjData& data) {
   for (Channel& channel : channels_) {
-    if (channel.is_late) channel.value = channel.filter.update(channel.read(data));
+    if (!channel.is_late) continue;
+    channel.value = channel.filter.update(channel.body.update(channel.read(data)));
+    channel.electronics.update(channel.value);
   }
 }
 
@@ -93,7 +99,9 @@ void Sensing::take(std::int64_t k, const mjData& data, Sample& sample) {
   for (std::size_t i = 0; i < channels_.size(); ++i) {
     Channel& channel = channels_[i];
     if (!channel.is_late) channel.value = channel.read(data);
-    const double disturbed = channel.value + channel.setup.disturbance.value(sample.time_s);
+    const double reading =
+        channel.setup.electronics.is_on() ? channel.electronics.value() : channel.value;
+    const double disturbed = reading + channel.setup.disturbance.value(sample.time_s);
     double measured = channel.setup.encoder.measure(disturbed);
     if (channel.setup.noise_std > 0.0) {
       measured += channel.setup.noise_std * channel.noise(static_cast<std::uint64_t>(k));

@@ -12,6 +12,7 @@
 #include <breakwater/world/delay_line.h>
 #include <breakwater/world/disturbance.h>
 #include <breakwater/world/encoder.h>
+#include <breakwater/world/force_sensor.h>
 #include <breakwater/world/low_pass.h>
 #include <breakwater/world/noise.h>
 
@@ -25,8 +26,9 @@ enum class Reading {
   yaw
 };
 
-/// One entry of a sample, from a MuJoCo sensor. The value passes these stages: true → low-pass
-/// (analogue, at every physics step) → disturbance → quantisation → noise → delay → hold.
+/// One entry of a sample, from a MuJoCo sensor. The value passes these stages: true → body →
+/// low-pass (both analogue, at every physics step) → electronics (if any) → disturbance →
+/// quantisation → noise → delay → hold.
 ///
 /// Position and velocity sensors without a low-pass have the value of the sampling instant. Force,
 /// touch and acceleration sensors, and all sensors with a low-pass, have the value of the last
@@ -36,7 +38,9 @@ struct SensorChannel {
   std::string sensor;  ///< name of the MJCF sensor
   int component = 0;   ///< index in the sensor's values
   Reading reading = Reading::component;
+  SensorBody body;          ///< body of a force sensor; default: no resonance
   double low_pass_s = 0.0;  ///< time constant [s]; 0: none
+  SensorElectronics electronics;
   Disturbance disturbance;  ///< output disturbance, added at each sample, in the value's unit
   Encoder encoder;
   double noise_std =
@@ -93,7 +97,9 @@ class Sensing {
     SensorChannel setup;
     int address;   // index in sensordata
     bool is_late;  // computed only at the end of a step
+    Resonance body;
     LowPass filter;
+    SampledReading electronics;
     Noise noise;
     DelayLine delay;
     double value = 0.0;

@@ -107,6 +107,19 @@ TEST(Allocation, WallContactLoopDoesNotAllocate) {
   }
 }
 
+TEST(Allocation, AContactLawDoesNotAllocate) {
+  for (const char* law :
+       {"kelvin_voigt_clipped", "hertz", "hunt_crossley", "layered", "standard_linear_solid"}) {
+    EXPECT_EQ(allocations_in_loop(
+                  "impact_test", law,
+                  {"run.duration_s=1.2", "wall.motion=free", "wall.mass_kg=2",
+                   "wall.stiffness_N_m=1e3", "wall.damping_Ns_m=1", "sensor.force_resonance_Hz=500",
+                   "sensor.force_delay_s=1e-3", "sensor.force_drift_N_sqrt_s=0.1"}),
+              0)
+        << law;
+  }
+}
+
 TEST(Allocation, PushLoopDoesNotAllocate) {
   for (const char* observer : {"idob", "kfd", "qvff", "stf", "qbank"}) {
     EXPECT_EQ(allocations_in_loop("arm_push", "proposed-link2",

@@ -87,6 +87,7 @@ std::vector<Trial> all_trials() {
       {"cart_estimation", {"run.duration_s=30"}},
       {"cart_offset_free", {"run.duration_s=3"}},
       {"cart_position", {"run.duration_s=1"}},
+      {"impact_test", {"run.duration_s=0.1"}},
       {"motor_estimation", {"run.duration_s=2"}},
       {"quadrotor_waves", {"run.duration_s=2", "metrics.window_s=1"}}};
   const std::map<std::string, std::vector<std::vector<std::string>>> more = {

@@ -1,4 +1,4 @@
-#include <breakwater/recorded/column_table.h>
+#include <breakwater/config/column_table.h>
 
 #include <fmt/format.h>
 

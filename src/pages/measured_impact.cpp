@@ -1,0 +1,173 @@
+#include <breakwater/pages/measured_impact.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include <breakwater/config/column_table.h>
+#include <breakwater/pages/compare.h>
+#include <breakwater/pages/html_page.h>
+#include <breakwater/shell/table.h>
+
+namespace breakwater {
+namespace mustache = kainjow::mustache;
+namespace {
+
+// The time at which a straight line between two samples has a value.
+double crossing_s(const Series& force, std::size_t after, double value) {
+  const double part =
+      (value - force.values[after - 1]) / (force.values[after] - force.values[after - 1]);
+  return force.times_s[after - 1] + part * (force.times_s[after] - force.times_s[after - 1]);
+}
+
+// The first sample from `from` on that is above the threshold, or not.
+std::size_t first_where(const Series& force, std::size_t from, double threshold, bool is_above) {
+  while (from < force.values.size() && (force.values[from] > threshold) != is_above) ++from;
+  return from;
+}
+
+ImpactPulse pulse_of(const Series& force, const std::string& whose) {
+  try {
+    return first_pulse(force);
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(whose + ": " + error.what());
+  }
+}
+
+Series since(Series series, double begin_s) {
+  for (double& time_s : series.times_s) time_s -= begin_s;
+  return series;
+}
+
+struct Row {
+  const char* name;
+  const char* unit;
+  double simulated;
+  double measured;
+};
+
+std::array<Row, 3> rows_of(const ImpactComparison& comparison) {
+  const ImpactPulse& s = comparison.simulated();
+  const ImpactPulse& m = comparison.measured();
+  return {Row{"peak", "N", s.peak_N, m.peak_N}, Row{"duration", "s", s.duration_s, m.duration_s},
+          Row{"impulse", "N s", s.impulse_Ns, m.impulse_Ns}};
+}
+
+}  // namespace
+
+ImpactPulse first_pulse(const Series& force) {
+  const double largest_N =
+      force.values.empty() ? 0.0 : *std::max_element(force.values.begin(), force.values.end());
+  if (!(largest_N > 0.0)) throw std::invalid_argument("the force is never positive");
+  const double threshold = kContactShare * largest_N;
+  const std::size_t rise = first_where(force, 0, threshold, true);
+  const std::size_t fall = first_where(force, rise, threshold, false);
+  if (rise == 0) throw std::invalid_argument("the force begins in contact");
+  if (fall == force.values.size()) throw std::invalid_argument("the first contact does not end");
+  ImpactPulse pulse;
+  pulse.begin_s = crossing_s(force, rise, threshold);
+  pulse.duration_s = crossing_s(force, fall, threshold) - pulse.begin_s;
+  for (std::size_t i = rise; i <= fall; ++i) {
+    pulse.peak_N = std::max(pulse.peak_N, force.values[i]);
+    pulse.impulse_Ns +=
+        0.5 * (force.values[i - 1] + force.values[i]) * (force.times_s[i] - force.times_s[i - 1]);
+  }
+  return pulse;
+}
+
+Series read_measured_force(const std::string& file) {
+  ColumnTable table = read_columns(file, {{"time_s", "--measured"}, {"force_N", "--measured"}});
+  for (std::size_t i = 1; i < table.rows(); ++i) {
+    if (!(table.columns[0][i] > table.columns[0][i - 1])) {
+      fail_at_line(file, table.lines[i], "time_s must rise");
+    }
+  }
+  return {std::move(table.columns[0]), std::move(table.columns[1])};
+}
+
+ImpactComparison::ImpactComparison(const SavedRun& run, const std::string& signal,
+                                   const std::string& file)
+    : run_(run.folder().string()), signal_(signal), file_(file) {
+  if (!run.has_signal(signal)) {
+    throw std::invalid_argument(run_ + ": the log has no signal " + signal +
+                                ": say with --signal which one is the force");
+  }
+  const Series simulated = run.signal(signal);
+  const Series measured = read_measured_force(file);
+  simulated_pulse_ = pulse_of(simulated, run_ + ": " + signal);
+  measured_pulse_ = pulse_of(measured, file);
+  simulated_ = since(simulated, simulated_pulse_.begin_s);
+  measured_ = since(measured, measured_pulse_.begin_s);
+  const double end_s = std::max(simulated_pulse_.duration_s, measured_pulse_.duration_s);
+  double sum = 0.0;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < measured_.times_s.size(); ++i) {
+    const double time_s = measured_.times_s[i];
+    if (time_s < 0.0 || time_s > end_s) continue;
+    sum += std::pow(simulated_.at(time_s) - measured_.values[i], 2);
+    ++count;
+  }
+  rmse_N_ = std::sqrt(sum / static_cast<double>(count));
+}
+
+std::string ImpactComparison::text(std::size_t width) const {
+  Table table({"first contact", "unit", "simulated", "measured", "difference"});
+  for (const Row& row : rows_of(*this)) {
+    table.add({row.name, row.unit, format_number(row.simulated), format_number(row.measured),
+               difference_in_words(row.simulated, row.measured)});
+  }
+  table.add({"RMSE", "N", format_number(rmse_N_), "", ""});
+  return table.print(width);
+}
+
+std::string ImpactComparison::json() const {
+  nlohmann::ordered_json json;
+  for (const auto& [name, pulse] :
+       {std::pair("simulated", simulated_pulse_), std::pair("measured", measured_pulse_)}) {
+    json[name] = {{"peak_N", pulse.peak_N},
+                  {"duration_s", pulse.duration_s},
+                  {"impulse_Ns", pulse.impulse_Ns}};
+  }
+  json["rmse_N"] = rmse_N_;
+  return json.dump(2) + "\n";
+}
+
+std::string ImpactComparison::html() const {
+  mustache::data page;
+  mustache::data rows(mustache::data::type::list);
+  for (const Row& row : rows_of(*this)) {
+    mustache::data entry;
+    entry.set("name", row.name);
+    entry.set("unit", row.unit);
+    entry.set("simulated", format_number(row.simulated));
+    entry.set("measured", format_number(row.measured));
+    entry.set("difference", difference_in_words(row.simulated, row.measured));
+    rows << entry;
+  }
+  const double length_s = std::max(simulated_pulse_.duration_s, measured_pulse_.duration_s);
+  PageChart chart;
+  chart.id = "forces";
+  chart.group = chart.axis = "measured";
+  chart.title = "force since the first contact";
+  chart.from_s = -0.25 * length_s;
+  chart.to_s = 1.5 * length_s;
+  chart.series = {{.label = "simulated", .unit = "N", .description = signal_, .values = simulated_},
+                  {.label = "measured", .unit = "N", .description = file_, .values = measured_}};
+  mustache::data charts(mustache::data::type::list);
+  charts << chart_data(chart);
+  page.set("title", "measured and simulated impact");
+  page.set("run", run_);
+  page.set("file", file_);
+  page.set("signal", signal_);
+  page.set("rmse", format_number(rmse_N_));
+  page.set("toc", mustache::data(mustache::data::type::list));
+  page.set("rows", rows);
+  page.set("charts", charts);
+  return html_page("measured", page);
+}
+
+}  // namespace breakwater

@@ -1,0 +1,48 @@
+#include <breakwater/rigs/force_sensor_settings.h>
+
+#include <numbers>
+
+#include <breakwater/experiment/settings.h>
+
+namespace breakwater {
+
+void ForceSensorSettings::bind(Fields& fields) {
+  const auto number = [&](const std::string& key, double& target, const Range& range,
+                          const std::string& doc) {
+    fields.number(key, target, range, doc);
+    fields.standard(key, {0.0});
+  };
+  number("sensor.force_tool_mass_kg", tool_mass_kg, not_negative(),
+         "mass before the force sensor beside the tip's own: the sensor reads its inertia [kg]");
+  number("sensor.force_resonance_Hz", resonance_Hz, not_negative(),
+         "natural frequency of the sensor's body; 0: rigid [Hz]");
+  number("sensor.force_damping_ratio", damping_ratio, between(0.0, 0.99),
+         "damping ratio of the sensor's body");
+  fields.only_where({"sensor.force_damping_ratio"}, "sensor.force_resonance_Hz is not 0",
+                    [this] { return resonance_Hz != 0.0; });
+  number("sensor.force_bias_N", electronics.bias, any(), "constant error of the sensor [N]");
+  number("sensor.force_drift_N_sqrt_s", electronics.drift_per_sqrt_s, not_negative(),
+         "drift, a random walk: its standard deviation after 1 s [N/s^0.5]");
+  number("sensor.force_range_N", electronics.range, not_negative(),
+         "range: larger forces of either sign are clipped; 0: no limit [N]");
+  number("sensor.force_quantum_N", electronics.quantum, not_negative(),
+         "one step of the converter; 0: no quantisation [N]");
+  number("sensor.force_period_s", electronics.period_s, not_negative(),
+         "the sensor's own sampling period; 0: physics.timestep_s [s]");
+  number("sensor.force_delay_s", electronics.delay_s, not_negative(),
+         "delay of the sensor's samples [s]");
+}
+
+void ForceSensorSettings::check(const Config& config, double timestep_s) const {
+  check_multiple(config, "sensor.force_period_s", electronics.period_s, timestep_s,
+                 "physics.timestep_s");
+  check_multiple(config, "sensor.force_delay_s", electronics.delay_s, timestep_s,
+                 "physics.timestep_s");
+}
+
+void ForceSensorSettings::apply(SensorChannel& channel) const {
+  channel.body = {2.0 * std::numbers::pi * resonance_Hz, damping_ratio};
+  channel.electronics = electronics;
+}
+
+}  // namespace breakwater

@@ -1,0 +1,159 @@
+#include <breakwater/rigs/wall_settings.h>
+
+#include <cmath>
+
+#include <breakwater/config/column_table.h>
+#include <breakwater/math/functions.h>
+#include <breakwater/sim/contact.h>
+#include <breakwater/sim/named_elements.h>
+
+namespace breakwater {
+namespace {
+
+constexpr const char* kMotion = "wall.motion";
+constexpr double kLargestTilt_rad = 1.5;
+
+// The depth at which the law, without damping, has taken a mass' energy.
+double deepest_m(const ContactForceLaw& law, double energy_J) {
+  constexpr int kPanels = 64;
+  const auto work_J = [&](double depth_m) {
+    double sum = 0.0;
+    for (int i = 0; i < kPanels; ++i) {
+      ContactState state;
+      sum += law.force(depth_m * (i + 0.5) / kPanels, 0.0, state);
+    }
+    return sum * depth_m / kPanels;
+  };
+  double low = 1e-12, high = 1e3;
+  for (int i = 0; i < 200; ++i) {
+    const double middle = std::sqrt(low * high);
+    (work_J(middle) < energy_J ? low : high) = middle;
+  }
+  return low;
+}
+
+void check_stability(const Config& config, const PhysicsSettings& physics,
+                     const ContactSlopes& slopes) {
+  if (is_stable(physics.integrator, physics.timestep_s, slopes)) return;
+  config.fail("physics.timestep_s", limit_in_words(physics.integrator, physics.timestep_s, slopes));
+}
+
+}  // namespace
+
+void WallSettings::bind_wall(Fields& fields) {
+  fields.number("wall.angle_rad", angle_rad_, between(-kLargestTilt_rad, kLargestTilt_rad),
+                "tilt of the wall about the vertical, counter-clockwise seen from above [rad]");
+  fields.standard("wall.angle_rad", {0.0});
+  fields.choice(kMotion, motion_.kind,
+                {{"fixed", WallMotionKind::fixed},
+                 {"ramp", WallMotionKind::ramp},
+                 {"sine", WallMotionKind::sine},
+                 {"csv", WallMotionKind::csv},
+                 {"free", WallMotionKind::free}},
+                "motion along the wall's normal, positive away from the tip; free: a mass on a "
+                "spring and a damper");
+  fields.standard(kMotion, {std::string("fixed")});
+  const auto of = [&](const char* name, auto&& bind) {
+    const Fields::OfPart part(fields, kMotion, name);
+    bind();
+  };
+  const auto start = [&] {
+    fields.number("wall.motion_from_s", motion_.start_s, not_negative(),
+                  "time at which the wall begins to move [s]");
+    fields.standard("wall.motion_from_s", {0.0});
+  };
+  of("ramp", [&] {
+    start();
+    fields.number("wall.speed_m_s", motion_.speed_m_s, any(),
+                  "speed of the wall, positive away from the tip [m/s]");
+  });
+  of("sine", [&] {
+    start();
+    fields.number("wall.amplitude_m", motion_.amplitude_m, not_negative(),
+                  "amplitude of the wall's motion [m]");
+    fields.number("wall.frequency_rad_s", motion_.frequency_rad_s, positive(),
+                  "angular frequency of the wall's motion [rad/s]");
+  });
+  of("csv", [&] {
+    fields.file("wall.file", file_,
+                "table of the wall's motion, with the columns time_s and position_m");
+  });
+  of("free", [&] {
+    fields.number("wall.mass_kg", motion_.mass_kg, positive(), "mass of the wall [kg]");
+    fields.number("wall.stiffness_N_m", motion_.stiffness_N_m, not_negative(),
+                  "stiffness of the spring that holds the wall [N/m]");
+    fields.number("wall.damping_Ns_m", motion_.damping_Ns_m, not_negative(),
+                  "damping of what holds the wall [N s/m]");
+  });
+}
+
+void WallSettings::check(const Config& config, const PhysicsSettings& physics) const {
+  law_.check(config);
+  config.blame("wall.file", [&] { motion(); });
+  if (motion_.kind != WallMotionKind::free) return;
+  check_stability(config, physics,
+                  {.stiffness_N_m = motion_.stiffness_N_m,
+                   .damping_Ns_m = motion_.damping_Ns_m,
+                   .mass_kg = motion_.mass_kg});
+}
+
+WallMotion WallSettings::motion() const {
+  WallMotion motion = motion_;
+  if (motion.kind != WallMotionKind::csv) return motion;
+  ColumnTable table = read_columns(file_, {{"time_s", "wall.file"}, {"position_m", "wall.file"}});
+  if (table.rows() == 0) throw std::invalid_argument(file_ + ": has no rows");
+  motion.times_s = std::move(table.columns[0]);
+  motion.positions_m = std::move(table.columns[1]);
+  for (std::size_t i = 1; i < motion.times_s.size(); ++i) {
+    if (!(motion.times_s[i] > motion.times_s[i - 1])) {
+      fail_at_line(file_, table.lines[i], "time_s must rise");
+    }
+  }
+  return motion;
+}
+
+std::unique_ptr<ContactForceLaw> WallSettings::make_law() const {
+  std::unique_ptr<ContactForceLaw> law = law_.make();
+  const KelvinVoigt* engine = law->for_engine();
+  if (engine == nullptr || motion_.kind == WallMotionKind::fixed) return law;
+  // MuJoCo's contact does not know the speed of a wall that moves.
+  return std::make_unique<KelvinVoigt>(engine->stiffness_N_m(), engine->damping_Ns_m(),
+                                       KelvinVoigt::By::force);
+}
+
+bool WallSettings::is_of_engine() const {
+  return make_law()->for_engine() != nullptr;
+}
+
+void WallSettings::check_impact(const Config& config, const PhysicsSettings& physics,
+                                double mass_kg, double speed_m_s) const {
+  const std::unique_ptr<ContactForceLaw> law = make_law();
+  const double depth_m = deepest_m(*law, 0.5 * mass_kg * speed_m_s * speed_m_s);
+  check_stability(config, physics, slopes_of(*law, ContactState(), depth_m, 0.0, mass_kg));
+  check_stability(config, physics,
+                  slopes_of(*law, ContactState(), 0.5 * depth_m, speed_m_s, mass_kg));
+}
+
+void WallSettings::prepare(Model& model, const std::string& sphere, const std::string& wall,
+                           double x_m) const {
+  place_wall(model, wall, x_m);
+  tilt_wall(model, wall, angle_rad_);
+  const std::unique_ptr<ContactForceLaw> law = make_law();
+  if (const KelvinVoigt* engine = law->for_engine()) {
+    author_contact(model, geom_id(model, sphere), geom_id(model, wall),
+                   {engine->stiffness_N_m(), engine->damping_Ns_m()});
+  }
+}
+
+void WallSettings::animate(Model& model, const std::string& wall, double x_m, double time_s) const {
+  if (motion_.kind == WallMotionKind::fixed || motion_.kind == WallMotionKind::free) return;
+  // Along x: the plane is the same as if it moved along its normal.
+  place_wall(model, wall, x_m + motion().at(time_s).position_m / math::cos(angle_rad_));
+}
+
+std::unique_ptr<WallContact> WallSettings::make(const Model& model, const std::string& sphere,
+                                                const std::string& wall) const {
+  return std::make_unique<WallContact>(model, sphere, wall, make_law(), motion());
+}
+
+}  // namespace breakwater

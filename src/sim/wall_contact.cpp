@@ -1,0 +1,214 @@
+#include <breakwater/sim/wall_contact.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include <breakwater/sim/engine_guard.h>
+
+namespace breakwater {
+namespace {
+
+// MuJoCo's RK4: stage i starts from kFrom[i] times the rate of the stage before.
+constexpr std::array<double, 4> kFrom = {0.0, 0.5, 0.5, 1.0};
+constexpr std::array<double, 4> kWeights = {1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0};
+
+double weight(std::size_t stages, std::size_t stage) {
+  return stages == 1 ? 1.0 : kWeights[stage];
+}
+
+Integrator integrator_of(const Model& model) {
+  switch (model->opt.integrator) {
+    case mjINT_RK4:
+      return Integrator::rk4;
+    case mjINT_IMPLICIT:
+      return Integrator::implicit;
+    default:
+      return Integrator::euler;
+  }
+}
+
+double dot(const std::array<double, 3>& a, const mjtNum* b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+}  // namespace
+
+WallContact::WallContact(const Model& model, const std::string& sphere, const std::string& plane,
+                         std::unique_ptr<ContactForceLaw> law, WallMotion motion)
+    : sphere_(model.id(mjOBJ_GEOM, sphere)),
+      plane_(model.id(mjOBJ_GEOM, plane)),
+      body_(model->geom_bodyid[sphere_]),
+      radius_m_(model->geom_size[3 * sphere_]),
+      integrator_(integrator_of(model)),
+      timestep_s_(model->opt.timestep),
+      stages_(integrator_ == Integrator::rk4 ? kMostStages : 1),
+      law_(std::move(law)),
+      motion_(std::move(motion)),
+      wall_(motion_.at(0.0)),
+      jacobian_(static_cast<std::size_t>(3 * model->nv)),
+      along_(static_cast<std::size_t>(model->nv)),
+      recoil_(along_) {
+  if (model->geom_type[sphere_] != mjGEOM_SPHERE) {
+    throw std::invalid_argument(model.file() + ": geom \"" + sphere + "\" must be a sphere");
+  }
+  if (model->geom_type[plane_] != mjGEOM_PLANE || model->geom_bodyid[plane_] != 0) {
+    throw std::invalid_argument(model.file() + ": geom \"" + plane +
+                                "\" must be a plane of the world body");
+  }
+}
+
+void WallContact::begin_step() {
+  number_ = 0;
+  impulse_Ns_ = 0.0;
+}
+
+WallPosition WallContact::wall_at_stage() const {
+  if (number_ == 0) return wall_;
+  const Stage& before = stage_[number_ - 1];
+  const double step_s = kFrom[number_] * timestep_s_;
+  return {wall_.position_m + step_s * before.wall.speed_m_s,
+          wall_.speed_m_s + step_s * before.wall_acceleration_m_s2};
+}
+
+ContactState WallContact::state_at_stage() const {
+  ContactState state = state_;
+  if (number_ == 0) return state;
+  const double step_s = kFrom[number_] * timestep_s_;
+  for (std::size_t i = 0; i < law_->states(); ++i) {
+    state.value[i] += step_s * stage_[number_ - 1].state.rate[i];
+  }
+  return state;
+}
+
+void WallContact::find_normal(const mjData& data) {
+  const mjtNum* frame = data.geom_xmat + static_cast<std::ptrdiff_t>(9) * plane_;
+  normal_ = {frame[2], frame[5], frame[8]};
+}
+
+void WallContact::find_geometry(double time_s, const mjModel& model, const mjData& data,
+                                Stage& stage) {
+  find_normal(data);
+  const mjtNum* center = data.geom_xpos + static_cast<std::ptrdiff_t>(3) * sphere_;
+  const mjtNum* point = data.geom_xpos + static_cast<std::ptrdiff_t>(3) * plane_;
+  mjtNum velocity[6];
+  mj_objectVelocity(&model, &data, mjOBJ_GEOM, sphere_, velocity, 0);
+  stage.wall = motion_.kind == WallMotionKind::free ? wall_at_stage() : motion_.at(time_s);
+  stage.penetration_m =
+      radius_m_ - dot(normal_, center) + dot(normal_, point) - stage.wall.position_m;
+  stage.approach_m_s = -dot(normal_, velocity + 3) - stage.wall.speed_m_s;
+}
+
+double WallContact::force_of_law(Stage& stage) const {
+  const bool touches = is_solid_ && stage.penetration_m > 0.0;
+  if (!touches && law_->states() == 0) return 0.0;
+  const double force_N = law_->force(touches ? stage.penetration_m : 0.0,
+                                     touches ? stage.approach_m_s : 0.0, stage.state);
+  return touches ? std::max(force_N, 0.0) : 0.0;
+}
+
+void WallContact::apply(double time_s, const mjModel& model, mjData& data) {
+  Stage& stage = stage_[number_];
+  find_geometry(time_s, model, data, stage);
+  if (law_->for_engine() != nullptr) {
+    if (number_ > 0) {
+      impulse_Ns_ += timestep_s_ * weight(stages_, number_ - 1) * engine_force_N(data);
+    }
+    if (number_ == 0) slopes(model, data, 0.0, 0.0);  // for the direction of the force
+  } else {
+    stage.state = state_at_stage();
+    stage.force_N = force_of_law(stage);
+    impulse_Ns_ += timestep_s_ * weight(stages_, number_) * stage.force_N;
+    if (motion_.kind == WallMotionKind::free) {
+      stage.wall_acceleration_m_s2 =
+          (stage.force_N - motion_.stiffness_N_m * stage.wall.position_m -
+           motion_.damping_Ns_m * stage.wall.speed_m_s) /
+          motion_.mass_kg;
+    }
+    if (stage.force_N > 0.0) {
+      if (number_ == 0) check_stability(time_s, model, data, stage);
+      add_wrench(data, stage.force_N);
+    }
+  }
+  if (number_ == 0) first_ = stage;
+  number_ = std::min(number_ + 1, stages_ - 1);
+}
+
+void WallContact::add_wrench(mjData& data, double force_N) const {
+  const mjtNum* center = data.geom_xpos + static_cast<std::ptrdiff_t>(3) * sphere_;
+  mjtNum force[3], point[3];
+  for (std::size_t i = 0; i < 3; ++i) {
+    force[i] = force_N * normal_[i];
+    point[i] = center[i] - radius_m_ * normal_[i];
+  }
+  mjtNum* wrench = data.xfrc_applied + static_cast<std::ptrdiff_t>(6) * body_;
+  const mjtNum* mass_center = data.xipos + static_cast<std::ptrdiff_t>(3) * body_;
+  const mjtNum arm[3] = {point[0] - mass_center[0], point[1] - mass_center[1],
+                         point[2] - mass_center[2]};
+  mjtNum torque[3];
+  mju_cross(torque, arm, force);
+  for (int i = 0; i < 3; ++i) {
+    wrench[i] += force[i];
+    wrench[3 + i] += torque[i];
+  }
+}
+
+double WallContact::engine_force_N(const mjData& data) const {
+  double force = 0.0;
+  double square = 0.0;
+  for (std::size_t i = 0; i < along_.size(); ++i) {
+    force += along_[i] * data.qfrc_constraint[i];
+    square += along_[i] * along_[i];
+  }
+  return square > 0.0 ? force / square : 0.0;
+}
+
+ContactSlopes WallContact::slopes(const mjModel& model, const mjData& data, double penetration_m,
+                                  double speed_m_s) {
+  find_normal(data);
+  const mjtNum* center = data.geom_xpos + static_cast<std::ptrdiff_t>(3) * sphere_;
+  mj_jac(&model, &data, jacobian_.data(), nullptr, center, body_);
+  const std::size_t n = along_.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    along_[i] = normal_[0] * jacobian_[i] + normal_[1] * jacobian_[n + i] +
+                normal_[2] * jacobian_[2 * n + i];
+  }
+  // The engine's solver writes through a pointer to data that it does not change.
+  mj_solveM(&model, const_cast<mjData*>(&data), recoil_.data(), along_.data(), 1);
+  double inverse_mass = motion_.kind == WallMotionKind::free ? 1.0 / motion_.mass_kg : 0.0;
+  for (std::size_t i = 0; i < n; ++i) inverse_mass += along_[i] * recoil_[i];
+
+  return slopes_of(*law_, state_, penetration_m, speed_m_s, 1.0 / inverse_mass);
+}
+
+void WallContact::check_stability(double time_s, const mjModel& model, const mjData& data,
+                                  const Stage& stage) {
+  const ContactSlopes found = slopes(model, data, stage.penetration_m, stage.approach_m_s);
+  if (is_stable(integrator_, timestep_s_, found)) return;
+  throw RunFailure(time_s, limit_in_words(integrator_, timestep_s_, found));
+}
+
+void WallContact::end_step(const mjData& data) {
+  if (law_->for_engine() != nullptr) {
+    impulse_Ns_ += timestep_s_ * weight(stages_, stages_ - 1) * engine_force_N(data);
+    return;
+  }
+  double speed_change = 0.0;
+  double position_change = 0.0;
+  for (std::size_t s = 0; s < stages_; ++s) {
+    const double step_s = timestep_s_ * weight(stages_, s);
+    speed_change += step_s * stage_[s].wall_acceleration_m_s2;
+    position_change += step_s * stage_[s].wall.speed_m_s;
+    for (std::size_t i = 0; i < law_->states(); ++i) {
+      state_.value[i] += step_s * stage_[s].state.rate[i];
+    }
+  }
+  if (motion_.kind != WallMotionKind::free) return;
+  // Like the engine's Euler, which moves by the new speed.
+  if (stages_ == 1) position_change += timestep_s_ * speed_change;
+  wall_.position_m += position_change;
+  wall_.speed_m_s += speed_change;
+}
+
+}  // namespace breakwater

@@ -1,0 +1,101 @@
+// The contact of a sphere with a wall that moves, by any contact law.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <breakwater/sim/contact_stability.h>
+#include <breakwater/sim/external_force.h>
+#include <breakwater/sim/model.h>
+#include <breakwater/world/contact_law.h>
+#include <breakwater/world/wall_motion.h>
+
+namespace breakwater {
+
+/// A contact law's force on a sphere at a plane of the world body, without friction, at the contact
+/// point and along the plane's normal. The engine's own contact of the two must be off. The state
+/// of the law and a free wall are integrated with the plant.
+///
+/// If the law is MuJoCo's own (for_engine()), it applies nothing and only measures. Then the
+/// engine's contact of the two is on, the wall stands, and nothing else constrains the sphere.
+///
+/// In contact it checks each step whether the integrator is stable (contact_stability.h). It uses
+/// the law's local stiffness and damping, and the mass that the contact meets. If it is not stable,
+/// it throws RunFailure, which names the longest stable timestep.
+class WallContact final : public StagedForce {
+ public:
+  /// Throws std::invalid_argument if the model has no such sphere, or no such plane of the world.
+  WallContact(const Model& model, const std::string& sphere, const std::string& plane,
+              std::unique_ptr<ContactForceLaw> law, WallMotion motion);
+
+  /// Switches the contact on or off; it begins off.
+  void set_solid(bool is_solid) { is_solid_ = is_solid; }
+
+  void begin_step() override;
+  void apply(double time_s, const mjModel& model, mjData& data) override;
+  void end_step(const mjData& data) override;
+
+  /// Values at the beginning of the last step. The force is 0 if the law is the engine's. A
+  /// negative penetration is a gap.
+  const double& force_N() const { return first_.force_N; }
+  const double& penetration_m() const { return first_.penetration_m; }
+  const double& approach_m_s() const { return first_.approach_m_s; }
+  const double& wall_m() const { return first_.wall.position_m; }
+  /// Integral of the force over the last step, by the integrator's own stages [N s].
+  double impulse_Ns() const { return impulse_Ns_; }
+
+  /// The law's slopes at a penetration and a speed, and the mass that the contact meets in the
+  /// data's configuration.
+  ContactSlopes slopes(const mjModel& model, const mjData& data, double penetration_m,
+                       double speed_m_s);
+
+ private:
+  static constexpr std::size_t kMostStages = 4;
+
+  // The values of one stage.
+  struct Stage {
+    double penetration_m = 0.0;
+    double approach_m_s = 0.0;
+    double force_N = 0.0;
+    WallPosition wall;
+    double wall_acceleration_m_s2 = 0.0;
+    ContactState state;
+  };
+
+  void find_normal(const mjData& data);
+  void find_geometry(double time_s, const mjModel& model, const mjData& data, Stage& stage);
+  void check_stability(double time_s, const mjModel& model, const mjData& data, const Stage& stage);
+  WallPosition wall_at_stage() const;
+  ContactState state_at_stage() const;
+  double force_of_law(Stage& stage) const;
+  double engine_force_N(const mjData& data) const;
+  void add_wrench(mjData& data, double force_N) const;
+
+  int sphere_;
+  int plane_;
+  int body_;
+  double radius_m_;
+  Integrator integrator_;
+  double timestep_s_;
+  std::size_t stages_;
+  std::unique_ptr<ContactForceLaw> law_;
+  WallMotion motion_;
+  bool is_solid_ = false;
+
+  // At the beginning of the step.
+  WallPosition wall_;
+  ContactState state_;
+
+  std::array<Stage, kMostStages> stage_;
+  std::size_t number_ = 0;  // the next stage
+  Stage first_;
+  double impulse_Ns_ = 0.0;
+  std::array<double, 3> normal_{};  // out of the wall
+  std::vector<double> jacobian_;    // 3 × n, of the contact point
+  std::vector<double> along_;       // Jᵀ times the normal
+  std::vector<double> recoil_;      // M⁻¹ times that
+};
+
+}  // namespace breakwater

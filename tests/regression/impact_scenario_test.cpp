@@ -1,0 +1,451 @@
+// impact_test against closed forms, an integration of its own, momentum and energy.
+
+#include <cmath>
+#include <functional>
+#include <iomanip>
+#include <map>
+#include <sstream>
+
+#include <breakwater/rigs/contact_parts.h>
+#include <breakwater/sim/contact_stability.h>
+#include "regression/run_case.h"
+
+namespace breakwater {
+namespace {
+
+using testing::completed_run;
+using testing::prepare;
+using testing::run_case;
+using Sets = std::vector<std::string>;
+
+constexpr const char* kScenario = "impact_test";
+
+double metric_of(const Recording& run, const char* metric) {
+  const auto found = run.metric(metric);
+  if (!found) throw std::runtime_error(std::string(metric) + " is absent");
+  return *found;
+}
+
+std::string key(const std::string& name, double value) {
+  std::ostringstream text;
+  text.precision(17);
+  text << name << "=" << value;
+  return text.str();
+}
+
+struct Impact {
+  double peak_N = 0.0;
+  double contact_time_s = 0.0;
+  double restitution = 0.0;
+  double penetration_m = 0.0;
+};
+
+// A law as the keys have it and as the equations have it: force of x, ẋ and z, with ż.
+struct Law {
+  std::string name;
+  Sets keys;
+  std::function<double(double x, double v, double z, double& dz)> force;
+  double time_s = 0.0;  // about how long the contact takes
+};
+
+// Each law with a stiffness K and an impact of 1 kg with v.
+std::vector<Law> laws(double K, double v) {
+  const double omega = std::sqrt(K);
+  const double B = 0.2 * omega;
+  const double depth = v / omega;
+  const double hertz_s = 2.9432 * std::pow(1.25 * v * v / K, 0.4) / v;
+  const double alpha = 0.4 / v, tau = 0.3 / omega;
+  const auto power = [K](double x) { return K * x * std::sqrt(x); };
+  const auto kelvin_voigt = [=](double x, double u, double, double&) { return K * x + B * u; };
+  const double x1 = 0.5 * depth, f1 = 0.25 * K * depth, x2 = depth, f2 = K * depth;
+  std::ostringstream table;
+  table.precision(17);
+  table << "contact.layers=[[" << x1 << "," << f1 << "],[" << x2 << "," << f2 << "]]";
+  return {{"kelvin_voigt", {key("contact.damping_Ns_m", B)}, kelvin_voigt, 3.2 / omega},
+          {"kelvin_voigt_clipped", {key("contact.damping_Ns_m", B)}, kelvin_voigt, 3.2 / omega},
+          {"hertz", {}, [=](double x, double, double, double&) { return power(x); }, hertz_s},
+          {"hunt_crossley",
+           {"contact.restitution=0", key("contact.dissipation_s_m", alpha)},
+           [=](double x, double u, double, double&) { return power(x) * (1.0 + alpha * u); },
+           1.3 * hertz_s},
+          {"layered",
+           {table.str(), "contact.dissipation_s_m=0"},
+           [=](double x, double, double, double&) {
+             return x < x1 ? f1 / x1 * x : f1 + (f2 - f1) / (x2 - x1) * (x - x1);
+           },
+           4.2 / omega},
+          {"standard_linear_solid",
+           {key("contact.maxwell_stiffness_N_m", K), key("contact.relaxation_s", tau)},
+           [=](double x, double, double z, double& dz) {
+             dz = (x - z) / tau;
+             return K * x + K * (x - z);
+           },
+           3.2 / omega}};
+}
+
+// RK4 of its own, 50 000 steps a contact.
+Impact integrated(const Law& law, double speed_m_s) {
+  Impact impact;
+  const double h = law.time_s / 50000.0;
+  double x = 0.0, v = speed_m_s, z = 0.0;
+  const auto force = [&](double px, double pv, double pz, double& dz) {
+    return std::max(law.force(std::max(px, 0.0), pv, pz, dz), 0.0);
+  };
+  for (int k = 0;; ++k) {
+    double dz[4] = {}, a[4], w[4];
+    double px = x, pv = v, pz = z;
+    for (int s = 0; s < 4; ++s) {
+      w[s] = pv;
+      a[s] = -force(px, pv, pz, dz[s]);
+      if (s == 0 && k > 0 && a[0] == 0.0) {
+        impact.contact_time_s = k * h;
+        impact.restitution = -v / speed_m_s;
+        return impact;
+      }
+      if (s == 0) impact.peak_N = std::max(impact.peak_N, -a[0]);
+      const double part = h * (s < 2 ? 0.5 : 1.0);
+      px = x + part * w[s];
+      pv = v + part * a[s];
+      pz = z + part * dz[s];
+    }
+    x += h / 6.0 * (w[0] + 2.0 * w[1] + 2.0 * w[2] + w[3]);
+    v += h / 6.0 * (a[0] + 2.0 * a[1] + 2.0 * a[2] + a[3]);
+    z += h / 6.0 * (dz[0] + 2.0 * dz[1] + 2.0 * dz[2] + dz[3]);
+    impact.penetration_m = std::max(impact.penetration_m, x);
+  }
+}
+
+Recording impact_run(const Law& law, double K, double v, Sets more = {}) {
+  Sets sets = {key("contact.stiffness_N_m", K), key("impact.speed_m_s", v), "impact.distance_m=0",
+               key("run.duration_s", 1.5 * law.time_s + 1e-3), "record.fine_to_s=0"};
+  sets.insert(sets.end(), law.keys.begin(), law.keys.end());
+  sets.insert(sets.end(), more.begin(), more.end());
+  return completed_run(kScenario, law.name, sets);
+}
+
+TEST(ImpactScenario, IsWithinOnePercentOverStiffnessAndSpeed) {
+  for (const double K : {1e2, 1e4, 1e6}) {
+    for (const double v : {0.01, 0.2, 2.0}) {
+      for (const Law& law : laws(K, v)) {
+        const Impact expected = integrated(law, v);
+        const Recording run = impact_run(law, K, v);
+        const auto is_near = [&](const char* metric, double value) {
+          ASSERT_TRUE(run.metric(metric)) << law.name << " " << metric;
+          EXPECT_NEAR(metric_of(run, metric), value, 0.01 * value)
+              << law.name << " " << metric << " K = " << K << " v = " << v;
+        };
+        is_near("peak_force_raw_N", expected.peak_N);
+        is_near("contact_time_s", expected.contact_time_s);
+        is_near("restitution", expected.restitution);
+        is_near("penetration_m", expected.penetration_m);
+        // Momentum, by the integrator's own stages.
+        const double change_Ns = v * (1.0 + metric_of(run, "restitution"));
+        EXPECT_NEAR(metric_of(run, "contact_impulse_Ns"), change_Ns, 1e-6 * change_Ns) << law.name;
+        EXPECT_EQ(metric_of(run, "bounce_count"), 0.0);
+      }
+    }
+  }
+}
+
+TEST(ImpactScenario, KelvinVoigtIsItsClosedForm) {
+  const double K = 1e4, B = 30.0, v = 0.2;
+  const Recording run =
+      completed_run(kScenario, "kelvin_voigt_clipped",
+                    {"impact.distance_m=0", "run.duration_s=0.05", "contact.damping_Ns_m=30"});
+  const double sigma = 0.5 * B, omega = std::sqrt(K - sigma * sigma);
+  // F = m v e^{−σt} (2σ cos ωt + (ω² − σ²)/ω sin ωt), until it is 0.
+  const double end_s =
+      (M_PI - std::atan2(2.0 * sigma * omega, omega * omega - sigma * sigma)) / omega;
+  const double restitution = -std::exp(-sigma * end_s) *
+                             (std::cos(omega * end_s) - sigma / omega * std::sin(omega * end_s));
+  EXPECT_NEAR(metric_of(run, "contact_time_s"), end_s, 2e-5);
+  EXPECT_NEAR(metric_of(run, "restitution"), restitution, 1e-4 * restitution);
+  const double depth_m = v / std::sqrt(K) * std::exp(-sigma / omega * std::atan2(omega, sigma));
+  EXPECT_NEAR(metric_of(run, "penetration_m"), depth_m, 1e-4 * depth_m);
+}
+
+TEST(ImpactScenario, HertzIsItsClosedForm) {
+  for (const double k : {1e4, 1e6}) {
+    for (const double v : {0.1, 1.0}) {
+      const Law law = laws(k, v)[2];
+      const Recording run = impact_run(law, k, v);
+      const double depth_m = std::pow(5.0 * v * v / (4.0 * k), 0.4);
+      EXPECT_NEAR(metric_of(run, "penetration_m"), depth_m, 1e-6 * depth_m);
+      EXPECT_NEAR(metric_of(run, "contact_time_s"), 2.9432 * depth_m / v, 2e-5);
+      // Energy.
+      EXPECT_NEAR(std::pow(metric_of(run, "restitution"), 2), 1.0, 1e-6);
+    }
+  }
+}
+
+TEST(ImpactScenario, HuntCrossleyHasTheRestitutionThatWasMeasuredForAnyExponent) {
+  for (const double n : {1.0, 1.5, 2.2}) {
+    for (const double e : {0.3, 0.8}) {
+      const Recording run =
+          completed_run(kScenario, "hunt_crossley",
+                        {key("contact.exponent", n), key("contact.restitution", e),
+                         "contact.stiffness_N_m=1e5", "impact.distance_m=0", "run.duration_s=0.8"});
+      EXPECT_NEAR(metric_of(run, "restitution"), e, 1e-6 * e) << n;
+    }
+  }
+}
+
+// Laws whose force is continuous keep the energy balance to 1e-6 under rk4.
+TEST(ImpactScenario, EnergyIsThatOfTheIntegratedLaw) {
+  for (const Law& law : laws(1e4, 0.2)) {
+    if (law.name.starts_with("kelvin_voigt")) continue;
+    const double expected = integrated(law, 0.2).restitution;
+    const double found = *impact_run(law, 1e4, 0.2).metric("restitution");
+    EXPECT_NEAR(found * found, expected * expected, 1e-6) << law.name;
+  }
+}
+
+TEST(ImpactScenario, OtherwiseTheErrorFallsWithTheTimestep) {
+  for (const char* integrator : {"euler", "implicit", "rk4"}) {
+    for (const Law& law : laws(1e4, 0.2)) {
+      const bool is_continuous = !law.name.starts_with("kelvin_voigt");
+      // The compiled law has MuJoCo's added mass, which no timestep removes.
+      if (law.name == "kelvin_voigt" || (is_continuous && integrator[0] == 'r')) continue;
+      const double expected = integrated(law, 0.2).restitution;
+      const auto error = [&](double h) {
+        // The same part of a step before each contact.
+        const Recording run =
+            impact_run(law, 1e4, 0.2,
+                       {key("physics.timestep_s", h), key("impact.distance_m", 0.3 * 0.2 * h),
+                        std::string("physics.integrator=") + integrator});
+        return std::abs(metric_of(run, "restitution") - expected);
+      };
+      EXPECT_LT(error(2e-5), 0.7 * error(4e-5) + 1e-7) << law.name << " " << integrator;
+      EXPECT_LT(error(2e-5), 2e-3) << law.name << " " << integrator;
+    }
+  }
+}
+
+TEST(ImpactScenario, AMovingWallIsAnImpactAtTheRelativeSpeed) {
+  const auto metrics = [](const Sets& sets) {
+    Sets all = {"impact.distance_m=0", "run.duration_s=0.1"};
+    all.insert(all.end(), sets.begin(), sets.end());
+    return completed_run(kScenario, "hunt_crossley", all).metrics;
+  };
+  const testing::TemporaryPath table("wall.csv", "time_s,position_m\n0,0\n1,-0.1\n");
+  const std::vector<Metric> fixed = metrics({"impact.speed_m_s=0.3"});
+  const std::vector<Sets> moving = {{"wall.motion=ramp", "wall.speed_m_s=-0.1"},
+                                    {"wall.motion=csv", "wall.file=" + table.string()}};
+  for (const Sets& motion : moving) {
+    const std::vector<Metric> found = metrics(motion);
+    ASSERT_EQ(found.size(), fixed.size());
+    for (std::size_t i = 0; i < fixed.size(); ++i) {
+      if (fixed[i].name == "peak_force_filtered_N") continue;  // the sensor starts otherwise
+      EXPECT_NEAR(found[i].value, fixed[i].value, 1e-9 * (1.0 + fixed[i].value)) << fixed[i].name;
+    }
+  }
+}
+
+TEST(ImpactScenario, KelvinVoigtOnAMovingWallIsTheForceOfTheSameName) {
+  const Sets ramp = {"wall.motion=ramp", "wall.speed_m_s=-0.1", "run.duration_s=0.05"};
+  EXPECT_EQ(completed_run(kScenario, "kelvin_voigt", ramp).state_hash,
+            completed_run(kScenario, "kelvin_voigt_clipped", ramp).state_hash);
+}
+
+TEST(ImpactScenario, AFreeWallTakesTheMomentum) {
+  const double M = 3.0, v = 0.2;
+  const auto run = [&](const Sets& sets) {
+    Sets all = {"wall.motion=free", "wall.mass_kg=3", "wall.damping_Ns_m=0", "impact.distance_m=0",
+                "run.duration_s=0.1"};
+    all.insert(all.end(), sets.begin(), sets.end());
+    return completed_run(kScenario, "hertz", all);
+  };
+  const Recording loose = run({"wall.stiffness_N_m=0"});
+  const double reduced_kg = M / (1.0 + M);
+  EXPECT_NEAR(metric_of(loose, "restitution"), 1.0, 1e-6);
+  EXPECT_NEAR(metric_of(loose, "contact_impulse_Ns"), 2.0 * reduced_kg * v, 1e-6);
+  // On a stiff spring it is as good as fixed.
+  EXPECT_NEAR(*run({"wall.stiffness_N_m=1e9", "wall.mass_kg=1e3"}).metric("contact_impulse_Ns"),
+              2.0 * v, 1e-3);
+}
+
+TEST(ImpactScenario, OnATiltedWallTheNormalSpeedAndTheMassAlongTheNormalCount) {
+  const double angle = 0.5, v = 0.2 * std::cos(angle);
+  const double mass_kg = 1.0 / std::pow(std::cos(angle), 2);
+  const Recording run = completed_run(
+      kScenario, "hertz", {"wall.angle_rad=0.5", "impact.distance_m=0", "run.duration_s=0.1"});
+  const double depth_m = std::pow(5.0 * mass_kg * v * v / (4.0 * 2e5), 0.4);
+  EXPECT_NEAR(metric_of(run, "penetration_m"), depth_m, 1e-5 * depth_m);
+  EXPECT_NEAR(metric_of(run, "contact_impulse_Ns"), 2.0 * mass_kg * v, 1e-6);
+}
+
+TEST(ImpactScenario, APushedMassBouncesUntilItRests) {
+  const Recording run =
+      completed_run(kScenario, "hunt_crossley", {"impact.push_N=5", "run.duration_s=2"});
+  EXPECT_GE(metric_of(run, "bounce_count"), 1.0);
+  EXPECT_NEAR(run.track("control").values("force_true_N").back(), 5.0, 0.05);
+}
+
+TEST(ImpactScenario, TheSensorReadsWithoutTheMassBeforeIt) {
+  const auto peak_N = [](const Sets& sets, const char* signal) {
+    Sets all = {"run.duration_s=0.05", "force.filter_time_constant_s=0"};
+    all.insert(all.end(), sets.begin(), sets.end());
+    const Recording run = completed_run(kScenario, "hertz", all);
+    const auto values = run.track("physics").values(signal);
+    return *std::max_element(values.begin(), values.end());
+  };
+  const double true_N = peak_N({}, "force_true_N");
+  EXPECT_NEAR(peak_N({}, "force_sensor_N"), true_N, 1e-9 * true_N);
+  const Sets tool = {"sensor.force_tool_mass_kg=0.25"};
+  EXPECT_NEAR(peak_N(tool, "force_true_N"), true_N, 1e-9 * true_N);
+  EXPECT_NEAR(peak_N(tool, "force_sensor_N"), 0.75 * true_N, 1e-6 * true_N);
+  EXPECT_GT(peak_N({"sensor.force_resonance_Hz=40"}, "force_sensor_N"), 1.2 * true_N);
+  EXPECT_NEAR(peak_N({"sensor.force_range_N=3"}, "force_sensor_N"), true_N, 1e-9 * true_N);
+}
+
+TEST(ImpactScenario, TheSensorsChainReachesTheSamplesAndNotTheMotion) {
+  const Sets brief = {"run.duration_s=0.05"};
+  const Recording plain = completed_run(kScenario, "hertz", brief);
+  for (const char* link :
+       {"sensor.force_bias_N=1", "sensor.force_drift_N_sqrt_s=1", "sensor.force_range_N=2",
+        "sensor.force_quantum_N=0.5", "sensor.force_period_s=2e-3", "sensor.force_delay_s=1e-3",
+        "sensor.force_resonance_Hz=50"}) {
+    const Recording run = completed_run(kScenario, "hertz", {brief[0], link});
+    EXPECT_EQ(run.state_hash, plain.state_hash) << link;
+    const auto measured = [](const Recording& of) {
+      const auto values = of.track("control").values("force_measured_N");
+      return std::vector<double>(values.begin(), values.end());
+    };
+    EXPECT_NE(measured(run), measured(plain)) << link;
+  }
+}
+
+TEST(ImpactScenario, ItsDurationFitsTheSlowestImpact) {
+  for (const Law& law : laws(100.0, 0.01)) {
+    Sets sets = {"contact.stiffness_N_m=100", "impact.speed_m_s=0.01"};
+    sets.insert(sets.end(), law.keys.begin(), law.keys.end());
+    EXPECT_TRUE(completed_run(kScenario, law.name, sets).metric("restitution")) << law.name;
+  }
+}
+
+TEST(ImpactScenario, AMetricOfTheFirstContactIsAbsentUntilItHasEnded) {
+  const Recording run = completed_run(kScenario, "hertz", {"run.duration_s=0.02"});
+  EXPECT_TRUE(run.metric("peak_force_raw_N"));
+  EXPECT_FALSE(run.metric("contact_time_s"));
+  EXPECT_FALSE(run.metric("restitution"));
+  EXPECT_TRUE(completed_run(kScenario, "hertz", {"run.duration_s=0.002"}).metrics.empty());
+}
+
+TEST(ImpactScenario, RefusesATimestepBeyondTheStabilityLimitWithTheLongestOne) {
+  const Sets stiff = {"contact.stiffness_N_m=1e8", "control.period_s=0.01"};
+  const auto complaint = [&](Sets sets) {
+    sets.insert(sets.end(), stiff.begin(), stiff.end());
+    return complaint_of([&] { prepare(kScenario, "kelvin_voigt_clipped", sets); });
+  };
+  const std::string words = complaint({"physics.timestep_s=1e-3"});
+  const ContactSlopes slopes = {.stiffness_N_m = 1e8, .damping_Ns_m = 30.0, .mass_kg = 1.0};
+  std::ostringstream longest;
+  longest << std::setprecision(4) << longest_stable_timestep_s(Integrator::rk4, slopes);
+  EXPECT_TRUE(has(words, "physics.timestep_s", "1e+08 N/m", "30 N s/m", "1 kg", longest.str()));
+  EXPECT_EQ(complaint({"physics.timestep_s=2.5e-4"}), "");
+  EXPECT_TRUE(has(complaint({"physics.timestep_s=2.5e-4", "physics.integrator=euler"}), "limit"));
+}
+
+TEST(ImpactScenario, RefusesWrongKeys) {
+  const testing::TemporaryPath falling("falling.csv", "time_s,position_m\n1,0\n0,1\n");
+  struct Row {
+    const char* law;
+    std::string set;
+    const char* complaint;
+  };
+  const std::vector<Row> rows = {
+      {"hertz", "contact.law=rubber", "contact.law"},
+      {"hunt_crossley", "contact.dissipation_s_m=1", "contact.restitution: give this or"},
+      {"hunt_crossley", "contact.restitution=1.5", "contact.restitution"},
+      {"layered", "contact.layers=[[1, 2, 3]]", "contact.layers: each point must be"},
+      {"layered", "contact.layers=[[0.002, 2], [0.001, 3]]", "depths and forces must rise"},
+      {"hertz", "wall.angle_rad=1.6", "wall.angle_rad"},
+      {"hertz", "sensor.force_tool_mass_kg=1", "must be less than impact.mass_kg"},
+      {"hertz", "sensor.force_period_s=1.5e-5", "sensor.force_period_s: must be a whole multiple"},
+      {"hertz", "wall.motion=ramp", "wall.speed_m_s: is missing"}};
+  const Sets loose = {"wall.motion=free", "wall.mass_kg=1e-9", "wall.stiffness_N_m=1e4",
+                      "wall.damping_Ns_m=0"};
+  EXPECT_TRUE(has(complaint_of([&] { prepare(kScenario, "hertz", loose); }),
+                  "physics.timestep_s: a stiffness of 1e+04 N/m", "longest stable"));
+  for (const Row& row : rows) {
+    EXPECT_TRUE(has(complaint_of([&] { prepare(kScenario, row.law, {row.set}); }), row.complaint))
+        << row.set;
+  }
+  EXPECT_TRUE(
+      has(complaint_of([&] {
+            prepare(kScenario, "hertz", {"wall.motion=csv", "wall.file=" + falling.string()});
+          }),
+          "wall.file", "time_s must rise"));
+}
+
+// The arm's contact.
+TEST(ArmContactLaws, EachLawStrikesTheArmAndNeverPulls) {
+  const Sets brief = {"wall.solid_from_s=4", "force.from_s=4.5", "metrics.from_s=5",
+                      "metrics.to_s=6",      "run.duration_s=7", "record.fine_from_s=4.5",
+                      "record.fine_to_s=7"};
+  const std::map<std::string, Sets> laws = {
+      {"kelvin_voigt_clipped", {}},
+      {"hertz", {"contact.stiffness_N_m=3e4"}},
+      {"hunt_crossley", {"contact.stiffness_N_m=3e4", "contact.dissipation_s_m=1"}},
+      {"layered", {"contact.layers=[[0.001, 0.5], [0.002, 3]]"}},
+      {"standard_linear_solid",
+       {"contact.maxwell_stiffness_N_m=500", "contact.relaxation_s=0.02"}}};
+  const double with_engine =
+      *run_case("arm_wall_contact", "hpfc-2N", brief).metric("peak_force_raw_N");
+  for (const auto& [law, keys] : laws) {
+    Sets sets = brief;
+    sets.push_back("contact.law=" + law);
+    sets.insert(sets.end(), keys.begin(), keys.end());
+    const Recording run = completed_run("arm_wall_contact", "hpfc-2N", sets);
+    ASSERT_TRUE(run.metric("peak_force_raw_N")) << law;
+    const auto force = run.track("physics").values("force_true_N");
+    EXPECT_GE(*std::min_element(force.begin(), force.end()), 0.0) << law;
+    // By the engine and by force the same law differs by MuJoCo's added mass alone.
+    if (law == "kelvin_voigt_clipped") {
+      EXPECT_NEAR(metric_of(run, "peak_force_raw_N"), with_engine, 0.01 * with_engine);
+    }
+  }
+}
+
+TEST(ArmContactLaws, ARunThatBecomesUnstableFailsWithTheLongestTimestep) {
+  const Recording run = run_case(
+      "arm_wall_contact", "hpfc-2N",
+      {"wall.solid_from_s=4", "force.from_s=4.5", "metrics.from_s=5", "metrics.to_s=6",
+       "run.duration_s=7", "contact.law=kelvin_voigt_clipped", "contact.stiffness_N_m=1e12"});
+  ASSERT_TRUE(run.failure);
+  EXPECT_TRUE(has(run.failure->reason, "1e+12 N/m", "longest stable physics.timestep_s"));
+}
+
+// A law from outside, by a function.
+struct Cubic final : ContactForceLaw {
+  explicit Cubic(double k) : stiffness(k) {}
+  double force(double penetration_m, double, ContactState&) const override {
+    return stiffness * penetration_m * penetration_m * penetration_m;
+  }
+  double stiffness;
+};
+
+TEST(ContactLawKinds, AUserAddsOneWithAFunction) {
+  Catalogue own = standard_catalogue();
+  struct Settings {
+    double stiffness = 0.0;
+  };
+  own.add(ContactLawKind(
+      "cubic", "k x^3",
+      +[](Fields& fields, Settings& settings) {
+        fields.number("contact.cubic_N_m3", settings.stiffness, positive(), "k [N/m^3]");
+      },
+      +[](const Settings& settings) -> std::unique_ptr<ContactForceLaw> {
+        return std::make_unique<Cubic>(settings.stiffness);
+      }));
+  const PreparedRun run = prepare_run(
+      own, kScenario, testing::scenario_file(kScenario), "kelvin_voigt",
+      {"contact.law=cubic", "contact.cubic_N_m3=1e8", "run.duration_s=0.2", "impact.distance_m=0"});
+  const Recording recording = run.scenario->run({});
+  // k x⁴/4 = m v²/2
+  EXPECT_NEAR(*recording.metric("penetration_m"), std::pow(2.0 * 0.04 / 1e8, 0.25), 1e-7);
+  EXPECT_NEAR(*recording.metric("restitution"), 1.0, 1e-6);
+}
+
+}  // namespace
+}  // namespace breakwater
