@@ -118,7 +118,7 @@ std::string ImpactComparison::text(std::size_t width) const {
   Table table({"first contact", "unit", "simulated", "measured", "difference"});
   for (const Row& row : rows_of(*this)) {
     table.add({row.name, row.unit, format_number(row.simulated), format_number(row.measured),
-               difference_in_words(row.simulated, row.measured)});
+               differences_in_words({row.simulated, row.measured}).back()});
   }
   table.add({"RMSE", "N", format_number(rmse_N_), "", ""});
   return table.print(width);
@@ -145,7 +145,7 @@ std::string ImpactComparison::html() const {
     entry.set("unit", row.unit);
     entry.set("simulated", format_number(row.simulated));
     entry.set("measured", format_number(row.measured));
-    entry.set("difference", difference_in_words(row.simulated, row.measured));
+    entry.set("difference", differences_in_words({row.simulated, row.measured}).back());
     rows << entry;
   }
   const double length_s = std::max(simulated_pulse_.duration_s, measured_pulse_.duration_s);

@@ -89,14 +89,14 @@ std::string finding(const CandidateComparison& comparison, const std::string& me
     }
   }
   if (!unshown.empty()) {
+    const std::string blocks = number_of(all.front()->blocks, "block");
     parts.push_back(fmt::format(
-        "{} {} not shown to differ from it ({}): {}", listed(unshown),
-        unshown.size() == 1 ? "is" : "are", size_of(all.front()->reference_median.value, unit),
-        are_few ? fmt::format("{} are too few", number_of(all.front()->blocks, "block"))
-                : fmt::format("p {} or more, of {} and after Holm’s correction", p_text(least_p),
-                              number_of(all.front()->blocks, "block"))));
+        "no difference is shown for {}, {}", listed(unshown),
+        are_few ? fmt::format("because {} are too few", blocks)
+                : fmt::format("p ≥ {} for {} with Holm’s correction", p_text(least_p), blocks)));
   }
-  return fmt::format("{}, beside {}: {}.{}", metric_label(metric, unit), reference,
+  return fmt::format("{} compared with {} (median {}): {}.{}", metric_label(metric, unit),
+                     reference, size_of(all.front()->reference_median.value, unit),
                      fmt::join(parts, "; "), turns);
 }
 

@@ -395,11 +395,12 @@ TEST(Finding, SaysWhoByHowMuchHowSureAndWhereTheSignTurns) {
   turn.turns = true;
   turn.values = {{"0.1", 0.1, 6, -2.0}, {"0.2", 0.2, 6, 1.0}};
   comparison.interactions = {turn};
-  EXPECT_EQ(finding(comparison, "peak_force_filtered_N"),
-            "Peak force, filtered, beside base: soft is smaller by 1.5 N (95 %: 1 to 2), which is "
-            "better; hard (median 9 N) is not shown to differ from it (8 N): p 0.4 or more, of 12 "
-            "blocks and after Holm’s correction. Its sign turns with wall.distance_m: soft is "
-            "smaller at 0.1 and larger at 0.2.");
+  EXPECT_EQ(
+      finding(comparison, "peak_force_filtered_N"),
+      "Peak force, filtered compared with base (median 8 N): soft is smaller by 1.5 N (95 %: 1 "
+      "to 2), which is better; no difference is shown for hard (median 9 N), p ≥ 0.4 for 12 "
+      "blocks with Holm’s correction. Its sign turns with wall.distance_m: soft is smaller at "
+      "0.1 and larger at 0.2.");
   EXPECT_EQ(finding(comparison, "bounce_count"), "");
 }
 
