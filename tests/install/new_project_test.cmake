@@ -46,8 +46,12 @@ if(KIND STREQUAL "scenario")
   file(WRITE ${folder}/meshed.xml "${meshed}")
   run_in(${folder} ${lab} run ${scenario} ${chosen} --set model.mjcf=meshed.xml --out meshed --quiet)
   run_in(${folder} ${lab} replay meshed --quiet)
-  file(READ ${folder}/meshed/replay.html page)
-  if(NOT page MATCHES "\"kind\":\"mesh\"")
+  execute_process(COMMAND python3 -c "
+import base64, re, sys, zlib
+page = open(sys.argv[1], encoding='utf-8').read()
+packed = re.search('id=.packed.>([^<]*)<', page)[1]
+sys.exit(b'\"kind\":\"mesh\"' not in zlib.decompress(base64.b64decode(packed)))" ${folder}/meshed/replay.html RESULT_VARIABLE status)
+  if(NOT status EQUAL 0)
     message(FATAL_ERROR "the replay has no mesh")
   endif()
 endif()
