@@ -4,7 +4,7 @@
     breakwater sweep studies/contact-laws.toml
     docs/studies/contact_laws.py [studies/contact-laws/results.csv]
 
-Writes contact-laws.csv (medians) and contact-laws-pairs.csv (paired differences of the peak) beside itself, and
+Writes contact-laws-table.csv (medians) and contact-laws-pairs.csv (paired differences of the peak) beside itself, and
 docs/pictures/contact-laws.png. Pairs are runs of the same world; p is Wilcoxon's exact signed-rank test, with
 Holm's correction over all pairs and contacts.
 """
@@ -94,7 +94,7 @@ def draw(peaks, path):
 
 def main():
     peaks, times = read(sys.argv[1] if len(sys.argv) > 1 else "studies/contact-laws/results.csv")
-    with open(HERE / "contact-laws.csv", "w", newline="", encoding="utf-8") as file:
+    with open(HERE / "contact-laws-table.csv", "w", newline="", encoding="utf-8") as file:
         table = csv.writer(file, lineterminator="\n")
         table.writerow(["contact"] + [f"{NAMES[case]}: peak [N], free motion [s]" for case in NAMES])
         for contact in CONTACTS:
