@@ -39,17 +39,17 @@ std::vector<MetricDefinition> ImpactMetrics::definitions() {
 std::vector<Metric> ImpactMetrics::metrics() const {
   std::vector<Metric> list;
   if (onsets_ == 0) return list;
-  list.push_back({"peak_force_raw_N", "N", peak_raw_N_});
-  list.push_back({"peak_force_filtered_N", "N", peak_filtered_N_});
+  list.emplace_back("peak_force_raw_N", "N", peak_raw_N_);
+  list.emplace_back("peak_force_filtered_N", "N", peak_filtered_N_);
   if (speed_out_m_s_) {
-    list.push_back({"contact_time_s", "s", contact_time_s_});
+    list.emplace_back("contact_time_s", "s", contact_time_s_);
     if (speed_in_m_s_ > 0.0) {
-      list.push_back({"restitution", "1", *speed_out_m_s_ / speed_in_m_s_});
+      list.emplace_back("restitution", "1", *speed_out_m_s_ / speed_in_m_s_);
     }
-    list.push_back({"contact_impulse_Ns", "N s", impulse_Ns_});
+    list.emplace_back("contact_impulse_Ns", "N s", impulse_Ns_);
   }
-  list.push_back({"penetration_m", "m", deepest_m_});
-  list.push_back({"bounce_count", "1", static_cast<double>(onsets_ - 1)});
+  list.emplace_back("penetration_m", "m", deepest_m_);
+  list.emplace_back("bounce_count", "1", static_cast<double>(onsets_ - 1));
   return list;
 }
 
