@@ -633,14 +633,14 @@ TEST(Differences, AreOfOneKindInARow) {
   using Values = std::vector<std::optional<double>>;
   using Words = std::vector<std::string>;
   for (const auto& [values, words] : {
-           std::pair(Values{2.0, 2.0, 2.082}, Words{"=", "=", "+4.1 %"}),
-           std::pair(Values{-1.0, -1.5, -2.99}, Words{"=", "-50.0 %", "-199.0 %"}),
-           std::pair(Values{1.0, 0.01, 1.0 + 1e-9}, Words{"=", "-99.0 %", "±0.0 %"}),
-           std::pair(Values{1.0, 7.996, 0.5}, Words{"=", "×8.00", "×0.50"}),
-           std::pair(Values{0.0004, 0.0444, 0.0005}, Words{"=", "+0.044", "+0.0001"}),
-           std::pair(Values{2.0, -1.0, 2.1}, Words{"=", "-3", "+0.1"}),
-           std::pair(Values{0.0, 0.25, 0.0}, Words{"=", "+0.25", "="}),
-           std::pair(Values{1.0, std::nullopt}, Words{"=", "-"}),
+           std::pair(Values{2.0, 2.0, 2.082}, Words{"same", "same", "+4.1 %"}),
+           std::pair(Values{-1.0, -1.5, -2.99}, Words{"same", "-50.0 %", "-199.0 %"}),
+           std::pair(Values{1.0, 0.01, 1.0 + 1e-9}, Words{"same", "-99.0 %", "same"}),
+           std::pair(Values{1.0, 7.996, 0.5}, Words{"same", "×8.00", "×0.50"}),
+           std::pair(Values{0.0004, 0.0444, 0.0005}, Words{"same", "+0.044", "+0.0001"}),
+           std::pair(Values{2.0, -1.0, 2.1}, Words{"same", "-3", "+0.1"}),
+           std::pair(Values{0.0, 0.25, 0.0}, Words{"same", "+0.25", "same"}),
+           std::pair(Values{1.0, std::nullopt}, Words{"same", "-"}),
            std::pair(Values{std::nullopt, 1.0}, Words{"-", "-"}),
        }) {
     EXPECT_EQ(differences_in_words(values), words);
