@@ -195,11 +195,13 @@ std::string reason_of_difference(const LoopAnalysis& loop) {
   if (!(std::abs(a - b) > kFar_dB)) return "";
   const auto [below, above] = around(loop.measured.points, measured.gain_margin_rad_s);
   const double low = below.omega_rad_s, high = above.omega_rad_s;
-  std::string why = "What the design leaves out (encoder, limits, friction) changes the loop there";
+  std::string why =
+      "The design leaves out encoder, limits and friction, and these change the loop there";
   if (!is_reliable(above) || !is_reliable(below)) {
     why =
-        "These two are not reliable (grey), because the probe moves the encoder by too few counts: "
-        "trust the designed margin, or probe with a larger --amplitude";
+        "A dot there is not reliable (grey), because the probe moves the encoder by too few "
+        "counts. "
+        "Trust the designed margin, or probe with a larger --amplitude";
   } else if (high > kWide * low) {
     why = "The points are far apart there: --points tells more";
   }

@@ -9,10 +9,10 @@
 namespace breakwater {
 namespace {
 
-// "28 % below the thesis".
+// "28 % below".
 std::string deviation(const PrintedValue& printed, double measured) {
   const double off = measured - printed.number();
-  return fmt::format("{} {} the thesis",
+  return fmt::format("{} {}",
                      printed.standard.within.absolute
                          ? fmt::format("{:.2g}", std::abs(off))
                          : fmt::format("{:.2g} %", 100.0 * std::abs(off / printed.number())),
