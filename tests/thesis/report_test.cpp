@@ -15,6 +15,7 @@
 #include <breakwater/pictures/page_data.h>
 #include <breakwater/record/csv.h>
 #include <breakwater/thesis/experiments.h>
+#include <breakwater/thesis/printed_references.h>
 #include <breakwater/thesis/reproduction.h>
 #include <breakwater/thesis/thesis_report.h>
 #include "catalogue.h"
@@ -626,6 +627,22 @@ TEST(Numbers, OnPagesAreShortAndCountsAreWhole) {
                                                    {1.23456e6 + 0.5, "1.23e+06"},
                                                    {3e8, "3.00e+08"}}) {
     EXPECT_EQ(format_number(value), text);
+  }
+}
+
+TEST(PrintedReferences, SayHowFarANumberIsFromThePrint) {
+  const auto values = printed_references().of_case("arm_wall_contact", "proposed-2N");
+  const auto peak = std::find_if(values.begin(), values.end(), [](const ReferenceValue& one) {
+    return one.metric == "peak_force_filtered_N";
+  });
+  ASSERT_NE(peak, values.end());
+  for (const auto& [factor, text, verdict] :
+       {std::tuple(1.01, "reproduced", "reproduced ("),
+        std::tuple(0.8, "near: 20 % below", "within the class ("),
+        std::tuple(1.6, "not reproduced: 60 % above", "not reproduced (")}) {
+    const Agreement agreement = peak->agrees(factor * peak->number);
+    EXPECT_EQ(agreement.text, text);
+    EXPECT_TRUE(agreement.rule.starts_with(verdict)) << agreement.rule;
   }
 }
 
