@@ -8,6 +8,7 @@
 #include <functional>
 #include <kainjow/mustache.hpp>
 #include <numbers>
+#include <utility>
 
 #include <breakwater/analysis/bode_chart.h>
 #include <breakwater/pages/html_page.h>
@@ -88,25 +89,28 @@ struct Quantity {
   const char* column;
   const char* words;
   std::function<double(const LoopCurve&)> of;
+  // The frequency at which it is read. Empty: none stands for it.
+  std::function<double(const LoopCurve&)> at_rad_s = {};
 };
 
 const std::vector<Quantity>& quantities() {
+  const auto bandwidth = [](const LoopCurve& c) { return c.bandwidth_rad_s; };
+  const auto crossover = [](const LoopCurve& c) { return c.margins.crossover_rad_s; };
+  const auto phase_crossover = [](const LoopCurve& c) { return c.margins.gain_margin_rad_s; };
   static const std::vector<Quantity> all = {
-      {"bandwidth_rad_s", "d_hat follows d to -3 dB [rad/s]",
-       [](const LoopCurve& c) { return c.bandwidth_rad_s; }},
-      {"crossover_rad_s", "crossover |L| = 1 [rad/s]",
-       [](const LoopCurve& c) { return c.margins.crossover_rad_s; }},
+      {"bandwidth_rad_s", "bandwidth of d_hat/d, −3 dB [rad/s]", bandwidth, bandwidth},
+      {"crossover_rad_s", "crossover |L| = 1 [rad/s]", crossover, crossover},
       {"phase_margin_deg", "phase margin [deg]",
-       [](const LoopCurve& c) { return c.margins.phase_margin_rad * kDegrees; }},
+       [](const LoopCurve& c) { return c.margins.phase_margin_rad * kDegrees; }, crossover},
       {"gain_margin_dB", "gain margin [dB]",
-       [](const LoopCurve& c) { return in_dB(c.margins.gain_margin); }},
+       [](const LoopCurve& c) { return in_dB(c.margins.gain_margin); }, phase_crossover},
       {"gain_reduction_margin_dB", "gain reduction margin [dB]",
        [](const LoopCurve& c) { return in_dB(c.margins.gain_reduction_margin); }},
       {"delay_margin_ms", "delay margin [ms]",
-       [](const LoopCurve& c) { return 1e3 * c.margins.delay_margin_s; }},
+       [](const LoopCurve& c) { return 1e3 * c.margins.delay_margin_s; }, crossover},
       {"sensitivity_peak_1", "M_s, largest sensitivity",
        [](const LoopCurve& c) { return c.margins.sensitivity_peak; }},
-      {"complementary_peak_1", "M_t, largest complementary",
+      {"complementary_peak_1", "M_t, largest complementary sensitivity",
        [](const LoopCurve& c) { return c.margins.complementary_peak; }}};
   return all;
 }
@@ -164,6 +168,24 @@ bool is_reliable(const LoopPoint& point) {
   return point.spread <= kMostSpread && std::abs(point.complementary) > 1e-9;
 }
 
+// The measured points on both sides of a frequency, which lies between them. Needs two points.
+std::pair<const LoopPoint&, const LoopPoint&> around(const std::vector<LoopPoint>& points,
+                                                     double omega_rad_s) {
+  const auto above =
+      std::find_if(points.begin() + 1, points.end() - 1,
+                   [&](const LoopPoint& point) { return point.omega_rad_s >= omega_rad_s; });
+  return {*(above - 1), *above};
+}
+
+// Whether a number in the table is measured at points that cannot be relied on.
+bool is_unsure(const NamedCurve& one, const Quantity& quantity) {
+  if (one.way.curve != &LoopAnalysis::measured || !quantity.at_rad_s) return false;
+  const double at_rad_s = quantity.at_rad_s(one.curve);
+  if (!std::isfinite(at_rad_s) || one.curve.points.size() < 2) return false;
+  const auto [below, above] = around(one.curve.points, at_rad_s);
+  return !is_reliable(below) || !is_reliable(above);
+}
+
 // Why a measured margin is far from the designed one; empty where it is not.
 std::string reason_of_difference(const LoopAnalysis& loop) {
   constexpr double kFar_dB = 3.0, kWide = 1.6;
@@ -171,23 +193,21 @@ std::string reason_of_difference(const LoopAnalysis& loop) {
   const LoopMargins &designed = loop.designed.margins, &measured = loop.measured.margins;
   const double a = in_dB(designed.gain_margin), b = in_dB(measured.gain_margin);
   if (!(std::abs(a - b) > kFar_dB)) return "";
-  const auto& points = loop.measured.points;
-  const auto above = std::find_if(
-      points.begin() + 1, points.end() - 1,
-      [&](const LoopPoint& point) { return point.omega_rad_s >= measured.gain_margin_rad_s; });
-  const double low = (above - 1)->omega_rad_s, high = above->omega_rad_s;
-  std::string why = "what the design leaves out (encoder, limits, friction) changes the loop there";
-  if (!is_reliable(*above) || !is_reliable(*(above - 1))) {
+  const auto [below, above] = around(loop.measured.points, measured.gain_margin_rad_s);
+  const double low = below.omega_rad_s, high = above.omega_rad_s;
+  std::string why =
+      "The design leaves out encoder, limits and friction, and these change the loop there";
+  if (!is_reliable(above) || !is_reliable(below)) {
     why =
-        "the points there are not reliable (grey): the probe moves the encoder by too few counts. "
-        "Trust the designed one, or probe with a larger --amplitude";
+        "A dot there is not reliable (grey), because the probe moves the encoder by too few "
+        "counts. "
+        "Trust the designed margin, or probe with a larger --amplitude";
   } else if (high > kWide * low) {
-    why = "the points are far apart there: --points tells more";
+    why = "The points are far apart there: --points tells more";
   }
   return fmt::format(
-      "{}: the gain margin is {:.1f} dB as designed and {:.1f} dB as measured. The measured one "
-      "lies "
-      "between {:.4g} and {:.4g} rad/s, and {}.",
+      "{}: the gain margin is {:.1f} dB as designed and {:.1f} dB as measured. The measured phase "
+      "crossover is between the measured frequencies {:.4g} and {:.4g} rad/s. {}.",
       loop.label, a, b, low, high, why);
 }
 
@@ -211,18 +231,25 @@ mustache::data named(const std::string& key, const std::string& value) {
 void add_margins(mustache::data& page, const std::vector<LoopAnalysis>& loops) {
   mustache::data columns(mustache::data::type::list), rows(mustache::data::type::list);
   const std::vector<NamedCurve> curves = curves_of(loops);
+  bool any_unsure = false;
   for (const NamedCurve& one : curves) {
     columns << named("label", one.loop.label + ", " + one.way.name);
   }
   for (const Quantity& quantity : quantities()) {
     mustache::data row, cells(mustache::data::type::list);
     row.set("name", quantity.words);
-    for (const NamedCurve& one : curves) cells << named("value", shown(quantity.of(one.curve)));
+    for (const NamedCurve& one : curves) {
+      mustache::data cell = named("value", shown(quantity.of(one.curve)));
+      cell.set("is_unsure", is_unsure(one, quantity));
+      any_unsure |= is_unsure(one, quantity);
+      cells << cell;
+    }
     row.set("cells", cells);
     rows << row;
   }
   page.set("columns", columns);
   page.set("rows", rows);
+  page.set("any_unsure", any_unsure);
 }
 
 }  // namespace

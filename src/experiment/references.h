@@ -13,7 +13,8 @@ namespace breakwater {
 /// Whether a measured number agrees with a reference value, in words.
 struct Agreement {
   bool is_met;
-  std::string text;  ///< "reproduced"
+  std::string text;  ///< "reproduced", "near: 28 % below"
+  std::string rule;  ///< which numbers agree, for a tooltip
   std::string tone;  ///< style of the text on a page: good, near, off or unknown
 };
 

@@ -170,7 +170,9 @@ std::string unit_of(const std::string& metric) {
     const char* end;
     const char* unit;
   };
-  static constexpr std::array<Ending, 12> kEndings = {{{"_rad_s", "rad/s"},
+  static constexpr std::array<Ending, 14> kEndings = {{{"_rad_s", "rad/s"},
+                                                       {"_Ns_m", "N s/m"},
+                                                       {"_N_m", "N/m"},
                                                        {"_m_Ns", "m/(N s)"},
                                                        {"_m_s", "m/s"},
                                                        {"_Nm", "N m"},

@@ -112,9 +112,9 @@ std::vector<std::string> differences_in_words(const std::vector<std::optional<do
     }
     const double first = *values.front();
     const double percent = 100.0 * (*value - first) / std::abs(first);
-    words.push_back(*value == first ? "="
-                    : largest < kManifold
-                        ? std::abs(percent) < 0.05 ? "±0.0 %" : fmt::format("{:+.1f} %", percent)
+    const bool is_same = *value == first || (largest < kManifold && std::abs(percent) < 0.05);
+    words.push_back(is_same                ? "same"
+                    : largest < kManifold  ? fmt::format("{:+.1f} %", percent)
                     : largest < kNoMeasure ? fmt::format("×{:.2f}", *value / first)
                                            : fmt::format("{:+.3g}", *value - first));
   }
@@ -313,7 +313,10 @@ mustache::data Comparison::cells_of(const std::string& metric) const {
     mustache::data cell;
     const auto value = runs_[i].metric(metric);
     cell.set("value", value ? format_number(*value) : "–");
-    if (i > 0 && value) cell.set("difference", words[i]);
+    if (i > 0 && value && words[i] != "-") {
+      cell.set("difference", fmt::format("{} {} {}", words[i], words[i] == "same" ? "as" : "vs",
+                                         labels_.front()));
+    }
     const auto reference = printed_[i].find(metric);
     if (value && reference != printed_[i].end()) {
       const Agreement agreement = reference->second.agrees(*value);
@@ -321,11 +324,58 @@ mustache::data Comparison::cells_of(const std::string& metric) const {
       printed.set("number", reference->second.text);
       printed.set("verdict", agreement.text);
       printed.set("verdict_class", agreement.tone);
+      printed.set("rule", agreement.rule);
       cell.set("printed", printed);
     }
     cells << cell;
   }
   return cells;
+}
+
+std::vector<std::string> Comparison::findings(const std::vector<ShownMetric>& keys) const {
+  constexpr std::size_t kMostFindings = 2;
+  std::vector<std::string> sentences, orders;
+  for (const ShownMetric& key : keys) {
+    std::vector<std::pair<double, std::size_t>> here, there;
+    for (std::size_t i = 0; i < runs_.size(); ++i) {
+      if (const auto value = runs_[i].metric(key.metric.name)) here.emplace_back(*value, i);
+      const auto printed = printed_[i].find(key.metric.name);
+      if (printed != printed_[i].end()) there.emplace_back(printed->second.number, i);
+    }
+    if (here.size() != runs_.size()) continue;
+    std::sort(here.begin(), here.end());
+    std::sort(there.begin(), there.end());
+    const std::string unit = key.metric.unit == "1" ? "" : " " + key.metric.unit;
+    if (sentences.size() < kMostFindings && here.front().first != here.back().first) {
+      const auto one = [&](const auto& entry) {
+        return fmt::format("{} ({}{})", labels_[entry.second], format_number(entry.first), unit);
+      };
+      sentences.push_back(fmt::format("{} is smallest for {} and largest for {}.", key.label,
+                                      one(here.front()), one(here.back())));
+    }
+    const auto order = [&](const auto& entries) {
+      std::vector<std::string> names;
+      for (const auto& entry : entries) names.push_back(labels_[entry.second]);
+      return fmt::format("{}", fmt::join(names, ", "));
+    };
+    // A printed value that is less than that of the run before it. Equal ones have no order.
+    bool is_other_order = false;
+    for (std::size_t i = 1; i < here.size() && there.size() == here.size(); ++i) {
+      const auto printed = [&](std::size_t place) {
+        return printed_[here[place].second].at(key.metric.name).number;
+      };
+      is_other_order |= here[i - 1].first < here[i].first && printed(i - 1) > printed(i);
+    }
+    if (is_other_order) {
+      orders.push_back(fmt::format(
+          "{}: the order differs from the thesis. From the smallest: here {}; in the thesis {}.",
+          key.label, order(here), order(there)));
+    }
+  }
+  std::vector<std::string> all;
+  if (!sentences.empty()) all.push_back(fmt::format("{}", fmt::join(sentences, " ")));
+  all.insert(all.end(), orders.begin(), orders.end());
+  return all;
 }
 
 std::string Comparison::html(std::vector<std::string>& notes) const {
@@ -385,13 +435,18 @@ std::string Comparison::html(std::vector<std::string>& notes) const {
   page.set("has_many_keys", differing.size() > kManyKeys);
   mustache::data rows(mustache::data::type::list);
   mustache::data others(mustache::data::type::list);
+  std::vector<ShownMetric> key_metrics;
   for (const ShownMetric& shown :
        shown_metrics(catalogue_, runs_.front().scenario(), shots_, metrics_)) {
+    if (shown.is_key) key_metrics.push_back(shown);
     mustache::data row;
     set_name(shown, row);
     row.set("cells", cells_of(shown.metric.name));
     (shown.is_key ? rows : others) << row;
   }
+  mustache::data sentences(mustache::data::type::list);
+  for (const std::string& text : findings(key_metrics)) sentences << mustache::data("text", text);
+  page.set("findings", sentences);
   mustache::data charts(mustache::data::type::list), other_charts(mustache::data::type::list);
   for (std::size_t i = 0; i < signals_.size(); ++i) {
     PageChart chart = chart_of(signals_[i]);
@@ -411,7 +466,6 @@ std::string Comparison::html(std::vector<std::string>& notes) const {
   }
   page.set("title", fmt::format("{} compared", fmt::join(labels_, ", ")));
   page.set("scenario", runs_.front().scenario());
-  page.set("first", labels_.front());
   page.set("toc", toc);
   page.set("columns", columns);
   page.set("rows", rows);

@@ -9,6 +9,7 @@
 
 #include <breakwater/experiment/references.h>
 #include <breakwater/experiment/saved_run.h>
+#include <breakwater/pages/key_metrics.h>
 #include <breakwater/pages/page_chart.h>
 #include <breakwater/pictures/shot_list.h>
 
@@ -25,7 +26,7 @@ struct CompareChoice {
 
 /// The differences of values from the first, all of one kind. Percentages by default; multiples
 /// such as "×8.00" if a value is three to ten times the first or a share of it; else plain
-/// differences. An equal value has "=", and a missing one "-".
+/// differences. An equal value has "same", and a missing one "-".
 std::vector<std::string> differences_in_words(const std::vector<std::optional<double>>& values);
 
 /// The metrics and signals of some runs, compared with the first run.
@@ -55,6 +56,9 @@ class Comparison {
   std::vector<std::optional<double>> values_of(const std::string& metric) const;
   bool is_common(const std::string& signal) const;
   bool changes(const std::string& signal) const;  // in one of the runs, or between them
+  // The runs with the least and the most of the first key metrics, and metrics whose printed values
+  // have another order.
+  std::vector<std::string> findings(const std::vector<ShownMetric>& keys) const;
   kainjow::mustache::data cells_of(const std::string& metric) const;
   void choose_signals();
   PageChart chart_of(const std::string& signal) const;

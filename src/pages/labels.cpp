@@ -81,6 +81,13 @@ std::string metric_label_with_unit(const std::string& metric, const std::string&
   return unit.empty() || unit == "1" ? label : fmt::format("{} [{}]", label, unit);
 }
 
+std::string key_label_with_unit(const std::string& key, const std::string& unit) {
+  std::string label = without_unit(key, unit);
+  std::replace_if(
+      label.begin(), label.end(), [](char c) { return c == '.' || c == '_'; }, ' ');
+  return unit.empty() || unit == "1" ? label : fmt::format("{} [{}]", label, unit);
+}
+
 std::string quantity_of(const LogEntry& entry) {
   return joined(split(entry.name, entry.unit).quantity);
 }

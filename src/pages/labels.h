@@ -16,6 +16,9 @@ std::string metric_label(const std::string& metric, const std::string& unit);
 /// The same with its unit: "Peak force, filtered [N]".
 std::string metric_label_with_unit(const std::string& metric, const std::string& unit);
 
+/// "contact stiffness [N/m]" of the key "contact.stiffness_N_m".
+std::string key_label_with_unit(const std::string& key, const std::string& unit);
+
 /// The name of a signal without its unit and its roles: "force" of "force_true_N".
 std::string quantity_of(const LogEntry& entry);
 /// Its roles: "true", "raw measured"; without any, the quantity.

@@ -109,7 +109,7 @@ mustache::data turn_of(const CandidateComparison& comparison, const KeyInteracti
   turn.set("p", p_text(one.p_holm));
   turn.set("repeats_are", one.is_of_worlds ? "seeds of the value’s one block" : "blocks");
   LineChart chart;
-  chart.x_title = one.key;
+  chart.x_title = key_label_with_unit(one.key, unit_of(one.key));
   chart.y_title =
       fmt::format("{}, {} less {}", metric_label_with_unit(one.metric, unit_of(one.metric)),
                   comparison.candidates[one.candidate], comparison.candidates[one.reference]);

@@ -33,6 +33,7 @@ void add_metrics(const Catalogue& catalogue, const SavedRun& run, const ShotList
       const Agreement agreement = found->second.agrees(shown.metric.value);
       filled.set("verdict", agreement.text);
       filled.set("verdict_class", agreement.tone);
+      filled.set("rule", agreement.rule);
       row.set("printed", filled);
     }
     rows << row;

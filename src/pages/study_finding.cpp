@@ -20,19 +20,37 @@ bool is_shown(const MetricComparison& one) {
          one.verdict != ComparisonVerdict::too_few_blocks;
 }
 
-std::string size_of(double value, const std::string& unit) {
-  return format_number(std::abs(value)) + (unit == "1" || unit.empty() ? "" : " " + unit);
+// "−1.5": a minus sign, not a hyphen.
+std::string number_text(double value) {
+  return (value < 0.0 ? "−" : "") + format_number(std::abs(value));
 }
 
-// "larger by 1.07 N (95 %: 0.93 to 1.2)".
-std::string difference(const MetricComparison& one, const std::string& unit) {
+std::string unit_text(const std::string& unit) {
+  return unit == "1" || unit.empty() ? "" : " " + unit;
+}
+
+// "(median 8 N)".
+std::string median_text(double value, const std::string& unit) {
+  return fmt::format("(median {}{})", number_text(value), unit_text(unit));
+}
+
+// "by −1.5 N (median over 12 blocks; 95 % confidence interval −2 to −1 N)". Only the first of a
+// sentence says what its numbers are.
+std::string difference(const MetricComparison& one, const std::string& unit, bool is_first) {
   const double by = one.difference.value;
-  std::string text = fmt::format("{} by {}", by < 0.0 ? "smaller" : "larger", size_of(by, unit));
+  std::string text =
+      fmt::format("by {}{}{}", by > 0.0 ? "+" : "", number_text(by), unit_text(unit));
   if (one.difference.interval) {
-    double low = std::abs(one.difference.interval->lower);
-    double high = std::abs(one.difference.interval->upper);
-    if (low > high) std::swap(low, high);
-    text += fmt::format(" (95 %: {} to {})", format_number(low), format_number(high));
+    const std::string low = number_text(one.difference.interval->lower);
+    const std::string high = number_text(one.difference.interval->upper);
+    // All blocks in the interval have the same difference: an interval says no more.
+    text +=
+        low == high
+            ? " in most blocks"
+            : fmt::format(
+                  " ({}{} {} to {}{})",
+                  is_first ? fmt::format("median over {}; ", number_of(one.blocks, "block")) : "",
+                  is_first ? "95 % confidence interval" : "95 %:", low, high, unit_text(unit));
   }
   if (one.verdict == ComparisonVerdict::better || one.verdict == ComparisonVerdict::worse) {
     text += ", which is " + name_of(one.verdict);
@@ -53,9 +71,9 @@ std::string turn(const CandidateComparison& comparison, const KeyInteraction& on
   });
   if (after == one.values.end()) return "";
   const auto word = [&](const auto& value) { return sign(value) ? "smaller" : "larger"; };
-  return fmt::format(" Its sign turns with {}: {} is {} at {} and {} at {}.", one.key,
-                     comparison.candidates[one.candidate], word(*(after - 1)), (after - 1)->label,
-                     word(*after), after->label);
+  return fmt::format(" The sign of the difference turns with {}: {} is {} at {} and {} at {}.",
+                     one.key, comparison.candidates[one.candidate], word(*(after - 1)),
+                     (after - 1)->label, word(*after), after->label);
 }
 
 }  // namespace
@@ -68,7 +86,8 @@ std::string finding(const CandidateComparison& comparison, const std::string& me
   }
   if (all.empty()) return "";
   const std::string unit = unit_of(metric);
-  const std::string& reference = comparison.candidates[all.front()->reference];
+  const std::string reference = fmt::format("{} {}", comparison.candidates[all.front()->reference],
+                                            median_text(all.front()->reference_median.value, unit));
   std::vector<std::string> parts, unshown;
   std::string turns;
   double least_p = 1.0;
@@ -76,9 +95,12 @@ std::string finding(const CandidateComparison& comparison, const std::string& me
   for (const MetricComparison* one : all) {
     const std::string& name = comparison.candidates[one->candidate];
     if (is_shown(*one)) {
-      parts.push_back(fmt::format("{} is {}", name, difference(*one, unit)));
+      const bool is_first = parts.empty();
+      parts.push_back(fmt::format("{} {}{}", name,
+                                  is_first ? fmt::format("differs from {} ", reference) : "",
+                                  difference(*one, unit, is_first)));
     } else {
-      unshown.push_back(fmt::format("{} (median {})", name, size_of(one->median.value, unit)));
+      unshown.push_back(fmt::format("{} {}", name, median_text(one->median.value, unit)));
       least_p = std::min(least_p, one->p_holm);
       are_few |= one->verdict == ComparisonVerdict::too_few_blocks;
     }
@@ -91,13 +113,12 @@ std::string finding(const CandidateComparison& comparison, const std::string& me
   if (!unshown.empty()) {
     const std::string blocks = number_of(all.front()->blocks, "block");
     parts.push_back(fmt::format(
-        "no difference is shown for {}, {}", listed(unshown),
+        "no difference{} is shown for {}, {}",
+        parts.empty() ? fmt::format(" from {}", reference) : "", listed(unshown),
         are_few ? fmt::format("because {} are too few", blocks)
                 : fmt::format("p ≥ {} for {} with Holm’s correction", p_text(least_p), blocks)));
   }
-  return fmt::format("{} compared with {} (median {}): {}.{}", metric_label(metric, unit),
-                     reference, size_of(all.front()->reference_median.value, unit),
-                     fmt::join(parts, "; "), turns);
+  return fmt::format("{}: {}.{}", metric_label(metric, unit), fmt::join(parts, "; "), turns);
 }
 
 }  // namespace breakwater

@@ -3,7 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <breakwater/config/toml_text.h>
@@ -136,7 +139,8 @@ mustache::data score(const ShardIndex& index) {
     tally.set("word", word);
     tallies << tally;
   };
-  add("good", index.count(PointStatus::complete), name_of(PointStatus::complete));
+  add("good", index.count(PointStatus::complete),
+      fmt::format("of {} {}", number_of(index.points(), "run"), name_of(PointStatus::complete)));
   for (const auto status : {PointStatus::failed, PointStatus::refused, PointStatus::crashed}) {
     if (index.count(status) > 0) add("off", index.count(status), name_of(status));
   }
@@ -177,6 +181,35 @@ mustache::data failure_rows(const StudyNumbers& numbers, const ShardIndex& index
     rows << row;
   }
   return rows;
+}
+
+// Whether a varied key changes a metric of any candidate, with the same seed. Less than this part
+// of the value is no change that a chart shows.
+bool is_varying(const StudyNumbers& numbers, const std::vector<double>& column) {
+  constexpr double kLeast = 1e-3;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, double> first;
+  for (std::size_t i = 0; i < numbers.runs.size(); ++i) {
+    const StudyRun& run = numbers.runs[i];
+    if (!std::isfinite(column[i])) continue;
+    const double value = first.try_emplace({run.candidate, run.seed}, column[i]).first->second;
+    if (std::abs(column[i] - value) > kLeast * std::abs(value)) return true;
+  }
+  return false;
+}
+
+// Puts the first of `keys` that varies before the others: a page that begins with a flat line says
+// little. Where all are flat, the order stays.
+void begin_with_varying(StudyNumbers& numbers, const std::vector<std::string>& keys) {
+  for (const std::string& key : keys) {
+    const auto place = std::find(numbers.metrics.begin(), numbers.metrics.end(), key);
+    if (place == numbers.metrics.end()) continue;
+    const auto at = place - numbers.metrics.begin();
+    const auto column = numbers.columns.begin() + at;
+    if (!is_varying(numbers, *column)) continue;
+    std::rotate(numbers.metrics.begin(), place, place + 1);
+    std::rotate(numbers.columns.begin(), column, column + 1);
+    return;
+  }
 }
 
 // Adds the keys that change the sign of a difference. `left` is the number of figures that the page
@@ -259,7 +292,8 @@ void write_study_report(const Catalogue& catalogue, const Plan& plan, const Shar
   std::vector<std::string> first = study.named_metrics();
   for (const std::string& metric : scenario->main_metrics()) first.push_back(metric);
   for (const std::string& metric : scenario->matrix().metrics) first.push_back(metric);
-  const StudyNumbers numbers = study_numbers(plan, index, first);
+  StudyNumbers numbers = study_numbers(plan, index, first);
+  if (study.named_metrics().empty()) begin_with_varying(numbers, scenario->main_metrics());
   std::vector<std::string> labels;
   for (const Candidate& candidate : plan.candidates()) labels.push_back(candidate.label);
   std::vector<OutputIndices> indices;

@@ -195,14 +195,14 @@ std::vector<QuantileBand> StudySections::by_candidate(std::size_t metric) const 
   return bands_of({numbers_.metrics[metric], false, column, in_order(column)});
 }
 
-std::string StudySections::line_chart(const Output& output, const KeyGroups& key) const {
+LineChart StudySections::line_chart(const Output& output, const KeyGroups& key) const {
   const std::vector<QuantileBand> all =
       bands(numbers_, output.column, output.order, (drawn_.size() + 1) * key.size(),
             [&](const StudyRun& run) {
               return place_of_[run.candidate] * key.size() + key.of_sample[run.sample];
             });
   LineChart chart;
-  chart.x_title = key.name;
+  chart.x_title = key_label_with_unit(key.name, unit_of(key.name));
   chart.y_title = title_of(output);
   chart.is_log_x = key.is_log;
   chart.is_share = output.is_failures;
@@ -230,7 +230,28 @@ std::string StudySections::line_chart(const Output& output, const KeyGroups& key
       line.push_back(std::move(mark));
     }
   }
-  return draw(chart);
+  return chart;
+}
+
+void StudySections::add_line_charts(const Output& output, mustache::data& section) const {
+  mustache::data charts(mustache::data::type::list);
+  bool has_bands = false, has_crosses = false;
+  for (const KeyEffect& effect : effects_) {
+    const LineChart line = line_chart(output, keys_[effect.key]);
+    for (const std::vector<LineMark>& marks : line.lines) {
+      for (const LineMark& mark : marks) {
+        has_bands |= mark.lower < mark.upper;
+        has_crosses |= mark.has_failures;
+      }
+    }
+    mustache::data chart;
+    chart.set("svg", draw(line));
+    charts << chart;
+  }
+  section.set("has_lines", !keys_.empty());
+  section.set("has_bands", has_bands);
+  section.set("has_crosses", has_crosses);
+  section.set("lines", charts);
 }
 
 void StudySections::add_heat_maps(const Output& output, mustache::data& section) const {
@@ -416,14 +437,7 @@ mustache::data StudySections::section(std::optional<std::size_t> metric) const {
   const bool has_charts = metric || !numbers_.failures.empty();
   if (numbers_.runs.empty() || !has_charts) return section;
   if (!sides_.empty()) add_heat_maps(output, section);
-  mustache::data charts(mustache::data::type::list);
-  for (const KeyEffect& effect : effects_) {
-    mustache::data chart;
-    chart.set("svg", line_chart(output, keys_[effect.key]));
-    charts << chart;
-  }
-  if (!keys_.empty()) section.set("has_lines", true);
-  section.set("lines", charts);
+  add_line_charts(output, section);
   if (keys_.size() > 1) add_parallel(output, section);
   if (plan_.study().method == Method::saltelli) {
     section.set("is_saltelli", true);

@@ -68,7 +68,8 @@ class StudySections {
   struct Output;  // a metric or the failures
   static std::string title_of(const Output& output);
   std::vector<QuantileBand> bands_of(const Output& output) const;
-  std::string line_chart(const Output& output, const KeyGroups& key) const;
+  LineChart line_chart(const Output& output, const KeyGroups& key) const;
+  void add_line_charts(const Output& output, kainjow::mustache::data& section) const;
   void add_heat_maps(const Output& output, kainjow::mustache::data& section) const;
   void add_parallel(const Output& output, kainjow::mustache::data& section) const;
   kainjow::mustache::data index_rows(const Output& output) const;

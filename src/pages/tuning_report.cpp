@@ -184,7 +184,12 @@ std::optional<ChosenPoint> chosen_point(const Tuning& tuning, const TuningResult
   return chosen;
 }
 
-// "Point 3 of hpfc-2N: Peak force, filtered 2.3 N (95 %: 2.2 to 2.4), …".
+// Four digits: the axis of a front may be so short that three are all the same.
+std::string short_text(double value) {
+  return fmt::format("{:.4g}", value);
+}
+
+// "Point 3 of hpfc-2N is the best compromise, …: Peak force, filtered 2.3 N (95 %: 2.2 to 2.4), …".
 std::string in_words(const Tuning& tuning, const TuningResult& result, const ChosenPoint& chosen) {
   const TunedFront& front = result.fronts[chosen.front];
   const FrontPoint& point = front.points[chosen.point];
@@ -194,16 +199,17 @@ std::string in_words(const Tuning& tuning, const TuningResult& result, const Cho
     const std::string& metric = tuning.objectives[i].metric;
     const GatheredValue& value = shown.objectives[i];
     const std::string unit = unit_of(metric);
-    std::string text = fmt::format("{} {}{}", metric_label(metric, unit),
-                                   format_number(value.value), unit == "1" ? "" : " " + unit);
+    std::string text = fmt::format("{} {}{}", metric_label(metric, unit), short_text(value.value),
+                                   unit == "1" ? "" : " " + unit);
     if (value.interval) {
-      text += fmt::format(" (95 %: {} to {})", format_number(value.interval->lower),
-                          format_number(value.interval->upper));
+      text += fmt::format(" (95 %: {} to {})", short_text(value.interval->lower),
+                          short_text(value.interval->upper));
     }
     parts.push_back(text);
   }
-  return fmt::format("Point {} of {} is the best compromise{}: {}.", chosen.label, front.case_name,
-                     point.fresh ? " on fresh worlds" : "", fmt::join(parts, ", "));
+  return fmt::format(
+      "Point {} of {} is the best compromise{}, nearest to the best value of every objective: {}.",
+      chosen.label, front.case_name, point.fresh ? " on fresh worlds" : "", fmt::join(parts, ", "));
 }
 
 mustache::data drawing(const std::string& svg) {
@@ -280,8 +286,9 @@ void write_tuning_report(const Catalogue& catalogue, const TuningPlan& plan,
   mustache::data data;
   data.set("title", "Tuning of " + tuning.scenario);
   mustache::data toc(mustache::data::type::list);
-  for (const auto& [href, label] :
-       {std::pair("front", "The front"), {"budget", "Over the budget"}, {"points", "Its points"}}) {
+  for (const auto& [href, label] : {std::pair("front", "Pareto front"),
+                                    {"budget", "Progress over the budget"},
+                                    {"points", "Points of the front"}}) {
     mustache::data entry;
     entry.set("href", href);
     entry.set("label", label);

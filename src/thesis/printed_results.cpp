@@ -165,6 +165,12 @@ std::string text(Verdict verdict) {
   return "not measured";
 }
 
+std::string rule_text(const Standard& standard) {
+  const char* const digits = standard.reproduced.is_around() ? " or what rounds to it" : "";
+  return fmt::format("reproduced: {}{}; class: {}", standard.reproduced.text(), digits,
+                     standard.within.text());
+}
+
 PrintedResults::PrintedResults(const std::filesystem::path& folder) {
   const std::string printed = (folder / "printed-results.toml").string();
   collect(parse_toml_file(printed), "", Lines(printed), results_);

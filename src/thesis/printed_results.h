@@ -50,6 +50,9 @@ Verdict judge(double measured, const PrintedResult& printed, const Standard& sta
 /// The name: "reproduced", "within the class", "not reproduced" or "not measured".
 std::string text(Verdict verdict);
 
+/// The rule for a printed number: "reproduced: ±10 % or what rounds to it; class: ±35 %".
+std::string rule_text(const Standard& standard);
+
 /// The colour on a page: good, near, off or unknown.
 std::string css_class(Verdict verdict);
 

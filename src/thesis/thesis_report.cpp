@@ -385,9 +385,7 @@ Judged judge_cell(const CellSpec& cell, const Measured& measured, const PrintedR
   judged.printed = result.text();
   judged.verdict = final_verdict(judge(judged.median, result, standard));
   if (result.number) {
-    const char* const digits = standard.reproduced.is_around() ? " or what rounds to it" : "";
-    judged.class_text = fmt::format("reproduced: {}{}; class: {}", standard.reproduced.text(),
-                                    digits, standard.within.text());
+    judged.class_text = rule_text(standard);
   } else {
     for (const auto& [word, band] : standard.words) {
       const std::string name = PrintedResult{std::nullopt, word}.text();

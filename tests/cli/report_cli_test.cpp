@@ -409,6 +409,8 @@ TEST_F(Reports, CompareWritesTablesAndFigures) {
       ran("breakwater compare kfd dkf --out both --csv --latex --svg --pdf --signal d_hat_Nm "
           "--metric rmse_velocity_rad_s");
   EXPECT_TRUE(has(result.out, "rmse_velocity_rad_s", "-98."));
+  EXPECT_TRUE(has(read("both/compare.html"), "RMSE of velocity is smallest for dkf (",
+                  " and largest for kfd (", " % vs kfd"));
   EXPECT_EQ(lines("both/compare.csv").size(), 2U);
   EXPECT_TRUE(has(read("both/compare.tex"), "RMSE of velocity [rad/s] &"));
   const std::string svg = read("both/compare.svg");

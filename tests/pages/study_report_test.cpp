@@ -6,6 +6,7 @@
 #include <set>
 
 #include <breakwater/config/toml_text.h>
+#include <breakwater/experiment/saved_run.h>
 #include <breakwater/pages/chart_scale.h>
 #include <breakwater/pages/labels.h>
 #include <breakwater/pages/quantile_bands.h>
@@ -145,6 +146,32 @@ TEST(QuantileBands, AreTheOrderStatistics) {
     EXPECT_DOUBLE_EQ(band.q10, values[1]);
     EXPECT_DOUBLE_EQ(band.q25, 0.5 * (values[2] + values[3]));
     EXPECT_DOUBLE_EQ(band.q90, values[9]);
+  }
+}
+
+// The first metric of the page is the first main one that the key changes, unless the study names
+// one. The caption names bands and crosses only if there are some.
+TEST(StudyReport, BeginsWithAMetricThatTheKeyChanges) {
+  const std::vector<std::string> names =
+      make_scenario(testing::catalogue(), "motor_estimation")->main_metrics();
+  ASSERT_GE(names.size(), 2U);
+  for (const bool is_named : {false, true}) {
+    Study study = make_study({list_of("a.b", {1, 2, 4})}, {"idob"}, is_named ? 1 : 2);
+    if (is_named) study.metrics = {names[0]};
+    Folder folder(is_named ? "named" : "flat", study);
+    folder.fill([&](const StudyPoint& point, PointResult& result) {
+      const double flat = static_cast<double>(*point.seed);
+      if (!is_named && *point.seed == 1 && number_of(point.values[0]) == 4)
+        return fail(result, "lost");
+      result.metrics = {{names[0], flat}, {names[1], flat + number_of(point.values[0])}};
+    });
+    const std::string page = folder.page();
+    const std::string first = is_named ? names[0] : names[1];
+    EXPECT_TRUE(has(page, fmt::format("data-name=\"{}\">\n<h2 title=\"{}\"",
+                                      metric_label_with_unit(first, unit_of(first)), first)));
+    EXPECT_LT(page.find("<h2 title=\"" + first), page.find("<h2 title=\"" + names[is_named]));
+    EXPECT_EQ(bool(has(page, "The band has the runs", "A cross: ")), !is_named);
+    EXPECT_EQ(bool(lacks(page, "The band has the runs", "A cross: ")), is_named);
   }
 }
 
@@ -397,10 +424,23 @@ TEST(Finding, SaysWhoByHowMuchHowSureAndWhereTheSignTurns) {
   comparison.interactions = {turn};
   EXPECT_EQ(
       finding(comparison, "peak_force_filtered_N"),
-      "Peak force, filtered compared with base (median 8 N): soft is smaller by 1.5 N (95 %: 1 "
-      "to 2), which is better; no difference is shown for hard (median 9 N), p ≥ 0.4 for 12 "
-      "blocks with Holm’s correction. Its sign turns with wall.distance_m: soft is smaller at "
-      "0.1 and larger at 0.2.");
+      "Peak force, filtered: soft differs from base (median 8 N) by −1.5 N (median over 12 blocks; "
+      "95 % confidence interval −2 to −1 N), which is better; no difference is shown for hard "
+      "(median 9 N), p ≥ 0.4 for 12 blocks with Holm’s correction. The sign of the difference "
+      "turns with wall.distance_m: soft is smaller at 0.1 and larger at 0.2.");
+  // The second one is short, and an interval without a width is none.
+  comparison.interactions.clear();
+  comparison.metrics[1].difference = {0.5, ConfidenceInterval{0.5, 0.5}};
+  comparison.metrics[1].verdict = ComparisonVerdict::worse;
+  EXPECT_EQ(
+      finding(comparison, "peak_force_filtered_N"),
+      "Peak force, filtered: soft differs from base (median 8 N) by −1.5 N (median over 12 blocks; "
+      "95 % confidence interval −2 to −1 N), which is better; hard by +0.5 N in most blocks, which "
+      "is worse.");
+  comparison.metrics = {hard};
+  EXPECT_EQ(finding(comparison, "peak_force_filtered_N"),
+            "Peak force, filtered: no difference from base (median 8 N) is shown for hard (median "
+            "9 N), p ≥ 0.4 for 12 blocks with Holm’s correction.");
   EXPECT_EQ(finding(comparison, "bounce_count"), "");
 }
 
@@ -413,6 +453,9 @@ TEST(Labels, AreForPeople) {
         std::tuple("settling_time_5pct_s", "s", "Settling time to 5 % [s]")}) {
     EXPECT_EQ(metric_label_with_unit(metric, unit), label);
   }
+  EXPECT_EQ(key_label_with_unit("contact.stiffness_N_m", unit_of("contact.stiffness_N_m")),
+            "contact stiffness [N/m]");
+  EXPECT_EQ(key_label_with_unit("encoder.bits", unit_of("encoder.bits")), "encoder bits");
 }
 
 }  // namespace

@@ -15,6 +15,7 @@
 #include <breakwater/pictures/page_data.h>
 #include <breakwater/record/csv.h>
 #include <breakwater/thesis/experiments.h>
+#include <breakwater/thesis/printed_references.h>
 #include <breakwater/thesis/reproduction.h>
 #include <breakwater/thesis/thesis_report.h>
 #include "catalogue.h"
@@ -629,18 +630,34 @@ TEST(Numbers, OnPagesAreShortAndCountsAreWhole) {
   }
 }
 
+TEST(PrintedReferences, SayHowFarANumberIsFromThePrint) {
+  const auto values = printed_references().of_case("arm_wall_contact", "proposed-2N");
+  const auto peak = std::find_if(values.begin(), values.end(), [](const ReferenceValue& one) {
+    return one.metric == "peak_force_filtered_N";
+  });
+  ASSERT_NE(peak, values.end());
+  for (const auto& [factor, text, verdict] :
+       {std::tuple(1.01, "reproduced", "reproduced ("),
+        std::tuple(0.8, "near: 20 % below", "within the class ("),
+        std::tuple(1.6, "not reproduced: 60 % above", "not reproduced (")}) {
+    const Agreement agreement = peak->agrees(factor * peak->number);
+    EXPECT_EQ(agreement.text, text);
+    EXPECT_TRUE(agreement.rule.starts_with(verdict)) << agreement.rule;
+  }
+}
+
 TEST(Differences, AreOfOneKindInARow) {
   using Values = std::vector<std::optional<double>>;
   using Words = std::vector<std::string>;
   for (const auto& [values, words] : {
-           std::pair(Values{2.0, 2.0, 2.082}, Words{"=", "=", "+4.1 %"}),
-           std::pair(Values{-1.0, -1.5, -2.99}, Words{"=", "-50.0 %", "-199.0 %"}),
-           std::pair(Values{1.0, 0.01, 1.0 + 1e-9}, Words{"=", "-99.0 %", "±0.0 %"}),
-           std::pair(Values{1.0, 7.996, 0.5}, Words{"=", "×8.00", "×0.50"}),
-           std::pair(Values{0.0004, 0.0444, 0.0005}, Words{"=", "+0.044", "+0.0001"}),
-           std::pair(Values{2.0, -1.0, 2.1}, Words{"=", "-3", "+0.1"}),
-           std::pair(Values{0.0, 0.25, 0.0}, Words{"=", "+0.25", "="}),
-           std::pair(Values{1.0, std::nullopt}, Words{"=", "-"}),
+           std::pair(Values{2.0, 2.0, 2.082}, Words{"same", "same", "+4.1 %"}),
+           std::pair(Values{-1.0, -1.5, -2.99}, Words{"same", "-50.0 %", "-199.0 %"}),
+           std::pair(Values{1.0, 0.01, 1.0 + 1e-9}, Words{"same", "-99.0 %", "same"}),
+           std::pair(Values{1.0, 7.996, 0.5}, Words{"same", "×8.00", "×0.50"}),
+           std::pair(Values{0.0004, 0.0444, 0.0005}, Words{"same", "+0.044", "+0.0001"}),
+           std::pair(Values{2.0, -1.0, 2.1}, Words{"same", "-3", "+0.1"}),
+           std::pair(Values{0.0, 0.25, 0.0}, Words{"same", "+0.25", "same"}),
+           std::pair(Values{1.0, std::nullopt}, Words{"same", "-"}),
            std::pair(Values{std::nullopt, 1.0}, Words{"-", "-"}),
        }) {
     EXPECT_EQ(differences_in_words(values), words);
