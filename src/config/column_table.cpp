@@ -125,10 +125,11 @@ std::size_t place_of(const WantedColumn& column, const Reader& reader) {
   const auto found = std::find(header.begin(), header.end(), column.name);
   if (found == header.end()) {
     const std::vector<std::string> names(header.begin(), header.end());
-    reader.fail(fmt::format("there is no column {}{}: the first line has {}; set {} to its name",
-                            column.name, did_you_mean(column.name, names),
-                            fmt::format("{}", fmt::join(names, ", ")).substr(0, kLongestHeader),
-                            column.key));
+    reader.fail(fmt::format(
+        "there is no column {}{}: the first line has {}; {}", column.name,
+        did_you_mean(column.name, names),
+        fmt::format("{}", fmt::join(names, ", ")).substr(0, kLongestHeader),
+        column.key.empty() ? "rename one of them" : "set " + column.key + " to its name"));
   }
   if (std::find(found + 1, header.end(), column.name) != header.end()) {
     reader.fail(fmt::format("there are two columns {}", column.name));

@@ -15,10 +15,10 @@ struct ColumnTable {
   std::size_t rows() const { return lines.size(); }
 };
 
-/// A wanted column: its name in the first line, and the key that sets this name.
+/// A wanted column: its name in the first line, and the key that sets this name, if any.
 struct WantedColumn {
   std::string name;
-  std::string key;
+  std::string key = {};
 };
 
 /// Reads the columns `wanted`, in any order and among others. The first line has the names of the

@@ -30,9 +30,10 @@ std::size_t first_where(const Series& force, std::size_t from, double threshold,
   return from;
 }
 
-ImpactPulse pulse_of(const Series& force, const std::string& whose) {
+ImpactPulse pulse_of(const Series& force, const std::string& whose,
+                     const std::optional<double>& contact_s = {}) {
   try {
-    return first_pulse(force);
+    return first_pulse(force, contact_s);
   } catch (const std::invalid_argument& error) {
     throw std::invalid_argument(whose + ": " + error.what());
   }
@@ -43,11 +44,33 @@ Series since(Series series, double begin_s) {
   return series;
 }
 
+Series until(Series series, double end_s) {
+  const auto end = std::upper_bound(series.times_s.begin(), series.times_s.end(), end_s);
+  series.values.resize(static_cast<std::size_t>(end - series.times_s.begin()));
+  series.times_s.resize(series.values.size());
+  return series;
+}
+
+// The last instant before the first contact, by the true contact force, if the log has it.
+std::optional<double> contact_s(const SavedRun& run) {
+  for (const char* name : {"physics/force_true_N", "force_true_N"}) {
+    if (!run.has_signal(name)) continue;
+    const Series force = run.signal(name);
+    const std::size_t first = first_where(force, 0, 0.0, true);
+    if (first > 0 && first < force.values.size()) return force.times_s[first - 1];
+  }
+  return {};
+}
+
+std::string in_words(const std::optional<double>& value) {
+  return value ? format_number(*value) : "does not end";
+}
+
 struct Row {
   const char* name;
   const char* unit;
-  double simulated;
-  double measured;
+  std::optional<double> simulated;
+  std::optional<double> measured;
 };
 
 std::array<Row, 3> rows_of(const ImpactComparison& comparison) {
@@ -59,19 +82,32 @@ std::array<Row, 3> rows_of(const ImpactComparison& comparison) {
 
 }  // namespace
 
-ImpactPulse first_pulse(const Series& force) {
+ImpactPulse first_pulse(const Series& force, const std::optional<double>& contact_s) {
+  std::size_t first = 0;
+  while (contact_s && first + 1 < force.values.size() && force.times_s[first + 1] <= *contact_s) {
+    ++first;
+  }
   const double largest_N =
-      force.values.empty() ? 0.0 : *std::max_element(force.values.begin(), force.values.end());
-  if (!(largest_N > 0.0)) throw std::invalid_argument("the force is never positive");
+      force.values.empty()
+          ? 0.0
+          : *std::max_element(force.values.begin() + static_cast<std::ptrdiff_t>(first),
+                              force.values.end());
+  if (!(largest_N > 0.0)) {
+    throw std::invalid_argument(force.values.empty()
+                                    ? "the force has no samples"
+                                    : fmt::format("the force is never positive from {} to {} s",
+                                                  force.times_s.front(), force.times_s.back()));
+  }
   const double threshold = kContactShare * largest_N;
-  const std::size_t rise = first_where(force, 0, threshold, true);
+  const std::size_t rise = first_where(force, first, threshold, true);
   const std::size_t fall = first_where(force, rise, threshold, false);
   if (rise == 0) throw std::invalid_argument("the force begins in contact");
-  if (fall == force.values.size()) throw std::invalid_argument("the first contact does not end");
   ImpactPulse pulse;
-  pulse.begin_s = crossing_s(force, rise, threshold);
-  pulse.duration_s = crossing_s(force, fall, threshold) - pulse.begin_s;
-  for (std::size_t i = rise; i <= fall; ++i) {
+  pulse.begin_s = rise > first ? crossing_s(force, rise, threshold) : force.times_s[first];
+  if (fall < force.values.size()) {
+    pulse.duration_s = crossing_s(force, fall, threshold) - pulse.begin_s;
+  }
+  for (std::size_t i = std::max(rise, first + 1); i <= fall && i < force.values.size(); ++i) {
     pulse.peak_N = std::max(pulse.peak_N, force.values[i]);
     pulse.impulse_Ns +=
         0.5 * (force.values[i - 1] + force.values[i]) * (force.times_s[i] - force.times_s[i - 1]);
@@ -80,7 +116,7 @@ ImpactPulse first_pulse(const Series& force) {
 }
 
 Series read_measured_force(const std::string& file) {
-  ColumnTable table = read_columns(file, {{"time_s", "--measured"}, {"force_N", "--measured"}});
+  ColumnTable table = read_columns(file, {{"time_s"}, {"force_N"}});
   for (std::size_t i = 1; i < table.rows(); ++i) {
     if (!(table.columns[0][i] > table.columns[0][i - 1])) {
       fail_at_line(file, table.lines[i], "time_s must rise");
@@ -98,16 +134,26 @@ ImpactComparison::ImpactComparison(const SavedRun& run, const std::string& signa
   }
   const Series simulated = run.signal(signal);
   const Series measured = read_measured_force(file);
-  simulated_pulse_ = pulse_of(simulated, run_ + ": " + signal);
+  const std::optional<double> contact = contact_s(run);
   measured_pulse_ = pulse_of(measured, file);
+  simulated_pulse_ = pulse_of(simulated, run_ + ": " + signal, contact);
+  if (simulated_pulse_.duration_s && measured_pulse_.duration_s) {
+    window_s_ = std::max(*simulated_pulse_.duration_s, *measured_pulse_.duration_s);
+  } else {
+    window_s_ = std::min(measured.times_s.back() - measured_pulse_.begin_s,
+                         simulated.times_s.back() - simulated_pulse_.begin_s);
+    if (!simulated_pulse_.duration_s) {
+      const Series beside = until(simulated, simulated_pulse_.begin_s + window_s_);
+      simulated_pulse_ = pulse_of(beside, run_ + ": " + signal, contact);
+    }
+  }
   simulated_ = since(simulated, simulated_pulse_.begin_s);
   measured_ = since(measured, measured_pulse_.begin_s);
-  const double end_s = std::max(simulated_pulse_.duration_s, measured_pulse_.duration_s);
   double sum = 0.0;
   std::size_t count = 0;
   for (std::size_t i = 0; i < measured_.times_s.size(); ++i) {
     const double time_s = measured_.times_s[i];
-    if (time_s < 0.0 || time_s > end_s) continue;
+    if (time_s < 0.0 || time_s > window_s_) continue;
     sum += std::pow(simulated_.at(time_s) - measured_.values[i], 2);
     ++count;
   }
@@ -117,7 +163,7 @@ ImpactComparison::ImpactComparison(const SavedRun& run, const std::string& signa
 std::string ImpactComparison::text(std::size_t width) const {
   Table table({"first contact", "unit", "simulated", "measured", "difference"});
   for (const Row& row : rows_of(*this)) {
-    table.add({row.name, row.unit, format_number(row.simulated), format_number(row.measured),
+    table.add({row.name, row.unit, in_words(row.simulated), in_words(row.measured),
                differences_in_words({row.simulated, row.measured}).back()});
   }
   table.add({"RMSE", "N", format_number(rmse_N_), "", ""});
@@ -128,9 +174,9 @@ std::string ImpactComparison::json() const {
   nlohmann::ordered_json json;
   for (const auto& [name, pulse] :
        {std::pair("simulated", simulated_pulse_), std::pair("measured", measured_pulse_)}) {
-    json[name] = {{"peak_N", pulse.peak_N},
-                  {"duration_s", pulse.duration_s},
-                  {"impulse_Ns", pulse.impulse_Ns}};
+    json[name] = {
+        {"peak_N", pulse.peak_N}, {"duration_s", nullptr}, {"impulse_Ns", pulse.impulse_Ns}};
+    if (pulse.duration_s) json[name]["duration_s"] = *pulse.duration_s;
   }
   json["rmse_N"] = rmse_N_;
   return json.dump(2) + "\n";
@@ -143,18 +189,17 @@ std::string ImpactComparison::html() const {
     mustache::data entry;
     entry.set("name", row.name);
     entry.set("unit", row.unit);
-    entry.set("simulated", format_number(row.simulated));
-    entry.set("measured", format_number(row.measured));
+    entry.set("simulated", in_words(row.simulated));
+    entry.set("measured", in_words(row.measured));
     entry.set("difference", differences_in_words({row.simulated, row.measured}).back());
     rows << entry;
   }
-  const double length_s = std::max(simulated_pulse_.duration_s, measured_pulse_.duration_s);
   PageChart chart;
   chart.id = "forces";
   chart.group = chart.axis = "measured";
   chart.title = "force since the first contact";
-  chart.from_s = -0.25 * length_s;
-  chart.to_s = 1.5 * length_s;
+  chart.from_s = -0.25 * window_s_;
+  chart.to_s = 1.5 * window_s_;
   chart.series = {{.label = "simulated", .unit = "N", .description = signal_, .values = simulated_},
                   {.label = "measured", .unit = "N", .description = file_, .values = measured_}};
   mustache::data charts(mustache::data::type::list);

@@ -260,6 +260,10 @@ int runs_main(const Catalogue& catalogue, bool is_comparison, int argc, const ch
     app.add_flag("--latex", arguments.latex, "write compare.tex: a booktabs table of the metrics");
     app.add_flag("--svg", arguments.svg, "write compare.svg: the signals, for a paper");
     app.add_flag("--pdf", arguments.pdf, "write compare.pdf: the same");
+    for (const char* option :
+         {"--metric", "--from", "--to", "--csv", "--latex", "--svg", "--pdf"}) {
+      app.get_option(option)->excludes("--measured");
+    }
   }
   app.add_flag("!--no-replay", arguments.choice.with_replay, "leave out the replay");
   app.add_flag("--quiet", arguments.quiet, "print errors only");

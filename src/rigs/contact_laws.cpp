@@ -8,8 +8,8 @@ using Law = std::unique_ptr<ContactForceLaw>;
 
 void bind_stiffness(Fields& fields, double& stiffness) {
   fields.number("contact.stiffness_N_m", stiffness, positive(),
-                "K: stiffness of the chain of sensor, end effector, gears and links, not that of "
-                "the steel; with an exponent n in N/m^n [N/m]");
+                "K: stiffness of the chain of sensor, end effector, gears and links, not of the "
+                "steel; of hertz in N/m^1.5, of hunt_crossley in N/m^n [N/m]");
 }
 
 void bind_dissipation(Fields& fields, double& dissipation) {
@@ -50,7 +50,7 @@ struct HuntCrossleySettings {
   double stiffness = 0.0;
   double exponent = 1.5;
   double dissipation_s_m = 0.0;
-  double restitution = 0.0;
+  double restitution = 1.0;
   double restitution_speed_m_s = 0.0;
 };
 
@@ -60,19 +60,24 @@ void bind_hunt_crossley(Fields& fields, HuntCrossleySettings& settings) {
                 "n: the force at rest is the stiffness times the penetration to this power");
   fields.standard("contact.exponent", {1.5});
   bind_dissipation(fields, settings.dissipation_s_m);
-  fields.number("contact.restitution", settings.restitution, between(0.0, 1.0),
-                "measured restitution that defines alpha; 0: contact.dissipation_s_m does");
-  fields.standard("contact.restitution", {0.0});
+  fields.number(
+      "contact.restitution", settings.restitution, between(0.0, 1.0),
+      "measured restitution, from which alpha follows; 1: contact.dissipation_s_m is alpha");
+  fields.standard("contact.restitution", {1.0});
   fields.number("contact.restitution_speed_m_s", settings.restitution_speed_m_s, positive(),
                 "impact speed at which the restitution was measured [m/s]");
   fields.standard("contact.restitution_speed_m_s", {0.1});
-  fields.only_where({"contact.restitution_speed_m_s"}, "contact.restitution is not 0",
-                    [&settings] { return settings.restitution > 0.0; });
+  fields.only_where({"contact.restitution_speed_m_s"}, "contact.restitution is below 1",
+                    [&settings] { return settings.restitution < 1.0; });
 }
 
 Law make_hunt_crossley(const HuntCrossleySettings& settings) {
   double dissipation_s_m = settings.dissipation_s_m;
-  if (settings.restitution > 0.0) {
+  if (settings.restitution == 0.0) {
+    throw WrongKey("contact.restitution",
+                   "must be above 0: no finite contact.dissipation_s_m has a restitution of 0");
+  }
+  if (settings.restitution < 1.0) {
     if (dissipation_s_m > 0.0) {
       throw WrongKey("contact.restitution", "give this or contact.dissipation_s_m, not both");
     }

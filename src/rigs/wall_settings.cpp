@@ -1,6 +1,7 @@
 #include <breakwater/rigs/wall_settings.h>
 
 #include <cmath>
+#include <limits>
 
 #include <breakwater/config/column_table.h>
 #include <breakwater/math/functions.h>
@@ -12,6 +13,7 @@ namespace {
 
 constexpr const char* kMotion = "wall.motion";
 constexpr double kLargestTilt_rad = 1.5;
+constexpr double kHeavy_kg = std::numeric_limits<double>::infinity();
 
 // The depth at which the law, without damping, has taken a mass' energy.
 double deepest_m(const ContactForceLaw& law, double energy_J) {
@@ -91,16 +93,15 @@ void WallSettings::check(const Config& config, const PhysicsSettings& physics) c
   law_.check(config);
   config.blame("wall.file", [&] { motion(); });
   if (motion_.kind != WallMotionKind::free) return;
+  // At the beginning of a contact with a body that is much heavier than the wall.
   check_stability(config, physics,
-                  {.stiffness_N_m = motion_.stiffness_N_m,
-                   .damping_Ns_m = motion_.damping_Ns_m,
-                   .mass_kg = motion_.mass_kg});
+                  with_wall(slopes_of(*make_law(), ContactState(), 0.0, 0.0, kHeavy_kg), motion_));
 }
 
 WallMotion WallSettings::motion() const {
   WallMotion motion = motion_;
   if (motion.kind != WallMotionKind::csv) return motion;
-  ColumnTable table = read_columns(file_, {{"time_s", "wall.file"}, {"position_m", "wall.file"}});
+  ColumnTable table = read_columns(file_, {{"time_s"}, {"position_m"}});
   if (table.rows() == 0) throw std::invalid_argument(file_ + ": has no rows");
   motion.times_s = std::move(table.columns[0]);
   motion.positions_m = std::move(table.columns[1]);
@@ -128,10 +129,16 @@ bool WallSettings::is_of_engine() const {
 void WallSettings::check_impact(const Config& config, const PhysicsSettings& physics,
                                 double mass_kg, double speed_m_s) const {
   const std::unique_ptr<ContactForceLaw> law = make_law();
-  const double depth_m = deepest_m(*law, 0.5 * mass_kg * speed_m_s * speed_m_s);
-  check_stability(config, physics, slopes_of(*law, ContactState(), depth_m, 0.0, mass_kg));
-  check_stability(config, physics,
-                  slopes_of(*law, ContactState(), 0.5 * depth_m, speed_m_s, mass_kg));
+  // A free wall that nothing holds takes a part of the energy.
+  const bool is_held = motion_.stiffness_N_m + motion_.damping_Ns_m > 0.0;
+  const double struck_kg = is_held ? mass_kg : with_wall({.mass_kg = mass_kg}, motion_).mass_kg;
+  const double depth_m = deepest_m(*law, 0.5 * struck_kg * speed_m_s * speed_m_s);
+  const auto check_at = [&](double penetration_m, double at_m_s) {
+    const ContactSlopes slopes = slopes_of(*law, ContactState(), penetration_m, at_m_s, mass_kg);
+    check_stability(config, physics, with_wall(slopes, motion_));
+  };
+  check_at(depth_m, 0.0);
+  check_at(0.5 * depth_m, speed_m_s);
 }
 
 void WallSettings::prepare(Model& model, const std::string& sphere, const std::string& wall,

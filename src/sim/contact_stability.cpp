@@ -4,6 +4,7 @@
 #include <cmath>
 #include <complex>
 #include <iomanip>
+#include <limits>
 #include <sstream>
 
 namespace breakwater {
@@ -45,6 +46,15 @@ ContactSlopes slopes_of(const ContactForceLaw& law, const ContactState& state, d
   return slopes;
 }
 
+ContactSlopes with_wall(ContactSlopes slopes, const WallMotion& wall) {
+  if (wall.kind != WallMotionKind::free) return slopes;
+  slopes.mass_kg = 1.0 / (1.0 / slopes.mass_kg + 1.0 / wall.mass_kg);
+  const double part = slopes.mass_kg / wall.mass_kg;
+  slopes.stiffness_N_m += part * wall.stiffness_N_m;
+  slopes.damping_Ns_m += part * wall.damping_Ns_m;
+  return slopes;
+}
+
 bool is_stable(Integrator integrator, double timestep_s, const ContactSlopes& slopes) {
   if (timestep_s * slopes.relaxation_1_s >= kFirstOrderLimit) return false;
   const double w = timestep_s * timestep_s * slopes.stiffness_N_m / slopes.mass_kg;
@@ -73,12 +83,13 @@ double longest_stable_timestep_s(Integrator integrator, const ContactSlopes& slo
 }
 
 std::string limit_in_words(Integrator integrator, double timestep_s, const ContactSlopes& slopes) {
+  const double parts = std::floor(timestep_s / longest_stable_timestep_s(integrator, slopes)) + 1.0;
   std::ostringstream text;
   text << std::setprecision(4) << "a stiffness of " << slopes.stiffness_N_m
        << " N/m and damping of " << slopes.damping_Ns_m << " N s/m with a mass of "
        << slopes.mass_kg << " kg are beyond the stability limit of the contact for a timestep of "
-       << timestep_s << " s; the longest stable physics.timestep_s is "
-       << longest_stable_timestep_s(integrator, slopes);
+       << timestep_s << " s; the longest stable physics.timestep_s that divides it is "
+       << std::setprecision(std::numeric_limits<double>::digits10) << timestep_s / parts;
   return text.str();
 }
 

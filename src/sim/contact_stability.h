@@ -5,6 +5,7 @@
 
 #include <breakwater/sim/model.h>
 #include <breakwater/world/contact_law.h>
+#include <breakwater/world/wall_motion.h>
 
 namespace breakwater {
 
@@ -20,6 +21,11 @@ struct ContactSlopes {
 ContactSlopes slopes_of(const ContactForceLaw& law, const ContactState& state, double penetration_m,
                         double speed_m_s, double mass_kg);
 
+/// The slopes of a contact with a wall that may be free. The mass is then that of both bodies,
+/// 1/(1/m + 1/M). The wall's own spring and damper are added with their part of this mass, so the
+/// limit is on the safe side.
+ContactSlopes with_wall(ContactSlopes slopes, const WallMotion& wall);
+
 /// Whether the integrator is stable on it with the timestep h. The relaxation needs
 /// h relaxation < 2. The motion needs, with
 /// - Euler and implicit, which take a force from outside at the step's beginning:
@@ -32,7 +38,8 @@ bool is_stable(Integrator integrator, double timestep_s, const ContactSlopes& sl
 double longest_stable_timestep_s(Integrator integrator, const ContactSlopes& slopes);
 
 /// Says why an unstable timestep is refused: "a stiffness of 4e+09 N/m ... are beyond the stability
-/// limit ...; the longest stable physics.timestep_s is 3.1e-05".
+/// limit ...; the longest stable physics.timestep_s that divides it is 3.125e-05". The control
+/// period is a multiple of this timestep too.
 std::string limit_in_words(Integrator integrator, double timestep_s, const ContactSlopes& slopes);
 
 }  // namespace breakwater

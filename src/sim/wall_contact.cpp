@@ -176,10 +176,10 @@ ContactSlopes WallContact::slopes(const mjModel& model, const mjData& data, doub
   }
   // The engine's solver writes through a pointer to data that it does not change.
   mj_solveM(&model, const_cast<mjData*>(&data), recoil_.data(), along_.data(), 1);
-  double inverse_mass = motion_.kind == WallMotionKind::free ? 1.0 / motion_.mass_kg : 0.0;
+  double inverse_mass = 0.0;
   for (std::size_t i = 0; i < n; ++i) inverse_mass += along_[i] * recoil_[i];
 
-  return slopes_of(*law_, state_, penetration_m, speed_m_s, 1.0 / inverse_mass);
+  return with_wall(slopes_of(*law_, state_, penetration_m, speed_m_s, 1.0 / inverse_mass), motion_);
 }
 
 void WallContact::check_stability(double time_s, const mjModel& model, const mjData& data,

@@ -26,17 +26,31 @@ TEST(MeasuredImpact, FirstPulseIsThatOfAHalfSine) {
   const ImpactPulse pulse = first_pulse(half_sines(1e-5));
   const double cut_s = 0.02 / M_PI * std::asin(kContactShare);  // below the threshold
   EXPECT_NEAR(pulse.begin_s, 0.1 + cut_s, 1e-6);
-  EXPECT_NEAR(pulse.duration_s, 0.02 - 2.0 * cut_s, 1e-6);
+  EXPECT_NEAR(*pulse.duration_s, 0.02 - 2.0 * cut_s, 1e-6);
   EXPECT_NEAR(pulse.peak_N, 10.0, 1e-4);
   EXPECT_NEAR(pulse.impulse_Ns, 2.0 / M_PI * 10.0 * 0.02, 1e-4);
 }
 
-TEST(MeasuredImpact, RefusesAForceWithoutAWholeContact) {
+TEST(MeasuredImpact, InertiaBeforeTheContactIsNotPartOfIt) {
+  const Series force = half_sines(1e-5);
+  const ImpactPulse pulse = first_pulse(force, 0.15);
+  EXPECT_NEAR(pulse.begin_s, 0.2, 1e-3);
+  EXPECT_NEAR(pulse.peak_N, 4.0, 1e-4);
+  // The sensor reads inertia when the contact begins.
+  EXPECT_NEAR(first_pulse(force, 0.105).begin_s, 0.105, 1.1e-5);
+}
+
+TEST(MeasuredImpact, AContactThatDoesNotEndHasNoDuration) {
+  const ImpactPulse pulse = first_pulse({{0.0, 1.0, 2.0}, {0.0, 1.0, 1.0}});
+  EXPECT_FALSE(pulse.duration_s);
+  EXPECT_EQ(pulse.impulse_Ns, 1.5);
+}
+
+TEST(MeasuredImpact, RefusesAForceWithoutAContact) {
   const std::vector<std::pair<Series, std::string>> rows = {
-      {{}, "never positive"},
-      {{{0.0, 1.0}, {0.0, -1.0}}, "never positive"},
-      {{{0.0, 1.0}, {1.0, 0.0}}, "begins in contact"},
-      {{{0.0, 1.0}, {0.0, 1.0}}, "does not end"}};
+      {{}, "no samples"},
+      {{{0.0, 1.0}, {0.0, -1.0}}, "never positive from 0 to 1 s"},
+      {{{0.0, 1.0}, {1.0, 0.0}}, "begins in contact"}};
   for (const auto& [series, words] : rows) {
     EXPECT_TRUE(has(complaint_of([&] { first_pulse(series); }), words));
   }
@@ -73,6 +87,21 @@ TEST_F(MeasuredImpacts, AreComparedWithARunAlignedAtTheFirstContact) {
   EXPECT_TRUE(has(read("measured.html"), "measured", "RMSE", "lab.csv"));
 }
 
+TEST_F(MeasuredImpacts, AreComparedUpToTheirEndIfTheSimulatedContactDoesNotEnd) {
+  ran("impact_test --case standard_linear_solid --set run.duration_s=0.06 impact.push_N=200 "
+      "contact.stiffness_N_m=1e3 --out run");
+  write("lab.csv", "time_s,force_N\n0,0\n0.001,5\n0.01,5\n0.011,0\n0.02,0\n");
+  const auto json =
+      nlohmann::json::parse(ran("breakwater compare run --measured lab.csv --json").out);
+  EXPECT_TRUE(json["simulated"]["duration_s"].is_null());
+  EXPECT_NEAR(json["measured"]["duration_s"], 0.011, 1e-3);
+  // The simulated impulse is that of 20 ms.
+  const Series force = SavedRun(folder_ / "run").signal("physics/force_sensor_N");
+  const double whole_Ns = first_pulse(force).impulse_Ns;
+  EXPECT_GT(json["simulated"]["impulse_Ns"], 0.0);
+  EXPECT_LT(json["simulated"]["impulse_Ns"], 0.9 * whole_Ns);
+}
+
 TEST_F(MeasuredImpacts, OfTheExampleFileIsRead) {
   const Series example = read_measured_force(testing::source_file("data/impacts/rubber-ball.csv"));
   const ImpactPulse pulse = first_pulse(example);
@@ -91,7 +120,14 @@ TEST_F(MeasuredImpacts, RefuseWhatIsNoImpact) {
        {"--measured falling.csv", "falling.csv:3: time_s must rise"},
        {"--measured falling.csv --signal physics/force_N",
         "run: the log has no signal physics/force_N: say with --signal which one is the force"},
-       {"--measured other.csv", "other.csv:1: …"}});
+       {"--measured other.csv",
+        "other.csv:1: there is no column time_s: the first line has t, F; rename one of them"}});
+  for (const char* option :
+       {"--metric m", "--from 0", "--to 1", "--csv", "--latex", "--svg", "--pdf"}) {
+    const auto refused = run("breakwater compare run --measured other.csv " + std::string(option));
+    EXPECT_EQ(refused.status, 2) << option;
+    EXPECT_TRUE(has(refused.err, "--measured", "excludes")) << option;
+  }
 }
 
 }  // namespace
