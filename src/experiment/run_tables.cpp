@@ -77,7 +77,11 @@ std::string metrics_table(const std::string& scenario, const RunSummary& run,
     table.add(row);
   }
   std::string text = table.print(std::numeric_limits<std::size_t>::max());
-  if (run.metrics.empty()) text = "no metric applies to so short a run\n";
+  if (run.metrics.empty()) {
+    text =
+        "no metric applies: the run is too short, or there was nothing to measure, such as a "
+        "contact\n";
+  }
   if (is_changed(catalogue, scenario, run)) text = kChanged + text;
   return with_legend(catalogue, text);
 }

@@ -135,8 +135,12 @@ ImpactComparison::ImpactComparison(const SavedRun& run, const std::string& signa
   const Series simulated = run.signal(signal);
   const Series measured = read_measured_force(file);
   const std::optional<double> contact = contact_s(run);
+  const bool is_fine = signal.starts_with("physics/");
+  const std::string whose =
+      run_ + ": " + signal +
+      (is_fine ? " (logged from record.fine_from_s to record.fine_to_s)" : "");
   measured_pulse_ = pulse_of(measured, file);
-  simulated_pulse_ = pulse_of(simulated, run_ + ": " + signal, contact);
+  simulated_pulse_ = pulse_of(simulated, whose, contact);
   if (simulated_pulse_.duration_s && measured_pulse_.duration_s) {
     window_s_ = std::max(*simulated_pulse_.duration_s, *measured_pulse_.duration_s);
   } else {
@@ -144,7 +148,7 @@ ImpactComparison::ImpactComparison(const SavedRun& run, const std::string& signa
                          simulated.times_s.back() - simulated_pulse_.begin_s);
     if (!simulated_pulse_.duration_s) {
       const Series beside = until(simulated, simulated_pulse_.begin_s + window_s_);
-      simulated_pulse_ = pulse_of(beside, run_ + ": " + signal, contact);
+      simulated_pulse_ = pulse_of(beside, whose, contact);
     }
   }
   simulated_ = since(simulated, simulated_pulse_.begin_s);

@@ -114,6 +114,11 @@ TEST_F(MeasuredImpacts, RefuseWhatIsNoImpact) {
   ran("impact_test --case hertz --set run.duration_s=0.06 --out run");
   write("falling.csv", "time_s,force_N\n1,0\n0,1\n");
   write("other.csv", "t,F\n0,0\n");
+  ran("impact_test --case hertz --set impact.distance_m=10 run.duration_s=0.06 --out apart");
+  expect_refused(
+      "breakwater compare apart --measured " + testing::source_file("data/impacts/rubber-ball.csv"),
+      "apart: physics/force_sensor_N (logged from record.fine_from_s to "
+      "record.fine_to_s): the force is never positive from …");
   expect_refusals(
       "breakwater compare run ",
       {{"run --measured falling.csv", "--measured: give one run, and at most one --signal"},
