@@ -9,7 +9,7 @@ namespace breakwater {
 namespace {
 
 StateSpace observable(const StateSpace& continuous_plant, double period_s) {
-  const StateSpace extended = extend_by_input_disturbance(continuous_plant);
+  StateSpace extended = extend_by_input_disturbance(continuous_plant);
   const Eigen::MatrixXd A = zero_order_hold(extended, period_s).A;
   const Eigen::Index rank = observability_rank(A, extended.C);
   if (rank == extended.states()) return extended;

@@ -67,7 +67,7 @@ std::optional<PointResult> read_head(Parts& parts) {
   PointResult result;
   if (!read_number(parts.next(), result.number)) return std::nullopt;
   result.key = parts.next();
-  const auto status = std::find(statuses().begin(), statuses().end(), parts.next());
+  const auto* const status = std::find(statuses().begin(), statuses().end(), parts.next());
   if (status == statuses().end()) return std::nullopt;
   result.status = static_cast<PointStatus>(status - statuses().begin());
   result.state_hash = parts.next();
