@@ -38,6 +38,12 @@ std::size_t end_of_cell(std::string_view line, std::size_t from, char separator)
   return std::string_view::npos;
 }
 
+// Throws std::invalid_argument `FILE:LINE: reason`.
+[[noreturn]] void fail_at_line(const std::string& file, std::size_t line,
+                               const std::string& reason) {
+  throw std::invalid_argument(fmt::format("{}:{}: {}", file, line, reason));
+}
+
 void split(std::string_view line, char separator, std::vector<std::string_view>& cells) {
   cells.clear();
   line = separator == '\t' ? line : trimmed(line);
@@ -139,8 +145,11 @@ std::size_t place_of(const WantedColumn& column, const Reader& reader) {
 
 }  // namespace
 
-void fail_at_line(const std::string& file, std::size_t line, const std::string& reason) {
-  throw std::invalid_argument(fmt::format("{}:{}: {}", file, line, reason));
+void check_rising(const std::string& file, const ColumnTable& table,
+                  const std::vector<double>& times, const std::string& reason) {
+  for (std::size_t i = 1; i < table.rows(); ++i) {
+    if (!(times[i] > times[i - 1])) fail_at_line(file, table.lines[i], reason);
+  }
 }
 
 ColumnTable read_columns(const std::string& file, const std::vector<WantedColumn>& wanted) {

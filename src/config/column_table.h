@@ -30,8 +30,9 @@ struct WantedColumn {
 /// double, or a row has another length or a wrong number.
 ColumnTable read_columns(const std::string& file, const std::vector<WantedColumn>& wanted);
 
-/// Throws std::invalid_argument `FILE:LINE: reason`.
-[[noreturn]] void fail_at_line(const std::string& file, std::size_t line,
-                               const std::string& reason);
+/// Throws std::invalid_argument `FILE:LINE: reason` for the first row whose time is not later than
+/// that of the row before. `times` has one value for each row of the table, in any unit.
+void check_rising(const std::string& file, const ColumnTable& table,
+                  const std::vector<double>& times, const std::string& reason);
 
 }  // namespace breakwater

@@ -345,7 +345,7 @@ std::vector<std::string> Comparison::findings(const std::vector<ShownMetric>& ke
     if (here.size() != runs_.size()) continue;
     std::sort(here.begin(), here.end());
     std::sort(there.begin(), there.end());
-    const std::string unit = key.metric.unit == "1" ? "" : " " + key.metric.unit;
+    const std::string unit = unit_after(key.metric.unit);
     if (sentences.size() < kMostFindings && here.front().first != here.back().first) {
       const auto one = [&](const auto& entry) {
         return fmt::format("{} ({}{})", labels_[entry.second], format_number(entry.first), unit);

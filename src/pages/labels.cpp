@@ -37,6 +37,10 @@ std::string joined(const std::vector<std::string>& words) {
   return fmt::format("{}", fmt::join(words, " "));
 }
 
+std::string with_unit(const std::string& label, const std::string& unit) {
+  return unit.empty() || unit == "1" ? label : fmt::format("{} [{}]", label, unit);
+}
+
 struct Split {
   std::vector<std::string> quantity, roles;
 };
@@ -77,15 +81,18 @@ std::string metric_label(const std::string& metric, const std::string& unit) {
 }
 
 std::string metric_label_with_unit(const std::string& metric, const std::string& unit) {
-  const std::string label = metric_label(metric, unit);
-  return unit.empty() || unit == "1" ? label : fmt::format("{} [{}]", label, unit);
+  return with_unit(metric_label(metric, unit), unit);
+}
+
+std::string unit_after(const std::string& unit) {
+  return unit.empty() || unit == "1" ? "" : " " + unit;
 }
 
 std::string key_label_with_unit(const std::string& key, const std::string& unit) {
   std::string label = without_unit(key, unit);
   std::replace_if(
       label.begin(), label.end(), [](char c) { return c == '.' || c == '_'; }, ' ');
-  return unit.empty() || unit == "1" ? label : fmt::format("{} [{}]", label, unit);
+  return with_unit(label, unit);
 }
 
 std::string quantity_of(const LogEntry& entry) {

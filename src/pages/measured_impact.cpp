@@ -117,11 +117,7 @@ ImpactPulse first_pulse(const Series& force, const std::optional<double>& contac
 
 Series read_measured_force(const std::string& file) {
   ColumnTable table = read_columns(file, {{"time_s"}, {"force_N"}});
-  for (std::size_t i = 1; i < table.rows(); ++i) {
-    if (!(table.columns[0][i] > table.columns[0][i - 1])) {
-      fail_at_line(file, table.lines[i], "time_s must rise");
-    }
-  }
+  check_rising(file, table, table.columns[0], "time_s must rise");
   return {std::move(table.columns[0]), std::move(table.columns[1])};
 }
 

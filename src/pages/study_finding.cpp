@@ -25,13 +25,9 @@ std::string number_text(double value) {
   return (value < 0.0 ? "−" : "") + format_number(std::abs(value));
 }
 
-std::string unit_text(const std::string& unit) {
-  return unit == "1" || unit.empty() ? "" : " " + unit;
-}
-
 // "(median 8 N)".
 std::string median_text(double value, const std::string& unit) {
-  return fmt::format("(median {}{})", number_text(value), unit_text(unit));
+  return fmt::format("(median {}{})", number_text(value), unit_after(unit));
 }
 
 // "by −1.5 N (median over 12 blocks; 95 % confidence interval −2 to −1 N)". Only the first of a
@@ -39,7 +35,7 @@ std::string median_text(double value, const std::string& unit) {
 std::string difference(const MetricComparison& one, const std::string& unit, bool is_first) {
   const double by = one.difference.value;
   std::string text =
-      fmt::format("by {}{}{}", by > 0.0 ? "+" : "", number_text(by), unit_text(unit));
+      fmt::format("by {}{}{}", by > 0.0 ? "+" : "", number_text(by), unit_after(unit));
   if (one.difference.interval) {
     const std::string low = number_text(one.difference.interval->lower);
     const std::string high = number_text(one.difference.interval->upper);
@@ -50,7 +46,7 @@ std::string difference(const MetricComparison& one, const std::string& unit, boo
             : fmt::format(
                   " ({}{} {} to {}{})",
                   is_first ? fmt::format("median over {}; ", number_of(one.blocks, "block")) : "",
-                  is_first ? "95 % confidence interval" : "95 %:", low, high, unit_text(unit));
+                  is_first ? "95 % confidence interval" : "95 %:", low, high, unit_after(unit));
   }
   if (one.verdict == ComparisonVerdict::better || one.verdict == ComparisonVerdict::worse) {
     text += ", which is " + name_of(one.verdict);

@@ -200,7 +200,7 @@ std::string in_words(const Tuning& tuning, const TuningResult& result, const Cho
     const GatheredValue& value = shown.objectives[i];
     const std::string unit = unit_of(metric);
     std::string text = fmt::format("{} {}{}", metric_label(metric, unit), short_text(value.value),
-                                   unit == "1" ? "" : " " + unit);
+                                   unit_after(unit));
     if (value.interval) {
       text += fmt::format(" (95 %: {} to {})", short_text(value.interval->lower),
                           short_text(value.interval->upper));

@@ -20,11 +20,8 @@ RecordedAxis read_recorded_axis(const std::string& file, const RecordFormat& for
   RecordedAxis axis{scaled(table.columns[0], format.time_scale),
                     scaled(table.columns[1], format.input_scale),
                     scaled(table.columns[2], format.position_scale)};
-  for (std::size_t k = 1; k < table.rows(); ++k) {
-    if (axis.times_s[k] > axis.times_s[k - 1]) continue;
-    fail_at_line(file, table.lines[k],
-                 format.time_column + ": must be later than in the row before");
-  }
+  check_rising(file, table, axis.times_s,
+               format.time_column + ": must be later than in the row before");
   if (table.rows() < 2) throw std::invalid_argument(file + ": has fewer than two rows");
   return axis;
 }

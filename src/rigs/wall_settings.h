@@ -18,9 +18,10 @@ class WallSettings {
 
   void bind_wall(Fields& fields);
   void bind_law(Fields& fields) { law_.bind(fields); }
-  /// Throws std::invalid_argument `ORIGIN: KEY: reason` if there is no such law or motion. A free
-  /// wall must also be stable with the timestep.
-  void check(const Config& config, const PhysicsSettings& physics) const;
+  /// Reads the table of the motion, which the functions below need. Throws std::invalid_argument
+  /// `ORIGIN: KEY: reason` if there is no such law or motion. A free wall must also be stable with
+  /// the timestep.
+  void check(const Config& config, const PhysicsSettings& physics);
   /// Refuses a timestep at which an impact of a mass would not be stable, blaming
   /// physics.timestep_s. Throws std::invalid_argument.
   void check_impact(const Config& config, const PhysicsSettings& physics, double mass_kg,
@@ -39,12 +40,12 @@ class WallSettings {
 
  private:
   std::unique_ptr<ContactForceLaw> make_law() const;
-  WallMotion motion() const;
+  void read_motion();
 
   PartChoice<ContactLawKind> law_;
   double angle_rad_ = 0.0;
-  WallMotion motion_;  // without the table
-  std::string file_;   // the table
+  WallMotion motion_;
+  std::string file_;  // the table of the motion
 };
 
 }  // namespace breakwater

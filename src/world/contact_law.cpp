@@ -2,16 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 
 #include <breakwater/math/functions.h>
+#include <breakwater/world/refuse_unless.h>
 
 namespace breakwater {
 namespace {
-
-void need(bool holds, const char* what) {
-  if (!holds) throw std::invalid_argument(what);
-}
 
 bool is_positive(double value) {
   return std::isfinite(value) && value > 0.0;
@@ -25,15 +21,15 @@ bool is_not_negative(double value) {
 
 KelvinVoigt::KelvinVoigt(double stiffness_N_m, double damping_Ns_m, By by)
     : stiffness_N_m_(stiffness_N_m), damping_Ns_m_(damping_Ns_m), by_(by) {
-  need(is_positive(stiffness_N_m) && is_not_negative(damping_Ns_m),
-       "Kelvin-Voigt: needs a stiffness > 0 and a damping >= 0");
+  refuse_unless(is_positive(stiffness_N_m) && is_not_negative(damping_Ns_m),
+                "Kelvin-Voigt: needs a stiffness > 0 and a damping >= 0");
 }
 
 HuntCrossley::HuntCrossley(double stiffness_N_mn, double exponent, double dissipation_s_m)
     : stiffness_(stiffness_N_mn), exponent_(exponent), dissipation_(dissipation_s_m) {
-  need(is_positive(stiffness_N_mn) && std::isfinite(exponent) && exponent >= 1.0 &&
-           is_not_negative(dissipation_s_m),
-       "Hunt-Crossley: needs a stiffness > 0, an exponent >= 1 and a dissipation >= 0");
+  refuse_unless(is_positive(stiffness_N_mn) && std::isfinite(exponent) && exponent >= 1.0 &&
+                    is_not_negative(dissipation_s_m),
+                "Hunt-Crossley: needs a stiffness > 0, an exponent >= 1 and a dissipation >= 0");
 }
 
 double HuntCrossley::force(double penetration_m, double speed_m_s, ContactState&) const {
@@ -41,8 +37,9 @@ double HuntCrossley::force(double penetration_m, double speed_m_s, ContactState&
 }
 
 double dissipation_of_restitution(double restitution, double speed_m_s) {
-  need(restitution > 0.0 && restitution <= 1.0, "a restitution must be above 0 and at most 1");
-  need(is_positive(speed_m_s), "the speed of a restitution must be positive");
+  refuse_unless(restitution > 0.0 && restitution <= 1.0,
+                "a restitution must be above 0 and at most 1");
+  refuse_unless(is_positive(speed_m_s), "the speed of a restitution must be positive");
   // The left side minus the right one is positive for a small β, and negative near 1/e.
   double low = 0.0, high = 1.0 / restitution;
   for (int i = 0; i < 200; ++i) {
@@ -56,12 +53,13 @@ double dissipation_of_restitution(double restitution, double speed_m_s) {
 
 LayeredContact::LayeredContact(std::vector<Point> points, double dissipation_s_m)
     : points_(std::move(points)), dissipation_(dissipation_s_m) {
-  need(is_not_negative(dissipation_s_m), "a dissipation must not be negative");
-  need(!points_.empty(), "needs a point [depth_m, force_N]");
+  refuse_unless(is_not_negative(dissipation_s_m), "a dissipation must not be negative");
+  refuse_unless(!points_.empty(), "needs a point [depth_m, force_N]");
   points_.insert(points_.begin(), Point(0.0, 0.0));
   for (std::size_t i = 1; i < points_.size(); ++i) {
-    need(points_[i].first > points_[i - 1].first && points_[i].second > points_[i - 1].second,
-         "depths and forces must rise from 0");
+    refuse_unless(
+        points_[i].first > points_[i - 1].first && points_[i].second > points_[i - 1].second,
+        "depths and forces must rise from 0");
   }
 }
 
@@ -79,7 +77,7 @@ StandardLinearSolid::StandardLinearSolid(double stiffness_N_m, double maxwell_st
     : stiffness_N_m_(stiffness_N_m),
       maxwell_N_m_(maxwell_stiffness_N_m),
       relaxation_s_(relaxation_s) {
-  need(
+  refuse_unless(
       is_positive(stiffness_N_m) && is_positive(maxwell_stiffness_N_m) && is_positive(relaxation_s),
       "standard linear solid: needs two stiffnesses > 0 and a relaxation time > 0");
 }

@@ -2,16 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 
 #include <breakwater/math/functions.h>
+#include <breakwater/world/refuse_unless.h>
 
 namespace breakwater {
 namespace {
-
-void refuse_unless(bool holds, const char* what) {
-  if (!holds) throw std::invalid_argument(what);
-}
 
 // The whole number of steps in a time.
 std::int64_t steps_in(double time_s, double step_s) {
