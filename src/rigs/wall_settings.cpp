@@ -89,21 +89,24 @@ void WallSettings::bind_wall(Fields& fields) {
   });
 }
 
-void WallSettings::check(const Config& config, const PhysicsSettings& physics) {
+void WallSettings::check(const Config& config, const PhysicsSettings& physics) const {
   law_.check(config);
-  if (motion_.kind == WallMotionKind::csv) config.blame("wall.file", [&] { read_motion(); });
+  config.blame("wall.file", [&] { motion(); });
   if (motion_.kind != WallMotionKind::free) return;
   // At the beginning of a contact with a body that is much heavier than the wall.
   check_stability(config, physics,
                   with_wall(slopes_of(*make_law(), ContactState(), 0.0, 0.0, kHeavy_kg), motion_));
 }
 
-void WallSettings::read_motion() {
+WallMotion WallSettings::motion() const {
+  WallMotion motion = motion_;
+  if (motion.kind != WallMotionKind::csv) return motion;
   ColumnTable table = read_columns(file_, {{"time_s"}, {"position_m"}});
   if (table.rows() == 0) throw std::invalid_argument(file_ + ": has no rows");
   check_rising(file_, table, table.columns[0], "time_s must rise");
-  motion_.times_s = std::move(table.columns[0]);
-  motion_.positions_m = std::move(table.columns[1]);
+  motion.times_s = std::move(table.columns[0]);
+  motion.positions_m = std::move(table.columns[1]);
+  return motion;
 }
 
 std::unique_ptr<ContactForceLaw> WallSettings::make_law() const {
@@ -148,12 +151,12 @@ void WallSettings::prepare(Model& model, const std::string& sphere, const std::s
 void WallSettings::animate(Model& model, const std::string& wall, double x_m, double time_s) const {
   if (motion_.kind == WallMotionKind::fixed || motion_.kind == WallMotionKind::free) return;
   // Along x: the plane is the same as if it moved along its normal.
-  place_wall(model, wall, x_m + motion_.at(time_s).position_m / math::cos(angle_rad_));
+  place_wall(model, wall, x_m + motion().at(time_s).position_m / math::cos(angle_rad_));
 }
 
 std::unique_ptr<WallContact> WallSettings::make(const Model& model, const std::string& sphere,
                                                 const std::string& wall) const {
-  return std::make_unique<WallContact>(model, sphere, wall, make_law(), motion_);
+  return std::make_unique<WallContact>(model, sphere, wall, make_law(), motion());
 }
 
 }  // namespace breakwater

@@ -18,10 +18,9 @@ class WallSettings {
 
   void bind_wall(Fields& fields);
   void bind_law(Fields& fields) { law_.bind(fields); }
-  /// Reads the table of the motion, which the functions below need. Throws std::invalid_argument
-  /// `ORIGIN: KEY: reason` if there is no such law or motion. A free wall must also be stable with
-  /// the timestep.
-  void check(const Config& config, const PhysicsSettings& physics);
+  /// Throws std::invalid_argument `ORIGIN: KEY: reason` if there is no such law or motion. A free
+  /// wall must also be stable with the timestep.
+  void check(const Config& config, const PhysicsSettings& physics) const;
   /// Refuses a timestep at which an impact of a mass would not be stable, blaming
   /// physics.timestep_s. Throws std::invalid_argument.
   void check_impact(const Config& config, const PhysicsSettings& physics, double mass_kg,
@@ -40,12 +39,12 @@ class WallSettings {
 
  private:
   std::unique_ptr<ContactForceLaw> make_law() const;
-  void read_motion();
+  WallMotion motion() const;
 
   PartChoice<ContactLawKind> law_;
   double angle_rad_ = 0.0;
-  WallMotion motion_;
-  std::string file_;  // the table of the motion
+  WallMotion motion_;  // without the table
+  std::string file_;   // the table
 };
 
 }  // namespace breakwater
