@@ -6,9 +6,11 @@
 #include <breakwater/linear/observability.h>
 
 namespace breakwater {
+namespace {
 
-ExtendedPlant extend_by_disturbance_model(const StateSpace& sampled_plant, int order,
-                                          double period_s) {
+// `E` (n×m) is sampled too.
+ExtendedPlant extend(const StateSpace& sampled_plant, const Eigen::MatrixXd& E, int order,
+                     double period_s) {
   check(sampled_plant);
   if (order < 0 || order > 2) {
     throw std::invalid_argument("disturbance model: the order must be 0, 1 or 2");
@@ -23,7 +25,7 @@ ExtendedPlant extend_by_disturbance_model(const StateSpace& sampled_plant, int o
   StateSpace extended{Eigen::MatrixXd::Identity(size, size), Eigen::MatrixXd::Zero(size, m),
                       Eigen::MatrixXd::Zero(p, size)};
   extended.A.topLeftCorner(n, n) = sampled_plant.A;
-  extended.A.block(0, n, n, m) = -sampled_plant.B;
+  extended.A.block(0, n, n, m) = -E;
   for (int derivative = 0; derivative < order; ++derivative) {
     extended.A.block(n + m * derivative, n + m * (derivative + 1), m, m)
         .diagonal()
@@ -40,12 +42,29 @@ ExtendedPlant extend_by_disturbance_model(const StateSpace& sampled_plant, int o
   return {extended, n, order, period_s};
 }
 
+}  // namespace
+
+ExtendedPlant extend_by_disturbance_model(const StateSpace& sampled_plant, int order,
+                                          double period_s) {
+  return extend(sampled_plant, sampled_plant.B, order, period_s);
+}
+
 ExtendedPlant sample_with_disturbance_model(const StateSpace& continuous_plant, int order,
                                             double period_s) {
   ExtendedPlant plant =
       extend_by_disturbance_model(zero_order_hold(continuous_plant, period_s), order, period_s);
   plant.continuous = continuous_plant;
   return plant;
+}
+
+ExtendedPlant sample_with_disturbance_model(const StateSpace& continuous_plant,
+                                            const Eigen::MatrixXd& E, int order, double period_s) {
+  if (E.rows() != continuous_plant.states() || E.cols() != continuous_plant.inputs()) {
+    throw std::invalid_argument("disturbance model: E must have the shape of B");
+  }
+  const StateSpace disturbed{continuous_plant.A, E, continuous_plant.C};
+  return extend(zero_order_hold(continuous_plant, period_s), zero_order_hold(disturbed, period_s).B,
+                order, period_s);
 }
 
 }  // namespace breakwater

@@ -1,5 +1,6 @@
 #include <breakwater/observers/multiple_model_estimator.h>
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -29,7 +30,15 @@ constexpr double kSmallestOutside = 1e-300;
 constexpr double kSmallestFall = 1e-12;  // smallest relative fall of a variance
 constexpr double kChances_per_s = 0.5;   // how often each model restarts
 constexpr double kForgotten = 6.0;       // margin of a log-weight below that of a restart
+constexpr double kAtRest = 1e-9;         // largest rate of a plant at rest, relative to A
 constexpr double kCounts = 3.0;          // models within this log-weight of the best form the mean
+
+// ẋ = A x + E d.
+StateSpace disturbed(const MultipleModelDesign& design) {
+  StateSpace plant = design.plant;
+  if (design.E.size() > 0) plant.B = design.E;
+  return plant;
+}
 
 double log_density(double e, double S) {
   return -0.5 * (e * e / S + math::log(S)) - math::kLogRootTwoPi;
@@ -47,19 +56,21 @@ double mean_positive(double mean, double std) {
 // Updates the states by new knowledge of z = x̄_i + noise, z ~ N(ẑ, S). The mean of z moves by
 // `shift`, and S falls by the fraction `fall`. This equals a Kalman update with R = S/fall − P_ii,
 // in Joseph's form.
-void correct(MultipleModelEstimator::Model& model, int i, double S, double shift, double fall) {
-  const Eigen::Vector4d cross = model.P.col(i);
+template <typename Model>
+void correct(Model& model, int i, double S, double shift, double fall) {
+  const auto cross = model.P.col(i).eval();
   model.x += cross * (shift / S);
   if (!(fall > kSmallestFall)) return;
   const double R = S / fall - cross(i);
-  const Eigen::Vector4d K = cross * (fall / S);
-  const Eigen::Matrix4d M = model.P - K * cross.transpose();
-  const Eigen::Matrix4d P = M + (K * R - M.col(i)) * K.transpose();
+  const auto K = (cross * (fall / S)).eval();
+  const auto M = (model.P - K * cross.transpose()).eval();
+  const auto P = (M + (K * R - M.col(i)) * K.transpose()).eval();
   model.P = 0.5 * (P + P.transpose());
 }
 
 // Rounding can make P indefinite: d and θ are hardly distinguishable while the input is constant.
-bool is_degenerate(const MultipleModelEstimator::Model& model) {
+template <typename Model>
+bool is_degenerate(const Model& model) {
   return !std::isfinite(model.log_weight) || !model.x.allFinite() || !model.P.allFinite() ||
          !(model.P.diagonal().minCoeff() >= 0.0);
 }
@@ -67,23 +78,37 @@ bool is_degenerate(const MultipleModelEstimator::Model& model) {
 }  // namespace
 
 // The content of one sample.
-struct MultipleModelEstimator::Observation {
+template <int n>
+struct MultipleModelBank<n>::Observation {
   double y;
   CodeRange range;
   double moved;  // counts since the last sample; NaN: unknown code
 };
 
-MultipleModelEstimator::MultipleModelEstimator(const MultipleModelDesign& design)
-    : period_s_(design.period_s), hold_(design.plant), piece_s_(design.period_s) {
+template <int n>
+MultipleModelBank<n>::MultipleModelBank(const MultipleModelDesign& design)
+    : period_s_(design.period_s),
+      hold_(design.plant),
+      disturbed_hold_(disturbed(design)),
+      piece_s_(design.period_s) {
   check(design.plant);
   check(design.sensor, 1);
   const StateSpace& plant = design.plant;
-  const bool is_axis = plant.states() == 2 && plant.inputs() == 1 && plant.outputs() == 1 &&
-                       plant.A.col(0).isZero(0.0) && plant.A(0, 1) == 1.0 && plant.B(0, 0) == 0.0 &&
-                       plant.B(1, 0) > 0.0 && plant.C(0, 0) == 1.0 && plant.C(0, 1) == 0.0;
-  if (!is_axis) {
+  const StateSpace by_d = disturbed(design);
+  const bool is_axis = plant.states() == n && plant.inputs() == 1 && plant.outputs() == 1 &&
+                       plant.A.row(0) == Eigen::RowVectorXd::Unit(n, 1) && plant.B(0, 0) == 0.0 &&
+                       (n > 2 || plant.B(1, 0) > 0.0) && by_d.B(0, 0) == 0.0 &&
+                       plant.C == Eigen::RowVectorXd::Unit(n, 0);
+  if (is_axis) {
+    at_rest_.setUnit(0);
+    if constexpr (n > 2) {
+      at_rest_.template tail<n - 1>() =
+          -plant.A.rightCols(n - 1).colPivHouseholderQr().solve(plant.A.col(0));
+    }
+  }
+  if (!is_axis || !((plant.A * at_rest_).norm() <= kAtRest * plant.A.norm())) {
     throw std::invalid_argument(
-        "QBANK: needs a plant of one axis, [position; velocity], with measured position");
+        "QBANK: needs a plant of one axis, [position; velocity] first, with measured position");
   }
   if (!(design.largest_d > 0.0) || !std::isfinite(design.largest_d)) {
     throw std::invalid_argument("QBANK: the largest disturbance must be positive");
@@ -91,6 +116,7 @@ MultipleModelEstimator::MultipleModelEstimator(const MultipleModelDesign& design
   const StateSpace sampled = zero_order_hold(plant, period_s_);
   regular_A_ = A_ = sampled.A;
   regular_B_ = B_ = sampled.B;
+  regular_E_ = E_ = n > 2 ? zero_order_hold(by_d, period_s_).B : sampled.B;
   quantum_ = design.sensor.quantum(0);
   rounding_ = design.sensor.rounding;
   const double sigma = design.sensor.noise_std(0);
@@ -99,7 +125,7 @@ MultipleModelEstimator::MultipleModelEstimator(const MultipleModelDesign& design
   set_noise(0.0);
   chance_ = std::max(math::log(1.0 / (kChances_per_s * period_s_)), 0.0);
 
-  const double J = 1.0 / plant.B(1, 0);
+  const double J = design.inertia > 0.0 ? design.inertia : 1.0 / plant.B(1, 0);
   const double rho = std::sqrt(prior_variance_);
   const double fastest =
       std::min(math::pow(design.largest_d / (J * rho * std::sqrt(period_s_)), 0.4) / 1.5,
@@ -129,16 +155,18 @@ MultipleModelEstimator::MultipleModelEstimator(const MultipleModelDesign& design
               {"bank_best", "1", "number of the most probable model, from 0", view(best_number_)},
               {"bank_bandwidth_rad_s", "rad/s", "bandwidth of this model; 0: constant or inertia",
                view(best_bandwidth_)}};
-  start(Eigen::Vector2d::Zero());
+  start(PlantState::Zero());
 }
 
-void MultipleModelEstimator::reset(const Vector& x) {
+template <int n>
+void MultipleModelBank<n>::reset(const Vector& x) {
   follow({});
   set_noise(0.0);
-  start(x.head<2>());
+  start(x.head<n>());
 }
 
-bool MultipleModelEstimator::follow(const SampleInterval& interval) {
+template <int n>
+bool MultipleModelBank<n>::follow(const SampleInterval& interval) {
   const double length_s = interval.length_s > 0.0 ? interval.length_s : period_s_;
   instant_std_s_ = interval.instant_std_s;
   if (instant_std_s_ == 0.0) set_noise(0.0);
@@ -148,29 +176,36 @@ bool MultipleModelEstimator::follow(const SampleInterval& interval) {
   if (length_s == period_s_) {
     A_ = regular_A_;
     B_ = regular_B_;
+    E_ = regular_E_;
   } else {
     hold_.over(piece_s_);
     A_ = hold_.A();
-    B_ = hold_.B();
+    E_ = B_ = hold_.B();
+    if constexpr (n > 2) {
+      disturbed_hold_.over(piece_s_);
+      E_ = disturbed_hold_.B();
+    }
   }
   return true;
 }
 
-void MultipleModelEstimator::set_noise(double instant_error) {
+template <int n>
+void MultipleModelBank<n>::set_noise(double instant_error) {
   noise_variance_ = sensor_variance_ + instant_error * instant_error;
   code_is_known_ = quantum_ > 0.0 && noise_variance_ < kKnownCode * quantum_ * quantum_;
 }
 
-void MultipleModelEstimator::start(const Eigen::Vector2d& x) {
+template <int n>
+void MultipleModelBank<n>::start(const PlantState& x) {
   has_begun_ = has_output_ = false;
   last_input_ = 0.0;
   for (Model& model : models_) {
-    model.x << x(0), x(1), 0.0, 0.0;
-    model.P = prior_variance_ * Eigen::Matrix4d::Identity();
-    model.P(3, 3) = 0.0;
-    if (model.kind == Kind::inertia) model.P(3, 3) = kInertiaStd * kInertiaStd;
+    model.x << x, 0.0, 0.0;
+    model.P = prior_variance_ * Covariance::Identity();
+    model.P(kLast, kLast) = 0.0;
+    if (model.kind == Kind::inertia) model.P(kLast, kLast) = kInertiaStd * kInertiaStd;
     if (model.kind == Kind::ramp) {
-      model.P(3, 3) = model.bandwidth_rad_s * model.bandwidth_rad_s * prior_variance_;
+      model.P(kLast, kLast) = model.bandwidth_rad_s * model.bandwidth_rad_s * prior_variance_;
     }
     model.log_weight = 0.0;
     model.outside = 1.0;
@@ -180,7 +215,8 @@ void MultipleModelEstimator::start(const Eigen::Vector2d& x) {
   combine();
 }
 
-void MultipleModelEstimator::update(const Vector& held_input, const Vector& y) {
+template <int n>
+void MultipleModelBank<n>::update(const Vector& held_input, const Vector& y) {
   if (std::isfinite(held_input(0))) last_input_ = held_input(0);
   if (has_begun_) {
     for (Model& model : models_) predict(model, last_input_);
@@ -202,33 +238,36 @@ void MultipleModelEstimator::update(const Vector& held_input, const Vector& y) {
 }
 
 // x̄ ← F x̄ + [B u; 0; 0], P ← F P Fᵀ + Q.
-void MultipleModelEstimator::predict(Model& model, double u) const {
-  Eigen::Matrix4d F = Eigen::Matrix4d::Identity();
-  F.topLeftCorner<2, 2>() = A_;
-  F.block<2, 1>(0, 2) = -B_;
-  if (model.kind == Kind::inertia) F.block<2, 1>(0, 3) = B_ * u;
-  if (model.kind == Kind::ramp) F(2, 3) = piece_s_;
+template <int n>
+void MultipleModelBank<n>::predict(Model& model, double u) const {
+  Covariance F = Covariance::Identity();
+  F.template topLeftCorner<n, n>() = A_;
+  F.template block<n, 1>(0, kD) = -E_;
+  if (model.kind == Kind::inertia) F.template block<n, 1>(0, kLast) = B_ * u;
+  if (model.kind == Kind::ramp) F(kD, kLast) = piece_s_;
   const double step_variance = model.step_variance * (piece_s_ / period_s_);
   for (double piece = 0.0; piece < pieces_; piece += 1.0) {
     model.x = (F * model.x).eval();
-    model.x.head<2>() += B_ * u;
-    const Eigen::Matrix4d FP = F * model.P;
+    model.x.template head<n>() += B_ * u;
+    const Covariance FP = F * model.P;
     model.P.noalias() = FP * F.transpose();
-    if (model.kind == Kind::walk) model.P(2, 2) += step_variance;
-    if (model.kind == Kind::ramp) model.P(3, 3) += step_variance;
+    if (model.kind == Kind::walk) model.P(kD, kD) += step_variance;
+    if (model.kind == Kind::ramp) model.P(kLast, kLast) += step_variance;
     if (input_variance_ > 0.0) {
-      model.P.topLeftCorner<2, 2>() += input_variance_ * B_ * B_.transpose();
+      model.P.template topLeftCorner<n, n>() += input_variance_ * B_ * B_.transpose();
     }
   }
 }
 
 // Whether the code's interval is so narrow that the code counts as a number.
-bool MultipleModelEstimator::is_fine(const CodeRange& range, double S) const {
+template <int n>
+bool MultipleModelBank<n>::is_fine(const CodeRange& range, double S) const {
   return !code_is_known_ || range.width() < kFineQuantum * std::sqrt(S);
 }
 
 // Log-likelihood of the code y for the innovation e: the probability of the code's interval.
-double MultipleModelEstimator::log_likelihood(double e, double S, const CodeRange& range) const {
+template <int n>
+double MultipleModelBank<n>::log_likelihood(double e, double S, const CodeRange& range) const {
   const double width = range.width();
   if (is_fine(range, S)) {
     return log_density(e + range.middle(), S + width * width / 12.0) +
@@ -239,7 +278,8 @@ double MultipleModelEstimator::log_likelihood(double e, double S, const CodeRang
 }
 
 // Corrects one model. Returns the log-likelihood of the observation.
-double MultipleModelEstimator::observe(Model& model, const Observation& observed) const {
+template <int n>
+double MultipleModelBank<n>::observe(Model& model, const Observation& observed) const {
   const CodeRange& range = observed.range;
   double e = observed.y - model.x(0);
   double S = model.P(0, 0) + noise_variance_;
@@ -296,17 +336,19 @@ double MultipleModelEstimator::observe(Model& model, const Observation& observed
 }
 
 // Bounds 1 + θ by a pseudo-measurement. Returns its log-likelihood.
-double MultipleModelEstimator::keep_inertia(Model& model) {
+template <int n>
+double MultipleModelBank<n>::keep_inertia(Model& model) {
   if (model.kind != Kind::inertia) return 0.0;
-  const double gain = 1.0 + model.x(3);
+  const double gain = 1.0 + model.x(kLast);
   const double e = std::clamp(gain, kSmallestGain, kLargestGain) - gain;
   if (e == 0.0) return 0.0;
-  const double S = model.P(3, 3) + kGainVariance;
-  correct(model, 3, S, e, 1.0);
+  const double S = model.P(kLast, kLast) + kGainVariance;
+  correct(model, kLast, S, e, 1.0);
   return -0.5 * e * e / S;
 }
 
-void MultipleModelEstimator::weigh() {
+template <int n>
+void MultipleModelBank<n>::weigh() {
   double largest = -INFINITY;
   for (std::size_t i = 0; i < models_.size(); ++i) {
     Model& model = models_[i];
@@ -316,7 +358,7 @@ void MultipleModelEstimator::weigh() {
       best_ = i;
     }
   }
-  if (std::isinf(largest)) return start({last_output_, 0.0});
+  if (std::isinf(largest)) return start(last_output_ * at_rest_);
   for (Model& model : models_) {
     model.log_weight -= largest;
     if (model.log_weight < -(chance_ + kForgotten)) seed(model, models_[best_]);
@@ -324,29 +366,30 @@ void MultipleModelEstimator::weigh() {
 }
 
 // Restarts `model` from the estimate of `from`, as far as the states agree, with the weight −L₀.
-void MultipleModelEstimator::seed(Model& model, const Model& from) const {
+template <int n>
+void MultipleModelBank<n>::seed(Model& model, const Model& from) const {
   const Kind had = from.kind;
-  Eigen::Vector4d x = from.x;
-  Eigen::Matrix4d P = from.P;
+  State x = from.x;
+  Covariance P = from.P;
   const double u = last_input_;
   if (had != model.kind) {
     if (had == Kind::inertia) {
       // (1 + θ) u − d′ equals u − d for d = d′ − θ u.
-      Eigen::Matrix4d T = Eigen::Matrix4d::Identity();
-      T(2, 3) = -u;
+      Covariance T = Covariance::Identity();
+      T(kD, kLast) = -u;
       x = (T * x).eval();
       P = (T * P * T.transpose()).eval();
     }
-    x(3) = 0.0;
-    P.row(3).setZero();
-    P.col(3).setZero();
+    x(kLast) = 0.0;
+    P.row(kLast).setZero();
+    P.col(kLast).setZero();
     if (model.kind == Kind::inertia) {
       constexpr double variance = kInertiaStd * kInertiaStd;
-      P(3, 3) = variance;
-      P(2, 3) = P(3, 2) = variance * u;
-      P(2, 2) += variance * u * u;
+      P(kLast, kLast) = variance;
+      P(kD, kLast) = P(kLast, kD) = variance * u;
+      P(kD, kD) += variance * u * u;
     } else if (model.kind == Kind::ramp) {
-      P(3, 3) = model.bandwidth_rad_s * model.bandwidth_rad_s * P(2, 2);
+      P(kLast, kLast) = model.bandwidth_rad_s * model.bandwidth_rad_s * P(kD, kD);
     }
   }
   model.x = x;
@@ -355,7 +398,8 @@ void MultipleModelEstimator::seed(Model& model, const Model& from) const {
   model.log_weight = -chance_;
 }
 
-void MultipleModelEstimator::combine() {
+template <int n>
+void MultipleModelBank<n>::combine() {
   estimate_.setZero();
   shares_.setZero();
   double sum = 0.0;
@@ -365,15 +409,25 @@ void MultipleModelEstimator::combine() {
     shares_(static_cast<Eigen::Index>(i)) = share;
     if (model.log_weight <= -kCounts) continue;
     const double gain = model.kind == Kind::inertia
-                            ? std::clamp(1.0 + model.x(3), kSmallestGain, kLargestGain)
+                            ? std::clamp(1.0 + model.x(kLast), kSmallestGain, kLargestGain)
                             : 1.0;
-    estimate_ += share * Eigen::Vector3d(model.x(0), model.x(1), model.x(2) / gain);
+    auto values = model.x.template head<n + 1>().eval();
+    values(kD) /= gain;
+    estimate_ += share * values;
     sum += share;
   }
   estimate_ /= sum;
   shares_ /= shares_.sum();
   best_number_ = static_cast<double>(best_);
   best_bandwidth_ = models_[best_].bandwidth_rad_s;
+}
+
+template class MultipleModelBank<2>;
+template class MultipleModelBank<4>;
+
+std::unique_ptr<DisturbanceEstimator> sized_multiple_model(const MultipleModelDesign& design) {
+  if (design.plant.states() == 4) return std::make_unique<MultipleModelBank<4>>(design);
+  return std::make_unique<MultipleModelBank<2>>(design);
 }
 
 }  // namespace breakwater

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
 #include <vector>
 
 #include <breakwater/linear/variable_hold.h>
@@ -11,17 +12,22 @@
 namespace breakwater {
 
 struct MultipleModelDesign {
-  StateSpace plant;        ///< continuous, one axis: J q̈ = u − d − c q̇ with q measured
+  /// Continuous, one input and the measured position q as its first state, q̇ as its second. With
+  /// two states J q̈ = u − d − c q̇. With four states the other two belong to a second inertia.
+  StateSpace plant;
   double period_s = 0.0;   ///< T_s
   SensorError sensor;      ///< error of q; the noise is added to the code, not before rounding
   double largest_d = 0.0;  ///< D > 0, the largest disturbance; it bounds the bandwidths
+  Eigen::VectorXd E = {};  ///< ẋ = A x + B u − E d; empty: E = B
+  double inertia = 0.0;    ///< J, that of the whole plant at its measured position; 0: 1/B₂
 };
 
-/// Several Kalman filters on x̄ = [q, v, d, ·] with different disturbance models, weighed by their
-/// probabilities. With ρ² = Δ²/12 + σ² and the held input u:
+/// Several Kalman filters on x̄ = [x, d, ·], x = [q, v] or [q, v, q₂, v₂], with different
+/// disturbance models, weighed by their probabilities. With ρ² = Δ²/12 + σ² and the held input u:
 ///     constant: d(k+1) = d(k);
 ///     inertia:  d′ constant and the plant's inertia J/(1 + θ), θ ~ N(0, ¼²), so that
-///               q̈ = ((1 + θ) u − d′ − c q̇)/J and d̂ = d′/(1 + θ̂); 1 + θ̂ is bounded to [½, 2];
+///               q̈ = ((1 + θ) u − d′ − c q̇)/J and d̂ = d′/(1 + θ̂); 1 + θ̂ is bounded to [½, 2]
+///               (with four states 1 + θ divides both inertias and the stiffness);
 ///     walk:     d(k+1) = d(k) + N(0, w⁶ρ²T_sJ²T_s), with the bandwidth w;
 ///     ramp:     d(k+1) = d(k) + T_s ḋ(k), ḋ(k+1) = ḋ(k) + N(0, w⁸ρ²T_s²J²);
 /// The bandwidths are w = ½·3ⁱ [1/s] up to (D/(J ρ √T_s))^0.4/1.5, and at most 30/T_s.
@@ -34,31 +40,40 @@ struct MultipleModelDesign {
 /// docs/explanation/methods/multiple-model-estimator.md.
 ///
 /// If the output is not finite, the models only predict. Allocates nothing after construction.
-class MultipleModelEstimator final : public DisturbanceEstimator {
+///
+/// `n` is the number of the plant's states, 2 or 4.
+template <int n>
+class MultipleModelBank final : public DisturbanceEstimator {
  public:
+  using PlantState = Eigen::Matrix<double, n, 1>;
+  using PlantMatrix = Eigen::Matrix<double, n, n>;
+  using State = Eigen::Matrix<double, n + 2, 1>;
+  using Covariance = Eigen::Matrix<double, n + 2, n + 2>;
+
   enum class Kind { constant, inertia, walk, ramp };
 
   /// One Kalman filter with its disturbance model.
   struct Model {
     Kind kind = Kind::constant;
-    double bandwidth_rad_s = 0.0;                 ///< w; 0 for constant and inertia
-    double step_variance = 0.0;                   ///< process noise of the last state in one sample
-    Eigen::Vector4d x = Eigen::Vector4d::Zero();  ///< [q, v, d, θ or ḋ]
-    Eigen::Matrix4d P = Eigen::Matrix4d::Zero();
+    double bandwidth_rad_s = 0.0;  ///< w; 0 for constant and inertia
+    double step_variance = 0.0;    ///< process noise of the last state in one sample
+    State x = State::Zero();       ///< [q, v, d, θ or ḋ], [q, v, q₂, v₂, d, θ or ḋ]
+    Covariance P = Covariance::Zero();
     double log_weight = 0.0;
     double outside = 1.0;  ///< probability outside the code's interval after the last update
   };
 
-  /// Throws std::invalid_argument unless the plant has one axis with measured position, T_s and D
-  /// are positive, and the sensor's errors are not negative.
-  explicit MultipleModelEstimator(const MultipleModelDesign& design);
+  /// Throws std::invalid_argument unless the plant has n states, one axis with measured position
+  /// and can stand still everywhere, T_s and D are positive, and the sensor's errors are not
+  /// negative.
+  explicit MultipleModelBank(const MultipleModelDesign& design);
 
   void reset(const Vector& x) override;
   void update(const Vector& held_input, const Vector& y) override;
   bool follow(const SampleInterval& interval) override;
 
-  View state() const override { return {estimate_.data(), 2}; }
-  View disturbance() const override { return {estimate_.data() + 2, 1}; }
+  View state() const override { return {estimate_.data(), n}; }
+  View disturbance() const override { return {estimate_.data() + n, 1}; }
   /// The innovation of the best model, the probability of each model, and the number and bandwidth
   /// of the best model.
   std::span<const Signal> signals() const override { return signals_; }
@@ -68,8 +83,9 @@ class MultipleModelEstimator final : public DisturbanceEstimator {
 
  private:
   struct Observation;
+  static constexpr int kD = n, kLast = n + 1;  // indices in x̄
 
-  void start(const Eigen::Vector2d& x);
+  void start(const PlantState& x);
   void set_noise(double instant_error);
   void predict(Model& model, double u) const;
   double observe(Model& model, const Observation& observed) const;
@@ -82,10 +98,14 @@ class MultipleModelEstimator final : public DisturbanceEstimator {
 
   double period_s_;
   VariableHold hold_;
-  Eigen::Matrix2d A_;  // the sampled plant
-  Eigen::Vector2d B_;
-  Eigen::Matrix2d regular_A_;  // the sampled plant for T_s
-  Eigen::Vector2d regular_B_;
+  VariableHold disturbed_hold_;  // [A E]; unused for two states
+  PlantMatrix A_;                // the sampled plant
+  PlantState B_;
+  PlantState E_;
+  PlantMatrix regular_A_;  // the sampled plant for T_s
+  PlantState regular_B_;
+  PlantState regular_E_;
+  PlantState at_rest_;  // the state at rest at q = 1
   // The prediction of the last interval: number and length of its pieces, variance of the input in
   // each, and standard deviation of the measurement's time.
   double pieces_ = 1.0;
@@ -106,12 +126,17 @@ class MultipleModelEstimator final : public DisturbanceEstimator {
 
   std::vector<Model> models_;
   std::size_t best_ = 0;
-  Eigen::Vector3d estimate_ = Eigen::Vector3d::Zero();
+  Eigen::Matrix<double, n + 1, 1> estimate_ = Eigen::Matrix<double, n + 1, 1>::Zero();
   double innovation_ = 0.0;
   Eigen::VectorXd shares_;
   double best_number_ = 0.0;
   double best_bandwidth_ = 0.0;
   std::vector<Signal> signals_;
 };
+
+using MultipleModelEstimator = MultipleModelBank<2>;
+
+/// The bank of the plant's size. Throws as its class does.
+std::unique_ptr<DisturbanceEstimator> sized_multiple_model(const MultipleModelDesign& design);
 
 }  // namespace breakwater

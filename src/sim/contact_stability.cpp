@@ -82,14 +82,19 @@ double longest_stable_timestep_s(Integrator integrator, const ContactSlopes& slo
   return stable_s;
 }
 
+double dividing_timestep_s(Integrator integrator, double timestep_s, const ContactSlopes& slopes) {
+  return timestep_s /
+         (std::floor(timestep_s / longest_stable_timestep_s(integrator, slopes)) + 1.0);
+}
+
 std::string limit_in_words(Integrator integrator, double timestep_s, const ContactSlopes& slopes) {
-  const double parts = std::floor(timestep_s / longest_stable_timestep_s(integrator, slopes)) + 1.0;
   std::ostringstream text;
   text << std::setprecision(4) << "a stiffness of " << slopes.stiffness_N_m
        << " N/m and damping of " << slopes.damping_Ns_m << " N s/m with a mass of "
        << slopes.mass_kg << " kg are beyond the stability limit of the contact for a timestep of "
        << timestep_s << " s; the longest stable physics.timestep_s that divides it is "
-       << std::setprecision(std::numeric_limits<double>::digits10) << timestep_s / parts;
+       << std::setprecision(std::numeric_limits<double>::digits10)
+       << dividing_timestep_s(integrator, timestep_s, slopes);
   return text.str();
 }
 

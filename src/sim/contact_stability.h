@@ -37,6 +37,9 @@ bool is_stable(Integrator integrator, double timestep_s, const ContactSlopes& sl
 /// The longest stable timestep [s]; infinite if there is none.
 double longest_stable_timestep_s(Integrator integrator, const ContactSlopes& slopes);
 
+/// The longest stable timestep of which an unstable timestep is a multiple [s].
+double dividing_timestep_s(Integrator integrator, double timestep_s, const ContactSlopes& slopes);
+
 /// Says why an unstable timestep is refused: "a stiffness of 4e+09 N/m ... are beyond the stability
 /// limit ...; the longest stable physics.timestep_s that divides it is 3.125e-05". The control
 /// period is a multiple of this timestep too.

@@ -1,14 +1,15 @@
-// The interface of external forces on bodies.
+// The interface of external forces on bodies and joints.
 #pragma once
 
 #include <mujoco/mujoco.h>
 
 namespace breakwater {
 
-/// A force on bodies that depends on time and state. The engine's control callback calls it at
-/// every stage of the integrator, with current position and velocity quantities. It adds to
-/// data.xfrc_applied (force, torque in the world frame, at the body's centre of mass), which is
-/// zero at first. Must not throw, allocate or keep state.
+/// A force on bodies or joints that depends on time and state. The engine's control callback calls
+/// it at every stage of the integrator, with current position and velocity quantities. It adds to
+/// data.xfrc_applied (force, torque in the world frame, at the body's centre of mass) or to
+/// data.qfrc_applied (force along a joint), which are zero at first. Must not throw, allocate or
+/// keep state.
 class ExternalForce {
  public:
   ExternalForce() = default;

@@ -1,0 +1,113 @@
+#include <breakwater/sim/transmission.h>
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <stdexcept>
+#include <vector>
+
+#include <breakwater/math/functions.h>
+#include <breakwater/sim/contact_stability.h>
+
+namespace breakwater {
+namespace {
+
+int joint_of(const Model& model, const std::string& name) {
+  const int joint = model.id(mjOBJ_JOINT, name);
+  if (model->jnt_type[joint] != mjJNT_SLIDE && model->jnt_type[joint] != mjJNT_HINGE) {
+    throw std::invalid_argument(model.file() + ": transmission: joint \"" + name +
+                                "\" is neither a slide nor a hinge");
+  }
+  return joint;
+}
+
+void check(const TransmissionDesign& design) {
+  const auto not_negative = [](double x) { return x >= 0.0 && std::isfinite(x); };
+  if (!(design.stiffness > 0.0) || !std::isfinite(design.stiffness) ||
+      !not_negative(design.damping) || !not_negative(design.backlash) ||
+      !std::isfinite(design.ratio) || design.ratio == 0.0 ||
+      !std::isfinite(design.kinematic_error) || !std::isfinite(design.error_per_turn)) {
+    throw std::invalid_argument(
+        "transmission: needs a stiffness > 0, damping and backlash >= 0, and a ratio that is "
+        "not 0, all finite");
+  }
+}
+
+}  // namespace
+
+Transmission::Transmission(const Model& model, const std::string& motor, const std::string& load,
+                           const TransmissionDesign& design)
+    : design_(design) {
+  check(design);
+  const int motor_joint = joint_of(model, motor), load_joint = joint_of(model, load);
+  if (motor_joint == load_joint) {
+    throw std::invalid_argument("transmission: motor and load must be two joints");
+  }
+  motor_ = model->jnt_qposadr[motor_joint];
+  load_ = model->jnt_qposadr[load_joint];
+  motor_dof_ = model->jnt_dofadr[motor_joint];
+  load_dof_ = model->jnt_dofadr[load_joint];
+  check_stability(model);
+}
+
+void Transmission::check_stability(const Model& model) const {
+  const DataPointer data = model.make_data();
+  mj_resetData(model.get(), data.get());
+  mj_kinematics(model.get(), data.get());
+  mj_comPos(model.get(), data.get());
+  mj_crb(model.get(), data.get());
+  mj_factorM(model.get(), data.get());
+  const auto n = static_cast<std::size_t>(model->nv);
+  std::vector<double> along(n, 0.0), acceleration(n, 0.0);
+  along[static_cast<std::size_t>(motor_dof_)] =
+      std::abs(1.0 / design_.ratio) + std::abs(design_.kinematic_error * design_.error_per_turn);
+  along[static_cast<std::size_t>(load_dof_)] = -1.0;
+  mj_solveM(model.get(), data.get(), acceleration.data(), along.data(), 1);
+  double inverse_inertia = 0.0;
+  for (std::size_t i = 0; i < n; ++i) inverse_inertia += along[i] * acceleration[i];
+
+  const ContactSlopes slopes{.stiffness_N_m = design_.stiffness,
+                             .damping_Ns_m = design_.damping,
+                             .mass_kg = 1.0 / inverse_inertia};
+  const Integrator integrator =
+      model->opt.integrator == mjINT_RK4 ? Integrator::rk4 : Integrator::euler;
+  const double timestep_s = model->opt.timestep;
+  if (is_stable(integrator, timestep_s, slopes)) return;
+  std::ostringstream text;
+  text.precision(6);
+  text << "transmission: a stiffness of " << design_.stiffness << " and damping of "
+       << design_.damping << " between the motor and the load, with an inertia of "
+       << slopes.mass_kg << " of both together, are beyond the stability limit for a timestep of "
+       << timestep_s << " s; the longest stable physics.timestep_s that divides it is "
+       << dividing_timestep_s(integrator, timestep_s, slopes);
+  throw std::invalid_argument(text.str());
+}
+
+double Transmission::twist(double motor, double load) const {
+  return motor / design_.ratio +
+         design_.kinematic_error * math::sin(design_.error_per_turn * motor) - load;
+}
+
+double Transmission::slope(double motor) const {
+  return 1.0 / design_.ratio + design_.kinematic_error * design_.error_per_turn *
+                                   math::cos(design_.error_per_turn * motor);
+}
+
+double Transmission::torque(double motor, double motor_rate, double load, double load_rate) const {
+  const double angle = twist(motor, load);
+  const double resistance = design_.damping * (slope(motor) * motor_rate - load_rate);
+  if (design_.backlash == 0.0) return design_.stiffness * angle + resistance;
+  const double play = 0.5 * design_.backlash;
+  if (angle > play) return std::max(design_.stiffness * (angle - play) + resistance, 0.0);
+  if (angle < -play) return std::min(design_.stiffness * (angle + play) + resistance, 0.0);
+  return 0.0;
+}
+
+void Transmission::apply(double, const mjModel&, mjData& data) const {
+  const double motor = data.qpos[motor_];
+  const double T = torque(motor, data.qvel[motor_dof_], data.qpos[load_], data.qvel[load_dof_]);
+  data.qfrc_applied[load_dof_] += T;
+  data.qfrc_applied[motor_dof_] -= T * slope(motor);
+}
+
+}  // namespace breakwater

@@ -1,0 +1,82 @@
+#include <breakwater/plants/two_inertia.h>
+
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <cmath>
+#include <complex>
+#include <stdexcept>
+
+#include <breakwater/linear/pole_placement.h>
+
+namespace breakwater::two_inertia_test {
+namespace {
+
+using Complex = std::complex<double>;
+
+const TwoInertia kPlant{.motor_inertia = 0.003,
+                        .load_inertia = 0.05,
+                        .stiffness = 80.0,
+                        .damping = 0.02,
+                        .motor_friction = 0.004,
+                        .load_friction = 0.03,
+                        .ratio = 3.0};
+
+Complex response(const StateSpace& plant, const Eigen::VectorXd& input, double omega,
+                 Eigen::Index output) {
+  const Eigen::MatrixXcd resolvent =
+      Complex(0.0, omega) * Eigen::MatrixXcd::Identity(4, 4) - plant.A.cast<Complex>();
+  return resolvent.partialPivLu().solve(input.cast<Complex>())(output);
+}
+
+TEST(TwoInertia, RespondsAsItsEquationsOfMotion) {
+  // The two equations as a 2×2 system in the positions, solved by Cramer's rule.
+  const TwoInertia& p = kPlant;
+  for (const Side side : {Side::motor, Side::load}) {
+    const StateSpace plant = two_inertia(p, side);
+    const Eigen::Index motor = side == Side::motor ? 0 : 2, load = 2 - motor;
+    for (const double omega : {1.0, 30.0, 60.0, 400.0}) {
+      const Complex s(0.0, omega), k = p.stiffness + p.damping * s;
+      const Complex a = p.motor_inertia * s * s + p.motor_friction * s + k / (p.ratio * p.ratio);
+      const Complex b = p.load_inertia * s * s + p.load_friction * s + k;
+      const Complex determinant = a * b - k * k / (p.ratio * p.ratio);
+      const auto expect = [&](const Complex& found, const Complex& expected) {
+        EXPECT_LT(std::abs(found - expected), 1e-11 * std::abs(expected)) << omega;
+      };
+      expect(response(plant, plant.B, omega, motor), b / determinant);
+      expect(response(plant, plant.B, omega, load), k / p.ratio / determinant);
+      expect(response(plant, load_torque_input(p, side), omega, load), a / determinant);
+      expect(response(plant, load_torque_input(p, side), omega, motor), k / p.ratio / determinant);
+    }
+  }
+}
+
+TEST(TwoInertia, ResonancesAreEigenvaluesOfTheUndampedPlant) {
+  TwoInertia undamped = kPlant;
+  undamped.damping = undamped.motor_friction = undamped.load_friction = 0.0;
+  const StateSpace plant = two_inertia(undamped, Side::motor);
+  EXPECT_NEAR(spectral_radius(plant.A), resonance_rad_s(undamped), 1e-6);
+  // The motor stands still at the anti-resonance.
+  const double omega = antiresonance_rad_s(undamped);
+  EXPECT_LT(std::abs(response(plant, plant.B, omega, 0)), 1e-15);
+}
+
+TEST(TwoInertia, RefusesNonsense) {
+  using Change = void (*)(TwoInertia&);
+  for (const Change change : {
+           Change([](TwoInertia& p) { p.motor_inertia = 0.0; }),
+           Change([](TwoInertia& p) { p.load_inertia = -1.0; }),
+           Change([](TwoInertia& p) { p.stiffness = 0.0; }),
+           Change([](TwoInertia& p) { p.ratio = std::nan(""); }),
+           Change([](TwoInertia& p) { p.damping = -1e-9; }),
+           Change([](TwoInertia& p) { p.load_friction = INFINITY; }),
+       }) {
+    TwoInertia wrong = kPlant;
+    change(wrong);
+    EXPECT_THROW(two_inertia(wrong, Side::motor), std::invalid_argument);
+    EXPECT_THROW(load_torque_input(wrong, Side::load), std::invalid_argument);
+  }
+}
+
+}  // namespace
+}  // namespace breakwater::two_inertia_test
