@@ -17,15 +17,16 @@ namespace breakwater {
 struct DisturbanceCancellingPdDesign {
   double k_p = 0.0;                                              ///< K_p, force per position
   double k_d = 0.0;                                              ///< K_d, force per velocity
+  double cancelled_share = 1.0;                                  ///< κ, the cancelled part of d̂
   StepReference reference;                                       ///< y_ref
   double force_limit = std::numeric_limits<double>::infinity();  ///< limit of the drive
   double period_s = 0.0;                                         ///< T_s
   AxisUnits units;
-  Eigen::Vector2d start_state = Eigen::Vector2d::Zero();  ///< start of the estimator
+  Eigen::VectorXd start_state = Eigen::Vector2d::Zero();  ///< start of the estimator, n
 };
 
 /// State feedback of one axis with an estimator:
-///     u(k) = K_p (y_ref − ŷ(k)) − K_d v̂(k) + d̂(k)   (Eqs. 4.10, 4.22).
+///     u(k) = K_p (y_ref − ŷ(k)) − K_d v̂(k) + κ d̂(k)   (Eqs. 4.10, 4.22 with κ = 1).
 /// The estimates are those of the same sample. The estimator gets u after the drive's force limit.
 /// All other effects of the drive are part of d̂.
 ///

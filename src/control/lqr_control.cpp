@@ -4,6 +4,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include <breakwater/control/estimate_signals.h>
+
 namespace breakwater {
 
 LqrControl::LqrControl(std::shared_ptr<DisturbanceEstimator> estimator, Eigen::RowVectorXd K,
@@ -19,12 +21,7 @@ LqrControl::LqrControl(std::shared_ptr<DisturbanceEstimator> estimator, Eigen::R
     throw std::invalid_argument("LQR: estimator and gain must be for the same plant");
   }
   if (!(force_limit > 0.0)) throw std::invalid_argument("LQR: the force limit must be positive");
-  const auto part = [](const DisturbanceEstimator::View& values, Eigen::Index i) {
-    return view(*(values.data() + i));
-  };
-  signals_ = {{"position_hat_m", "m", "position, estimated", part(estimator_->state(), 0)},
-              {"velocity_hat_m_s", "m/s", "velocity, estimated", part(estimator_->state(), 1)},
-              {"d_hat_N", "N", "disturbance, estimated", part(estimator_->disturbance(), 0)}};
+  signals_ = estimate_signals(*estimator_, translation_units());
   for (const Signal& signal : signals_of(*estimator_, "m")) signals_.push_back(signal);
 }
 

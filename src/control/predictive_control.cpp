@@ -4,6 +4,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include <breakwater/control/estimate_signals.h>
+
 namespace breakwater {
 
 PredictiveControl::PredictiveControl(std::shared_ptr<DisturbanceEstimator> estimator,
@@ -22,7 +24,8 @@ PredictiveControl::PredictiveControl(std::shared_ptr<DisturbanceEstimator> estim
       design.disturbance_use == DisturbanceUse::predict ? estimator_->disturbance().size() : 0;
   if (lmpc_.inputs() != 1 || estimator_->disturbance().size() != 1 ||
       lmpc_.states() != plant_states_ + disturbances ||
-      design.start_state.size() != plant_states_) {
+      design.start_state.size() != plant_states_ || design.controlled < 0 ||
+      design.controlled >= plant_states_) {
     throw std::invalid_argument(
         "predictive control: estimator and model must be for the same plant");
   }
@@ -32,21 +35,20 @@ PredictiveControl::PredictiveControl(std::shared_ptr<DisturbanceEstimator> estim
   if (!(design.force_limit > 0.0)) {
     throw std::invalid_argument("predictive control: the force limit must be positive");
   }
-  const auto part = [](const DisturbanceEstimator::View& values, Eigen::Index i) {
-    return view(*(values.data() + i));
-  };
-  signals_ = {{"reference_m", "m", "r", view(reference_)},
-              {"position_hat_m", "m", "position, estimated", part(estimator_->state(), 0)},
-              {"velocity_hat_m_s", "m/s", "velocity, estimated", part(estimator_->state(), 1)},
-              {"d_hat_N", "N", "disturbance, estimated", part(estimator_->disturbance(), 0)},
-              {"u_mpc_N", "N", "input of the optimisation (Eq. 2.42)", view(planned_input_)},
-              {"qp_iterations", "1", "iterations of the last optimisation", view(iterations_)},
-              {"qp_softened", "1", "number of softened bounds in it: on states, then on du",
-               view(softened_)},
-              {"qp_status", "1",
-               "status of its last solve: 0 solved, 1 iteration cap, 4 inaccurate", view(status_)},
-              {"qp_kkt_residual", "1", "residual of its last solve", view(kkt_residual_)}};
-  for (const Signal& signal : signals_of(*estimator_, "m")) signals_.push_back(signal);
+  const AxisUnits& units = design.units;
+  signals_ = {{"reference_" + units.position_suffix, units.position, "r", view(reference_)}};
+  for (const Signal& signal : estimate_signals(*estimator_, units)) signals_.push_back(signal);
+  const std::vector<Signal> own = {
+      {"u_mpc_" + units.force_suffix, units.force, "input of the optimisation (Eq. 2.42)",
+       view(planned_input_)},
+      {"qp_iterations", "1", "iterations of the last optimisation", view(iterations_)},
+      {"qp_softened", "1", "number of softened bounds in it: on states, then on du",
+       view(softened_)},
+      {"qp_status", "1", "status of its last solve: 0 solved, 1 iteration cap, 4 inaccurate",
+       view(status_)},
+      {"qp_kkt_residual", "1", "residual of its last solve", view(kkt_residual_)}};
+  signals_.insert(signals_.end(), own.begin(), own.end());
+  for (const Signal& signal : signals_of(*estimator_, units.position)) signals_.push_back(signal);
 }
 
 void PredictiveControl::reset(const Sample&) {
@@ -74,7 +76,7 @@ void PredictiveControl::update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u) {
       reserved_ = estimator_->disturbance();
     }
     for (int i = 0; i < lmpc_.prediction_steps(); ++i) {
-      trajectory_(i * lmpc_.states()) = reference_;
+      trajectory_(i * lmpc_.states() + design_.controlled) = reference_;
     }
     planned_input_ += lmpc_.optimise(predicted_state_, planned_input_, trajectory_, reserved_);
     iterations_ = lmpc_.iterations();

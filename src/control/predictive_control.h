@@ -10,6 +10,7 @@
 #include <breakwater/control/lmpc.h>
 #include <breakwater/control/step_reference.h>
 #include <breakwater/observers/disturbance_estimator.h>
+#include <breakwater/signals/axis_units.h>
 
 namespace breakwater {
 
@@ -34,13 +35,16 @@ struct PredictiveControlDesign {
   StepReference reference;      ///< reference of the position
   Eigen::VectorXd start_state;  ///< x̂(0), n
   double force_limit = std::numeric_limits<double>::infinity();  ///< limit of the drive
+  Eigen::Index controlled = 0;  ///< the state that follows the reference
+  AxisUnits units = translation_units();
 };
 
 /// Linear predictive control of one input, with an estimator of state and disturbance.
 ///
 /// With DisturbanceUse::predict the model is an ExtendedPlant of order 0 (Eq. 2.46).
 ///
-/// The tracked state is [position; …], and its reference (r, 0, …, 0) is constant over the horizon.
+/// The reference of the state is r for the controlled state and 0 for all others, constant over the
+/// horizon.
 /// The estimator gets the commanded input after the drive's limit.
 ///
 /// Expects the measured position as the first entry of a sample.
