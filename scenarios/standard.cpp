@@ -11,6 +11,7 @@
 #include "impact_test/impact_test.h"
 #include "motor_estimation/motor_estimation.h"
 #include "quadrotor_waves/quadrotor_waves.h"
+#include "two_inertia/two_inertia.h"
 
 namespace breakwater {
 namespace {
@@ -32,6 +33,7 @@ Catalogue standard_catalogue() {
   add("cart_constrained", make<CartConstrained>);
   add("cart_estimation", make<CartEstimation>);
   add("motor_estimation", make<MotorEstimation>);
+  add("two_inertia", make<TwoInertiaDrive>);
   add("impact_test", make<ImpactTest>);
   add("quadrotor_waves", make<QuadrotorWaves>);
   for (ArmControllerKind& kind : arm_controllers()) catalogue.add(std::move(kind));

@@ -95,6 +95,7 @@ void CartConstrained::check(const Config& config) {
 Recording CartConstrained::run(const RunControl& control) const {
   const AxisLoop loop = parts_.make(task());
   AxisRig rig(plant(), *loop.controller);
+  rig.know_loop(parts_, task());
   const Simulation& sim = rig.simulation();
 
   const bool is_pushed = condition_ == CartCondition::B || condition_ == CartCondition::C;

@@ -151,6 +151,7 @@ Recording CartEstimation::run(const RunControl& control) const {
   const AxisLoop loop = parts_.make(task());
   loop.controller->set_watched(control.logs);
   AxisRig rig(plant(), *loop.controller);
+  rig.know_loop(parts_, task());
   // Also simulate the loop without noise: the difference is the effect of the noise.
   const AxisLoop quiet_loop = parts_.make(task());
   quiet_loop.controller->set_watched(false);

@@ -81,6 +81,7 @@ void CartOffsetFree::check(const Config& config) {
 Recording CartOffsetFree::run(const RunControl& control) const {
   const AxisLoop loop = parts_.make(task());
   AxisRig rig(plant(), *loop.controller);
+  rig.know_loop(parts_, task());
   const Simulation& sim = rig.simulation();
 
   const double end_s = plant_.run.duration_s;

@@ -66,6 +66,7 @@ Recording CartPosition::run(const RunControl& control) const {
   const AxisLoop loop = parts_.make(task());
   loop.controller->set_watched(control.logs);
   AxisRig rig(plant_, *loop.controller);
+  rig.know_loop(parts_, task());
   const Simulation& sim = rig.simulation();
 
   HighPass high_pass(high_pass_Hz_, plant_.physics.control_period_s);

@@ -106,6 +106,7 @@ void MotorEstimation::check(const Config& config) {
 Recording MotorEstimation::run(const RunControl& control) const {
   const AxisLoop loop = parts_.make(task());
   AxisRig rig(plant_, *loop.controller);
+  rig.know_loop(parts_, task());
   const Simulation& sim = rig.simulation();
   // For comparison with tables of a differentiated encoder. The controller does not use it.
   double raw_velocity = 0.0;

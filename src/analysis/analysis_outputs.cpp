@@ -254,6 +254,14 @@ void add_margins(mustache::data& page, const std::vector<LoopAnalysis>& loops) {
 
 }  // namespace
 
+std::string why_not_designed(const LoopCurve& designed) {
+  if (designed.is_unstable) {
+    return "the loop is not stable: " + designed.reason +
+           ". It has no margins, and measured ones mean nothing";
+  }
+  return "only measured, because the loop is not linear: " + designed.reason;
+}
+
 std::string margins_table(const std::vector<LoopAnalysis>& loops, std::size_t width) {
   std::vector<std::string> header = {""};
   const std::vector<NamedCurve> curves = curves_of(loops);
@@ -293,8 +301,8 @@ void write_analysis(const std::vector<LoopAnalysis>& loops, const std::string& s
     one.set("colour", series_class(looks[i]));
     legend << one;
     if (!loops[i].designed.reason.empty()) {
-      notes << named("text", fmt::format("{}: no design curve, because the loop is not linear: {}.",
-                                         loops[i].label, loops[i].designed.reason));
+      notes << named("text",
+                     fmt::format("{}: {}.", loops[i].label, why_not_designed(loops[i].designed)));
     }
     const std::string why = reason_of_difference(loops[i]);
     if (!why.empty()) notes << named("text", why);

@@ -10,6 +10,9 @@
 
 namespace breakwater {
 
+/// Says why a loop has no designed curve: it is not stable, or not linear.
+std::string why_not_designed(const LoopCurve& designed);
+
 /// One column per loop and way (designed, measured); the rows are bandwidth, margins and peaks.
 std::string margins_table(const std::vector<LoopAnalysis>& loops, std::size_t width);
 

@@ -126,8 +126,7 @@ int analyze(const Catalogue& catalogue, Arguments arguments, const std::string& 
   if (arguments.quiet) return kSuccess;
   for (const LoopAnalysis& loop : results) {
     if (loop.designed.reason.empty()) continue;
-    fmt::print(stderr, "{} {}: only measured, because the loop is not linear: {}\n", kind.name,
-               loop.label, loop.designed.reason);
+    fmt::print(stderr, "{} {}: {}\n", kind.name, loop.label, why_not_designed(loop.designed));
   }
   fmt::print("results: {}\n\n{}", folder.string(), margins_table(results, output_width()));
   return kSuccess;

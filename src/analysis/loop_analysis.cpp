@@ -8,9 +8,8 @@
 #include <numbers>
 #include <stdexcept>
 
-#include <breakwater/analysis/loop_response.h>
 #include <breakwater/analysis/swept_sine.h>
-#include <breakwater/linear/state_space.h>
+#include <breakwater/rigs/loop_response.h>
 #include <breakwater/shell/all_cores.h>
 
 namespace breakwater {
@@ -80,18 +79,14 @@ double noise_amplitude(const AxisScenario& scenario, const AnalysisOptions& opti
 
 LoopCurve designed_curve(const AxisScenario& scenario, const AnalysisOptions& options,
                          double to_rad_s) {
-  const AxisPlant plant = scenario.plant();
-  const AxisTask task = scenario.task();
-  const double period_s = task.axis.period_s;
-  const AxisLoopDesign design{&scenario.parts(),
-                              task,
-                              zero_order_hold(linear_axis(plant), period_s),
-                              {plant.axis().start_position, plant.axis().start_velocity},
-                              plant.axis().delay_samples};
+  const double period_s = scenario.task().axis.period_s;
+  const AxisLoopDesign design =
+      axis_loop_design(scenario.parts(), scenario.task(), scenario.plant());
   const LoopResponseOrReason found =
       loop_response(design, options.force_amplitude, noise_amplitude(scenario, options));
   LoopCurve curve;
   curve.reason = found.reason;
+  curve.is_unstable = found.is_unstable;
   if (found.response) {
     for (const double omega : frequencies(options.from_rad_s, to_rad_s, kDesignPoints)) {
       curve.points.push_back(point(omega,

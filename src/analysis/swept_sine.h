@@ -1,7 +1,7 @@
 // Frequency response of a loop of one axis at one frequency, measured in the simulation.
 #pragma once
 
-#include <breakwater/analysis/loop_response.h>
+#include <breakwater/rigs/loop_response.h>
 #include <breakwater/rigs/axis_scenario.h>
 
 #include <atomic>

@@ -1,6 +1,8 @@
 // Breakwater's controllers of an axis: their keys, and the functions that make them.
 #include <breakwater/control/disturbance_cancelling_pd.h>
 #include <breakwater/control/lqr_control.h>
+#include <breakwater/control/resonance_ratio.h>
+#include <breakwater/control/state_feedback.h>
 #include <breakwater/rigs/axis_parts.h>
 #include <breakwater/rigs/predictive_settings.h>
 
@@ -26,11 +28,71 @@ std::unique_ptr<Controller> make_pd(const PdGains& gains, const AxisTask& task,
   return std::make_unique<DisturbanceCancellingPd>(
       std::move(estimator), DisturbanceCancellingPdDesign{.k_p = gains.k_p,
                                                           .k_d = gains.k_d,
-                                                          .reference = task.reference,
+                                                          .reference = task.measured_reference(),
                                                           .force_limit = task.axis.force_limit,
                                                           .period_s = task.axis.period_s,
                                                           .units = task.axis.units,
-                                                          .start_state = task.start_state});
+                                                          .start_state = task.start()});
+}
+
+struct ResonanceRatioSettings {
+  double damping_ratio = 1.0;
+};
+
+void bind_resonance_ratio(Fields& fields, ResonanceRatioSettings& settings) {
+  fields.number("controller.damping_ratio", settings.damping_ratio, positive(),
+                "zeta: damping ratio of the closed loop's two double poles at the anti-resonance");
+  fields.standard("controller.damping_ratio", {1.0});
+}
+
+std::unique_ptr<Controller> make_resonance_ratio(const ResonanceRatioSettings& settings,
+                                                 const AxisTask& task, SharedEstimator estimator) {
+  const NominalAxis& axis = task.axis;
+  if (!axis.two_inertia || axis.measured != Side::motor || axis.E.size() != 0) {
+    throw WrongKey("nominal.model",
+                   "must be motor for resonance ratio control, with the nominal stiffness and an "
+                   "encoder on the motor");
+  }
+  const ResonanceRatioGains gains = resonance_ratio(*axis.two_inertia, settings.damping_ratio);
+  return std::make_unique<DisturbanceCancellingPd>(
+      std::move(estimator),
+      DisturbanceCancellingPdDesign{.k_p = gains.k_p,
+                                    .k_d = gains.k_d,
+                                    .cancelled_share = gains.cancelled_share(),
+                                    .reference = task.measured_reference(),
+                                    .force_limit = axis.force_limit,
+                                    .period_s = axis.period_s,
+                                    .units = axis.units,
+                                    .start_state = task.start()});
+}
+
+struct FeedbackPoles {
+  std::vector<double> real_rad_s;
+};
+
+void bind_state_feedback(Fields& fields, FeedbackPoles& settings) {
+  fields.numbers("controller.poles_rad_s", settings.real_rad_s, any(),
+                 "continuous poles of the state feedback, one for each state [1/s]");
+}
+
+std::unique_ptr<Controller> make_state_feedback(const FeedbackPoles& settings, const AxisTask& task,
+                                                SharedEstimator estimator) {
+  const NominalAxis& axis = task.axis;
+  StateFeedbackDesign design{
+      .plant = axis.plant,
+      .E = axis.E.size() == 0 ? Eigen::VectorXd(axis.plant.B) : axis.E,
+      .controlled = axis.controlled,
+      .K = {},
+      .reference = axis.E.size() == 0 ? task.measured_reference() : task.reference,
+      .force_limit = axis.force_limit,
+      .period_s = axis.period_s,
+      .units = axis.units,
+      .start_state = task.start()};
+  design.K = blame("controller.poles_rad_s", [&] {
+    return place_feedback_poles(
+        axis.plant, {settings.real_rad_s.begin(), settings.real_rad_s.end()}, axis.period_s);
+  });
+  return std::make_unique<StateFeedback>(std::move(estimator), design);
 }
 
 void bind_regulator(Fields& fields, RegulatorSettings& settings) {
@@ -46,12 +108,15 @@ std::unique_ptr<Controller> regulator(const RegulatorSettings& settings, const A
     throw std::invalid_argument(
         "a regulator brings the axis to 0 and has no reference: set the reference to 0");
   }
+  if (task.axis.E.size() != 0) {
+    throw WrongKey("nominal.model", "must be rigid or motor for a regulator");
+  }
   if (uses_true_state && !task.senses_true_state) {
     throw std::invalid_argument(
         "this scenario does not measure the true state: choose lqr_observer");
   }
-  return std::make_unique<LqrControl>(std::move(estimator), settings.regulator(task.axis.plant).K,
-                                      task.start_state, uses_true_state, task.axis.force_limit);
+  return std::make_unique<LqrControl>(std::move(estimator), settings.regulator(task.axis).K,
+                                      task.start(), uses_true_state, task.axis.force_limit);
 }
 
 std::unique_ptr<Controller> make_lqr(const RegulatorSettings& settings, const AxisTask& task,
@@ -79,6 +144,11 @@ std::vector<AxisControllerKind> axis_controllers() {
   return {
       {"pd", "PD control that cancels the estimated disturbance (Eqs. 4.10, 4.22)", bind_pd,
        make_pd},
+      {"rrc", "resonance ratio control of two inertias", bind_resonance_ratio,
+       make_resonance_ratio},
+      {"state_feedback",
+       "feedback of all estimated states, with feed-forward of the estimated disturbance",
+       bind_state_feedback, make_state_feedback},
       {"lqr", "linear quadratic regulator of the true state", bind_regulator, make_lqr},
       {"lqr_observer",
        "linear quadratic regulator of the estimated state, with cancellation of the disturbance",

@@ -42,7 +42,15 @@ Estimator make_state_observer(const Poles& settings, const NominalAxis& axis) {
   });
 }
 
+// The IDOB and the MDOB estimate a disturbance at the input.
+void need_one_inertia(const NominalAxis& axis, const std::string& observer) {
+  if (axis.E.size() == 0) return;
+  throw WrongKey("nominal.model", "must be rigid or motor for " + observer +
+                                      ": it finds no disturbance behind a spring");
+}
+
 Estimator make_idob(const Poles& settings, const NominalAxis& axis) {
+  need_one_inertia(axis, "idob");
   return blame("observer.poles_rad_s", [&] {
     return std::make_unique<Idob>(axis.plant, settings.of(axis), axis.period_s);
   });
@@ -61,6 +69,7 @@ void bind_mdob(Fields& fields, MdobCutoffs& settings) {
 }
 
 Estimator make_mdob(const MdobCutoffs& settings, const NominalAxis& axis) {
+  need_one_inertia(axis, "mdob");
   MdobDesign design;
   design.nominal_inertia = 1.0 / axis.plant.B(1, 0);
   design.derivative_cutoff_rad_s = settings.derivative_rad_s > 0.0
@@ -78,7 +87,7 @@ struct DisturbanceModel {
                  "disturbance model: step (0), ramp (1) or parabola (2)");
   }
   ExtendedPlant extend(const NominalAxis& axis) const {
-    return sample_with_disturbance_model(axis.plant, order, axis.period_s);
+    return axis.extended(order, axis.period_s);
   }
 };
 
@@ -277,8 +286,8 @@ Estimator make_multiple_model(const MultipleModelSettings& settings, const Nomin
     throw WrongKey("observer.largest_disturbance",
                    "must be positive here: 0 selects the largest input, which is 0 or unlimited");
   }
-  return std::make_unique<MultipleModelEstimator>(
-      MultipleModelDesign{axis.plant, axis.period_s, axis.sensor, largest_d});
+  return sized_multiple_model(
+      {axis.plant, axis.period_s, axis.sensor, largest_d, axis.E, axis.inertia});
 }
 
 }  // namespace

@@ -4,12 +4,15 @@
 #include <Eigen/Core>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include <breakwater/control/step_reference.h>
 #include <breakwater/linear/state_space.h>
 #include <breakwater/observers/disturbance_estimator.h>
+#include <breakwater/observers/disturbance_model.h>
 #include <breakwater/observers/sensor_error.h>
+#include <breakwater/plants/two_inertia.h>
 #include <breakwater/rigs/loop_parts.h>
 #include <breakwater/signals/axis_units.h>
 
@@ -17,8 +20,8 @@ namespace breakwater {
 
 /// The nominal model of an axis.
 struct NominalAxis {
-  StateSpace plant;  ///< continuous: the input is a force, the states are position and velocity,
-                     ///< the output is the position
+  StateSpace plant;  ///< continuous: the input is a force, the states are position and velocity
+                     ///< (of two inertias, if E is there), the output is the position
   double period_s = 0.0;                                         ///< sampling period T_s
   double force_limit = std::numeric_limits<double>::infinity();  ///< limit of the drive
   SensorError sensor;                                            ///< as in a data sheet
@@ -26,6 +29,22 @@ struct NominalAxis {
   AxisUnits units;
   int joint = 0;   ///< index in a manipulator, from 0 ...
   int joints = 1;  ///< ... and the manipulator's number of joints
+
+  // With a transmission (transmission_settings.h).
+  Side measured = Side::load;
+  double measured_ratio = 1.0;  ///< motion of the measured side for one of the load at rest
+  std::optional<TwoInertia> two_inertia = {};  ///< the nominal numbers, if known
+  /// If the plant has the states of both inertias (two_inertia.h): ẋ = A x + B u − E d. Otherwise
+  /// empty, and d opposes the input.
+  Eigen::VectorXd E = {};
+  Eigen::Index controlled = 0;  ///< the state that is the load's position
+  double inertia = 0.0;         ///< d over the acceleration of the measured side; 0: 1/B₂
+
+  /// The plant over an interval, with a model of the disturbance.
+  ExtendedPlant extended(int order, double interval_s) const {
+    if (E.size() == 0) return sample_with_disturbance_model(plant, order, interval_s);
+    return sample_with_disturbance_model(plant, E, order, interval_s);
+  }
 };
 
 /// The task of a controller of an axis.
@@ -34,6 +53,23 @@ struct AxisTask {
   StepReference reference;                                ///< reference of the position
   Eigen::Vector2d start_state = Eigen::Vector2d::Zero();  ///< initial state of the estimator
   bool senses_true_state = false;  ///< samples are [measured position; position; velocity]
+
+  /// The reference of the measured side.
+  StepReference measured_reference() const {
+    StepReference measured = reference;
+    measured.value *= axis.measured_ratio;
+    return measured;
+  }
+  /// The initial state of the whole plant: a second inertia moves with the first.
+  Eigen::VectorXd start() const {
+    Eigen::VectorXd x = Eigen::VectorXd::Zero(axis.plant.states());
+    x.head<2>() = start_state;
+    if (x.size() == 4) {
+      const double ratio = axis.two_inertia->ratio;
+      x.tail<2>() = start_state * (axis.measured == Side::motor ? 1.0 / ratio : ratio);
+    }
+    return x;
+  }
 };
 
 /// An estimator of an axis and its name: key observer.name.

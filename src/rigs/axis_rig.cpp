@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <utility>
 
+#include <breakwater/rigs/loop_response.h>
+
 namespace breakwater {
 namespace {
 
@@ -45,15 +47,26 @@ AxisRig::AxisRig(const AxisPlant& plant, Controller& controller)
     const auto rate_at = static_cast<std::size_t>(model->jnt_dofadr[joint]);
     qpos[at] += one.start_position;
     qvel[rate_at] += one.start_velocity;
+    std::unique_ptr<Transmission> transmission;
+    auto motor_at = at, motor_rate_at = rate_at;
+    if (one.transmission.is_elastic()) {
+      transmission = one.transmission.make(model, one.axis.joint);
+      const int motor = model.id(mjOBJ_JOINT, one.transmission.motor_joint);
+      motor_at = static_cast<std::size_t>(model->jnt_qposadr[motor]);
+      motor_rate_at = static_cast<std::size_t>(model->jnt_dofadr[motor]);
+      qpos[motor_at] += one.transmission.design.ratio * one.start_position;
+      qvel[motor_rate_at] += one.transmission.design.ratio * one.start_velocity;
+    }
     axes_.push_back({at, rate_at, model.id(mjOBJ_ACTUATOR, one.axis.actuator),
-                     std::make_unique<JointForce>(model, one.axis.joint),
-                     Noise(plant.run.seed, one.axis.own("input"))});
+                     std::make_unique<JointForce>(model, one.axis.joint), std::move(transmission),
+                     motor_at, motor_rate_at, Noise(plant.run.seed, one.axis.own("input"))});
   }
   simulation_ = std::make_unique<Simulation>(std::move(model), controller, plant.sensing(),
                                              steps_per_sample_);
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     simulation_->set_pwm(static_cast<int>(axes_[i].actuator), Pwm{plant.axes[i].drive_resolution});
     simulation_->add(*axes_[i].force);
+    if (axes_[i].transmission) simulation_->add(*axes_[i].transmission);
   }
   simulation_->set_position(qpos);
   simulation_->set_velocity(qvel);
@@ -72,6 +85,11 @@ void AxisRig::step() {
     axis.force->hold(axis.input_noise_value - axis.disturbance);
   }
   simulation_->step();
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    if (!axes_[i].transmission) continue;
+    axes_[i].torque = axes_[i].transmission->torque(motor_position(i), motor_velocity(i),
+                                                    position(i), velocity(i));
+  }
   saturated_ = simulation_->saturated() ? 1.0 : 0.0;
 }
 
@@ -81,6 +99,14 @@ const double& AxisRig::position(std::size_t axis) const {
 
 const double& AxisRig::velocity(std::size_t axis) const {
   return simulation_->qvel()[axes_[axis].qvel];
+}
+
+const double& AxisRig::motor_position(std::size_t axis) const {
+  return simulation_->qpos()[axes_[axis].motor_qpos];
+}
+
+const double& AxisRig::motor_velocity(std::size_t axis) const {
+  return simulation_->qvel()[axes_[axis].motor_qvel];
 }
 
 const double& AxisRig::measured(std::size_t axis) const {
@@ -109,6 +135,20 @@ std::vector<HeldReference> AxisRig::held_references() const {
   return held;
 }
 
+void AxisRig::warn(const std::vector<HeldReference>& held,
+                   std::vector<std::string>& warnings) const {
+  const std::size_t before = warnings.size();
+  for (const HeldReference& one : held) one.warn(warnings);
+  if (parts_ == nullptr || warnings.size() == before) return;
+  constexpr double kPulse = 1.0;
+  warnings.back() +=
+      is_unstable(axis_loop_design(*parts_, task_, plant_), kPulse)
+          ? "; the loop is not stable, even without encoder, limits and friction: see breakwater "
+            "analyze"
+          : "; the loop is stable without encoder, limits, friction and backlash: see breakwater "
+            "analyze";
+}
+
 std::vector<Signal> AxisRig::signals() const {
   const Simulation& sim = *simulation_;
   std::vector<Signal> signals = {
@@ -127,6 +167,13 @@ std::vector<Signal> AxisRig::signals() const {
     add("position_measured_" + u.position_suffix, u.position, "sampled position", measured(i));
     add("command_" + u.force_suffix, u.force, "commanded input", command(i));
     add("applied_" + u.force_suffix, u.force, "applied input, saturated and rounded", actuation(i));
+    if (!axes_[i].transmission) continue;
+    add("motor_position_" + u.position_suffix, u.position, "position of the motor, true",
+        motor_position(i));
+    add("motor_velocity_" + u.velocity_suffix, u.velocity, "velocity of the motor, true",
+        motor_velocity(i));
+    add("transmission_" + u.force_suffix, u.force, "the transmission's force on the load",
+        axes_[i].torque);
   }
   signals.push_back({"saturated", "1", "1 where the drive is at its limit", view(saturated_)});
   for (const Signal& signal : controller_.signals()) signals.push_back(signal);

@@ -25,6 +25,13 @@ class AxisRig {
   AxisRig(const AxisRig&) = delete;
   AxisRig& operator=(const AxisRig&) = delete;
 
+  /// The loop of a plant with one axis, which must outlive the rig: a warning that the reference is
+  /// not held then says whether the linear loop is stable.
+  void know_loop(const AxisParts& parts, const AxisTask& task) {
+    parts_ = &parts;
+    task_ = task;
+  }
+
   /// One physics step. The forces on the axes are held during it. A disturbance that begins at a
   /// step thus begins there exactly, for any integrator.
   void step();
@@ -37,6 +44,9 @@ class AxisRig {
   /// The command, and the drive's force after saturation and rounding.
   const double& command(std::size_t axis = 0) const;
   const double& actuation(std::size_t axis = 0) const;
+  /// The motor's joint of an elastic transmission; otherwise the axis itself.
+  const double& motor_position(std::size_t axis = 0) const;
+  const double& motor_velocity(std::size_t axis = 0) const;
   /// d, without noise and friction.
   const double& disturbance(std::size_t axis = 0) const { return axes_[axis].disturbance; }
 
@@ -55,16 +65,16 @@ class AxisRig {
     std::vector<HeldReference> held = held_references();
     const auto watched_sample = [&](double time_s) {
       for (std::size_t i = 0; i < held.size(); ++i) {
-        held[i].add(time_s, plant_.axes[i].reference.at(time_s) - this->measured(i));
+        const AxisSettings& axis = plant_.axes[i];
+        held[i].add(time_s, axis.reference.at(time_s) -
+                                this->measured(i) / axis.transmission.measured_ratio());
       }
       sample(time_s);
     };
     Recording recording =
         record_run(*simulation_, plant_.physics, plant_.physics.step_at(duration_s) + 1,
                    std::move(signals), control, std::forward<Step>(step), watched_sample, measured);
-    if (!recording.failure) {
-      for (const HeldReference& one : held) one.warn(recording.warnings);
-    }
+    if (!recording.failure) warn(held, recording.warnings);
     return recording;
   }
   template <typename Sample>
@@ -83,14 +93,21 @@ class AxisRig {
     std::size_t qvel;
     Eigen::Index actuator;
     std::unique_ptr<JointForce> force;
+    std::unique_ptr<Transmission> transmission;  // nullptr: rigid
+    std::size_t motor_qpos;                      // the axis itself, if it is rigid
+    std::size_t motor_qvel;
     Noise input_noise;
     double input_noise_value = 0.0;
     double disturbance = 0.0;
+    double torque = 0.0;  // of the transmission
   };
 
   std::vector<HeldReference> held_references() const;
+  void warn(const std::vector<HeldReference>& held, std::vector<std::string>& warnings) const;
 
   AxisPlant plant_;
+  const AxisParts* parts_ = nullptr;
+  AxisTask task_;
   int steps_per_sample_;
   Controller& controller_;
   std::vector<DrivenAxis> axes_;

@@ -6,7 +6,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include <breakwater/plants/damped_inertia.h>
 #include <breakwater/sim/friction.h>
 
 namespace breakwater {
@@ -35,6 +34,12 @@ Axis cart_axis() {
           .inertia_suffix = "kg",
           .friction_suffix = "Ns_m",
           .units = translation_units()};
+}
+
+Axis two_inertia_axis() {
+  Axis axis = motor_axis();
+  axis.joint = "load";
+  return axis;
 }
 
 void AxisSettings::bind(Fields& fields) {
@@ -85,6 +90,7 @@ void AxisSettings::bind(Fields& fields) {
                 "standard deviation of a random force, constant in each sample [" + u.force + "]");
   fields.count("sensor.delay_samples", delay_samples, between(0, 1e6),
                "delay of the measurement in control periods");
+  transmission.bind(fields, u, axis.inertia_suffix, axis.friction_suffix);
 }
 
 double AxisSettings::pulses_per_revolution() const {
@@ -129,13 +135,14 @@ void AxisPlant::bind(Fields& fields) {
 
 NominalAxis AxisPlant::nominal(std::size_t i) const {
   const AxisSettings& one = axes[i];
-  return {.plant = damped_inertia(one.nominal_inertia, one.nominal_friction),
-          .period_s = physics.control_period_s,
-          .force_limit = one.force_limit(),
-          .sensor = {Eigen::VectorXd::Constant(1, one.quantum()),
-                     Eigen::VectorXd::Constant(1, one.noise_std), one.encoder_rounding},
-          .pulses_per_revolution = one.pulses_per_revolution(),
-          .units = one.axis.units};
+  NominalAxis axis{.period_s = physics.control_period_s,
+                   .force_limit = one.force_limit(),
+                   .sensor = {Eigen::VectorXd::Constant(1, one.quantum()),
+                              Eigen::VectorXd::Constant(1, one.noise_std), one.encoder_rounding},
+                   .pulses_per_revolution = one.pulses_per_revolution(),
+                   .units = one.axis.units};
+  one.transmission.describe(axis, one.nominal_inertia, one.nominal_friction);
+  return axis;
 }
 
 Model AxisPlant::load_model() const {
@@ -147,13 +154,17 @@ Model AxisPlant::load_model() const {
     ids.emplace_back(model.id(mjOBJ_JOINT, one.axis.joint),
                      model.id(mjOBJ_ACTUATOR, one.axis.actuator));
   }
-  if (is_alone && (model->nv != 1 || model->nu != 1)) {
-    throw std::invalid_argument(model.file() + ": must have one joint and one actuator");
+  const bool is_elastic = axis().transmission.is_elastic();
+  if (is_alone && (model->nv != (is_elastic ? 2 : 1) || model->nu != 1)) {
+    throw std::invalid_argument(model.file() +
+                                (is_elastic ? ": must have two joints" : ": must have one joint") +
+                                " and one actuator");
   }
   model.scale_inertia(inertia_ratio);
   for (std::size_t i = 0; i < axes.size(); ++i) {
     author_friction(model, ids[i].first, axes[i].viscous_friction, axes[i].coulomb_friction);
     model.limit_actuator(ids[i].second, axes[i].force_limit());
+    axes[i].transmission.author(model, axes[i].axis.joint, axes[i].axis.actuator);
   }
   return model;
 }
@@ -161,9 +172,11 @@ Model AxisPlant::load_model() const {
 SensingSetup AxisPlant::sensing() const {
   SensingSetup setup;
   for (const AxisSettings& one : axes) {
-    const bool is_own = one.axis.position_sensor.empty();
+    const bool is_motor = one.transmission.is_elastic() && one.transmission.measured == Side::motor;
+    const bool is_own = one.axis.position_sensor.empty() || is_motor;
+    const std::string& joint = is_motor ? one.transmission.motor_joint : one.axis.joint;
     setup.channels.push_back({.name = one.axis.channel,
-                              .sensor = is_own ? one.axis.joint : one.axis.position_sensor,
+                              .sensor = is_own ? joint : one.axis.position_sensor,
                               .reading = is_own ? Reading::joint_position : Reading::component,
                               .disturbance = one.output,
                               .encoder = one.encoder(),
@@ -189,12 +202,23 @@ void check_plant(const AxisPlant& plant, const Config& config) {
   plant.physics.check(config, plant.run);
   const SensingSetup sensing = plant.sensing();
   plant.faults.check(config, sensing.channels);
-  const Sensing check_only(plant.load_model(), sensing);
+  try {
+    const Model model = plant.load_model();
+    for (std::size_t i = 0; i < plant.axes.size(); ++i) {
+      const AxisSettings& one = plant.axes[i];
+      plant.nominal(i);
+      if (one.transmission.is_elastic()) one.transmission.make(model, one.axis.joint);
+    }
+    const Sensing check_only(model, sensing);
+  } catch (const WrongKey& wrong) {
+    config.fail(wrong.key(), wrong.what());
+  }
 }
 
 StateSpace linear_axis(const AxisPlant& plant) {
   const Model model = plant.load_model();
-  return damped_inertia(model->dof_M0[0], plant.axis().viscous_friction);
+  const AxisSettings& axis = plant.axis();
+  return axis.transmission.linear(model, axis.axis.joint, axis.viscous_friction);
 }
 
 }  // namespace breakwater

@@ -9,6 +9,7 @@
 #include <breakwater/experiment/settings.h>
 #include <breakwater/linear/state_space.h>
 #include <breakwater/rigs/axis_parts.h>
+#include <breakwater/rigs/transmission_settings.h>
 #include <breakwater/world/disturbance.h>
 
 namespace breakwater {
@@ -32,9 +33,10 @@ struct Axis {
   std::string own(const std::string& what) const { return name.empty() ? what : name + "." + what; }
 };
 
-/// The axes of models/motor.xml and models/cart.xml.
+/// The axes of models/motor.xml, models/cart.xml and models/two_inertia.xml, where it is the load.
 Axis motor_axis();
 Axis cart_axis();
+Axis two_inertia_axis();
 
 /// The settings of one axis.
 struct AxisSettings {
@@ -68,6 +70,7 @@ struct AxisSettings {
   double input_noise_std =
       0.0;  ///< standard deviation of a random force that is drawn at each control sample
   int delay_samples = 0;
+  TransmissionSettings transmission;
 
   /// The keys begin with axis.prefix().
   void bind(Fields& fields);
@@ -113,7 +116,8 @@ struct AxisPlant {
 /// std::invalid_argument `ORIGIN: KEY: reason`.
 void check_plant(const AxisPlant& plant, const Config& config);
 
-/// The linear part of the first axis, continuous: its inertia and its viscous friction.
+/// The linear part of the first axis, continuous: its inertia and its viscous friction, or both
+/// inertias of its transmission.
 StateSpace linear_axis(const AxisPlant& plant);
 
 }  // namespace breakwater

@@ -17,14 +17,16 @@ void RegulatorSettings::bind(Fields& fields) {
                 "R: weight on the change of the input; for LQR, on the input");
 }
 
-Eigen::MatrixXd RegulatorSettings::state_weight() const {
-  return Eigen::Vector2d(q_position, q_velocity).asDiagonal();
+Eigen::MatrixXd RegulatorSettings::state_weight(const NominalAxis& axis) const {
+  Eigen::VectorXd weights = Eigen::VectorXd::Zero(axis.plant.states());
+  weights.segment<2>(axis.controlled) << q_position, q_velocity;
+  return weights.asDiagonal();
 }
 
-LqrDesign RegulatorSettings::regulator(const StateSpace& nominal_plant) const {
+LqrDesign RegulatorSettings::regulator(const NominalAxis& axis) const {
   return blame("controller.r", [&] {
-    const StateSpace sampled = zero_order_hold(nominal_plant, period_s);
-    return dlqr(sampled.A, sampled.B, state_weight(), Eigen::MatrixXd::Constant(1, 1, r));
+    const StateSpace sampled = zero_order_hold(axis.plant, period_s);
+    return dlqr(sampled.A, sampled.B, state_weight(axis), Eigen::MatrixXd::Constant(1, 1, r));
   });
 }
 
@@ -134,14 +136,13 @@ PredictiveControlDesign PredictiveSettings::design(const AxisTask& task) const {
   lmpc.B = sampled.B;
   lmpc.prediction_steps = prediction_steps;
   lmpc.control_steps = control_steps;
-  lmpc.Q = weights.state_weight();
-  lmpc.Q_last =
-      last_weight == LastWeight::riccati
-          ? blame("controller.last_weight", [&] { return weights.regulator(axis.plant).P; })
-          : Eigen::MatrixXd(last_factor * lmpc.Q);
+  lmpc.Q = weights.state_weight(axis);
+  lmpc.Q_last = last_weight == LastWeight::riccati
+                    ? blame("controller.last_weight", [&] { return weights.regulator(axis).P; })
+                    : Eigen::MatrixXd(last_factor * lmpc.Q);
   lmpc.R = Eigen::MatrixXd::Constant(1, 1, weights.r);
   if (disturbance_use == DisturbanceUse::predict) {
-    const StateSpace extended = extend_by_disturbance_model(sampled, 0, period_s).sampled;
+    const StateSpace extended = axis.extended(0, period_s).sampled;
     lmpc.A = extended.A;
     lmpc.B = extended.B;
     // Q ⊕ q_d and P ⊕ q_d. The disturbance has no Riccati solution, since no input acts on it.
@@ -161,12 +162,12 @@ PredictiveControlDesign PredictiveSettings::design(const AxisTask& task) const {
     lmpc.input_bounds.push_back({0, input_lower_N, input_upper_N, first_steps(input_steps)});
   }
   if (position_steps > 0) {
-    lmpc.state_bounds.push_back(
-        {0, position_lower_m, position_upper_m, spread_steps(position_steps, prediction_steps)});
+    lmpc.state_bounds.push_back({axis.controlled, position_lower_m, position_upper_m,
+                                 spread_steps(position_steps, prediction_steps)});
   }
   if (velocity_steps > 0) {
-    lmpc.state_bounds.push_back(
-        {1, -velocity_m_s, velocity_m_s, spread_steps(velocity_steps, prediction_steps)});
+    lmpc.state_bounds.push_back({axis.controlled + 1, -velocity_m_s, velocity_m_s,
+                                 spread_steps(velocity_steps, prediction_steps)});
   }
   if (soften_first == SoftenFirst::velocity)
     std::reverse(lmpc.state_bounds.begin(), lmpc.state_bounds.end());
@@ -178,8 +179,10 @@ PredictiveControlDesign PredictiveSettings::design(const AxisTask& task) const {
   design.disturbance_use = disturbance_use;
   design.cancel_at = cancel_at;
   design.samples_per_move = static_cast<int>(std::lround(period_s / axis.period_s));
-  design.reference = task.reference;
-  design.start_state = task.start_state;
+  design.reference = axis.E.size() == 0 ? task.measured_reference() : task.reference;
+  design.start_state = task.start();
+  design.controlled = axis.controlled;
+  design.units = axis.units;
   design.force_limit = axis.force_limit;
 
   const Lmpc trial = blame("controller.prediction_steps", [&] { return Lmpc(lmpc); });

@@ -18,10 +18,10 @@ struct RegulatorSettings {
 
   void bind(Fields& fields);
 
-  /// Weights on position and velocity.
-  Eigen::MatrixXd state_weight() const;
+  /// Weights on position and velocity of the load.
+  Eigen::MatrixXd state_weight(const NominalAxis& axis) const;
   /// The regulator with these weights and r. Throws a WrongKey if there is none.
-  LqrDesign regulator(const StateSpace& nominal_plant) const;
+  LqrDesign regulator(const NominalAxis& axis) const;
 };
 
 enum class LastWeight { factor, riccati };

@@ -318,6 +318,13 @@ void Model::add_mass(const std::string& body, double mass_kg) {
   derive_constants();
 }
 
+void Model::add_gear(int actuator, int joint, double ratio, double motor_inertia) {
+  mjModel& m = *model_;
+  m.actuator_gear[static_cast<std::ptrdiff_t>(6) * actuator] *= ratio;
+  m.dof_armature[m.jnt_dofadr[joint]] += ratio * ratio * motor_inertia;
+  derive_constants();
+}
+
 // The constants that the engine derives from mass and inertia.
 void Model::derive_constants() {
   const DataPointer data = make_data();

@@ -87,6 +87,11 @@ class Model {
   /// derived constants.
   void add_mass(const std::string& body, double mass_kg);
 
+  /// Puts a rigid gear between an actuator and its hinge or slide: the actuator's force counts
+  /// `ratio` times, and its motor adds ratio² · `motor_inertia`. Throws std::invalid_argument if
+  /// the engine cannot compute the derived constants.
+  void add_gear(int actuator, int joint, double ratio, double motor_inertia);
+
   /// Speeds up the search for contacts by with_contact_pairs(), if this changes no contact. After
   /// that, only set_collidable() can change the contact parameters of geoms.
   void list_contacts();

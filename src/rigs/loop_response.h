@@ -7,7 +7,7 @@
 #include <vector>
 
 #include <breakwater/linear/state_space.h>
-#include <breakwater/rigs/axis_parts.h>
+#include <breakwater/rigs/axis_settings.h>
 
 namespace breakwater {
 
@@ -36,10 +36,18 @@ Phasors frequency_response(const PulseResponse& pulses, double omega_rad_s, doub
 struct AxisLoopDesign {
   const AxisParts* parts = nullptr;
   AxisTask task;
-  StateSpace plant;  ///< over one period
-  Eigen::Vector2d start_state = Eigen::Vector2d::Zero();
+  StateSpace plant;             ///< over one period
+  Eigen::VectorXd start_state;  ///< n
   int delay_samples = 0;
 };
+
+/// The loop of a plant with one axis.
+AxisLoopDesign axis_loop_design(const AxisParts& parts, const AxisTask& task,
+                                const AxisPlant& plant);
+
+/// Whether the response to a pulse of `force` grows far beyond its beginning within some thousand
+/// samples. A controller that limits its own command does not grow.
+bool is_unstable(const AxisLoopDesign& design, double force);
 
 /// The responses to a probe of one sample with unit size.
 struct LoopResponse {
@@ -51,6 +59,7 @@ struct LoopResponse {
 struct LoopResponseOrReason {
   std::optional<LoopResponse> response;
   std::string reason;
+  bool is_unstable = false;
 };
 
 /// Determines the response by simulation, with probes of size `force` and `noise`. The loop counts

@@ -1,4 +1,4 @@
-#include <breakwater/analysis/loop_response.h>
+#include <breakwater/rigs/loop_response.h>
 
 #include <algorithm>
 #include <cmath>
@@ -31,7 +31,7 @@ struct ProbeSequence {
 
 PulseResponse run(const AxisLoopDesign& design, const ProbeSequence& probe, std::size_t samples) {
   const AxisLoop loop = design.parts->make(design.task);
-  Eigen::Vector2d x = design.start_state;
+  Eigen::VectorXd x = design.start_state;
   std::deque<double> measured;
   const bool has_full_state = design.task.senses_true_state;
   Sample sample{0.0, Eigen::VectorXd::Zero(has_full_state ? 3 : 1)};
@@ -41,7 +41,7 @@ PulseResponse run(const AxisLoopDesign& design, const ProbeSequence& probe, std:
     measured.push_back((design.plant.C * x)(0) + probe.at(Probe::noise, k));
     if (measured.size() > static_cast<std::size_t>(design.delay_samples) + 1) measured.pop_front();
     sample.y(0) = measured.front();
-    if (has_full_state) sample.y.tail<2>() = x;
+    if (has_full_state) sample.y.tail<2>() = x.head<2>();
   };
   PulseResponse out;
   out.command.reserve(samples);
@@ -145,12 +145,13 @@ std::optional<std::size_t> time_invariant_from(const AxisLoopDesign& design, dou
   return std::nullopt;
 }
 
-// Nothing if the response does not end.
+// Nothing if the response does not end, or runs away.
 std::optional<PulseResponse> whole_response(const AxisLoopDesign& design, Probe probe, double size,
-                                            std::size_t from) {
+                                            std::size_t from, bool& runs_away) {
   for (std::size_t length = kFirstLength; length <= kLongest; length *= 4) {
     PulseResponse pulses = to_pulse(design, probe, size, from, length);
-    if (has_run_away(pulses.command)) return std::nullopt;
+    runs_away = has_run_away(pulses.command);
+    if (runs_away) return std::nullopt;
     if (has_decayed(pulses.command) && has_decayed(pulses.disturbance) &&
         has_decayed(pulses.velocity)) {
       return pulses;
@@ -173,15 +174,45 @@ Phasors frequency_response(const PulseResponse& pulses, double omega_rad_s, doub
   return {sum(pulses.command, back), sum(pulses.disturbance, back), sum(pulses.velocity, back)};
 }
 
+AxisLoopDesign axis_loop_design(const AxisParts& parts, const AxisTask& task,
+                                const AxisPlant& plant) {
+  const AxisSettings& axis = plant.axis();
+  const TransmissionSettings& transmission = axis.transmission;
+  AxisLoopDesign design{&parts,
+                        task,
+                        zero_order_hold(linear_axis(plant), task.axis.period_s),
+                        {},
+                        axis.delay_samples};
+  const Eigen::Vector2d start(axis.start_position, axis.start_velocity);
+  design.start_state.setZero(design.plant.states());
+  design.start_state.head<2>() = start * transmission.measured_ratio();
+  if (design.start_state.size() == 4) {
+    const bool is_load_other = transmission.measured == Side::motor;
+    design.start_state.tail<2>() = start * (is_load_other ? 1.0 : transmission.design.ratio);
+  }
+  return design;
+}
+
+bool is_unstable(const AxisLoopDesign& design, double force) {
+  return has_run_away(to_pulse(design, Probe::force, force, 0, kFirstLength).command);
+}
+
 LoopResponseOrReason loop_response(const AxisLoopDesign& design, double force, double noise) {
+  const char* const unstable = "its response to a pulse grows without bound";
+  if (is_unstable(design, force)) return {{}, unstable, true};
   const std::optional<std::size_t> from = time_invariant_from(design, force);
   if (!from) return {{}, "its response to a pulse depends on the time of the pulse"};
   if (!is_linear(design, Probe::force, force, *from) ||
       !is_linear(design, Probe::noise, noise, *from)) {
     return {{}, "not linear at these amplitudes"};
   }
-  std::optional<PulseResponse> to_force = whole_response(design, Probe::force, force, *from);
-  std::optional<PulseResponse> to_noise = whole_response(design, Probe::noise, noise, *from);
+  bool runs_away = false;
+  std::optional<PulseResponse> to_force =
+      whole_response(design, Probe::force, force, *from, runs_away);
+  if (runs_away) return {{}, unstable, true};
+  std::optional<PulseResponse> to_noise =
+      whole_response(design, Probe::noise, noise, *from, runs_away);
+  if (runs_away) return {{}, unstable, true};
   if (!to_force || !to_noise) return {{}, "the loop does not settle"};
   return {LoopResponse{std::move(*to_force), std::move(*to_noise)}, ""};
 }

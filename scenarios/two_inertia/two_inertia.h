@@ -1,0 +1,46 @@
+// Scenario two_inertia: vibration control of a motor, a spring and a load.
+#pragma once
+
+#include <breakwater/rigs/axis_scenario.h>
+
+namespace breakwater {
+
+/// A motor turns a load through a spring, with an encoder on the motor. The question is how well a
+/// controller moves the load, holds it under a torque, and reverses it through a backlash.
+class TwoInertiaDrive final : public AxisScenario {
+ public:
+  explicit TwoInertiaDrive(const Catalogue& catalogue) : parts_(catalogue, "pd") {}
+
+  std::string name() const override { return "two_inertia"; }
+  std::string summary() const override {
+    return "a motor and a load with a spring between them: vibration, load torque, backlash";
+  }
+  std::vector<std::string> main_metrics() const override {
+    return {"overshoot_rad", "settling_time_s", "residual_vibration_rad_s"};
+  }
+  std::vector<MetricDefinition> metric_definitions() const override;
+  Fields fields() override;
+  void check(const Config& config) override;
+  const RunSettings& run_settings() const override { return plant_.run; }
+  Recording run(const RunControl& control) const override;
+  AxisPlant plant() const override;
+  AxisTask task() const override {
+    return {.axis = plant_.nominal(), .reference = plant().axis().reference};
+  }
+  const AxisParts& parts() const override { return parts_; }
+
+ private:
+  enum class Kind { position_step, torque_step, reversal };
+
+  AxisPlant plant_{two_inertia_axis()};
+  AxisParts parts_;
+  Kind kind_ = Kind::position_step;
+  double reference_rad_ = 0.0;
+  double torque_Nm_ = 0.0;
+  double from_s_ = 0.0;
+  double reversal_s_ = 0.0;
+  double window_from_s_ = 0.0;
+  double settled_within_rad_ = 0.0;
+};
+
+}  // namespace breakwater

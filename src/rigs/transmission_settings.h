@@ -1,0 +1,52 @@
+// The keys of an axis' transmission, and of its nominal model.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include <breakwater/config/fields.h>
+#include <breakwater/rigs/axis_parts.h>
+#include <breakwater/sim/transmission.h>
+
+namespace breakwater {
+
+enum class NominalModel { rigid, motor, two_inertia };
+
+/// The transmission from a motor's joint to the axis' joint, which is the load. Without a stiffness
+/// the transmission is rigid, and the motor has no joint of its own. The nominal model has the
+/// transmission's true ratio.
+struct TransmissionSettings {
+  TransmissionDesign design;
+  std::string motor_joint;
+  double motor_inertia = 0.0;  ///< of a rigid transmission's motor; a joint of its own has one
+  double motor_friction = 0.0;
+  Side measured = Side::load;  ///< the side of the encoder
+
+  NominalModel nominal_model = NominalModel::rigid;
+  double nominal_motor_inertia = 0.0;
+  double nominal_stiffness = 0.0;
+  double nominal_damping = 0.0;
+  double nominal_motor_friction = 0.0;
+
+  /// Keys `transmission.…`, `encoder.side` and `nominal.…`, all with a default value.
+  void bind(Fields& fields, const AxisUnits& units, const std::string& inertia_suffix,
+            const std::string& friction_suffix);
+
+  bool is_elastic() const { return design.stiffness > 0.0; }
+  /// Motion of the measured side for one of the load at rest.
+  double measured_ratio() const { return measured == Side::motor ? design.ratio : 1.0; }
+
+  /// Sets friction and inertia of the motor of the joint `load` and the actuator. Throws a WrongKey
+  /// if the keys contradict each other or the model.
+  void author(Model& model, const std::string& load, const std::string& actuator) const;
+  /// The coupling of the joints of an elastic transmission.
+  std::unique_ptr<Transmission> make(const Model& model, const std::string& load) const;
+  /// The linear part of the plant, without backlash and kinematic error.
+  StateSpace linear(const Model& model, const std::string& load, double load_friction) const;
+
+  /// Sets the plant and its kin in an axis' nominal model, from the load's nominal numbers. Throws
+  /// a WrongKey if a number is missing.
+  void describe(NominalAxis& axis, double load_inertia, double load_friction) const;
+};
+
+}  // namespace breakwater
