@@ -9,6 +9,9 @@
 namespace breakwater {
 namespace {
 
+// A displacement in a step, in bends at which the bristles slide, whose tangent is exact enough.
+constexpr double kSmallBend = 0.05;
+
 int row_of(const mjData& data, int dof) {
   for (int row = data.ne; row < data.ne + data.nf; ++row) {
     if (data.efc_type[row] == mjCNSTR_FRICTION_DOF && data.efc_id[row] == dof) return row;
@@ -26,6 +29,7 @@ JointFriction::JointFriction(Model& model, const std::string& joint,
   dof_ = model->jnt_dofadr[id];
   position_ = model->jnt_qposadr[id];
   step_s_ = model->opt.timestep;
+  inverse_mass_ = model->dof_invweight0[dof_];
   for (int i = 0; i < model->nu; ++i) {
     if (model->actuator_trntype[i] == mjTRN_JOINT && model->actuator_trnid[2 * i] == id) {
       actuators_.emplace_back(i, model->actuator_gear[static_cast<std::ptrdiff_t>(6) * i]);
@@ -71,12 +75,14 @@ void JointFriction::bend(mjData& data, int row) {
   const double level = law_->level(speed, transmitted(data));
   const double stiffness = bristles_.stiffness + bristles_.damping / step_s_;
   double force, inertia;
-  const bool may_reverse = speed * (speed + step_s_ * data.qacc[dof_]) <= 0.0;
-  if (may_reverse) {
+  const double most = level / bristles_.stiffness;
+  const bool may_reverse =
+      std::abs(speed) <= step_s_ * (std::abs(data.qacc[dof_]) + 2.0 * level * inverse_mass_);
+  if (may_reverse && step_s_ * std::abs(speed) > kSmallBend * most) {
     // The steepest line at v⁺ = 0, within the range: it does not pass the standstill.
     const double middle = bristles_.damping / step_s_ * z_;
-    const double range = level * stiffness / bristles_.stiffness;
-    const double slope = 1.0 + std::abs(z_) * bristles_.stiffness / level;
+    const double range = stiffness * most;
+    const double slope = 1.0 + std::abs(z_) / most;
     inertia = stiffness * slope * step_s_ * step_s_;
     force = middle;
     data.efc_aref[row] = (-stiffness * z_) / inertia - speed / step_s_;

@@ -44,6 +44,7 @@ class JointFriction final : public StagedForce {
   int dof_;
   int position_;  // index in qpos
   double step_s_;
+  double inverse_mass_;                            // that the joint has at its model's zero
   std::vector<std::pair<int, double>> actuators_;  // of the joint: index, gear
 
   int stage_ = 0;

@@ -49,6 +49,6 @@ if sigma_0 > 0.0:
                                          rtol=1e-8, atol=[1e-12, 1e-10, 1e-12], max_step=duration / 2000)
     positions = solution.y[0]
 else:
-    positions = set_valued(2e-5)
+    positions = set_valued(5e-5)
 for position in positions:
     print(repr(float(position)))
