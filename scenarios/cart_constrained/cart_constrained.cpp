@@ -40,7 +40,7 @@ Fields CartConstrained::fields() {
                  {"E", CartCondition::E}},
                 "A: nominal. B, C: a force of 1 N or 2 N. D, E: half or one and a half times the "
                 "nominal mass");
-  axis_.bind(fields);
+  plant_.bind(fields);
   fields.number("start.position_m", start_position_m_, any(),
                 "position of the cart at the start [m]");
   fields.number("start.velocity_m_s", start_velocity_m_s_, any(),
@@ -63,10 +63,11 @@ Fields CartConstrained::fields() {
   return fields;
 }
 
-AxisSettings CartConstrained::plant() const {
-  AxisSettings plant = axis_;
-  plant.start_position = start_position_m_;
-  plant.start_velocity = start_velocity_m_s_;
+AxisPlant CartConstrained::plant() const {
+  AxisPlant plant = plant_;
+  plant.axis().start_position = start_position_m_;
+  plant.axis().start_velocity = start_velocity_m_s_;
+  plant.axis().force = disturbance();
   plant.senses_true_state = true;
   if (condition_ == CartCondition::D) plant.inertia_ratio *= 0.5;
   if (condition_ == CartCondition::E) plant.inertia_ratio *= 1.5;
@@ -81,23 +82,23 @@ Disturbance CartConstrained::disturbance() const {
 }
 
 AxisTask CartConstrained::task() const {
-  return {.axis = axis_.nominal(),
+  return {.axis = plant_.nominal(),
           .start_state = {estimated_start_position_m_, estimated_start_velocity_m_s_},
           .senses_true_state = true};
 }
 
 void CartConstrained::check(const Config& config) {
-  check_axis(axis_, config);
+  check_plant(plant_, config);
   parts_.check(config, task());
 }
 
 Recording CartConstrained::run(const RunControl& control) const {
   const AxisLoop loop = parts_.make(task());
-  AxisRig rig(plant(), {.force = disturbance()}, *loop.controller);
+  AxisRig rig(plant(), *loop.controller);
   const Simulation& sim = rig.simulation();
 
   const bool is_pushed = condition_ == CartCondition::B || condition_ == CartCondition::C;
-  const double period_s = axis_.physics.control_period_s;
+  const double period_s = plant_.physics.control_period_s;
   const double from_rest = is_pushed ? disturbance_start_s_ : 0.0;
   WindowStatistics speed(TimeWindow{}), estimated_speed(TimeWindow{}), input(TimeWindow{});
   WindowStatistics speed_error(TimeWindow{});
@@ -139,7 +140,7 @@ Recording CartConstrained::run(const RunControl& control) const {
     add(metrics, "settling_time_s", "s", settling.value());
     return metrics;
   };
-  Recording recording = rig.run(control, axis_, rig.signals(), sample, measured);
+  Recording recording = rig.run(control, rig.signals(), sample, measured);
   if (!recording.failure) add_qp_metrics(*loop.controller, recording);
   return recording;
 }

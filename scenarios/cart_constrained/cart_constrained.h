@@ -36,16 +36,16 @@ class CartConstrained final : public AxisScenario {
   std::vector<MetricDefinition> metric_definitions() const override;
   Fields fields() override;
   void check(const Config& config) override;
-  const RunSettings& run_settings() const override { return axis_.run; }
+  const RunSettings& run_settings() const override { return plant_.run; }
   Recording run(const RunControl& control) const override;
-  AxisSettings plant() const override;
+  AxisPlant plant() const override;
   AxisTask task() const override;
   const AxisParts& parts() const override { return parts_; }
 
  private:
   Disturbance disturbance() const;
 
-  AxisSettings axis_{cart_axis()};
+  AxisPlant plant_{cart_axis()};
   AxisParts parts_;
   CartCondition condition_ = CartCondition::A;
   double start_position_m_ = 0.0;

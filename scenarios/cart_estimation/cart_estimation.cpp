@@ -11,10 +11,10 @@ namespace {
 constexpr double kSettledWithin = 0.05;  // part of the step
 constexpr double kReached = 0.99;        // part of the step
 
-// The settings of the same cart without noise.
-AxisSettings without_noise(AxisSettings settings) {
-  settings.noise_std = settings.input_noise_std = 0.0;
-  return settings;
+// The same cart without noise.
+AxisPlant without_noise(AxisPlant plant) {
+  plant.axis().noise_std = plant.axis().input_noise_std = 0.0;
+  return plant;
 }
 
 // The delay of an estimate, from sums of the disturbance d, its rate and the estimate's error over
@@ -70,11 +70,11 @@ std::vector<MetricDefinition> CartEstimation::metric_definitions() const {
 
 Fields CartEstimation::fields() {
   Fields fields;
-  axis_.bind(fields);
+  plant_.bind(fields);
   parts_.bind(fields);
-  fields.number("task.reference_m", axis_.reference.value, any(),
+  fields.number("task.reference_m", plant_.axis().reference.value, any(),
                 "y_ref: reference of the position [m]");
-  fields.number("task.reference_from_s", axis_.reference.from_s, not_negative(),
+  fields.number("task.reference_from_s", plant_.axis().reference.from_s, not_negative(),
                 "time of the step to the reference [s]");
   fields.choice("disturbance.kind", kind_,
                 {{"step", Kind::step},
@@ -107,7 +107,7 @@ Fields CartEstimation::fields() {
   only_for("sine", {"_N", "_rad_s", "_start_s"});
   only_for("high_sine", {"_N", "_rad_s", "_start_s"});
   fields.number("metrics.from_s", from_s_, not_negative(), "start of the window of the errors [s]");
-  fields.number("metrics.to_s", axis_.judged_to_s, not_negative(),
+  fields.number("metrics.to_s", plant_.judged_to_s, not_negative(),
                 "end of the window of the errors [s]");
   fields.number("metrics.noise_from_s", noise_from_s_, not_negative(),
                 "start of the window of the noise [s]");
@@ -130,10 +130,16 @@ Disturbance CartEstimation::disturbance() const {
   return {};
 }
 
+AxisPlant CartEstimation::plant() const {
+  AxisPlant plant = plant_;
+  plant.axis().force = disturbance();
+  return plant;
+}
+
 void CartEstimation::check(const Config& config) {
-  check_axis(axis_, config);
+  check_plant(plant_, config);
   parts_.check(config, task());
-  if (axis_.judged_to_s <= from_s_)
+  if (plant_.judged_to_s <= from_s_)
     config.fail("metrics.to_s", "must be later than metrics.from_s");
   if (noise_to_s_ <= noise_from_s_) {
     config.fail("metrics.noise_to_s", "must be later than metrics.noise_from_s");
@@ -144,26 +150,26 @@ Recording CartEstimation::run(const RunControl& control) const {
   const Disturbance force = disturbance();
   const AxisLoop loop = parts_.make(task());
   loop.controller->set_watched(control.logs);
-  AxisRig rig(axis_, {.force = force}, *loop.controller);
+  AxisRig rig(plant(), *loop.controller);
   // Also simulate the loop without noise: the difference is the effect of the noise.
   const AxisLoop quiet_loop = parts_.make(task());
   quiet_loop.controller->set_watched(false);
-  AxisRig quiet_rig(without_noise(axis_), {.force = force}, *quiet_loop.controller);
+  AxisRig quiet_rig(without_noise(plant()), *quiet_loop.controller);
   double noise_N = 0.0;
   const Simulation& sim = rig.simulation();
   std::vector<Signal> signals = rig.signals();
   signals.push_back({"d_hat_noise_N", "N",
                      "part of the estimated disturbance that the noise causes", view(noise_N)});
 
-  const double end_s = axis_.run.duration_s;
-  const TimeWindow window = TimeWindow{from_s_, axis_.judged_to_s}.within(end_s);
+  const double end_s = plant_.run.duration_s;
+  const TimeWindow window = TimeWindow{from_s_, plant_.judged_to_s}.within(end_s);
   WindowStatistics error(window), truth(window), position_error(window), noise_in_window(window);
   const TimeWindow noise_window = TimeWindow{noise_from_s_, noise_to_s_}.within(end_s);
   WindowStatistics noise(noise_window);
   // The fit of a sine's delay and gain needs the whole settled time.
   const TimeWindow& lag_window = kind_ == Kind::ramp ? window : noise_window;
   Lag lag;
-  SettlingTime settling(TimeWindow{force.start_s, axis_.judged_to_s}.within_and_on(end_s),
+  SettlingTime settling(TimeWindow{force.start_s, plant_.judged_to_s}.within_and_on(end_s),
                         kSettledWithin * std::abs(force.amplitude));
   ReachTime reach(force.start_s, kReached * std::abs(force.amplitude));
 
@@ -173,7 +179,7 @@ Recording CartEstimation::run(const RunControl& control) const {
   };
   const auto sample = [&](double t) {
     truth.add(t, rig.disturbance());
-    position_error.add(t, axis_.reference.at(t) - sim.qpos()[0]);
+    position_error.add(t, plant_.axis().reference.at(t) - sim.qpos()[0]);
     if (!loop.estimates()) return;
     const double d_hat = loop.estimator->disturbance()(0);
     const double d_error = d_hat - rig.disturbance();
@@ -204,7 +210,7 @@ Recording CartEstimation::run(const RunControl& control) const {
     add(metrics, "steady_state_error_m", "m", position_error.mean());
     return metrics;
   };
-  return rig.run(control, axis_, std::move(signals), step, sample, measured);
+  return rig.run(control, std::move(signals), step, sample, measured);
 }
 
 }  // namespace breakwater

@@ -24,11 +24,11 @@ class CartEstimation final : public AxisScenario {
   std::vector<MetricDefinition> metric_definitions() const override;
   Fields fields() override;
   void check(const Config& config) override;
-  const RunSettings& run_settings() const override { return axis_.run; }
+  const RunSettings& run_settings() const override { return plant_.run; }
   Recording run(const RunControl& control) const override;
-  AxisSettings plant() const override { return axis_; }
+  AxisPlant plant() const override;
   AxisTask task() const override {
-    return {.axis = plant().nominal(), .reference = axis_.reference};
+    return {.axis = plant().nominal(), .reference = plant_.axis().reference};
   }
   const AxisParts& parts() const override { return parts_; }
 
@@ -37,7 +37,7 @@ class CartEstimation final : public AxisScenario {
 
   Disturbance disturbance() const;
 
-  AxisSettings axis_{cart_axis()};
+  AxisPlant plant_{cart_axis()};
   AxisParts parts_;
   Kind kind_ = Kind::step;
   Disturbance step_{.kind = DisturbanceKind::step};

@@ -35,14 +35,14 @@ std::vector<MetricDefinition> CartOffsetFree::metric_definitions() const {
 
 Fields CartOffsetFree::fields() {
   Fields fields;
-  axis_.bind(fields);
+  plant_.bind(fields);
   fields.flag("noise.enabled", noise_, "add the noise");
   fields.only_where({"noise.std_m", "noise.input_std_N"}, "noise.enabled is true",
                     [this] { return noise_; });
   parts_.bind(fields);
-  fields.number("reference.position_m", axis_.reference.value, any(),
+  fields.number("reference.position_m", plant_.axis().reference.value, any(),
                 "r: reference of the position [m]");
-  fields.number("reference.start_s", axis_.reference.from_s, not_negative(),
+  fields.number("reference.start_s", plant_.axis().reference.from_s, not_negative(),
                 "time of the step of the reference from 0 to r [s]");
   fields.number("disturbance.input_N", disturbance_N_, any(),
                 "d_i: input disturbance, which opposes the drive [N]");
@@ -52,45 +52,49 @@ Fields CartOffsetFree::fields() {
                 "time at which both disturbances begin [s]");
   fields.number("metrics.from_s", from_s_, not_negative(),
                 "start of the window of the means of the errors [s]");
-  fields.number("metrics.to_s", axis_.judged_to_s, not_negative(),
+  fields.number("metrics.to_s", plant_.judged_to_s, not_negative(),
                 "end of the window of the means of the errors [s]");
   fields.number("metrics.settled_within", settled_within_, positive(),
                 "relative distance from r within which y counts as settled before the disturbance");
   return fields;
 }
 
-AxisSettings CartOffsetFree::plant() const {
-  AxisSettings plant = axis_;
-  if (!noise_) plant.noise_std = plant.input_noise_std = 0.0;
+AxisPlant CartOffsetFree::plant() const {
+  AxisPlant plant = plant_;
+  AxisSettings& axis = plant.axis();
+  if (!noise_) axis.noise_std = axis.input_noise_std = 0.0;
+  const auto step = [&](double amplitude) {
+    return Disturbance{DisturbanceKind::step, amplitude, 0.0, disturbance_start_s_};
+  };
+  axis.force = step(disturbance_N_);
+  axis.output = step(output_disturbance_m_);
   return plant;
 }
 
 void CartOffsetFree::check(const Config& config) {
-  check_axis(axis_, config);
+  check_plant(plant_, config);
   parts_.check(config, task());
-  if (axis_.judged_to_s <= from_s_)
+  if (plant_.judged_to_s <= from_s_)
     config.fail("metrics.to_s", "must be later than metrics.from_s");
 }
 
 Recording CartOffsetFree::run(const RunControl& control) const {
   const AxisLoop loop = parts_.make(task());
-  const auto step = [&](double amplitude) {
-    return Disturbance{DisturbanceKind::step, amplitude, 0.0, disturbance_start_s_};
-  };
-  AxisRig rig(plant(), {step(disturbance_N_), step(output_disturbance_m_)}, *loop.controller);
+  AxisRig rig(plant(), *loop.controller);
   const Simulation& sim = rig.simulation();
 
-  const double end_s = axis_.run.duration_s;
-  const TimeWindow window = TimeWindow{from_s_, axis_.judged_to_s}.within(end_s);
+  const double end_s = plant_.run.duration_s;
+  const TimeWindow window = TimeWindow{from_s_, plant_.judged_to_s}.within(end_s);
   WindowStatistics error(window), true_error(window), d_hat(window), d_error(window);
   WindowStatistics position_in_window(window), estimate_error(TimeWindow{});
-  WindowStatistics early_d_hat(TimeWindow{axis_.reference.from_s}.within(end_s));
+  const StepReference& reference = plant_.axis().reference;
+  WindowStatistics early_d_hat(TimeWindow{reference.from_s}.within(end_s));
   WindowStatistics speed(TimeWindow{}), input(TimeWindow{}), position(TimeWindow{});
-  SettlingTime settling(TimeWindow{axis_.reference.from_s, disturbance_start_s_}.within(end_s),
-                        settled_within_ * std::abs(axis_.reference.value));
+  SettlingTime settling(TimeWindow{reference.from_s, disturbance_start_s_}.within(end_s),
+                        settled_within_ * std::abs(reference.value));
 
   const auto sample = [&](double t) {
-    const double r = axis_.reference.at(t);
+    const double r = reference.at(t);
     const double y = sim.sample().y(0);
     error.add(t, y - r);
     true_error.add(t, sim.qpos()[0] - r);
@@ -121,7 +125,7 @@ Recording CartOffsetFree::run(const RunControl& control) const {
     add(metrics, "rms_disturbance_error_N", "N", d_error.rms());
     return metrics;
   };
-  Recording recording = rig.run(control, axis_, rig.signals(), sample, measured);
+  Recording recording = rig.run(control, rig.signals(), sample, measured);
   if (!recording.failure) add_qp_metrics(*loop.controller, recording);
   return recording;
 }

@@ -34,15 +34,15 @@ std::vector<MetricDefinition> CartPosition::metric_definitions() const {
 
 Fields CartPosition::fields() {
   Fields fields;
-  axis_.bind(fields);
+  plant_.bind(fields);
   parts_.bind(fields);
-  fields.number("task.reference_m", axis_.reference.value, any(),
+  fields.number("task.reference_m", plant_.axis().reference.value, any(),
                 "y_ref: reference of the position [m]");
-  fields.number("task.reference_from_s", axis_.reference.from_s, not_negative(),
+  fields.number("task.reference_from_s", plant_.axis().reference.from_s, not_negative(),
                 "time of the step to the reference [s]");
   fields.number("metrics.from_s", from_s_, not_negative(),
                 "start of the window of the steady state [s]");
-  fields.number("metrics.to_s", axis_.judged_to_s, not_negative(),
+  fields.number("metrics.to_s", plant_.judged_to_s, not_negative(),
                 "end of the window of the steady state [s]");
   fields.number(
       "metrics.settled_within", settled_within_, positive(),
@@ -54,33 +54,34 @@ Fields CartPosition::fields() {
 }
 
 void CartPosition::check(const Config& config) {
-  check_axis(axis_, config);
+  check_plant(plant_, config);
   parts_.check(config, task());
   config.blame("metrics.high_pass_Hz",
-               [&] { HighPass(high_pass_Hz_, axis_.physics.control_period_s); });
-  if (axis_.judged_to_s <= from_s_)
+               [&] { HighPass(high_pass_Hz_, plant_.physics.control_period_s); });
+  if (plant_.judged_to_s <= from_s_)
     config.fail("metrics.to_s", "must be later than metrics.from_s");
 }
 
 Recording CartPosition::run(const RunControl& control) const {
   const AxisLoop loop = parts_.make(task());
   loop.controller->set_watched(control.logs);
-  AxisRig rig(axis_, {}, *loop.controller);
+  AxisRig rig(plant_, *loop.controller);
   const Simulation& sim = rig.simulation();
 
-  HighPass high_pass(high_pass_Hz_, axis_.physics.control_period_s);
+  HighPass high_pass(high_pass_Hz_, plant_.physics.control_period_s);
   double high_passed_N = 0.0;
   std::vector<Signal> signals = rig.signals();
   signals.push_back({"d_hat_highpass_N", "N", "the estimated disturbance behind a high-pass",
                      view(high_passed_N)});
 
-  const double end_s = axis_.run.duration_s;
-  const TimeWindow window = TimeWindow{from_s_, axis_.judged_to_s}.within(end_s);
+  const double end_s = plant_.run.duration_s;
+  const TimeWindow window = TimeWindow{from_s_, plant_.judged_to_s}.within(end_s);
   WindowStatistics error(window), input_step(window), noise(TimeWindow{}), position(TimeWindow{});
   double last_input = 0.0;
-  ReachTime rise(axis_.reference.from_s, kRisen * axis_.coulomb_friction);
-  SettlingTime settling(TimeWindow{axis_.reference.from_s, axis_.judged_to_s}.within_and_on(end_s),
-                        settled_within_ * std::abs(axis_.reference.value));
+  const StepReference& reference = plant_.axis().reference;
+  ReachTime rise(reference.from_s, kRisen * plant_.axis().coulomb_friction);
+  SettlingTime settling(TimeWindow{reference.from_s, plant_.judged_to_s}.within_and_on(end_s),
+                        settled_within_ * std::abs(reference.value));
 
   const auto sample = [&](double t) {
     if (loop.estimates()) {
@@ -89,7 +90,7 @@ Recording CartPosition::run(const RunControl& control) const {
       high_passed_N = high_pass.update(d_hat);
       noise.add(t, high_passed_N);
     }
-    const double missing = axis_.reference.at(t) - sim.qpos()[0];
+    const double missing = reference.at(t) - sim.qpos()[0];
     const double input = sim.actuation()(0);
     error.add(t, missing);
     settling.add(t, missing);
@@ -107,7 +108,7 @@ Recording CartPosition::run(const RunControl& control) const {
     add(metrics, "max_position_m", "m", position.largest());
     return metrics;
   };
-  Recording recording = rig.run(control, axis_, std::move(signals), sample, measured);
+  Recording recording = rig.run(control, std::move(signals), sample, measured);
   if (!recording.failure) add_qp_metrics(*loop.controller, recording);
   return recording;
 }

@@ -22,16 +22,16 @@ class CartPosition final : public AxisScenario {
   std::vector<MetricDefinition> metric_definitions() const override;
   Fields fields() override;
   void check(const Config& config) override;
-  const RunSettings& run_settings() const override { return axis_.run; }
+  const RunSettings& run_settings() const override { return plant_.run; }
   Recording run(const RunControl& control) const override;
-  AxisSettings plant() const override { return axis_; }
+  AxisPlant plant() const override { return plant_; }
   AxisTask task() const override {
-    return {.axis = plant().nominal(), .reference = axis_.reference};
+    return {.axis = plant().nominal(), .reference = plant_.axis().reference};
   }
   const AxisParts& parts() const override { return parts_; }
 
  private:
-  AxisSettings axis_{cart_axis()};
+  AxisPlant plant_{cart_axis()};
   AxisParts parts_;
   double from_s_ = 0.0;
   double settled_within_ = 0.0;

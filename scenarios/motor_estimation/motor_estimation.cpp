@@ -49,9 +49,10 @@ std::vector<MetricDefinition> MotorEstimation::metric_definitions() const {
 
 Fields MotorEstimation::fields() {
   Fields fields;
-  axis_.bind(fields);
+  plant_.bind(fields);
   parts_.bind(fields);
-  fields.choice("disturbance.kind", disturbance_.kind,
+  Disturbance& disturbance = plant_.axis().force;
+  fields.choice("disturbance.kind", disturbance.kind,
                 {{"none", DisturbanceKind::none},
                  {"step", DisturbanceKind::step},
                  {"ramp", DisturbanceKind::ramp},
@@ -59,10 +60,10 @@ Fields MotorEstimation::fields() {
                  {"two_sines", DisturbanceKind::two_sines},
                  {"chirp", DisturbanceKind::chirp}},
                 "shape of the disturbance");
-  fields.number("disturbance.amplitude_Nm", disturbance_.amplitude, any(),
+  fields.number("disturbance.amplitude_Nm", disturbance.amplitude, any(),
                 "amplitude of a step, sine or chirp [N m]; slope of a ramp [N m/s]");
   fields.number(
-      "disturbance.frequency_rad_s", disturbance_.frequency_rad_s, any(),
+      "disturbance.frequency_rad_s", disturbance.frequency_rad_s, any(),
       "frequency of a sine, of the first of two sines, or of a chirp at its start [rad/s]");
   fields.only_for({"disturbance.amplitude_Nm"}, "disturbance.kind",
                   {"step", "ramp", "sine", "two_sines", "chirp"});
@@ -74,19 +75,19 @@ Fields MotorEstimation::fields() {
     fields.standard(key, {standard});
     fields.only_for({key}, "disturbance.kind", {kind});
   };
-  bind_for("two_sines", "disturbance.second_amplitude_Nm", disturbance_.second_amplitude, 2.0,
-           any(), "amplitude of the second sine [N m]");
-  bind_for("two_sines", "disturbance.second_frequency_rad_s", disturbance_.second_frequency_rad_s,
+  bind_for("two_sines", "disturbance.second_amplitude_Nm", disturbance.second_amplitude, 2.0, any(),
+           "amplitude of the second sine [N m]");
+  bind_for("two_sines", "disturbance.second_frequency_rad_s", disturbance.second_frequency_rad_s,
            5.0, any(), "frequency of the second sine [rad/s]");
-  bind_for("chirp", "disturbance.end_frequency_rad_s", disturbance_.end_frequency_rad_s, 5.0, any(),
+  bind_for("chirp", "disturbance.end_frequency_rad_s", disturbance.end_frequency_rad_s, 5.0, any(),
            "frequency that a chirp reaches at a constant rate and then keeps [rad/s]");
-  bind_for("chirp", "disturbance.sweep_s", disturbance_.sweep_s, 9.0, positive(),
+  bind_for("chirp", "disturbance.sweep_s", disturbance.sweep_s, 9.0, positive(),
            "time that a chirp takes to reach its last frequency [s]");
-  fields.number("disturbance.start_s", disturbance_.start_s, not_negative(),
+  fields.number("disturbance.start_s", disturbance.start_s, not_negative(),
                 "time at which the disturbance begins [s]");
   fields.number("metrics.from_s", from_s_, not_negative(),
                 "start of the window of the errors, and end of the window of the transient [s]");
-  fields.number("metrics.to_s", axis_.judged_to_s, not_negative(),
+  fields.number("metrics.to_s", plant_.judged_to_s, not_negative(),
                 "end of the window of the errors [s]");
   fields.number(
       "metrics.settled_within", settled_within_, positive(),
@@ -96,15 +97,15 @@ Fields MotorEstimation::fields() {
 }
 
 void MotorEstimation::check(const Config& config) {
-  check_axis(axis_, config);
+  check_plant(plant_, config);
   parts_.check(config, task());
-  if (axis_.judged_to_s <= from_s_)
+  if (plant_.judged_to_s <= from_s_)
     config.fail("metrics.to_s", "must be later than metrics.from_s");
 }
 
 Recording MotorEstimation::run(const RunControl& control) const {
   const AxisLoop loop = parts_.make(task());
-  AxisRig rig(axis_, {.force = disturbance_}, *loop.controller);
+  AxisRig rig(plant_, *loop.controller);
   const Simulation& sim = rig.simulation();
   // For comparison with tables of a differentiated encoder. The controller does not use it.
   double raw_velocity = 0.0;
@@ -117,9 +118,10 @@ Recording MotorEstimation::run(const RunControl& control) const {
   signals.push_back(
       {"measurement_error_rad", "rad", "sampled minus true angle", view(measurement_error)});
 
-  const double start_s = disturbance_.start_s;
-  const double end_s = axis_.run.duration_s;
-  const TimeWindow window = TimeWindow{from_s_, axis_.judged_to_s}.within(end_s);
+  const Disturbance& disturbance = plant_.axis().force;
+  const double start_s = disturbance.start_s;
+  const double end_s = plant_.run.duration_s;
+  const TimeWindow window = TimeWindow{from_s_, plant_.judged_to_s}.within(end_s);
   const TimeWindow transient = TimeWindow{start_s, from_s_}.within(end_s);
   WindowStatistics velocity_error(window), position_error(window), disturbance_error(window);
   WindowStatistics raw_velocity_error(window), transient_error(transient);
@@ -129,8 +131,8 @@ Recording MotorEstimation::run(const RunControl& control) const {
   WindowStatistics slowest_pole(window);
   const std::span<const double> lambda_now = published(signals, "lambda");
   const std::span<const double> poles = published(signals, "poles_continuous_re_rad_s");
-  SettlingTime settling(TimeWindow{start_s, axis_.judged_to_s}.within_and_on(end_s),
-                        settled_within_ * std::abs(disturbance_.amplitude));
+  SettlingTime settling(TimeWindow{start_s, plant_.judged_to_s}.within_and_on(end_s),
+                        settled_within_ * std::abs(disturbance.amplitude));
 
   const auto step = [&](std::int64_t k) {
     loop.controller->set_watched(control.logs || window.contains(sim.time_of(k)));
@@ -138,7 +140,7 @@ Recording MotorEstimation::run(const RunControl& control) const {
   };
   const auto sample = [&](double t) {
     const double angle = sim.sample().y(0);
-    raw_velocity = sim.steps() == 1 ? 0.0 : (angle - last_angle) / axis_.physics.control_period_s;
+    raw_velocity = sim.steps() == 1 ? 0.0 : (angle - last_angle) / plant_.physics.control_period_s;
     last_angle = angle;
     measurement_error = angle - sim.qpos()[0];
     raw_velocity_error.add(t, raw_velocity - sim.qvel()[0]);
@@ -168,7 +170,7 @@ Recording MotorEstimation::run(const RunControl& control) const {
     add(metrics, "peak_position_rad", "rad", position.peak());
     add(metrics, "rms_position_rad", "rad", disturbed_position.rms());
     add(metrics, "rms_torque_Nm", "N m", torque.rms());
-    if (disturbance_.kind == DisturbanceKind::step) {
+    if (disturbance.kind == DisturbanceKind::step) {
       add(metrics, "disturbance_settling_time_s", "s", settling.value());
     }
     add(metrics, "transient_rmse_disturbance_Nm", "N m", transient_error.rms());
@@ -177,7 +179,7 @@ Recording MotorEstimation::run(const RunControl& control) const {
     add(metrics, "slowest_pole_continuous_rad_s", "rad/s", slowest_pole.mean());
     return metrics;
   };
-  return rig.run(control, axis_, std::move(signals), step, sample, measured);
+  return rig.run(control, std::move(signals), step, sample, measured);
 }
 
 }  // namespace breakwater

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <breakwater/rigs/axis_scenario.h>
-#include <breakwater/world/disturbance.h>
 
 namespace breakwater {
 
@@ -23,16 +22,15 @@ class MotorEstimation final : public AxisScenario {
   std::vector<MetricDefinition> metric_definitions() const override;
   Fields fields() override;
   void check(const Config& config) override;
-  const RunSettings& run_settings() const override { return axis_.run; }
+  const RunSettings& run_settings() const override { return plant_.run; }
   Recording run(const RunControl& control) const override;
-  AxisSettings plant() const override { return axis_; }
-  AxisTask task() const override { return {.axis = axis_.nominal()}; }
+  AxisPlant plant() const override { return plant_; }
+  AxisTask task() const override { return {.axis = plant_.nominal()}; }
   const AxisParts& parts() const override { return parts_; }
 
  private:
-  AxisSettings axis_{motor_axis()};
+  AxisPlant plant_{motor_axis()};
   AxisParts parts_;
-  Disturbance disturbance_;
   double from_s_ = 0.0;
   double settled_within_ = 0.0;
 };

@@ -122,7 +122,7 @@ int analyze(const Catalogue& catalogue, Arguments arguments, const std::string& 
   const fs::path folder =
       arguments.out.empty() ? fs::path("runs") / kAnalyze / kind.name : fs::path(arguments.out);
   write_analysis(results, kind.name, file.cases(), command,
-                 loops.front().scenario->plant().axis.units, folder);
+                 loops.front().scenario->plant().axis().axis.units, folder);
   if (arguments.quiet) return kSuccess;
   for (const LoopAnalysis& loop : results) {
     if (loop.designed.reason.empty()) continue;

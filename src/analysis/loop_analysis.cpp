@@ -75,19 +75,19 @@ void judge(LoopCurve& curve, bool estimates) {
 
 double noise_amplitude(const AxisScenario& scenario, const AnalysisOptions& options) {
   if (options.noise_amplitude > 0.0) return options.noise_amplitude;
-  return std::max(kSmallNoise, kNoiseCounts * scenario.plant().quantum());
+  return std::max(kSmallNoise, kNoiseCounts * scenario.plant().axis().quantum());
 }
 
 LoopCurve designed_curve(const AxisScenario& scenario, const AnalysisOptions& options,
                          double to_rad_s) {
-  const AxisSettings plant = scenario.plant();
+  const AxisPlant plant = scenario.plant();
   const AxisTask task = scenario.task();
   const double period_s = task.axis.period_s;
   const AxisLoopDesign design{&scenario.parts(),
                               task,
                               zero_order_hold(linear_axis(plant), period_s),
-                              {plant.start_position, plant.start_velocity},
-                              plant.delay_samples};
+                              {plant.axis().start_position, plant.axis().start_velocity},
+                              plant.axis().delay_samples};
   const LoopResponseOrReason found =
       loop_response(design, options.force_amplitude, noise_amplitude(scenario, options));
   LoopCurve curve;

@@ -71,11 +71,12 @@ SineResponse measure_sine(const AxisScenario& scenario, const SineTest& test) {
   Probed probed(loop, test.probe, test.amplitude, omega_per_sample);
   SineResponse response;
   response.omega_rad_s = omega_per_sample / period_s;
-  AxisDisturbances disturbances;
+  AxisPlant plant = scenario.plant();
+  for (AxisSettings& axis : plant.axes) axis.force = axis.output = {};
   if (test.probe == Probe::noise) {
-    disturbances.position = {DisturbanceKind::sine, test.amplitude, response.omega_rad_s, 0.0};
+    plant.axis().output = {DisturbanceKind::sine, test.amplitude, response.omega_rad_s, 0.0};
   }
-  AxisRig rig(scenario.plant(), disturbances, probed);
+  AxisRig rig(plant, probed);
 
   std::size_t saturated = 0, taken = 0;
   const auto run_until = [&](std::size_t samples_in_all) {

@@ -194,8 +194,14 @@ void Config::apply(const Entries& overrides) {
   for (const auto& [key, entry] : overrides) entries_[key] = entry;
 }
 
+Config Config::under(const std::string& prefix) const {
+  Config inner = *this;
+  inner.prefix_ += prefix;
+  return inner;
+}
+
 const ConfigEntry* Config::find(const std::string& key) const {
-  const auto found = entries_.find(key);
+  const auto found = entries_.find(prefix_ + key);
   return found != entries_.end() ? &found->second : nullptr;
 }
 
@@ -226,8 +232,8 @@ std::string Config::find_file_of(const std::string& key, const std::string& name
 
 void Config::fail(const std::string& key, const std::string& message) const {
   const ConfigEntry* entry = find(whole_key(key));
-  throw std::invalid_argument((entry != nullptr ? entry->origin : file_) + ": " + key + ": " +
-                              message);
+  throw std::invalid_argument((entry != nullptr ? entry->origin : file_) + ": " + prefix_ + key +
+                              ": " + message);
 }
 
 ScenarioFile::ScenarioFile(const std::string& file, const std::string& scenario) : file_(file) {

@@ -45,6 +45,10 @@ class Config {
 
   void remove(const std::string& key) { entries_.erase(key); }
 
+  /// The same values, where each key is found and reported with `prefix` before it: "joint" in
+  /// under("axis.x.") is "axis.x.joint".
+  Config under(const std::string& prefix) const;
+
   const ConfigEntry* find(const std::string& key) const;
   /// The number of a key; nothing if the key is missing or is not a number.
   std::optional<double> number(const std::string& key) const;
@@ -71,6 +75,7 @@ class Config {
  private:
   std::string file_;
   std::map<std::string, ConfigEntry> entries_;
+  std::string prefix_;
 };
 
 /// The key without its element: "a.b" for "a.b[2]" and for "a.b[2][1]". They count from 1.

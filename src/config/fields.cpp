@@ -246,7 +246,8 @@ void Fields::add_choice(const std::string& key, const std::vector<std::string>& 
             [print = std::move(print)] { return toml_string(print()); }});
 }
 
-void Fields::add(const std::string& key, Variable variable) {
+void Fields::add(const std::string& name, Variable variable) {
+  const std::string key = prefix_ + name;
   auto field = std::find_if(fields_.begin(), fields_.end(),
                             [&](const Field& other) { return other.key == key; });
   if (field == fields_.end()) field = fields_.insert(field, Field{key, {}});
@@ -264,7 +265,8 @@ const Fields::Field* Fields::find(const std::string& key) const {
 
 // The variables that a statement on a key concerns: that of the part being bound, or all outside of
 // parts.
-std::vector<Fields::Variable*> Fields::at(const std::string& key) {
+std::vector<Fields::Variable*> Fields::at(const std::string& name) {
+  const std::string key = prefix_ + name;
   std::vector<Variable*> variables;
   for (Field& field : fields_) {
     if (field.key != key) continue;
@@ -280,8 +282,9 @@ void Fields::standard(const std::string& key, const ConfigValue& value) {
   for (Variable* variable : at(key)) variable->standard = value;
 }
 
-void Fields::only_for(const std::vector<std::string>& keys, const std::string& choice,
+void Fields::only_for(const std::vector<std::string>& keys, const std::string& choice_name,
                       const std::vector<std::string>& names) {
+  const std::string choice = prefix_ + choice_name;
   add_condition(keys, {fmt::format("{} is {}", choice, fmt::join(names, " or ")),
                        [choice, names](const Fields& fields) {
                          return std::any_of(names.begin(), names.end(), [&](const auto& name) {

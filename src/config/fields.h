@@ -66,8 +66,8 @@ class Fields {
   /// The keys that are bound during its life belong to the part `name` of the choice `choice`.
   class OfPart {
    public:
-    OfPart(Fields& fields, std::string choice, std::string name) : fields_(fields) {
-      fields_.part_ = {std::move(choice), std::move(name)};
+    OfPart(Fields& fields, const std::string& choice, std::string name) : fields_(fields) {
+      fields_.part_ = {fields.prefix_ + choice, std::move(name)};
     }
     OfPart(const OfPart&) = delete;
     OfPart& operator=(const OfPart&) = delete;
@@ -75,6 +75,22 @@ class Fields {
 
    private:
     Fields& fields_;
+  };
+
+  /// During its life, all keys of binding functions begin with `prefix` ("axis.x."), also those of
+  /// choices and parts. Config::under() then finds the values.
+  class Under {
+   public:
+    Under(Fields& fields, const std::string& prefix) : fields_(fields), outer_(fields.prefix_) {
+      fields_.prefix_ += prefix;
+    }
+    Under(const Under&) = delete;
+    Under& operator=(const Under&) = delete;
+    ~Under() { fields_.prefix_ = outer_; }
+
+   private:
+    Fields& fields_;
+    std::string outer_;
   };
 
   void number(const std::string& key, double& target, const Range& range, const std::string& doc);
@@ -111,9 +127,9 @@ class Fields {
   /// Sets the default value of a key. The file may then leave out the key.
   void standard(const std::string& key, const ConfigValue& value);
 
-  /// States that `keys` have an effect only if the choice `choice` has one of the values `names`.
-  /// If a key has several such statements, all of them must hold.
-  void only_for(const std::vector<std::string>& keys, const std::string& choice,
+  /// States that `keys` have an effect only if the choice `choice_name` has one of the values
+  /// `names`. If a key has several such statements, all of them must hold.
+  void only_for(const std::vector<std::string>& keys, const std::string& choice_name,
                 const std::vector<std::string>& names);
   /// The same for the condition `holds`. `condition` is its text.
   void only_where(const std::vector<std::string>& keys, const std::string& condition,
@@ -183,9 +199,9 @@ class Fields {
 
   // Assigns every key of the config. Returns the missing keys that the chosen parts need.
   std::vector<const Field*> assign_all(const Config& config);
-  void add(const std::string& key, Variable variable);
+  void add(const std::string& name, Variable variable);
   const Field* find(const std::string& key) const;
-  std::vector<Variable*> at(const std::string& key);
+  std::vector<Variable*> at(const std::string& name);
   void add_condition(const std::vector<std::string>& keys, const Condition& condition);
   // Whether the choice `choice` is there and chooses `name`.
   bool has_chosen(const std::string& choice, const std::string& name) const;
@@ -207,7 +223,8 @@ class Fields {
                   const std::string& doc);
 
   std::vector<Field> fields_;
-  Part part_;  // the part whose keys are being bound
+  Part part_;           // the part whose keys are being bound
+  std::string prefix_;  // of the keys that are being bound
 };
 
 }  // namespace breakwater

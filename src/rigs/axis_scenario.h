@@ -11,7 +11,7 @@ namespace breakwater {
 class AxisScenario : public Scenario {
  public:
   /// The plant of this case.
-  virtual AxisSettings plant() const = 0;
+  virtual AxisPlant plant() const = 0;
   /// The task of its controller.
   virtual AxisTask task() const = 0;
   /// The choice of its estimator and controller.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
+#include <utility>
 
 #include <breakwater/plants/quadrotor.h>
 #include <breakwater/sim/engine_guard.h>
@@ -24,6 +25,36 @@ void check(const SensorChannel& channel) {
   }
 }
 
+bool is_of_joint(Reading reading) {
+  return reading == Reading::joint_position || reading == Reading::joint_velocity;
+}
+
+// The place of a channel's value in the engine's data, and whether it is computed only at the end
+// of a step. Throws if the model does not have it.
+std::pair<int, bool> place(const Model& model, const SensorChannel& channel) {
+  if (is_of_joint(channel.reading)) {
+    const int joint = model.id(mjOBJ_JOINT, channel.sensor);
+    if (model->jnt_type[joint] != mjJNT_HINGE && model->jnt_type[joint] != mjJNT_SLIDE) {
+      throw std::invalid_argument(model.file() + ": joint \"" + channel.sensor +
+                                  "\" is no hinge or slide");
+    }
+    return {channel.reading == Reading::joint_position ? model->jnt_qposadr[joint]
+                                                       : model->jnt_dofadr[joint],
+            false};
+  }
+  const int id = model.id(mjOBJ_SENSOR, channel.sensor);
+  if (channel.component < 0 || channel.component >= model->sensor_dim[id]) {
+    throw std::invalid_argument(model.file() + ": sensor \"" + channel.sensor + "\" has no value " +
+                                std::to_string(channel.component));
+  }
+  if (channel.reading != Reading::component &&
+      (model->sensor_dim[id] != 4 || channel.component != 0)) {
+    throw std::invalid_argument(model.file() + ": sensor \"" + channel.sensor +
+                                "\" is no quaternion");
+  }
+  return {model->sensor_adr[id] + channel.component, model->sensor_needstage[id] == mjSTAGE_ACC};
+}
+
 }  // namespace
 
 Sensing::Sensing(const Model& model, const SensingSetup& setup)
@@ -31,20 +62,11 @@ Sensing::Sensing(const Model& model, const SensingSetup& setup)
   channels_.reserve(setup.channels.size());
   for (const SensorChannel& channel : setup.channels) {
     check(channel);
-    const int id = model.id(mjOBJ_SENSOR, channel.sensor);
-    if (channel.component < 0 || channel.component >= model->sensor_dim[id]) {
-      throw std::invalid_argument(model.file() + ": sensor \"" + channel.sensor +
-                                  "\" has no value " + std::to_string(channel.component));
-    }
-    if (channel.reading != Reading::component &&
-        (model->sensor_dim[id] != 4 || channel.component != 0)) {
-      throw std::invalid_argument(model.file() + ": sensor \"" + channel.sensor +
-                                  "\" is no quaternion");
-    }
-    const bool is_late = model->sensor_needstage[id] == mjSTAGE_ACC || channel.low_pass_s > 0.0 ||
-                         channel.body.is_on() || channel.electronics.is_on();
-    channels_.push_back({channel, model->sensor_adr[id] + channel.component, is_late,
-                         Resonance(channel.body, step_s_), LowPass(channel.low_pass_s, step_s_),
+    const auto [address, is_of_acceleration] = place(model, channel);
+    const bool is_late = is_of_acceleration || channel.low_pass_s > 0.0 || channel.body.is_on() ||
+                         channel.electronics.is_on();
+    channels_.push_back({channel, address, is_late, Resonance(channel.body, step_s_),
+                         LowPass(channel.low_pass_s, step_s_),
                          SampledReading(channel.electronics, step_s_, setup.seed, channel.name),
                          Noise(setup.seed, channel.name), DelayLine(channel.delay_samples)});
   }
@@ -58,6 +80,8 @@ Sensing::Sensing(const Model& model, const SensingSetup& setup)
 }
 
 double Sensing::Channel::read(const mjData& data) const {
+  if (setup.reading == Reading::joint_position) return data.qpos[address];
+  if (setup.reading == Reading::joint_velocity) return data.qvel[address];
   const mjtNum* values = data.sensordata + address;
   if (setup.reading == Reading::component) return *values;
   const Eigen::Vector3d angles = roll_pitch_yaw(Eigen::Map<const Eigen::Vector4d>(values));

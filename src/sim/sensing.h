@@ -23,7 +23,9 @@ enum class Reading {
   component,  ///< one of the values
   roll,       ///< angles of a frame quaternion, continuous over whole turns
   pitch,
-  yaw
+  yaw,
+  joint_position,  ///< of the hinge or slide that `sensor` names
+  joint_velocity
 };
 
 /// One entry of a sample, from a MuJoCo sensor. The value passes these stages: true → body →
@@ -35,7 +37,7 @@ enum class Reading {
 /// physics step. The engine computes them only at the end of a step.
 struct SensorChannel {
   std::string name;    ///< name for the user: "q1", "force"
-  std::string sensor;  ///< name of the MJCF sensor
+  std::string sensor;  ///< name of the MJCF sensor, or of the joint
   int component = 0;   ///< index in the sensor's values
   Reading reading = Reading::component;
   SensorBody body;          ///< body of a force sensor; default: no resonance
@@ -95,7 +97,7 @@ class Sensing {
     double read(const mjData& data) const;
 
     SensorChannel setup;
-    int address;   // index in sensordata
+    int address;   // index in sensordata, or in the state
     bool is_late;  // computed only at the end of a step
     Resonance body;
     LowPass filter;
