@@ -12,6 +12,7 @@
 #include <breakwater/record/held_reference.h>
 #include <breakwater/rigs/axis_settings.h>
 #include <breakwater/sim/joint_force.h>
+#include <breakwater/sim/joint_friction.h>
 #include <breakwater/sim/simulation.h>
 
 namespace breakwater {
@@ -83,6 +84,7 @@ class AxisRig {
     std::size_t qvel;
     Eigen::Index actuator;
     std::unique_ptr<JointForce> force;
+    std::unique_ptr<JointFriction> friction;  // null: the engine's
     Noise input_noise;
     double input_noise_value = 0.0;
     double disturbance = 0.0;

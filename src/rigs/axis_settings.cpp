@@ -56,6 +56,7 @@ void AxisSettings::bind(Fields& fields) {
                 "0: none [" + u.force + "]");
   fields.number("drive." + key("resolution", u.force_suffix), drive_resolution, not_negative(),
                 "step of the drive's PWM; 0: not quantised [" + u.force + "]");
+  drive.bind(fields, u);
   if (axis.counts_pulses) {
     fields.count("encoder.bits", encoder_bits, between(0, 60),
                  "n: the encoder has 2^n pulses per turn of its shaft; 0: not quantised");
@@ -79,6 +80,7 @@ void AxisSettings::bind(Fields& fields) {
   fields.only_where(
       {"encoder." + key("phase", u.position_suffix), "encoder.origin", "encoder.rounding"},
       "the encoder is quantised", [this] { return quantum() != 0.0; });
+  scale.bind(fields, "encoder.", u);
   fields.number("noise." + key("std", u.position_suffix), noise_std, not_negative(),
                 "standard deviation of the measurement's white noise [" + u.position + "]");
   fields.number("noise." + key("input_std", u.force_suffix), input_noise_std, not_negative(),
@@ -108,15 +110,18 @@ double AxisSettings::force_limit() const {
 }
 
 Encoder AxisSettings::encoder() const {
-  return {.quantum = quantum(),
-          .phase = encoder_phase,
-          .origin = encoder_origin,
-          .rounding = encoder_rounding};
+  Encoder encoder = {.quantum = quantum(),
+                     .phase = encoder_phase,
+                     .origin = encoder_origin,
+                     .rounding = encoder_rounding};
+  scale.apply(encoder);
+  return encoder;
 }
 
 void AxisPlant::bind(Fields& fields) {
   bind_model(fields, mjcf);
   physics.bind(fields);
+  timing.bind(fields);
   run.bind(fields);
   const std::string inertia = axis().axis.inertia_name;
   fields.number("plant." + inertia + "_ratio", inertia_ratio, positive(),
@@ -187,6 +192,10 @@ SensingSetup AxisPlant::sensing() const {
 
 void check_plant(const AxisPlant& plant, const Config& config) {
   plant.physics.check(config, plant.run);
+  plant.timing.check(config, plant.physics);
+  for (const AxisSettings& one : plant.axes) {
+    one.drive.check(config.under(one.axis.prefix()), one.coulomb_friction);
+  }
   const SensingSetup sensing = plant.sensing();
   plant.faults.check(config, sensing.channels);
   const Sensing check_only(plant.load_model(), sensing);
