@@ -53,7 +53,7 @@ void JointFriction::begin_step() {
 }
 
 void JointFriction::apply(double, const mjModel&, mjData& data) {
-  // What the solver found at the first stage is there until the second one solves.
+  // The force of the first stage is there until the solver of the second one.
   if (stage_ == 1) force_ = applied_ + data.efc_force[row_];
   row_ = row_of(data, dof_);
   if (stage_ == 0) {

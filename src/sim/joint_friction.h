@@ -16,11 +16,11 @@ namespace breakwater {
 ///
 /// A law without bristles sets the level of the engine's friction constraint at each stage, so that
 /// it holds the joint as Coulomb friction does. Bristles are a force that is implicit in the
-/// joint's acceleration: with the step h, the stage's velocity v and the bend z at the beginning of
-/// the step,
+/// joint's acceleration. With the step h, the velocity v and the bend z before the step it is
 ///     F = −(σ₀ z⁺ + σ₁ (z⁺ − z)/h) − c h q̈,   c = (σ₀ + σ₁/h) h ∂z⁺/∂u,   z⁺ = z(u = h v).
-/// Its last term is a constraint of the engine's solver, so it is exact beside contacts and other
-/// joints. It is stable for every σ₀ and step.
+/// with z(u) of bend_after(). Where the joint may reverse within a step, a line through z⁺ = z
+/// takes its place, within the range of F. The term with q̈ is a constraint of the engine's solver,
+/// which also knows contacts and other joints. The force is stable for every σ₀ and step.
 class JointFriction final : public StagedForce {
  public:
   /// Gives the joint a friction constraint, with the softness that the model has. Throws
@@ -45,10 +45,10 @@ class JointFriction final : public StagedForce {
   int position_;  // index in qpos
   double step_s_;
   double inverse_mass_;                            // that the joint has at its model's zero
-  std::vector<std::pair<int, double>> actuators_;  // of the joint: index, gear
+  std::vector<std::pair<int, double>> actuators_;  // that drive the joint: index, gear
 
   int stage_ = 0;
-  int row_ = 0;               // of the friction constraint
+  int row_ = 0;               // the friction constraint
   double applied_ = 0.0;      // part of the force that is no constraint
   double transmitted_ = 0.0;  // at the beginning of the step
   double position_then_ = 0.0;

@@ -11,10 +11,10 @@ namespace breakwater {
 
 /// Each part is off at 0 or empty.
 struct CommandDelays {
-  double delay_s = 0.0;           ///< of every command
+  double delay_s = 0.0;           ///< every command has it
   double jitter_s = 0.0;          ///< a further delay of each command, uniform from 0 to this
   std::vector<double> jitters_s;  ///< in its place, the further delay of each sample, repeated
-  double drop_probability = 0.0;  ///< of each command: the drive holds the one before
+  double drop_probability = 0.0;  ///< a lost command: the drive holds the one before
 
   bool is_on() const {
     return delay_s > 0.0 || jitter_s > 0.0 || !jitters_s.empty() || drop_probability > 0.0;
@@ -22,7 +22,7 @@ struct CommandDelays {
 };
 
 /// The way from the controller to the drive. A command that arrives within a physics step counts
-/// from there on: the output of that step is the mean over it, with the same impulse. A delay of a
+/// from there on. The output of that step is the mean over it, with the same impulse. A delay of a
 /// whole number of steps, within 1e-6 of a step, is that number. A command that a later one
 /// overtakes is lost. Before the first command arrives the output is 0.
 ///

@@ -54,9 +54,9 @@ class MotorDrive {
   ElectricDrive drive_;
   double step_s_;
   Resonance second_order_;
-  double decay_ = 0.0;          // of a loop of first order over a step
+  double decay_ = 0.0;          // over a step, for a loop of first order
   double part_before_ = 0.0;    // weight of the current before the step in its mean
-  double winding_decay_ = 0.0;  // of the winding's own current over a step
+  double winding_decay_ = 0.0;  // over a step, for the current of the winding alone
   double current_A_ = 0.0;
   double next_A_ = 0.0;
   double mean_A_ = 0.0;
