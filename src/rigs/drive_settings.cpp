@@ -92,15 +92,12 @@ void TimingSettings::bind(Fields& fields) {
   bind_number(fields, "control.delay_s", delays_.delay_s, not_negative(),
               "delay of the command to the drives, any part of a timestep [s]");
   constexpr const char* kJitter = "control.jitter";
-  fields.choice(kJitter, jitter_,
-                {{"none", Jitter::none}, {"uniform", Jitter::uniform}, {"csv", Jitter::csv}},
-                "further delay of each command: none, a random one, or that of a file");
-  fields.standard(kJitter, {std::string("none")});
-  {
-    const Fields::OfPart part(fields, kJitter, "uniform");
-    fields.number("control.jitter_s", delays_.jitter_s, not_negative(),
-                  "largest further delay, uniform from 0 [s]");
-  }
+  fields.choice(kJitter, jitter_, {{"uniform", Jitter::uniform}, {"csv", Jitter::csv}},
+                "further delay of each command: a random one, or that of a file");
+  fields.standard(kJitter, {std::string("uniform")});
+  bind_number(fields, "control.jitter_s", delays_.jitter_s, not_negative(),
+              "largest further delay, uniform from 0 [s]");
+  fields.only_for({"control.jitter_s"}, kJitter, {"uniform"});
   {
     const Fields::OfPart part(fields, kJitter, "csv");
     fields.file("control.jitter_file", file_,
@@ -112,8 +109,8 @@ void TimingSettings::bind(Fields& fields) {
 
 CommandDelays TimingSettings::delays() const {
   CommandDelays delays = delays_;
-  if (jitter_ != Jitter::uniform) delays.jitter_s = 0.0;
   if (jitter_ == Jitter::csv) {
+    delays.jitter_s = 0.0;
     delays.jitters_s = std::move(read_columns(file_, {{"jitter_s"}}).columns[0]);
     if (delays.jitters_s.empty()) throw std::invalid_argument(file_ + ": has no rows");
   }

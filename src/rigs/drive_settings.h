@@ -53,9 +53,9 @@ class TimingSettings {
   CommandDelays delays() const;
 
  private:
-  enum class Jitter { none, uniform, csv };
+  enum class Jitter { uniform, csv };
 
-  Jitter jitter_ = Jitter::none;
+  Jitter jitter_ = Jitter::uniform;
   CommandDelays delays_;  // without the file
   std::string file_;
 };

@@ -128,7 +128,6 @@ TEST(Allocation, ADriveAsItIsDoesNotAllocate) {
                                           "drive.inductance_H=1e-3",
                                           "drive.cogging_Nm=0.1",
                                           "control.delay_s=1.5e-3",
-                                          "control.jitter=uniform",
                                           "control.jitter_s=3e-3",
                                           "control.drop_probability=0.1",
                                           "encoder.eccentricity_rad=1e-4",

@@ -21,9 +21,7 @@ TEST(Drive, PartsThatAreOnButNeutralAreTheIdealDrive) {
   const std::uint64_t ideal = completed_run(kMotor, "vfakfd", brief).state_hash;
   EXPECT_EQ(completed_run(kMotor, "vfakfd", with(brief, {"drive.current_limit_A=1e9"})).state_hash,
             ideal);
-  EXPECT_EQ(completed_run(kMotor, "vfakfd",
-                          with(brief, {"control.jitter=uniform", "control.jitter_s=1e-12"}))
-                .state_hash,
+  EXPECT_EQ(completed_run(kMotor, "vfakfd", with(brief, {"control.jitter_s=1e-12"})).state_hash,
             ideal);
   const Sets dry = with(brief, {"plant.coulomb_friction_Nm=0.5"});
   EXPECT_EQ(completed_run(kMotor, "vfakfd",
@@ -56,7 +54,7 @@ std::vector<Part> parts() {
       {{"drive.cogging_Nm=0.1", "drive.cogging_per_turn=12"}, {"current_A", "motor_Nm"}},
       {{"drive.ripple_ratio=0.05", "drive.ripple_per_turn=6"}, {"current_A", "motor_Nm"}},
       {{"control.delay_s=1.5e-3"}, {}},
-      {{"control.jitter=uniform", "control.jitter_s=1e-3"}, {}},
+      {{"control.jitter_s=1e-3"}, {}},
       {{"control.drop_probability=0.1"}, {}},
       {{"encoder.eccentricity_rad=1e-3"}, {}},
       {{"encoder.interpolation_rad=1e-3", "encoder.interpolation_per_turn=64"}, {}}};
@@ -124,7 +122,6 @@ TEST(Drive, RefusesWrongKeys) {
       {{"drive.cogging_Nm=0.1", "drive.cogging_per_turn=0"}, {"drive.cogging_per_turn"}},
       {{"control.delay_s=-1e-3"}, {"control.delay_s"}},
       {{"control.delay_s=1e4"}, {"control.delay_s: a delay must be at most 1e6 physics steps"}},
-      {{"control.jitter=uniform"}, {"control.jitter_s: is missing"}},
       {{"control.drop_probability=1"}, {"control.drop_probability"}},
       {table(empty), {"control.jitter_file", "has no rows"}},
       {table(early), {"control.jitter_file: a delay must not be negative"}},
