@@ -38,6 +38,7 @@ Catalogue standard_catalogue() {
   add("quadrotor_waves", make<QuadrotorWaves>);
   for (ArmControllerKind& kind : arm_controllers()) catalogue.add(std::move(kind));
   for (ContactLawKind& kind : contact_laws()) catalogue.add(std::move(kind));
+  for (FrictionKind& kind : friction_laws()) catalogue.add(std::move(kind));
   for (AxisEstimatorKind& kind : axis_estimators()) catalogue.add(std::move(kind));
   for (AxisControllerKind& kind : axis_controllers()) catalogue.add(std::move(kind));
   for (QuadrotorEstimatorKind& kind : quadrotor_estimators()) catalogue.add(std::move(kind));

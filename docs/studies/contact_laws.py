@@ -1,12 +1,12 @@
 #!/usr/bin/python3
-"""Which orderings of the arm's controllers hold under every contact law, and which turn.
+"""Which orderings of the arm's controllers hold under every contact, and which turn.
 
-    breakwater sweep studies/contact-laws.toml
-    docs/studies/contact_laws.py [studies/contact-laws/results.csv]
+    docs/studies/contact_laws_runs.py [FOLDER]      # makes the runs
+    docs/studies/contact_laws.py [FOLDER]           # studies/contact-laws
 
-Writes contact-laws-table.csv (medians) and contact-laws-pairs.csv (paired differences of the peak) beside itself, and
-docs/pictures/contact-laws.png. Pairs are runs of the same world; p is Wilcoxon's exact signed-rank test, with
-Holm's correction over all pairs and contacts.
+Writes contact-laws-table.csv (medians) and contact-laws-pairs.csv (paired differences of the peak) beside itself,
+and docs/pictures/contact-laws.png. A run in which the arm does not keep its posture has failed. Pairs are runs of
+the same test condition; p is Wilcoxon's exact signed-rank test, with Holm's correction over all pairs and contacts.
 """
 import csv
 import statistics
@@ -21,92 +21,132 @@ import matplotlib.pyplot as plt
 from scipy.stats import wilcoxon
 
 HERE = Path(__file__).resolve().parent
-METRIC = "peak_force_filtered_N"
+sys.path.insert(0, str(HERE.parents[1] / "scripts"))
+from figures import COLOURS  # noqa: E402
+
 NAMES = {"proposed-2N": "proposed", "hpfc-2N": "HPFC", "drac-2N": "DRAC", "tlsc-2N": "TLSC"}
-COLOURS = {"proposed-2N": "#1b6ca8", "hpfc-2N": "#2a9d5c", "drac-2N": "#d1495b", "tlsc-2N": "#e09f3e"}
-CONTACTS = ["kelvin_voigt", "kelvin_voigt_clipped", "hertz", "hunt_crossley", "layered", "standard_linear_solid",
-            "moving wall", "giving wall", "sensor chain"]
+LOOKS = dict(zip(NAMES, COLOURS))
+MARKS = dict(zip(NAMES, "osv^"))
+PAIRED = ["proposed-2N", "hpfc-2N", "tlsc-2N"]
+LAWS = ["kelvin_voigt", "kelvin_voigt_clipped", "hertz", "hunt_crossley", "layered", "standard_linear_solid"]
+GROUPS = {"fixed wall, 1000 N/m": [f"{law}-1000" for law in LAWS],
+          "fixed wall, 5000 N/m": [f"{law}-5000" for law in LAWS],
+          "moving wall": ["kelvin_voigt-moving", "hunt_crossley-moving"],
+          "giving wall": ["kelvin_voigt-giving", "hunt_crossley-giving"],
+          "sensor chain": ["kelvin_voigt-sensor", "hunt_crossley-sensor"]}
+CONTACTS = {contact: group for group, contacts in GROUPS.items() for contact in contacts}
+LARGEST_POSTURE_ERROR_rad = 0.5
+USES = {"tested": "tuned", "shipped": "shipped"}
 
 
-def contact_of(row):
-    if float(row["sensor.force_delay_s"]) > 0.0:
-        return "sensor chain"
-    return {"sine": "moving wall", "free": "giving wall"}.get(row["wall.motion"], row["contact.law"])
+def read(files):
+    """{case: {test condition: (peak, free-motion time)}} of the runs that did not fail."""
+    runs = {}
+    for path in files:
+        with open(path, newline="", encoding="utf-8") as file:
+            for row in csv.DictReader(file):
+                values = runs.setdefault(row["case"], {})
+                if row["peak_force_filtered_N"] and float(row["max_posture_error_rad"]) <= LARGEST_POSTURE_ERROR_rad:
+                    values[row["wall.distance_m"]] = (float(row["peak_force_filtered_N"]),
+                                                      float(row["free_motion_time_s"]))
+    return runs
 
 
-def world_of(row):
-    return row["wall.distance_m"], row["plant.friction_Nm"]
+def read_all(folder):
+    """[(use, contact, its runs)]."""
+    found = [(use, contact, read(sorted((folder / use / contact).glob("**/results.csv"))))
+             for use in USES for contact in CONTACTS]
+    return [entry for entry in found if entry[-1]]
 
 
-def read(path):
-    """value[contact][case][world] of the peak and of the free-motion time."""
-    peaks, times = {}, {}
-    with open(path, newline="", encoding="utf-8") as file:
-        for row in csv.DictReader(file):
-            if not row[METRIC]:
-                continue
-            for values, metric in ((peaks, METRIC), (times, "free_motion_time_s")):
-                values.setdefault(contact_of(row), {}).setdefault(row["case"], {})[world_of(row)] = float(row[metric])
-    return peaks, times
+def medians(runs, case):
+    values = list(runs.get(case, {}).values())
+    if not values:
+        return "–"
+    peak_N, time_s = (statistics.median(column) for column in zip(*values))
+    failed = f" ({12 - len(values)} failed)" if len(values) < 12 else ""
+    return f"{peak_N:.2f}, {time_s:.2f}{failed}"
 
 
-def pairs_of(peaks):
-    """(contact, one, other, number of worlds, worlds in which one is softer, median difference, p)."""
-    pairs = []
-    for contact in CONTACTS:
-        for one, other in combinations(NAMES, 2):
-            a, b = peaks[contact][one], peaks[contact][other]
-            differences = [a[world] - b[world] for world in a.keys() & b.keys()]
-            p = wilcoxon(differences, method="exact").pvalue
-            pairs.append([contact, one, other, len(differences), sum(d < 0.0 for d in differences),
-                          statistics.median(differences), p])
+def compare(runs, one, other):
+    """(median difference of the peak, in how many conditions one is softer, conditions, p)."""
+    differences = [runs[one][world][0] - runs[other][world][0] for world in runs[one].keys() & runs[other].keys()]
+    return [statistics.median(differences), sum(d < 0.0 for d in differences), len(differences),
+            wilcoxon(differences, method="exact").pvalue]
+
+
+def holm(pairs):
+    """Corrects the p of each pair, its last element."""
     largest = 0.0
     for rank, pair in enumerate(sorted(pairs, key=lambda pair: pair[-1])):
         largest = max(largest, min(1.0, (len(pairs) - rank) * pair[-1]))
         pair[-1] = largest
-    return pairs
 
 
-def draw(peaks, path):
+def label(contact):
+    return f"{contact.rsplit('-', 1)[0]}, {CONTACTS[contact]}"
+
+
+def write(name, header, rows):
+    with open(HERE / name, "w", newline="", encoding="utf-8") as file:
+        csv.writer(file, lineterminator="\n").writerows([header] + rows)
+
+
+def draw(entries, path):
     plt.rcParams.update({"font.size": 9, "axes.spines.top": False, "axes.spines.right": False})
-    figure, axis = plt.subplots(figsize=(8.0, 3.9), constrained_layout=True)
-    for number, case in enumerate(NAMES):
-        for place, contact in enumerate(CONTACTS):
-            values = sorted(peaks[contact][case].values())
-            x = place + 0.16 * (number - 1.5)
-            axis.plot([x, x], [values[0], values[-1]], color=COLOURS[case], lw=1.2, alpha=0.6)
-            axis.plot(x, statistics.median(values), "o", color=COLOURS[case], ms=6,
-                      label=NAMES[case] if place == 0 else None)
-    axis.axhline(2.0, color="0.4", lw=0.8, ls="--", label="reference")
-    axis.axvline(5.5, color="0.8", lw=0.8)
-    axis.set(yscale="log", ylabel="filtered peak force [N]")
-    axis.set_yticks([2, 3, 4, 6, 8, 10, 15], ["2", "3", "4", "6", "8", "10", "15"])
-    axis.minorticks_off()
-    labels = [contact.replace("kelvin_voigt_clipped", "kelvin_voigt\n_clipped")
-              .replace("standard_linear_solid", "standard_\nlinear_solid").replace("hunt_crossley", "hunt_\ncrossley")
-              for contact in CONTACTS]
-    axis.set_xticks(range(len(CONTACTS)), labels)
-    axis.tick_params(axis="x", labelsize=8)
-    axis.grid(axis="y", alpha=0.25)
-    axis.legend(frameon=False, ncols=5, loc="upper center", bbox_to_anchor=(0.5, 1.12))
-    figure.savefig(path, dpi=120)
+    figure, axes = plt.subplots(2, 1, figsize=(9.6, 7.0), sharex=True, sharey=True, constrained_layout=True)
+    places, ticks, at = {}, [], 0.0
+    for group, contacts in GROUPS.items():
+        places |= {contact: at + number for number, contact in enumerate(contacts)}
+        ticks.append((at + 0.5 * (len(contacts) - 1), group))
+        at += len(contacts) + 0.6
+    for axis, use in zip(axes, USES):
+        for number, case in enumerate(NAMES):
+            for group in GROUPS:
+                points = []
+                for one, contact, runs in entries:
+                    if one != use or CONTACTS[contact] != group or not runs.get(case):
+                        continue
+                    peaks = [peak for peak, _ in runs[case].values()]
+                    x = places[contact] + 0.12 * (number - 1.5)
+                    axis.plot([x, x], [min(peaks), max(peaks)], color=LOOKS[case], lw=1.0, alpha=0.45)
+                    points.append((x, statistics.median(peaks)))
+                if points:
+                    axis.plot(*zip(*points), "-" + MARKS[case], color=LOOKS[case], ms=5, lw=1.2)
+            axis.plot([], [], "-" + MARKS[case], color=LOOKS[case], label=NAMES[case])
+        axis.axhline(2.0, color="0.4", lw=0.8, ls="--", label="reference")
+        axis.set(yscale="log", ylabel="filtered peak force [N]")
+        axis.set_yticks([2, 3, 4, 6, 10, 20, 40], ["2", "3", "4", "6", "10", "20", "40"])
+        axis.minorticks_off()
+        axis.grid(axis="y", alpha=0.25)
+    axes[0].set_title("tuned for the contact, at most 0.7 s to the wall", loc="left", fontsize=10)
+    axes[1].set_title("shipped cases", loc="left", fontsize=10)
+    axes[0].legend(frameon=False, ncols=5, loc="lower right", bbox_to_anchor=(1.0, 1.0))
+    axes[1].set_xticks(list(places.values()), [contact.rsplit("-", 1)[0] for contact in places], rotation=40,
+                       ha="right", rotation_mode="anchor", fontsize=8)
+    for x, group in ticks:
+        axes[1].text(x, -0.42, group, ha="center", transform=axes[1].get_xaxis_transform(), fontsize=9)
+    figure.savefig(path, dpi=110)
 
 
 def main():
-    peaks, times = read(sys.argv[1] if len(sys.argv) > 1 else "studies/contact-laws/results.csv")
-    with open(HERE / "contact-laws-table.csv", "w", newline="", encoding="utf-8") as file:
-        table = csv.writer(file, lineterminator="\n")
-        table.writerow(["contact"] + [f"{NAMES[case]}: peak [N], free motion [s]" for case in NAMES])
-        for contact in CONTACTS:
-            table.writerow([contact] + [f"{statistics.median(peaks[contact][case].values()):.2f}, "
-                                        f"{statistics.median(times[contact][case].values()):.2f}" for case in NAMES])
-    with open(HERE / "contact-laws-pairs.csv", "w", newline="", encoding="utf-8") as file:
-        table = csv.writer(file, lineterminator="\n")
-        table.writerow(["contact", "one", "other", "median difference of the peak [N]", "one softer in", "p (Holm)"])
-        for contact, one, other, count, softer, difference, p in pairs_of(peaks):
-            table.writerow([contact, NAMES[one], NAMES[other], f"{difference:+.2f}".replace("-", "−"),
-                            f"{softer} of {count}", f"{p:.2g}"])
-    draw(peaks, HERE.parent / "pictures/contact-laws.png")
+    entries = read_all(Path(sys.argv[1] if len(sys.argv) > 1 else "studies/contact-laws"))
+    write("contact-laws-table.csv",
+          ["controllers", "contact"] + [f"{NAMES[case]}: peak [N], free motion [s]" for case in NAMES],
+          [[USES[use], label(contact)] + [medians(runs, case) for case in NAMES] for use, contact, runs in entries])
+
+    pairs = [[use, contact, pair, *compare(runs, *pair)]
+             for use, contact, runs in entries for pair in combinations(PAIRED, 2)]
+    for use in USES:
+        holm([pair for pair in pairs if pair[0] == use])
+    cells = {}
+    for use, contact, pair, difference, softer, count, p in pairs:
+        cells.setdefault((use, contact), []).append(
+            f"{difference:+.2f}, {softer} of {count}, {p:.2g}".replace("-", "−"))
+    write("contact-laws-pairs.csv",
+          ["controllers", "contact"] + [f"{NAMES[one]} less {NAMES[other]}" for one, other in combinations(PAIRED, 2)],
+          [[USES[use], label(contact), *row] for (use, contact), row in cells.items()])
+    draw(entries, HERE.parent / "pictures/contact-laws.png")
 
 
 if __name__ == "__main__":

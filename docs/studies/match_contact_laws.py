@@ -65,22 +65,54 @@ def solid(k, tau):
 PEAK, RESTITUTION = impact(lambda x, v, z: (STIFFNESS * x + DAMPING * v, 0.0))
 
 
-def main():
-    print(f"peak {PEAK:.4f} N, restitution {RESTITUTION:.4f}")
+def matched():
+    """For each law its keys as (value, power of the stiffness): keys of lengths go with -1/2, those of times too."""
     # The restitution of f(x) (1 + alpha v) depends on alpha times the speed alone, whatever f is.
     alpha = solve(lambda value: impact(hunt_crossley(8e3, value))[1] - RESTITUTION, 0.1, 30.0)
-    k = stiffness(lambda value: hunt_crossley(value, 0.0), 2e3, 5e4)
-    print(f"hertz: stiffness {k:.6g}")
-    k = stiffness(lambda value: hunt_crossley(value, alpha), 2e3, 5e4)
-    print(f"hunt_crossley: stiffness {k:.6g}, dissipation {alpha:.6g}")
-    k = stiffness(lambda value: layered(value, alpha), 50.0, 2e3)
-    print(f"layered: [[0.004, {0.004 * k:.6g}], [0.01, {0.022 * k:.6g}]], dissipation {alpha:.6g}")
+    hertz = stiffness(lambda value: hunt_crossley(value, 0.0), 2e3, 5e4)
+    crossley = stiffness(lambda value: hunt_crossley(value, alpha), 2e3, 5e4)
+    skin = stiffness(lambda value: layered(value, alpha), 50.0, 2e3)
     # There are two such relaxation times: the slower one, of about the duration of the impact.
     k, tau = 700.0, 0.0
     for _ in range(5):
         tau = solve(lambda value: impact(solid(k, value))[1] - RESTITUTION, 0.07, 1.0)
         k = stiffness(lambda value: solid(value, tau), 300.0, 2e3)
-    print(f"standard_linear_solid: stiffness {k:.6g}, maxwell_stiffness {0.5 * k:.6g}, relaxation {tau:.6g}")
+    spring = {"stiffness_N_m": (STIFFNESS, 1.0), "damping_Ns_m": (DAMPING, 0.5)}
+    dissipation = {"dissipation_s_m": (alpha, 0.0)}
+    return {
+        "kelvin_voigt": spring,
+        "kelvin_voigt_clipped": spring,
+        "hertz": {"stiffness_N_m": (hertz, 1.25)},
+        "hunt_crossley": {"stiffness_N_m": (crossley, 1.25)} | dissipation,
+        "layered": {"layers": [[(0.004, -0.5), (0.004 * skin, 0.5)], [(0.01, -0.5), (0.022 * skin, 0.5)]]} | dissipation,
+        "standard_linear_solid": {"stiffness_N_m": (k, 1.0), "maxwell_stiffness_N_m": (0.5 * k, 1.0),
+                                  "relaxation_s": (tau, -0.5)},
+    }
+
+
+def contact_keys(stiffness_N_m):
+    """For each law its lines of a scenario file, for walls that match this spring with the same damping ratio.
+
+    At a stiffness r times as high, all laws stay matched if forces are multiplied by sqrt(r), and lengths and
+    times divided by it.
+    """
+    ratio = stiffness_N_m / STIFFNESS
+
+    def text(value):
+        if isinstance(value, list):
+            return "[" + ", ".join(text(item) for item in value) + "]"
+        return f"{value[0] * ratio ** value[1]:.6g}"
+
+    return {law: [f'contact.law="{law}"'] + [f"contact.{key}={text(value)}" for key, value in keys.items()]
+            for law, keys in matched().items()}
+
+
+def main():
+    print(f"peak {PEAK:.4f} N, restitution {RESTITUTION:.4f} at {STIFFNESS:g} N/m")
+    for stiffness_N_m in (1000.0, 5000.0):
+        print(f"{stiffness_N_m:g} N/m")
+        for lines in contact_keys(stiffness_N_m).values():
+            print("  " + " ".join(lines))
 
 
 if __name__ == "__main__":

@@ -18,7 +18,8 @@ enum class CartCondition {
 /// controller keeps its limits of input and velocity under a force or a mass error.
 class CartConstrained final : public AxisScenario {
  public:
-  explicit CartConstrained(const Catalogue& catalogue) : parts_(catalogue, "") {}
+  explicit CartConstrained(const Catalogue& catalogue)
+      : plant_(cart_axis(), catalogue), parts_(catalogue, "") {}
 
   std::string name() const override { return "cart_constrained"; }
   std::string summary() const override {
@@ -45,7 +46,7 @@ class CartConstrained final : public AxisScenario {
  private:
   Disturbance disturbance() const;
 
-  AxisPlant plant_{cart_axis()};
+  AxisPlant plant_;
   AxisParts parts_;
   CartCondition condition_ = CartCondition::A;
   double start_position_m_ = 0.0;

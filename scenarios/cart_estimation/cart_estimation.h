@@ -12,7 +12,8 @@ namespace breakwater {
 /// how fast, and with how much noise.
 class CartEstimation final : public AxisScenario {
  public:
-  explicit CartEstimation(const Catalogue& catalogue) : parts_(catalogue, "pd") {}
+  explicit CartEstimation(const Catalogue& catalogue)
+      : plant_(cart_axis(), catalogue), parts_(catalogue, "pd") {}
 
   std::string name() const override { return "cart_estimation"; }
   std::string summary() const override {
@@ -37,7 +38,7 @@ class CartEstimation final : public AxisScenario {
 
   Disturbance disturbance() const;
 
-  AxisPlant plant_{cart_axis()};
+  AxisPlant plant_;
   AxisParts parts_;
   Kind kind_ = Kind::step;
   Disturbance step_{.kind = DisturbanceKind::step};

@@ -9,7 +9,8 @@ namespace breakwater {
 /// has an offset. Estimation is faster than control. The question is whether an error remains.
 class CartOffsetFree final : public AxisScenario {
  public:
-  explicit CartOffsetFree(const Catalogue& catalogue) : parts_(catalogue, "mpc") {}
+  explicit CartOffsetFree(const Catalogue& catalogue)
+      : plant_(cart_axis(), catalogue), parts_(catalogue, "mpc") {}
 
   std::string name() const override { return "cart_offset_free"; }
   std::string summary() const override {
@@ -30,7 +31,7 @@ class CartOffsetFree final : public AxisScenario {
   const AxisParts& parts() const override { return parts_; }
 
  private:
-  AxisPlant plant_{cart_axis()};
+  AxisPlant plant_;
   AxisParts parts_;
   double disturbance_N_ = 0.0;
   double output_disturbance_m_ = 0.0;

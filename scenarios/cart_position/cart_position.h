@@ -10,7 +10,8 @@ namespace breakwater {
 /// predictive control. The nominal model lacks the friction, so the estimator must find it.
 class CartPosition final : public AxisScenario {
  public:
-  explicit CartPosition(const Catalogue& catalogue) : parts_(catalogue, "") {}
+  explicit CartPosition(const Catalogue& catalogue)
+      : plant_(cart_axis(), catalogue), parts_(catalogue, "") {}
 
   std::string name() const override { return "cart_position"; }
   std::string summary() const override {
@@ -31,7 +32,7 @@ class CartPosition final : public AxisScenario {
   const AxisParts& parts() const override { return parts_; }
 
  private:
-  AxisPlant plant_{cart_axis()};
+  AxisPlant plant_;
   AxisParts parts_;
   double from_s_ = 0.0;
   double settled_within_ = 0.0;

@@ -10,7 +10,8 @@ namespace breakwater {
 /// estimator finds velocity and disturbance.
 class MotorEstimation final : public AxisScenario {
  public:
-  explicit MotorEstimation(const Catalogue& catalogue) : parts_(catalogue, "pd") {}
+  explicit MotorEstimation(const Catalogue& catalogue)
+      : plant_(motor_axis(), catalogue), parts_(catalogue, "pd") {}
 
   std::string name() const override { return "motor_estimation"; }
   std::string summary() const override {
@@ -29,7 +30,7 @@ class MotorEstimation final : public AxisScenario {
   const AxisParts& parts() const override { return parts_; }
 
  private:
-  AxisPlant plant_{motor_axis()};
+  AxisPlant plant_;
   AxisParts parts_;
   double from_s_ = 0.0;
   double settled_within_ = 0.0;

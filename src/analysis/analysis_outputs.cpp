@@ -256,8 +256,7 @@ void add_margins(mustache::data& page, const std::vector<LoopAnalysis>& loops) {
 
 std::string why_not_designed(const LoopCurve& designed) {
   if (designed.is_unstable) {
-    return "the loop is not stable: " + designed.reason +
-           ". It has no margins, and measured ones mean nothing";
+    return "the loop is not stable: " + designed.reason + ". It has no margins";
   }
   return "only measured, because the loop is not linear: " + designed.reason;
 }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 
@@ -119,15 +120,17 @@ int analyze(const Catalogue& catalogue, Arguments arguments, const std::string& 
     fmt::print(stderr, "{}: failed: {}\n", kind.name, one_line(failure.what()));
     return kRunFailed;
   }
+  for (const LoopAnalysis& loop : results) {
+    if (loop.designed.reason.empty() || (arguments.quiet && !loop.designed.is_unstable)) continue;
+    fmt::print(stderr, "{} {}: {}\n", kind.name, loop.label, why_not_designed(loop.designed));
+  }
+  const auto is_unstable = [](const LoopAnalysis& loop) { return loop.designed.is_unstable; };
+  if (std::all_of(results.begin(), results.end(), is_unstable)) return kRunFailed;
   const fs::path folder =
       arguments.out.empty() ? fs::path("runs") / kAnalyze / kind.name : fs::path(arguments.out);
   write_analysis(results, kind.name, file.cases(), command,
                  loops.front().scenario->plant().axis().axis.units, folder);
   if (arguments.quiet) return kSuccess;
-  for (const LoopAnalysis& loop : results) {
-    if (loop.designed.reason.empty()) continue;
-    fmt::print(stderr, "{} {}: {}\n", kind.name, loop.label, why_not_designed(loop.designed));
-  }
   fmt::print("results: {}\n\n{}", folder.string(), margins_table(results, output_width()));
   return kSuccess;
 }

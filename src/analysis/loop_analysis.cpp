@@ -147,6 +147,7 @@ std::vector<LoopAnalysis> analyse(const std::vector<AnalysedLoop>& loops,
       2 * points * loops.size(),
       [&](std::size_t task) {
         const std::size_t loop = task / 2 % loops.size(), i = task / 2 / loops.size();
+        if (results[loop].designed.is_unstable) return;
         const bool is_force = task % 2 == 0;
         const AxisScenario& scenario = *loops[loop].scenario;
         const SineTest test{
@@ -160,7 +161,7 @@ std::vector<LoopAnalysis> analyse(const std::vector<AnalysedLoop>& loops,
       },
       options.jobs);
   for (std::size_t loop = 0; loop < loops.size(); ++loop) {
-    for (std::size_t i = 0; i < points; ++i) {
+    for (std::size_t i = 0; i < points && !results[loop].designed.is_unstable; ++i) {
       results[loop].measured.points.push_back(
           measured_point(measured[loop].of_force[i], measured[loop].of_noise[i]));
     }

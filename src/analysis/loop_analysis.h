@@ -40,8 +40,8 @@ struct LoopPoint {
 /// A designed or measured loop. If `points` is empty, `reason` says why.
 struct LoopCurve {
   std::vector<LoopPoint> points;
-  std::string reason;  ///< why there are no points
-  bool is_unstable = false;
+  std::string reason;        ///< why there are no points
+  bool is_unstable = false;  ///< then there is no measurement either
   double bandwidth_rad_s;  ///< |d̂/d| falls below 1/√2 here; NaN: nowhere, or no estimator
   LoopMargins margins;
 };

@@ -6,8 +6,11 @@
 #include <charconv>
 #include <cmath>
 #include <fstream>
+#include <limits>
+#include <numbers>
 #include <stdexcept>
 #include <string_view>
+#include <utility>
 
 #include <breakwater/config/config.h>
 #include <breakwater/record/input_file.h>
@@ -38,12 +41,6 @@ std::size_t end_of_cell(std::string_view line, std::size_t from, char separator)
   return std::string_view::npos;
 }
 
-// Throws std::invalid_argument `FILE:LINE: reason`.
-[[noreturn]] void fail_at_line(const std::string& file, std::size_t line,
-                               const std::string& reason) {
-  throw std::invalid_argument(fmt::format("{}:{}: {}", file, line, reason));
-}
-
 void split(std::string_view line, char separator, std::vector<std::string_view>& cells) {
   cells.clear();
   line = separator == '\t' ? line : trimmed(line);
@@ -70,21 +67,78 @@ std::string shown(std::string_view cell) {
   return fmt::format("\"{}\"", cell.substr(0, kLongestQuote));
 }
 
+// Whether a cell says that there is no number.
+bool is_missing(std::string_view cell) {
+  std::string word(cell);
+  for (char& letter : word) {
+    if (letter >= 'A' && letter <= 'Z') letter = static_cast<char>(letter - 'A' + 'a');
+  }
+  if (word.starts_with('+') || (word.starts_with('-') && word.size() > 2)) word.erase(0, 1);
+  static constexpr std::string_view kWords[] = {"",         "nan",     "na",    "n/a", "#n/a",
+                                                "null",     "none",    "inf",   "-",   "--",
+                                                "infinity", "1.#qnan", "1.#inf"};
+  return std::find(std::begin(kWords), std::end(kWords), word) != std::end(kWords);
+}
+
+// A name of the first line, and the unit behind it.
+struct HeaderCell {
+  std::string name;
+  std::string unit;
+};
+
+HeaderCell header_cell(std::string_view cell) {
+  const std::size_t bracket = cell.find_first_of("[(");
+  if (bracket != std::string_view::npos && (cell.back() == ']' || cell.back() == ')')) {
+    return {std::string(trimmed(cell.substr(0, bracket))),
+            std::string(trimmed(cell.substr(bracket + 1, cell.size() - bracket - 2)))};
+  }
+  const std::size_t bar = cell.rfind('_');
+  if (bar != std::string_view::npos && unit_in_si(cell.substr(bar + 1))) {
+    return {std::string(cell.substr(0, bar)), std::string(cell.substr(bar + 1))};
+  }
+  return {std::string(cell), ""};
+}
+
 class Reader {
  public:
   explicit Reader(const std::string& file) : file_(file), stream_(open_input(file)) {
     if (!next()) throw std::invalid_argument(file + ": is empty");
+    if (line_.starts_with("\xff\xfe") || line_.starts_with("\xfe\xff")) {
+      fail("the text is in UTF-16: save it as UTF-8");
+    }
     separator_ = separator_of(line_);
     split(line_, separator_, cells_);
   }
 
   // Splits the next line that is neither empty nor a comment; false at the end.
   bool next_row() {
+    if (is_kept_) {
+      is_kept_ = false;
+      return true;
+    }
     if (!next()) return false;
     split(line_, separator_, cells_);
     return true;
   }
 
+  // The next call of next_row() gives the current row again.
+  void keep_row() { is_kept_ = true; }
+  // A row after the first line without a number, with a known unit.
+  bool is_row_of_units() const {
+    const auto is_word = [](std::string_view cell) {
+      return cell.empty() || cell.find_first_of("0123456789") == std::string_view::npos;
+    };
+    return std::all_of(cells_.begin(), cells_.end(), is_word) &&
+           std::any_of(cells_.begin(), cells_.end(), [](std::string_view cell) {
+             return unit_in_si(without_brackets(cell)).has_value();
+           });
+  }
+  static std::string_view without_brackets(std::string_view cell) {
+    const bool has = cell.size() >= 2 && (cell.front() == '[' || cell.front() == '(');
+    return has ? trimmed(cell.substr(1, cell.size() - 2)) : cell;
+  }
+
+  char separator() const { return separator_; }
   const std::vector<std::string_view>& cells() const { return cells_; }
   std::size_t line_number() const { return number_; }
   [[noreturn]] void fail(const std::string& reason) const { fail_at_line(file_, number_, reason); }
@@ -94,7 +148,7 @@ class Reader {
     digits_ = cell.starts_with('+') ? cell.substr(1) : cell;
     // A number with both a point and a comma is ambiguous: one of them groups thousands.
     const std::size_t comma = digits_.find(',');
-    if (separator_ != ',' && comma != std::string::npos && digits_.find('.') == std::string::npos) {
+    if (comma != std::string::npos && digits_.find('.') == std::string::npos) {
       digits_[comma] = '.';
     }
     double value = 0.0;
@@ -119,31 +173,80 @@ class Reader {
   std::string file_;
   std::ifstream stream_;
   std::size_t number_ = 0;
+  bool is_kept_ = false;
   char separator_ = ',';
   std::string line_;
   std::vector<std::string_view> cells_;  // the cells of the current line
   std::string digits_;
 };
 
-// The index of a column.
-std::size_t place_of(const WantedColumn& column, const Reader& reader) {
-  const std::vector<std::string_view>& header = reader.cells();
-  const auto found = std::find(header.begin(), header.end(), column.name);
-  if (found == header.end()) {
-    const std::vector<std::string> names(header.begin(), header.end());
-    reader.fail(fmt::format(
-        "there is no column {}{}: the first line has {}; {}", column.name,
-        did_you_mean(column.name, names),
-        fmt::format("{}", fmt::join(names, ", ")).substr(0, kLongestHeader),
-        column.key.empty() ? "rename one of them" : "set " + column.key + " to its name"));
+// The index of a column in the names of the first line. `bare` has the names without their units.
+std::size_t place_of(const WantedColumn& column, const std::vector<std::string>& names,
+                     const std::vector<HeaderCell>& bare, const std::string& file,
+                     std::size_t line) {
+  const auto index = [&](const auto& is_it) {
+    std::size_t found = names.size();
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      if (!is_it(i)) continue;
+      if (found < names.size()) {
+        fail_at_line(file, line, fmt::format("there are two columns {}", column.name));
+      }
+      found = i;
+    }
+    return found;
+  };
+  std::size_t place = index([&](std::size_t i) { return names[i] == column.name; });
+  if (place == names.size() && !bare.empty()) {
+    const std::string wanted = header_cell(column.name).name;
+    place = index([&](std::size_t i) { return bare[i].name == wanted && !bare[i].unit.empty(); });
   }
-  if (std::find(found + 1, header.end(), column.name) != header.end()) {
-    reader.fail(fmt::format("there are two columns {}", column.name));
-  }
-  return static_cast<std::size_t>(found - header.begin());
+  if (place < names.size()) return place;
+  fail_at_line(file, line,
+               fmt::format("there is no column {}{}: the first line has {}; {}", column.name,
+                           did_you_mean(column.name, names),
+                           fmt::format("{}", fmt::join(names, ", ")).substr(0, kLongestHeader),
+                           column.key.empty() ? "rename one of them"
+                                              : "set " + column.key + " to its name"));
 }
 
 }  // namespace
+
+void fail_at_line(const std::string& file, std::size_t line, const std::string& reason) {
+  throw std::invalid_argument(fmt::format("{}:{}: {}", file, line, reason));
+}
+
+std::optional<double> unit_in_si(std::string_view unit) {
+  static constexpr std::pair<std::string_view, double> kUnits[] = {
+      {"s", 1.0},
+      {"sec", 1.0},
+      {"ms", 1e-3},
+      {"us", 1e-6},
+      {"µs", 1e-6},
+      {"ns", 1e-9},
+      {"min", 60.0},
+      {"Nm", 1.0},
+      {"N m", 1.0},
+      {"N*m", 1.0},
+      {"N·m", 1.0},
+      {"mNm", 1e-3},
+      {"mN m", 1e-3},
+      {"N", 1.0},
+      {"mN", 1e-3},
+      {"kN", 1e3},
+      {"m", 1.0},
+      {"mm", 1e-3},
+      {"um", 1e-6},
+      {"µm", 1e-6},
+      {"rad", 1.0},
+      {"mrad", 1e-3},
+      {"deg", std::numbers::pi / 180.0},
+      {"°", std::numbers::pi / 180.0},
+      {"rev", 2.0 * std::numbers::pi}};
+  for (const auto& [name, value] : kUnits) {
+    if (name == unit) return value;
+  }
+  return std::nullopt;
+}
 
 void check_rising(const std::string& file, const ColumnTable& table,
                   const std::vector<double>& times, const std::string& reason) {
@@ -152,19 +255,51 @@ void check_rising(const std::string& file, const ColumnTable& table,
   }
 }
 
-ColumnTable read_columns(const std::string& file, const std::vector<WantedColumn>& wanted) {
+ColumnTable read_columns(const std::string& file, const std::vector<WantedColumn>& wanted,
+                         TableKind kind) {
+  const bool is_exact = kind == TableKind::exact;
   Reader reader(file);
+  const std::size_t header_line = reader.line_number();
+  const std::vector<std::string> names(reader.cells().begin(), reader.cells().end());
+  const std::size_t width = names.size();
+  std::vector<HeaderCell> bare;
+  if (!is_exact) {
+    for (const std::string& name : names) bare.push_back(header_cell(name));
+    if (reader.next_row()) {
+      if (reader.cells().size() == width && reader.is_row_of_units()) {
+        for (std::size_t i = 0; i < width; ++i) {
+          bare[i].unit = Reader::without_brackets(reader.cells()[i]);
+        }
+      } else {
+        reader.keep_row();
+      }
+    }
+  }
   std::vector<std::size_t> places;
-  for (const WantedColumn& column : wanted) places.push_back(place_of(column, reader));
-  const std::size_t width = reader.cells().size();
   ColumnTable table;
+  for (const WantedColumn& column : wanted) {
+    places.push_back(place_of(column, names, bare, file, header_line));
+    table.units.push_back(is_exact ? "" : bare[places.back()].unit);
+  }
   table.columns.resize(wanted.size());
   while (reader.next_row()) {
-    if (reader.cells().size() != width) {
-      reader.fail(fmt::format("has {} values, the first line {}", reader.cells().size(), width));
+    const std::size_t length = reader.cells().size();
+    const bool has_empty_end = !is_exact && length == width + 1 && reader.cells().back().empty();
+    if (length != width && !has_empty_end) {
+      const std::size_t line = reader.line_number();
+      if (!is_exact && length < width && !reader.next_row()) {
+        table.has_torn_end = true;
+        break;
+      }
+      const bool has_commas = !is_exact && length > width && reader.separator() == ',';
+      fail_at_line(file, line,
+                   fmt::format("has {} values, the first line {}{}", length, width,
+                               has_commas ? " (decimal commas need another separator)" : ""));
     }
     for (std::size_t i = 0; i < wanted.size(); ++i) {
-      table.columns[i].push_back(reader.number(places[i], wanted[i].name));
+      const bool is_absent = !is_exact && is_missing(reader.cells()[places[i]]);
+      table.columns[i].push_back(is_absent ? std::numeric_limits<double>::quiet_NaN()
+                                           : reader.number(places[i], wanted[i].name));
     }
     table.lines.push_back(reader.line_number());
   }

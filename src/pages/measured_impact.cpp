@@ -11,6 +11,7 @@
 #include <breakwater/config/column_table.h>
 #include <breakwater/pages/compare.h>
 #include <breakwater/pages/html_page.h>
+#include <breakwater/shell/digits.h>
 #include <breakwater/shell/table.h>
 
 namespace breakwater {
@@ -62,8 +63,9 @@ std::optional<double> contact_s(const SavedRun& run) {
   return {};
 }
 
-std::string in_words(const std::optional<double>& value) {
-  return value ? format_number(*value) : "does not end";
+// A page and a terminal have their own forms of a number.
+std::string in_words(const std::optional<double>& value, std::string (*form)(double)) {
+  return value ? form(*value) : "does not end";
 }
 
 struct Row {
@@ -163,10 +165,11 @@ ImpactComparison::ImpactComparison(const SavedRun& run, const std::string& signa
 std::string ImpactComparison::text(std::size_t width) const {
   Table table({"first contact", "unit", "simulated", "measured", "difference"});
   for (const Row& row : rows_of(*this)) {
-    table.add({row.name, row.unit, in_words(row.simulated), in_words(row.measured),
+    table.add({row.name, row.unit, in_words(row.simulated, in_digits),
+               in_words(row.measured, in_digits),
                differences_in_words({row.simulated, row.measured}).back()});
   }
-  table.add({"RMSE", "N", format_number(rmse_N_), "", ""});
+  table.add({"RMSE", "N", in_digits(rmse_N_), "", ""});
   return table.print(width);
 }
 
@@ -189,8 +192,8 @@ std::string ImpactComparison::html() const {
     mustache::data entry;
     entry.set("name", row.name);
     entry.set("unit", row.unit);
-    entry.set("simulated", in_words(row.simulated));
-    entry.set("measured", in_words(row.measured));
+    entry.set("simulated", in_words(row.simulated, format_number));
+    entry.set("measured", in_words(row.measured, format_number));
     entry.set("difference", differences_in_words({row.simulated, row.measured}).back());
     rows << entry;
   }

@@ -266,6 +266,7 @@ int runs_main(const Catalogue& catalogue, bool is_comparison, int argc, const ch
     }
   }
   app.add_flag("!--no-replay", arguments.choice.with_replay, "leave out the replay");
+  if (is_comparison) app.get_option("--no-replay")->excludes("--measured");
   app.add_flag("--quiet", arguments.quiet, "print errors only");
   app.footer(is_comparison
                  ? "It writes compare.html, a page that needs no network. Figures are drawn by\n"

@@ -1,28 +1,35 @@
 #include <breakwater/recorded/recorded_axis.h>
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 
 #include <breakwater/config/column_table.h>
+#include <breakwater/recorded/record_repair.h>
 #include <breakwater/statistics/quantile.h>
 
 namespace breakwater {
 
 RecordedAxis read_recorded_axis(const std::string& file, const RecordFormat& format) {
-  ColumnTable table = read_columns(file, {{format.time_column, "csv.time_column"},
-                                          {format.input_column, "csv.input_column"},
-                                          {format.position_column, "csv.position_column"}});
-  const auto scaled = [](std::vector<double>& values, double scale) {
-    for (double& value : values) value *= scale;
-    return std::move(values);
-  };
-  RecordedAxis axis{scaled(table.columns[0], format.time_scale),
-                    scaled(table.columns[1], format.input_scale),
-                    scaled(table.columns[2], format.position_scale)};
-  check_rising(file, table, axis.times_s,
-               format.time_column + ": must be later than in the row before");
-  if (table.rows() < 2) throw std::invalid_argument(file + ": has fewer than two rows");
+  ColumnTable table = read_columns(file,
+                                   {{format.time_column, "csv.time_column"},
+                                    {format.input_column, "csv.input_column"},
+                                    {format.position_column, "csv.position_column"}},
+                                   TableKind::laboratory);
+  RecordedAxis axis = repaired(file, table, format.time_column);
+  const double scales[] = {format.time_scale, format.input_scale, format.position_scale};
+  std::vector<double>* const columns[] = {&axis.times_s, &axis.inputs, &axis.positions};
+  for (std::size_t i = 0; i < 3; ++i) {
+    double scale = scales[i];
+    const std::string& unit = table.units[i];
+    if (scale == 1.0 && unit_in_si(unit).value_or(1.0) != 1.0) {
+      scale = *unit_in_si(unit);
+      axis.repairs.push_back(
+          fmt::format("the unit {} of the first lines: 1 is {:.6g} in SI units", unit, scale));
+    }
+    for (double& value : *columns[i]) value *= scale;
+  }
   return axis;
 }
 

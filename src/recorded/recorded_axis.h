@@ -7,7 +7,8 @@
 
 namespace breakwater {
 
-/// The names of the table's columns, and the value of 1 in each.
+/// The names of the table's columns, and the value of 1 in each. A scale of 1 takes the unit that
+/// the table names, if any.
 struct RecordFormat {
   std::string time_column = "time_s";
   std::string input_column = "u";
@@ -22,10 +23,12 @@ struct RecordedAxis {
   std::vector<double> times_s;  ///< increasing
   std::vector<double> inputs;
   std::vector<double> positions;
+  std::vector<std::string> repairs;  ///< a line each, with the count and the first line of the file
 };
 
-/// Reads a table (column_table.h). Throws std::invalid_argument as read_columns() does, if a time
-/// is not later than the one before, or if there are fewer than two rows.
+/// Reads a table of a laboratory (column_table.h) and repairs it (record_repair.h).
+///
+/// Throws std::invalid_argument as read_columns() and repaired() do.
 RecordedAxis read_recorded_axis(const std::string& file, const RecordFormat& format = {});
 
 /// The regularity of the sampling. Nothing is interpolated: an interval is a period or a gap.

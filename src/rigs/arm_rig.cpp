@@ -76,11 +76,12 @@ SensingSetup sensing_setup(const ArmSettings& settings, const ArmRole& role,
                            const PlanarChain& chain) {
   SensingSetup setup;
   for (Eigen::Index i = 0; i < chain.joints(); ++i) {
-    setup.channels.push_back(
-        {.name = "q" + std::to_string(i + 1),
-         .sensor = chain.joint(i).name + "_pos",
-         .encoder = {.quantum = quantum_rad(settings), .rounding = settings.encoder_rounding},
-         .noise_std = settings.angle_noise_rad});
+    Encoder encoder = {.quantum = quantum_rad(settings), .rounding = settings.encoder_rounding};
+    settings.scale.apply(encoder);
+    setup.channels.push_back({.name = "q" + std::to_string(i + 1),
+                              .sensor = chain.joint(i).name + "_pos",
+                              .encoder = encoder,
+                              .noise_std = settings.angle_noise_rad});
   }
   setup.channels.push_back({.name = "force",
                             .sensor = "tip_force",
@@ -97,6 +98,12 @@ SensingSetup sensing_setup(const ArmSettings& settings, const ArmRole& role,
 }
 
 constexpr double kFrictionOfModel = -1.0;
+
+double coulomb_Nm(const ArmSettings& settings, const Model& model, const PlanarChain& chain,
+                  Eigen::Index joint) {
+  if (settings.friction_Nm != kFrictionOfModel) return settings.friction_Nm;
+  return model->dof_frictionloss[model->jnt_dofadr[model.id(mjOBJ_JOINT, chain.joint(joint).name)]];
+}
 
 // Actuator i must drive joint i of the chain, with its limits.
 void check_actuators(const Model& model, const PlanarChain& chain) {
@@ -139,12 +146,14 @@ void ArmSettings::bind(Fields& fields) {
   bind_model(fields, mjcf);
   fields.file("model.urdf", urdf, "URDF file of the arm, the controllers' nominal model");
   physics.bind(fields);
+  timing.bind(fields);
   run.bind(fields);
   fields.numbers("task.start_angles_rad", start_angles_rad, any(),
                  "q_0^ref, the start posture; its tip pose is X_0^ref [rad]");
   fields.number("plant.friction_Nm", friction_Nm, between(kFrictionOfModel, 1e3),
                 "Coulomb friction of each joint; -1: that of the model file [N m]");
   fields.standard("plant.friction_Nm", {kFrictionOfModel});
+  drive.bind(fields, rotation_units());
   controller.bind(fields);
   fields.numbers("observer.nominal_inertia_kgm2", nominal_inertia_kgm2, positive(),
                  "diagonal of J_n: nominal inertia of each joint [kg m^2]");
@@ -158,6 +167,7 @@ void ArmSettings::bind(Fields& fields) {
   bind_encoder_rounding(fields, "sensor.encoder_rounding", encoder_rounding);
   fields.only_where({"sensor.encoder_rounding"}, "sensor.encoder_counts_per_turn is not 0",
                     [this] { return encoder_counts_per_turn != 0.0; });
+  scale.bind(fields, "sensor.encoder_", rotation_units());
   fields.number("sensor.angle_noise_rad", angle_noise_rad, not_negative(),
                 "standard deviation of white noise on each angle sample [rad]");
   fields.number("sensor.force_noise_N", force_noise_N, not_negative(),
@@ -167,6 +177,7 @@ void ArmSettings::bind(Fields& fields) {
 
 void check_arm(const ArmSettings& settings, const ArmRole& role, const Config& config) {
   settings.physics.check(config, settings.run);
+  settings.timing.check(config, settings.physics);
   const PlanarChain chain = load_planar_chain(settings.urdf);
   const auto one_per_joint = [&](const char* key, std::size_t size) {
     if (size != static_cast<std::size_t>(chain.joints())) {
@@ -184,7 +195,11 @@ void check_arm(const ArmSettings& settings, const ArmRole& role, const Config& c
     settings.observer.check(config, nominal_joint(settings, chain, i));
   }
   settings.controller.check(config, arm_setup(settings, role, chain));
-  check_actuators(Model::load_physics(settings.mjcf, role.geoms), chain);
+  const Model model = Model::load_physics(settings.mjcf, role.geoms);
+  check_actuators(model, chain);
+  for (int i = 0; i < chain.joints(); ++i) {
+    settings.drive.check(config, coulomb_Nm(settings, model, chain, i));
+  }
   const std::vector<SensorChannel> channels = sensing_setup(settings, role, chain).channels;
   settings.faults.check(config, channels);
   ArmRig rig(settings, role);  // throws if the model lacks something
@@ -202,8 +217,11 @@ void show_geoms(Model& model, const std::string& prefix, bool visible) {
 ArmRig::ArmRig(const ArmSettings& settings, const ArmRole& role)
     : chain_(load_planar_chain(settings.urdf)),
       controller_(settings.controller.make(arm_setup(settings, role, chain_))),
+      has_motors_(settings.drive.electric().is_on()),
       q_(Eigen::VectorXd::Zero(chain_.joints())),
       dq_(q_),
+      friction_Nm_(q_),
+      current_A_(q_),
       tip_(TipPose::Zero()) {
   Model model = Model::load_physics(settings.mjcf, role.geoms);
   model.set_physics(settings.physics.timestep_s, settings.physics.integrator);
@@ -212,6 +230,13 @@ ArmRig::ArmRig(const ArmSettings& settings, const ArmRole& role)
       set_coulomb_friction(model, model.id(mjOBJ_JOINT, chain_.joint(i).name),
                            settings.friction_Nm);
     }
+  }
+  for (Eigen::Index i = 0; i < chain_.joints(); ++i) {
+    std::unique_ptr<FrictionLaw> law =
+        settings.drive.make_friction(coulomb_Nm(settings, model, chain_, i));
+    if (!law) break;
+    frictions_.push_back(
+        std::make_unique<JointFriction>(model, chain_.joint(i).name, std::move(law)));
   }
   if (role.force_sensor.tool_mass_kg > 0.0) {
     model.add_mass("tip", role.force_sensor.tool_mass_kg);
@@ -231,6 +256,12 @@ ArmRig::ArmRig(const ArmSettings& settings, const ArmRole& role)
   simulation_ = std::make_unique<Simulation>(std::move(model), *controller_,
                                              sensing_setup(settings, role, chain_),
                                              settings.physics.steps_per_sample());
+  const CommandDelays delays = settings.timing.delays();
+  if (delays.is_on()) simulation_->set_timing(delays, settings.run.seed);
+  for (int i = 0; has_motors_ && i < chain_.joints(); ++i) {
+    simulation_->set_drive(i, settings.drive.electric());
+  }
+  for (const auto& friction : frictions_) simulation_->add(*friction);
   simulation_->set_position(qpos);
   contact_force_ = &simulation_->sensor("tip_touch");
   force_sensor_ = &simulation_->sensor("tip_force");
@@ -264,6 +295,8 @@ void ArmRig::observe() {
   for (Eigen::Index i = 0; i < chain_.joints(); ++i) {
     q_(i) = *q_sensors_[static_cast<std::size_t>(i)];
     dq_(i) = *dq_sensors_[static_cast<std::size_t>(i)];
+    if (!frictions_.empty()) friction_Nm_(i) = frictions_[static_cast<std::size_t>(i)]->force();
+    if (has_motors_) current_A_(i) = simulation_->motor(static_cast<int>(i)).current_A();
   }
   tip_ = chain_.tip_pose(q_);
   saturated_ = simulation_->saturated() ? 1.0 : 0.0;
@@ -290,6 +323,13 @@ std::vector<Signal> ArmRig::signals() const {
       {"saturated", "1", "1 where any torque is at its limit", view(saturated_)}};
   if (contact_) {
     signals.push_back({"wall_m", "m", "how far the wall has moved", view(contact_->wall_m())});
+  }
+  if (has_motors_) {
+    signals.push_back({"current_A", "A", "currents of the motors", view(current_A_)});
+    signals.push_back({"motor_Nm", "N m", "true torques of the motors", view(sim.drive_force())});
+  }
+  if (!frictions_.empty()) {
+    signals.push_back({"friction_Nm", "N m", "dry friction of the joints", view(friction_Nm_)});
   }
   for (const Signal& signal : controller_->signals()) signals.push_back(signal);
   return signals;

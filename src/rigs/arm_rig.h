@@ -10,7 +10,9 @@
 #include <breakwater/experiment/scenario.h>
 #include <breakwater/rigs/arm_parts.h>
 #include <breakwater/rigs/axis_parts.h>
+#include <breakwater/rigs/drive_settings.h>
 #include <breakwater/rigs/force_sensor_settings.h>
+#include <breakwater/sim/joint_friction.h>
 #include <breakwater/sim/simulation.h>
 #include <breakwater/sim/wall_contact.h>
 
@@ -19,14 +21,18 @@ namespace breakwater {
 /// The keys of all arm scenarios.
 struct ArmSettings {
   explicit ArmSettings(const Catalogue& catalogue)
-      : controller(catalogue, "controller.name"), observer(catalogue, "observer.name", "idob") {}
+      : drive(catalogue),
+        controller(catalogue, "controller.name"),
+        observer(catalogue, "observer.name", "idob") {}
 
   ModelFile mjcf;
   std::string urdf;
   PhysicsSettings physics;
+  TimingSettings timing;  ///< of the commands
   RunSettings run;
 
   double friction_Nm = 0.0;  ///< Coulomb friction of each joint; negative: that of the model file
+  DriveSettings drive;       ///< friction law and motor, the same for each joint
   std::vector<double> start_angles_rad;  ///< q_0^ref
   PartChoice<ArmControllerKind> controller;
 
@@ -36,6 +42,7 @@ struct ArmSettings {
 
   double encoder_counts_per_turn = 0.0;
   EncoderRounding encoder_rounding = EncoderRounding::nearest;
+  ScaleSettings scale;  ///< errors of each encoder's scale
   double angle_noise_rad = 0.0;
   double force_noise_N = 0.0;
   FaultSettings faults;
@@ -104,10 +111,14 @@ class ArmRig {
  private:
   PlanarChain chain_;
   std::unique_ptr<Controller> controller_;
-  std::unique_ptr<WallContact> contact_;  // null: the engine's
+  std::unique_ptr<WallContact> contact_;                   // null: the engine's
+  std::vector<std::unique_ptr<JointFriction>> frictions_;  // empty: the engine's
   std::unique_ptr<Simulation> simulation_;
+  bool has_motors_;
   Eigen::VectorXd q_;
   Eigen::VectorXd dq_;
+  Eigen::VectorXd friction_Nm_;
+  Eigen::VectorXd current_A_;
   TipPose tip_;
   double saturated_ = 0.0;
   const double* contact_force_;

@@ -57,15 +57,25 @@ AxisRig::AxisRig(const AxisPlant& plant, Controller& controller)
       qpos[motor_at] += one.transmission.design.ratio * one.start_position;
       qvel[motor_rate_at] += one.transmission.design.ratio * one.start_velocity;
     }
-    axes_.push_back({at, rate_at, model.id(mjOBJ_ACTUATOR, one.axis.actuator),
-                     std::make_unique<JointForce>(model, one.axis.joint), std::move(transmission),
-                     motor_at, motor_rate_at, Noise(plant.run.seed, one.axis.own("input"))});
+    std::unique_ptr<FrictionLaw> law = one.drive.make_friction(one.coulomb_friction);
+    axes_.push_back(
+        {at, rate_at, model.id(mjOBJ_ACTUATOR, one.axis.actuator),
+         std::make_unique<JointForce>(model, one.axis.joint),
+         law ? std::make_unique<JointFriction>(model, one.axis.joint, std::move(law)) : nullptr,
+         std::move(transmission), motor_at, motor_rate_at,
+         Noise(plant.run.seed, one.axis.own("input"))});
   }
   simulation_ = std::make_unique<Simulation>(std::move(model), controller, plant.sensing(),
                                              steps_per_sample_);
+  const CommandDelays delays = plant.timing.delays();
+  if (delays.is_on()) simulation_->set_timing(delays, plant.run.seed);
   for (std::size_t i = 0; i < axes_.size(); ++i) {
-    simulation_->set_pwm(static_cast<int>(axes_[i].actuator), Pwm{plant.axes[i].drive_resolution});
+    const auto actuator = static_cast<int>(axes_[i].actuator);
+    const AxisSettings& one = plant.axes[i];
+    simulation_->set_pwm(actuator, Pwm{one.drive_resolution});
+    if (one.drive.electric().is_on()) simulation_->set_drive(actuator, one.drive.electric());
     simulation_->add(*axes_[i].force);
+    if (axes_[i].friction) simulation_->add(*axes_[i].friction);
     if (axes_[i].transmission) simulation_->add(*axes_[i].transmission);
   }
   simulation_->set_position(qpos);
@@ -167,6 +177,15 @@ std::vector<Signal> AxisRig::signals() const {
     add("position_measured_" + u.position_suffix, u.position, "sampled position", measured(i));
     add("command_" + u.force_suffix, u.force, "commanded input", command(i));
     add("applied_" + u.force_suffix, u.force, "applied input, saturated and rounded", actuation(i));
+    if (plant_.axes[i].drive.electric().is_on()) {
+      add("current_A", "A", "current of the motor",
+          sim.motor(static_cast<int>(axes_[i].actuator)).current_A());
+      add("motor_" + u.force_suffix, u.force, "true force of the motor",
+          sim.drive_force()(axes_[i].actuator));
+    }
+    if (axes_[i].friction) {
+      add("friction_" + u.force_suffix, u.force, "dry friction", axes_[i].friction->force());
+    }
     if (!axes_[i].transmission) continue;
     add("motor_position_" + u.position_suffix, u.position, "position of the motor, true",
         motor_position(i));

@@ -12,6 +12,7 @@
 #include <breakwater/record/held_reference.h>
 #include <breakwater/rigs/axis_settings.h>
 #include <breakwater/sim/joint_force.h>
+#include <breakwater/sim/joint_friction.h>
 #include <breakwater/sim/simulation.h>
 
 namespace breakwater {
@@ -93,6 +94,7 @@ class AxisRig {
     std::size_t qvel;
     Eigen::Index actuator;
     std::unique_ptr<JointForce> force;
+    std::unique_ptr<JointFriction> friction;     // null: the engine's
     std::unique_ptr<Transmission> transmission;  // nullptr: rigid
     std::size_t motor_qpos;                      // the axis itself, if it is rigid
     std::size_t motor_qvel;

@@ -61,6 +61,7 @@ void AxisSettings::bind(Fields& fields) {
                 "0: none [" + u.force + "]");
   fields.number("drive." + key("resolution", u.force_suffix), drive_resolution, not_negative(),
                 "step of the drive's PWM; 0: not quantised [" + u.force + "]");
+  drive.bind(fields, u);
   if (axis.counts_pulses) {
     fields.count("encoder.bits", encoder_bits, between(0, 60),
                  "n: the encoder has 2^n pulses per turn of its shaft; 0: not quantised");
@@ -84,6 +85,7 @@ void AxisSettings::bind(Fields& fields) {
   fields.only_where(
       {"encoder." + key("phase", u.position_suffix), "encoder.origin", "encoder.rounding"},
       "the encoder is quantised", [this] { return quantum() != 0.0; });
+  scale.bind(fields, "encoder.", u);
   fields.number("noise." + key("std", u.position_suffix), noise_std, not_negative(),
                 "standard deviation of the measurement's white noise [" + u.position + "]");
   fields.number("noise." + key("input_std", u.force_suffix), input_noise_std, not_negative(),
@@ -114,15 +116,18 @@ double AxisSettings::force_limit() const {
 }
 
 Encoder AxisSettings::encoder() const {
-  return {.quantum = quantum(),
-          .phase = encoder_phase,
-          .origin = encoder_origin,
-          .rounding = encoder_rounding};
+  Encoder encoder = {.quantum = quantum(),
+                     .phase = encoder_phase,
+                     .origin = encoder_origin,
+                     .rounding = encoder_rounding};
+  scale.apply(encoder);
+  return encoder;
 }
 
 void AxisPlant::bind(Fields& fields) {
   bind_model(fields, mjcf);
   physics.bind(fields);
+  timing.bind(fields);
   run.bind(fields);
   const std::string inertia = axis().axis.inertia_name;
   fields.number("plant." + inertia + "_ratio", inertia_ratio, positive(),
@@ -200,19 +205,24 @@ SensingSetup AxisPlant::sensing() const {
 
 void check_plant(const AxisPlant& plant, const Config& config) {
   plant.physics.check(config, plant.run);
+  plant.timing.check(config, plant.physics);
+  for (const AxisSettings& one : plant.axes) {
+    one.drive.check(config.under(one.axis.prefix()), one.coulomb_friction);
+  }
   const SensingSetup sensing = plant.sensing();
   plant.faults.check(config, sensing.channels);
-  try {
-    const Model model = plant.load_model();
-    for (std::size_t i = 0; i < plant.axes.size(); ++i) {
-      const AxisSettings& one = plant.axes[i];
+  for (std::size_t i = 0; i < plant.axes.size(); ++i) {
+    try {
       plant.nominal(i);
-      if (one.transmission.is_elastic()) one.transmission.make(model, one.axis.joint);
+    } catch (const WrongKey& wrong) {
+      config.under(plant.axes[i].axis.prefix()).fail(wrong.key(), wrong.what());
     }
-    const Sensing check_only(model, sensing);
-  } catch (const WrongKey& wrong) {
-    config.fail(wrong.key(), wrong.what());
   }
+  const Model model = plant.load_model();
+  for (const AxisSettings& one : plant.axes) {
+    if (one.transmission.is_elastic()) one.transmission.make(model, one.axis.joint);
+  }
+  const Sensing check_only(model, sensing);
 }
 
 StateSpace linear_axis(const AxisPlant& plant) {

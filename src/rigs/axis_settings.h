@@ -9,6 +9,7 @@
 #include <breakwater/experiment/settings.h>
 #include <breakwater/linear/state_space.h>
 #include <breakwater/rigs/axis_parts.h>
+#include <breakwater/rigs/drive_settings.h>
 #include <breakwater/rigs/transmission_settings.h>
 #include <breakwater/world/disturbance.h>
 
@@ -40,7 +41,7 @@ Axis two_inertia_axis();
 
 /// The settings of one axis.
 struct AxisSettings {
-  explicit AxisSettings(Axis which) : axis(std::move(which)) {}
+  AxisSettings(Axis which, const Catalogue& catalogue) : axis(std::move(which)), drive(catalogue) {}
 
   Axis axis;
 
@@ -58,6 +59,7 @@ struct AxisSettings {
 
   double drive_limit = 0.0;       ///< 0: none
   double drive_resolution = 0.0;  ///< step of the PWM; 0: not quantised
+  DriveSettings drive;            ///< friction law and motor
 
   int encoder_bits = 0;  ///< 0: not quantised
   double encoder_multiplication = 1.0;
@@ -66,6 +68,7 @@ struct AxisSettings {
   double encoder_phase = 0.0;
   EncoderOrigin encoder_origin = EncoderOrigin::counted;
   EncoderRounding encoder_rounding = EncoderRounding::nearest;
+  ScaleSettings scale;     ///< errors of the encoder's scale
   double noise_std = 0.0;  ///< noise of the measurement
   double input_noise_std =
       0.0;  ///< standard deviation of a random force that is drawn at each control sample
@@ -84,10 +87,11 @@ struct AxisSettings {
 /// The settings of a plant with axes.
 struct AxisPlant {
   /// A plant with one axis, and keys without a prefix.
-  explicit AxisPlant(const Axis& only) : axes{AxisSettings(only)} {}
+  AxisPlant(const Axis& only, const Catalogue& catalogue) : axes{AxisSettings(only, catalogue)} {}
 
   ModelFile mjcf;
   PhysicsSettings physics;
+  TimingSettings timing;  ///< of the commands
   RunSettings run;
   FaultSettings faults;
   double inertia_ratio = 1.0;      ///< ratio of the plant's inertia to that of its model file

@@ -71,10 +71,6 @@ void TransmissionSettings::bind(Fields& fields, const AxisUnits& u,
 void TransmissionSettings::author(Model& model, const std::string& load,
                                   const std::string& actuator) const {
   if (is_elastic()) {
-    if (motor_joint.empty()) {
-      throw WrongKey("transmission.motor_joint",
-                     "a transmission with a stiffness needs the motor's joint in the model");
-    }
     author_friction(model, model.id(mjOBJ_JOINT, motor_joint), motor_friction, 0.0);
     return;
   }
@@ -110,6 +106,10 @@ StateSpace TransmissionSettings::linear(const Model& model, const std::string& l
 
 void TransmissionSettings::describe(NominalAxis& axis, double load_inertia,
                                     double load_friction) const {
+  if (is_elastic() && motor_joint.empty()) {
+    throw WrongKey("transmission.motor_joint",
+                   "a transmission with a stiffness needs the motor's joint in the model");
+  }
   const double N = design.ratio;
   axis.measured = measured;
   axis.measured_ratio = measured_ratio();

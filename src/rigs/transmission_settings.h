@@ -36,16 +36,16 @@ struct TransmissionSettings {
   /// Motion of the measured side for one of the load at rest.
   double measured_ratio() const { return measured == Side::motor ? design.ratio : 1.0; }
 
-  /// Sets friction and inertia of the motor of the joint `load` and the actuator. Throws a WrongKey
-  /// if the keys contradict each other or the model.
+  /// Sets the motor's friction or, without a stiffness, the gear of the actuator at the joint
+  /// `load`.
   void author(Model& model, const std::string& load, const std::string& actuator) const;
   /// The coupling of the joints of an elastic transmission.
   std::unique_ptr<Transmission> make(const Model& model, const std::string& load) const;
   /// The linear part of the plant, without backlash and kinematic error.
   StateSpace linear(const Model& model, const std::string& load, double load_friction) const;
 
-  /// Sets the plant and its kin in an axis' nominal model, from the load's nominal numbers. Throws
-  /// a WrongKey if a number is missing.
+  /// Sets the plant in an axis' nominal model, from the load's nominal numbers. Throws a WrongKey
+  /// if a key is missing or contradicts another.
   void describe(NominalAxis& axis, double load_inertia, double load_friction) const;
 };
 

@@ -125,7 +125,8 @@ void Sensing::take(std::int64_t k, const mjData& data, Sample& sample) {
     if (!channel.is_late) channel.value = channel.read(data);
     const double reading =
         channel.setup.electronics.is_on() ? channel.electronics.value() : channel.value;
-    const double disturbed = reading + channel.setup.disturbance.value(sample.time_s);
+    const double disturbed = reading + channel.setup.encoder.error(reading) +
+                             channel.setup.disturbance.value(sample.time_s);
     double measured = channel.setup.encoder.measure(disturbed);
     if (channel.setup.noise_std > 0.0) {
       measured += channel.setup.noise_std * channel.noise(static_cast<std::uint64_t>(k));

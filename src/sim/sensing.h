@@ -29,8 +29,8 @@ enum class Reading {
 };
 
 /// One entry of a sample, from a MuJoCo sensor. The value passes these stages: true → body →
-/// low-pass (both analogue, at every physics step) → electronics (if any) → disturbance →
-/// quantisation → noise → delay → hold.
+/// low-pass (both analogue, at every physics step) → electronics (if any) → scale error →
+/// disturbance → quantisation → noise → delay → hold.
 ///
 /// Position and velocity sensors without a low-pass have the value of the sampling instant. Force,
 /// touch and acceleration sensors, and all sensors with a low-pass, have the value of the last

@@ -75,6 +75,7 @@ Simulation::Simulation(Model model, Controller& controller, const SensingSetup& 
   qvel_.assign(static_cast<std::size_t>(model_->nv), 0.0);
   command_.setZero(model_->nu);
   actuation_.setZero(model_->nu);
+  drive_force_.setZero(model_->nu);
 
   static std::once_flag once;
   std::call_once(once, [] { mjcb_control = &Simulation::control_callback; });
@@ -97,6 +98,17 @@ void Simulation::set_velocity(std::span<const double> qvel) {
                                 " start velocities, got " + std::to_string(qvel.size()));
   }
   std::copy(qvel.begin(), qvel.end(), data_->qvel);
+}
+
+void Simulation::set_timing(const CommandDelays& delays, std::uint64_t seed) {
+  timing_.emplace(delays, seed, timestep_s(), steps_per_sample_,
+                  static_cast<std::size_t>(model_->nu));
+}
+
+void Simulation::set_drive(int actuator, const ElectricDrive& drive) {
+  drives_.resize(static_cast<std::size_t>(model_->nu));
+  drives_[static_cast<std::size_t>(actuator)].emplace(drive, timestep_s());
+  model_.get()->actuator_ctrllimited[actuator] = 0;  // saturate() limits the command
 }
 
 void Simulation::set_collidable(int geom, bool collidable) {
@@ -123,8 +135,11 @@ void Simulation::begin_step(const mjData& data) {
   std::copy_n(data.qvel, qvel_.size(), qvel_.begin());
   for (StagedForce* force : staged_) force->begin_step();
   sampled_ = steps_ % steps_per_sample_ == 0;
-  if (!sampled_) return;
+  if (sampled_) sample(data);
+  drive(data);
+}
 
+void Simulation::sample(const mjData& data) {
   hash_.update(qpos_);
   hash_.update(qvel_);
   sample_.time_s = time_s_;
@@ -151,8 +166,24 @@ void Simulation::saturate() {
   }
 }
 
+void Simulation::drive(const mjData& data) {
+  if (timing_) {
+    if (sampled_) timing_->send(steps_ / steps_per_sample_, view(actuation_));
+    timing_->receive(steps_, {actuation_.data(), static_cast<std::size_t>(actuation_.size())});
+  }
+  for (std::size_t i = 0; i < drives_.size(); ++i) {
+    if (!drives_[i]) continue;
+    const auto row = static_cast<Eigen::Index>(i);
+    drives_[i]->update(actuation_(row), data.actuator_velocity[i]);
+    drive_force_(row) = drives_[i]->force(data.actuator_length[i]);
+  }
+}
+
 void Simulation::act(mjData& data) const {
   std::copy_n(actuation_.data(), actuation_.size(), data.ctrl);
+  for (std::size_t i = 0; i < drives_.size(); ++i) {
+    if (drives_[i]) data.ctrl[i] = drives_[i]->force(data.actuator_length[i]);
+  }
   if (forces_.empty() && staged_.empty()) return;
   std::fill_n(data.xfrc_applied, static_cast<std::ptrdiff_t>(6) * model_->nbody, 0.0);
   std::fill_n(data.qfrc_applied, model_->nv, 0.0);

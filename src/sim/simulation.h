@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <exception>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -15,6 +16,8 @@
 #include <breakwater/sim/model.h>
 #include <breakwater/sim/sensing.h>
 #include <breakwater/sim/state_hash.h>
+#include <breakwater/world/command_timing.h>
+#include <breakwater/world/motor_drive.h>
 #include <breakwater/world/pwm.h>
 
 namespace breakwater {
@@ -37,6 +40,15 @@ class Simulation {
 
   /// Makes an actuator round its command after saturation.
   void set_pwm(int actuator, const Pwm& pwm) { pwm_[static_cast<std::size_t>(actuator)] = pwm; }
+
+  /// Puts a delay between the commands, saturated and rounded, and the drives. Throws
+  /// std::invalid_argument if the delays are wrong.
+  void set_timing(const CommandDelays& delays, std::uint64_t seed);
+
+  /// Gives an actuator a motor with an electric part. Its force may exceed the actuator's
+  /// ctrlrange, which then limits only the command. Throws std::invalid_argument if the drive is
+  /// wrong.
+  void set_drive(int actuator, const ElectricDrive& drive);
 
   /// Adds an external force. It must outlive the simulation.
   void add(const ExternalForce& force) { forces_.push_back(&force); }
@@ -70,9 +82,15 @@ class Simulation {
   std::span<const double> qpos() const { return qpos_; }
   std::span<const double> qvel() const { return qvel_; }
   const Sample& sample() const { return sample_; }
-  /// The controller's command, and the actuators' output after saturation and rounding.
+  /// The controller's command, and what reaches the drives after saturation, rounding and delay.
   const Eigen::VectorXd& command() const { return command_; }
   const Eigen::VectorXd& actuation() const { return actuation_; }
+  /// The force of each drive with an electric part; of the others, it is 0.
+  const Eigen::VectorXd& drive_force() const { return drive_force_; }
+  /// The motor of an actuator with an electric part.
+  const MotorDrive& motor(int actuator) const {
+    return *drives_[static_cast<std::size_t>(actuator)];
+  }
   /// Whether a command reached or exceeded its limit.
   bool saturated() const { return saturated_; }
   /// The first value of a sensor, at an address that does not change.
@@ -87,8 +105,10 @@ class Simulation {
   static void control_callback(const mjModel* model, mjData* data);
   void start();
   void begin_step(const mjData& data);
+  void sample(const mjData& data);
   void act(mjData& data) const;
   void saturate();
+  void drive(const mjData& data);
   void check_engine(double time_before_s);
   [[noreturn]] void fail(const std::string& reason) const;
 
@@ -112,8 +132,11 @@ class Simulation {
   Eigen::VectorXd lower_limit_;
   Eigen::VectorXd upper_limit_;
   std::vector<Pwm> pwm_;
+  std::optional<CommandTiming> timing_;
+  std::vector<std::optional<MotorDrive>> drives_;  // of each actuator; empty: none has one
   Eigen::VectorXd command_;
   Eigen::VectorXd actuation_;
+  Eigen::VectorXd drive_force_;
   std::exception_ptr thrown_in_callback_;
   StateHash hash_;
 };

@@ -7,18 +7,6 @@
 #include <breakwater/world/refuse_unless.h>
 
 namespace breakwater {
-namespace {
-
-bool is_positive(double value) {
-  return std::isfinite(value) && value > 0.0;
-}
-
-bool is_not_negative(double value) {
-  return std::isfinite(value) && value >= 0.0;
-}
-
-}  // namespace
-
 KelvinVoigt::KelvinVoigt(double stiffness_N_m, double damping_Ns_m, By by)
     : stiffness_N_m_(stiffness_N_m), damping_Ns_m_(damping_Ns_m), by_(by) {
   refuse_unless(is_positive(stiffness_N_m) && is_not_negative(damping_Ns_m),

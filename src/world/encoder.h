@@ -6,6 +6,7 @@
 
 #include <breakwater/math/functions.h>
 #include <breakwater/signals/encoder_rounding.h>
+#include <breakwater/world/position_sine.h>
 
 namespace breakwater {
 
@@ -23,6 +24,11 @@ struct Encoder {
   double phase = 0.0;    ///< φ, distance of q = 0 from the middle between two edges
   EncoderOrigin origin = EncoderOrigin::counted;
   EncoderRounding rounding = EncoderRounding::nearest;
+  PositionSine eccentricity;   ///< error of a scale that is not centred on its shaft
+  PositionSine interpolation;  ///< error between two lines of the scale
+
+  /// The scale's error at the true position q.
+  double error(double q) const { return eccentricity.value(q) + interpolation.value(q); }
 
   double measure(double q) const {
     if (quantum == 0.0) return q;

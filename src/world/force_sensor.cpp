@@ -24,10 +24,15 @@ std::int64_t steps_in(double time_s, double step_s) {
 Resonance::Resonance(const SensorBody& body, double step_s) : is_on_(body.is_on()) {
   const double omega = body.resonance_rad_s;
   const double zeta = body.damping_ratio;
-  refuse_unless(std::isfinite(omega) && omega >= 0.0 && zeta >= 0.0 && zeta < 1.0 && step_s > 0.0,
-                "sensor: needs a resonance >= 0 and a damping ratio from 0 to below 1");
+  refuse_unless(
+      std::isfinite(omega) && omega >= 0.0 && std::isfinite(zeta) && zeta >= 0.0 && step_s > 0.0,
+      "needs a resonance and a damping ratio >= 0, and a step > 0");
   if (!is_on_) return;
   const double sigma = zeta * omega;
+  if (zeta >= 1.0) {
+    overdamp(sigma, omega, step_s);
+    return;
+  }
   const double damped = omega * std::sqrt(1.0 - zeta * zeta);
   const double decay = math::exp(-sigma * step_s);
   const math::SineCosine turn = math::sincos(damped * step_s);
@@ -37,9 +42,22 @@ Resonance::Resonance(const SensorBody& body, double step_s) : is_on_(body.is_on(
   vv_ = decay * (turn.cosine - sigma / damped * turn.sine);
 }
 
-void Resonance::reset(double value) {
+// e^(−σ h) cosh(δ h) and e^(−σ h) sinh(δ h)/δ, with δ² = σ² − ω².
+void Resonance::overdamp(double sigma, double omega, double step_s) {
+  const double delta = std::sqrt((sigma - omega) * (sigma + omega));
+  const double slow = math::exp((delta - sigma) * step_s);
+  const double fast = math::exp(-(delta + sigma) * step_s);
+  const double even = 0.5 * (slow + fast);
+  const double odd = delta * step_s < 1e-6 ? step_s * even : 0.5 * (slow - fast) / delta;
+  ee_ = even + sigma * odd;
+  ev_ = odd;
+  ve_ = -omega * omega * odd;
+  vv_ = even - sigma * odd;
+}
+
+void Resonance::set(double value, double speed) {
   value_ = value;
-  speed_ = 0.0;
+  speed_ = speed;
 }
 
 double Resonance::update(double input) {

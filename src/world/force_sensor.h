@@ -12,7 +12,7 @@ namespace breakwater {
 /// The elastic body of a force sensor: y'' + 2 ζ ω y' + ω² y = ω² u.
 struct SensorBody {
   double resonance_rad_s = 0.0;  ///< ω; 0: rigid
-  double damping_ratio = 0.0;    ///< ζ, from 0 to below 1
+  double damping_ratio = 0.0;    ///< ζ
 
   bool is_on() const { return resonance_rad_s > 0.0; }
 };
@@ -21,13 +21,16 @@ struct SensorBody {
 /// the input on, with the same bits.
 class Resonance {
  public:
-  /// Throws std::invalid_argument if ω is negative, ζ is not in [0, 1), or the step not positive.
+  /// Throws std::invalid_argument if ω or ζ is negative, or the step not positive.
   Resonance(const SensorBody& body, double step_s);
 
-  void reset(double value);
+  void reset(double value) { set(value, 0.0); }
+  void set(double value, double speed);
   double update(double input);
 
  private:
+  void overdamp(double sigma, double omega, double step_s);
+
   bool is_on_;
   double ee_ = 0.0, ev_ = 0.0, ve_ = 0.0, vv_ = 0.0;  // deviation and speed over a step
   double value_ = 0.0;

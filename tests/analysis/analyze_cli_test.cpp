@@ -46,7 +46,17 @@ TEST_F(Analyze, AnUnstableLoopIsAFailedRun) {
       run("breakwater analyze motor_estimation --case idob --set sensor.delay_samples=1000 "
           "--points 2 --from 1 --to 50 --settle 60");
   EXPECT_EQ(result.status, 3) << result.out << result.err;
+  EXPECT_TRUE(has(result.err,
+                  "motor_estimation idob: the loop is not stable: its response to a "
+                  "pulse grows without bound. It has no margins"));
   EXPECT_TRUE(entries().empty());
+}
+
+TEST_F(Analyze, AnUnstableLoopLeavesTheOthers) {
+  const testing::ProgramResult result =
+      ran("breakwater analyze two_inertia --case rrc,pd-dob --set observer.poles_rad_s=[-3,-4,-5] "
+          "--design-only");
+  EXPECT_TRUE(has(result.out, "rrc", "phase margin [deg]"));
 }
 
 }  // namespace

@@ -1,6 +1,8 @@
 // A recorded impact over a simulated one.
 #include <breakwater/pages/measured_impact.h>
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -85,6 +87,12 @@ TEST_F(MeasuredImpacts, AreComparedWithARunAlignedAtTheFirstContact) {
   }
   EXPECT_NEAR(json["rmse_N"], 0.1 * std::sqrt(sum / count), 0.003 * peak_N);
   EXPECT_TRUE(has(read("measured.html"), "measured", "RMSE", "lab.csv"));
+  // The table has as many digits as the user asks for.
+  for (const int digits : {3, 9}) {
+    const std::string shown =
+        ran(fmt::format("breakwater compare run --measured lab.csv --digits {}", digits)).out;
+    EXPECT_TRUE(has(shown, fmt::format(" {:.{}g} ", peak_N, digits))) << shown;
+  }
 }
 
 TEST_F(MeasuredImpacts, AreComparedUpToTheirEndIfTheSimulatedContactDoesNotEnd) {
@@ -128,7 +136,7 @@ TEST_F(MeasuredImpacts, RefuseWhatIsNoImpact) {
        {"--measured other.csv",
         "other.csv:1: there is no column time_s: the first line has t, F; rename one of them"}});
   for (const char* option :
-       {"--metric m", "--from 0", "--to 1", "--csv", "--latex", "--svg", "--pdf"}) {
+       {"--metric m", "--from 0", "--to 1", "--csv", "--latex", "--svg", "--pdf", "--no-replay"}) {
     const auto refused = run("breakwater compare run --measured other.csv " + std::string(option));
     EXPECT_EQ(refused.status, 2) << option;
     EXPECT_TRUE(has(refused.err, "--measured", "excludes")) << option;

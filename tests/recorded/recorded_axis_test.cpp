@@ -66,15 +66,13 @@ TEST_F(RecordedAxisFile, MessagesNameTheLine) {
             "set csv.time_column to its name");
   EXPECT_EQ(error_of("time_s,u,y,u\n"), "1: there are two columns u");
   EXPECT_EQ(error_of(head + "0,1,2\n"), " has fewer than two rows");
-  EXPECT_EQ(error_of(head + "0,1,2\n1,2\n"), "3: has 2 values, the first line 3");
-  EXPECT_EQ(error_of(head + "0,1,2\n0,2,3\n"), "3: time_s: must be later than in the row before");
-  EXPECT_EQ(error_of(head + "0,1,2\n1,nan,3\n"), "3: u: must be a finite number, is \"nan\"");
-  EXPECT_EQ(error_of(head + "0,1,2\n1,2,\n"), "3: y: must be a finite number, is \"\"");
+  EXPECT_EQ(error_of(head + "0,1,2\n1,2\n2,1,2\n"), "3: has 2 values, the first line 3");
   EXPECT_EQ(error_of(head + "0,1,2\n1,0x10,1\n"), "3: u: must be a finite number, is \"0x10\"");
   EXPECT_EQ(error_of(head + "0,1,2\n1,1e999,1\n"), "3: u: must be a finite number, is \"1e999\"");
   EXPECT_EQ(error_of("time_s;u;y\n0;1;2\n1;1.000,5;2\n"),
             "3: u: must be a finite number, is \"1.000,5\"");
-  EXPECT_EQ(error_of(head + "0,5,1,2\n"), "2: has 4 values, the first line 3");
+  EXPECT_EQ(error_of(head + "0,5,1,2\n"),
+            "2: has 4 values, the first line 3 (decimal commas need another separator)");
   EXPECT_THROW(read_recorded_axis("/nowhere/record.csv"), std::invalid_argument);
 }
 

@@ -120,6 +120,29 @@ TEST(Allocation, AContactLawDoesNotAllocate) {
   }
 }
 
+TEST(Allocation, ADriveAsItIsDoesNotAllocate) {
+  const std::vector<std::string> motor = {"drive.current_bandwidth_rad_s=500",
+                                          "drive.current_damping_ratio=0.7",
+                                          "drive.voltage_limit_V=100",
+                                          "drive.resistance_ohm=1",
+                                          "drive.inductance_H=1e-3",
+                                          "drive.cogging_Nm=0.1",
+                                          "control.delay_s=1.5e-3",
+                                          "control.jitter_s=3e-3",
+                                          "control.drop_probability=0.1",
+                                          "encoder.eccentricity_rad=1e-4",
+                                          "plant.coulomb_friction_Nm=0.5",
+                                          "run.duration_s=20"};
+  const std::vector<std::vector<std::string>> laws = {
+      {"friction.law=load_dependent", "friction.load_ratio=0.1"},
+      {"friction.law=lugre", "friction.static_ratio=1.5", "friction.stribeck_velocity=0.05",
+       "friction.bristle_stiffness=1e4", "friction.bristle_damping=10"}};
+  for (std::vector<std::string> sets : laws) {
+    sets.insert(sets.end(), motor.begin(), motor.end());
+    EXPECT_EQ(allocations_in_loop("motor_estimation", "vfakfd", sets), 0) << sets.front();
+  }
+}
+
 TEST(Allocation, PushLoopDoesNotAllocate) {
   for (const char* observer : {"idob", "kfd", "qvff", "stf", "qbank"}) {
     EXPECT_EQ(allocations_in_loop("arm_push", "proposed-link2",

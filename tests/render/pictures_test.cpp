@@ -9,6 +9,7 @@
 #include <regex>
 
 #include <breakwater/pictures/staging.h>
+#include <breakwater/sim/named_elements.h>
 #include "catalogue.h"
 #include "cli/program.h"
 #include "render/media.h"
@@ -431,6 +432,19 @@ TEST_F(Pictures, TheTipTouchesTheWallInTheImpactStill) {
   EXPECT_NEAR(touching.last + 1, face_px, 3.0);
   const Columns before = red_columns(picture.draw(*impact_s - 0.1), 1280, 720);
   EXPECT_LT(before.last + 1, face_px - 0.012 * per_m);  // at 0.19 m/s
+}
+
+TEST_F(Pictures, AWallOfATableStandsWhereItsTableSays) {
+  write("wall.csv", "time_s,position_m\n5,0\n6,0.04\n");
+  ran(kShortWall + "wall.motion=csv wall.file=wall.csv --out run");
+  ran("breakwater still run --at 5.5 --size 320x180 --out still.png");
+  const FinishedRun run(testing::catalogue(), folder_ / "run");
+  PictureRun staged = stage(run, shot_list(run.shots_file()), "top");
+  const int wall = geom_id(staged.model, "wall");
+  for (const auto& [time_s, moved_m] : {std::pair(4.0, 0.0), {5.25, 0.01}, {6.0, 0.04}}) {
+    staged.animate(staged.model, time_s);
+    EXPECT_NEAR(staged.model->geom_pos[3 * wall], 0.45 + 0.089 + moved_m, 1e-12) << time_s;
+  }
 }
 
 TEST_F(Pictures, TheChartEndsWhereTheLogSays) {

@@ -1,0 +1,57 @@
+#include <breakwater/recorded/encoder_quantum.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace breakwater {
+namespace {
+
+constexpr double kTolerance = 0.05;  // of a count
+constexpr int kMostCounts = 8;       // in the least difference
+
+// Whether the sorted differences are multiples of about `quantum`, which they then refine.
+bool explains(const std::vector<double>& differences, double& quantum) {
+  double products = 0.0;
+  double squares = 0.0;
+  for (const double d : differences) {
+    const double n = std::round(d / quantum);
+    if (n < 1.0 || std::abs(d - n * quantum) > kTolerance * quantum) return false;
+    products += n * d;
+    squares += n * n;
+    quantum = products / squares;
+  }
+  return true;
+}
+
+}  // namespace
+
+double encoder_quantum(std::span<const double> positions) {
+  std::vector<double> differences;
+  double largest = 0.0;
+  for (std::size_t k = 1; k < positions.size(); ++k) {
+    differences.push_back(std::abs(positions[k] - positions[k - 1]));
+    largest = std::max(largest, std::abs(positions[k]));
+  }
+  std::erase_if(differences, [&](double d) { return d <= 1e-12 * largest; });
+  if (differences.empty()) return 0.0;
+  std::sort(differences.begin(), differences.end());
+  for (int counts = 1; counts <= kMostCounts; ++counts) {
+    double quantum = differences.front() / counts;
+    if (!explains(differences, quantum)) continue;
+    double n = 0.0, n_sum = 0.0, n_squares = 0.0, y_sum = 0.0, products = 0.0;
+    for (std::size_t k = 0; k < positions.size(); ++k) {
+      const double y = positions[k] - positions.front();
+      if (k > 0) n += std::round((positions[k] - positions[k - 1]) / quantum);
+      n_sum += n;
+      n_squares += n * n;
+      y_sum += y;
+      products += n * y;
+    }
+    const double rows = static_cast<double>(positions.size());
+    return (rows * products - n_sum * y_sum) / (rows * n_squares - n_sum * n_sum);
+  }
+  return 0.0;
+}
+
+}  // namespace breakwater

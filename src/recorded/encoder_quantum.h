@@ -1,0 +1,15 @@
+// The resolution of an encoder, found in its positions.
+#pragma once
+
+#include <span>
+
+namespace breakwater {
+
+/// The largest Δ with which all differences between successive positions are whole counts, within
+/// 5 % of a count. 0 if there is none, or if the position never moves.
+///
+/// The least difference is Δ or up to 8 counts. A line through (count, position) removes the
+/// rounding of printed digits.
+double encoder_quantum(std::span<const double> positions);
+
+}  // namespace breakwater

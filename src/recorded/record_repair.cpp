@@ -1,0 +1,349 @@
+#include <breakwater/recorded/record_repair.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+#include <optional>
+#include <stdexcept>
+
+#include <breakwater/recorded/encoder_quantum.h>
+#include <breakwater/shell/table.h>
+#include <breakwater/statistics/quantile.h>
+
+namespace breakwater {
+namespace {
+
+constexpr double kManyRows = 0.2;           // share from which a damage is a property of the record
+constexpr std::size_t kFarthestRows = 100;  // that a row may be out of its place
+constexpr std::size_t kRowsBeforeWraps = 20;  // a shorter table shows no wrapped counter
+constexpr double kJump = 20.0;                // least size of a wrap, in large normal steps
+constexpr std::size_t kWrapsForAnyRange = 3;  // from which the range need not be a common one
+
+struct Row {
+  double time, input, position;
+  std::size_t line;
+};
+
+// Counts a repair, and remembers its first line.
+class Count {
+ public:
+  void add(std::size_t line) {
+    if (count_++ == 0) line_ = line;
+  }
+  std::size_t count() const { return count_; }
+  // Adds "3 rows WHAT (the first in line 7)".
+  void report(std::vector<std::string>& repairs, const std::string& thing,
+              const std::string& what) const {
+    if (count_ == 0) return;
+    repairs.push_back(fmt::format("{} {} ({} line {})", number_of(count_, thing), what,
+                                  count_ == 1 ? "in" : "the first in", line_));
+  }
+
+ private:
+  std::size_t count_ = 0;
+  std::size_t line_ = 0;
+};
+
+class Repair {
+ public:
+  Repair(const std::string& file, const ColumnTable& table, const std::string& time_column)
+      : file_(file), time_column_(time_column) {
+    Count without_time;
+    for (std::size_t k = 0; k < table.rows(); ++k) {
+      const Row row{table.columns[0][k], table.columns[1][k], table.columns[2][k], table.lines[k]};
+      if (std::isnan(row.time)) {
+        without_time.add(row.line);
+      } else {
+        rows_.push_back(row);
+      }
+    }
+    if (table.has_torn_end) repairs_.push_back("the last line is not whole and was left out");
+    without_time.report(repairs_, "row", "without a time left out");
+  }
+
+  RecordedAxis result() {
+    require_rows();
+    sort();
+    treat_repeated_times();
+    require_rows();
+    fill_inputs();
+    take_positions();
+    require_rows();
+    unwrap();
+    RecordedAxis axis;
+    for (const Row& row : rows_) {
+      axis.times_s.push_back(row.time);
+      axis.inputs.push_back(row.input);
+      axis.positions.push_back(row.position);
+    }
+    axis.repairs = std::move(repairs_);
+    return axis;
+  }
+
+ private:
+  void require_rows() const {
+    if (rows_.size() < 2) throw std::invalid_argument(file_ + ": has fewer than two rows");
+  }
+
+  bool is_many(std::size_t count) const {
+    return static_cast<double>(count) > kManyRows * static_cast<double>(rows_.size());
+  }
+
+  void sort() {
+    const std::size_t farthest = std::clamp<std::size_t>(rows_.size() / 10, 1, kFarthestRows);
+    Count late;
+    double latest = rows_.front().time;
+    for (const Row& row : rows_) {
+      if (row.time < latest) late.add(row.line);
+      latest = std::max(latest, row.time);
+    }
+    if (late.count() == 0) return;
+    std::vector<std::size_t> order(rows_.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::stable_sort(order.begin(), order.end(), [this](std::size_t a, std::size_t b) {
+      return rows_[a].time < rows_[b].time;
+    });
+    std::vector<Row> sorted;
+    for (std::size_t k = 0; k < order.size(); ++k) {
+      sorted.push_back(rows_[order[k]]);
+      // A row that came too late moves forward.
+      if (order[k] > k + farthest) {
+        fail_at_line(file_, rows_[order[k]].line,
+                     fmt::format("{}: goes back by more than {}: is this a second record?",
+                                 time_column_, number_of(farthest, "row")));
+      }
+    }
+    rows_ = std::move(sorted);
+    late.report(repairs_, "row", "out of order sorted");
+  }
+
+  void treat_repeated_times() {
+    Count repeated;
+    std::size_t same = 0;
+    for (std::size_t k = 1; k < rows_.size(); ++k) {
+      if (rows_[k].time > rows_[k - 1].time) continue;
+      repeated.add(rows_[k].line);
+      if (rows_[k].input == rows_[k - 1].input && rows_[k].position == rows_[k - 1].position) {
+        ++same;
+      }
+    }
+    if (repeated.count() == 0) return;
+    // Rows that are written twice have the same values, too.
+    if (is_many(repeated.count()) && 10 * same < 9 * repeated.count() &&
+        rows_.back().time > rows_.front().time) {
+      spread();
+      repeated.report(repairs_, "time", "of a coarse clock spread evenly");
+      return;
+    }
+    rows_.erase(std::unique(rows_.begin(), rows_.end(),
+                            [](const Row& a, const Row& b) { return b.time <= a.time; }),
+                rows_.end());
+    repeated.report(repairs_, "row", "with a repeated time left out");
+  }
+
+  // The rows of one stamp share the time until the next stamp.
+  void spread() {
+    double length = 0.0;
+    std::size_t before = 1;
+    for (std::size_t from = 0; from < rows_.size();) {
+      std::size_t to = from + 1;
+      while (to < rows_.size() && rows_[to].time == rows_[from].time) ++to;
+      const double n = static_cast<double>(to - from);
+      // The last stamp has no next one.
+      length = to < rows_.size() ? rows_[to].time - rows_[from].time
+                                 : length / static_cast<double>(before) * n;
+      before = to - from;
+      for (std::size_t i = 1; i < before; ++i) {
+        rows_[from + i].time += length * static_cast<double>(i) / n;
+      }
+      from = to;
+    }
+  }
+
+  void fill_inputs() {
+    Count missing;
+    std::optional<std::size_t> first;
+    for (std::size_t k = 0; k < rows_.size(); ++k) {
+      if (std::isnan(rows_[k].input)) {
+        missing.add(rows_[k].line);
+      } else if (!first) {
+        first = k;
+      }
+    }
+    if (missing.count() == 0) return;
+    if (!first) throw std::invalid_argument(file_ + ": no row has an input");
+    const bool is_held = is_many(missing.count());
+    for (std::size_t k = 0; k < rows_.size(); ++k) {
+      if (!std::isnan(rows_[k].input)) continue;
+      std::size_t next = k;
+      while (next < rows_.size() && std::isnan(rows_[next].input)) ++next;
+      if (k == 0) {
+        rows_[k].input = rows_[*first].input;
+      } else if (is_held || next == rows_.size()) {
+        rows_[k].input = rows_[k - 1].input;
+      } else {
+        const double share =
+            (rows_[k].time - rows_[k - 1].time) / (rows_[next].time - rows_[k - 1].time);
+        rows_[k].input = rows_[k - 1].input + share * (rows_[next].input - rows_[k - 1].input);
+      }
+    }
+    missing.report(
+        repairs_, "input",
+        is_held ? "missing: the input has a lower rate and was held" : "missing and interpolated");
+  }
+
+  void take_positions() {
+    Count missing;
+    for (const Row& row : rows_) {
+      if (std::isnan(row.position)) missing.add(row.line);
+    }
+    if (missing.count() == 0) return;
+    if (missing.count() == rows_.size()) {
+      throw std::invalid_argument(file_ + ": no row has a position");
+    }
+    const bool is_rate = is_many(missing.count());
+    std::vector<Row> kept;
+    for (std::size_t k = 0; k < rows_.size();) {
+      std::size_t next = k + 1;
+      while (next < rows_.size() && std::isnan(rows_[next].position)) ++next;
+      if (!std::isnan(rows_[k].position)) {
+        kept.push_back(rows_[k]);
+        if (is_rate && next < rows_.size()) kept.back().input = mean_input(k, next);
+      }
+      k = next;
+    }
+    rows_ = std::move(kept);
+    missing.report(repairs_, "row",
+                   is_rate ? "without a position left out: the position has a lower rate, and the "
+                             "input became its mean"
+                           : "without a position left out");
+  }
+
+  // The mean of the held inputs from row `from` to row `to`.
+  double mean_input(std::size_t from, std::size_t to) const {
+    double sum = 0.0;
+    for (std::size_t k = from; k < to; ++k) {
+      sum += rows_[k].input * (rows_[k + 1].time - rows_[k].time);
+    }
+    return sum / (rows_[to].time - rows_[from].time);
+  }
+
+  double step(std::size_t k) const { return rows_[k].position - rows_[k - 1].position; }
+
+  // Jumps of more than half the range of the column, far above the normal steps.
+  void unwrap() {
+    if (rows_.size() < kRowsBeforeWraps) return;
+    std::vector<double> steps;
+    double low = rows_.front().position;
+    double high = low;
+    for (std::size_t k = 1; k < rows_.size(); ++k) {
+      steps.push_back(std::abs(step(k)));
+      low = std::min(low, rows_[k].position);
+      high = std::max(high, rows_[k].position);
+    }
+    std::sort(steps.begin(), steps.end());
+    const double normal = quantile(steps, 0.9);
+    std::vector<std::size_t> jumps;
+    for (std::size_t k = 1; k < rows_.size(); ++k) {
+      if (std::abs(step(k)) > std::max(0.5 * (high - low), kJump * normal)) jumps.push_back(k);
+    }
+    if (jumps.empty()) return;
+    std::vector<double> sizes;
+    for (const std::size_t k : jumps) sizes.push_back(size_of_wrap(k, jumps));
+    const double median = sample_median(sizes);
+    const auto is_near = [&](double size) {
+      return std::abs(size - median) <= std::max(3.0 * normal, 1e-3 * median);
+    };
+    const double range = counter_range(median, std::max(normal, 1e-6 * median));
+    const bool is_spike = jumps.size() % 2 == 0 && range == 0.0 && leave_out_spikes(jumps);
+    if (is_spike || !std::all_of(sizes.begin(), sizes.end(), is_near)) return;
+    double wrap = range;
+    if (wrap == 0.0) {
+      if (jumps.size() < kWrapsForAnyRange) return;
+      const double quantum = quantum_without(jumps);
+      wrap = quantum > 0.0 ? quantum * std::round(median / quantum) : median;
+    }
+    Count wraps;
+    double turns = 0.0;
+    std::vector<double> signs(rows_.size(), 0.0);
+    for (const std::size_t k : jumps) {
+      signs[k] = step(k) > 0.0 ? -1.0 : 1.0;
+      wraps.add(rows_[k].line);
+    }
+    for (std::size_t k = 0; k < rows_.size(); ++k) {
+      turns += signs[k];
+      rows_[k].position += turns * wrap;
+    }
+    wraps.report(repairs_, "wrap", fmt::format("of a counter of {:.10g} unwrapped", wrap));
+  }
+
+  // The size of a jump without the motion, which the steps beside it show.
+  double size_of_wrap(std::size_t k, const std::vector<std::size_t>& jumps) const {
+    const auto is_jump = [&](std::size_t i) {
+      return std::binary_search(jumps.begin(), jumps.end(), i);
+    };
+    double sum = 0.0;
+    double count = 0.0;
+    for (const std::size_t i : {k - 1, k + 1}) {
+      if (i < 1 || i >= rows_.size() || is_jump(i)) continue;
+      sum += step(i);
+      count += 1.0;
+    }
+    return std::abs(step(k) - (count > 0.0 ? sum / count : 0.0));
+  }
+
+  // A power of two, a turn in a common unit, or a round number of counts; 0 if none is near.
+  static double counter_range(double size, double tolerance) {
+    std::vector<double> ranges = {1.0, 2.0 * std::numbers::pi, std::numbers::pi, 180.0, 360.0};
+    for (int bits = 8; bits <= 32; ++bits) ranges.push_back(std::ldexp(1.0, bits));
+    for (double decade = 1e2; decade < 1e7; decade *= 10.0) {
+      for (const double factor : {1.0, 2.0, 4.0, 5.0, 8.0}) ranges.push_back(factor * decade);
+    }
+    double best = 0.0;
+    for (const double range : ranges) {
+      const double off = std::abs(range - size);
+      if (off <= std::min(tolerance, 0.02 * range) && (best == 0.0 || off < std::abs(best - size)))
+        best = range;
+    }
+    return best;
+  }
+
+  double quantum_without(const std::vector<std::size_t>& jumps) const {
+    std::vector<double> positions;
+    for (std::size_t k = 0; k < jumps.front(); ++k) positions.push_back(rows_[k].position);
+    return encoder_quantum(positions);
+  }
+
+  // Whether all jumps are pairs there and back at the same row, which is then left out.
+  bool leave_out_spikes(const std::vector<std::size_t>& jumps) {
+    for (std::size_t i = 0; i < jumps.size(); i += 2) {
+      const bool is_pair =
+          jumps[i + 1] == jumps[i] + 1 && step(jumps[i]) * step(jumps[i + 1]) < 0.0;
+      if (!is_pair) return false;
+    }
+    Count wrong;
+    for (std::size_t i = 0; i < jumps.size(); i += 2) wrong.add(rows_[jumps[i]].line);
+    for (std::size_t i = jumps.size(); i >= 2; i -= 2) {
+      rows_.erase(rows_.begin() + static_cast<std::ptrdiff_t>(jumps[i - 2]));
+    }
+    wrong.report(repairs_, "row", "with a position far from both neighbours left out");
+    return true;
+  }
+
+  const std::string& file_;
+  const std::string& time_column_;
+  std::vector<Row> rows_;
+  std::vector<std::string> repairs_;
+};
+
+}  // namespace
+
+RecordedAxis repaired(const std::string& file, const ColumnTable& table,
+                      const std::string& time_column) {
+  return Repair(file, table, time_column).result();
+}
+
+}  // namespace breakwater

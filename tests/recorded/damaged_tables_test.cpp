@@ -1,0 +1,259 @@
+// Tables with the damages of real laboratories: what is repaired, and what is refused.
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+
+#include <breakwater/recorded/encoder_quantum.h>
+#include <breakwater/recorded/recorded_axis.h>
+#include "support.h"
+
+namespace breakwater::damaged_tables_test {
+namespace {
+
+using Lines = std::vector<std::string>;
+
+// 40 rows of a ramp: time k/100 s, input k, position 2 k.
+Lines whole_table(char separator = ',') {
+  Lines lines = {fmt::format("time_s{0}u{0}y", separator)};
+  for (int k = 0; k < 40; ++k) {
+    lines.push_back(fmt::format("{1:.2f}{0}{2}{0}{3}", separator, 0.01 * k, k, 2 * k));
+  }
+  return lines;
+}
+
+std::string joined(const Lines& lines) {
+  return fmt::format("{}\n", fmt::join(lines, "\n"));
+}
+
+struct Damage {
+  std::string name;
+  void (*apply)(Lines&);
+  std::string report;       // the repairs, or the message without the name of the file
+  std::size_t rows = 40;    // that are left; 0: refused
+  bool same_values = true;  // the rows lie on the ramp
+  char separator = ',';
+};
+
+void replace(Lines& lines, std::size_t line, const std::string& text) {
+  lines.at(line - 1) = text;
+}
+
+const std::vector<Damage> kDamages = {
+    {"nothing", [](Lines&) {}, ""},
+    {"empty_input", [](Lines& l) { replace(l, 12, "0.10,,20"); },
+     "1 input missing and interpolated (in line 12)"},
+    {"nan_inputs",
+     [](Lines& l) {
+       replace(l, 12, "0.10,NaN,20");
+       replace(l, 13, "0.11,nan,22");
+     },
+     "2 inputs missing and interpolated (the first in line 12)"},
+    {"first_input", [](Lines& l) { replace(l, 2, "0.00,n/a,0"); },
+     "1 input missing and interpolated (in line 2)", 40, false},
+    {"last_input", [](Lines& l) { replace(l, 41, "0.39,-,78"); },
+     "1 input missing and interpolated (in line 41)", 40, false},
+    {"nan_position", [](Lines& l) { replace(l, 12, "0.10,10,-nan"); },
+     "1 row without a position left out (in line 12)", 39},
+    {"infinite_position", [](Lines& l) { replace(l, 12, "0.10,10,inf"); },
+     "1 row without a position left out (in line 12)", 39},
+    {"nan_time", [](Lines& l) { replace(l, 12, "NaN,10,20"); },
+     "1 row without a time left out (in line 12)", 39},
+    {"repeated_row", [](Lines& l) { l.insert(l.begin() + 12, l[11]); },
+     "1 row with a repeated time left out (in line 13)"},
+    {"repeated_time", [](Lines& l) { replace(l, 13, "0.10,11,22"); },
+     "1 row with a repeated time left out (in line 13)", 39},
+    {"each_row_twice",
+     [](Lines& l) {
+       Lines twice = {l[0]};
+       for (std::size_t k = 1; k < l.size(); ++k) twice.insert(twice.end(), 2, l[k]);
+       l = twice;
+     },
+     "40 rows with a repeated time left out (the first in line 3)"},
+    {"coarse_clock",
+     [](Lines& l) {
+       for (int k = 0; k < 40; ++k) {
+         replace(l, static_cast<std::size_t>(k) + 2,
+                 fmt::format("{:.2f},{},{}", 0.04 * (k / 4), k, 2 * k));
+       }
+     },
+     "30 times of a coarse clock spread evenly (the first in line 3)"},
+    {"swapped_rows", [](Lines& l) { std::swap(l[11], l[12]); },
+     "1 row out of order sorted (in line 13)"},
+    {"late_row",
+     [](Lines& l) {
+       l.insert(l.begin() + 14, l[10]);
+       l.erase(l.begin() + 10);
+     },
+     "1 row out of order sorted (in line 14)"},
+    {"missing_rows", [](Lines& l) { l.erase(l.begin() + 20, l.begin() + 25); }, "", 35},
+    {"torn_last_line", [](Lines& l) { replace(l, 41, "0.39,3"); },
+     "the last line is not whole and was left out", 39},
+    {"footer", [](Lines& l) { l.push_back("end of measurement"); },
+     "the last line is not whole and was left out"},
+    {"trailing_separators",
+     [](Lines& l) {
+       for (std::size_t k = 1; k < l.size(); ++k) l[k] += ",";
+     },
+     ""},
+    {"windows_ends",
+     [](Lines& l) {
+       for (std::string& line : l) line += "\r";
+       l[0].insert(0, "\xef\xbb\xbf");
+     },
+     ""},
+    {"quoted_decimal_commas",
+     [](Lines& l) {
+       for (int k = 0; k < 40; ++k) {
+         replace(l, static_cast<std::size_t>(k) + 2, fmt::format("\"0,{:02}\",{},{}", k, k, 2 * k));
+       }
+     },
+     ""},
+    {"decimal_commas",
+     [](Lines& l) {
+       for (std::string& line : l) std::replace(line.begin(), line.end(), '.', ',');
+     },
+     "", 40, true, ';'},
+    {"units_in_brackets",
+     [](Lines& l) {
+       l = {"time [ms],u [N m],y [rad]"};
+       for (int k = 0; k < 40; ++k) l.push_back(fmt::format("{},{},{}", 10 * k, k, 2 * k));
+     },
+     "the unit ms of the first lines: 1 is 0.001 in SI units"},
+    {"row_of_units",
+     [](Lines& l) {
+       l = {"time,u,y", "ms,mNm,rad"};
+       for (int k = 0; k < 40; ++k) l.push_back(fmt::format("{},{},{}", 10 * k, 1000 * k, 2 * k));
+     },
+     "the unit ms of the first lines: 1 is 0.001 in SI units; the unit mNm of the first lines: 1 "
+     "is 0.001 in SI units"},
+    {"slow_input",
+     [](Lines& l) {
+       for (std::size_t k = 1; k < l.size(); ++k) {
+         if (k % 4 != 1)
+           l[k] = fmt::format("{:.2f},,{}", 0.01 * static_cast<double>(k - 1), 2 * (k - 1));
+       }
+     },
+     "30 inputs missing: the input has a lower rate and was held (the first in line 3)", 40, false},
+    {"slow_position",
+     [](Lines& l) {
+       for (std::size_t k = 1; k < l.size(); ++k) {
+         if (k % 4 != 1) l[k] = fmt::format("{:.2f},{},", 0.01 * static_cast<double>(k - 1), k - 1);
+       }
+     },
+     "30 rows without a position left out: the position has a lower rate, and the input became its "
+     "mean (the first in line 3)",
+     10, false},
+    {"wrapped_counter",
+     [](Lines& l) {
+       for (int k = 0; k < 40; ++k) {
+         replace(l, static_cast<std::size_t>(k) + 2,
+                 fmt::format("{:.2f},{},{}", 0.01 * k, k, k < 30 ? 2 * k : 2 * k - 65536));
+       }
+     },
+     "1 wrap of a counter of 65536 unwrapped (in line 32)"},
+    {"wrapped_angle",
+     [](Lines& l) {
+       for (int k = 0; k < 40; ++k) {
+         replace(l, static_cast<std::size_t>(k) + 2,
+                 fmt::format("{:.2f},{},{}", 0.01 * k, k, k < 30 ? 2 * k : 2 * k - 360));
+       }
+     },
+     "1 wrap of a counter of 360 unwrapped (in line 32)"},
+    {"wrong_position", [](Lines& l) { replace(l, 12, "0.10,10,9999"); },
+     "1 row with a position far from both neighbours left out (in line 12)", 39},
+    {"second_record",
+     [](Lines& l) {
+       const Lines again(l.begin() + 1, l.end());
+       l.insert(l.end(), again.begin(), again.end());
+     },
+     "42: time_s: goes back by more than 8 rows: is this a second record?", 0},
+    {"second_header", [](Lines& l) { l.insert(l.begin() + 20, l[0]); },
+     "21: time_s: must be a finite number, is \"time_s\"", 0},
+    {"commas_twice", [](Lines& l) { replace(l, 12, "0,10,10,20"); },
+     "12: has 4 values, the first line 3 (decimal commas need another separator)", 0},
+    {"word", [](Lines& l) { replace(l, 12, "0.10,ten,20"); },
+     "12: u: must be a finite number, is \"ten\"", 0},
+    {"merged_lines", [](Lines& l) { replace(l, 12, "0.10,10,200.11,11,22"); },
+     "12: has 5 values, the first line 3 (decimal commas need another separator)", 0},
+    {"short_row", [](Lines& l) { replace(l, 12, "0.10,10"); }, "12: has 2 values, the first line 3",
+     0},
+    {"thousands", [](Lines& l) { replace(l, 12, "0.10,10,\"1,000.5\""); },
+     "12: y: must be a finite number, is \"1,000.5\"", 0},
+    {"wide_text", [](Lines& l) { l[0].insert(0, "\xff\xfe"); },
+     "1: the text is in UTF-16: save it as UTF-8", 0},
+    {"no_rows", [](Lines& l) { l.resize(1); }, " has fewer than two rows", 0},
+    {"one_time",
+     [](Lines& l) {
+       for (std::size_t k = 1; k < l.size(); ++k) l[k].replace(0, 4, "0.00");
+     },
+     " has fewer than two rows", 0},
+    {"no_input",
+     [](Lines& l) {
+       for (std::size_t k = 1; k < l.size(); ++k) l[k] = fmt::format("{},,{}", k, k);
+     },
+     " no row has an input", 0},
+    {"no_position",
+     [](Lines& l) {
+       for (std::size_t k = 1; k < l.size(); ++k) l[k] = fmt::format("{},{},", k, k);
+     },
+     " no row has a position", 0},
+};
+
+class DamagedTable : public ::testing::TestWithParam<Damage> {};
+
+TEST_P(DamagedTable, IsRepairedAndCountedOrRefusedWithItsLine) {
+  const Damage& damage = GetParam();
+  Lines lines = whole_table(damage.separator);
+  damage.apply(lines);
+  const testing::TemporaryPath file("damaged.csv");
+  std::ofstream(file, std::ios::binary) << joined(lines);
+  RecordedAxis axis;
+  try {
+    axis = read_recorded_axis(file.string());
+  } catch (const std::invalid_argument& error) {
+    EXPECT_EQ(error.what(), file.string() + ":" + damage.report);
+    EXPECT_EQ(damage.rows, 0U) << error.what();
+    return;
+  }
+  EXPECT_EQ(fmt::format("{}", fmt::join(axis.repairs, "; ")), damage.report);
+  ASSERT_EQ(axis.times_s.size(), damage.rows);
+  for (std::size_t k = 0; k < damage.rows; ++k) {
+    EXPECT_TRUE(k == 0 || axis.times_s[k] > axis.times_s[k - 1]);
+    if (!damage.same_values) continue;
+    EXPECT_NEAR(axis.inputs[k], 100.0 * axis.times_s[k], 1e-9) << k;
+    EXPECT_NEAR(axis.positions[k], 200.0 * axis.times_s[k], 1e-9) << k;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, DamagedTable, ::testing::ValuesIn(kDamages),
+                         [](const auto& damage) { return damage.param.name; });
+
+TEST(DamagedTables, InputsOfALowerRateAreHeldAndThoseOfAHigherRateAveraged) {
+  const testing::TemporaryPath file("rates.csv");
+  std::ofstream(file) << "time_s,u,y\n0,1,0\n1,,1\n2,,2\n3,4,3\n";
+  EXPECT_EQ(read_recorded_axis(file.string()).inputs, (std::vector<double>{1, 1, 1, 4}));
+  std::ofstream(file) << "time_s,u,y\n0,1,0\n1,2,\n2,6,\n3,4,3\n4,4,4\n";
+  EXPECT_EQ(read_recorded_axis(file.string()).inputs, (std::vector<double>{3, 4, 4}));
+}
+
+TEST(EncoderQuantum, IsFoundInPrintedDigitsAndNotInAnalogPositions) {
+  constexpr double quantum = 2.0 * std::numbers::pi / 4096.0;
+  std::vector<double> printed;
+  std::vector<double> analog;
+  std::vector<double> sparse;  // in steps of two and three counts
+  for (int k = 0; k < 500; ++k) {
+    const double q = 3.0 * std::sin(0.01 * k);
+    printed.push_back(std::round(quantum * std::round(q / quantum) * 1e6) / 1e6);
+    analog.push_back(q);
+    sparse.push_back(quantum * (k % 2 == 0 ? 2.5 * k : 2.5 * k - 0.5));
+  }
+  EXPECT_NEAR(encoder_quantum(printed), quantum, 1e-9);
+  EXPECT_NEAR(encoder_quantum(sparse), quantum, 1e-12);
+  EXPECT_EQ(encoder_quantum(analog), 0.0);
+  EXPECT_EQ(encoder_quantum(std::vector<double>{1.0, 1.0}), 0.0);
+}
+
+}  // namespace
+}  // namespace breakwater::damaged_tables_test

@@ -1,0 +1,138 @@
+// The drive as it is, in the scenarios of axes and arms.
+#include "regression/run_case.h"
+
+namespace breakwater {
+namespace {
+
+using testing::completed_run;
+using testing::prepare;
+using testing::run_case;
+using Sets = std::vector<std::string>;
+
+constexpr const char* kMotor = "motor_estimation";
+
+Sets with(Sets sets, const Sets& others) {
+  sets.insert(sets.end(), others.begin(), others.end());
+  return sets;
+}
+
+TEST(Drive, PartsThatAreOnButNeutralAreTheIdealDrive) {
+  const Sets brief = {"run.duration_s=3"};
+  const std::uint64_t ideal = completed_run(kMotor, "vfakfd", brief).state_hash;
+  EXPECT_EQ(completed_run(kMotor, "vfakfd", with(brief, {"drive.current_limit_A=1e9"})).state_hash,
+            ideal);
+  EXPECT_EQ(completed_run(kMotor, "vfakfd", with(brief, {"control.jitter_s=1e-12"})).state_hash,
+            ideal);
+  const Sets dry = with(brief, {"plant.coulomb_friction_Nm=0.5"});
+  EXPECT_EQ(completed_run(kMotor, "vfakfd",
+                          with(dry, {"friction.law=load_dependent", "friction.load_ratio=0"}))
+                .state_hash,
+            completed_run(kMotor, "vfakfd", dry).state_hash);
+  EXPECT_NE(completed_run(kMotor, "vfakfd", dry).state_hash, ideal);
+}
+
+// Each part: its keys for the motor, and the signals that it adds.
+struct Part {
+  Sets keys;
+  std::vector<std::string> signals;
+};
+
+std::vector<Part> parts() {
+  return {
+      {{"plant.coulomb_friction_Nm=0.5", "friction.law=stribeck", "friction.static_ratio=1.5",
+        "friction.stribeck_velocity=0.05"},
+       {"friction_Nm"}},
+      {{"plant.coulomb_friction_Nm=0.5", "friction.law=lugre", "friction.static_ratio=1.5",
+        "friction.stribeck_velocity=0.05", "friction.bristle_stiffness=1e4",
+        "friction.bristle_damping=10"},
+       {"friction_Nm"}},
+      {{"plant.coulomb_friction_Nm=0.5", "friction.law=load_dependent", "friction.load_ratio=0.1"},
+       {"friction_Nm"}},
+      {{"drive.current_bandwidth_rad_s=200"}, {"current_A", "motor_Nm"}},
+      {{"drive.voltage_limit_V=24", "drive.resistance_ohm=2", "drive.inductance_H=1e-3"},
+       {"current_A", "motor_Nm"}},
+      {{"drive.cogging_Nm=0.1", "drive.cogging_per_turn=12"}, {"current_A", "motor_Nm"}},
+      {{"drive.ripple_ratio=0.05", "drive.ripple_per_turn=6"}, {"current_A", "motor_Nm"}},
+      {{"control.delay_s=1.5e-3"}, {}},
+      {{"control.jitter_s=1e-3"}, {}},
+      {{"control.drop_probability=0.1"}, {}},
+      {{"encoder.eccentricity_rad=1e-3"}, {}},
+      {{"encoder.interpolation_rad=1e-3", "encoder.interpolation_per_turn=64"}, {}}};
+}
+
+TEST(Drive, EachPartChangesTheMotorAndLogsItsSignals) {
+  const Sets brief = {"run.duration_s=3"};
+  const Recording ideal = completed_run(kMotor, "vfakfd", brief);
+  const auto names_of = [](const Recording& run) {
+    std::vector<std::string> names;
+    for (const Series& one : run.track("control").series) names.push_back(one.name);
+    return names;
+  };
+  for (const Part& part : parts()) {
+    const Recording run = completed_run(kMotor, "vfakfd", with(brief, part.keys));
+    EXPECT_NE(run.state_hash, ideal.state_hash) << part.keys.back();
+    std::vector<std::string> expected = names_of(ideal);
+    for (const std::string& name : names_of(run)) {
+      const bool was_there = std::find(expected.begin(), expected.end(), name) != expected.end();
+      const bool is_its_own =
+          std::find(part.signals.begin(), part.signals.end(), name) != part.signals.end();
+      EXPECT_NE(was_there, is_its_own) << name;
+    }
+    EXPECT_EQ(names_of(run).size(), expected.size() + part.signals.size()) << part.keys.back();
+  }
+}
+
+TEST(Drive, EachJointOfTheArmHasItsParts) {
+  const Sets brief = {"run.duration_s=12"};
+  const std::uint64_t ideal = completed_run("arm_push", "proposed-link2", brief).state_hash;
+  const std::vector<Sets> parts = {
+      {"friction.law=lugre", "friction.static_ratio=1.2", "friction.stribeck_velocity=0.01",
+       "friction.bristle_stiffness=1e5", "friction.bristle_damping=300"},
+      {"drive.current_bandwidth_rad_s=2000", "drive.current_damping_ratio=0.7"},
+      {"control.delay_s=5e-4"},
+      {"sensor.encoder_eccentricity_rad=1e-5"}};
+  for (const Sets& part : parts) {
+    EXPECT_NE(completed_run("arm_push", "proposed-link2", with(brief, part)).state_hash, ideal)
+        << part.front();
+  }
+}
+
+TEST(Drive, RefusesWrongKeys) {
+  const testing::TemporaryPath empty("empty.csv", "jitter_s\n");
+  const testing::TemporaryPath early("early.csv", "jitter_s\n-1\n");
+  const testing::TemporaryPath other("other.csv", "time_s\n1\n");
+  const auto table = [](const testing::TemporaryPath& path) {
+    return Sets{"control.jitter=csv", "control.jitter_file=" + path.string()};
+  };
+  const Sets stribeck = {"friction.law=stribeck", "friction.static_ratio=1.5",
+                         "friction.stribeck_velocity=0.05"};
+  struct Row {
+    Sets sets;
+    std::vector<std::string> complaint;
+  };
+  const std::vector<Row> rows = {
+      {{"friction.law=sticky"}, {"friction.law"}},
+      {stribeck, {"friction.law: needs a Coulomb friction > 0"}},
+      {{"friction.law=stribeck"}, {"friction.static_ratio: is missing"}},
+      {with(stribeck, {"friction.static_ratio=0.9"}), {"friction.static_ratio"}},
+      {{"friction.law=load_dependent", "friction.load_ratio=1"}, {"friction.load_ratio"}},
+      {{"drive.torque_constant_Nm_A=0"}, {"drive.torque_constant_Nm_A"}},
+      {{"drive.voltage_limit_V=24"}, {"drive.resistance_ohm: must be above 0"}},
+      {{"drive.current_bandwidth_rad_s=-1"}, {"drive.current_bandwidth_rad_s"}},
+      {{"drive.cogging_Nm=0.1", "drive.cogging_per_turn=0"}, {"drive.cogging_per_turn"}},
+      {{"control.delay_s=-1e-3"}, {"control.delay_s"}},
+      {{"control.delay_s=1e4"}, {"control.delay_s: a delay must be at most 1e6 physics steps"}},
+      {{"control.drop_probability=1"}, {"control.drop_probability"}},
+      {table(empty), {"control.jitter_file", "has no rows"}},
+      {table(early), {"control.jitter_file: a delay must not be negative"}},
+      {table(other), {"control.jitter_file", "jitter_s"}},
+      {{"encoder.eccentricity_rad=-1"}, {"encoder.eccentricity_rad"}}};
+  for (const Row& row : rows) {
+    EXPECT_TRUE(
+        testing::has_all(complaint_of([&] { prepare(kMotor, "vfakfd", row.sets); }), row.complaint))
+        << row.sets.back();
+  }
+}
+
+}  // namespace
+}  // namespace breakwater
