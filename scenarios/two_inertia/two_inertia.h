@@ -9,7 +9,8 @@ namespace breakwater {
 /// controller moves the load, holds it under a torque, and reverses it through a backlash.
 class TwoInertiaDrive final : public AxisScenario {
  public:
-  explicit TwoInertiaDrive(const Catalogue& catalogue) : parts_(catalogue, "pd") {}
+  explicit TwoInertiaDrive(const Catalogue& catalogue)
+      : plant_(two_inertia_axis(), catalogue), parts_(catalogue, "pd") {}
 
   std::string name() const override { return "two_inertia"; }
   std::string summary() const override {
@@ -32,7 +33,7 @@ class TwoInertiaDrive final : public AxisScenario {
  private:
   enum class Kind { position_step, torque_step, reversal };
 
-  AxisPlant plant_{two_inertia_axis()};
+  AxisPlant plant_;
   AxisParts parts_;
   Kind kind_ = Kind::position_step;
   double reference_rad_ = 0.0;
