@@ -14,6 +14,7 @@ using SharedEstimator = std::shared_ptr<DisturbanceEstimator>;
 struct PdGains {
   double k_p = 0.0;
   double k_d = 0.0;
+  double cancelled_share = 1.0;
 };
 
 void bind_pd(Fields& fields, PdGains& gains) {
@@ -21,6 +22,9 @@ void bind_pd(Fields& fields, PdGains& gains) {
                 "K_p: position gain [force per position]");
   fields.number("controller.kd", gains.k_d, not_negative(),
                 "K_d: velocity gain [force per velocity]");
+  fields.number("controller.cancelled_share", gains.cancelled_share, between(0, 1),
+                "part of the estimated disturbance that is cancelled");
+  fields.standard("controller.cancelled_share", {1.0});
 }
 
 std::unique_ptr<Controller> make_pd(const PdGains& gains, const AxisTask& task,
@@ -28,6 +32,7 @@ std::unique_ptr<Controller> make_pd(const PdGains& gains, const AxisTask& task,
   return std::make_unique<DisturbanceCancellingPd>(
       std::move(estimator), DisturbanceCancellingPdDesign{.k_p = gains.k_p,
                                                           .k_d = gains.k_d,
+                                                          .cancelled_share = gains.cancelled_share,
                                                           .reference = task.measured_reference(),
                                                           .force_limit = task.axis.force_limit,
                                                           .period_s = task.axis.period_s,

@@ -207,6 +207,14 @@ TEST(Allocation, EstimatorsDoNotAllocate) {
   }
 }
 
+TEST(Allocation, ControllersOfTwoInertiasDoNotAllocate) {
+  for (const char* name : {"pd", "rrc", "sf-kfd", "sf-stf", "sf-qbank", "lmpc"}) {
+    EXPECT_EQ(allocations_in_loop("two_inertia", name, {"run.duration_s=60", "task.kind=reversal"}),
+              0)
+        << name;
+  }
+}
+
 // Jitter, gaps with missing inputs, and uncertain times.
 TEST(Allocation, EstimatorsDoNotAllocateWithVariableIntervals) {
   const double T = 1e-3;

@@ -89,7 +89,8 @@ std::vector<Trial> all_trials() {
       {"cart_position", {"run.duration_s=1"}},
       {"impact_test", {"run.duration_s=0.1"}},
       {"motor_estimation", {"run.duration_s=2"}},
-      {"quadrotor_waves", {"run.duration_s=2", "metrics.window_s=1"}}};
+      {"quadrotor_waves", {"run.duration_s=2", "metrics.window_s=1"}},
+      {"two_inertia", {"run.duration_s=0.3"}}};
   const std::map<std::string, std::vector<std::vector<std::string>>> more = {
       {"arm_push", {{"controller.positioning=workspace"}}},
       {"cart_constrained", {{"condition=A"}, {"condition=E", "controller.name=lqr"}}},
@@ -116,7 +117,11 @@ std::vector<Trial> all_trials() {
         {"reading=consistent"},
         {"estimator.wave_frequency=estimated"},
         {"estimator.disturbance=spectrum", "estimator.wave_frequency=estimated"},
-        {"estimator.disturbance=spectrum", "estimator.wave_force=given"}}}};
+        {"estimator.disturbance=spectrum", "estimator.wave_force=given"}}},
+      {"two_inertia",
+       {{"task.kind=torque_step"},
+        {"task.kind=reversal", "task.reversal_s=0.2"},
+        {"transmission.kinematic_error_rad=1e-3"}}}};
   std::vector<Trial> trials;
   for (const std::string& name : testing::scenario_names()) {
     const ScenarioFile file = testing::scenario_file(name);
