@@ -162,7 +162,8 @@ TEST(LoopAnalysis, AnUnstableLoopHasNoResponse) {
   const LoopAnalysis analysis =
       Prepared("motor_estimation", "idob", {"encoder.bits=0", "sensor.delay_samples=200"})
           .analyse({.points = 0});
-  EXPECT_EQ(analysis.designed.reason, "the loop does not settle");
+  EXPECT_TRUE(analysis.designed.is_unstable);
+  EXPECT_EQ(analysis.designed.reason, "its response to a pulse grows without bound");
 }
 
 }  // namespace

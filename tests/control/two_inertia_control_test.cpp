@@ -44,7 +44,7 @@ ExtendedPlant extended(Side side) {
 
 Estimator kfd(Side side) {
   const ExtendedPlant plant = extended(side);
-  return sized_kfd({plant, disturbance_noise(plant, 1e-2), Eigen::MatrixXd::Constant(1, 1, 1e-10),
+  return sized_kfd({plant, disturbance_noise(plant, 1e-7), Eigen::MatrixXd::Constant(1, 1, 1e-10),
                     Eigen::MatrixXd::Identity(5, 5)});
 }
 
@@ -201,6 +201,7 @@ TEST(PredictiveControl, BringsTheLoadOfTwoInertiasToItsReference) {
   design.lmpc.prediction_steps = 60;
   design.lmpc.control_steps = 10;
   design.lmpc.max_iterations = 100;
+  design.lmpc.softness = 1e-6;
   design.lmpc.Q = Eigen::VectorXd::Unit(5, 2).asDiagonal();
   design.lmpc.Q(3, 3) = 1e-4;
   design.lmpc.Q_last = 10.0 * design.lmpc.Q;

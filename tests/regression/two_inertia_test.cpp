@@ -93,7 +93,7 @@ TEST(TwoInertiaScenario, RefusesWhatContradictsItself) {
   expect_refused("sf-kfd", {"observer.name=idob"},
                  "nominal.model: must be rigid or motor for idob");
   expect_refused(
-      "sf-kfd", {"transmission.motor_joint="},
+      "sf-kfd", {"transmission.motor_joint=\"\""},
       "transmission.motor_joint: a transmission with a stiffness needs the motor's joint");
   expect_refused("sf-kfd", {"transmission.stiffness_Nm_rad=1e9"},
                  "beyond the stability limit for a timestep of 0.0005 s");
