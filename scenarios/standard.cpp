@@ -10,6 +10,7 @@
 #include "cart_position/cart_position.h"
 #include "impact_test/impact_test.h"
 #include "motor_estimation/motor_estimation.h"
+#include "plant/plant.h"
 #include "quadrotor_waves/quadrotor_waves.h"
 
 namespace breakwater {
@@ -34,10 +35,12 @@ Catalogue standard_catalogue() {
   add("motor_estimation", make<MotorEstimation>);
   add("impact_test", make<ImpactTest>);
   add("quadrotor_waves", make<QuadrotorWaves>);
+  add("plant", make<Plant>);
   for (ArmControllerKind& kind : arm_controllers()) catalogue.add(std::move(kind));
   for (ContactLawKind& kind : contact_laws()) catalogue.add(std::move(kind));
   for (AxisEstimatorKind& kind : axis_estimators()) catalogue.add(std::move(kind));
   for (AxisControllerKind& kind : axis_controllers()) catalogue.add(std::move(kind));
+  for (PlantControllerKind& kind : plant_controllers()) catalogue.add(std::move(kind));
   for (QuadrotorEstimatorKind& kind : quadrotor_estimators()) catalogue.add(std::move(kind));
   for (QuadrotorControllerKind& kind : quadrotor_controllers()) catalogue.add(std::move(kind));
   catalogue.add(estimate_command());

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include <breakwater/math/table_function.h>
+
 namespace breakwater {
 
 /// Columns of a table, all with the same rows.
@@ -29,6 +31,10 @@ struct WantedColumn {
 /// Throws std::invalid_argument `FILE[:LINE]: reason` if it cannot be read, a column is missing or
 /// double, or a row has another length or a wrong number.
 ColumnTable read_columns(const std::string& file, const std::vector<WantedColumn>& wanted);
+
+/// Reads a function of time from the columns time_s, which must rise, and `value`. Throws as
+/// read_columns() does, and if there is no row.
+math::TableFunction read_function(const std::string& file, const std::string& value);
 
 /// Throws std::invalid_argument `FILE:LINE: reason` for the first row whose time is not later than
 /// that of the row before. `times` has one value for each row of the table, in any unit.

@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include <breakwater/control/step_reference.h>
+#include <breakwater/control/reference.h>
 #include <breakwater/linear/state_space.h>
 #include <breakwater/observers/disturbance_estimator.h>
 #include <breakwater/observers/sensor_error.h>
@@ -31,7 +31,7 @@ struct NominalAxis {
 /// The task of a controller of an axis.
 struct AxisTask {
   NominalAxis axis;
-  StepReference reference;                                ///< reference of the position
+  Reference reference;                                    ///< reference of the position
   Eigen::Vector2d start_state = Eigen::Vector2d::Zero();  ///< initial state of the estimator
   bool senses_true_state = false;  ///< samples are [measured position; position; velocity]
 };
@@ -63,9 +63,10 @@ using AxisLoop = ControlLoop<DisturbanceEstimator>;
 class AxisParts
     : public LoopParts<DisturbanceEstimator, AxisEstimatorKind, AxisControllerKind, AxisTask> {
  public:
-  /// `standard_controller` is the default value of controller.name. If empty, the key is required.
-  AxisParts(const Catalogue& catalogue, const std::string& standard_controller)
-      : LoopParts(catalogue, "observer.name", "", standard_controller) {}
+  /// The default values of controller.name and observer.name. If one is empty, its key is required.
+  AxisParts(const Catalogue& catalogue, const std::string& standard_controller,
+            const std::string& standard_estimator = "")
+      : LoopParts(catalogue, "observer.name", standard_estimator, standard_controller) {}
 };
 
 /// The estimators and controllers of Breakwater.

@@ -7,8 +7,8 @@ namespace breakwater {
 
 /// A force on bodies that depends on time and state. The engine's control callback calls it at
 /// every stage of the integrator, with current position and velocity quantities. It adds to
-/// data.xfrc_applied (force, torque in the world frame, at the body's centre of mass), which is
-/// zero at first. Must not throw, allocate or keep state.
+/// data.xfrc_applied (force, torque in the world frame, at the body's centre of mass) or
+/// data.qfrc_applied (force along each degree of freedom), which are zero at first. Must not throw, allocate or keep state.
 class ExternalForce {
  public:
   ExternalForce() = default;

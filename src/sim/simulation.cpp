@@ -155,6 +155,7 @@ void Simulation::act(mjData& data) const {
   std::copy_n(actuation_.data(), actuation_.size(), data.ctrl);
   if (forces_.empty() && staged_.empty()) return;
   std::fill_n(data.xfrc_applied, static_cast<std::ptrdiff_t>(6) * model_->nbody, 0.0);
+  std::fill_n(data.qfrc_applied, model_->nv, 0.0);
   const double stage_time = time_s_ + (data.time - engine_time_at_step_s_);
   for (const ExternalForce* force : forces_) force->apply(stage_time, *model_.get(), data);
   for (StagedForce* force : staged_) force->apply(stage_time, *model_.get(), data);
