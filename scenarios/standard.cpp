@@ -11,6 +11,7 @@
 #include "impact_test/impact_test.h"
 #include "motor_estimation/identified_motor.h"
 #include "motor_estimation/motor_estimation.h"
+#include "plant/plant.h"
 #include "quadrotor_waves/quadrotor_waves.h"
 #include "two_inertia/two_inertia.h"
 
@@ -37,11 +38,13 @@ Catalogue standard_catalogue() {
   add("two_inertia", make<TwoInertiaDrive>);
   add("impact_test", make<ImpactTest>);
   add("quadrotor_waves", make<QuadrotorWaves>);
+  add("plant", make<Plant>);
   for (ArmControllerKind& kind : arm_controllers()) catalogue.add(std::move(kind));
   for (ContactLawKind& kind : contact_laws()) catalogue.add(std::move(kind));
   for (FrictionKind& kind : friction_laws()) catalogue.add(std::move(kind));
   for (AxisEstimatorKind& kind : axis_estimators()) catalogue.add(std::move(kind));
   for (AxisControllerKind& kind : axis_controllers()) catalogue.add(std::move(kind));
+  for (PlantControllerKind& kind : plant_controllers()) catalogue.add(std::move(kind));
   for (QuadrotorEstimatorKind& kind : quadrotor_estimators()) catalogue.add(std::move(kind));
   for (QuadrotorControllerKind& kind : quadrotor_controllers()) catalogue.add(std::move(kind));
   catalogue.add(estimate_command());

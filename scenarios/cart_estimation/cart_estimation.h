@@ -1,7 +1,7 @@
 // Scenario cart_estimation: disturbance models and forgetting factors (thesis 4.2.4).
 #pragma once
 
-#include <breakwater/control/step_reference.h>
+#include <breakwater/control/reference.h>
 #include <breakwater/rigs/axis_scenario.h>
 #include <breakwater/world/disturbance.h>
 

@@ -88,7 +88,7 @@ Recording CartOffsetFree::run(const RunControl& control) const {
   const TimeWindow window = TimeWindow{from_s_, plant_.judged_to_s}.within(end_s);
   WindowStatistics error(window), true_error(window), d_hat(window), d_error(window);
   WindowStatistics position_in_window(window), estimate_error(TimeWindow{});
-  const StepReference& reference = plant_.axis().reference;
+  const Reference& reference = plant_.axis().reference;
   WindowStatistics early_d_hat(TimeWindow{reference.from_s}.within(end_s));
   WindowStatistics speed(TimeWindow{}), input(TimeWindow{}), position(TimeWindow{});
   SettlingTime settling(TimeWindow{reference.from_s, disturbance_start_s_}.within(end_s),

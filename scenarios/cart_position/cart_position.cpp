@@ -79,7 +79,7 @@ Recording CartPosition::run(const RunControl& control) const {
   const TimeWindow window = TimeWindow{from_s_, plant_.judged_to_s}.within(end_s);
   WindowStatistics error(window), input_step(window), noise(TimeWindow{}), position(TimeWindow{});
   double last_input = 0.0;
-  const StepReference& reference = plant_.axis().reference;
+  const Reference& reference = plant_.axis().reference;
   ReachTime rise(reference.from_s, kRisen * plant_.axis().coulomb_friction);
   SettlingTime settling(TimeWindow{reference.from_s, plant_.judged_to_s}.within_and_on(end_s),
                         settled_within_ * std::abs(reference.value));

@@ -51,40 +51,7 @@ Fields MotorEstimation::fields() {
   Fields fields;
   plant_.bind(fields);
   parts_.bind(fields);
-  Disturbance& disturbance = plant_.axis().force;
-  fields.choice("disturbance.kind", disturbance.kind,
-                {{"none", DisturbanceKind::none},
-                 {"step", DisturbanceKind::step},
-                 {"ramp", DisturbanceKind::ramp},
-                 {"sine", DisturbanceKind::sine},
-                 {"two_sines", DisturbanceKind::two_sines},
-                 {"chirp", DisturbanceKind::chirp}},
-                "shape of the disturbance");
-  fields.number("disturbance.amplitude_Nm", disturbance.amplitude, any(),
-                "amplitude of a step, sine or chirp [N m]; slope of a ramp [N m/s]");
-  fields.number(
-      "disturbance.frequency_rad_s", disturbance.frequency_rad_s, any(),
-      "frequency of a sine, of the first of two sines, or of a chirp at its start [rad/s]");
-  fields.only_for({"disturbance.amplitude_Nm"}, "disturbance.kind",
-                  {"step", "ramp", "sine", "two_sines", "chirp"});
-  fields.only_for({"disturbance.frequency_rad_s"}, "disturbance.kind",
-                  {"sine", "two_sines", "chirp"});
-  const auto bind_for = [&fields](const std::string& kind, const std::string& key, double& target,
-                                  double standard, const Range& range, const std::string& doc) {
-    fields.number(key, target, range, doc);
-    fields.standard(key, {standard});
-    fields.only_for({key}, "disturbance.kind", {kind});
-  };
-  bind_for("two_sines", "disturbance.second_amplitude_Nm", disturbance.second_amplitude, 2.0, any(),
-           "amplitude of the second sine [N m]");
-  bind_for("two_sines", "disturbance.second_frequency_rad_s", disturbance.second_frequency_rad_s,
-           5.0, any(), "frequency of the second sine [rad/s]");
-  bind_for("chirp", "disturbance.end_frequency_rad_s", disturbance.end_frequency_rad_s, 5.0, any(),
-           "frequency that a chirp reaches at a constant rate and then keeps [rad/s]");
-  bind_for("chirp", "disturbance.sweep_s", disturbance.sweep_s, 9.0, positive(),
-           "time that a chirp takes to reach its last frequency [s]");
-  fields.number("disturbance.start_s", disturbance.start_s, not_negative(),
-                "time at which the disturbance begins [s]");
+  disturbance_.bind(fields, "Nm", "N m");
   fields.number("metrics.from_s", from_s_, not_negative(),
                 "start of the window of the errors, and end of the window of the transient [s]");
   fields.number("metrics.to_s", plant_.judged_to_s, not_negative(),
@@ -96,8 +63,15 @@ Fields MotorEstimation::fields() {
   return fields;
 }
 
+AxisPlant MotorEstimation::plant() const {
+  AxisPlant plant = plant_;
+  plant.axis().force = disturbance_.make(plant.run.seed, "disturbance");
+  return plant;
+}
+
 void MotorEstimation::check(const Config& config) {
   check_plant(plant_, config);
+  disturbance_.load(config);
   parts_.check(config, task());
   if (plant_.judged_to_s <= from_s_)
     config.fail("metrics.to_s", "must be later than metrics.from_s");
@@ -105,7 +79,7 @@ void MotorEstimation::check(const Config& config) {
 
 Recording MotorEstimation::run(const RunControl& control) const {
   const AxisLoop loop = parts_.make(task());
-  AxisRig rig(plant_, *loop.controller);
+  AxisRig rig(plant(), *loop.controller);
   rig.know_loop(parts_, task());
   const Simulation& sim = rig.simulation();
   // For comparison with tables of a differentiated encoder. The controller does not use it.
@@ -119,7 +93,7 @@ Recording MotorEstimation::run(const RunControl& control) const {
   signals.push_back(
       {"measurement_error_rad", "rad", "sampled minus true angle", view(measurement_error)});
 
-  const Disturbance& disturbance = plant_.axis().force;
+  const Disturbance& disturbance = disturbance_.shape;
   const double start_s = disturbance.start_s;
   const double end_s = plant_.run.duration_s;
   const TimeWindow window = TimeWindow{from_s_, plant_.judged_to_s}.within(end_s);

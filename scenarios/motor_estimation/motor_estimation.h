@@ -2,6 +2,7 @@
 #pragma once
 
 #include <breakwater/rigs/axis_scenario.h>
+#include <breakwater/rigs/disturbance_settings.h>
 
 namespace breakwater {
 
@@ -25,13 +26,14 @@ class MotorEstimation final : public AxisScenario {
   void check(const Config& config) override;
   const RunSettings& run_settings() const override { return plant_.run; }
   Recording run(const RunControl& control) const override;
-  AxisPlant plant() const override { return plant_; }
+  AxisPlant plant() const override;
   AxisTask task() const override { return {.axis = plant_.nominal()}; }
   const AxisParts& parts() const override { return parts_; }
 
  private:
   AxisPlant plant_;
   AxisParts parts_;
+  DisturbanceSettings disturbance_;
   double from_s_ = 0.0;
   double settled_within_ = 0.0;
 };

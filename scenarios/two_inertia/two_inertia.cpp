@@ -95,7 +95,7 @@ Recording TwoInertiaDrive::run(const RunControl& control) const {
   const AxisLoop loop = parts_.make(task);
   loop.controller->set_watched(control.logs);
   const AxisPlant plant = this->plant();
-  const StepReference& reference = plant.axis().reference;
+  const Reference& reference = plant.axis().reference;
   AxisRig rig(plant, *loop.controller);
   rig.know_loop(parts_, task);
 

@@ -306,4 +306,11 @@ ColumnTable read_columns(const std::string& file, const std::vector<WantedColumn
   return table;
 }
 
+math::TableFunction read_function(const std::string& file, const std::string& value) {
+  ColumnTable table = read_columns(file, {{"time_s"}, {value}});
+  if (table.rows() == 0) throw std::invalid_argument(file + ": has no rows");
+  check_rising(file, table, table.columns[0], "time_s must rise");
+  return {std::move(table.columns[0]), std::move(table.columns[1])};
+}
+
 }  // namespace breakwater

@@ -7,6 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include <breakwater/math/table_function.h>
+
 namespace breakwater {
 
 /// Columns of a table, all with the same rows.
@@ -46,6 +48,10 @@ ColumnTable read_columns(const std::string& file, const std::vector<WantedColumn
 
 /// The value of a unit in s, m, rad, N or N m: 1e-3 for "ms". Nothing if it is unknown.
 std::optional<double> unit_in_si(std::string_view unit);
+
+/// Reads a function of time from the columns time_s, which must rise, and `value`. Throws as
+/// read_columns() does, and if there is no row.
+math::TableFunction read_function(const std::string& file, const std::string& value);
 
 /// Throws std::invalid_argument `FILE:LINE: reason` for the first row whose time is not later than
 /// that of the row before. `times` has one value for each row of the table, in any unit.

@@ -6,6 +6,7 @@
 #include <cctype>
 #include <charconv>
 #include <filesystem>
+#include <limits>
 #include <stdexcept>
 
 #include <breakwater/config/toml_file.h>
@@ -203,6 +204,36 @@ Config Config::under(const std::string& prefix) const {
 const ConfigEntry* Config::find(const std::string& key) const {
   const auto found = entries_.find(prefix_ + key);
   return found != entries_.end() ? &found->second : nullptr;
+}
+
+std::vector<std::string> Config::names_in(const std::string& table) const {
+  std::vector<std::pair<std::size_t, std::string>> lines;  // with the first line of each name
+  for (const auto& [key, entry] : entries_) {
+    const std::size_t end = key.find('.', table.size() + 1);
+    if (!key.starts_with(table + ".") || end == std::string::npos) continue;
+    const std::string name = key.substr(table.size() + 1, end - table.size() - 1);
+    const bool is_plain = std::all_of(
+        name.begin(), name.end(), [](unsigned char c) { return std::isalnum(c) != 0 || c == '_'; });
+    if (name.empty() || !is_plain) {
+      throw std::invalid_argument(entry.origin + ": " + table + "." + shown(name) +
+                                  ": a name here is made of A-Z, a-z, 0-9 and '_'");
+    }
+    std::size_t line = std::numeric_limits<std::size_t>::max();
+    const char* const text_end = entry.origin.data() + entry.origin.size();
+    std::from_chars(entry.origin.data() + entry.origin.rfind(':') + 1, text_end, line);
+    const auto found = std::find_if(lines.begin(), lines.end(),
+                                    [&](const auto& other) { return other.second == name; });
+    if (found == lines.end()) {
+      lines.emplace_back(line, name);
+    } else {
+      found->first = std::min(found->first, line);
+    }
+  }
+  std::stable_sort(lines.begin(), lines.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::vector<std::string> names;
+  for (const auto& line : lines) names.push_back(line.second);
+  return names;
 }
 
 std::optional<double> Config::number(const std::string& key) const {

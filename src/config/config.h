@@ -53,6 +53,10 @@ class Config {
   /// The number of a key; nothing if the key is missing or is not a number.
   std::optional<double> number(const std::string& key) const;
   const std::map<std::string, ConfigEntry>& entries() const { return entries_; }
+  /// The names of the tables [TABLE.NAME], in the file's order; those of --set alone come last.
+  /// Throws as fail() does unless a name is made of A-Z, a-z, 0-9 and '_', as the names of signals
+  /// are.
+  std::vector<std::string> names_in(const std::string& table) const;
 
   /// The path of a file that a key names. A name from --set is relative to the working folder, a
   /// name from a scenario file to the folder of that file (find_file). Throws as fail() if missing.

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include <breakwater/control/controller.h>
-#include <breakwater/control/step_reference.h>
+#include <breakwater/control/reference.h>
 #include <breakwater/observers/disturbance_estimator.h>
 #include <breakwater/observers/observer_poles.h>
 #include <breakwater/signals/axis_units.h>
@@ -18,7 +18,7 @@ struct DisturbanceCancellingPdDesign {
   double k_p = 0.0;                                              ///< K_p, force per position
   double k_d = 0.0;                                              ///< K_d, force per velocity
   double cancelled_share = 1.0;                                  ///< κ, the cancelled part of d̂
-  StepReference reference;                                       ///< y_ref
+  Reference reference;                                           ///< y_ref
   double force_limit = std::numeric_limits<double>::infinity();  ///< limit of the drive
   double period_s = 0.0;                                         ///< T_s
   AxisUnits units;

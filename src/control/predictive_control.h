@@ -8,7 +8,7 @@
 
 #include <breakwater/control/controller.h>
 #include <breakwater/control/lmpc.h>
-#include <breakwater/control/step_reference.h>
+#include <breakwater/control/reference.h>
 #include <breakwater/observers/disturbance_estimator.h>
 #include <breakwater/signals/axis_units.h>
 
@@ -32,7 +32,7 @@ struct PredictiveControlDesign {
   DisturbanceUse disturbance_use = DisturbanceUse::predict;
   CancelAt cancel_at = CancelAt::sample;
   int samples_per_move = 1;     ///< samples from one optimisation to the next
-  StepReference reference;      ///< reference of the position
+  Reference reference;          ///< reference of the position
   Eigen::VectorXd start_state;  ///< x̂(0), n
   double force_limit = std::numeric_limits<double>::infinity();  ///< limit of the drive
   Eigen::Index controlled = 0;  ///< the state that follows the reference

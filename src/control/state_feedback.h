@@ -7,7 +7,7 @@
 #include <vector>
 
 #include <breakwater/control/controller.h>
-#include <breakwater/control/step_reference.h>
+#include <breakwater/control/reference.h>
 #include <breakwater/linear/pole_placement.h>
 #include <breakwater/linear/state_space.h>
 #include <breakwater/observers/disturbance_estimator.h>
@@ -26,7 +26,7 @@ struct StateFeedbackDesign {
   Eigen::VectorXd E;            ///< ẋ = A x + B u − E d
   Eigen::Index controlled = 0;  ///< the state that follows the reference
   Eigen::RowVectorXd K;         ///< 1×n
-  StepReference reference;      ///< r
+  Reference reference;          ///< r
   double force_limit = std::numeric_limits<double>::infinity();  ///< limit of the drive
   double period_s = 0.0;                                         ///< T_s
   AxisUnits units;

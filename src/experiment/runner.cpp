@@ -100,6 +100,7 @@ std::string shipped_config(const Catalogue& catalogue, const Scenario& scenario,
       file.config(case_name, {fmt::format("run.seed={}", settings.seed),
                               fmt::format("record.compression={}", settings.compression)});
   const auto shipped = kind.make(catalogue);
+  shipped->learn(config);
   Fields fields = shipped->fields();
   fields.read(config);
   shipped->check(config);
@@ -115,6 +116,7 @@ PreparedRun prepare_scenario(std::unique_ptr<Scenario> scenario, const ScenarioF
   run.scenario = std::move(scenario);
   run.case_name = called.empty() ? case_name : called;
   const Config config = file.config(case_name, sets);
+  run.scenario->learn(config);
   Fields fields = run.scenario->fields();
   if (tables == Tables::unchecked) fields.check(file);
   fields.read(config);

@@ -55,6 +55,11 @@ class Scenario {
   /// The table of --matrix.
   virtual Matrix matrix() const { return {}; }
 
+  /// Looks into a file whose tables decide which keys and metrics there are: a plant of the user's
+  /// own has a table for each axis. Comes before fields(). Throws std::invalid_argument
+  /// `ORIGIN: KEY: reason`.
+  virtual void learn(const Config&) {}
+
   /// The keys of the scenario, bound to its settings.
   virtual Fields fields() = 0;
   /// Checks after reading what single keys cannot show, and makes paths absolute. Throws

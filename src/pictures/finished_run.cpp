@@ -44,6 +44,7 @@ FinishedRun::FinishedRun(const Catalogue& catalogue, const std::filesystem::path
 
 // Pictures need few keys, and none of a controller. Unknown keys and values are no error here.
 void FinishedRun::read_settings(const ScenarioKind& kind) {
+  scenario_->learn(*config_);
   Fields fields = scenario_->fields();
   const std::vector<std::string> missing = fields.read_finished(*config_);
   if (missing.empty() || !std::filesystem::exists(kind.file())) return;

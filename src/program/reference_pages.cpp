@@ -125,6 +125,7 @@ std::string cases(const Catalogue& catalogue, const ScenarioKind& kind, const Sc
   for (std::size_t i = 0; i < file.cases().size(); ++i) {
     const std::string& name = file.cases()[i];
     const auto scenario = kind.make(catalogue);
+    scenario->learn(file.config(name));
     Fields fields = scenario->fields();
     fields.read_incomplete(file.config(name));
     const auto value = values(fields.help());
@@ -205,8 +206,10 @@ std::string scenario_page(const Catalogue& catalogue, const ScenarioKind& kind,
                           const std::vector<std::string>& brief_run) {
   const auto scenario = kind.make(catalogue);
   const ScenarioFile file(kind.file().string(), kind.name);
+  const Config config = file.config(file.default_case());
+  scenario->learn(config);
   Fields fields = scenario->fields();
-  fields.read_incomplete(file.config(file.default_case()));
+  fields.read_incomplete(config);
   return fmt::format("# {}\n\n{}.\n\n## Cases\n\n", code(kind.name), capital(scenario->summary())) +
          fmt::format("The default case is `{}`.\n\n", file.default_case()) +
          cases(catalogue, kind, file) +

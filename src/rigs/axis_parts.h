@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include <breakwater/control/step_reference.h>
+#include <breakwater/control/reference.h>
 #include <breakwater/linear/state_space.h>
 #include <breakwater/observers/disturbance_estimator.h>
 #include <breakwater/observers/disturbance_model.h>
@@ -50,14 +50,16 @@ struct NominalAxis {
 /// The task of a controller of an axis.
 struct AxisTask {
   NominalAxis axis;
-  StepReference reference;                                ///< reference of the position
+  Reference reference;                                    ///< reference of the position
   Eigen::Vector2d start_state = Eigen::Vector2d::Zero();  ///< initial state of the estimator
   bool senses_true_state = false;  ///< samples are [measured position; position; velocity]
 
   /// The reference of the measured side.
-  StepReference measured_reference() const {
-    StepReference measured = reference;
+  Reference measured_reference() const {
+    Reference measured = reference;
     measured.value *= axis.measured_ratio;
+    measured.before *= axis.measured_ratio;
+    for (double& value : measured.table.values) value *= axis.measured_ratio;
     return measured;
   }
   /// The initial state of the whole plant: a second inertia moves with the first.
@@ -99,9 +101,10 @@ using AxisLoop = ControlLoop<DisturbanceEstimator>;
 class AxisParts
     : public LoopParts<DisturbanceEstimator, AxisEstimatorKind, AxisControllerKind, AxisTask> {
  public:
-  /// `standard_controller` is the default value of controller.name. If empty, the key is required.
-  AxisParts(const Catalogue& catalogue, const std::string& standard_controller)
-      : LoopParts(catalogue, "observer.name", "", standard_controller) {}
+  /// The default values of controller.name and observer.name. If one is empty, its key is required.
+  AxisParts(const Catalogue& catalogue, const std::string& standard_controller,
+            const std::string& standard_estimator = "")
+      : LoopParts(catalogue, "observer.name", standard_estimator, standard_controller) {}
 };
 
 /// The estimators and controllers of Breakwater.

@@ -10,6 +10,8 @@
 namespace breakwater {
 namespace {
 
+constexpr int kNoActuator = -1;
+
 // "rad", or a list if the positions have several units.
 std::string position_units(const Model& model) {
   std::vector<std::string> units;
@@ -36,16 +38,15 @@ std::string position_units(const Model& model) {
 }  // namespace
 
 AxisRig::AxisRig(const AxisPlant& plant, Controller& controller)
-    : plant_(plant), steps_per_sample_(plant.physics.steps_per_sample()), controller_(controller) {
+    : plant_(plant), steps_per_sample_(plant.physics.steps_per_sample()), drives_(controller) {
   Model model = plant.load_model();
   qpos_units_ = position_units(model);
-  std::vector<double> qpos(model->qpos0, model->qpos0 + model->nq);
+  std::vector<double> qpos = plant.start_pose(model);
   std::vector<double> qvel(static_cast<std::size_t>(model->nv), 0.0);
   for (const AxisSettings& one : plant.axes) {
     const int joint = model.id(mjOBJ_JOINT, one.axis.joint);
     const auto at = static_cast<std::size_t>(model->jnt_qposadr[joint]);
     const auto rate_at = static_cast<std::size_t>(model->jnt_dofadr[joint]);
-    qpos[at] += one.start_position;
     qvel[rate_at] += one.start_velocity;
     std::unique_ptr<Transmission> transmission;
     auto motor_at = at, motor_rate_at = rate_at;
@@ -57,29 +58,54 @@ AxisRig::AxisRig(const AxisPlant& plant, Controller& controller)
       qpos[motor_at] += one.transmission.design.ratio * one.start_position;
       qvel[motor_rate_at] += one.transmission.design.ratio * one.start_velocity;
     }
-    std::unique_ptr<FrictionLaw> law = one.drive.make_friction(one.coulomb_friction);
+    std::unique_ptr<FrictionLaw> law = one.drive.make_friction(model->dof_frictionloss[rate_at]);
+    const int actuator =
+        one.axis.is_driven() ? model.id(mjOBJ_ACTUATOR, one.axis.actuator) : kNoActuator;
     axes_.push_back(
-        {at, rate_at, model.id(mjOBJ_ACTUATOR, one.axis.actuator),
-         std::make_unique<JointForce>(model, one.axis.joint),
+        {at, rate_at, actuator, std::make_unique<JointForce>(model, one.axis.joint),
          law ? std::make_unique<JointFriction>(model, one.axis.joint, std::move(law)) : nullptr,
          std::move(transmission), motor_at, motor_rate_at,
          Noise(plant.run.seed, one.axis.own("input"))});
   }
-  simulation_ = std::make_unique<Simulation>(std::move(model), controller, plant.sensing(),
-                                             steps_per_sample_);
+  for (const PushSettings& one : plant.pushes) {
+    pushes_.push_back({one.disturbance.make(plant.run.seed, "push." + one.name),
+                       std::make_unique<BodyForce>(
+                           model, one.body, Eigen::Map<const Eigen::Vector3d>(one.along.data()))});
+  }
+  for (const ContactSettings& one : plant.contacts) {
+    contacts_.emplace_back(model, one.geom_1, one.geom_2);
+  }
+  contact_forces_.assign(contacts_.size(), 0.0);
+  std::vector<Eigen::Index> driven;
+  for (const DrivenAxis& axis : axes_) {
+    if (axis.actuator != kNoActuator) driven.push_back(axis.actuator);
+  }
+  drives_.drive(std::move(driven));
+  simulation_ =
+      std::make_unique<Simulation>(std::move(model), drives_, plant.sensing(), steps_per_sample_);
   const CommandDelays delays = plant.timing.delays();
   if (delays.is_on()) simulation_->set_timing(delays, plant.run.seed);
   for (std::size_t i = 0; i < axes_.size(); ++i) {
-    const auto actuator = static_cast<int>(axes_[i].actuator);
     const AxisSettings& one = plant.axes[i];
-    simulation_->set_pwm(actuator, Pwm{one.drive_resolution});
-    if (one.drive.electric().is_on()) simulation_->set_drive(actuator, one.drive.electric());
+    if (const auto actuator = static_cast<int>(axes_[i].actuator); actuator != kNoActuator) {
+      simulation_->set_pwm(actuator, Pwm{one.drive_resolution});
+      if (one.drive.electric().is_on()) simulation_->set_drive(actuator, one.drive.electric());
+    }
     simulation_->add(*axes_[i].force);
     if (axes_[i].friction) simulation_->add(*axes_[i].friction);
     if (axes_[i].transmission) simulation_->add(*axes_[i].transmission);
   }
+  for (const Push& push : pushes_) simulation_->add(*push.force);
   simulation_->set_position(qpos);
   simulation_->set_velocity(qvel);
+}
+
+void AxisRig::Drives::update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u) {
+  controller_.update(y, command_);
+  u.setZero();
+  for (std::size_t i = 0; i < actuators_.size(); ++i) {
+    u(actuators_[i]) = command_(static_cast<Eigen::Index>(i));
+  }
 }
 
 void AxisRig::step() {
@@ -92,13 +118,21 @@ void AxisRig::step() {
       axis.input_noise_value =
           std * axis.input_noise(static_cast<std::uint64_t>(k / steps_per_sample_));
     }
+    axis.reference = plant_.axes[i].reference.at(simulation_->time_of(k));
     axis.force->hold(axis.input_noise_value - axis.disturbance);
+  }
+  for (Push& push : pushes_) {
+    push.value = push.disturbance.value(simulation_->time_of(k));
+    push.force->hold(push.value);
   }
   simulation_->step();
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     if (!axes_[i].transmission) continue;
     axes_[i].torque = axes_[i].transmission->torque(motor_position(i), motor_velocity(i),
                                                     position(i), velocity(i));
+  }
+  for (std::size_t i = 0; i < contacts_.size(); ++i) {
+    contact_forces_[i] = contacts_[i].force_N(simulation_->model(), simulation_->data());
   }
   saturated_ = simulation_->saturated() ? 1.0 : 0.0;
 }
@@ -140,7 +174,8 @@ std::vector<HeldReference> AxisRig::held_references() const {
         TimeWindow{one.reference.from_s, end_s >= plant_.judged_to_s ? end_s : 0.0},
         one.axis.name.empty() ? "the position" : "the position of axis " + one.axis.name,
         one.axis.units.position);
-    held.back().ask(one.reference.value - position(i));
+    if (one.reference.kind != ReferenceShape::step) continue;
+    held.back().ask(one.reference.value - one.reference.before);
   }
   return held;
 }
@@ -175,6 +210,10 @@ std::vector<Signal> AxisRig::signals() const {
     add("d_true_" + u.force_suffix, u.force, "true disturbance, which opposes the drive",
         disturbance(i));
     add("position_measured_" + u.position_suffix, u.position, "sampled position", measured(i));
+    if (!axis.name.empty()) {
+      add("reference_" + u.position_suffix, u.position, "reference", axes_[i].reference);
+    }
+    if (!axis.is_driven()) continue;
     add("command_" + u.force_suffix, u.force, "commanded input", command(i));
     add("applied_" + u.force_suffix, u.force, "applied input, saturated and rounded", actuation(i));
     if (plant_.axes[i].drive.electric().is_on()) {
@@ -195,7 +234,23 @@ std::vector<Signal> AxisRig::signals() const {
         axes_[i].torque);
   }
   signals.push_back({"saturated", "1", "1 where the drive is at its limit", view(saturated_)});
-  for (const Signal& signal : controller_.signals()) signals.push_back(signal);
+  for (std::size_t i = 0; i < pushes_.size(); ++i) {
+    signals.push_back({"push_" + plant_.pushes[i].name + "_N", "N",
+                       "force on body " + plant_.pushes[i].body, view(pushes_[i].value)});
+  }
+  for (std::size_t i = 0; i < contacts_.size(); ++i) {
+    signals.push_back({"contact_" + plant_.contacts[i].name + "_N", "N",
+                       "normal force between the geoms " + plant_.contacts[i].geom_1 + " and " +
+                           plant_.contacts[i].geom_2,
+                       view(contact_forces_[i])});
+  }
+  // A controller may publish the reference too.
+  for (const Signal& signal : drives_.signals()) {
+    const bool is_there = std::any_of(signals.begin(), signals.end(), [&](const Signal& other) {
+      return other.name == signal.name && other.name.find("reference_") != other.name.npos;
+    });
+    if (!is_there) signals.push_back(signal);
+  }
   return signals;
 }
 

@@ -4,6 +4,7 @@
 #include <concepts>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <breakwater/control/controller.h>
@@ -11,6 +12,8 @@
 #include <breakwater/experiment/scenario.h>
 #include <breakwater/record/held_reference.h>
 #include <breakwater/rigs/axis_settings.h>
+#include <breakwater/sim/body_force.h>
+#include <breakwater/sim/geom_contact.h>
 #include <breakwater/sim/joint_force.h>
 #include <breakwater/sim/joint_friction.h>
 #include <breakwater/sim/simulation.h>
@@ -18,7 +21,7 @@
 namespace breakwater {
 
 /// A plant of axes under a controller, with the true values for log and metrics. The controller
-/// gets the samples of AxisPlant::sensing() and commands all actuators of the model.
+/// gets the samples of AxisPlant::sensing() and commands the driven axes.
 class AxisRig {
  public:
   /// The controller must outlive the rig.
@@ -50,6 +53,8 @@ class AxisRig {
   const double& motor_velocity(std::size_t axis = 0) const;
   /// d, without noise and friction.
   const double& disturbance(std::size_t axis = 0) const { return axes_[axis].disturbance; }
+  /// The force between the geoms of a contact [N].
+  const double& contact_force(std::size_t contact) const { return contact_forces_[contact]; }
 
   /// The signals of the log at the control rate: true, measured, estimated and commanded.
   std::vector<Signal> signals() const;
@@ -102,6 +107,32 @@ class AxisRig {
     double input_noise_value = 0.0;
     double disturbance = 0.0;
     double torque = 0.0;  // of the transmission
+    double reference = 0.0;
+  };
+
+  // A force on a body.
+  struct Push {
+    Disturbance disturbance;
+    std::unique_ptr<BodyForce> force;
+    double value = 0.0;
+  };
+
+  // Passes the commands of the driven axes on to the model's actuators.
+  class Drives final : public Controller {
+   public:
+    explicit Drives(Controller& controller) : controller_(controller) {}
+    void drive(std::vector<Eigen::Index> actuators) {
+      actuators_ = std::move(actuators);
+      command_.setZero(static_cast<Eigen::Index>(actuators_.size()));
+    }
+    void reset(const Sample& first) override { controller_.reset(first); }
+    void update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u) override;
+    std::span<const Signal> signals() const override { return controller_.signals(); }
+
+   private:
+    Controller& controller_;
+    std::vector<Eigen::Index> actuators_;
+    Eigen::VectorXd command_;
   };
 
   std::vector<HeldReference> held_references() const;
@@ -111,8 +142,11 @@ class AxisRig {
   const AxisParts* parts_ = nullptr;
   AxisTask task_;
   int steps_per_sample_;
-  Controller& controller_;
+  Drives drives_;
   std::vector<DrivenAxis> axes_;
+  std::vector<Push> pushes_;
+  std::vector<GeomContact> contacts_;
+  std::vector<double> contact_forces_;
   std::unique_ptr<Simulation> simulation_;
   std::string qpos_units_;
   double saturated_ = 0.0;

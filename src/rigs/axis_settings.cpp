@@ -2,11 +2,15 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <limits>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
+#include <breakwater/config/column_table.h>
 #include <breakwater/sim/friction.h>
+#include <breakwater/sim/linear_model.h>
 
 namespace breakwater {
 
@@ -14,7 +18,7 @@ Axis motor_axis() {
   return {.name = "",
           .joint = "shaft",
           .actuator = "motor",
-          .position_sensor = "",
+          .position_sensor = Axis::kJoint,
           .channel = "angle",
           .counts_pulses = true,
           .inertia_name = "inertia",
@@ -27,7 +31,7 @@ Axis cart_axis() {
   return {.name = "",
           .joint = "rail",
           .actuator = "drive",
-          .position_sensor = "",
+          .position_sensor = Axis::kJoint,
           .channel = "position",
           .counts_pulses = false,
           .inertia_name = "mass",
@@ -42,23 +46,115 @@ Axis two_inertia_axis() {
   return axis;
 }
 
+Axis named_axis(const std::string& name, const std::string& joint, const std::string& actuator,
+                bool is_hinge) {
+  Axis axis = is_hinge ? motor_axis() : cart_axis();
+  axis.name = name;
+  axis.joint = joint;
+  axis.actuator = actuator;
+  axis.channel = name;
+  return axis;
+}
+
+// The keys of a named axis that others do not have, and the default values of the others.
+void AxisSettings::bind_own(Fields& fields) {
+  const AxisUnits& u = axis.units;
+  const std::string unit = " [" + u.position + "]";
+  fields.text("joint", axis.joint, "hinge or slide of the model");
+  fields.text("actuator", axis.actuator,
+              "<motor> of this joint with gear 1; none: the axis is measured, but not driven");
+  fields.standard("actuator", {axis.actuator});
+  fields.text("position_sensor", axis.position_sensor,
+              "sensor of the model that measures the position; joint: the joint itself");
+  fields.standard("position_sensor", {std::string(Axis::kJoint)});
+  fields.number("start.position_" + u.position_suffix, start_position, any(),
+                "distance of the start from the pose of start.keyframe" + unit);
+  fields.number("start.velocity_" + u.velocity_suffix, start_velocity, any(),
+                "velocity at the start [" + u.velocity + "]");
+  const char* const kind = "reference.kind";
+  fields.choice(kind, reference.kind,
+                {{"hold", ReferenceShape::hold},
+                 {"step", ReferenceShape::step},
+                 {"sine", ReferenceShape::sine},
+                 {"csv", ReferenceShape::csv}},
+                "reference of the position: hold the start, step from the start to a value, a sine "
+                "about the start, or a table");
+  const std::string value = "reference.value_" + u.position_suffix;
+  fields.number(value, reference.value, any(), "position after a step; amplitude of a sine" + unit);
+  fields.number("reference.from_s", reference.from_s, not_negative(),
+                "start of the step, the sine or the table [s]");
+  fields.number("reference.frequency_rad_s", reference.frequency_rad_s, any(),
+                "frequency of a sine [rad/s]");
+  fields.standard(kind, {std::string("hold")});
+  fields.only_for({value}, kind, {"step", "sine"});
+  fields.only_for({"reference.from_s"}, kind, {"step", "sine", "csv"});
+  fields.only_for({"reference.frequency_rad_s"}, kind, {"sine"});
+  {
+    const Fields::OfPart csv(fields, kind, "csv");
+    fields.file("reference.file", reference_file,
+                "table with the columns time_s, from reference.from_s, and value" + unit);
+  }
+  disturbance.bind(fields, u.force_suffix, u.force);
+  fields.standard("disturbance.kind", {std::string("none")});
+  for (const std::string& key :
+       {"start.position_" + u.position_suffix, "start.velocity_" + u.velocity_suffix, value,
+        std::string("reference.from_s"), std::string("reference.frequency_rad_s"),
+        "disturbance.amplitude_" + u.force_suffix, std::string("disturbance.frequency_rad_s"),
+        std::string("disturbance.start_s"), "drive.limit_" + u.force_suffix,
+        "drive.resolution_" + u.force_suffix, "encoder.phase_" + u.position_suffix,
+        "noise.std_" + u.position_suffix, "noise.input_std_" + u.force_suffix}) {
+    fields.standard(key, {0.0});
+  }
+  for (const std::string& stem :
+       {"viscous_friction_" + axis.friction_suffix, "coulomb_friction_" + u.force_suffix}) {
+    fields.standard("plant." + stem, {-1.0});
+  }
+  if (axis.counts_pulses) {
+    fields.standard("encoder.bits", {std::int64_t{0}});
+    fields.standard("encoder.multiplication", {1.0});
+    fields.standard("encoder.gear_ratio", {1.0});
+  } else {
+    fields.standard("encoder.resolution_" + u.position_suffix, {0.0});
+  }
+  fields.standard("encoder.origin", {std::string("counted")});
+  fields.standard("sensor.delay_samples", {std::int64_t{0}});
+}
+
 void AxisSettings::bind(Fields& fields) {
   const Fields::Under under(fields, axis.prefix());
   const AxisUnits& u = axis.units;
   const auto key = [](const std::string& stem, const std::string& suffix) {
     return stem + "_" + suffix;
   };
-  fields.number("plant." + key("viscous_friction", axis.friction_suffix), viscous_friction,
-                not_negative(),
-                "viscous friction of the plant [" + u.force + " per " + u.velocity + "]");
-  fields.number("plant." + key("coulomb_friction", u.force_suffix), coulomb_friction,
-                not_negative(), "Coulomb friction of the plant [" + u.force + "]");
-  fields.number("nominal." + key(axis.inertia_name, axis.inertia_suffix), nominal_inertia,
-                positive(), "nominal value for the controller and the observer");
-  fields.number("nominal." + key("viscous_friction", axis.friction_suffix), nominal_friction,
-                not_negative(), "nominal value for the controller and the observer");
-  fields.number("drive." + key("limit", u.force_suffix), drive_limit, not_negative(),
-                "0: none [" + u.force + "]");
+  const bool is_named = !axis.name.empty();
+  const Range friction = is_named ? any() : not_negative();
+  const std::string or_file = is_named ? "; negative: that of the model file" : "";
+  fields.number(
+      "plant." + key("viscous_friction", axis.friction_suffix), viscous_friction, friction,
+      "viscous friction of the plant" + or_file + " [" + u.force + " per " + u.velocity + "]");
+  fields.number("plant." + key("coulomb_friction", u.force_suffix), coulomb_friction, friction,
+                "Coulomb friction of the plant" + or_file + " [" + u.force + "]");
+  const auto bind_nominal = [&] {
+    const char* const doc = "nominal value for the controller and the observer";
+    fields.number("nominal." + key(axis.inertia_name, axis.inertia_suffix), nominal_inertia,
+                  positive(), doc);
+    fields.number("nominal." + key("viscous_friction", axis.friction_suffix), nominal_friction,
+                  not_negative(), doc);
+  };
+  if (is_named) {
+    const char* const from = "nominal.from";
+    fields.choice(from, nominal_from, {{"model", NominalFrom::model}, {"keys", NominalFrom::keys}},
+                  "source of the nominal inertia and viscous friction: the model, at the start "
+                  "pose with all other joints held, or keys");
+    fields.standard(from, {std::string("model")});
+    const Fields::OfPart keys(fields, from, "keys");
+    bind_nominal();
+  } else {
+    bind_nominal();
+  }
+  fields.number(
+      "drive." + key("limit", u.force_suffix), drive_limit, not_negative(),
+      (is_named ? "0: the actuator's ctrlrange, or none [" : "0: none [") + u.force + "]");
   fields.number("drive." + key("resolution", u.force_suffix), drive_resolution, not_negative(),
                 "step of the drive's PWM; 0: not quantised [" + u.force + "]");
   drive.bind(fields, u);
@@ -93,6 +189,7 @@ void AxisSettings::bind(Fields& fields) {
   fields.count("sensor.delay_samples", delay_samples, between(0, 1e6),
                "delay of the measurement in control periods");
   transmission.bind(fields, u, axis.inertia_suffix, axis.friction_suffix);
+  if (is_named) bind_own(fields);
 }
 
 double AxisSettings::pulses_per_revolution() const {
@@ -112,7 +209,7 @@ double AxisSettings::quantum() const {
 }
 
 double AxisSettings::force_limit() const {
-  return drive_limit > 0.0 ? drive_limit : std::numeric_limits<double>::infinity();
+  return drive_limit > 0.0 ? drive_limit : model_limit;
 }
 
 Encoder AxisSettings::encoder() const {
@@ -124,41 +221,182 @@ Encoder AxisSettings::encoder() const {
   return encoder;
 }
 
+void AxisPlant::learn(const Config& config) {
+  const std::vector<std::string> names = config.names_in("axis");
+  if (names.empty()) {
+    config.fail("axis", "there is no table [axis.NAME]: a plant needs at least one axis");
+  }
+  const auto text = [](const Config& from, const char* key) {
+    const ConfigEntry* entry = from.find(key);
+    const auto* value = entry != nullptr ? std::get_if<std::string>(&entry->value.data) : nullptr;
+    return value != nullptr ? *value : std::string();
+  };
+  // Missing keys are reported when all keys are read.
+  std::optional<Model> model;
+  if (const std::string file = text(config, "model.mjcf"); !file.empty()) {
+    ModelFile wanted(config.find_file_of("model.mjcf", file));
+    if (const auto most = config.number("model.most_elements")) {
+      wanted.most_elements = static_cast<std::uint64_t>(*most);
+    }
+    model = Model::load_physics(wanted);
+  }
+  std::vector<std::pair<int, Axis>> found;
+  for (const std::string& name : names) {
+    const Config own = config.under("axis." + name + ".");
+    const std::string joint_name = text(own, "joint");
+    int joint = -1;
+    bool is_hinge = true;
+    std::string actuator = Axis::kNone;
+    if (model && !joint_name.empty()) {
+      const Model& m = *model;
+      joint = own.blame("joint", [&] { return m.id(mjOBJ_JOINT, joint_name); });
+      is_hinge = m->jnt_type[joint] != mjJNT_SLIDE;
+      for (int i = m->nu - 1; i >= 0; --i) {
+        if (m->actuator_trntype[i] != mjTRN_JOINT || m->actuator_trnid[2 * i] != joint) continue;
+        actuator = mj_id2name(m.get(), mjOBJ_ACTUATOR, i);
+      }
+    }
+    found.emplace_back(joint, named_axis(name, joint_name, actuator, is_hinge));
+  }
+  std::stable_sort(found.begin(), found.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  for (auto& [joint, axis] : found) axes.emplace_back(std::move(axis), *catalogue_);
+  for (const std::string& name : config.names_in("push")) pushes.emplace_back().name = name;
+  for (const std::string& name : config.names_in("contact")) contacts.emplace_back().name = name;
+}
+
 void AxisPlant::bind(Fields& fields) {
   bind_model(fields, mjcf);
   physics.bind(fields);
   timing.bind(fields);
   run.bind(fields);
-  const std::string inertia = axis().axis.inertia_name;
+  const bool is_named = axes.empty() || !axis().axis.name.empty();
+  const std::string inertia = is_named ? "inertia" : axis().axis.inertia_name;
   fields.number("plant." + inertia + "_ratio", inertia_ratio, positive(),
                 "the plant's " + inertia + ", divided by that of its model file");
+  if (is_named) {
+    fields.standard("plant.inertia_ratio", {1.0});
+    fields.standard("record.compression", {std::int64_t{0}});
+    fields.text("start.keyframe", keyframe, "keyframe of the start pose; none: the joints' own");
+    fields.standard("start.keyframe", {std::string(Axis::kNone)});
+    fields.flag("sensor.true_state", senses_true_state,
+                "samples also have the true positions and the true velocities of all axes");
+    fields.standard("sensor.true_state", {false});
+  }
   for (AxisSettings& one : axes) one.bind(fields);
+  for (PushSettings& one : pushes) one.bind(fields);
+  for (ContactSettings& one : contacts) one.bind(fields);
   std::vector<std::string> channels;
   for (const AxisSettings& one : axes) channels.push_back(one.axis.channel);
   faults.bind(fields, fmt::format("{}", fmt::join(channels, ", ")));
+  if (!is_named) return;
+  fields.standard("sensor.nan_policy", {std::string("stop")});
+  fields.standard("fault.sensor", {std::string(Axis::kNone)});
+  fields.standard("fault.at_s", {0.0});
+  fields.standard("fault.samples", {std::int64_t{1}});
+}
+
+void AxisPlant::complete(const Config& config) {
+  if (axes.empty() || axis().axis.name.empty()) return;
+  const Model model = load_model(&config);
+  const std::vector<double> pose =
+      config.blame("start.keyframe", [&] { return start_pose(model); });
+  const Eigen::MatrixXd inertia = joint_inertia(model, pose);
+  for (PushSettings& one : pushes) {
+    const Config own = config.under(one.prefix());
+    own.blame("body", [&] { return model.id(mjOBJ_BODY, one.body); });
+    if (one.along.size() != 3 ||
+        (one.along[0] == 0.0 && one.along[1] == 0.0 && one.along[2] == 0.0)) {
+      own.fail("along", "must be three numbers that are not all 0");
+    }
+    one.disturbance.load(own);
+  }
+  for (const ContactSettings& one : contacts) {
+    const Config own = config.under(one.prefix());
+    own.blame("geom_1", [&] { return model.id(mjOBJ_GEOM, one.geom_1); });
+    own.blame("geom_2", [&] { return model.id(mjOBJ_GEOM, one.geom_2); });
+  }
+  for (AxisSettings& one : axes) {
+    const Config own = config.under(one.axis.prefix());
+    const int joint = model.id(mjOBJ_JOINT, one.axis.joint);
+    const int dof = model->jnt_dofadr[joint];
+    one.reference.before = pose[static_cast<std::size_t>(model->jnt_qposadr[joint])];
+    if (one.reference.kind == ReferenceShape::csv) {
+      own.blame("reference.file",
+                [&] { one.reference.table = read_function(one.reference_file, "value"); });
+    }
+    one.disturbance.load(own);
+    one.force = one.disturbance.make(run.seed, one.axis.own("disturbance"));
+    one.model_inertia = inertia(dof, dof);
+    one.model_friction = model->dof_damping[dof];
+    if (!one.axis.is_driven()) continue;
+    const int actuator = model.id(mjOBJ_ACTUATOR, one.axis.actuator);
+    if (model->actuator_ctrllimited[actuator] != 0) {
+      one.model_limit = model->actuator_ctrlrange[2 * actuator + 1];
+    }
+  }
 }
 
 NominalAxis AxisPlant::nominal(std::size_t i) const {
   const AxisSettings& one = axes[i];
+  const bool is_by_keys = one.nominal_from == NominalFrom::keys;
   NominalAxis axis{.period_s = physics.control_period_s,
                    .force_limit = one.force_limit(),
                    .sensor = {Eigen::VectorXd::Constant(1, one.quantum()),
                               Eigen::VectorXd::Constant(1, one.noise_std), one.encoder_rounding},
                    .pulses_per_revolution = one.pulses_per_revolution(),
                    .units = one.axis.units};
-  one.transmission.describe(axis, one.nominal_inertia, one.nominal_friction);
+  one.transmission.describe(axis, is_by_keys ? one.nominal_inertia : one.model_inertia,
+                            is_by_keys ? one.nominal_friction : one.model_friction);
   return axis;
 }
 
-Model AxisPlant::load_model() const {
+// Checks what a named axis asks of the model, and names the wrong key.
+void AxisPlant::check_names(const Model& model, const Config& config) const {
+  std::vector<int> joints;
+  for (const AxisSettings& one : axes) {
+    const Config own = config.under(one.axis.prefix());
+    const int joint = own.blame("joint", [&] { return model.id(mjOBJ_JOINT, one.axis.joint); });
+    const bool is_axis =
+        model->jnt_type[joint] == mjJNT_HINGE || model->jnt_type[joint] == mjJNT_SLIDE;
+    if (!is_axis) own.fail("joint", "must be a hinge or a slide");
+    if (std::find(joints.begin(), joints.end(), joint) != joints.end()) {
+      own.fail("joint", "has another axis: each joint may have one");
+    }
+    joints.push_back(joint);
+    if (one.axis.is_driven()) {
+      const int actuator =
+          own.blame("actuator", [&] { return model.id(mjOBJ_ACTUATOR, one.axis.actuator); });
+      const bool is_motor = model->actuator_trntype[actuator] == mjTRN_JOINT &&
+                            model->actuator_trnid[2 * actuator] == joint &&
+                            model->actuator_gear[6 * actuator] == 1.0 &&
+                            model->actuator_dyntype[actuator] == mjDYN_NONE &&
+                            model->actuator_gaintype[actuator] == mjGAIN_FIXED &&
+                            model->actuator_gainprm[mjNGAIN * actuator] == 1.0 &&
+                            model->actuator_biastype[actuator] == mjBIAS_NONE;
+      if (!is_motor) {
+        own.fail("actuator", "must be a <motor> of joint \"" + one.axis.joint +
+                                 "\" with gear 1, whose ctrlrange is in " + one.axis.units.force);
+      }
+      const mjtNum* range = model->actuator_ctrlrange + 2 * actuator;
+      if (model->actuator_ctrllimited[actuator] != 0 && range[0] != -range[1]) {
+        own.fail("actuator", "must have a ctrlrange that is symmetric about 0");
+      }
+    }
+    if (!one.axis.measures_joint()) {
+      own.blame("position_sensor",
+                [&] { return model.id(mjOBJ_SENSOR, one.axis.position_sensor); });
+    }
+  }
+}
+
+Model AxisPlant::load_model(const Config* config) const {
   Model model = Model::load_physics(mjcf);
   model.set_physics(physics.timestep_s, physics.integrator);
+  if (config != nullptr) check_names(model, *config);
   const bool is_alone = axis().axis.name.empty();
-  std::vector<std::pair<int, int>> ids;
-  for (const AxisSettings& one : axes) {
-    ids.emplace_back(model.id(mjOBJ_JOINT, one.axis.joint),
-                     model.id(mjOBJ_ACTUATOR, one.axis.actuator));
-  }
+  std::vector<int> joints;
+  for (const AxisSettings& one : axes) joints.push_back(model.id(mjOBJ_JOINT, one.axis.joint));
   const bool is_elastic = axis().transmission.is_elastic();
   if (is_alone && (model->nv != (is_elastic ? 2 : 1) || model->nu != 1)) {
     throw std::invalid_argument(model.file() +
@@ -167,18 +405,37 @@ Model AxisPlant::load_model() const {
   }
   model.scale_inertia(inertia_ratio);
   for (std::size_t i = 0; i < axes.size(); ++i) {
-    author_friction(model, ids[i].first, axes[i].viscous_friction, axes[i].coulomb_friction);
-    model.limit_actuator(ids[i].second, axes[i].force_limit());
-    axes[i].transmission.author(model, axes[i].axis.joint, axes[i].axis.actuator);
+    const AxisSettings& one = axes[i];
+    const int dof = model->jnt_dofadr[joints[i]];
+    const auto or_file = [](double key, double file) { return key < 0.0 ? file : key; };
+    author_friction(model, joints[i], or_file(one.viscous_friction, model->dof_damping[dof]),
+                    or_file(one.coulomb_friction, model->dof_frictionloss[dof]));
+    if (!one.axis.is_driven()) continue;
+    const int actuator = model.id(mjOBJ_ACTUATOR, one.axis.actuator);
+    if (is_alone || one.drive_limit > 0.0) model.limit_actuator(actuator, one.force_limit());
+    one.transmission.author(model, one.axis.joint, one.axis.actuator);
   }
   return model;
+}
+
+std::vector<double> AxisPlant::start_pose(const Model& model) const {
+  const mjtNum* pose = model->qpos0;
+  if (keyframe != Axis::kNone) {
+    pose = model->key_qpos + static_cast<std::ptrdiff_t>(model->nq) * model.id(mjOBJ_KEY, keyframe);
+  }
+  std::vector<double> qpos(pose, pose + model->nq);
+  for (const AxisSettings& one : axes) {
+    const int joint = model.id(mjOBJ_JOINT, one.axis.joint);
+    qpos[static_cast<std::size_t>(model->jnt_qposadr[joint])] += one.start_position;
+  }
+  return qpos;
 }
 
 SensingSetup AxisPlant::sensing() const {
   SensingSetup setup;
   for (const AxisSettings& one : axes) {
     const bool is_motor = one.transmission.is_elastic() && one.transmission.measured == Side::motor;
-    const bool is_own = one.axis.position_sensor.empty() || is_motor;
+    const bool is_own = one.axis.measures_joint() || is_motor;
     const std::string& joint = is_motor ? one.transmission.motor_joint : one.axis.joint;
     setup.channels.push_back({.name = one.axis.channel,
                               .sensor = is_own ? joint : one.axis.position_sensor,
@@ -190,8 +447,9 @@ SensingSetup AxisPlant::sensing() const {
   }
   const auto add_true = [&](const std::string& what, Reading reading) {
     for (const AxisSettings& one : axes) {
-      setup.channels.push_back(
-          {.name = one.axis.own(what), .sensor = one.axis.joint, .reading = reading});
+      setup.channels.push_back({.name = one.axis.name.empty() ? what : one.axis.name + " " + what,
+                                .sensor = one.axis.joint,
+                                .reading = reading});
     }
   };
   if (senses_true_state) {
@@ -203,12 +461,10 @@ SensingSetup AxisPlant::sensing() const {
   return setup;
 }
 
-void check_plant(const AxisPlant& plant, const Config& config) {
+void check_plant(AxisPlant& plant, const Config& config) {
   plant.physics.check(config, plant.run);
   plant.timing.check(config, plant.physics);
-  for (const AxisSettings& one : plant.axes) {
-    one.drive.check(config.under(one.axis.prefix()), one.coulomb_friction);
-  }
+  plant.complete(config);
   const SensingSetup sensing = plant.sensing();
   plant.faults.check(config, sensing.channels);
   for (std::size_t i = 0; i < plant.axes.size(); ++i) {
@@ -220,6 +476,8 @@ void check_plant(const AxisPlant& plant, const Config& config) {
   }
   const Model model = plant.load_model();
   for (const AxisSettings& one : plant.axes) {
+    const int dof = model->jnt_dofadr[model.id(mjOBJ_JOINT, one.axis.joint)];
+    one.drive.check(config.under(one.axis.prefix()), model->dof_frictionloss[dof]);
     if (one.transmission.is_elastic()) one.transmission.make(model, one.axis.joint);
   }
   const Sensing check_only(model, sensing);

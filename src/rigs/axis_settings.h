@@ -2,14 +2,17 @@
 // has.
 #pragma once
 
+#include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include <breakwater/control/step_reference.h>
+#include <breakwater/control/reference.h>
 #include <breakwater/experiment/settings.h>
 #include <breakwater/linear/state_space.h>
 #include <breakwater/rigs/axis_parts.h>
 #include <breakwater/rigs/drive_settings.h>
+#include <breakwater/rigs/plant_extras.h>
 #include <breakwater/rigs/transmission_settings.h>
 #include <breakwater/world/disturbance.h>
 
@@ -19,8 +22,8 @@ namespace breakwater {
 struct Axis {
   std::string name;  ///< of its keys and signals; empty for a plant with one axis and without names
   std::string joint;
-  std::string actuator;
-  std::string position_sensor;  ///< empty: the joint itself
+  std::string actuator;         ///< kNone: it is measured, but not driven
+  std::string position_sensor;  ///< kJoint: the joint itself
   std::string channel;          ///< name of the position's sensor channel
   bool counts_pulses;           ///< the key of its encoder is pulses per revolution
   std::string inertia_name;     ///< "inertia", "mass"
@@ -30,14 +33,29 @@ struct Axis {
 
   /// Of its keys: "axis.NAME.", or "".
   std::string prefix() const { return name.empty() ? "" : "axis." + name + "."; }
-  /// The name of its signal or channel `what`: "NAME.what", or "what".
-  std::string own(const std::string& what) const { return name.empty() ? what : name + "." + what; }
+  bool is_driven() const { return actuator != kNone; }
+  bool measures_joint() const { return position_sensor == kJoint; }
+
+  static constexpr const char* kNone = "none";
+  static constexpr const char* kJoint = "joint";
+  /// The name of its signal `what`: "NAME_what", or "what".
+  std::string own(const std::string& what) const { return name.empty() ? what : name + "_" + what; }
 };
 
 /// The axes of models/motor.xml, models/cart.xml and models/two_inertia.xml, where it is the load.
 Axis motor_axis();
 Axis cart_axis();
 Axis two_inertia_axis();
+
+/// An axis of a plant whose file names its axes.
+Axis named_axis(const std::string& name, const std::string& joint, const std::string& actuator,
+                bool is_hinge);
+
+/// The source of an axis' nominal model.
+enum class NominalFrom {
+  keys,
+  model  ///< the joint's own inertia at the start pose, with all other joints held
+};
 
 /// The settings of one axis.
 struct AxisSettings {
@@ -48,16 +66,17 @@ struct AxisSettings {
   // Not all scenarios have keys for these.
   double start_position = 0.0;  ///< distance of the start from the model's pose
   double start_velocity = 0.0;
-  StepReference reference;  ///< reference of the position
-  Disturbance force;        ///< d, which opposes the drive (Eqs. 2.5, 2.36)
-  Disturbance output;       ///< d_o, added to the measurement (Eq. 2.37)
+  Reference reference;  ///< of the position
+  Disturbance force;    ///< d, which opposes the drive (Eqs. 2.5, 2.36)
+  Disturbance output;   ///< d_o, added to the measurement (Eq. 2.37)
 
-  double viscous_friction = 0.0;  ///< friction of the plant
+  double viscous_friction = 0.0;  ///< friction of the plant; negative: that of the model file
   double coulomb_friction = 0.0;
+  NominalFrom nominal_from = NominalFrom::keys;
   double nominal_inertia = 0.0;  ///< for the controller and the observer
   double nominal_friction = 0.0;
 
-  double drive_limit = 0.0;       ///< 0: none
+  double drive_limit = 0.0;       ///< 0: that of the model file, if any
   double drive_resolution = 0.0;  ///< step of the PWM; 0: not quantised
   DriveSettings drive;            ///< friction law and motor
 
@@ -75,6 +94,14 @@ struct AxisSettings {
   int delay_samples = 0;
   TransmissionSettings transmission;
 
+  // Of named axes alone.
+  std::string reference_file;
+  DisturbanceSettings disturbance;
+  // From the model.
+  double model_inertia = 0.0;
+  double model_friction = 0.0;
+  double model_limit = std::numeric_limits<double>::infinity();
+
   /// The keys begin with axis.prefix().
   void bind(Fields& fields);
 
@@ -82,12 +109,18 @@ struct AxisSettings {
   double quantum() const;                ///< Δ of the encoder; 0: not quantised
   double pulses_per_revolution() const;  ///< b_reso, or counts per metre; 0: not quantised
   double force_limit() const;            ///< limit of the drive; infinity: none
+
+ private:
+  void bind_own(Fields& fields);
 };
 
 /// The settings of a plant with axes.
 struct AxisPlant {
   /// A plant with one axis, and keys without a prefix.
-  AxisPlant(const Axis& only, const Catalogue& catalogue) : axes{AxisSettings(only, catalogue)} {}
+  AxisPlant(const Axis& only, const Catalogue& catalogue)
+      : axes{AxisSettings(only, catalogue)}, catalogue_(&catalogue) {}
+  /// A plant with named axes, which learn() reads.
+  explicit AxisPlant(const Catalogue& catalogue) : catalogue_(&catalogue) {}
 
   ModelFile mjcf;
   PhysicsSettings physics;
@@ -97,7 +130,16 @@ struct AxisPlant {
   double inertia_ratio = 1.0;      ///< ratio of the plant's inertia to that of its model file
   double judged_to_s = 0.0;        ///< end of the metrics' windows: a shorter run has no metrics
   bool senses_true_state = false;  ///< samples also have the true positions and velocities
+  std::string keyframe = Axis::kNone;  ///< of the start pose; kNone: that of the model's joints
   std::vector<AxisSettings> axes;
+  // Of a plant with named axes alone.
+  std::vector<PushSettings> pushes;
+  std::vector<ContactSettings> contacts;
+
+  /// Takes the names of axes, pushes and contacts from the tables of a file, and the kind of each
+  /// axis from its joint. The axes have the order of their joints in the model. Throws
+  /// std::invalid_argument `ORIGIN: KEY: reason`.
+  void learn(const Config& config);
 
   /// The first axis.
   AxisSettings& axis() { return axes.front(); }
@@ -105,20 +147,32 @@ struct AxisPlant {
 
   void bind(Fields& fields);
 
+  /// Reads the tables that the keys name, and takes from the model what they leave to it. Throws
+  /// std::invalid_argument `ORIGIN: KEY: reason`.
+  void complete(const Config& config);
+
   /// The nominal model of an axis, for the estimator and the controller.
   NominalAxis nominal(std::size_t axis = 0) const;
 
   /// The plant's model, with its physics, friction and limits. Throws std::invalid_argument if
   /// the file lacks something.
-  Model load_model() const;
+  Model load_model() const { return load_model(nullptr); }
+  /// The start pose of all joints. Throws std::invalid_argument if there is no such keyframe.
+  std::vector<double> start_pose(const Model& model) const;
   /// The measured positions of all axes; then, with senses_true_state, all true positions and all
   /// true velocities.
   SensingSetup sensing() const;
+
+ private:
+  Model load_model(const Config* config) const;  // checks the names of the keys, if it is there
+  void check_names(const Model& model, const Config& config) const;
+
+  const Catalogue* catalogue_;
 };
 
-/// Checks what the single fields cannot: the names in the model file, periods. Throws
-/// std::invalid_argument `ORIGIN: KEY: reason`.
-void check_plant(const AxisPlant& plant, const Config& config);
+/// Checks what the single fields cannot: the names in the model file, periods. Completes the
+/// settings. Throws std::invalid_argument `ORIGIN: KEY: reason`.
+void check_plant(AxisPlant& plant, const Config& config);
 
 /// The linear part of the first axis, continuous: its inertia and its viscous friction, or both
 /// inertias of its transmission.

@@ -101,11 +101,7 @@ void WallSettings::check(const Config& config, const PhysicsSettings& physics) c
 WallMotion WallSettings::motion() const {
   WallMotion motion = motion_;
   if (motion.kind != WallMotionKind::csv) return motion;
-  ColumnTable table = read_columns(file_, {{"time_s"}, {"position_m"}});
-  if (table.rows() == 0) throw std::invalid_argument(file_ + ": has no rows");
-  check_rising(file_, table, table.columns[0], "time_s must rise");
-  motion.times_s = std::move(table.columns[0]);
-  motion.positions_m = std::move(table.columns[1]);
+  motion.table = read_function(file_, "position_m");
   return motion;
 }
 

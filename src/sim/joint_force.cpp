@@ -1,13 +1,26 @@
 #include <breakwater/sim/joint_force.h>
 
+#include <stdexcept>
+
 namespace breakwater {
 
 JointForce::JointForce(const Model& model, const std::string& joint)
     : joint_(model.id(mjOBJ_JOINT, joint)),
+      dof_(model->jnt_dofadr[joint_]),
       body_(model->jnt_bodyid[joint_]),
-      part_(model->jnt_type[joint_] == mjJNT_HINGE ? 3 : 0) {}
+      is_from_world_(model->body_parentid[body_] == 0 && model->body_jntnum[body_] == 1),
+      part_(model->jnt_type[joint_] == mjJNT_HINGE ? 3 : 0) {
+  if (model->jnt_type[joint_] != mjJNT_HINGE && model->jnt_type[joint_] != mjJNT_SLIDE) {
+    throw std::invalid_argument(model.file() + ": joint \"" + joint + "\" is no hinge or slide");
+  }
+}
 
 void JointForce::apply(double, const mjModel&, mjData& data) const {
+  if (!is_from_world_) {
+    data.qfrc_applied[dof_] += force_;
+    return;
+  }
+  // The engine adds both forms at different places of a sum, with different rounding.
   const mjtNum* axis = data.xaxis + static_cast<std::ptrdiff_t>(3) * joint_;
   mjtNum* wrench = data.xfrc_applied + static_cast<std::ptrdiff_t>(6) * body_ + part_;
   for (int i = 0; i < 3; ++i) wrench[i] += force_ * axis[i];

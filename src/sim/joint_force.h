@@ -8,11 +8,11 @@
 
 namespace breakwater {
 
-/// Applies a force or torque to a joint's body, along or about the joint's axis. It is constant
-/// over a physics step for every integrator.
+/// A force or torque along or about a joint's axis, between the joint's body and its parent. It is
+/// constant over a physics step for every integrator.
 class JointForce final : public ExternalForce {
  public:
-  /// Throws std::invalid_argument if the model has no joint `joint`.
+  /// Throws std::invalid_argument if the model has no hinge or slide `joint`.
   JointForce(const Model& model, const std::string& joint);
 
   /// Sets the force [N], or the torque [N m] of a hinge.
@@ -22,8 +22,10 @@ class JointForce final : public ExternalForce {
 
  private:
   int joint_;
+  int dof_;
   int body_;
-  int part_;  // part of the wrench: force or torque
+  bool is_from_world_;  // the body's only joint, in the world: the same as a force on the body
+  int part_;            // part of the wrench: force or torque
   double force_ = 0.0;
 };
 

@@ -1,6 +1,7 @@
 #include <breakwater/world/disturbance.h>
 
 #include <algorithm>
+#include <cstdint>
 
 #include <breakwater/math/functions.h>
 
@@ -47,6 +48,13 @@ double Disturbance::value(double time_s) const {
              sine(second_amplitude, second_frequency_rad_s, elapsed_s);
     case DisturbanceKind::chirp:
       return amplitude * math::sin(chirp_phase(*this, elapsed_s).value);
+    case DisturbanceKind::noise: {
+      // The sample counts as begun a little before its time, which may be rounded.
+      constexpr double kRounding = 1e-9;
+      return amplitude * (*noise)(static_cast<std::uint64_t>(elapsed_s / hold_s + kRounding));
+    }
+    case DisturbanceKind::csv:
+      return amplitude * table.at(elapsed_s).value;
   }
   return 0.0;
 }
@@ -57,7 +65,10 @@ double Disturbance::rate(double time_s) const {
   switch (kind) {
     case DisturbanceKind::none:
     case DisturbanceKind::step:
+    case DisturbanceKind::noise:
       return 0.0;
+    case DisturbanceKind::csv:
+      return amplitude * table.at(elapsed_s).rate;
     case DisturbanceKind::ramp:
       return amplitude;
     case DisturbanceKind::sine:

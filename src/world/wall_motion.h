@@ -2,8 +2,8 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
+#include <breakwater/math/table_function.h>
 #include <breakwater/world/disturbance.h>
 
 namespace breakwater {
@@ -23,9 +23,8 @@ struct WallMotion {
   double speed_m_s = 0.0;        ///< ramp
   double amplitude_m = 0.0;      ///< sine
   double frequency_rad_s = 0.0;  ///< sine
-  std::vector<double> times_s;   ///< csv: rising
-  std::vector<double> positions_m;
-  double mass_kg = 1.0;  ///< free
+  math::TableFunction table;     ///< csv: positions [m]
+  double mass_kg = 1.0;          ///< free
   double stiffness_N_m = 0.0;
   double damping_Ns_m = 0.0;
 

@@ -77,7 +77,7 @@ TEST(WallMotion, SpeedIsTheDerivativeOfThePosition) {
       {},
       {.kind = WallMotionKind::ramp, .start_s = 0.1, .speed_m_s = -0.02},
       {.kind = WallMotionKind::sine, .start_s = 0.1, .amplitude_m = 1e-3, .frequency_rad_s = 30.0},
-      {.kind = WallMotionKind::csv, .times_s = {0.1, 0.3, 0.4}, .positions_m = {0.0, 0.1, 0.05}}};
+      {.kind = WallMotionKind::csv, .table = {{0.1, 0.3, 0.4}, {0.0, 0.1, 0.05}}}};
   const double d = 1e-7;
   for (const WallMotion& motion : motions) {
     for (const double t : {0.05, 0.15, 0.25, 0.35, 0.5}) {

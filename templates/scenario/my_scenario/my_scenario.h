@@ -38,7 +38,7 @@ class MyScenario final : public breakwater::Scenario {
   // The experiment.
   breakwater::PhysicsSettings physics_;
   breakwater::RunSettings run_;
-  breakwater::StepReference reference_;
+  breakwater::Reference reference_;
   breakwater::Disturbance push_;
   // The estimator and controller, and their nominal model.
   breakwater::AxisParts parts_;

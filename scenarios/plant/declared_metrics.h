@@ -1,0 +1,79 @@
+// Metrics that a file declares: [metric.NAME].
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <breakwater/config/fields.h>
+#include <breakwater/record/metric_definition.h>
+#include <breakwater/record/window_metrics.h>
+#include <breakwater/signals/signal.h>
+
+namespace breakwater {
+
+enum class DeclaredKind {
+  rms,
+  mean,
+  max,
+  min,
+  peak,
+  settling,
+  overshoot,
+  reach,
+  rms_change,
+  time_above,
+  onsets
+};
+
+/// The keys of one metric.
+struct DeclaredMetric {
+  std::string name;
+  std::string of;
+  std::string minus;
+  DeclaredKind kind = DeclaredKind::rms;
+  double from_s = 0.0;
+  double to_s = 0.0;  ///< 0: the end of the run
+  double level = 0.0;
+
+  std::string prefix() const { return "metric." + name + "."; }
+  void bind(Fields& fields);
+
+  TimeWindow window() const;
+  /// The name with its unit, the unit and the meaning.
+  MetricDefinition definition() const;
+};
+
+/// The value of a signal of the log, NAME or NAME[2]. Throws std::invalid_argument if there is
+/// none.
+std::span<const double> value_of(const std::string& name, const std::vector<Signal>& signals);
+
+/// Computes a declared metric, value by value.
+class DeclaredValue {
+ public:
+  /// The signals must outlive it. Throws as value_of().
+  DeclaredValue(const DeclaredMetric& metric, const std::vector<Signal>& signals, double end_s);
+
+  const DeclaredMetric& metric() const { return metric_; }
+  void add(double time_s, double step_s);
+  /// Nothing if it does not apply to the run.
+  std::optional<double> value() const;
+
+ private:
+  DeclaredMetric metric_;
+  std::span<const double> of_;
+  std::span<const double> minus_;
+  TimeWindow window_;
+  WindowStatistics values_;
+  WindowStatistics changes_;
+  SettlingTime settling_;
+  ReachTime reach_;
+  std::optional<double> first_;  // the first value of the window
+  std::optional<double> last_;
+  double beyond_ = 0.0;  // the farthest value on the other side of 0
+  double time_above_s_ = 0.0;
+  int onsets_ = 0;
+};
+
+}  // namespace breakwater

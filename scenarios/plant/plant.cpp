@@ -1,0 +1,107 @@
+#include "plant/plant.h"
+
+#include <utility>
+
+#include <breakwater/control/axes_control.h>
+
+namespace breakwater {
+
+void Plant::learn(const Config& config) {
+  plant_.learn(config);
+  for (std::size_t i = 0; i < plant_.axes.size(); ++i) {
+    axis_parts_.emplace_back(catalogue_, "none", "none");
+  }
+  for (const std::string& name : config.names_in("metric")) metrics_.emplace_back().name = name;
+}
+
+Fields Plant::fields() {
+  Fields fields;
+  plant_.bind(fields);
+  parts_.bind(fields);
+  for (std::size_t i = 0; i < axis_parts_.size(); ++i) {
+    const Fields::Under under(fields, plant_.axes[i].axis.prefix());
+    axis_parts_[i].bind(fields);
+  }
+  for (DeclaredMetric& metric : metrics_) metric.bind(fields);
+  return fields;
+}
+
+std::vector<std::string> Plant::main_metrics() const {
+  std::vector<std::string> names;
+  for (const DeclaredMetric& metric : metrics_) names.push_back(metric.definition().name);
+  return names;
+}
+
+std::vector<MetricDefinition> Plant::metric_definitions() const {
+  std::vector<MetricDefinition> definitions;
+  for (const DeclaredMetric& metric : metrics_) definitions.push_back(metric.definition());
+  return definitions;
+}
+
+PlantTask Plant::task() const {
+  PlantTask task = plant_task(plant_);
+  task.own_controllers = [this, axes = task.axes]() -> std::unique_ptr<Controller> {
+    std::vector<AxisControl> controls;
+    for (std::size_t i = 0; i < axes.size(); ++i) {
+      const Axis& axis = plant_.axes[i].axis;
+      controls.push_back({axis.name, axis_parts_[i].make(axes[i]).controller, axis.is_driven()});
+    }
+    return std::make_unique<AxesControl>(std::move(controls), plant_.senses_true_state ? 3 : 1);
+  };
+  return task;
+}
+
+void Plant::check(const Config& config) {
+  check_plant(plant_, config);
+  const PlantTask task = this->task();
+  for (std::size_t i = 0; i < axis_parts_.size(); ++i) {
+    axis_parts_[i].check(config.under(plant_.axes[i].axis.prefix()), task.axes[i]);
+  }
+  parts_.check(config, task);
+  const auto loop = parts_.make(task);
+  const AxisRig rig(plant_, *loop.controller);
+  const std::vector<Signal> signals = rig.signals();
+  for (const DeclaredMetric& metric : metrics_) {
+    const Config own = config.under(metric.prefix());
+    own.blame("of", [&] { return value_of(metric.of, signals); });
+    if (metric.minus != "none") own.blame("minus", [&] { return value_of(metric.minus, signals); });
+    if (metric.to_s != 0.0 && metric.to_s <= metric.from_s) {
+      own.fail("to_s", "must be later than from_s, or 0 for the end of the run");
+    }
+  }
+}
+
+Recording Plant::run(const RunControl& control) const {
+  const auto loop = parts_.make(task());
+  AxisRig rig(plant_, *loop.controller);
+  const Simulation& sim = rig.simulation();
+  const std::vector<Signal> signals = rig.signals();
+  // A contact is shorter than a sample.
+  std::vector<DeclaredValue> at_samples, at_steps;
+  std::vector<std::pair<bool, std::size_t>> order;
+  for (const DeclaredMetric& metric : metrics_) {
+    const bool is_fast = metric.of.starts_with("contact_");
+    std::vector<DeclaredValue>& values = is_fast ? at_steps : at_samples;
+    order.emplace_back(is_fast, values.size());
+    values.emplace_back(metric, signals, plant_.run.duration_s);
+  }
+  const auto step = [&](std::int64_t) {
+    rig.step();
+    for (DeclaredValue& value : at_steps) value.add(sim.time_s(), plant_.physics.timestep_s);
+  };
+  const auto sample = [&](double time_s) {
+    for (DeclaredValue& value : at_samples) value.add(time_s, plant_.physics.control_period_s);
+  };
+  const auto measured = [&] {
+    std::vector<Metric> metrics;
+    for (const auto& [is_fast, i] : order) {
+      const DeclaredValue& value = (is_fast ? at_steps : at_samples)[i];
+      const MetricDefinition definition = value.metric().definition();
+      add(metrics, definition.name, definition.unit, value.value());
+    }
+    return metrics;
+  };
+  return rig.run(control, signals, step, sample, measured);
+}
+
+}  // namespace breakwater

@@ -1,0 +1,45 @@
+// Scenario plant: any plant of hinges and slides, described by its MJCF and a TOML.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <breakwater/experiment/catalogue.h>
+#include <breakwater/rigs/axis_rig.h>
+#include <breakwater/rigs/plant_parts.h>
+
+#include "plant/declared_metrics.h"
+
+namespace breakwater {
+
+/// The file names the axes ([axis.NAME]), the forces on bodies ([push.NAME]), the contacts to watch
+/// ([contact.NAME]) and the metrics ([metric.NAME]). Each axis has its own reference, disturbance,
+/// estimator and controller, or one controller drives all axes.
+class Plant final : public Scenario {
+ public:
+  explicit Plant(const Catalogue& catalogue)
+      : catalogue_(with_none(catalogue)), plant_(catalogue_), parts_(catalogue_) {}
+
+  std::string name() const override { return "plant"; }
+  std::string summary() const override {
+    return "any plant of hinges and slides, described by its MJCF and a TOML file";
+  }
+  std::vector<std::string> main_metrics() const override;
+  std::vector<MetricDefinition> metric_definitions() const override;
+  void learn(const Config& config) override;
+  Fields fields() override;
+  void check(const Config& config) override;
+  const RunSettings& run_settings() const override { return plant_.run; }
+  Recording run(const RunControl& control) const override;
+
+ private:
+  PlantTask task() const;
+
+  Catalogue catalogue_;
+  AxisPlant plant_;
+  PlantParts parts_;
+  std::vector<AxisParts> axis_parts_;  // in the order of the axes
+  std::vector<DeclaredMetric> metrics_;
+};
+
+}  // namespace breakwater

@@ -1,0 +1,48 @@
+#include <breakwater/control/axes_control.h>
+
+#include <utility>
+
+namespace breakwater {
+
+AxesControl::AxesControl(std::vector<AxisControl> axes, Eigen::Index entries)
+    : axes_(std::move(axes)), ignored_(Eigen::VectorXd::Zero(1)) {
+  own_.y.setZero(entries);
+  for (const AxisControl& axis : axes_) {
+    for (Signal signal : axis.controller->signals()) {
+      signal.name = axis.name + "_" + signal.name;
+      signals_.push_back(std::move(signal));
+    }
+  }
+}
+
+const Sample& AxesControl::part(const Sample& y, Eigen::Index axis) {
+  own_.time_s = y.time_s;
+  for (Eigen::Index i = 0; i < own_.y.size(); ++i) {
+    own_.y(i) = y.y(i * static_cast<Eigen::Index>(axes_.size()) + axis);
+  }
+  return own_;
+}
+
+void AxesControl::reset(const Sample& first) {
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    axes_[i].controller->reset(part(first, static_cast<Eigen::Index>(i)));
+  }
+}
+
+void AxesControl::update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u) {
+  Eigen::Index driven = 0;
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    const Sample& own = part(y, static_cast<Eigen::Index>(i));
+    if (axes_[i].is_driven) {
+      axes_[i].controller->update(own, u.segment<1>(driven++));
+    } else {
+      axes_[i].controller->update(own, ignored_);
+    }
+  }
+}
+
+void AxesControl::set_watched(bool is_watched) {
+  for (AxisControl& axis : axes_) axis.controller->set_watched(is_watched);
+}
+
+}  // namespace breakwater

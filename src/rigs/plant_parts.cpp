@@ -1,0 +1,145 @@
+#include <breakwater/rigs/plant_parts.h>
+
+#include <utility>
+
+#include <breakwater/control/pose_feedback.h>
+#include <breakwater/linear/riccati.h>
+#include <breakwater/observers/raw_difference.h>
+#include <breakwater/sim/linear_model.h>
+
+namespace breakwater {
+namespace {
+
+using SharedEstimator = std::shared_ptr<DisturbanceEstimator>;
+
+struct NoKeys {};
+
+void bind_nothing(Fields&, NoKeys&) {}
+
+std::unique_ptr<Controller> make_axes(const NoKeys&, const PlantTask& task, SharedEstimator) {
+  return task.own_controllers();
+}
+
+struct LqrWeights {
+  std::vector<double> q_position;
+  std::vector<double> q_velocity;
+  std::vector<double> r;
+};
+
+void bind_lqr(Fields& fields, LqrWeights& weights) {
+  const auto numbers = [&](const std::string& key, std::vector<double>& target, const Range& range,
+                           const std::string& what) {
+    fields.numbers("controller." + key, target, range, what + ", or one for all");
+  };
+  numbers("q_position", weights.q_position, not_negative(),
+          "Q: weights on the positions, one for each joint of the model");
+  numbers("q_velocity", weights.q_velocity, not_negative(),
+          "Q: weights on the velocities, one for each joint of the model");
+  numbers("r", weights.r, positive(), "R: weights on the forces, one for each driven axis");
+}
+
+Eigen::VectorXd spread(const char* key, const std::vector<double>& weights, Eigen::Index size) {
+  if (weights.size() == 1) return Eigen::VectorXd::Constant(size, weights.front());
+  if (static_cast<Eigen::Index>(weights.size()) != size) {
+    throw WrongKey(key, "must have 1 number or " + std::to_string(size));
+  }
+  return Eigen::Map<const Eigen::VectorXd>(weights.data(), size);
+}
+
+std::unique_ptr<Controller> make_lqr(const LqrWeights& weights, const PlantTask& task,
+                                     SharedEstimator estimator) {
+  if (!task.why_not_linear.empty()) throw std::invalid_argument(task.why_not_linear);
+  const StateSpace& plant = task.whole.plant;
+  const Eigen::Index n = plant.states() / 2;
+  Eigen::VectorXd q(2 * n);
+  q << spread("controller.q_position", weights.q_position, n),
+      spread("controller.q_velocity", weights.q_velocity, n);
+  const Eigen::VectorXd r = spread("controller.r", weights.r, plant.inputs());
+  const StateSpace sampled = zero_order_hold(plant, task.whole.period_s);
+  PoseFeedbackDesign design{plant, {}, task.pose, task.held_input, task.limit, {}};
+  design.K = blame("controller.q_position",
+                   [&] { return dlqr(sampled.A, sampled.B, q.asDiagonal(), r.asDiagonal()).K; });
+  for (const AxisTask& axis : task.axes) design.references.push_back(axis.reference);
+  return std::make_unique<PoseFeedback>(std::move(estimator), std::move(design));
+}
+
+std::unique_ptr<DisturbanceEstimator> make_raw_difference(const NoKeys&, const NominalAxis& axis) {
+  if (axis.plant.states() == 0) return nullptr;  // there is no linear model, nor a use of one
+  return std::make_unique<RawDifference>(axis.plant, axis.period_s);
+}
+
+// Commands nothing.
+class NoControl final : public Controller {
+ public:
+  void reset(const Sample&) override {}
+  void update(const Sample&, Eigen::Ref<Eigen::VectorXd> u) override { u.setZero(); }
+  std::span<const Signal> signals() const override { return {}; }
+};
+
+std::unique_ptr<Controller> make_no_control(const NoKeys&, const AxisTask&, SharedEstimator) {
+  return std::make_unique<NoControl>();
+}
+
+}  // namespace
+
+PlantTask plant_task(const AxisPlant& plant) {
+  PlantTask task;
+  task.senses_true_state = plant.senses_true_state;
+  const Model model = plant.load_model();
+  std::vector<int> joints, actuators;
+  std::vector<double> limits;
+  task.pose.resize(static_cast<Eigen::Index>(plant.axes.size()));
+  for (std::size_t i = 0; i < plant.axes.size(); ++i) {
+    const AxisSettings& one = plant.axes[i];
+    task.names.push_back(one.axis.name);
+    task.axes.push_back({.axis = plant.nominal(i),
+                         .reference = one.reference,
+                         .start_state = {one.reference.before, one.start_velocity},
+                         .senses_true_state = plant.senses_true_state});
+    task.pose(static_cast<Eigen::Index>(i)) = one.reference.before;
+    joints.push_back(model.id(mjOBJ_JOINT, one.axis.joint));
+    if (!one.axis.is_driven()) continue;
+    task.driven.push_back(i);
+    actuators.push_back(model.id(mjOBJ_ACTUATOR, one.axis.actuator));
+    limits.push_back(one.force_limit());
+  }
+  task.limit =
+      Eigen::Map<const Eigen::VectorXd>(limits.data(), static_cast<Eigen::Index>(limits.size()));
+  NominalAxis& whole = task.whole;
+  whole.period_s = plant.physics.control_period_s;
+  const auto count = static_cast<Eigen::Index>(plant.axes.size());
+  whole.sensor.quantum.resize(count);
+  whole.sensor.noise_std.resize(count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const SensorError& sensor = task.axes[static_cast<std::size_t>(i)].axis.sensor;
+    whole.sensor.quantum(i) = sensor.quantum(0);
+    whole.sensor.noise_std(i) = sensor.noise_std(0);
+  }
+  try {
+    LinearModel linear = linearise(plant.load_model(), plant.start_pose(model), joints, actuators);
+    whole.plant = std::move(linear.plant);
+    task.held_input = std::move(linear.held_input);
+  } catch (const std::invalid_argument& error) {
+    task.why_not_linear = error.what();
+  }
+  return task;
+}
+
+std::vector<PlantControllerKind> plant_controllers() {
+  return {{"axes", "each axis has its own controller: axis.NAME.controller.name", bind_nothing,
+           make_axes},
+          {"lqr",
+           "linear quadratic regulator of the plant linearised about its start pose, with "
+           "cancellation of the estimated disturbance",
+           bind_lqr, make_lqr}};
+}
+
+Catalogue with_none(Catalogue catalogue) {
+  catalogue.add(AxisEstimatorKind(
+      "none", "no estimator: the measured position, its difference over a sample, no disturbance",
+      bind_nothing, make_raw_difference));
+  catalogue.add(AxisControllerKind("none", "no control", bind_nothing, make_no_control));
+  return catalogue;
+}
+
+}  // namespace breakwater

@@ -1,0 +1,93 @@
+#include <breakwater/sim/linear_model.h>
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <stdexcept>
+
+#include <breakwater/sim/engine_guard.h>
+
+namespace breakwater {
+namespace {
+
+constexpr double kDifference = 1e-6;  // rad, m, rad/s, m/s, or an actuator's unit
+
+Eigen::Map<Eigen::VectorXd> view_of(mjtNum* values, int count) {
+  return {values, count};
+}
+
+void forward(const Model& model, mjData& data) {
+  const std::string fatal = call_engine([&] { mj_forward(model.get(), &data); });
+  if (!fatal.empty()) throw std::invalid_argument(model.file() + ": " + fatal);
+}
+
+}  // namespace
+
+Eigen::MatrixXd joint_inertia(const Model& model, std::span<const double> qpos) {
+  const DataPointer data = model.make_data();
+  std::copy(qpos.begin(), qpos.end(), data->qpos);
+  forward(model, *data);
+  Eigen::MatrixXd M(model->nv, model->nv);  // symmetric
+  mj_fullM(model.get(), M.data(), data->qM);
+  return M;
+}
+
+LinearModel linearise(Model model, std::span<const double> qpos, const std::vector<int>& joints,
+                      const std::vector<int>& actuators) {
+  const int n = model->nv;
+  const bool has_only_axes =
+      std::all_of(model->jnt_type, model->jnt_type + model->njnt,
+                  [](int type) { return type == mjJNT_HINGE || type == mjJNT_SLIDE; });
+  if (!has_only_axes) {
+    throw std::invalid_argument(model.file() +
+                                ": only a model of hinges and slides has a linear model");
+  }
+  model.get()->opt.disableflags |=
+      mjDSBL_LIMIT | mjDSBL_CONTACT | mjDSBL_FRICTIONLOSS | mjDSBL_WARMSTART;
+  const DataPointer data = model.make_data();
+  std::copy(qpos.begin(), qpos.end(), data->qpos);
+  const auto acceleration = [&]() -> Eigen::VectorXd {
+    forward(model, *data);
+    return view_of(data->qacc, n);
+  };
+  const auto derivative = [&](mjtNum& value) -> Eigen::VectorXd {
+    const mjtNum middle = value;
+    value = middle + kDifference;
+    const Eigen::VectorXd above = acceleration();
+    value = middle - kDifference;
+    const Eigen::VectorXd below = acceleration();
+    value = middle;
+    return (above - below) / (2.0 * kDifference);
+  };
+  const auto inputs = static_cast<Eigen::Index>(actuators.size());
+  const auto outputs = static_cast<Eigen::Index>(joints.size());
+  LinearModel linear;
+  linear.plant.A.setZero(2 * n, 2 * n);
+  linear.plant.B.setZero(2 * n, inputs);
+  linear.plant.C.setZero(outputs, 2 * n);
+  linear.held_input.setZero(inputs);
+  // The pose must be held before it is varied: an unbalanced force depends on it too.
+  for (Eigen::Index i = 0; i < inputs; ++i) {
+    linear.plant.B.col(i).tail(n) = derivative(data->ctrl[actuators[static_cast<std::size_t>(i)]]);
+  }
+  Eigen::VectorXd remaining = acceleration();
+  if (inputs > 0) {
+    const Eigen::MatrixXd B = linear.plant.B.bottomRows(n);
+    linear.held_input = -B.completeOrthogonalDecomposition().solve(remaining);
+    for (Eigen::Index i = 0; i < inputs; ++i) {
+      data->ctrl[actuators[static_cast<std::size_t>(i)]] = linear.held_input(i);
+    }
+    remaining = acceleration();
+  }
+  linear.acceleration = n > 0 ? remaining.cwiseAbs().maxCoeff() : 0.0;
+  linear.plant.A.topRightCorner(n, n).setIdentity();
+  for (int i = 0; i < n; ++i) {
+    linear.plant.A.col(i).tail(n) = derivative(data->qpos[i]);
+    linear.plant.A.col(n + i).tail(n) = derivative(data->qvel[i]);
+  }
+  for (Eigen::Index i = 0; i < outputs; ++i) {
+    linear.plant.C(i, model->jnt_dofadr[joints[static_cast<std::size_t>(i)]]) = 1.0;
+  }
+  return linear;
+}
+
+}  // namespace breakwater
