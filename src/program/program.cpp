@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <breakwater/analysis/analyze_command.h>
+#include <breakwater/config/scenario_name.h>
 #include <breakwater/experiment/command_kind.h>
 #include <breakwater/pages/report_commands.h>
 #include <breakwater/pictures/picture_commands.h>
@@ -26,6 +27,14 @@ namespace {
 
 int run_main(const Catalogue& catalogue, int argc, const char* const* argv) {
   return guarded(own_program_name(), [&] {
+    if (argc >= 2 && is_scenario_file(argv[1])) {
+      // The same as run NAME --config FILE.
+      const std::string scenario = catalogue.get<ScenarioKind>(scenario_name_in(argv[1])).name;
+      std::vector<const char*> words = {argv[0], "--config"};
+      words.insert(words.end(), argv + 1, argv + argc);
+      return scenario_main(catalogue, scenario, own_program(), static_cast<int>(words.size()),
+                           words.data());
+    }
     if (argc >= 2 && argv[1][0] != '-') {
       const std::string scenario = catalogue.get<ScenarioKind>(argv[1]).name;
       return scenario_main(catalogue, scenario, own_program(), argc - 1, argv + 1);
@@ -33,7 +42,7 @@ int run_main(const Catalogue& catalogue, int argc, const char* const* argv) {
     CLI::App app("run a scenario: run NAME [OPTION...]; run NAME --help says which",
                  own_program_name() + " run");
     std::string scenario;
-    app.add_option("NAME", scenario, "which scenario (see list)")->required();
+    app.add_option("NAME", scenario, "which scenario (see list), or a scenario file")->required();
     return parse(app, argc, argv).value_or(kSuccess);
   });
 }
