@@ -73,7 +73,7 @@ std::vector<CommandKind> all_commands(const Catalogue& catalogue) {
        {kAnalyze, "measure a control loop over frequency: analyze SCENARIO", analyze_main}});
   add("Thesis", {reproduce_command()});
   add(CommandKind().group,
-      {{"new", "make a project of your own: new controller|observer|scenario NAME",
+      {{"new", "make a project of your own: new controller|observer|plant|scenario NAME",
         new_project_main}});
   add(CommandKind().group, catalogue.all<CommandKind>());
   add("Tools", {{"waves", "check a sea's spectrum and its water", waves_main},

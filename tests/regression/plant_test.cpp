@@ -148,6 +148,17 @@ TEST(PlantTest, ItsConfigurationRunsAgain) {
   EXPECT_EQ(again.scenario->run({}).state_hash, run.scenario->run({}).state_hash);
 }
 
+// Another case may have an estimator that publishes it.
+TEST(PlantTest, WarnsOfASignalThatIsNotThere) {
+  const PreparedRun run =
+      prepare_text(kCart, "own", {"metric.max_position.of=\"cart_position_tru_m\""});
+  EXPECT_EQ(run.scenario->warnings(),
+            std::vector<std::string>{"metric.max_position.of: the log has no signal "
+                                     "\"cart_position_tru_m\" (did you mean "
+                                     "cart_position_true_m?): the metric is absent"});
+  EXPECT_FALSE(metrics_of(run).contains("max_position_m"));
+}
+
 struct Refused {
   const char* set;
   const char* message;  // its end
@@ -166,9 +177,7 @@ TEST(PlantTest, Refuses) {
       {"axis.cart.observer.lambda=0.9",
        "axis.cart.observer.lambda: must be 1 if observer.gamma is not 1"},
       {"axis.cart.reference.kind=\"csv\"", "axis.cart.reference.file: is missing"},
-      {"metric.max_position.of=\"cart_position_m\"",
-       "metric.max_position.of: the log has no signal \"cart_position_m\""},
-      {"metric.max_position.minus=\"x\"", "metric.max_position.minus: the log has no signal \"x\""},
+      {"metric.max_position.of=\"qpos[2]\"", "metric.max_position.of: qpos[2]: the signal has 1"},
       {"metric.steady_state_error.to_s=4.0",
        "metric.steady_state_error.to_s: must be later than from_s"},
       {"metric.max_position.kind=\"most\"", "metric.max_position.kind: must be one of "},
