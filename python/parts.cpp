@@ -1,5 +1,7 @@
 #include "parts.h"
 
+#include <pybind11/stl.h>
+
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -9,6 +11,7 @@
 #include <breakwater/program/program.h>
 #include <breakwater/rigs/arm_parts.h>
 #include <breakwater/rigs/axis_parts.h>
+#include <breakwater/rigs/plant_parts.h>
 #include <breakwater/rigs/quadrotor_parts.h>
 #include "arrays.h"
 #include "interpreter.h"
@@ -177,29 +180,36 @@ class PythonController final : public Controller {
 
 class PythonAxisEstimator final : public DisturbanceEstimator {
  public:
-  PythonAxisEstimator(const py::object& part, const py::object& setup) : part_(part, "AxisSample") {
+  PythonAxisEstimator(const py::object& part, const NominalAxis& axis, const py::object& setup)
+      : part_(part, "AxisSample"),
+        states_(axis.plant.states()),
+        inputs_(axis.plant.inputs()),
+        estimate_(Eigen::VectorXd::Zero(states_ + inputs_)) {
     part_.set_setup(setup);
     signals_ = part_.signals();
   }
 
   void reset(const Vector& x) override {
     const Locked lock;
-    estimate_ << x, 0.0;
+    estimate_ << x, Eigen::VectorXd::Zero(inputs_);
     part_.call_reset(array(x));
   }
   void update(const Vector& held_input, const Vector& y) override {
     const Locked lock;
     const py::object result =
         part_.call_update(array(held_input), part_.sample(y.data(), y.size()));
-    part_.take(result, estimate_.data(), 3, "[position, velocity, disturbance]");
+    part_.take(result, estimate_.data(), estimate_.size(),
+               states_ == 2 ? "[position, velocity, disturbance]" : "[state, disturbances]");
   }
-  View state() const override { return {estimate_.data(), 2}; }
-  View disturbance() const override { return {estimate_.data() + 2, 1}; }
+  View state() const override { return {estimate_.data(), states_}; }
+  View disturbance() const override { return {estimate_.data() + states_, inputs_}; }
   std::span<const Signal> signals() const override { return signals_; }
 
  private:
   Part part_;
-  Eigen::Vector3d estimate_ = Eigen::Vector3d::Zero();
+  Eigen::Index states_;
+  Eigen::Index inputs_;
+  Eigen::VectorXd estimate_;
   std::vector<Signal> signals_;
 };
 
@@ -270,6 +280,24 @@ py::object setup_of(const AxisTask& task) {
   return setup;
 }
 
+py::object setup_of(const PlantTask& task) {
+  py::object setup = setup_of(task.whole);
+  setup.attr("names") = task.names;
+  setup.attr("pose") = array(Input(task.pose));
+  setup.attr("held_input") = array(Input(task.held_input));
+  setup.attr("force_limit") = array(Input(task.limit));
+  std::vector<Reference> references;
+  for (const AxisTask& axis : task.axes) references.push_back(axis.reference);
+  setup.attr("reference") = py::cpp_function([references](double t) {
+    Eigen::VectorXd values(static_cast<Eigen::Index>(references.size()));
+    for (std::size_t i = 0; i < references.size(); ++i) {
+      values(static_cast<Eigen::Index>(i)) = references[i].at(t);
+    }
+    return array(Input(values));
+  });
+  return setup;
+}
+
 py::object setup_of(const QuadrotorTask& task) {
   const QuadrotorParameters& plant = task.plant.parameters();
   return namespace_of(py::dict(
@@ -319,6 +347,7 @@ Kind kind_of(const std::string& name, Make make, const std::function<void()>& as
 
 constexpr const char* kTorques = "torques [N m]";
 constexpr const char* kForce = "one force";
+constexpr const char* kForces = "forces [N m or N]";
 constexpr const char* kThrusts = "thrusts [N]";
 
 }  // namespace
@@ -349,6 +378,13 @@ PythonParts::PythonParts(const Catalogue& standard, const py::object& controller
           return std::make_unique<PythonController>(object(), "AxisSample", setup_of(task), kForce);
         },
         asked));
+    catalogue_.add(kind_of<PlantControllerKind>(
+        controller_,
+        [object](const PlantTask& task, const std::shared_ptr<DisturbanceEstimator>&) {
+          return std::make_unique<PythonController>(object(), "PlantSample", setup_of(task),
+                                                    kForces);
+        },
+        asked));
     catalogue_.add(kind_of<QuadrotorControllerKind>(
         controller_,
         [object](const QuadrotorTask& task, const std::shared_ptr<QuadrotorEstimator>&) {
@@ -367,7 +403,7 @@ PythonParts::PythonParts(const Catalogue& standard, const py::object& controller
           // Each joint of an arm has its own.
           const py::object own =
               axis.joint == 0 ? object() : py::module_::import("copy").attr("deepcopy")(object());
-          return std::make_unique<PythonAxisEstimator>(own, setup_of(axis));
+          return std::make_unique<PythonAxisEstimator>(own, axis, setup_of(axis));
         },
         [uses] { uses->estimator_key = "observer.name"; }));
     catalogue_.add(kind_of<QuadrotorEstimatorKind>(

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include <breakwater/config/scenario_name.h>
 #include <breakwater/experiment/runner.h>
 #include <breakwater/experiment/saved_run.h>
 #include <breakwater/program/program.h>
@@ -43,13 +44,19 @@ void obey_signals(double /*fraction_done*/) {
   if (PyErr_CheckSignals() != 0) throw py::error_already_set();
 }
 
-OwnRun run(const std::string& scenario, const std::optional<std::string>& case_name,
-           const std::optional<std::string>& config, std::vector<std::string> sets,
+OwnRun run(const std::string& scenario_or_file, const std::optional<std::string>& case_name,
+           const std::optional<std::string>& other_config, std::vector<std::string> sets,
            const py::object& controller, const py::object& estimator,
            const std::optional<std::string>& out) {
   const PythonParts parts(shipped_parts(), controller, estimator);
   OwnRun own;
   std::optional<RunFolder> folder;
+  std::string scenario = scenario_or_file;
+  std::optional<std::string> config = other_config;
+  if (is_scenario_file(scenario) && !config) {
+    config = scenario;
+    scenario = scenario_name_in(*config);
+  }
   {
     const Unlocked unlocked;
     const auto start = std::chrono::steady_clock::now();

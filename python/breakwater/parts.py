@@ -21,6 +21,7 @@ class Controller:
     arm        torques, one a joint [N m]      ArmSample: q_rad (n), force_N, raw_force_N
     motor      one torque [N m]                AxisSample: position; maybe true_position, true_velocity
     cart       one force [N]                   the same
+    plant      one force a driven axis         PlantSample: positions; maybe true ones, true velocities
     quadrotor  four thrusts [N]                QuadrotorSample: position_m (3), attitude_rad (3)
     ========== =============================== ==================================================
 
@@ -29,7 +30,10 @@ class Controller:
     `self.setup` of the arm: period_s, chain (tip_pose, tip_jacobian, mass_matrix as functions of the angles
     [rad]), torque_limit_Nm, nominal_inertia_kgm2, start_angles_rad, start_pose (x, y, phi),
     force_control_from_s, force_reference_N, convert_gain_N_m. For an axis: period_s, A, B, C (continuous),
-    force_limit, quantum, noise_std, start_state, reference(t). For the quadrotor: period_s, reference_m,
+    force_limit, quantum, noise_std, start_state, reference(t). For a plant: names (of its axes), period_s, and
+    the plant linearised about its start pose: A, B, C (continuous; x has the deviations of all joints, then their
+    rates), pose, held_input (the forces that hold the pose), force_limit, quantum, noise_std, reference(t), each
+    with one entry an axis or a driven axis. For the quadrotor: period_s, reference_m,
     mass_kg, inertia_kgm2, net_weight_N, thrust_limit_N, thruster_matrix, position_std_m, angle_std_rad.
 
     An exception ends the run and leaves bw.run() with its traceback.
@@ -64,6 +68,7 @@ class Estimator:
     measurement, as for a controller. It returns the estimate for this sample:
 
         axis:       [position, velocity, d], where the disturbance d opposes the drive,
+        plant:      [deviations of all joints (n), their rates (n), d of each driven axis],
         quadrotor:  [pose (6), its rate (6), disturbing force (3)].
 
     `self.setup` is that of a controller. For an axis or joint it lacks start_state and reference, and has

@@ -414,7 +414,7 @@ def run(
     estimator: Estimator | None = None,
     out: str | os.PathLike[str] | None = None,
 ) -> Run:
-    """Run a case of a scenario, and return the run.
+    """Run a case of a scenario, and return the run. `scenario` is a name or a scenario file, "mine.toml".
 
     The same case, keys and seed give the same state hash as `breakwater run`.
 

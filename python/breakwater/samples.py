@@ -46,6 +46,13 @@ class AxisSample(np.ndarray):
         return self.item(2)
 
 
+class PlantSample(np.ndarray):
+    """y of a plant with named axes: the measured position of each axis, in the order of setup.names [rad or m].
+
+    With sensor.true_state it has all true positions after them, then all true velocities: y.reshape(3, -1).
+    """
+
+
 class QuadrotorSample(np.ndarray):
     """y of the quadrotor: [x y z roll pitch yaw], z up [m, rad]."""
 

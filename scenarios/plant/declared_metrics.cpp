@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
 #include <breakwater/config/toml_text.h>
 #include <breakwater/experiment/saved_run.h>
@@ -60,6 +61,21 @@ const char* meaning(DeclaredKind kind) {
   return "";
 }
 
+// The value of a signal, NAME or NAME[2]; empty if there is none.
+std::span<const double> value_of(const std::string& name, const std::vector<Signal>& signals) {
+  const SignalName wanted = signal_name(name);
+  for (const Signal& signal : signals) {
+    if (signal.name != wanted.name) continue;
+    const std::size_t index = std::max<std::size_t>(1, wanted.index);
+    if (index > signal.values.size() || (wanted.index == 0 && signal.values.size() > 1)) {
+      throw std::invalid_argument(name + ": the signal has " +
+                                  std::to_string(signal.values.size()) + " values");
+    }
+    return signal.values.subspan(index - 1, 1);
+  }
+  return {};
+}
+
 }  // namespace
 
 void DeclaredMetric::bind(Fields& fields) {
@@ -104,21 +120,15 @@ MetricDefinition DeclaredMetric::definition() const {
   return {name.ends_with(end) ? name : name + end, unit, of_what + ": " + meaning(kind)};
 }
 
-std::span<const double> value_of(const std::string& name, const std::vector<Signal>& signals) {
-  const SignalName wanted = signal_name(name);
+std::string missing_signal(const DeclaredMetric& metric, const std::vector<Signal>& signals) {
   std::vector<std::string> names;
-  for (const Signal& signal : signals) {
-    names.push_back(signal.name);
-    if (signal.name != wanted.name) continue;
-    const std::size_t index = std::max<std::size_t>(1, wanted.index);
-    if (index > signal.values.size() || (wanted.index == 0 && signal.values.size() > 1)) {
-      throw std::invalid_argument("the signal has " + std::to_string(signal.values.size()) +
-                                  " values; choose one, as NAME[1]");
-    }
-    return signal.values.subspan(index - 1, 1);
+  for (const Signal& signal : signals) names.push_back(signal.name);
+  for (const auto& [key, name] : {std::pair("of", metric.of), std::pair("minus", metric.minus)}) {
+    if (name == kNone || !value_of(name, signals).empty()) continue;
+    return metric.prefix() + key + ": the log has no signal " + toml_string(name) +
+           did_you_mean(signal_name(name).name, names);
   }
-  throw std::invalid_argument("the log has no signal " + toml_string(name) +
-                              did_you_mean(wanted.name, names));
+  return "";
 }
 
 DeclaredValue::DeclaredValue(const DeclaredMetric& metric, const std::vector<Signal>& signals,

@@ -45,14 +45,14 @@ struct DeclaredMetric {
   MetricDefinition definition() const;
 };
 
-/// The value of a signal of the log, NAME or NAME[2]. Throws std::invalid_argument if there is
-/// none.
-std::span<const double> value_of(const std::string& name, const std::vector<Signal>& signals);
+/// The reason why a metric does not apply: it needs a signal that is not there. Empty if it does.
+/// Throws std::invalid_argument if it needs one value of a signal with several.
+std::string missing_signal(const DeclaredMetric& metric, const std::vector<Signal>& signals);
 
 /// Computes a declared metric, value by value.
 class DeclaredValue {
  public:
-  /// The signals must outlive it. Throws as value_of().
+  /// The signals must be there, and outlive it.
   DeclaredValue(const DeclaredMetric& metric, const std::vector<Signal>& signals, double end_s);
 
   const DeclaredMetric& metric() const { return metric_; }

@@ -63,8 +63,9 @@ void Plant::check(const Config& config) {
   const std::vector<Signal> signals = rig.signals();
   for (const DeclaredMetric& metric : metrics_) {
     const Config own = config.under(metric.prefix());
-    own.blame("of", [&] { return value_of(metric.of, signals); });
-    if (metric.minus != "none") own.blame("minus", [&] { return value_of(metric.minus, signals); });
+    const std::string missing = own.blame("of", [&] { return missing_signal(metric, signals); });
+    // Another case may have a controller or an estimator that publishes it.
+    if (!missing.empty()) warnings_.push_back(missing + ": the metric is absent");
     if (metric.to_s != 0.0 && metric.to_s <= metric.from_s) {
       own.fail("to_s", "must be later than from_s, or 0 for the end of the run");
     }
@@ -80,6 +81,7 @@ Recording Plant::run(const RunControl& control) const {
   std::vector<DeclaredValue> at_samples, at_steps;
   std::vector<std::pair<bool, std::size_t>> order;
   for (const DeclaredMetric& metric : metrics_) {
+    if (!missing_signal(metric, signals).empty()) continue;
     const bool is_fast = metric.of.starts_with("contact_");
     std::vector<DeclaredValue>& values = is_fast ? at_steps : at_samples;
     order.emplace_back(is_fast, values.size());

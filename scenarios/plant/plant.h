@@ -30,6 +30,7 @@ class Plant final : public Scenario {
   Fields fields() override;
   void check(const Config& config) override;
   const RunSettings& run_settings() const override { return plant_.run; }
+  std::vector<std::string> warnings() const override { return warnings_; }
   Recording run(const RunControl& control) const override;
 
  private:
@@ -40,6 +41,7 @@ class Plant final : public Scenario {
   PlantParts parts_;
   std::vector<AxisParts> axis_parts_;  // in the order of the axes
   std::vector<DeclaredMetric> metrics_;
+  std::vector<std::string> warnings_;
 };
 
 }  // namespace breakwater

@@ -11,19 +11,30 @@ PoseFeedback::PoseFeedback(std::shared_ptr<DisturbanceEstimator> estimator,
       design_(std::move(design)),
       y_(Eigen::VectorXd::Zero(design_.plant.outputs())),
       error_(Eigen::VectorXd::Zero(design_.plant.states())),
+      position_hat_(design_.pose),
       held_input_(Eigen::VectorXd::Zero(design_.plant.inputs())) {
   if (estimator_->state().size() != design_.plant.states() ||
       estimator_->disturbance().size() != design_.plant.inputs()) {
     throw std::invalid_argument("state feedback: estimator and gain must be for the same plant");
   }
-  signals_ = {{"x_hat",
-               "1",
-               "estimated state: deviations from the pose, then velocities [SI]",
-               {estimator_->state().data(), static_cast<std::size_t>(error_.size())}},
-              {"d_hat",
-               "1",
-               "estimated disturbances of the inputs [SI]",
-               {estimator_->disturbance().data(), static_cast<std::size_t>(held_input_.size())}}};
+  Eigen::Index input = 0;
+  for (Eigen::Index i = 0; i < y_.size(); ++i) {
+    const FeedbackAxis& axis = design_.axes[static_cast<std::size_t>(i)];
+    const AxisUnits& units = axis.units;
+    Eigen::Index state = 0;
+    design_.plant.C.row(i).maxCoeff(&state);
+    const auto add = [&](const std::string& name, const std::string& unit, const char* what,
+                         const double& value) {
+      signals_.push_back({axis.name + "_" + name, unit, what, view(value)});
+    };
+    add("position_hat_" + units.position_suffix, units.position, "position, estimated",
+        position_hat_(i));
+    add("velocity_hat_" + units.velocity_suffix, units.velocity, "velocity, estimated",
+        *(estimator_->state().data() + error_.size() / 2 + state));
+    if (!axis.is_driven) continue;
+    add("d_hat_" + units.force_suffix, units.force, "disturbance, estimated",
+        *(estimator_->disturbance().data() + input++));
+  }
   for (const Signal& signal : signals_of(*estimator_, "1")) signals_.push_back(signal);
 }
 
@@ -39,9 +50,11 @@ void PoseFeedback::update(const Sample& y, Eigen::Ref<Eigen::VectorXd> u) {
   y_ = y.y.head(y_.size()) - design_.pose;
   estimator_->update(held_input_, y_);
   for (Eigen::Index i = 0; i < y_.size(); ++i) {
-    y_(i) = design_.references[static_cast<std::size_t>(i)].at(y.time_s) - design_.pose(i);
+    y_(i) = design_.axes[static_cast<std::size_t>(i)].reference.at(y.time_s) - design_.pose(i);
   }
   error_ = estimator_->state();
+  position_hat_ = design_.pose;
+  position_hat_.noalias() += design_.plant.C * error_;
   error_.noalias() -= design_.plant.C.transpose() * y_;
   u = design_.held_input + estimator_->disturbance();
   u.noalias() -= design_.K * error_;

@@ -10,16 +10,25 @@
 #include <breakwater/control/reference.h>
 #include <breakwater/linear/state_space.h>
 #include <breakwater/observers/disturbance_estimator.h>
+#include <breakwater/signals/axis_units.h>
 
 namespace breakwater {
 
+/// One output of a plant for state feedback: the position of an axis.
+struct FeedbackAxis {
+  std::string name;  ///< its signals are NAME_…
+  AxisUnits units;
+  Reference reference;
+  bool is_driven = true;  ///< the driven axes are the inputs, in the same order
+};
+
 struct PoseFeedbackDesign {
-  StateSpace plant;                   ///< x = [deviation from the pose; velocity], p outputs
-  Eigen::MatrixXd K;                  ///< m×n
-  Eigen::VectorXd pose;               ///< the outputs at the pose (p)
-  Eigen::VectorXd held_input;         ///< u_0 that holds the pose (m)
-  Eigen::VectorXd limit;              ///< of each input (m); infinity: none
-  std::vector<Reference> references;  ///< of each output (p)
+  StateSpace plant;                ///< x = [deviations from the pose; rates], p outputs
+  Eigen::MatrixXd K;               ///< m×n
+  Eigen::VectorXd pose;            ///< the outputs at the pose (p)
+  Eigen::VectorXd held_input;      ///< u_0 that holds the pose (m)
+  Eigen::VectorXd limit;           ///< of each input (m); infinity: none
+  std::vector<FeedbackAxis> axes;  ///< of each output (p)
 };
 
 /// u = u_0 − K (x̂ − x_ref) + d̂. The estimator sees deviations from the pose, and gets u after the
@@ -38,6 +47,7 @@ class PoseFeedback final : public Controller {
   PoseFeedbackDesign design_;
   Eigen::VectorXd y_;      // deviation from the pose
   Eigen::VectorXd error_;  // x̂ − x_ref
+  Eigen::VectorXd position_hat_;
   Eigen::VectorXd held_input_;
   std::vector<Signal> signals_;
 };

@@ -116,11 +116,15 @@ int new_project(const Catalogue& catalogue, const std::string& kind, const std::
   check_project_name(catalogue, name);
   const fs::path out = folder.empty() ? name : folder;
   make_project(templates / kind, "my_" + kind, name, out);
+  const bool has_code = fs::exists(out / "main.cpp");
   fmt::print(
       "a new {0}: {1}\n\n"
       "{2}\n"
       "{1}/README.md says how to go on.\n",
-      kind, out.string(), how_to_build(templates, out));
+      kind, out.string(),
+      has_code ? how_to_build(templates, out)
+               : fmt::format("cd {} && {} run {}.toml\n", shell_word(out.string()),
+                             own_program_name(), name));
   return kSuccess;
 }
 
@@ -184,13 +188,16 @@ int new_project_main(const Catalogue& catalogue, int argc, const char* const* ar
     std::string kind;
     std::string name;
     std::string out;
-    app.add_option("KIND", kind, "controller, observer, or scenario (with a plant of its own)")
+    app.add_option("KIND", kind,
+                   "controller, observer, plant (an MJCF and a scenario file, without C++), or\n"
+                   "scenario (C++, with a plant of its own)")
         ->required();
     app.add_option("NAME", name, "what it is called: [a-z][a-z0-9_]*")->required();
     app.add_option("--out", out, "the project's folder (default: NAME)")->type_name("DIR");
     app.footer(
         "The folder has CMakeLists.txt, presets, C++ that works, a scenario file, tests and a\n"
-        "README.md. Exit status: 0 success, 1 a defect, 2 usage or input.");
+        "README.md. A plant has no presets and no C++. Exit status: 0 success, 1 a defect, 2 usage "
+        "or input.");
     if (const auto status = parse(app, argc, argv)) return *status;
     return new_project(catalogue, kind, name, out);
   });

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <breakwater/analysis/analyze_command.h>
+#include <breakwater/config/scenario_name.h>
 #include <breakwater/experiment/command_kind.h>
 #include <breakwater/identification/identify_command.h>
 #include <breakwater/pages/report_commands.h>
@@ -27,6 +28,14 @@ namespace {
 
 int run_main(const Catalogue& catalogue, int argc, const char* const* argv) {
   return guarded(own_program_name(), [&] {
+    if (argc >= 2 && is_scenario_file(argv[1])) {
+      // The same as run NAME --config FILE.
+      const std::string scenario = catalogue.get<ScenarioKind>(scenario_name_in(argv[1])).name;
+      std::vector<const char*> words = {argv[0], "--config"};
+      words.insert(words.end(), argv + 1, argv + argc);
+      return scenario_main(catalogue, scenario, own_program(), static_cast<int>(words.size()),
+                           words.data());
+    }
     if (argc >= 2 && argv[1][0] != '-') {
       const std::string scenario = catalogue.get<ScenarioKind>(argv[1]).name;
       return scenario_main(catalogue, scenario, own_program(), argc - 1, argv + 1);
@@ -34,7 +43,7 @@ int run_main(const Catalogue& catalogue, int argc, const char* const* argv) {
     CLI::App app("run a scenario: run NAME [OPTION...]; run NAME --help says which",
                  own_program_name() + " run");
     std::string scenario;
-    app.add_option("NAME", scenario, "which scenario (see list)")->required();
+    app.add_option("NAME", scenario, "which scenario (see list), or a scenario file")->required();
     return parse(app, argc, argv).value_or(kSuccess);
   });
 }
@@ -65,7 +74,7 @@ std::vector<CommandKind> all_commands(const Catalogue& catalogue) {
        {kAnalyze, "measure a control loop over frequency: analyze SCENARIO", analyze_main}});
   add("Thesis", {reproduce_command()});
   add(CommandKind().group,
-      {{"new", "make a project of your own: new controller|observer|scenario NAME",
+      {{"new", "make a project of your own: new controller|observer|plant|scenario NAME",
         new_project_main}});
   add(CommandKind().group, catalogue.all<CommandKind>());
   add(CommandKind().group, {identify_command()});

@@ -1,5 +1,6 @@
 #include <breakwater/rigs/plant_parts.h>
 
+#include <algorithm>
 #include <utility>
 
 #include <breakwater/control/pose_feedback.h>
@@ -59,7 +60,12 @@ std::unique_ptr<Controller> make_lqr(const LqrWeights& weights, const PlantTask&
   PoseFeedbackDesign design{plant, {}, task.pose, task.held_input, task.limit, {}};
   design.K = blame("controller.q_position",
                    [&] { return dlqr(sampled.A, sampled.B, q.asDiagonal(), r.asDiagonal()).K; });
-  for (const AxisTask& axis : task.axes) design.references.push_back(axis.reference);
+  for (std::size_t i = 0; i < task.axes.size(); ++i) {
+    const bool is_driven =
+        std::find(task.driven.begin(), task.driven.end(), i) != task.driven.end();
+    design.axes.push_back(
+        {task.names[i], task.axes[i].axis.units, task.axes[i].reference, is_driven});
+  }
   return std::make_unique<PoseFeedback>(std::move(estimator), std::move(design));
 }
 

@@ -27,6 +27,7 @@ std::string complaint(const Mutant& mutant, const std::string& path) {
     if (!is_scenario) sets.emplace_back(mutant.option + "=" + path);
     const Config config = file.config(file.default_case(), sets);
     const auto scenario = kind.make(testing::catalogue());
+    scenario->learn(config);
     Fields fields = scenario->fields();
     fields.check(file);
     fields.read(config);

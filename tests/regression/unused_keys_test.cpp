@@ -150,6 +150,7 @@ Result result_of(const Trial& trial) {
   const PreparedRun run = testing::prepare(trial.scenario, trial.case_name, trial.sets);
   const auto fresh = make_scenario(testing::catalogue(), trial.scenario);
   const Config config = file.config(trial.case_name, trial.sets);
+  fresh->learn(config);
   Fields fields = fresh->fields();
   fields.read(config);
   Result result;
