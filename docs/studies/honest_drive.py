@@ -99,8 +99,9 @@ def main():
         for case in CASES:
             median = {metric: {drive: statistics.median(values[metric][drive][case].values()) for drive in DRIVES}
                       for metric in METRICS}
-            table.writerow([case] + [f"{1e3 * median['rms_position_rad'][drive]:.3g}, "
-                                     f"{median['rmse_velocity_rad_s'][drive]:.3g}" for drive in DRIVES])
+            table.writerow([case] + ["unstable" if math.isinf(median["rms_position_rad"][drive])
+                                     else f"{1e3 * median['rms_position_rad'][drive]:.3g}, "
+                                          f"{median['rmse_velocity_rad_s'][drive]:.3g}" for drive in DRIVES])
     with open(HERE / "honest-drive-turns.csv", "w", newline="", encoding="utf-8") as file:
         table = csv.writer(file, lineterminator="\n")
         table.writerow(["quantity", "drive", "pair", "better with an ideal drive", "better with this drive",

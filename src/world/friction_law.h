@@ -26,8 +26,8 @@ class FrictionLaw {
   virtual ~FrictionLaw() = default;
 
   /// The level [N or N m], which must be positive. `speed` is the joint's velocity and
-  /// `transmitted` the force of its actuator. It is called at every stage of the integrator, so it
-  /// must not allocate or throw.
+  /// `transmitted` the force of actuator and transmission. It is called at every stage of the
+  /// integrator, so it must not allocate or throw.
   virtual double level(double speed, double transmitted) const = 0;
 
   virtual Bristles bristles() const { return {}; }

@@ -108,6 +108,36 @@ TEST(Model, ALimitedActuatorSaturatesAndAnInfiniteLimitDoesNot) {
   EXPECT_THROW(model.limit_actuator(0, 0.0), std::invalid_argument);
 }
 
+TEST(Simulation, ADelayedCommandReachesItsDriveAtItsStep) {
+  FunctionController controller(
+      [](const Sample& y, Eigen::Ref<Eigen::VectorXd> u) { u(0) = 1.0 + y.time_s; });
+  Simulation simulation(cart(), controller, rail(), 2);
+  simulation.set_timing({.delay_s = 3e-3}, 1);
+  for (int step = 0; step < 20; ++step) {
+    simulation.step();
+    const int sent = (step - 3) / 2 * 2;  // the step of the sample
+    EXPECT_DOUBLE_EQ(simulation.actuation()(0), step < 3 ? 0.0 : 1.0 + 1e-3 * sent) << step;
+  }
+}
+
+TEST(Simulation, TheCurrentOfAMotorMayExceedTheLimitOfItsCommand) {
+  Model model = cart();
+  author_friction(model, 0, 0.0, 0.0);
+  model.limit_actuator(0, 2.0);
+  FunctionController controller = pushes(5.0);
+  Simulation simulation(std::move(model), controller, rail(), 1);
+  simulation.set_drive(0, {.bandwidth_rad_s = 300.0, .damping_ratio = 0.2});
+  double largest_N = 0.0, impulse_Ns = 0.0;
+  for (int k = 0; k < 200; ++k) {
+    simulation.step();
+    largest_N = std::max(largest_N, simulation.drive_force()(0));
+    impulse_Ns += 1e-3 * simulation.drive_force()(0);
+  }
+  EXPECT_EQ(simulation.actuation()(0), 2.0);
+  EXPECT_GT(largest_N, 2.5);
+  EXPECT_NEAR(kMass * simulation.data().qvel[0], impulse_Ns, 1e-9);
+}
+
 TEST(Simulation, RoundsACommandToTheStepsOfItsDrive) {
   FunctionController controller(
       [](const Sample& y, Eigen::Ref<Eigen::VectorXd> u) { u(0) = std::sin(20.0 * y.time_s); });
