@@ -9,6 +9,7 @@
 
 #include <breakwater/experiment/settings.h>
 #include <breakwater/identification/identification_outputs.h>
+#include <breakwater/identification/identification_report.h>
 #include <breakwater/record/partial_file.h>
 #include <breakwater/recorded/record_keys.h>
 #include <breakwater/recorded/recorded_estimation.h>
@@ -85,7 +86,8 @@ std::vector<RecordedAxis> records_of(const std::vector<std::string>& files, cons
   return records;
 }
 
-int identify(const Catalogue& catalogue, const IdentifyArguments& arguments) {
+int identify(const Catalogue& catalogue, const IdentifyArguments& arguments,
+             const std::string& command) {
   const Keys keys = keys_of(arguments);
   const std::vector<RecordedAxis> records = records_of(arguments.files, keys);
   const std::vector<RecordedAxis> held_out = records_of(arguments.held_out, keys);
@@ -105,6 +107,7 @@ int identify(const Catalogue& catalogue, const IdentifyArguments& arguments) {
   if (!scenarios.empty()) {
     replace_file(out / "identified.toml", identified_toml(catalogue, result, scenarios.front()));
   }
+  replace_file(out / "report.html", identification_report(result, command));
   std::vector<std::string> notes = result.notes;
   for (const ParameterEstimate& estimate : result.parameters) {
     if (estimate.is_identifiable) continue;
@@ -160,11 +163,13 @@ int identify_main(const Catalogue& catalogue, int argc, const char* const* argv)
         ->capture_default_str();
     app.add_flag("--quiet", arguments.quiet, "print errors only");
     app.footer(
-        "The folder gets identified.json and identified.toml, a scenario file of this axis.\n"
+        "The folder gets identified.json, identified.toml (a scenario file of this axis) and "
+        "report.html.\n"
         "Exit status: 0 success, 1 a defect, 2 usage or input, 3 the fit did not converge or the "
         "held-out tables disagree.");
     if (const auto status = parse(app, argc, argv)) return *status;
-    return identify(catalogue, arguments);
+    const std::vector<std::string> words(argv + 1, argv + argc);
+    return identify(catalogue, arguments, fmt::format("{} {}", program, fmt::join(words, " ")));
   });
 }
 
