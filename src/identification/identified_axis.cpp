@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
@@ -271,9 +270,7 @@ std::optional<AxisFit> add_parameters(Identification& result, Eigen::MatrixXd& c
   const AxisFit& fit = result.fit;
   const FreeParameters& free = result.free;
   result.parameters.clear();
-  // The prior keeps it regular.
-  const Eigen::MatrixXd M = information(data, free, fit);
-  covariance = M.ldlt().solve(Eigen::MatrixXd::Identity(M.rows(), M.cols()));
+  covariance = covariance_of(data, free, fit);
   std::vector<AxisParameter> order;
   for (std::size_t p = 0; p < kAxisParameters; ++p) {
     if (free[p]) order.push_back(static_cast<AxisParameter>(p));
