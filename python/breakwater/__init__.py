@@ -13,8 +13,8 @@ Many runs:    sweep
 Your own:     Controller, Estimator; ArmSample, AxisSample, QuadrotorSample; PlanarChain
 Design:       dare, lqr, place_poles, place_observer_poles, zero_order_hold, damped_inertia,
               extend_by_disturbance_model, observability_rank; QpSolver, solve_qp
-On your data: identify; AxisObserver, by name; Stf, Qvff, Vfakfd, Fakfd, Kfd, Idob, Mdob, StateObserver;
-              QuadrotorFilter
+On your data: identify; Identification, IdentifiedParameter; AxisObserver, by name; Stf, Qvff, Vfakfd, Fakfd,
+              Kfd, Idob, Mdob, StateObserver; QuadrotorFilter
 Errors:       InputError, RunFailed
 
 docs/tutorials/python.md has the tutorial.
