@@ -388,7 +388,7 @@ Identification identify_axis(const std::vector<RecordedAxis>& records,
   } else {
     for (const AxisStretch& stretch : data.stretches) {
       const double quantum = encoder_quantum(stretch.positions);
-      data.quantum = data.quantum == 0.0 ? quantum : std::min(quantum, data.quantum);
+      if (quantum > 0.0 && (data.quantum == 0.0 || quantum < data.quantum)) data.quantum = quantum;
     }
     result.is_quantum_found = true;
   }

@@ -104,6 +104,10 @@ int identify(const Catalogue& catalogue, const IdentifyArguments& arguments,
   settings.rounding = keys.rounding;
   settings.known_inertia = arguments.inertia;
   const Identification result = identify_axis(records, held_out, settings);
+  if (result.parameters.empty()) {
+    warn(kIdentify, {"the fit found no likelihood: check the columns, their units and signs"});
+    return kRunFailed;
+  }
   const fs::path out = arguments.out;
   std::error_code error;
   fs::create_directories(out, error);

@@ -75,6 +75,8 @@ struct Bench {
   double inertia = 1.5e-3;
   double viscous = 4e-3;
   double coulomb = 0.08;
+  double breakaway = 0.0;  // Stribeck
+  double stribeck_speed = 1.0;
   double offset = 0.02;
   double delay_s = 1.7e-3;
   double rate_Hz = 1000.0;
@@ -119,8 +121,10 @@ struct Bench {
         if (i + 1 < rows) h = std::min(h, std::max(record.times_s[i + 1] + delay_s - now, 1e-12));
         const double torque = record.inputs[i] - offset - viscous * v;
         const double sign = v != 0.0 ? std::copysign(1.0, v) : std::copysign(1.0, torque);
-        const bool sticks = v == 0.0 && std::abs(torque) <= coulomb;
-        const double a = sticks ? 0.0 : (torque - sign * coulomb) / inertia;
+        const double friction =
+            coulomb + breakaway * std::exp(-v * v / (stribeck_speed * stribeck_speed));
+        const bool sticks = v == 0.0 && std::abs(torque) <= friction;
+        const double a = sticks ? 0.0 : (torque - sign * friction) / inertia;
         // To standstill at most, and with half the viscous friction's change.
         const double mean_a = a / (1.0 + 0.5 * viscous * h / inertia);
         if (v != 0.0 && (v + mean_a * h) * v < 0.0) h = -v / mean_a;
@@ -174,6 +178,24 @@ TEST(Identification, WithoutNoiseTheIntervalsComeFromABootstrap) {
   EXPECT_TRUE(found.is_bootstrapped);
   EXPECT_NEAR(of(found, kInertia).value, bench.inertia, 1e-3 * bench.inertia);
   EXPECT_LT(of(found, kInertia).low, of(found, kInertia).high);
+}
+
+TEST(Identification, FindsTheStribeckFriction) {
+  Bench bench;
+  bench.breakaway = 0.06;
+  bench.stribeck_speed = 0.8;
+  bench.swing = 0.5;
+  IdentificationSettings settings;
+  settings.has_stribeck = true;
+  const Identification found = identify_axis({bench.record(11)}, {bench.record(12)}, settings);
+  EXPECT_TRUE(found.is_converged);
+  EXPECT_TRUE(found.holds());
+  EXPECT_NEAR(of(found, kBreakaway).value, bench.breakaway, 0.1 * bench.breakaway);
+  EXPECT_NEAR(of(found, kStribeckSpeed).value, bench.stribeck_speed, 0.1 * bench.stribeck_speed);
+  EXPECT_NEAR(of(found, kCoulomb).value, bench.coulomb, 0.03 * bench.coulomb);
+  const Identification without = identify_axis({bench.record(11)}, {}, {});
+  EXPECT_GT(without.errors.rms, 3.0 * found.errors.rms);
+  EXPECT_FALSE(without.whiteness.is_white());
 }
 
 TEST(Identification, TheTorqueConstantFollowsFromAKnownInertia) {
