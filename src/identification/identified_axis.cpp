@@ -265,7 +265,8 @@ FitErrors held_out_errors(const AxisData& held, const AxisFit& fit, const AxisFi
 
 // Values, intervals and identifiability of the fit. Returns a better fit instead, if a profile
 // meets one.
-std::optional<AxisFit> add_parameters(Identification& result, Eigen::MatrixXd& covariance) {
+std::optional<AxisFit> add_parameters(Identification& result, Eigen::MatrixXd& covariance,
+                                      bool is_last) {
   const AxisData& data = result.data;
   const AxisFit& fit = result.fit;
   const FreeParameters& free = result.free;
@@ -297,7 +298,10 @@ std::optional<AxisFit> add_parameters(Identification& result, Eigen::MatrixXd& c
     }
     if (estimate.is_identifiable && !result.is_bootstrapped) {
       ParameterInterval interval = profile_interval(data, free, fit, order[n], std);
-      if (interval.better.deviance < fit.deviance - kBetter) return interval.better;
+      if (interval.better.deviance < fit.deviance - kBetter) {
+        if (!is_last) return interval.better;
+        result.is_converged = false;
+      }
       estimate.low = interval.low;
       estimate.high = interval.high;
       estimate.profile = std::move(interval.profile);
@@ -440,8 +444,8 @@ Identification identify_axis(const std::vector<RecordedAxis>& records,
   if (!std::isfinite(fit.deviance)) return result;
 
   Eigen::MatrixXd covariance;
-  for (int turn = 0; turn < kMostRestarts; ++turn) {
-    const std::optional<AxisFit> better = add_parameters(result, covariance);
+  for (int turn = 0; turn <= kMostRestarts; ++turn) {
+    const std::optional<AxisFit> better = add_parameters(result, covariance, turn == kMostRestarts);
     if (!better) break;
     result.fit = fit_axis_and_noise(data, free, *better);
     result.is_converged = result.fit.is_converged;

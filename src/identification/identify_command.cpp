@@ -42,6 +42,10 @@ struct IdentifyArguments {
   double rate_Hz = 1000.0;
 };
 
+[[noreturn]] void refuse(const std::string& reason) {
+  throw std::invalid_argument(fmt::format("{} {}: {}", own_program_name(), kIdentify, reason));
+}
+
 // The keys of `estimate` that describe the table and the encoder.
 struct Keys {
   RecordFormat format;
@@ -152,21 +156,20 @@ ExcitationLimits limits_of(const IdentifyArguments& arguments) {
     const bool is_number =
         equals != std::string::npos && CLI::detail::lexical_cast(limit.substr(equals + 1), value);
     if ((name != "torque" && name != "speed") || !is_number || !(value > 0.0)) {
-      throw std::invalid_argument("--limits: must be torque=VALUE[,speed=VALUE], is " + limit);
+      refuse("--limits: must be torque=VALUE[,speed=VALUE], is " + limit);
     }
     (name == "torque" ? limits.torque : limits.speed) = value;
   }
-  if (limits.torque == 0.0) throw std::invalid_argument("--limits: torque is missing");
+  if (limits.torque == 0.0) refuse("--limits: torque is missing");
   if (!std::isfinite(limits.speed) && !arguments.inertia) {
-    throw std::invalid_argument("--limits: speed is missing, or give --inertia");
+    refuse("--limits: speed is missing, or give --inertia");
   }
   constexpr double kFewest = 200.0;
   constexpr double kMost = 1e6;
   const double rows = limits.duration_s / limits.period_s;
   if (!(rows >= kFewest && rows <= kMost)) {
-    throw std::invalid_argument(
-        fmt::format("--duration: gives {:.0f} rows at this --rate, must be {} to {:.0f}", rows,
-                    kFewest, kMost));
+    refuse(fmt::format("--duration: gives {:.0f} rows at this --rate, must be {} to {:.0f}", rows,
+                       kFewest, kMost));
   }
   return limits;
 }
@@ -238,10 +241,10 @@ int identify_main(const Catalogue& catalogue, int argc, const char* const* argv)
         "held-out tables disagree.");
     if (const auto status = parse(app, argc, argv)) return *status;
     if (arguments.is_design) {
-      if (!arguments.files.empty()) throw std::invalid_argument("--design: takes no FILE");
+      if (!arguments.files.empty()) refuse("--design: takes no FILE");
       return design(arguments);
     }
-    if (arguments.files.empty()) throw std::invalid_argument("FILE is missing: a recorded table");
+    if (arguments.files.empty()) refuse("FILE is missing: a recorded table");
     const std::vector<std::string> words(argv + 1, argv + argc);
     return identify(catalogue, arguments, fmt::format("{} {}", program, fmt::join(words, " ")));
   });

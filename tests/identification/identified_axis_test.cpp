@@ -273,6 +273,17 @@ TEST(Identification, AHeldOutRecordOfAnotherAxisFails) {
   EXPECT_FALSE(identify_axis({bench.record(8)}, {other.record(9)}, {}).holds());
 }
 
+TEST(Identification, RecordsOfTwoAxesDoNotGiveAWhiteFit) {
+  Bench one;
+  one.duration_s = 1.5;
+  Bench other = one;
+  other.inertia *= 3.0;
+  other.bits = 16;
+  const Identification found = identify_axis({one.record(13), other.record(14)}, {}, {});
+  EXPECT_EQ(found.parameters.size(), 5U);
+  EXPECT_FALSE(found.is_converged && found.whiteness.is_white());
+}
+
 TEST(Identification, RefusesRecordsWithoutMotionOrInput) {
   const Bench bench;
   RecordedAxis still = bench.record(10);

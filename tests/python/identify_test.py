@@ -113,6 +113,11 @@ class Identify(unittest.TestCase):
         for arguments, message in [
             (["nowhere.csv"], "nowhere.csv"),
             (["word.csv"], 'word.csv:3: u: must be a finite number, is "x"'),
+            ([], "breakwater identify: FILE is missing"),
+            (["--design", "bench.csv"], "breakwater identify: --design: takes no FILE"),
+            (["--design", "--limits", "torque=5"], "breakwater identify: --limits: speed is missing"),
+            (["--design", "--limits", "torqe=5"], "must be torque=VALUE[,speed=VALUE], is torqe=5"),
+            (["--design", "--limits", "torque=5,speed=20", "--duration", "0.01"], "gives 10 rows"),
             (["bench.csv", "--model", "arm"], "--model"),
             (["bench.csv", "--set", "csv.time_scal=1"], "csv.time_scal"),
             (["bench.csv", "--set", "csv.input_scale=0"], "csv.input_scale: must not be 0"),
