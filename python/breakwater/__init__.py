@@ -13,8 +13,8 @@ Many runs:    sweep
 Your own:     Controller, Estimator; ArmSample, AxisSample, QuadrotorSample; PlanarChain
 Design:       dare, lqr, place_poles, place_observer_poles, zero_order_hold, damped_inertia,
               extend_by_disturbance_model, observability_rank; QpSolver, solve_qp
-On your data: AxisObserver, by name; Stf, Qvff, Vfakfd, Fakfd, Kfd, Idob, Mdob, StateObserver;
-              QuadrotorFilter
+On your data: identify; Identification, IdentifiedParameter; AxisObserver, by name; Stf, Qvff, Vfakfd, Fakfd,
+              Kfd, Idob, Mdob, StateObserver; QuadrotorFilter
 Errors:       InputError, RunFailed
 
 docs/tutorials/python.md has the tutorial.
@@ -22,6 +22,7 @@ docs/tutorials/python.md has the tutorial.
 
 from ._core import PlanarChain, __version__
 from .errors import InputError
+from .identification import IdentifiedParameter, Identification, identify
 from .linear import (
     Plant,
     QpSolution,
@@ -66,6 +67,8 @@ __all__ = [
     "Estimator",
     "Fakfd",
     "Filter",
+    "Identification",
+    "IdentifiedParameter",
     "Idob",
     "InputError",
     "Kfd",
@@ -89,6 +92,7 @@ __all__ = [
     "damped_inertia",
     "dare",
     "extend_by_disturbance_model",
+    "identify",
     "load",
     "lqr",
     "observability_rank",

@@ -1,7 +1,7 @@
 #include <breakwater/identification/axis_fit.h>
 
 #include <ceres/tiny_solver.h>
-#include <Eigen/Cholesky>
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
@@ -319,18 +319,20 @@ AxisValues parameter_scales(const AxisData& data) {
   return scales;
 }
 
-Eigen::MatrixXd information(const AxisData& data, const FreeParameters& free, const AxisFit& fit) {
+Eigen::MatrixXd covariance_of(const AxisData& data, const FreeParameters& free,
+                              const AxisFit& fit) {
   const Problem problem(data, free, fit);
   Eigen::VectorXd residuals(problem.NumResiduals());
   Eigen::MatrixXd J(problem.NumResiduals(), problem.NumParameters());
   const Eigen::VectorXd x = problem.unknowns();
   problem(x.data(), residuals.data(), J.data());
-  const Eigen::MatrixXd all = J.transpose() * J;
+  // Not from JᵀJ, whose small eigenvalues are lost beside those of well-known parameters.
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(J);
+  const Eigen::MatrixXd inverse =
+      qr.matrixQR().topRows(J.cols()).triangularView<Eigen::Upper>().solve(
+          Eigen::MatrixXd::Identity(J.cols(), J.cols()));
   const auto n = static_cast<Eigen::Index>(problem.free_count());
-  const Eigen::Index m = all.rows() - n;
-  const Eigen::MatrixXd of_starts = all.bottomRightCorner(m, m);
-  return all.topLeftCorner(n, n) -
-         all.topRightCorner(n, m) * of_starts.ldlt().solve(all.bottomLeftCorner(m, n));
+  return (inverse * inverse.transpose()).topLeftCorner(n, n);
 }
 
 }  // namespace breakwater

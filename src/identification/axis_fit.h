@@ -67,8 +67,8 @@ std::vector<double> fitted_positions(const AxisData& data, const AxisFit& fit);
 /// the RMS input for torques, and this by the RMS speed for the viscous friction.
 AxisValues parameter_scales(const AxisData& data);
 
-/// The information of the data about the free parameters, in their scales and order, without what
-/// the starts take (a Schur complement).
-Eigen::MatrixXd information(const AxisData& data, const FreeParameters& free, const AxisFit& fit);
+/// The covariance of the free parameters, in their scales and order, from the curvature of the
+/// likelihood and the prior.
+Eigen::MatrixXd covariance_of(const AxisData& data, const FreeParameters& free, const AxisFit& fit);
 
 }  // namespace breakwater

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include <breakwater/experiment/runner.h>
@@ -18,6 +19,12 @@ double largest_input(const AxisData& data) {
     for (const double u : stretch.inputs) largest = std::max(largest, std::abs(u));
   }
   return largest;
+}
+
+// Jitter leaves the mean interval a little beside a round period.
+double rounded(double period_s) {
+  const double few_digits = std::stod(fmt::format("{:.3g}", period_s));
+  return std::abs(few_digits - period_s) < 1e-4 * period_s ? few_digits : period_s;
 }
 
 nlohmann::ordered_json errors_json(const FitErrors& errors) {
@@ -70,7 +77,7 @@ std::string identified_toml(const Catalogue& catalogue, const Identification& id
                               .viscous_friction = values[kViscous],
                               .coulomb_friction = values[kCoulomb],
                               .delay_s = values[kDelay],
-                              .period_s = data.period_s,
+                              .period_s = rounded(data.period_s),
                               .quantum = data.quantum,
                               .rounding = data.rounding,
                               .noise_std = identification.fit.noise_std,

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
@@ -266,14 +265,13 @@ FitErrors held_out_errors(const AxisData& held, const AxisFit& fit, const AxisFi
 
 // Values, intervals and identifiability of the fit. Returns a better fit instead, if a profile
 // meets one.
-std::optional<AxisFit> add_parameters(Identification& result, Eigen::MatrixXd& covariance) {
+std::optional<AxisFit> add_parameters(Identification& result, Eigen::MatrixXd& covariance,
+                                      bool is_last) {
   const AxisData& data = result.data;
   const AxisFit& fit = result.fit;
   const FreeParameters& free = result.free;
   result.parameters.clear();
-  // The prior keeps it regular.
-  const Eigen::MatrixXd M = information(data, free, fit);
-  covariance = M.ldlt().solve(Eigen::MatrixXd::Identity(M.rows(), M.cols()));
+  covariance = covariance_of(data, free, fit);
   std::vector<AxisParameter> order;
   for (std::size_t p = 0; p < kAxisParameters; ++p) {
     if (free[p]) order.push_back(static_cast<AxisParameter>(p));
@@ -300,7 +298,10 @@ std::optional<AxisFit> add_parameters(Identification& result, Eigen::MatrixXd& c
     }
     if (estimate.is_identifiable && !result.is_bootstrapped) {
       ParameterInterval interval = profile_interval(data, free, fit, order[n], std);
-      if (interval.better.deviance < fit.deviance - kBetter) return interval.better;
+      if (interval.better.deviance < fit.deviance - kBetter) {
+        if (!is_last) return interval.better;
+        result.is_converged = false;
+      }
       estimate.low = interval.low;
       estimate.high = interval.high;
       estimate.profile = std::move(interval.profile);
@@ -391,7 +392,7 @@ Identification identify_axis(const std::vector<RecordedAxis>& records,
   } else {
     for (const AxisStretch& stretch : data.stretches) {
       const double quantum = encoder_quantum(stretch.positions);
-      data.quantum = data.quantum == 0.0 ? quantum : std::min(quantum, data.quantum);
+      if (quantum > 0.0 && (data.quantum == 0.0 || quantum < data.quantum)) data.quantum = quantum;
     }
     result.is_quantum_found = true;
   }
@@ -443,8 +444,8 @@ Identification identify_axis(const std::vector<RecordedAxis>& records,
   if (!std::isfinite(fit.deviance)) return result;
 
   Eigen::MatrixXd covariance;
-  for (int turn = 0; turn < kMostRestarts; ++turn) {
-    const std::optional<AxisFit> better = add_parameters(result, covariance);
+  for (int turn = 0; turn <= kMostRestarts; ++turn) {
+    const std::optional<AxisFit> better = add_parameters(result, covariance, turn == kMostRestarts);
     if (!better) break;
     result.fit = fit_axis_and_noise(data, free, *better);
     result.is_converged = result.fit.is_converged;

@@ -3,12 +3,15 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <filesystem>
-#include <map>
+#include <optional>
 #include <stdexcept>
 
 #include <breakwater/experiment/settings.h>
+#include <breakwater/identification/excitation.h>
 #include <breakwater/identification/identification_outputs.h>
+#include <breakwater/identification/identification_report.h>
 #include <breakwater/record/partial_file.h>
 #include <breakwater/recorded/record_keys.h>
 #include <breakwater/recorded/recorded_estimation.h>
@@ -33,7 +36,15 @@ struct IdentifyArguments {
   std::vector<std::string> sets;
   std::string out = "runs/identify";
   bool quiet = false;
+  bool is_design = false;
+  std::vector<std::string> limits;
+  double duration_s = 20.0;
+  double rate_Hz = 1000.0;
 };
+
+[[noreturn]] void refuse(const std::string& reason) {
+  throw std::invalid_argument(fmt::format("{} {}: {}", own_program_name(), kIdentify, reason));
+}
 
 // The keys of `estimate` that describe the table and the encoder.
 struct Keys {
@@ -85,7 +96,8 @@ std::vector<RecordedAxis> records_of(const std::vector<std::string>& files, cons
   return records;
 }
 
-int identify(const Catalogue& catalogue, const IdentifyArguments& arguments) {
+int identify(const Catalogue& catalogue, const IdentifyArguments& arguments,
+             const std::string& command) {
   const Keys keys = keys_of(arguments);
   const std::vector<RecordedAxis> records = records_of(arguments.files, keys);
   const std::vector<RecordedAxis> held_out = records_of(arguments.held_out, keys);
@@ -96,6 +108,10 @@ int identify(const Catalogue& catalogue, const IdentifyArguments& arguments) {
   settings.rounding = keys.rounding;
   settings.known_inertia = arguments.inertia;
   const Identification result = identify_axis(records, held_out, settings);
+  if (result.parameters.empty()) {
+    warn(kIdentify, {"the fit found no likelihood: check the columns, their units and signs"});
+    return kRunFailed;
+  }
   const fs::path out = arguments.out;
   std::error_code error;
   fs::create_directories(out, error);
@@ -105,6 +121,7 @@ int identify(const Catalogue& catalogue, const IdentifyArguments& arguments) {
   if (!scenarios.empty()) {
     replace_file(out / "identified.toml", identified_toml(catalogue, result, scenarios.front()));
   }
+  replace_file(out / "report.html", identification_report(result, command));
   std::vector<std::string> notes = result.notes;
   for (const ParameterEstimate& estimate : result.parameters) {
     if (estimate.is_identifiable) continue;
@@ -130,12 +147,56 @@ int identify(const Catalogue& catalogue, const IdentifyArguments& arguments) {
   return kSuccess;
 }
 
+ExcitationLimits limits_of(const IdentifyArguments& arguments) {
+  ExcitationLimits limits{.duration_s = arguments.duration_s, .period_s = 1.0 / arguments.rate_Hz};
+  for (const std::string& limit : arguments.limits) {
+    const std::size_t equals = limit.find('=');
+    const std::string name = limit.substr(0, equals);
+    double value = 0.0;
+    const bool is_number =
+        equals != std::string::npos && CLI::detail::lexical_cast(limit.substr(equals + 1), value);
+    if ((name != "torque" && name != "speed") || !is_number || !(value > 0.0)) {
+      refuse("--limits: must be torque=VALUE[,speed=VALUE], is " + limit);
+    }
+    (name == "torque" ? limits.torque : limits.speed) = value;
+  }
+  if (limits.torque == 0.0) refuse("--limits: torque is missing");
+  if (!std::isfinite(limits.speed) && !arguments.inertia) {
+    refuse("--limits: speed is missing, or give --inertia");
+  }
+  constexpr double kFewest = 200.0;
+  constexpr double kMost = 1e6;
+  const double rows = limits.duration_s / limits.period_s;
+  if (!(rows >= kFewest && rows <= kMost)) {
+    refuse(fmt::format("--duration: gives {:.0f} rows at this --rate, must be {} to {:.0f}", rows,
+                       kFewest, kMost));
+  }
+  return limits;
+}
+
+int design(const IdentifyArguments& arguments) {
+  const ExcitationLimits limits = limits_of(arguments);
+  const AxisValues axis = guessed_axis(limits, arguments.inertia.value_or(0.0));
+  const std::vector<double> inputs = designed_excitation(limits, axis);
+  std::string text = "time_s,u\n";
+  for (std::size_t k = 0; k < inputs.size(); ++k) {
+    text += fmt::format("{:.7g},{:.6g}\n", static_cast<double>(k) * limits.period_s, inputs[k]);
+  }
+  replace_file(arguments.out, text);
+  if (!arguments.quiet) {
+    fmt::print(
+        "results: {}\nintervals: at most {:.2f} times those of a chirp or a binary sequence\n",
+        arguments.out, worst_ratio(inputs, limits, axis));
+  }
+  return kSuccess;
+}
+
 int identify_main(const Catalogue& catalogue, int argc, const char* const* argv) {
   const std::string program = own_program_name() + " " + kIdentify;
   return guarded(program, [&] {
     CLI::App app("Fits the model of an axis to recorded data, with intervals.", program);
     IdentifyArguments arguments;
-    app.add_option("FILE", arguments.files, "tables with the columns time_s, u and y")->required();
+    app.add_option("FILE", arguments.files, "tables with the columns time_s, u and y");
     app.add_option("--holdout", arguments.held_out,
                    "check the fit on these tables, which it does not use")
         ->type_name("FILE");
@@ -147,7 +208,8 @@ int identify_main(const Catalogue& catalogue, int argc, const char* const* argv)
         ->check(CLI::IsMember({"coulomb", "stribeck"}))
         ->capture_default_str();
     app.add_option("--inertia", arguments.inertia,
-                   "take this inertia [kg m^2] as known, and fit the torque constant instead")
+                   "take this inertia [kg m^2] as known, and fit the torque constant instead.\n"
+                   "With --design: a guess of the inertia")
         ->check(CLI::PositiveNumber);
     app.add_option("--config", arguments.config,
                    "read the keys of table and encoder from this file of estimate")
@@ -155,16 +217,36 @@ int identify_main(const Catalogue& catalogue, int argc, const char* const* argv)
     app.add_option("--set", arguments.sets,
                    "set csv.time_scale, csv.input_scale, encoder.quantum, ... as in estimate")
         ->type_name("KEY=VALUE");
-    app.add_option("--out", arguments.out, "write the results to this folder")
+    app.add_flag("--design", arguments.is_design,
+                 "write a table of the torque to play on the bench, instead of a fit");
+    app.add_option("--limits", arguments.limits,
+                   "of the designed torque [N m] and of the speed [rad/s]: torque=5,speed=20")
+        ->delimiter(',')
+        ->type_name("LIMIT");
+    app.add_option("--duration", arguments.duration_s, "of the designed torque [s]")
+        ->check(CLI::PositiveNumber)
+        ->capture_default_str();
+    app.add_option("--rate", arguments.rate_Hz, "rows per second of the designed torque")
+        ->check(CLI::PositiveNumber)
+        ->capture_default_str();
+    app.add_option("--out", arguments.out,
+                   "write the results to this folder, or the designed torque to this file")
         ->type_name("DIR")
         ->capture_default_str();
     app.add_flag("--quiet", arguments.quiet, "print errors only");
     app.footer(
-        "The folder gets identified.json and identified.toml, a scenario file of this axis.\n"
+        "The folder gets identified.json, identified.toml (a scenario file of this axis) and "
+        "report.html.\n"
         "Exit status: 0 success, 1 a defect, 2 usage or input, 3 the fit did not converge or the "
         "held-out tables disagree.");
     if (const auto status = parse(app, argc, argv)) return *status;
-    return identify(catalogue, arguments);
+    if (arguments.is_design) {
+      if (!arguments.files.empty()) refuse("--design: takes no FILE");
+      return design(arguments);
+    }
+    if (arguments.files.empty()) refuse("FILE is missing: a recorded table");
+    const std::vector<std::string> words(argv + 1, argv + argc);
+    return identify(catalogue, arguments, fmt::format("{} {}", program, fmt::join(words, " ")));
   });
 }
 

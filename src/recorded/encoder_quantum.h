@@ -8,8 +8,8 @@ namespace breakwater {
 /// The largest Δ with which all differences between successive positions are whole counts, within
 /// 5 % of a count. 0 if there is none, or if the position never moves.
 ///
-/// The least difference is Δ or up to 8 counts. A line through (count, position) removes the
-/// rounding of printed digits.
+/// The first guesses are the least difference, and the gaps between sorted differences. A line
+/// through (count, position) removes the rounding of printed digits.
 double encoder_quantum(std::span<const double> positions);
 
 }  // namespace breakwater

@@ -251,6 +251,13 @@ TEST(EncoderQuantum, IsFoundInPrintedDigitsAndNotInAnalogPositions) {
   }
   EXPECT_NEAR(encoder_quantum(printed), quantum, 1e-9);
   EXPECT_NEAR(encoder_quantum(sparse), quantum, 1e-12);
+  // So fast that each row is many counts from the last one.
+  std::vector<double> fast;
+  for (int k = 0; k < 500; ++k) {
+    const double q = 0.1 * k + std::sin(0.05 * k);
+    fast.push_back(std::round(quantum * std::round(q / quantum) * 1e6) / 1e6);
+  }
+  EXPECT_NEAR(encoder_quantum(fast), quantum, 1e-9);
   EXPECT_EQ(encoder_quantum(analog), 0.0);
   EXPECT_EQ(encoder_quantum(std::vector<double>{1.0, 1.0}), 0.0);
 }

@@ -1,0 +1,14 @@
+// The page of an identification.
+#pragma once
+
+#include <string>
+
+#include <breakwater/identification/identified_axis.h>
+
+namespace breakwater {
+
+/// report.html: the parameters, the fit over the data, its residuals with their test, the profiles
+/// of the likelihood, and the errors beside those of a plain model.
+std::string identification_report(const Identification& identification, const std::string& command);
+
+}  // namespace breakwater
