@@ -65,6 +65,12 @@ breakwater_package(random123::random123 librandom123-dev [[
 breakwater_package(Boost::headers libboost-dev [[find_package(Boost 1.74 ${how})]])
 breakwater_package(Pagmo::pagmo libpagmo-dev [[find_package(pagmo 2.18 ${how} NO_MODULE)]])
 breakwater_package(PkgConfig::nlopt libnlopt-cxx-dev [[breakwater_pkg_config(${how} nlopt nlopt)]])
+breakwater_package(ceres::tiny_solver libceres-dev [[
+  find_path(CERES_INCLUDE_DIR ceres/tiny_solver.h ${how})
+  if(CERES_INCLUDE_DIR)
+    add_library(ceres::tiny_solver INTERFACE IMPORTED)
+    target_include_directories(ceres::tiny_solver SYSTEM INTERFACE ${CERES_INCLUDE_DIR})
+  endif()]])
 breakwater_package(PkgConfig::cairo libcairo2-dev [[breakwater_pkg_config(${how} cairo cairo)]])
 breakwater_package(PkgConfig::zlib zlib1g-dev [[breakwater_pkg_config(${how} zlib zlib)]])
 breakwater_package(PkgConfig::ffmpeg "libavformat-dev, libavcodec-dev and libavutil-dev"

@@ -9,6 +9,7 @@
 #include "cart_offset_free/cart_offset_free.h"
 #include "cart_position/cart_position.h"
 #include "impact_test/impact_test.h"
+#include "motor_estimation/identified_motor.h"
 #include "motor_estimation/motor_estimation.h"
 #include "quadrotor_waves/quadrotor_waves.h"
 #include "two_inertia/two_inertia.h"
@@ -44,6 +45,7 @@ Catalogue standard_catalogue() {
   for (QuadrotorEstimatorKind& kind : quadrotor_estimators()) catalogue.add(std::move(kind));
   for (QuadrotorControllerKind& kind : quadrotor_controllers()) catalogue.add(std::move(kind));
   catalogue.add(estimate_command());
+  catalogue.add(identified_motor());
   catalogue.add(printed_references());
   return catalogue;
 }

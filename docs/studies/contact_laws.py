@@ -119,7 +119,7 @@ def draw(entries, path):
         axis.set_yticks([2, 3, 4, 6, 10, 20, 40], ["2", "3", "4", "6", "10", "20", "40"])
         axis.minorticks_off()
         axis.grid(axis="y", alpha=0.25)
-    axes[0].set_title("tuned for the contact, at most 0.7 s to the wall", loc="left", fontsize=10)
+    axes[0].set_title("tuned for the law, at most 0.7 s to the wall", loc="left", fontsize=10)
     axes[1].set_title("shipped cases", loc="left", fontsize=10)
     axes[0].legend(frameon=False, ncols=5, loc="lower right", bbox_to_anchor=(1.0, 1.0))
     axes[1].set_xticks(list(places.values()), [contact.rsplit("-", 1)[0] for contact in places], rotation=40,

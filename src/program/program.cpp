@@ -9,6 +9,7 @@
 
 #include <breakwater/analysis/analyze_command.h>
 #include <breakwater/experiment/command_kind.h>
+#include <breakwater/identification/identify_command.h>
 #include <breakwater/pages/report_commands.h>
 #include <breakwater/pictures/picture_commands.h>
 #include <breakwater/program/command_line.h>
@@ -67,6 +68,7 @@ std::vector<CommandKind> all_commands(const Catalogue& catalogue) {
       {{"new", "make a project of your own: new controller|observer|scenario NAME",
         new_project_main}});
   add(CommandKind().group, catalogue.all<CommandKind>());
+  add(CommandKind().group, {identify_command()});
   add("Tools", {{"waves", "check a sea's spectrum and its water", waves_main},
                 {"doctor", "check what works on this machine, and what to install", doctor_main},
                 {"reference", "write the reference pages: commands, keys, metrics, columns",

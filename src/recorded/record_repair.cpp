@@ -70,10 +70,15 @@ class Repair {
     treat_repeated_times();
     require_rows();
     fill_inputs();
+    const std::vector<Row> with_inputs = rows_;
     take_positions();
     require_rows();
     unwrap();
     RecordedAxis axis;
+    for (const Row& row : with_inputs) {
+      axis.input_times_s.push_back(row.time);
+      axis.all_inputs.push_back(row.input);
+    }
     for (const Row& row : rows_) {
       axis.times_s.push_back(row.time);
       axis.inputs.push_back(row.input);

@@ -18,6 +18,9 @@ RecordedAxis read_recorded_axis(const std::string& file, const RecordFormat& for
                                     {format.position_column, "csv.position_column"}},
                                    TableKind::laboratory);
   RecordedAxis axis = repaired(file, table, format.time_column);
+  const auto multiply = [](std::vector<double>& values, double scale) {
+    for (double& value : values) value *= scale;
+  };
   const double scales[] = {format.time_scale, format.input_scale, format.position_scale};
   std::vector<double>* const columns[] = {&axis.times_s, &axis.inputs, &axis.positions};
   for (std::size_t i = 0; i < 3; ++i) {
@@ -28,7 +31,9 @@ RecordedAxis read_recorded_axis(const std::string& file, const RecordFormat& for
       axis.repairs.push_back(
           fmt::format("the unit {} of the first lines: 1 is {:.6g} in SI units", unit, scale));
     }
-    for (double& value : *columns[i]) value *= scale;
+    multiply(*columns[i], scale);
+    if (i == 0) multiply(axis.input_times_s, scale);
+    if (i == 1) multiply(axis.all_inputs, scale);
   }
   return axis;
 }

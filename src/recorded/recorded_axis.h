@@ -23,6 +23,9 @@ struct RecordedAxis {
   std::vector<double> times_s;  ///< increasing
   std::vector<double> inputs;
   std::vector<double> positions;
+  /// All known inputs, also of rows without a position. Empty: those of the rows.
+  std::vector<double> input_times_s;
+  std::vector<double> all_inputs;
   std::vector<std::string> repairs;  ///< a line each, with the count and the first line of the file
 };
 

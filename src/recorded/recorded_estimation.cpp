@@ -59,25 +59,10 @@ std::vector<MetricDefinition> RecordedEstimation::metric_definitions() const {
 Fields RecordedEstimation::fields() {
   Fields fields;
   fields.file("csv.file", file_, "table of times, inputs and positions (--csv FILE)");
-  fields.text("csv.time_column", format_.time_column, "name of the column of times");
-  fields.text("csv.input_column", format_.input_column, "name of the column of inputs u");
-  fields.text("csv.position_column", format_.position_column, "name of the column of positions y");
-  fields.standard("csv.time_column", {std::string("time_s")});
-  fields.standard("csv.input_column", {std::string("u")});
-  fields.standard("csv.position_column", {std::string("y")});
-  fields.number("csv.time_scale", format_.time_scale, positive(),
-                "unit of the column of times in s: 1e-3 for milliseconds");
-  fields.standard("csv.time_scale", {1.0});
+  bind_record_format(fields, format_, input_acts_);
   fields.number("csv.time_std_s", time_std_s_, not_negative(),
                 "standard deviation of the error of the times [s]");
   fields.standard("csv.time_std_s", {0.0});
-  fields.number("csv.input_scale", format_.input_scale, any(),
-                "unit of the column u in N m or N, with sign: a torque constant, for example");
-  fields.number("csv.position_scale", format_.position_scale, any(),
-                "unit of the column y in rad or m, with sign");
-  fields.choice("csv.input_acts", input_acts_,
-                {{"after", InputActs::after}, {"before", InputActs::before}},
-                "interval in which u of a row acts: after the row, or before it");
   fields.number("csv.period_s", period_s_, not_negative(),
                 "T_s; 0: the mean interval without gaps [s]");
   fields.number("csv.gap_periods", gap_periods_, between(1, 1e9),
@@ -123,9 +108,7 @@ NominalAxis RecordedEstimation::axis() const {
 }
 
 void RecordedEstimation::check(const Config& config) {
-  for (const char* key : {"csv.input_scale", "csv.position_scale"}) {
-    if (config.number(key) == 0.0) config.fail(key, "must not be 0");
-  }
+  check_record_format(config);
   record_ = read_recorded_axis(file_, format_);
   timing_ = timing_of(record_.times_s, period_s_, gap_periods_, jitter_share_);
   const auto [least, most] = std::minmax_element(record_.inputs.begin(), record_.inputs.end());

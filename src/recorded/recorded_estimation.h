@@ -6,6 +6,7 @@
 
 #include <breakwater/experiment/scenario.h>
 #include <breakwater/record/recording.h>
+#include <breakwater/recorded/record_keys.h>
 #include <breakwater/recorded/recorded_axis.h>
 #include <breakwater/rigs/axis_parts.h>
 
@@ -31,7 +32,6 @@ class RecordedEstimation final : public Scenario {
 
  private:
   enum class Motion { rotation, translation };
-  enum class InputActs { after, before };
 
   NominalAxis axis() const;
   double sensor_std() const;

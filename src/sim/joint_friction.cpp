@@ -42,8 +42,9 @@ JointFriction::JointFriction(Model& model, const std::string& joint,
   }
 }
 
+// Before this friction adds to qfrc_applied, that is the force of a transmission.
 double JointFriction::transmitted(const mjData& data) const {
-  double force = 0.0;
+  double force = data.qfrc_applied[dof_];
   for (const auto& [actuator, gear] : actuators_) force += gear * data.ctrl[actuator];
   return force;
 }

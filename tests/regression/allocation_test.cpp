@@ -132,7 +132,7 @@ TEST(Allocation, ADriveAsItIsDoesNotAllocate) {
                                           "control.drop_probability=0.1",
                                           "encoder.eccentricity_rad=1e-4",
                                           "plant.coulomb_friction_Nm=0.5",
-                                          "run.duration_s=20"};
+                                          "run.duration_s=120"};
   const std::vector<std::vector<std::string>> laws = {
       {"friction.law=load_dependent", "friction.load_ratio=0.1"},
       {"friction.law=lugre", "friction.static_ratio=1.5", "friction.stribeck_velocity=0.05",

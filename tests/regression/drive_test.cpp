@@ -65,7 +65,8 @@ TEST(Drive, EachPartChangesTheMotorAndLogsItsSignals) {
   const Recording ideal = completed_run(kMotor, "vfakfd", brief);
   const auto names_of = [](const Recording& run) {
     std::vector<std::string> names;
-    for (const Series& one : run.track("control").series) names.push_back(one.name);
+    const Track& track = run.track("control");
+    for (std::size_t i = 0; i < track.signals(); ++i) names.push_back(track.signal(i).name);
     return names;
   };
   for (const Part& part : parts()) {

@@ -101,7 +101,8 @@ TEST_P(EachShippedTuning, CanRunAndUsesAllItsKeys) {
   const Catalogue catalogue = standard_catalogue();
   const TuningPlan plan(catalogue, read_tuning(parse_toml_file(file), file));
   EXPECT_EQ(plan.check(), std::vector<std::string>{});
-  EXPECT_TRUE(plan.tuning().validation);
+  // The results of contact-laws-tuning.toml are tested in the conditions of contact-laws.toml.
+  EXPECT_EQ(plan.tuning().validation.has_value(), GetParam() != "contact-laws-tuning");
 }
 
 std::string test_name(const ::testing::TestParamInfo<std::string>& param) {

@@ -10,12 +10,12 @@
 namespace breakwater {
 namespace {
 
-constexpr double kStep_s = 1e-3;
+constexpr double kTick_s = 1e-3;
 
 // The output over each step where sample k sends k + 1.
 std::vector<double> outputs(const CommandDelays& delays, int steps, int steps_per_sample = 1,
                             std::uint64_t seed = 1) {
-  CommandTiming timing(delays, seed, kStep_s, steps_per_sample, 1);
+  CommandTiming timing(delays, seed, kTick_s, steps_per_sample, 1);
   std::vector<double> result;
   for (int step = 0; step < steps; ++step) {
     if (step % steps_per_sample == 0) {
@@ -31,7 +31,7 @@ std::vector<double> outputs(const CommandDelays& delays, int steps, int steps_pe
 
 TEST(CommandTiming, DelaysByWholeSteps) {
   for (const int late : {0, 1, 3, 17}) {
-    const std::vector<double> found = outputs({.delay_s = late * kStep_s}, 60, 4);
+    const std::vector<double> found = outputs({.delay_s = late * kTick_s}, 60, 4);
     for (int step = 0; step < 60; ++step) {
       ASSERT_EQ(found[static_cast<std::size_t>(step)], step < late ? 0 : (step - late) / 4 + 1);
     }
@@ -40,7 +40,7 @@ TEST(CommandTiming, DelaysByWholeSteps) {
 
 TEST(CommandTiming, APartOfAStepGivesTheMeanOverTheStep) {
   // 2.25 steps: in step 2 + 4 k the new command has 0.75 of the step.
-  const std::vector<double> found = outputs({.delay_s = 2.25 * kStep_s}, 20, 4);
+  const std::vector<double> found = outputs({.delay_s = 2.25 * kTick_s}, 20, 4);
   for (std::size_t step = 0; step < 20; ++step) {
     const double before = step < 3 ? 0.0 : std::floor((static_cast<double>(step) - 3) / 4) + 1;
     const double mean = step % 4 == 2 ? before + 0.75 : before;
@@ -57,7 +57,7 @@ TEST(CommandTiming, JitterIsUniformAndOfTheSeed) {
   for (std::size_t k = 0; k < samples; ++k) {
     double output = 0.0;
     for (std::size_t i = 0; i < 10; ++i) output += found[10 * k + i];
-    const double delay = (10.0 * static_cast<double>(k + 1) - output) * kStep_s;
+    const double delay = (10.0 * static_cast<double>(k + 1) - output) * kTick_s;
     ASSERT_GT(delay, 0.0);
     ASSERT_LT(delay, jitter_s);
     sum += delay;
@@ -109,7 +109,7 @@ TEST(CommandTiming, RefusesWhatIsNoDelay) {
                                             {.jitters_s = {0.0, -1.0}}, {.drop_probability = 1.0},
                                             {.drop_probability = -0.1}, {.jitter_s = HUGE_VAL}};
   for (std::size_t i = 0; i < wrong.size(); ++i) {
-    EXPECT_THROW(CommandTiming(wrong[i], 1, kStep_s, 1, 1), std::invalid_argument) << i;
+    EXPECT_THROW(CommandTiming(wrong[i], 1, kTick_s, 1, 1), std::invalid_argument) << i;
   }
 }
 

@@ -77,7 +77,7 @@ TEST(ForceSensor, DriftIsARandomWalkOfTheSizeThatWasAskedFor) {
 
 TEST(ForceSensor, RefusesWhatIsNoSensor) {
   EXPECT_THROW(Resonance({-1.0, 0.1}, kStep), std::invalid_argument);
-  EXPECT_THROW(Resonance({1.0, 1.0}, kStep), std::invalid_argument);
+  EXPECT_THROW(Resonance({1.0, HUGE_VAL}, kStep), std::invalid_argument);
   const std::vector<SensorElectronics> wrong = {{.drift_per_sqrt_s = -1.0},
                                                 {.range = -1.0},
                                                 {.quantum = -1.0},

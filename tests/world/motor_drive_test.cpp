@@ -13,7 +13,7 @@
 namespace breakwater {
 namespace {
 
-constexpr double kStep_s = 1e-4;
+constexpr double kMotorStep_s = 1e-4;
 
 // The step response of ω²/(s² + 2 ζ ω s + ω²), for any ζ but 1 by its two poles.
 double second_order(double omega, double zeta, double t) {
@@ -28,10 +28,10 @@ TEST(MotorDrive, TheCurrentLoopHasTheStepResponseOfItsClosedForm) {
   for (const double omega : {50.0, 1000.0, 3e4}) {
     for (const double zeta : {0.0, 0.3, 0.7, 1.0, 2.5}) {
       MotorDrive motor({.bandwidth_rad_s = omega, .damping_ratio = zeta, .torque_constant = 0.5},
-                       kStep_s);
+                       kMotorStep_s);
       for (int k = 0; k < 300; ++k) {
         motor.update(1.0, 0.0);  // i* = 2 A
-        const double t = k * kStep_s;
+        const double t = k * kMotorStep_s;
         const double exact = zeta == 0.0 ? -std::expm1(-omega * t) : second_order(omega, zeta, t);
         ASSERT_NEAR(motor.current_A(), 2.0 * exact, 2e-7) << omega << ' ' << zeta << ' ' << k;
       }
@@ -41,19 +41,19 @@ TEST(MotorDrive, TheCurrentLoopHasTheStepResponseOfItsClosedForm) {
 
 TEST(MotorDrive, TheForceOfALoopOfFirstOrderHasTheMeanCurrentOfItsStep) {
   for (const double omega : {50.0, 1000.0, 3e4}) {
-    MotorDrive motor({.bandwidth_rad_s = omega}, kStep_s);
+    MotorDrive motor({.bandwidth_rad_s = omega}, kMotorStep_s);
     double impulse = 0.0;
     for (int k = 0; k < 200; ++k) {
       motor.update(1.0, 0.0);
-      impulse += kStep_s * motor.force(0.0);
+      impulse += kMotorStep_s * motor.force(0.0);
     }
-    const double t = 200 * kStep_s;
+    const double t = 200 * kMotorStep_s;
     EXPECT_NEAR(impulse, t + std::expm1(-omega * t) / omega, 1e-12);
   }
 }
 
 TEST(MotorDrive, LimitsTheReferenceOfItsCurrent) {
-  MotorDrive motor({.torque_constant = 2.0, .current_limit_A = 3.0}, kStep_s);
+  MotorDrive motor({.torque_constant = 2.0, .current_limit_A = 3.0}, kMotorStep_s);
   for (const double command : {4.0, 7.0, -9.0}) {
     motor.update(command, 0.0);
     EXPECT_EQ(motor.force(0.0), std::clamp(command, -6.0, 6.0));
@@ -65,10 +65,10 @@ TEST(MotorDrive, AVoltageLimitGivesTheCurrentOfTheWinding) {
   const double U = 24.0, R = 2.0, L = 0.01, k = 0.5, v = 10.0;
   MotorDrive motor(
       {.torque_constant = k, .voltage_limit_V = U, .resistance_ohm = R, .inductance_H = L},
-      kStep_s);
+      kMotorStep_s);
   for (int n = 0; n < 200; ++n) {
     motor.update(100.0, v);
-    ASSERT_NEAR(motor.current_A(), -(U - k * v) / R * std::expm1(-R / L * n * kStep_s), 1e-12);
+    ASSERT_NEAR(motor.current_A(), -(U - k * v) / R * std::expm1(-R / L * n * kMotorStep_s), 1e-12);
   }
 }
 
@@ -84,11 +84,11 @@ TEST(MotorDrive, AVoltageLimitGivesTheTopSpeedOfItsClosedForm) {
                           .voltage_limit_V = U,
                           .resistance_ohm = R,
                           .inductance_H = inductance_H},
-                         kStep_s);
+                         kMotorStep_s);
         double v = 0.0;
         for (int n = 0; n < 200000; ++n) {
           motor.update(100.0, v);
-          v += kStep_s / mass * (motor.force(0.0) - b * v);
+          v += kMotorStep_s / mass * (motor.force(0.0) - b * v);
         }
         EXPECT_NEAR(v, k * U / (k * k + b * R), 1e-6) << inductance_H << ' ' << bandwidth_rad_s;
       }
@@ -98,7 +98,7 @@ TEST(MotorDrive, AVoltageLimitGivesTheTopSpeedOfItsClosedForm) {
 
 TEST(MotorDrive, BrakesBeyondTheSpeedOfItsVoltage) {
   MotorDrive motor({.torque_constant = 0.5, .voltage_limit_V = 10.0, .resistance_ohm = 2.0},
-                   kStep_s);
+                   kMotorStep_s);
   motor.update(1.0, 30.0);
   EXPECT_DOUBLE_EQ(motor.force(0.0), 0.5 * (10.0 - 15.0) / 2.0);
 }
@@ -106,7 +106,7 @@ TEST(MotorDrive, BrakesBeyondTheSpeedOfItsVoltage) {
 TEST(MotorDrive, CoggingAndRippleAreSinesOfThePosition) {
   MotorDrive motor({.cogging = {.amplitude = 0.3, .periods = 12.0},
                     .ripple = {.amplitude = 0.05, .periods = 6.0}},
-                   kStep_s);
+                   kMotorStep_s);
   motor.update(2.0, 0.0);
   for (double angle = -4.0; angle < 4.0; angle += 0.1) {
     EXPECT_NEAR(motor.force(angle),
@@ -125,7 +125,7 @@ TEST(MotorDrive, RefusesWhatIsNoMotor) {
       {.voltage_limit_V = 1.0, .resistance_ohm = -1.0},
       {.voltage_limit_V = 1.0, .resistance_ohm = 1.0, .inductance_H = -1.0}};
   for (std::size_t i = 0; i < wrong.size(); ++i) {
-    EXPECT_THROW(MotorDrive(wrong[i], kStep_s), std::invalid_argument) << i;
+    EXPECT_THROW(MotorDrive(wrong[i], kMotorStep_s), std::invalid_argument) << i;
   }
 }
 

@@ -1,0 +1,105 @@
+#include <breakwater/identification/axis_intervals.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include <breakwater/math/functions.h>
+#include <breakwater/world/noise.h>
+
+namespace breakwater {
+namespace {
+
+constexpr double kClose = 0.05;     // in standard deviations
+constexpr int kMostPoints = 6;      // on each side
+constexpr double kFarthest = 20.0;  // in first guesses
+constexpr int kIterations = 20;
+constexpr int kReplicates = 100;
+
+double encoded(const AxisData& data, double position) {
+  if (data.quantum == 0.0) return position;
+  const double counts = position / data.quantum;
+  return data.quantum *
+         (data.rounding == EncoderRounding::nearest ? std::round(counts) : std::trunc(counts));
+}
+
+}  // namespace
+
+double moved_parameter(const AxisData& data, AxisParameter parameter, double value, double change) {
+  if (is_logarithmic(parameter)) return value * math::exp(change);
+  const double moved = value + change * parameter_scales(data)[parameter];
+  if (parameter == kDelay) return std::clamp(moved, data.least_delay_s, data.largest_delay_s);
+  return is_positive(parameter) ? std::max(0.0, moved) : moved;
+}
+
+ParameterInterval profile_interval(const AxisData& data, const FreeParameters& free,
+                                   const AxisFit& fit, AxisParameter parameter, double std_scaled) {
+  FreeParameters others = free;
+  others[parameter] = false;
+  ParameterInterval interval;
+  interval.better = fit;
+  interval.profile.emplace_back(fit.values[parameter], 0.0);
+  const auto side = [&](double sign) {
+    AxisFit nearest = fit;
+    double reach = kRoot95 * std_scaled;
+    double value = fit.values[parameter];
+    for (int i = 0; i < kMostPoints; ++i) {
+      value = moved_parameter(data, parameter, fit.values[parameter], sign * reach);
+      nearest.values[parameter] = value;
+      nearest = fit_axis(data, others, nearest, kIterations);
+      const double rise = std::max(0.0, nearest.deviance - fit.deviance);
+      if (nearest.deviance < interval.better.deviance) interval.better = nearest;
+      interval.profile.emplace_back(value, rise);
+      const bool is_at_end = sign < 0.0 && value == 0.0 && is_positive(parameter);
+      if (is_at_end && rise <= kChiSquare95) return value;
+      const double root = std::max(std::sqrt(rise), 0.3);
+      // The root of the rise is almost linear.
+      const double next = std::min(reach * kRoot95 / root, kFarthest * std_scaled);
+      if (std::abs(root - kRoot95) < kClose) {
+        return moved_parameter(data, parameter, fit.values[parameter], sign * next);
+      }
+      if (next == reach) break;
+      reach = next;
+    }
+    return value;
+  };
+  interval.low = side(-1.0);
+  interval.high = side(1.0);
+  std::sort(interval.profile.begin(), interval.profile.end());
+  return interval;
+}
+
+std::vector<double> bootstrap_std(const AxisData& data, const FreeParameters& free,
+                                  const AxisFit& fit) {
+  const Noise random(1, "identify");
+  std::vector<double> sums(kAxisParameters, 0.0);
+  std::vector<double> squares(kAxisParameters, 0.0);
+  const AxisValues scales = parameter_scales(data);
+  for (std::uint64_t n = 0; n < kReplicates; ++n) {
+    AxisFit truth = fit;
+    for (std::size_t s = 0; s < truth.starts.size(); ++s) {
+      truth.starts[s].position +=
+          data.quantum * (random.uniform(n * truth.starts.size() + s) - 0.5);
+    }
+    const std::vector<double> positions = fitted_positions(data, truth);
+    AxisData made = data;
+    std::size_t k = 0;
+    for (AxisStretch& stretch : made.stretches) {
+      for (double& y : stretch.positions) y = encoded(data, positions[k++]);
+    }
+    const AxisFit again = fit_axis(made, free, truth, kIterations);
+    for (std::size_t i = 0; i < kAxisParameters; ++i) {
+      const double off = is_logarithmic(static_cast<AxisParameter>(i))
+                             ? math::log(again.values[i] / fit.values[i])
+                             : (again.values[i] - fit.values[i]) / scales[i];
+      sums[i] += off;
+      squares[i] += off * off;
+    }
+  }
+  std::vector<double> stds;
+  for (std::size_t i = 0; i < kAxisParameters; ++i) {
+    if (free[i]) stds.push_back(std::sqrt(squares[i] / kReplicates));
+  }
+  return stds;
+}
+
+}  // namespace breakwater

@@ -1,0 +1,35 @@
+// 95 % intervals of the parameters of a fitted axis.
+#pragma once
+
+#include <utility>
+#include <vector>
+
+#include <breakwater/identification/axis_fit.h>
+
+namespace breakwater {
+
+inline constexpr double kRoot95 = 1.959963984540054;       ///< normal quantile
+inline constexpr double kChiSquare95 = 3.841458820694124;  ///< one degree of freedom
+
+struct ParameterInterval {
+  double low = 0.0;
+  double high = 0.0;
+  std::vector<std::pair<double, double>> profile;  ///< (value, rise of −2 ln L), ascending
+  AxisFit better;  ///< the most likely fit of all, which may be above the given one
+};
+
+/// The values of a parameter at which −2 ln L, minimised over the other free ones, has risen by
+/// kChiSquare95. A value that cannot be negative ends at 0. `std_scaled` is the standard deviation
+/// in its scale, the first guess.
+ParameterInterval profile_interval(const AxisData& data, const FreeParameters& free,
+                                   const AxisFit& fit, AxisParameter parameter, double std_scaled);
+
+/// Standard deviations of the free parameters, in their scales, over fits to records that the
+/// fitted axis makes without noise, each with another phase of the encoder.
+std::vector<double> bootstrap_std(const AxisData& data, const FreeParameters& free,
+                                  const AxisFit& fit);
+
+/// Moves a parameter by `change` in its scale. Friction stays at least 0.
+double moved_parameter(const AxisData& data, AxisParameter parameter, double value, double change);
+
+}  // namespace breakwater

@@ -1,0 +1,130 @@
+#include <breakwater/identification/friction_axis.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include <breakwater/math/functions.h>
+
+namespace breakwater {
+namespace {
+
+constexpr double kSmall = 1e-2;         // below which a series replaces expm1 and log
+constexpr double kSpeedStep = 0.2;      // of v_s, in which the friction is linear
+constexpr double kStribeckEnd = 3.5;    // in v_s: the friction is that of Coulomb beyond
+constexpr double kShortestStep = 1e-3;  // of the interval
+
+// φ₁ = (1 − e^(−λh))/λ and φ₂ = (h − φ₁)/λ.
+struct Integrals {
+  double first;
+  double second;
+};
+
+Integrals integrals(double rate, double h) {
+  const double x = rate * h;
+  if (std::abs(x) < kSmall) {
+    // The sixth terms are below 1e-14.
+    const double first =
+        1.0 - x / 2.0 * (1.0 - x / 3.0 * (1.0 - x / 4.0 * (1.0 - x / 5.0 * (1.0 - x / 6.0))));
+    const double second =
+        0.5 * (1.0 - x / 3.0 * (1.0 - x / 4.0 * (1.0 - x / 5.0 * (1.0 - x / 6.0))));
+    return {h * first, h * h * second};
+  }
+  const double first = -math::expm1(-x) / rate;
+  return {first, (h - first) / rate};
+}
+
+// The time t with φ₁(t) = w.
+double time_to(double rate, double w) {
+  const double x = rate * w;
+  if (std::abs(x) < kSmall) {
+    return w * (1.0 + x / 2.0 + x * x / 3.0 + x * x * x / 4.0 + x * x * x * x / 5.0 +
+                x * x * x * x * x / 6.0);
+  }
+  return -math::log(1.0 - x) / rate;
+}
+
+class Motion {
+ public:
+  Motion(const AxisValues& p, const AxisStart& start)
+      : p_(p), position_(start.position), velocity_(start.velocity) {}
+
+  double position() const { return position_; }
+
+  // Under the constant torque k u − d₀.
+  void advance(double h, double input) {
+    const double torque = p_[kTorqueConstant] * input - p_[kOffset];
+    const double shortest = kShortestStep * h;
+    while (h > 0.0) {
+      if (velocity_ == 0.0 && std::abs(torque) <= p_[kCoulomb] + p_[kBreakaway]) return;
+      const double direction = std::copysign(1.0, velocity_ == 0.0 ? torque : velocity_);
+      const double speed = std::abs(velocity_);
+      double friction = p_[kCoulomb];
+      double slope = p_[kViscous];
+      if (p_[kBreakaway] != 0.0 && speed < kStribeckEnd * p_[kStribeckSpeed]) {
+        const double s = speed / p_[kStribeckSpeed];
+        const double bump = p_[kBreakaway] * math::exp(-s * s);
+        friction += bump;
+        slope -= 2.0 * s / p_[kStribeckSpeed] * bump;
+      }
+      const double acceleration =
+          (torque - direction * friction - p_[kViscous] * velocity_) / p_[kInertia];
+      double step = h;
+      if (p_[kBreakaway] != 0.0) {
+        const double change = std::max(kSpeedStep * p_[kStribeckSpeed],
+                                       speed - (kStribeckEnd - kSpeedStep) * p_[kStribeckSpeed]);
+        step = std::min(h, std::max(shortest, change / std::abs(acceleration)));
+      }
+      h -= move(acceleration, slope / p_[kInertia], direction, step);
+    }
+  }
+
+ private:
+  // Up to v = 0 if it is on the way. Returns the time that this took.
+  double move(double acceleration, double rate, double direction, double h) {
+    Integrals phi = integrals(rate, h);
+    const double velocity = velocity_ + acceleration * phi.first;
+    const bool stops = velocity * direction <= 0.0;
+    if (stops) {
+      h = std::min(h, time_to(rate, -velocity_ / acceleration));
+      phi = integrals(rate, h);
+    }
+    position_ += velocity_ * h + acceleration * phi.second;
+    velocity_ = stops ? 0.0 : velocity;
+    return h;
+  }
+
+  const AxisValues& p_;
+  double position_;
+  double velocity_;
+};
+
+}  // namespace
+
+void move_axis(const AxisValues& parameters, const AxisStart& start, const AxisStretch& stretch,
+               std::span<double> positions) {
+  Motion motion(parameters, start);
+  const std::vector<double>& changes = stretch.input_times_s;
+  const double delay = parameters[kDelay];
+  double now = stretch.times_s.front();
+  positions.front() = motion.position();
+  // The input that acts at the beginning. The first one also acts before its time.
+  std::size_t i = static_cast<std::size_t>(
+      std::upper_bound(changes.begin(), changes.end(), now - delay) - changes.begin());
+  i = std::max<std::size_t>(i, 1) - 1;
+  for (std::size_t k = 1; k < stretch.times_s.size(); ++k) {
+    const double end = stretch.times_s[k];
+    while (i + 1 < changes.size() && changes[i + 1] + delay < end) {
+      const double change = changes[i + 1] + delay;
+      if (change > now) {
+        motion.advance(change - now, stretch.inputs[i]);
+        now = change;
+      }
+      ++i;
+    }
+    motion.advance(end - now, stretch.inputs[i]);
+    now = end;
+    positions[k] = motion.position();
+  }
+}
+
+}  // namespace breakwater

@@ -1,0 +1,474 @@
+#include <breakwater/identification/identified_axis.h>
+
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include <breakwater/identification/axis_intervals.h>
+#include <breakwater/identification/axis_start.h>
+#include <breakwater/observers/code_likelihood.h>
+#include <breakwater/recorded/encoder_quantum.h>
+#include <breakwater/shell/table.h>
+
+namespace breakwater {
+namespace {
+
+constexpr double kGapPeriods = 1.5;      // a longer interval lacks rows
+constexpr std::size_t kMostStarts = 10;  // gaps of a record, each of which begins a stretch
+constexpr double kLongestGap = 20.0;     // in periods: after a longer one a stretch begins
+constexpr std::size_t kLeastRows = 60;   // of a stretch
+constexpr double kLeastCounts = 10.0;    // of motion
+constexpr double kLargestDelay = 0.02;   // s, or 20 periods if that is more
+constexpr double kLargestLead = 0.005;   // s, of the clock of u, or 5 periods
+constexpr int kTrialIterations = 15;
+constexpr std::size_t kFinalists = 2;
+constexpr std::size_t kLags = 20;
+constexpr int kMostRestarts = 4;
+constexpr double kBetter = 0.5;      // rise of 2 ln L by which another fit counts as better
+constexpr double kWhite99 = 37.566;  // 99 % quantile of chi-square with kLags degrees of freedom
+constexpr double kSteady = 0.05;     // spread of a speed that counts as constant, relative
+constexpr double kOneWay = 0.01;     // share of the other direction that counts as none
+constexpr double kTied = 0.95;       // correlation of parameters that a record does not separate
+
+struct Known {
+  AxisParameter parameter;
+  const char* key;
+  const char* unit;
+  const char* name;
+  double largest_std;  // of an identifiable parameter, in its scale
+};
+
+constexpr Known kKnown[] = {
+    {kInertia, "inertia_kgm2", "kg m^2", "inertia", 0.25},
+    {kViscous, "viscous_Nms", "N m s/rad", "viscous friction", 0.15},
+    {kCoulomb, "coulomb_Nm", "N m", "Coulomb friction", 0.15},
+    {kBreakaway, "breakaway_Nm", "N m", "breakaway friction", 0.15},
+    {kStribeckSpeed, "stribeck_speed_rad_s", "rad/s", "Stribeck speed", 0.5},
+    {kOffset, "offset_Nm", "N m", "offset torque", 0.15},
+    {kDelay, "delay_s", "s", "delay", 1.0},
+    {kTorqueConstant, "torque_constant", "N m", "torque constant", 0.25}};
+
+std::vector<AxisStart> no_starts(const AxisData& data) {
+  return std::vector<AxisStart>(data.stretches.size());
+}
+
+double rms_error(const AxisData& data, const AxisFit& fit) {
+  const std::vector<double> positions = fitted_positions(data, fit);
+  double squares = 0.0;
+  std::size_t k = 0;
+  for (const AxisStretch& stretch : data.stretches) {
+    for (const double y : stretch.positions) {
+      squares += (y - positions[k]) * (y - positions[k]);
+      ++k;
+    }
+  }
+  return std::sqrt(squares / static_cast<double>(k));
+}
+
+double range_of(const AxisData& data) {
+  double range = 0.0;
+  for (const AxisStretch& stretch : data.stretches) {
+    const auto [low, high] =
+        std::minmax_element(stretch.positions.begin(), stretch.positions.end());
+    range = std::max(range, *high - *low);
+  }
+  return range;
+}
+
+// The best of the candidates after a few iterations each, then to the end.
+AxisFit best_fit(const AxisData& data, const FreeParameters& free,
+                 const std::vector<AxisValues>& candidates) {
+  struct Trial {
+    AxisFit fit;
+    double rms;
+  };
+  std::vector<Trial> trials;
+  const double least = std::max(data.quantum, 1e-9 * range_of(data));
+  for (const AxisValues& values : candidates) {
+    AxisFit fit{.values = values, .starts = no_starts(data), .noise_std = least};
+    fit = fit_starts(data, fit);
+    fit.noise_std = std::max(least, 0.1 * rms_error(data, fit));
+    fit = fit_axis(data, free, fit, kTrialIterations);
+    const double rms = rms_error(data, fit);
+    if (std::isfinite(rms)) trials.push_back({fit, rms});
+  }
+  std::sort(trials.begin(), trials.end(),
+            [](const Trial& a, const Trial& b) { return a.rms < b.rms; });
+  if (trials.size() > kFinalists) trials.resize(kFinalists);
+  AxisFit best;
+  for (const Trial& trial : trials) {
+    const AxisFit fit = fit_axis_and_noise(data, free, trial.fit);
+    if (fit.deviance < best.deviance) best = fit;
+  }
+  return best;
+}
+
+// Features of the motion of a fit, for the reasons.
+struct MotionShown {
+  double speed_spread = 0.0;  // relative
+  double other_way = 0.0;     // share of the rarer direction
+  double input_spread = 0.0;  // relative
+};
+
+MotionShown motion_of(const AxisData& data, const AxisFit& fit) {
+  const std::vector<double> positions = fitted_positions(data, fit);
+  double n = 0.0, sum = 0.0, squares = 0.0, forward = 0.0, moving = 0.0;
+  double inputs = 0.0, input_sum = 0.0, input_squares = 0.0;
+  std::size_t from = 0;
+  for (const AxisStretch& stretch : data.stretches) {
+    for (std::size_t k = 1; k < stretch.times_s.size(); ++k) {
+      const double v = (positions[from + k] - positions[from + k - 1]) /
+                       (stretch.times_s[k] - stretch.times_s[k - 1]);
+      n += 1.0;
+      sum += v;
+      squares += v * v;
+      if (v != 0.0) moving += 1.0;
+      if (v > 0.0) forward += 1.0;
+    }
+    from += stretch.times_s.size();
+    for (const double u : stretch.inputs) {
+      inputs += 1.0;
+      input_sum += u;
+      input_squares += u * u;
+    }
+  }
+  const auto spread = [](double count, double total, double square) {
+    const double mean = total / count;
+    return std::sqrt(std::max(0.0, square / count - mean * mean) / (square / count));
+  };
+  return {spread(n, sum, squares), std::min(forward, moving - forward) / std::max(moving, 1.0),
+          spread(inputs, input_sum, input_squares)};
+}
+
+void explain(ParameterEstimate& estimate, const MotionShown& motion,
+             const std::vector<std::string>& tied) {
+  const bool is_friction = estimate.parameter == kViscous || estimate.parameter == kCoulomb ||
+                           estimate.parameter == kOffset;
+  if (motion.speed_spread < kSteady &&
+      (is_friction || estimate.parameter == kInertia || estimate.parameter == kTorqueConstant)) {
+    estimate.reason = is_friction
+                          ? "the speed is almost constant, so friction and offset act alike"
+                          : "the speed is almost constant, so no torque accelerates the inertia";
+    estimate.excitation = is_friction ? "move at several speeds in both directions"
+                                      : "accelerate: steps, a sine or a multisine of the torque";
+  } else if (is_friction && motion.other_way < kOneWay) {
+    estimate.reason = "the velocity never reverses, so Coulomb friction and offset act alike";
+    estimate.excitation = "let the motion reverse often";
+  } else if (estimate.parameter == kDelay && motion.input_spread < kSteady) {
+    estimate.reason = "the input is almost constant";
+    estimate.excitation = "change the torque often: steps or a multisine";
+  } else {
+    estimate.reason = tied.empty() ? "its interval is too wide for the size of the input"
+                                   : fmt::format("the records do not separate it from: {}",
+                                                 fmt::join(tied, ", "));
+    estimate.excitation = estimate.parameter == kBreakaway || estimate.parameter == kStribeckSpeed
+                              ? "pass through standstill often and slowly"
+                              : "a larger input with several frequencies and reversals";
+  }
+}
+
+// The scores of the likelihood by the position, in standard deviations: white if the model is true.
+std::vector<std::vector<double>> scores_of(const AxisData& data, const AxisFit& fit) {
+  const std::vector<double> positions = fitted_positions(data, fit);
+  std::vector<std::vector<double>> scores;
+  std::size_t k = 0;
+  const double truncated = data.rounding == EncoderRounding::truncate ? 0.5 * data.quantum : 0.0;
+  for (const AxisStretch& stretch : data.stretches) {
+    std::vector<double>& one = scores.emplace_back();
+    for (const double y : stretch.positions) {
+      const double off = (positions[k++] - y - std::copysign(truncated, y)) / fit.noise_std;
+      const double half = 0.5 * data.quantum / fit.noise_std;
+      one.push_back(data.quantum == 0.0 ? -off
+                                        : CodeInterval(-half - off, half - off).moments().mean);
+    }
+  }
+  return scores;
+}
+
+Whiteness whiteness_of(const std::vector<std::vector<double>>& scores) {
+  Whiteness whiteness;
+  whiteness.limit = kWhite99;
+  double rows = 0.0, squares = 0.0;
+  for (const auto& one : scores) {
+    rows += static_cast<double>(one.size());
+    for (const double s : one) squares += s * s;
+  }
+  if (squares == 0.0) return whiteness;
+  for (std::size_t lag = 1; lag <= kLags; ++lag) {
+    double products = 0.0;
+    for (const auto& one : scores) {
+      for (std::size_t k = lag; k < one.size(); ++k) products += one[k] * one[k - lag];
+    }
+    const double r = products / squares;
+    whiteness.correlations.push_back(r);
+    whiteness.statistic += rows * (rows + 2.0) * r * r / (rows - static_cast<double>(lag));
+  }
+  return whiteness;
+}
+
+// A model of inertia and viscous friction alone.
+AxisFit plain_fit(const AxisData& data, const AxisFit& fit) {
+  AxisFit plain = fit;
+  FreeParameters free{};
+  free[kInertia] = free[kViscous] = true;
+  plain.values[kCoulomb] = plain.values[kBreakaway] = plain.values[kOffset] = 0.0;
+  plain.values[kDelay] = 0.0;
+  plain.values[kViscous] = std::max(fit.values[kViscous], 0.1 * parameter_scales(data)[kViscous]);
+  plain = fit_starts(data, plain);
+  plain.noise_std = std::max(fit.noise_std, 0.1 * rms_error(data, plain));
+  return fit_axis(data, free, plain, 2 * kTrialIterations);
+}
+
+// The variance of the errors that noise and encoder explain.
+double error_variance(const AxisData& data, const AxisFit& fit) {
+  const double rounding = data.rounding == EncoderRounding::nearest ? 12.0 : 3.0;
+  return fit.noise_std * fit.noise_std + data.quantum * data.quantum / rounding;
+}
+
+FitErrors held_out_errors(const AxisData& held, const AxisFit& fit, const AxisFit& plain,
+                          const FreeParameters& free, const Eigen::MatrixXd& covariance,
+                          const AxisValues& scales) {
+  const AxisFit model = fit_starts(held, fit);
+  FitErrors errors{rms_error(held, model), rms_error(held, fit_starts(held, plain)), 0.0};
+  // The parameters' uncertainty adds to the variance: the mean square of each scaled direction.
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> directions(covariance);
+  const std::vector<double> positions = fitted_positions(held, model);
+  double variance = error_variance(held, fit);
+  for (Eigen::Index n = 0; n < covariance.rows(); ++n) {
+    AxisFit moved = model;
+    const double std = std::sqrt(std::max(0.0, directions.eigenvalues()(n)));
+    // A direction that the records did not show must not hide an error.
+    const double size = std::min(std, 0.5);
+    Eigen::Index i = 0;
+    for (std::size_t p = 0; p < kAxisParameters; ++p) {
+      if (!free[p]) continue;
+      const auto parameter = static_cast<AxisParameter>(p);
+      const double change = size * directions.eigenvectors()(i++, n);
+      moved.values[p] = is_logarithmic(parameter)
+                            ? moved_parameter(held, parameter, moved.values[p], change)
+                            : moved.values[p] + change * scales[p];
+    }
+    moved = fit_starts(held, moved);
+    const std::vector<double> other = fitted_positions(held, moved);
+    double squares = 0.0;
+    for (std::size_t k = 0; k < other.size(); ++k) {
+      squares += (other[k] - positions[k]) * (other[k] - positions[k]);
+    }
+    variance += squares / static_cast<double>(other.size());
+  }
+  errors.normalised = errors.rms / std::sqrt(variance);
+  return errors;
+}
+
+// Values, intervals and identifiability of the fit. Returns a better fit instead, if a profile
+// meets one.
+std::optional<AxisFit> add_parameters(Identification& result, Eigen::MatrixXd& covariance) {
+  const AxisData& data = result.data;
+  const AxisFit& fit = result.fit;
+  const FreeParameters& free = result.free;
+  result.parameters.clear();
+  // The prior keeps it regular.
+  const Eigen::MatrixXd M = information(data, free, fit);
+  covariance = M.ldlt().solve(Eigen::MatrixXd::Identity(M.rows(), M.cols()));
+  std::vector<AxisParameter> order;
+  for (std::size_t p = 0; p < kAxisParameters; ++p) {
+    if (free[p]) order.push_back(static_cast<AxisParameter>(p));
+  }
+  // The likelihood of codes has hardly any curvature without noise.
+  result.is_bootstrapped = data.quantum > 0.0 && fit.noise_std < 1.5 * kLeastNoise * data.quantum;
+  const std::vector<double> boots =
+      result.is_bootstrapped ? bootstrap_std(data, free, fit) : std::vector<double>();
+  const MotionShown motion = motion_of(data, fit);
+  for (std::size_t n = 0; n < order.size(); ++n) {
+    const auto i = static_cast<Eigen::Index>(n);
+    ParameterEstimate estimate{.parameter = order[n], .value = fit.values[order[n]]};
+    const double std = std::sqrt(covariance(i, i));
+    estimate.is_identifiable = std <= kKnown[order[n]].largest_std;
+    if (!estimate.is_identifiable) {
+      std::vector<std::string> tied;
+      for (std::size_t m = 0; m < order.size(); ++m) {
+        const auto j = static_cast<Eigen::Index>(m);
+        if (m != n && std::abs(covariance(i, j)) > kTied * std * std::sqrt(covariance(j, j))) {
+          tied.push_back(kKnown[order[m]].name);
+        }
+      }
+      explain(estimate, motion, tied);
+    }
+    if (estimate.is_identifiable && !result.is_bootstrapped) {
+      ParameterInterval interval = profile_interval(data, free, fit, order[n], std);
+      if (interval.better.deviance < fit.deviance - kBetter) return interval.better;
+      estimate.low = interval.low;
+      estimate.high = interval.high;
+      estimate.profile = std::move(interval.profile);
+    } else {
+      const double reach = kRoot95 * (estimate.is_identifiable ? boots[n] : std);
+      estimate.low = moved_parameter(data, order[n], estimate.value, -reach);
+      estimate.high = moved_parameter(data, order[n], estimate.value, reach);
+    }
+    result.parameters.push_back(std::move(estimate));
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+const char* parameter_key(AxisParameter parameter) {
+  return kKnown[parameter].key;
+}
+const char* parameter_unit(AxisParameter parameter) {
+  return kKnown[parameter].unit;
+}
+
+AxisData axis_data(const std::vector<RecordedAxis>& records, bool inputs_act_before,
+                   double settle_s) {
+  AxisData data;
+  for (const RecordedAxis& record : records) {
+    const bool has_all = !record.input_times_s.empty();
+    const std::vector<double>& t = has_all ? record.input_times_s : record.times_s;
+    const std::vector<double>& u = has_all ? record.all_inputs : record.inputs;
+    const RecordedTiming timing = timing_of(t, 0.0, kGapPeriods, 0.1);
+    data.period_s =
+        std::max(data.period_s, timing_of(record.times_s, 0.0, kGapPeriods, 0.1).period_s);
+    // A start after each gap forgets the unknown inputs. Many gaps are bridged instead.
+    const double longest_s =
+        (timing.gaps.size() > kMostStarts ? kLongestGap : kGapPeriods) * timing.period_s;
+    const std::size_t rows = t.size();
+    // The input that acts from row k on.
+    const auto input = [&](std::size_t k) {
+      return u[inputs_act_before ? std::min(k + 1, rows - 1) : k];
+    };
+    std::size_t row = 0;
+    for (std::size_t from = 0; from < rows;) {
+      AxisStretch stretch;
+      std::size_t k = from;
+      for (;; ++k) {
+        stretch.input_times_s.push_back(t[k] - t[from]);
+        stretch.inputs.push_back(input(k));
+        if (k + 1 == rows || t[k + 1] - t[k] > longest_s) break;
+        // Inputs of missing rows lie on a line.
+        const double missing = std::round((t[k + 1] - t[k]) / timing.period_s);
+        for (double i = 1.0; i < missing; i += 1.0) {
+          stretch.input_times_s.push_back(t[k] - t[from] + i * (t[k + 1] - t[k]) / missing);
+          stretch.inputs.push_back(std::lerp(input(k), input(k + 1), i / missing));
+        }
+      }
+      for (; row < record.times_s.size() && record.times_s[row] <= t[k]; ++row) {
+        const double now = record.times_s[row] - t[from];
+        if (now < settle_s) continue;
+        stretch.times_s.push_back(now);
+        stretch.positions.push_back(record.positions[row]);
+      }
+      if (stretch.times_s.size() >= kLeastRows) data.stretches.push_back(std::move(stretch));
+      from = k + 1;
+    }
+  }
+  return data;
+}
+
+Identification identify_axis(const std::vector<RecordedAxis>& records,
+                             const std::vector<RecordedAxis>& held_out,
+                             const IdentificationSettings& settings) {
+  Identification result;
+  const AxisData all = axis_data(records, settings.inputs_act_before, 0.0);
+  if (all.stretches.empty()) {
+    throw std::invalid_argument(
+        fmt::format("the records have no stretch of {} rows without a long gap", kLeastRows));
+  }
+  const double largest_delay = std::max(kLargestDelay, 20.0 * all.period_s);
+  const double largest_lead = std::max(kLargestLead, 5.0 * all.period_s);
+  // The inputs before the first row are unknown.
+  AxisData& data = result.data;
+  data = axis_data(records, settings.inputs_act_before, largest_delay);
+  if (data.stretches.empty()) data = all;
+  data.least_delay_s = -largest_lead;
+  data.largest_delay_s = largest_delay;
+  if (settings.quantum) {
+    data.quantum = *settings.quantum;
+  } else {
+    for (const AxisStretch& stretch : data.stretches) {
+      const double quantum = encoder_quantum(stretch.positions);
+      data.quantum = data.quantum == 0.0 ? quantum : std::min(quantum, data.quantum);
+    }
+    result.is_quantum_found = true;
+  }
+  data.rounding = settings.rounding;
+  const double range = range_of(data);
+  if (range == 0.0 || range < kLeastCounts * data.quantum) {
+    throw std::invalid_argument(fmt::format(
+        "the position moves by {:.3g} alone, and the encoder's count is {:.3g}: a larger input is "
+        "needed",
+        range, data.quantum));
+  }
+  const AxisValues scales = parameter_scales(data);
+  if (!(scales[kOffset] > 0.0)) throw std::invalid_argument("the input is always 0");
+
+  FreeParameters& free = result.free;
+  for (const AxisParameter p : {kInertia, kViscous, kCoulomb, kOffset, kDelay}) free[p] = true;
+  std::vector<AxisValues> candidates = start_candidates(data, -largest_lead, largest_delay);
+  if (candidates.empty()) {
+    throw std::invalid_argument(
+        "no start of the fit was found: the input does not explain the motion. Check the signs of "
+        "u and y, and their columns");
+  }
+  if (settings.known_inertia) {
+    free[kInertia] = false;
+    free[kTorqueConstant] = true;
+    for (AxisValues& values : candidates) {
+      const double factor = *settings.known_inertia / values[kInertia];
+      for (const AxisParameter p : {kInertia, kViscous, kCoulomb, kOffset, kTorqueConstant}) {
+        values[p] *= factor;
+      }
+    }
+  }
+  result.fit = best_fit(data, free, candidates);
+  if (settings.has_stribeck) {
+    // The friction of standstill falls to that of motion: several speeds are tried.
+    free[kBreakaway] = free[kStribeckSpeed] = true;
+    const double speed = scales[kOffset] / scales[kViscous];
+    std::vector<AxisValues> with_bump;
+    for (const double share : {0.03, 0.1, 0.3}) {
+      AxisValues values = result.fit.values;
+      values[kBreakaway] = std::max(0.3 * values[kCoulomb], 0.02 * scales[kBreakaway]);
+      values[kStribeckSpeed] = share * speed;
+      with_bump.push_back(values);
+    }
+    result.fit = best_fit(data, free, with_bump);
+  }
+  const AxisFit& fit = result.fit;
+  result.is_converged = fit.is_converged;
+  if (!std::isfinite(fit.deviance)) return result;
+
+  Eigen::MatrixXd covariance;
+  for (int turn = 0; turn < kMostRestarts; ++turn) {
+    const std::optional<AxisFit> better = add_parameters(result, covariance);
+    if (!better) break;
+    result.fit = fit_axis_and_noise(data, free, *better);
+    result.is_converged = result.fit.is_converged;
+  }
+
+  const AxisFit plain = plain_fit(data, fit);
+  result.errors.rms = rms_error(data, fit);
+  result.errors.plain_rms = rms_error(data, plain);
+  result.errors.normalised = result.errors.rms / std::sqrt(error_variance(data, fit));
+  result.whiteness = whiteness_of(scores_of(data, fit));
+  if (!result.whiteness.is_white()) {
+    result.notes.push_back(
+        "the residuals are not white: the model lacks something, and the intervals are too narrow");
+  }
+  if (!held_out.empty()) {
+    AxisData held = axis_data(held_out, settings.inputs_act_before, largest_delay);
+    held.quantum = data.quantum;
+    held.rounding = data.rounding;
+    if (held.stretches.empty()) {
+      throw std::invalid_argument("the held-out records are too short");
+    }
+    result.held_out = held_out_errors(held, fit, plain, free, covariance, scales);
+  }
+  return result;
+}
+
+}  // namespace breakwater

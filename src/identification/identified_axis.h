@@ -1,0 +1,84 @@
+// Identification of an axis from records: values, intervals, and what the records cannot show.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <breakwater/identification/axis_fit.h>
+#include <breakwater/recorded/recorded_axis.h>
+
+namespace breakwater {
+
+struct IdentificationSettings {
+  bool has_stribeck = false;
+  bool inputs_act_before = false;
+  std::optional<double> quantum;  ///< default: found in the positions
+  EncoderRounding rounding = EncoderRounding::nearest;
+  /// Takes this as J and fits the torque constant instead.
+  std::optional<double> known_inertia;
+};
+
+/// An estimated parameter with its 95 % interval, in SI units.
+struct ParameterEstimate {
+  AxisParameter parameter{};
+  double value = 0.0;
+  double low = 0.0;
+  double high = 0.0;
+  bool is_identifiable = true;
+  std::string reason;      ///< why not
+  std::string excitation;  ///< which one would help
+  /// (value, rise of −2 ln L) beside the estimate, in ascending order; 3.84 is the 95 % limit.
+  std::vector<std::pair<double, double>> profile;
+};
+
+/// Errors of the fit on one set of records.
+struct FitErrors {
+  double rms = 0.0;        ///< measured minus simulated position
+  double plain_rms = 0.0;  ///< of a model of inertia and viscous friction alone
+  /// RMS of the errors by what noise, encoder and the parameters' uncertainty explain: about 1.
+  double normalised = 0.0;
+};
+
+/// Ljung's and Box's test of the scores of the fit: white if the model explains the records.
+struct Whiteness {
+  double statistic = 0.0;
+  double limit = 0.0;                ///< 99 % quantile
+  std::vector<double> correlations;  ///< of lags 1, 2, …
+  bool is_white() const { return statistic <= limit; }
+};
+
+struct Identification {
+  AxisData data;
+  AxisFit fit;
+  FreeParameters free{};
+  std::vector<ParameterEstimate> parameters;
+  bool is_quantum_found = false;
+  bool is_bootstrapped = false;  ///< intervals by parametric bootstrap
+  bool is_converged = false;
+  FitErrors errors;
+  Whiteness whiteness;
+  std::optional<FitErrors> held_out;
+  std::vector<std::string> notes;
+
+  /// A held-out record has errors of at most twice what the fit explains.
+  bool holds() const { return !held_out || held_out->normalised <= 2.0; }
+};
+
+/// Throws std::invalid_argument if the position hardly moves, the input is 0, or the records are
+/// too short.
+Identification identify_axis(const std::vector<RecordedAxis>& records,
+                             const std::vector<RecordedAxis>& held_out,
+                             const IdentificationSettings& settings);
+
+/// The records as stretches without long gaps. `quantum` is not set. The rows of the first
+/// `settle_s` of each stretch give inputs alone.
+AxisData axis_data(const std::vector<RecordedAxis>& records, bool inputs_act_before,
+                   double settle_s);
+
+/// "inertia_kgm2", … and "kg m^2", … of a parameter of a rotation.
+const char* parameter_key(AxisParameter parameter);
+const char* parameter_unit(AxisParameter parameter);
+
+}  // namespace breakwater

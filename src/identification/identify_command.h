@@ -1,0 +1,12 @@
+// The command `identify`.
+#pragma once
+
+#include <breakwater/experiment/command_kind.h>
+
+namespace breakwater {
+
+/// Fits the model of an axis to recorded data. Exit status 3 if the fit did not converge, or if the
+/// held-out records disagree with it.
+CommandKind identify_command();
+
+}  // namespace breakwater

@@ -1,0 +1,38 @@
+// Scenarios that run on an identified axis.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <breakwater/signals/encoder_rounding.h>
+
+namespace breakwater {
+
+/// What the identification of a rotating axis gives to a scenario, in SI units.
+struct IdentifiedPlant {
+  double inertia = 0.0;
+  double viscous_friction = 0.0;
+  double coulomb_friction = 0.0;
+  double delay_s = 0.0;
+  double period_s = 0.0;
+  double quantum = 0.0;  ///< one count; 0: not quantised
+  EncoderRounding rounding = EncoderRounding::nearest;
+  double noise_std = 0.0;
+  double largest_torque = 0.0;  ///< of the records
+};
+
+/// A scenario that takes an identified plant.
+struct IdentifiedScenarioKind {
+  static constexpr const char* kWhat = "scenario of an identified axis";
+
+  std::string name;       ///< of the scenario
+  std::string case_name;  ///< the case that identified.toml has
+  /// The values of its keys, "key=value". Controller and disturbance fit the size of the plant.
+  std::vector<std::string> (*sets)(const IdentifiedPlant& plant);
+  // The keys of the parameters that a study may draw.
+  std::string inertia_key;
+  std::string viscous_key;
+  std::string coulomb_key;
+};
+
+}  // namespace breakwater
