@@ -36,12 +36,6 @@ Axis cart_axis() {
           .units = translation_units()};
 }
 
-Axis two_inertia_axis() {
-  Axis axis = motor_axis();
-  axis.joint = "load";
-  return axis;
-}
-
 void AxisSettings::bind(Fields& fields) {
   const Fields::Under under(fields, axis.prefix());
   const AxisUnits& u = axis.units;

@@ -34,10 +34,9 @@ struct Axis {
   std::string own(const std::string& what) const { return name.empty() ? what : name + "." + what; }
 };
 
-/// The axes of models/motor.xml, models/cart.xml and models/two_inertia.xml, where it is the load.
+/// The axes of models/motor.xml and models/cart.xml.
 Axis motor_axis();
 Axis cart_axis();
-Axis two_inertia_axis();
 
 /// The settings of one axis.
 struct AxisSettings {

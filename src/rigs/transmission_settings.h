@@ -10,7 +10,7 @@
 
 namespace breakwater {
 
-enum class NominalModel { rigid, motor, two_inertia };
+enum class NominalModel { rigid, motor, spring };
 
 /// The transmission from a motor's joint to the axis' joint, which is the load. Without a stiffness
 /// the transmission is rigid, and the motor has no joint of its own. The nominal model has the
