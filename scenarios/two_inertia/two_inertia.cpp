@@ -7,6 +7,19 @@
 #include <breakwater/rigs/predictive_settings.h>
 
 namespace breakwater {
+namespace {
+
+// The axis is the load. Its motor has the same actuator as models/motor.xml.
+Axis load() {
+  Axis axis = motor_axis();
+  axis.joint = "load";
+  return axis;
+}
+
+}  // namespace
+
+TwoInertiaDrive::TwoInertiaDrive(const Catalogue& catalogue)
+    : plant_(load(), catalogue), parts_(catalogue, "pd") {}
 
 std::vector<MetricDefinition> TwoInertiaDrive::metric_definitions() const {
   return with_qp_metrics(

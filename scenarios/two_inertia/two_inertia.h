@@ -9,8 +9,7 @@ namespace breakwater {
 /// controller moves the load, holds it under a torque, and reverses it through a backlash.
 class TwoInertiaDrive final : public AxisScenario {
  public:
-  explicit TwoInertiaDrive(const Catalogue& catalogue)
-      : plant_(two_inertia_axis(), catalogue), parts_(catalogue, "pd") {}
+  explicit TwoInertiaDrive(const Catalogue& catalogue);
 
   std::string name() const override { return "two_inertia"; }
   std::string summary() const override {

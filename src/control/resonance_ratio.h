@@ -1,7 +1,7 @@
 // Resonance ratio control of two inertias.
 #pragma once
 
-#include <breakwater/plants/two_inertia.h>
+#include <breakwater/plants/motor_and_load.h>
 
 namespace breakwater {
 

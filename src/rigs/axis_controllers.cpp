@@ -53,12 +53,12 @@ void bind_resonance_ratio(Fields& fields, ResonanceRatioSettings& settings) {
 std::unique_ptr<Controller> make_resonance_ratio(const ResonanceRatioSettings& settings,
                                                  const AxisTask& task, SharedEstimator estimator) {
   const NominalAxis& axis = task.axis;
-  if (!axis.two_inertia || axis.measured != Side::motor || axis.E.size() != 0) {
+  if (!axis.inertias || axis.measured != Side::motor || axis.E.size() != 0) {
     throw WrongKey("nominal.model",
                    "must be motor for resonance ratio control, with the nominal stiffness and an "
                    "encoder on the motor");
   }
-  const ResonanceRatioGains gains = resonance_ratio(*axis.two_inertia, settings.damping_ratio);
+  const ResonanceRatioGains gains = resonance_ratio(*axis.inertias, settings.damping_ratio);
   return std::make_unique<DisturbanceCancellingPd>(
       std::move(estimator),
       DisturbanceCancellingPdDesign{.k_p = gains.k_p,

@@ -12,7 +12,7 @@
 #include <breakwater/observers/disturbance_estimator.h>
 #include <breakwater/observers/disturbance_model.h>
 #include <breakwater/observers/sensor_error.h>
-#include <breakwater/plants/two_inertia.h>
+#include <breakwater/plants/motor_and_load.h>
 #include <breakwater/rigs/loop_parts.h>
 #include <breakwater/signals/axis_units.h>
 
@@ -33,9 +33,9 @@ struct NominalAxis {
   // With a transmission (transmission_settings.h).
   Side measured = Side::load;
   double measured_ratio = 1.0;  ///< motion of the measured side for one of the load at rest
-  std::optional<TwoInertia> two_inertia = {};  ///< the nominal numbers, if known
-  /// If the plant has the states of both inertias (two_inertia.h): ẋ = A x + B u − E d. Otherwise
-  /// empty, and d opposes the input.
+  std::optional<TwoInertia> inertias = {};  ///< the nominal numbers, if known
+  /// If the plant has the states of both inertias (motor_and_load.h): ẋ = A x + B u − E d.
+  /// Otherwise empty, and d opposes the input.
   Eigen::VectorXd E = {};
   Eigen::Index controlled = 0;  ///< the state that is the load's position
   double inertia = 0.0;         ///< d over the acceleration of the measured side; 0: 1/B₂
@@ -67,7 +67,7 @@ struct AxisTask {
     Eigen::VectorXd x = Eigen::VectorXd::Zero(axis.plant.states());
     x.head<2>() = start_state;
     if (x.size() == 4) {
-      const double ratio = axis.two_inertia->ratio;
+      const double ratio = axis.inertias->ratio;
       x.tail<2>() = start_state * (axis.measured == Side::motor ? 1.0 / ratio : ratio);
     }
     return x;

@@ -40,12 +40,6 @@ Axis cart_axis() {
           .units = translation_units()};
 }
 
-Axis two_inertia_axis() {
-  Axis axis = motor_axis();
-  axis.joint = "load";
-  return axis;
-}
-
 Axis named_axis(const std::string& name, const std::string& joint, const std::string& actuator,
                 bool is_hinge) {
   Axis axis = is_hinge ? motor_axis() : cart_axis();

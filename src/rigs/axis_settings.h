@@ -42,10 +42,9 @@ struct Axis {
   std::string own(const std::string& what) const { return name.empty() ? what : name + "_" + what; }
 };
 
-/// The axes of models/motor.xml, models/cart.xml and models/two_inertia.xml, where it is the load.
+/// The axes of models/motor.xml and models/cart.xml.
 Axis motor_axis();
 Axis cart_axis();
-Axis two_inertia_axis();
 
 /// An axis of a plant whose file names its axes.
 Axis named_axis(const std::string& name, const std::string& joint, const std::string& actuator,

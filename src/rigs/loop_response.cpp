@@ -8,6 +8,7 @@
 #include <memory>
 
 #include <breakwater/control/controller.h>
+#include <breakwater/math/functions.h>
 
 namespace breakwater {
 namespace {
@@ -170,7 +171,8 @@ std::complex<double> sum(const std::vector<double>& values, std::complex<double>
 }  // namespace
 
 Phasors frequency_response(const PulseResponse& pulses, double omega_rad_s, double period_s) {
-  const std::complex<double> back = std::polar(1.0, -omega_rad_s * period_s);
+  const std::complex<double> back(math::cos(omega_rad_s * period_s),
+                                  -math::sin(omega_rad_s * period_s));
   return {sum(pulses.command, back), sum(pulses.disturbance, back), sum(pulses.velocity, back)};
 }
 

@@ -42,7 +42,7 @@ void TransmissionSettings::bind(Fields& fields, const AxisUnits& u,
   fields.choice("nominal.model", nominal_model,
                 {{"rigid", NominalModel::rigid},
                  {"motor", NominalModel::motor},
-                 {"two_inertia", NominalModel::two_inertia}},
+                 {"spring", NominalModel::spring}},
                 "model of controller and observer: motor and load as one inertia, the motor alone, "
                 "or both with the spring");
   fields.standard("nominal.model", {std::string("rigid")});
@@ -94,14 +94,14 @@ StateSpace TransmissionSettings::linear(const Model& model, const std::string& l
     plant.B *= design.ratio;
     return plant;
   }
-  return two_inertia({.motor_inertia = inertia(motor_joint),
-                      .load_inertia = inertia(load),
-                      .stiffness = design.stiffness,
-                      .damping = design.damping,
-                      .motor_friction = motor_friction,
-                      .load_friction = load_friction,
-                      .ratio = design.ratio},
-                     measured);
+  return motor_and_load({.motor_inertia = inertia(motor_joint),
+                         .load_inertia = inertia(load),
+                         .stiffness = design.stiffness,
+                         .damping = design.damping,
+                         .motor_friction = motor_friction,
+                         .load_friction = load_friction,
+                         .ratio = design.ratio},
+                        measured);
 }
 
 void TransmissionSettings::describe(NominalAxis& axis, double load_inertia,
@@ -114,13 +114,13 @@ void TransmissionSettings::describe(NominalAxis& axis, double load_inertia,
   axis.measured = measured;
   axis.measured_ratio = measured_ratio();
   if (nominal_stiffness > 0.0 && nominal_motor_inertia > 0.0) {
-    axis.two_inertia = TwoInertia{.motor_inertia = nominal_motor_inertia,
-                                  .load_inertia = load_inertia,
-                                  .stiffness = nominal_stiffness,
-                                  .damping = nominal_damping,
-                                  .motor_friction = nominal_motor_friction,
-                                  .load_friction = load_friction,
-                                  .ratio = N};
+    axis.inertias = TwoInertia{.motor_inertia = nominal_motor_inertia,
+                               .load_inertia = load_inertia,
+                               .stiffness = nominal_stiffness,
+                               .damping = nominal_damping,
+                               .motor_friction = nominal_motor_friction,
+                               .load_friction = load_friction,
+                               .ratio = N};
   }
   switch (nominal_model) {
     case NominalModel::rigid: {
@@ -137,13 +137,12 @@ void TransmissionSettings::describe(NominalAxis& axis, double load_inertia,
       }
       axis.plant = damped_inertia(nominal_motor_inertia, nominal_motor_friction);
       return;
-    case NominalModel::two_inertia:
-      if (!axis.two_inertia) {
-        throw WrongKey("nominal.model",
-                       "two_inertia needs a nominal stiffness and motor's inertia");
+    case NominalModel::spring:
+      if (!axis.inertias) {
+        throw WrongKey("nominal.model", "spring needs a nominal stiffness and motor's inertia");
       }
-      axis.plant = two_inertia(*axis.two_inertia, measured);
-      axis.E = load_torque_input(*axis.two_inertia, measured);
+      axis.plant = motor_and_load(*axis.inertias, measured);
+      axis.E = load_torque_input(*axis.inertias, measured);
       axis.controlled = measured == Side::load ? 0 : 2;
       axis.inertia = (load_inertia + N * N * nominal_motor_inertia) / axis.measured_ratio;
       return;

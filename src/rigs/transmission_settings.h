@@ -10,7 +10,7 @@
 
 namespace breakwater {
 
-enum class NominalModel { rigid, motor, two_inertia };
+enum class NominalModel { rigid, motor, spring };
 
 /// The transmission from a motor's joint to the axis' joint, which is the load. Without a stiffness
 /// the transmission is rigid, and the motor has no joint of its own. The nominal model has the
@@ -18,7 +18,7 @@ enum class NominalModel { rigid, motor, two_inertia };
 struct TransmissionSettings {
   TransmissionDesign design;
   std::string motor_joint;
-  double motor_inertia = 0.0;  ///< of a rigid transmission's motor; a joint of its own has one
+  double motor_inertia = 0.0;  ///< inertia of a rigid transmission's motor
   double motor_friction = 0.0;
   Side measured = Side::load;  ///< the side of the encoder
 

@@ -38,8 +38,8 @@ SensorError sensor(double quantum) {
 }
 
 ExtendedPlant extended(Side side) {
-  return sample_with_disturbance_model(two_inertia(kPlant, side), load_torque_input(kPlant, side),
-                                       0, kPeriod);
+  return sample_with_disturbance_model(motor_and_load(kPlant, side),
+                                       load_torque_input(kPlant, side), 0, kPeriod);
 }
 
 Estimator kfd(Side side) {
@@ -54,12 +54,12 @@ Estimator stf(Side side) {
 
 Estimator qbank(Side side) {
   const double inertia = kPlant.motor_inertia + kPlant.load_inertia;
-  return sized_multiple_model({two_inertia(kPlant, side), kPeriod, sensor(1e-5), 2.0,
+  return sized_multiple_model({motor_and_load(kPlant, side), kPeriod, sensor(1e-5), 2.0,
                                load_torque_input(kPlant, side), inertia});
 }
 
 StateFeedbackDesign feedback(Side side) {
-  StateFeedbackDesign design{.plant = two_inertia(kPlant, side),
+  StateFeedbackDesign design{.plant = motor_and_load(kPlant, side),
                              .E = load_torque_input(kPlant, side),
                              .controlled = side == Side::load ? 0 : 2,
                              .reference = {0.5, 0.0},
@@ -74,7 +74,7 @@ StateFeedbackDesign feedback(Side side) {
 Eigen::VectorXd run_loop(Controller& controller, Side side, double d, double from_s, double to_s,
                          double quantum = 0.0, double period_s = kPeriod,
                          const std::function<void(double, const Eigen::VectorXd&)>& watch = {}) {
-  const StateSpace continuous = two_inertia(kPlant, side);
+  const StateSpace continuous = motor_and_load(kPlant, side);
   const StateSpace plant = zero_order_hold(continuous, period_s);
   const Eigen::MatrixXd E =
       zero_order_hold({continuous.A, load_torque_input(kPlant, side), continuous.C}, period_s).B;
@@ -98,7 +98,7 @@ TEST(ResonanceRatio, IdealLoopHasItsPolesAtTheAntiResonance) {
       plant.ratio = ratio;
       const ResonanceRatioGains gains = resonance_ratio(plant, zeta);
       // τ̂ is the spring's torque at the motor, T/N.
-      const StateSpace open = two_inertia(plant, Side::motor);
+      const StateSpace open = motor_and_load(plant, Side::motor);
       const Eigen::RowVector4d twist(1.0 / ratio, 0.0, -1.0, 0.0);
       const Eigen::RowVector4d feedback = -Eigen::RowVector4d(gains.k_p, gains.k_d, 0.0, 0.0) +
                                           gains.cancelled_share() * plant.stiffness / ratio * twist;
@@ -143,7 +143,7 @@ TEST(ResonanceRatio, NeedsAPositiveDampingRatio) {
 }
 
 TEST(StateFeedback, PlacesThePolesOfTheClosedLoop) {
-  const StateSpace plant = two_inertia(kPlant, Side::motor);
+  const StateSpace plant = motor_and_load(kPlant, Side::motor);
   const PoleGroup wanted = {{-40.0, 30.0}, {-40.0, -30.0}, -60.0, -90.0};
   const StateSpace sampled = zero_order_hold(plant, kPeriod);
   const Eigen::MatrixXd closed =
@@ -227,7 +227,7 @@ TEST(StateFeedback, RefusesWhatDoesNotFit) {
 
 TEST(MultipleModelBank, RefusesAPlantOfAnotherShape) {
   const auto design = [] {
-    return MultipleModelDesign{two_inertia(kPlant, Side::motor),       kPeriod, sensor(1e-5), 2.0,
+    return MultipleModelDesign{motor_and_load(kPlant, Side::motor),    kPeriod, sensor(1e-5), 2.0,
                                load_torque_input(kPlant, Side::motor), 0.03};
   };
   EXPECT_NO_THROW(sized_multiple_model(design()));

@@ -86,10 +86,10 @@ TEST(TwoInertiaScenario, RefusesWhatContradictsItself) {
     }
   };
   expect_refused("rrc", {"encoder.side=load"}, "nominal.model: motor needs encoder.side");
-  expect_refused("rrc", {"nominal.model=two_inertia", "observer.name=stf"},
+  expect_refused("rrc", {"nominal.model=spring", "observer.name=stf"},
                  "nominal.model: must be motor for resonance ratio control");
   expect_refused("sf-kfd", {"nominal.stiffness_Nm_rad=0"},
-                 "nominal.model: two_inertia needs a nominal stiffness");
+                 "nominal.model: spring needs a nominal stiffness");
   expect_refused("sf-kfd", {"observer.name=idob"},
                  "nominal.model: must be rigid or motor for idob");
   expect_refused(

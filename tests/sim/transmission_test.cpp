@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include <breakwater/plants/two_inertia.h>
+#include <breakwater/plants/motor_and_load.h>
 #include <breakwater/sim/friction.h>
 #include <breakwater/sim/simulation.h>
 #include "sim/small_models.h"
@@ -162,7 +162,7 @@ TwoInertia numbers_of(const TransmissionDesign& design) {
 }
 
 std::array<Complex, 2> closed_form(const TwoInertia& numbers, double omega) {
-  const StateSpace plant = two_inertia(numbers, Side::motor);
+  const StateSpace plant = motor_and_load(numbers, Side::motor);
   const Eigen::MatrixXcd resolvent =
       Complex(0.0, omega) * Eigen::MatrixXcd::Identity(4, 4) - plant.A.cast<Complex>();
   const Eigen::MatrixXcd x = resolvent.partialPivLu().solve(plant.B.cast<Complex>());

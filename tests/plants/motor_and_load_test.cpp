@@ -1,4 +1,4 @@
-#include <breakwater/plants/two_inertia.h>
+#include <breakwater/plants/motor_and_load.h>
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 
 #include <breakwater/linear/pole_placement.h>
 
-namespace breakwater::two_inertia_test {
+namespace breakwater::motor_and_load_test {
 namespace {
 
 using Complex = std::complex<double>;
@@ -33,7 +33,7 @@ TEST(TwoInertia, RespondsAsItsEquationsOfMotion) {
   // The two equations as a 2×2 system in the positions, solved by Cramer's rule.
   const TwoInertia& p = kPlant;
   for (const Side side : {Side::motor, Side::load}) {
-    const StateSpace plant = two_inertia(p, side);
+    const StateSpace plant = motor_and_load(p, side);
     const Eigen::Index motor = side == Side::motor ? 0 : 2, load = 2 - motor;
     for (const double omega : {1.0, 30.0, 60.0, 400.0}) {
       const Complex s(0.0, omega), k = p.stiffness + p.damping * s;
@@ -54,7 +54,7 @@ TEST(TwoInertia, RespondsAsItsEquationsOfMotion) {
 TEST(TwoInertia, ResonancesAreEigenvaluesOfTheUndampedPlant) {
   TwoInertia undamped = kPlant;
   undamped.damping = undamped.motor_friction = undamped.load_friction = 0.0;
-  const StateSpace plant = two_inertia(undamped, Side::motor);
+  const StateSpace plant = motor_and_load(undamped, Side::motor);
   EXPECT_NEAR(spectral_radius(plant.A), resonance_rad_s(undamped), 1e-6);
   // The motor stands still at the anti-resonance.
   const double omega = antiresonance_rad_s(undamped);
@@ -73,10 +73,10 @@ TEST(TwoInertia, RefusesNonsense) {
        }) {
     TwoInertia wrong = kPlant;
     change(wrong);
-    EXPECT_THROW(two_inertia(wrong, Side::motor), std::invalid_argument);
+    EXPECT_THROW(motor_and_load(wrong, Side::motor), std::invalid_argument);
     EXPECT_THROW(load_torque_input(wrong, Side::load), std::invalid_argument);
   }
 }
 
 }  // namespace
-}  // namespace breakwater::two_inertia_test
+}  // namespace breakwater::motor_and_load_test

@@ -1,4 +1,4 @@
-#include <breakwater/plants/two_inertia.h>
+#include <breakwater/plants/motor_and_load.h>
 
 #include <cmath>
 #include <stdexcept>
@@ -16,7 +16,7 @@ void check(const TwoInertia& plant) {
   }
 }
 
-StateSpace two_inertia(const TwoInertia& p, Side measured) {
+StateSpace motor_and_load(const TwoInertia& p, Side measured) {
   check(p);
   const Eigen::Index motor = measured == Side::motor ? 0 : 2, load = 2 - motor;
   StateSpace plant{Eigen::Matrix4d::Zero(), Eigen::Vector4d::Zero(), Eigen::RowVector4d::Unit(0)};

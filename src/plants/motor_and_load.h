@@ -27,7 +27,7 @@ enum class Side { motor, load };
 /// T = K (q_m/N − q_l) + D (q̇_m/N − q̇_l),
 /// with the input τ. The states are the position and velocity of the measured side, then those of
 /// the other side. The output is the position of the measured side. Throws as check() does.
-StateSpace two_inertia(const TwoInertia& plant, Side measured);
+StateSpace motor_and_load(const TwoInertia& plant, Side measured);
 
 /// E (4×1) of ẋ = A x + B τ − E d, for the same states: d opposes the load. Throws as check() does.
 Eigen::VectorXd load_torque_input(const TwoInertia& plant, Side measured);
