@@ -45,7 +45,7 @@ const char* meaning(DeclaredKind kind) {
     case DeclaredKind::peak:
       return "largest magnitude";
     case DeclaredKind::settling:
-      return "time from the window's start until the magnitude stays within the level";
+      return "time from the window's start until the magnitude stays within the level to its end";
     case DeclaredKind::overshoot:
       return "farthest value beyond 0, relative to the first value of the window, on its other "
              "side";
@@ -139,7 +139,7 @@ DeclaredValue::DeclaredValue(const DeclaredMetric& metric, const std::vector<Sig
       window_(metric.window().within(end_s)),
       values_(window_),
       changes_(window_),
-      settling_(metric.window().within_and_on(end_s), metric.level),
+      settling_(window_, metric.level),
       reach_(metric.from_s, metric.level) {}
 
 void DeclaredValue::add(double time_s, double step_s) {

@@ -71,8 +71,8 @@ void AxisSettings::bind_own(Fields& fields) {
                  {"step", ReferenceShape::step},
                  {"sine", ReferenceShape::sine},
                  {"csv", ReferenceShape::csv}},
-                "reference of the position: hold the start, step from the start to a value, a sine "
-                "about the start, or a table");
+                "reference of the position: hold the pose of start.keyframe, step from it to a "
+                "value, a sine about it, or a table");
   const std::string value = "reference.value_" + u.position_suffix;
   fields.number(value, reference.value, any(), "position after a step; amplitude of a sine" + unit);
   fields.number("reference.from_s", reference.from_s, not_negative(),
@@ -138,8 +138,8 @@ void AxisSettings::bind(Fields& fields) {
   if (is_named) {
     const char* const from = "nominal.from";
     fields.choice(from, nominal_from, {{"model", NominalFrom::model}, {"keys", NominalFrom::keys}},
-                  "source of the nominal inertia and viscous friction: the model, at the start "
-                  "pose with all other joints held, or keys");
+                  "source of the nominal inertia and viscous friction: the model, at the pose of "
+                  "start.keyframe with all other joints held, or keys");
     fields.standard(from, {std::string("model")});
     const Fields::OfPart keys(fields, from, "keys");
     bind_nominal();
@@ -271,7 +271,9 @@ void AxisPlant::bind(Fields& fields) {
   if (is_named) {
     fields.standard("plant.inertia_ratio", {1.0});
     fields.standard("record.compression", {std::int64_t{0}});
-    fields.text("start.keyframe", keyframe, "keyframe of the start pose; none: the joints' own");
+    fields.text("start.keyframe", keyframe,
+                "keyframe of the pose that axes hold and models are linearised about; "
+                "none: the joints' own");
     fields.standard("start.keyframe", {std::string(Axis::kNone)});
     fields.flag("sensor.true_state", senses_true_state,
                 "samples also have the true positions and the true velocities of all axes");
@@ -294,7 +296,7 @@ void AxisPlant::complete(const Config& config) {
   if (axes.empty() || axis().axis.name.empty()) return;
   const Model model = load_model(&config);
   const std::vector<double> pose =
-      config.blame("start.keyframe", [&] { return start_pose(model); });
+      config.blame("start.keyframe", [&] { return this->pose(model); });
   const Eigen::MatrixXd inertia = joint_inertia(model, pose);
   for (PushSettings& one : pushes) {
     const Config own = config.under(one.prefix());
@@ -412,12 +414,16 @@ Model AxisPlant::load_model(const Config* config) const {
   return model;
 }
 
-std::vector<double> AxisPlant::start_pose(const Model& model) const {
+std::vector<double> AxisPlant::pose(const Model& model) const {
   const mjtNum* pose = model->qpos0;
   if (keyframe != Axis::kNone) {
     pose = model->key_qpos + static_cast<std::ptrdiff_t>(model->nq) * model.id(mjOBJ_KEY, keyframe);
   }
-  std::vector<double> qpos(pose, pose + model->nq);
+  return {pose, pose + model->nq};
+}
+
+std::vector<double> AxisPlant::start_pose(const Model& model) const {
+  std::vector<double> qpos = pose(model);
   for (const AxisSettings& one : axes) {
     const int joint = model.id(mjOBJ_JOINT, one.axis.joint);
     qpos[static_cast<std::size_t>(model->jnt_qposadr[joint])] += one.start_position;

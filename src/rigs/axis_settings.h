@@ -53,7 +53,7 @@ Axis named_axis(const std::string& name, const std::string& joint, const std::st
 /// The source of an axis' nominal model.
 enum class NominalFrom {
   keys,
-  model  ///< the joint's own inertia at the start pose, with all other joints held
+  model  ///< the joint's own inertia, with all other joints held
 };
 
 /// The settings of one axis.
@@ -156,7 +156,9 @@ struct AxisPlant {
   /// The plant's model, with its physics, friction and limits. Throws std::invalid_argument if
   /// the file lacks something.
   Model load_model() const { return load_model(nullptr); }
-  /// The start pose of all joints. Throws std::invalid_argument if there is no such keyframe.
+  /// The pose of all joints that the keyframe gives. Throws std::invalid_argument if there is none.
+  std::vector<double> pose(const Model& model) const;
+  /// The same with the axes' distances of the start.
   std::vector<double> start_pose(const Model& model) const;
   /// The measured positions of all axes; then, with senses_true_state, all true positions and all
   /// true velocities.

@@ -122,7 +122,7 @@ PlantTask plant_task(const AxisPlant& plant) {
     whole.sensor.noise_std(i) = sensor.noise_std(0);
   }
   try {
-    LinearModel linear = linearise(plant.load_model(), plant.start_pose(model), joints, actuators);
+    LinearModel linear = linearise(plant.load_model(), plant.pose(model), joints, actuators);
     whole.plant = std::move(linear.plant);
     task.held_input = std::move(linear.held_input);
   } catch (const std::invalid_argument& error) {
@@ -132,12 +132,13 @@ PlantTask plant_task(const AxisPlant& plant) {
 }
 
 std::vector<PlantControllerKind> plant_controllers() {
-  return {{"axes", "each axis has its own controller: axis.NAME.controller.name", bind_nothing,
-           make_axes},
-          {"lqr",
-           "linear quadratic regulator of the plant linearised about its start pose, with "
-           "cancellation of the estimated disturbance",
-           bind_lqr, make_lqr}};
+  return {
+      {"axes", "each axis has its own controller: axis.NAME.controller.name", bind_nothing,
+       make_axes},
+      {"lqr",
+       "linear quadratic regulator of the plant linearised about the pose of start.keyframe, with "
+       "cancellation of the estimated disturbance",
+       bind_lqr, make_lqr}};
 }
 
 Catalogue with_none(Catalogue catalogue) {

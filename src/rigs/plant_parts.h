@@ -17,12 +17,12 @@ struct PlantTask {
   std::vector<std::string> names;  ///< of the axes
   std::vector<AxisTask> axes;
   std::vector<std::size_t> driven;  ///< the axes whose forces the controller commands
-  /// The plant linearised about its start pose, as one axis with many states: inputs are the
+  /// The plant linearised about its pose, as one axis with many states: inputs are the
   /// driven axes, outputs all axes, x = [deviations of all joints; their rates]. Without states if
   /// `why_not_linear` says why.
   NominalAxis whole;
   std::string why_not_linear;
-  Eigen::VectorXd pose;        ///< the axes' positions at the start
+  Eigen::VectorXd pose;        ///< the axes' positions there
   Eigen::VectorXd held_input;  ///< the forces that hold it there
   Eigen::VectorXd limit;       ///< of the driven axes
   bool senses_true_state = false;
