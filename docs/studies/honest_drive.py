@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Which rankings of the motor's estimators turn when the drive is as it is.
+"""Which rankings of the motor's estimators change with a real drive.
 
     breakwater sweep studies/honest-drive.toml
     docs/studies/honest_drive.py [studies/honest-drive/results.csv]

@@ -87,8 +87,8 @@ def identify(
 ) -> Identification:
     """Find inertia, friction, offset and delay of an axis in recorded data, with 95 % intervals.
 
-    data, holdout: a DataFrame or a dict with the columns time_s [s], u [N m] and y [rad], the name of a table, or
-       a list of these. The held-out records check the fit, which does not use them.
+    data, holdout: a DataFrame, a dict, the name of a table, or a list of these. The columns are time_s [s],
+       u [N m] and y [rad]. The held-out records check the fit, which does not use them.
     model: "axis". friction: "coulomb" or "stribeck".
     inertia: the known inertia [kg m²]. The torque constant is then found instead.
     set: keys of table and encoder, such as {"csv.input_scale": 0.068, "encoder.quantum": 0.0}.

@@ -30,11 +30,11 @@ class Controller:
     `self.setup` of the arm: period_s, chain (tip_pose, tip_jacobian, mass_matrix as functions of the angles
     [rad]), torque_limit_Nm, nominal_inertia_kgm2, start_angles_rad, start_pose (x, y, phi),
     force_control_from_s, force_reference_N, convert_gain_N_m. For an axis: period_s, A, B, C (continuous),
-    force_limit, quantum, noise_std, start_state, reference(t). For a plant: names (of its axes), period_s, and
-    the plant linearised about its pose: A, B, C (continuous; x has the deviations of all joints, then their
-    rates), pose, held_input (the forces that hold the pose), force_limit, quantum, noise_std, reference(t), each
-    with one entry an axis or a driven axis. For the quadrotor: period_s, reference_m,
-    mass_kg, inertia_kgm2, net_weight_N, thrust_limit_N, thruster_matrix, position_std_m, angle_std_rad.
+    force_limit, quantum, noise_std, start_state, reference(t). For a plant: names (of its axes), period_s, A, B, C,
+    pose, held_input, force_limit, quantum, noise_std, reference(t). The arrays have one entry for each axis or
+    driven axis. A, B and C are the plant linearised about its pose, in continuous time. The state x has the
+    deviations of all joints, then their rates. The forces held_input hold the pose. For the quadrotor: period_s,
+    reference_m, mass_kg, inertia_kgm2, net_weight_N, thrust_limit_N, thruster_matrix, position_std_m, angle_std_rad.
 
     An exception ends the run and leaves bw.run() with its traceback.
     """

@@ -83,22 +83,23 @@ void DeclaredMetric::bind(Fields& fields) {
   fields.text("of", of, "signal of the log, NAME or NAME[2]");
   fields.text("minus", minus, "signal that is subtracted from it; none: nothing");
   fields.standard("minus", {std::string(kNone)});
-  fields.choice("kind", kind,
-                {{"rms", DeclaredKind::rms},
-                 {"rmse", DeclaredKind::rms},
-                 {"mean", DeclaredKind::mean},
-                 {"max", DeclaredKind::max},
-                 {"min", DeclaredKind::min},
-                 {"peak", DeclaredKind::peak},
-                 {"settling", DeclaredKind::settling},
-                 {"overshoot", DeclaredKind::overshoot},
-                 {"reach", DeclaredKind::reach},
-                 {"rms_change", DeclaredKind::rms_change},
-                 {"time", DeclaredKind::time_above},
-                 {"bounces", DeclaredKind::onsets}},
-                "rms or rmse, mean, max, min, peak (magnitude), settling (within the level), "
-                "overshoot (of the difference to a reference), reach (of the level), rms_change "
-                "(from sample to sample), time (above the level) or bounces (above the level)");
+  fields.choice(
+      "kind", kind,
+      {{"rms", DeclaredKind::rms},
+       {"rmse", DeclaredKind::rms},
+       {"mean", DeclaredKind::mean},
+       {"max", DeclaredKind::max},
+       {"min", DeclaredKind::min},
+       {"peak", DeclaredKind::peak},
+       {"settling", DeclaredKind::settling},
+       {"overshoot", DeclaredKind::overshoot},
+       {"reach", DeclaredKind::reach},
+       {"rms_change", DeclaredKind::rms_change},
+       {"time", DeclaredKind::time_above},
+       {"bounces", DeclaredKind::onsets}},
+      "rms or rmse, mean, max, min, peak (magnitude), rms_change (from sample to sample), "
+      "overshoot (of the difference to a reference). With a level: settling (within it), reach "
+      "(of it), time (above it), bounces (above it)");
   fields.number("from_s", from_s, not_negative(), "start of the window [s]");
   fields.number("to_s", to_s, not_negative(), "end of the window; 0: the end of the run [s]");
   fields.number("level", level, not_negative(), "level, in the signal's unit");

@@ -56,7 +56,7 @@ Fields TwoInertiaDrive::fields() {
                  {"torque_step", Kind::torque_step},
                  {"reversal", Kind::reversal}},
                 "step of the load's reference, step of the torque on the load, or a step of the "
-                "reference and back to its opposite through the backlash");
+                "reference and then its opposite");
   fields.number("task.reference_rad", reference_rad_, any(), "reference of the load [rad]");
   fields.number("task.load_torque_Nm", torque_Nm_, any(), "torque against the load [N m]");
   fields.number("task.from_s", from_s_, not_negative(), "time of the step [s]");

@@ -15,8 +15,8 @@ namespace breakwater {
 struct ColumnTable {
   std::vector<std::vector<double>> columns;  ///< in the order of the wanted columns
   std::vector<std::size_t> lines;            ///< the line of each row in the file, counted from 1
-  std::vector<std::string> units;            ///< of each column; empty if the table names none
-  bool has_torn_end = false;                 ///< the last line was left out
+  std::vector<std::string> units;  ///< the unit of each column; empty if the table names none
+  bool has_torn_end = false;       ///< the last line was left out
 
   std::size_t rows() const { return lines.size(); }
 };

@@ -224,7 +224,7 @@ class Fields {
 
   std::vector<Field> fields_;
   Part part_;           // the part whose keys are being bound
-  std::string prefix_;  // of the keys that are being bound
+  std::string prefix_;  // the prefix of the keys that are being bound
 };
 
 }  // namespace breakwater

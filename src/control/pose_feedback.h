@@ -27,8 +27,8 @@ struct PoseFeedbackDesign {
   Eigen::MatrixXd K;               ///< m×n
   Eigen::VectorXd pose;            ///< the outputs at the pose (p)
   Eigen::VectorXd held_input;      ///< u_0 that holds the pose (m)
-  Eigen::VectorXd limit;           ///< of each input (m); infinity: none
-  std::vector<FeedbackAxis> axes;  ///< of each output (p)
+  Eigen::VectorXd limit;           ///< limit of each input (m); infinity: none
+  std::vector<FeedbackAxis> axes;  ///< one for each output (p)
 };
 
 /// u = u_0 − K (x̂ − x_ref) + d̂. The estimator sees deviations from the pose, and gets u after the

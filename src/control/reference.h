@@ -20,7 +20,7 @@ struct Reference {
   ReferenceShape kind = ReferenceShape::step;
   double before = 0.0;
   double frequency_rad_s = 0.0;  ///< ω of a sine
-  math::TableFunction table;     ///< of a csv
+  math::TableFunction table;     ///< the table of a csv
 
   double at(double time_s) const {
     if (!(time_s >= from_s)) return before;

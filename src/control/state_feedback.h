@@ -33,9 +33,10 @@ struct StateFeedbackDesign {
   Eigen::VectorXd start_state;  ///< x̂(0), n
 };
 
-/// u(k) = u* − K (x̂(k) − x*), where (x*, u*) is the plant at rest under the estimated disturbance
-/// d̂(k) with the controlled state at r: A x* + B u* = E d̂, x*_c = r. A constant disturbance
-/// therefore leaves no error, as with integral action, wherever it acts.
+/// u(k) = u* − K (x̂(k) − x*). The plant rests at (x*, u*) under the estimated disturbance d̂(k),
+/// with the controlled state at r:
+///     A x* + B u* = E d̂, x*_c = r.
+/// A constant disturbance therefore leaves no error, as with integral action, wherever it acts.
 ///
 /// The estimator gets u after the drive's force limit. Expects the measured position as the first
 /// entry of a sample.

@@ -12,12 +12,12 @@
 namespace breakwater {
 namespace {
 
-constexpr double kStep = 1e-6;     // of the differences, in the scales
+constexpr double kStep = 1e-6;     // step of the differences, in the scales
 constexpr double kPriorStd = 3.0;  // in the scales
 constexpr int kMostIterations = 60;
 constexpr int kMostTurns = 8;
 constexpr double kNoiseChange = 0.01;  // relative, at which the turns end
-constexpr std::size_t kBins = 2000;    // of the errors, for the most likely noise
+constexpr std::size_t kBins = 2000;    // bins of the errors, for the most likely noise
 
 // The positions with the code y: [y - below, y + above].
 struct Code {
@@ -165,7 +165,7 @@ class Problem {
   AxisFit base_;
   AxisValues scales_;
   std::vector<AxisParameter> free_;
-  Eigen::VectorXd centre_;  // of the prior
+  Eigen::VectorXd centre_;  // centre of the prior
   double speed_ = 0.0;
   double length_ = 0.0;
 };

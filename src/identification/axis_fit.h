@@ -32,7 +32,7 @@ using FreeParameters = std::array<bool, kAxisParameters>;
 
 struct AxisFit {
   AxisValues values{};
-  std::vector<AxisStart> starts;  ///< of each stretch
+  std::vector<AxisStart> starts;  ///< one for each stretch
   double noise_std = 0.0;         ///< σ of the white noise before the encoder
   double deviance = std::numeric_limits<double>::infinity();  ///< −2 ln L
   bool is_converged = false;
@@ -43,8 +43,8 @@ struct AxisFit {
 ///     L = Π P(y_k),   P(y) = Φ((y₊ − q)/σ) − Φ((y₋ − q)/σ),
 /// where [y₋, y₊] are the positions with the code y. Without an encoder the errors are Gaussian.
 ///
-/// The least-squares problem of the Levenberg–Marquardt algorithm (Ceres' TinySolver) has the
-/// deviance residuals ±√(2 ln P(centre) − 2 ln P(y)), half of whose squared sum is −ln L.
+/// The Levenberg–Marquardt algorithm (Ceres' TinySolver) minimises the squares of the deviance
+/// residuals ±√(2 ln P(centre) − 2 ln P(y)). Half of their sum is −ln L, up to a constant.
 /// A weak prior, three scales wide around `start`, holds what the records do not show. Differences
 /// in the parameters give the sensitivities. Friction and inertia stay positive, since
 /// the solver sees their magnitude and logarithm.
@@ -64,7 +64,7 @@ inline constexpr double kLeastNoise = 0.03;
 std::vector<double> fitted_positions(const AxisData& data, const AxisFit& fit);
 
 /// Natural sizes of changes of the parameters: 1 for J, v_s and k (logarithms), T_s for the delay,
-/// the RMS input for torques, and this by the RMS speed for the viscous friction.
+/// and the RMS input for torques. For the viscous friction it is the RMS input by the RMS speed.
 AxisValues parameter_scales(const AxisData& data);
 
 /// The covariance of the free parameters, in their scales and order, from the curvature of the

@@ -24,8 +24,8 @@ struct ParameterInterval {
 ParameterInterval profile_interval(const AxisData& data, const FreeParameters& free,
                                    const AxisFit& fit, AxisParameter parameter, double std_scaled);
 
-/// Standard deviations of the free parameters, in their scales, over fits to records that the
-/// fitted axis makes without noise, each with another phase of the encoder.
+/// Standard deviations of the free parameters, in their scales, over fits to simulated records. The
+/// fitted axis makes the records without noise, each with another phase of the encoder.
 std::vector<double> bootstrap_std(const AxisData& data, const FreeParameters& free,
                                   const AxisFit& fit);
 

@@ -11,7 +11,7 @@ namespace {
 constexpr int kShortest = 8;               // rows of a window
 constexpr int kLengths = 7;                // each twice the one before
 constexpr double kMostStuck = 0.2;         // share of a window
-constexpr std::size_t kMostRows = 400000;  // of all windows of one length
+constexpr std::size_t kMostRows = 400000;  // all windows of one length together
 constexpr Eigen::Index kUnknowns = 4;      // 1/J, c/J, F_C/J, d₀/J
 
 // Integrals of one window without the delay, and where it lies.

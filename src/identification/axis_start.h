@@ -7,8 +7,8 @@
 
 namespace breakwater {
 
-/// Candidates for the fit, from the equation of motion weighted with a window φ that vanishes with
-/// its slope at its ends, and so needs no derivative of the position:
+/// Candidates for the fit, from the equation of motion weighted with a window φ. The window and its
+/// slope vanish at its ends, so the equation needs no derivative of the position:
 ///     J ∫φ̈ q − c ∫φ̇ q + F_C ∫φ sgn v + d₀ ∫φ = k ∫φ u(t − τ)
 ///
 /// Each length of the window gives one candidate, with the delay of least residual, from

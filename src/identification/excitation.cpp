@@ -66,7 +66,7 @@ std::vector<double> within_limits(std::vector<double> inputs, const ExcitationLi
 // The unknowns of a multisine.
 struct Multisine {
   double gain = 1.0;
-  double slope = 0.0;  // of the amplitudes over the frequency
+  double slope = 0.0;  // slope of the amplitudes over the frequency
   std::vector<double> phases;
 
   std::vector<double> inputs(const ExcitationLimits& limits) const {

@@ -18,14 +18,14 @@ struct ExcitationLimits {
 /// further 10 % viscous friction. `inertia` 0: from the limits. Needs a finite speed or an inertia.
 AxisValues guessed_axis(const ExcitationLimits& limits, double inertia);
 
-/// Common inputs, scaled to the limits for this axis: a chirp from 0.1 Hz to 20 Hz, and a
-/// pseudo-random binary sequence (11 bits) with this clock.
+/// Two common inputs, scaled to the limits for this axis. One is a chirp from 0.1 Hz to 20 Hz, the
+/// other a pseudo-random binary sequence (11 bits) with this clock.
 std::vector<double> chirp(const ExcitationLimits& limits, const AxisValues& axis);
 std::vector<double> binary_sequence(const ExcitationLimits& limits, const AxisValues& axis,
                                     double clock_s);
 
-/// Standard deviations of inertia, viscous and Coulomb friction, offset and delay (relative,
-/// N m s/rad, N m, N m, s) that a record with this input would give.
+/// Standard deviations that a record with this input would give. Their order is inertia (relative),
+/// viscous friction [N m s/rad], Coulomb friction [N m], offset [N m], delay [s].
 std::vector<double> expected_std(const std::vector<double>& inputs, const ExcitationLimits& limits,
                                  const AxisValues& axis);
 

@@ -9,9 +9,9 @@ namespace breakwater {
 namespace {
 
 constexpr double kSmall = 1e-2;         // below which a series replaces expm1 and log
-constexpr double kSpeedStep = 0.2;      // of v_s, in which the friction is linear
+constexpr double kSpeedStep = 0.2;      // in v_s: the friction is linear within it
 constexpr double kStribeckEnd = 3.5;    // in v_s: the friction is that of Coulomb beyond
-constexpr double kShortestStep = 1e-3;  // of the interval
+constexpr double kShortestStep = 1e-3;  // relative to the interval
 
 // φ₁ = (1 − e^(−λh))/λ and φ₂ = (h − φ₁)/λ.
 struct Integrals {

@@ -27,7 +27,7 @@ using AxisValues = std::array<double, kAxisParameters>;
 struct AxisStretch {
   std::vector<double> input_times_s;
   std::vector<double> inputs;
-  std::vector<double> times_s;    ///< of the positions; the first is that of the initial state
+  std::vector<double> times_s;  ///< times of the positions; the first is that of the initial state
   std::vector<double> positions;  ///< as measured
 };
 

@@ -7,8 +7,8 @@
 
 namespace breakwater {
 
-/// report.html: the parameters, the fit over the data, its residuals with their test, the profiles
-/// of the likelihood, and the errors beside those of a plain model.
+/// report.html: the parameters, the fit over the data, its residuals with their test, and the
+/// profiles of the likelihood. The errors stand beside those of a plain model.
 std::string identification_report(const Identification& identification, const std::string& command);
 
 }  // namespace breakwater

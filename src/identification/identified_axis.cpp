@@ -19,8 +19,8 @@ namespace {
 constexpr double kGapPeriods = 1.5;      // a longer interval lacks rows
 constexpr std::size_t kMostStarts = 10;  // gaps of a record, each of which begins a stretch
 constexpr double kLongestGap = 20.0;     // in periods: after a longer one a stretch begins
-constexpr std::size_t kLeastRows = 60;   // of a stretch
-constexpr double kLeastCounts = 10.0;    // of motion
+constexpr std::size_t kLeastRows = 60;   // in a stretch
+constexpr double kLeastCounts = 10.0;    // the least motion
 constexpr double kLargestDelay = 0.02;   // s, or 20 periods if that is more
 constexpr double kLargestLead = 0.005;   // s, of the clock of u, or 5 periods
 constexpr int kTrialIterations = 15;
@@ -38,7 +38,7 @@ struct Known {
   const char* key;
   const char* unit;
   const char* name;
-  double largest_std;  // of an identifiable parameter, in its scale
+  double largest_std;  // limit for an identifiable parameter, in its scale
 };
 
 constexpr Known kKnown[] = {

@@ -36,7 +36,7 @@ struct ParameterEstimate {
 /// Errors of the fit on one set of records.
 struct FitErrors {
   double rms = 0.0;        ///< measured minus simulated position
-  double plain_rms = 0.0;  ///< of a model of inertia and viscous friction alone
+  double plain_rms = 0.0;  ///< the same for a model of inertia and viscous friction alone
   /// RMS of the errors by what noise, encoder and the parameters' uncertainty explain: about 1.
   double normalised = 0.0;
 };
@@ -45,7 +45,7 @@ struct FitErrors {
 struct Whiteness {
   double statistic = 0.0;
   double limit = 0.0;                ///< 99 % quantile
-  std::vector<double> correlations;  ///< of lags 1, 2, …
+  std::vector<double> correlations;  ///< at lags 1, 2, …
   bool is_white() const { return statistic <= limit; }
 };
 

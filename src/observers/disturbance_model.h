@@ -7,8 +7,8 @@
 
 namespace breakwater {
 
-/// A sampled plant with m disturbances, one at each input unless said otherwise: x̄ = [x; d; ḋ; d̈],
-/// with derivatives up to the order of the disturbance model.
+/// A sampled plant with m disturbances, one at each input unless said otherwise. Its state
+/// x̄ = [x; d; ḋ; d̈] has the derivatives up to the order of the disturbance model.
 struct ExtendedPlant {
   StateSpace sampled;         ///< A̅, B̅, C̅
   Eigen::Index plant_states;  ///< n, the size of x
@@ -35,8 +35,8 @@ ExtendedPlant extend_by_disturbance_model(const StateSpace& sampled_plant, int o
 ExtendedPlant sample_with_disturbance_model(const StateSpace& continuous_plant, int order,
                                             double period_s);
 
-/// The same for disturbances that enter elsewhere than the inputs, such as a load behind a spring:
-/// ẋ = A x + B u − E d with E (n×m). The result has no plant in continuous time.
+/// The same for disturbances that do not enter at the inputs, such as a load behind a spring. The
+/// plant is ẋ = A x + B u − E d with E (n×m). The result has no plant in continuous time.
 ExtendedPlant sample_with_disturbance_model(const StateSpace& continuous_plant,
                                             const Eigen::MatrixXd& E, int order, double period_s);
 

@@ -63,9 +63,9 @@ class MultipleModelBank final : public DisturbanceEstimator {
     double outside = 1.0;  ///< probability outside the code's interval after the last update
   };
 
-  /// Throws std::invalid_argument unless the plant has n states, one axis with measured position
-  /// and can stand still everywhere, T_s and D are positive, and the sensor's errors are not
-  /// negative.
+  /// The plant must have n states and one axis with measured position, and must be able to rest at
+  /// every position. T_s and D must be positive, and the sensor's errors not negative. Throws
+  /// std::invalid_argument otherwise.
   explicit MultipleModelBank(const MultipleModelDesign& design);
 
   void reset(const Vector& x) override;

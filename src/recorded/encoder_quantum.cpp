@@ -8,8 +8,8 @@
 namespace breakwater {
 namespace {
 
-constexpr double kLoose = 0.2;   // of a count, while the first guess is refined
-constexpr double kTight = 0.05;  // of a count, at the end
+constexpr double kLoose = 0.2;   // in counts, while the first guess is refined
+constexpr double kTight = 0.05;  // in counts, at the end
 
 // Whether the sorted differences are multiples of about `quantum`, which they then refine.
 bool explains(const std::vector<double>& differences, double& quantum) {

@@ -8,7 +8,7 @@
 
 namespace breakwater {
 
-/// What the identification of a rotating axis gives to a scenario, in SI units.
+/// The identified parameters of a rotating axis for a scenario, in SI units.
 struct IdentifiedPlant {
   double inertia = 0.0;
   double viscous_friction = 0.0;
@@ -18,14 +18,14 @@ struct IdentifiedPlant {
   double quantum = 0.0;  ///< one count; 0: not quantised
   EncoderRounding rounding = EncoderRounding::nearest;
   double noise_std = 0.0;
-  double largest_torque = 0.0;  ///< of the records
+  double largest_torque = 0.0;  ///< the largest torque of the records
 };
 
 /// A scenario that takes an identified plant.
 struct IdentifiedScenarioKind {
   static constexpr const char* kWhat = "scenario of an identified axis";
 
-  std::string name;       ///< of the scenario
+  std::string name;       ///< name of the scenario
   std::string case_name;  ///< the case that identified.toml has
   /// The values of its keys, "key=value". Controller and disturbance fit the size of the plant.
   std::vector<std::string> (*sets)(const IdentifiedPlant& plant);

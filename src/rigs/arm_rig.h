@@ -28,7 +28,7 @@ struct ArmSettings {
   ModelFile mjcf;
   std::string urdf;
   PhysicsSettings physics;
-  TimingSettings timing;  ///< of the commands
+  TimingSettings timing;  ///< timing of the commands
   RunSettings run;
 
   double friction_Nm = 0.0;  ///< Coulomb friction of each joint; negative: that of the model file

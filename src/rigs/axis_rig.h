@@ -29,8 +29,8 @@ class AxisRig {
   AxisRig(const AxisRig&) = delete;
   AxisRig& operator=(const AxisRig&) = delete;
 
-  /// The loop of a plant with one axis, which must outlive the rig: a warning that the reference is
-  /// not held then says whether the linear loop is stable.
+  /// Takes the loop of a plant with one axis. A warning that the reference is not held then says
+  /// whether the linear loop is stable. `parts` must outlive the rig.
   void know_loop(const AxisParts& parts, const AxisTask& task) {
     parts_ = &parts;
     task_ = task;
@@ -41,7 +41,7 @@ class AxisRig {
   void step();
 
   const Simulation& simulation() const { return *simulation_; }
-  // Of an axis, at the beginning of the last step.
+  // The values of an axis at the beginning of the last step.
   const double& position(std::size_t axis = 0) const;
   const double& velocity(std::size_t axis = 0) const;
   const double& measured(std::size_t axis = 0) const;
@@ -106,7 +106,7 @@ class AxisRig {
     Noise input_noise;
     double input_noise_value = 0.0;
     double disturbance = 0.0;
-    double torque = 0.0;  // of the transmission
+    double torque = 0.0;  // torque of the transmission
     double reference = 0.0;
   };
 

@@ -20,7 +20,8 @@ namespace breakwater {
 
 /// The names and units of an axis in its model.
 struct Axis {
-  std::string name;  ///< of its keys and signals; empty for a plant with one axis and without names
+  /// A part of its keys and signals; empty for a plant with one axis and without names.
+  std::string name;
   std::string joint;
   std::string actuator;         ///< kNone: it is measured, but not driven
   std::string position_sensor;  ///< kJoint: the joint itself
@@ -31,7 +32,7 @@ struct Axis {
   std::string friction_suffix;  ///< suffix of the viscous friction: "Nms_rad"
   AxisUnits units;
 
-  /// Of its keys: "axis.NAME.", or "".
+  /// The prefix of its keys: "axis.NAME.", or "".
   std::string prefix() const { return name.empty() ? "" : "axis." + name + "."; }
   bool is_driven() const { return actuator != kNone; }
   bool measures_joint() const { return position_sensor == kJoint; }
@@ -65,7 +66,7 @@ struct AxisSettings {
   // Not all scenarios have keys for these.
   double start_position = 0.0;  ///< distance of the start from the model's pose
   double start_velocity = 0.0;
-  Reference reference;  ///< of the position
+  Reference reference;  ///< reference of the position
   Disturbance force;    ///< d, which opposes the drive (Eqs. 2.5, 2.36)
   Disturbance output;   ///< d_o, added to the measurement (Eq. 2.37)
 
@@ -93,7 +94,7 @@ struct AxisSettings {
   int delay_samples = 0;
   TransmissionSettings transmission;
 
-  // Of named axes alone.
+  // Only for named axes.
   std::string reference_file;
   DisturbanceSettings disturbance;
   // From the model.
@@ -123,15 +124,16 @@ struct AxisPlant {
 
   ModelFile mjcf;
   PhysicsSettings physics;
-  TimingSettings timing;  ///< of the commands
+  TimingSettings timing;  ///< timing of the commands
   RunSettings run;
   FaultSettings faults;
   double inertia_ratio = 1.0;      ///< ratio of the plant's inertia to that of its model file
   double judged_to_s = 0.0;        ///< end of the metrics' windows: a shorter run has no metrics
   bool senses_true_state = false;  ///< samples also have the true positions and velocities
-  std::string keyframe = Axis::kNone;  ///< of the start pose; kNone: that of the model's joints
+  /// The keyframe of the start pose; kNone: the pose of the model's joints.
+  std::string keyframe = Axis::kNone;
   std::vector<AxisSettings> axes;
-  // Of a plant with named axes alone.
+  // Only for a plant with named axes.
   std::vector<PushSettings> pushes;
   std::vector<ContactSettings> contacts;
 

@@ -11,7 +11,7 @@ namespace breakwater {
 /// A disturbance by the keys disturbance.…
 struct DisturbanceSettings {
   Disturbance shape;
-  std::string file;  ///< of the kind csv
+  std::string file;  ///< table of the kind csv
 
   /// `suffix` and `unit` are those of the amplitude: "Nm", "N m".
   void bind(Fields& fields, const std::string& suffix, const std::string& unit);

@@ -1,4 +1,4 @@
-// The keys of a drive as it is: friction, motor, timing, encoder scale. All are off by default.
+// The keys of a real drive: friction, motor, timing, encoder scale. All are off by default.
 #pragma once
 
 #include <memory>

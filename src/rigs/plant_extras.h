@@ -1,4 +1,4 @@
-// What a plant of named axes may have besides its axes: forces on bodies, and contacts to watch.
+// Parts of a plant with named axes besides the axes: forces on bodies, and contacts to watch.
 #pragma once
 
 #include <string>

@@ -14,17 +14,17 @@ namespace breakwater {
 
 /// The task of a controller of all axes.
 struct PlantTask {
-  std::vector<std::string> names;  ///< of the axes
+  std::vector<std::string> names;  ///< names of the axes
   std::vector<AxisTask> axes;
   std::vector<std::size_t> driven;  ///< the axes whose forces the controller commands
-  /// The plant linearised about its pose, as one axis with many states: inputs are the
-  /// driven axes, outputs all axes, x = [deviations of all joints; their rates]. Without states if
-  /// `why_not_linear` says why.
+  /// The plant linearised about its pose, as one axis with many states. The inputs are the driven
+  /// axes, the outputs all axes, and x = [deviations of all joints; their rates]. It has no states
+  /// if it cannot be linearised, and `why_not_linear` then says why.
   NominalAxis whole;
   std::string why_not_linear;
   Eigen::VectorXd pose;        ///< the axes' positions there
   Eigen::VectorXd held_input;  ///< the forces that hold it there
-  Eigen::VectorXd limit;       ///< of the driven axes
+  Eigen::VectorXd limit;       ///< force limits of the driven axes
   bool senses_true_state = false;
   /// Makes the controllers that the axes have chosen, as one.
   std::function<std::unique_ptr<Controller>()> own_controllers;

@@ -6,9 +6,9 @@
 namespace breakwater {
 
 /// A force on bodies or joints that depends on time and state. The engine's control callback calls
-/// it at every stage of the integrator, with current position and velocity quantities. It adds to
-/// data.xfrc_applied (force, torque in the world frame, at the body's centre of mass) or to
-/// data.qfrc_applied (force along a joint), which are zero at first. Must not throw, allocate or
+/// it at every stage of the integrator, with current position and velocity quantities. It adds
+/// to data.xfrc_applied (force and torque in the world frame, at the body's centre of mass) or to
+/// data.qfrc_applied (force along a joint). Both are zero at first. It must not throw, allocate or
 /// keep state.
 class ExternalForce {
  public:

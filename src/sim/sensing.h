@@ -24,7 +24,7 @@ enum class Reading {
   roll,       ///< angles of a frame quaternion, continuous over whole turns
   pitch,
   yaw,
-  joint_position,  ///< of the hinge or slide that `sensor` names
+  joint_position,  ///< position of the hinge or slide that `sensor` names
   joint_velocity
 };
 

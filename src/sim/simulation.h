@@ -133,7 +133,7 @@ class Simulation {
   Eigen::VectorXd upper_limit_;
   std::vector<Pwm> pwm_;
   std::optional<CommandTiming> timing_;
-  std::vector<std::optional<MotorDrive>> drives_;  // of each actuator; empty: none has one
+  std::vector<std::optional<MotorDrive>> drives_;  // one for each actuator; empty: none has a drive
   Eigen::VectorXd command_;
   Eigen::VectorXd actuation_;
   Eigen::VectorXd drive_force_;

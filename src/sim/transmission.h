@@ -26,9 +26,9 @@ struct TransmissionDesign {
 /// so that the transmission stores energy only in its spring and loses energy only in its damper.
 class Transmission final : public ExternalForce {
  public:
-  /// Throws std::invalid_argument if a number is not in its range, a joint is not there or is no
-  /// slide or hinge, or the integrator is not stable on the spring between the inertias of the
-  /// model's own pose. The message has the longest stable timestep.
+  /// Throws std::invalid_argument if a number is not in its range, or if a joint is missing or is
+  /// no slide or hinge. It also throws if the integrator is not stable on the spring between the
+  /// inertias of the model's own pose. This message has the longest stable timestep.
   Transmission(const Model& model, const std::string& motor, const std::string& load,
                const TransmissionDesign& design);
 

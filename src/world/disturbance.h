@@ -29,7 +29,7 @@ struct Disturbance {
   double sweep_s = 1.0;                 ///< T > 0 of a chirp
   double hold_s = 1.0;                  ///< > 0, of noise
   std::optional<Noise> noise = {};      ///< there for the kind noise
-  math::TableFunction table = {};       ///< of a csv
+  math::TableFunction table = {};       ///< the table of a csv
 
   double value(double time_s) const;
   /// The derivative, without the jumps of a step or of noise.

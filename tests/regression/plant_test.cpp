@@ -200,7 +200,7 @@ TEST(PlantTest, Refuses) {
   }
 }
 
-// Step response of ω² / (s² + 2 ζ ω s + ω²): the overshoot is exp(−π ζ/√(1 − ζ²)), and the error
+// In the step response of ω² / (s² + 2 ζ ω s + ω²) the overshoot is exp(−π ζ/√(1 − ζ²)). The error
 // last leaves ±5 % where its sampled magnitude does.
 TEST(DeclaredMetricTest, SecondOrderResponse) {
   constexpr double kZeta = 0.3, kOmega = 5.0, kStep = 1e-4;

@@ -31,8 +31,8 @@ TEST(TwoInertiaScenario, ModelsWithTheSpringEstimateTheLoad) {
   EXPECT_GT(metric("rrc", "rmse_load_velocity_rad_s"), 0.1);
 }
 
-// At rest under a load torque d, K_p e = d for PD control and K_p e = K_r d for resonance ratio
-// control; the spring twists by d/K.
+// At rest under a load torque d the spring twists by d/K. PD control has K_p e = d, and resonance
+// ratio control has K_p e = K_r d.
 TEST(TwoInertiaScenario, LoadTorqueLeavesTheErrorsOfTheClosedForms) {
   constexpr double kTorque = 1.0, kGain = 25.0, kStiffness = 50.0, kReaction = 2.0;
   const auto error = [](const std::string& name) {
@@ -54,8 +54,8 @@ TEST(TwoInertiaScenario, EncoderMayBeAtTheLoadAndTheMotorBehindAGear) {
   EXPECT_NEAR(metric("rrc", "steady_state_error_rad", {"transmission.ratio=3"}), 0.0, 2e-4);
 }
 
-// With N = 2, J_m = 1/4 and J_l = 1 the drive moves as with N = 1 and J_l = 1, if the torque on the
-// load is twice as large.
+// N = 2, J_m = 1/4 and J_l = 1 move as N = 1 and J_l = 1, if the torque on the load is twice as
+// large.
 TEST(TwoInertiaScenario, RigidGearReflectsTheInertiaOfItsMotor) {
   const auto peak = [](const Sets& sets) {
     return *testing::completed_run("motor_estimation", "idob", sets).metric("peak_position_rad");

@@ -1,7 +1,11 @@
 """Integrates a mass with friction, finely and implicitly.
 
-Input: mass, Coulomb friction, static ratio, Stribeck velocity, sigma_0, sigma_1, viscous friction, amplitude and
-angular frequency of a force, stiffness and speed of a spring that pulls, duration, number of outputs.
+Input, in this order:
+- mass, Coulomb friction, static ratio, Stribeck velocity, sigma_0, sigma_1, viscous friction
+- amplitude and angular frequency of a force
+- stiffness and speed of a spring that pulls
+- duration, number of outputs
+
 Output: the positions at equal distances of time. sigma_0 = 0: no bristles, friction as a set-valued force.
 """
 
@@ -35,7 +39,7 @@ def set_valued(h):
     for k in range(1, int(count) * every + 1):
         free = v + h / mass * force(k * h, x)
         new = v
-        for _ in range(3):  # of the level at the new velocity
+        for _ in range(3):  # iterations for the level at the new velocity
             new = np.sign(free) * max(0.0, abs(free) - h / mass * level(new)) / (1.0 + h / mass * viscous)
         v = new
         x += h * v
