@@ -10,7 +10,8 @@
 
 Runs:         run, load, scenarios, cases; Run
 Many runs:    sweep
-Your own:     Controller, Estimator; ArmSample, AxisSample, QuadrotorSample; PlanarChain
+Your own:     Controller, Estimator; ArmSample, AxisSample, PlantSample, QuadrotorSample;
+              PlanarChain
 Design:       dare, lqr, place_poles, place_observer_poles, zero_order_hold, damped_inertia,
               extend_by_disturbance_model, observability_rank; QpSolver, solve_qp
 On your data: identify; Identification, IdentifiedParameter; AxisObserver, by name; Stf, Qvff, Vfakfd, Fakfd,
@@ -55,7 +56,7 @@ from .observers import (
 )
 from .parts import Controller, Estimator
 from .runs import Run, RunFailed, cases, load, run, scenarios
-from .samples import ArmSample, AxisSample, QuadrotorSample
+from .samples import ArmSample, AxisSample, PlantSample, QuadrotorSample
 from .sweeps import sweep
 
 __all__ = [
@@ -76,6 +77,7 @@ __all__ = [
     "Motions",
     "PlanarChain",
     "Plant",
+    "PlantSample",
     "QpSolution",
     "QpSolver",
     "QuadrotorFilter",

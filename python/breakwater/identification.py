@@ -110,7 +110,8 @@ def identify(
             words += [f"--holdout={file}" for file in _files(holdout, "holdout", folder)]
         status, said = call([*words, "--", *_files(data, "data", folder)])
         said = [line.removeprefix(_WARNING) for line in said]
-        if status not in (0, _NOT_TO_BE_USED):
+        has_result = (folder / "result" / "identified.json").exists()
+        if status not in (0, _NOT_TO_BE_USED) or not has_result:
             raise failure_of(status, said[-1] if said else f"identify: exit status {status}")
         for line in said:
             warnings.warn(line, stacklevel=2)

@@ -10,6 +10,7 @@ namespace breakwater {
 namespace {
 
 constexpr int kMostBits = 30;
+constexpr double kMostStaticRatio = 1e3;  // of friction.static_ratio
 
 std::vector<std::string> sets_of(const IdentifiedPlant& plant) {
   std::vector<std::string> sets;
@@ -20,6 +21,14 @@ std::vector<std::string> sets_of(const IdentifiedPlant& plant) {
   set("plant.inertia_ratio", plant.inertia);
   set("plant.viscous_friction_Nms_rad", plant.viscous_friction);
   set("plant.coulomb_friction_Nm", plant.coulomb_friction);
+  constexpr double kLeastShare = 1e-3;
+  if (plant.breakaway_friction > kLeastShare * plant.coulomb_friction &&
+      plant.coulomb_friction > 0.0) {
+    sets.emplace_back("friction.law=stribeck");
+    set("friction.static_ratio",
+        std::min(kMostStaticRatio, 1.0 + plant.breakaway_friction / plant.coulomb_friction));
+    set("friction.stribeck_velocity", plant.stribeck_speed);
+  }
   set("nominal.inertia_kgm2", plant.inertia);
   set("nominal.viscous_friction_Nms_rad", plant.viscous_friction);
   set("control.period_s", plant.period_s);

@@ -76,6 +76,8 @@ std::string identified_toml(const Catalogue& catalogue, const Identification& id
   const IdentifiedPlant plant{.inertia = values[kInertia],
                               .viscous_friction = values[kViscous],
                               .coulomb_friction = values[kCoulomb],
+                              .breakaway_friction = values[kBreakaway],
+                              .stribeck_speed = values[kStribeckSpeed],
                               .delay_s = values[kDelay],
                               .period_s = rounded(data.period_s),
                               .quantum = data.quantum,

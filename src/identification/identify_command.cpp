@@ -155,7 +155,8 @@ ExcitationLimits limits_of(const IdentifyArguments& arguments) {
     double value = 0.0;
     const bool is_number =
         equals != std::string::npos && CLI::detail::lexical_cast(limit.substr(equals + 1), value);
-    if ((name != "torque" && name != "speed") || !is_number || !(value > 0.0)) {
+    if ((name != "torque" && name != "speed") || !is_number || !(value > 0.0) ||
+        !std::isfinite(value)) {
       refuse("--limits: must be torque=VALUE[,speed=VALUE], is " + limit);
     }
     (name == "torque" ? limits.torque : limits.speed) = value;

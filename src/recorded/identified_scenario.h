@@ -13,6 +13,8 @@ struct IdentifiedPlant {
   double inertia = 0.0;
   double viscous_friction = 0.0;
   double coulomb_friction = 0.0;
+  double breakaway_friction = 0.0;  ///< friction at rest beyond the Coulomb friction
+  double stribeck_speed = 0.0;      ///< v_s, if there is such friction
   double delay_s = 0.0;
   double period_s = 0.0;
   double quantum = 0.0;  ///< one count; 0: not quantised

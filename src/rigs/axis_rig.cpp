@@ -213,10 +213,12 @@ std::vector<Signal> AxisRig::signals() const {
     if (!axis.name.empty()) {
       add("reference_" + u.position_suffix, u.position, "reference", axes_[i].reference);
     }
-    if (!axis.is_driven()) continue;
-    add("command_" + u.force_suffix, u.force, "commanded input", command(i));
-    add("applied_" + u.force_suffix, u.force, "applied input, saturated and rounded", actuation(i));
-    if (plant_.axes[i].drive.electric().is_on()) {
+    if (axis.is_driven()) {
+      add("command_" + u.force_suffix, u.force, "commanded input", command(i));
+      add("applied_" + u.force_suffix, u.force, "applied input, saturated and rounded",
+          actuation(i));
+    }
+    if (axis.is_driven() && plant_.axes[i].drive.electric().is_on()) {
       add("current_A", "A", "current of the motor",
           sim.motor(static_cast<int>(axes_[i].actuator)).current_A());
       add("motor_" + u.force_suffix, u.force, "true force of the motor",

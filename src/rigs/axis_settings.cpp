@@ -238,6 +238,7 @@ void AxisPlant::learn(const Config& config) {
   for (const std::string& name : names) {
     const Config own = config.under("axis." + name + ".");
     const std::string joint_name = text(own, "joint");
+    const std::string motor_name = text(own, "transmission.motor_joint");
     int joint = -1;
     bool is_hinge = true;
     std::string actuator = Axis::kNone;
@@ -245,9 +246,16 @@ void AxisPlant::learn(const Config& config) {
       const Model& m = *model;
       joint = own.blame("joint", [&] { return m.id(mjOBJ_JOINT, joint_name); });
       is_hinge = m->jnt_type[joint] != mjJNT_SLIDE;
+      const int driven = motor_name.empty() ? joint : own.blame("transmission.motor_joint", [&] {
+        return m.id(mjOBJ_JOINT, motor_name);
+      });
       for (int i = m->nu - 1; i >= 0; --i) {
-        if (m->actuator_trntype[i] != mjTRN_JOINT || m->actuator_trnid[2 * i] != joint) continue;
-        actuator = mj_id2name(m.get(), mjOBJ_ACTUATOR, i);
+        if (m->actuator_trntype[i] != mjTRN_JOINT || m->actuator_trnid[2 * i] != driven) continue;
+        const char* const found_name = mj_id2name(m.get(), mjOBJ_ACTUATOR, i);
+        if (found_name == nullptr) {
+          own.fail("joint", "the model's actuator of this joint needs a name");
+        }
+        actuator = found_name;
       }
     }
     found.emplace_back(joint, named_axis(name, joint_name, actuator, is_hinge));
@@ -360,18 +368,28 @@ void AxisPlant::check_names(const Model& model, const Config& config) const {
       own.fail("joint", "has another axis: each joint may have one");
     }
     joints.push_back(joint);
+    std::string driven = one.axis.joint;
+    if (one.transmission.is_elastic()) {
+      driven = one.transmission.motor_joint;
+      if (driven.empty()) {
+        own.fail("transmission.motor_joint",
+                 "a transmission with a stiffness needs the motor's joint in the model");
+      }
+    }
+    const int driven_joint =
+        own.blame("transmission.motor_joint", [&] { return model.id(mjOBJ_JOINT, driven); });
     if (one.axis.is_driven()) {
       const int actuator =
           own.blame("actuator", [&] { return model.id(mjOBJ_ACTUATOR, one.axis.actuator); });
       const bool is_motor = model->actuator_trntype[actuator] == mjTRN_JOINT &&
-                            model->actuator_trnid[2 * actuator] == joint &&
+                            model->actuator_trnid[2 * actuator] == driven_joint &&
                             model->actuator_gear[6 * actuator] == 1.0 &&
                             model->actuator_dyntype[actuator] == mjDYN_NONE &&
                             model->actuator_gaintype[actuator] == mjGAIN_FIXED &&
                             model->actuator_gainprm[mjNGAIN * actuator] == 1.0 &&
                             model->actuator_biastype[actuator] == mjBIAS_NONE;
       if (!is_motor) {
-        own.fail("actuator", "must be a <motor> of joint \"" + one.axis.joint +
+        own.fail("actuator", "must be a <motor> of joint \"" + driven +
                                  "\" with gear 1, whose ctrlrange is in " + one.axis.units.force);
       }
       const mjtNum* range = model->actuator_ctrlrange + 2 * actuator;

@@ -50,6 +50,10 @@ Eigen::VectorXd spread(const char* key, const std::vector<double>& weights, Eige
 std::unique_ptr<Controller> make_lqr(const LqrWeights& weights, const PlantTask& task,
                                      SharedEstimator estimator) {
   if (!task.why_not_linear.empty()) throw std::invalid_argument(task.why_not_linear);
+  if (!estimator) {
+    throw WrongKey("observer.name",
+                   "none needs an axis for each joint of the model: lqr feeds all positions back");
+  }
   const StateSpace& plant = task.whole.plant;
   const Eigen::Index n = plant.states() / 2;
   Eigen::VectorXd q(2 * n);
@@ -70,7 +74,12 @@ std::unique_ptr<Controller> make_lqr(const LqrWeights& weights, const PlantTask&
 }
 
 std::unique_ptr<DisturbanceEstimator> make_raw_difference(const NoKeys&, const NominalAxis& axis) {
-  if (axis.plant.states() == 0) return nullptr;  // there is no linear model, nor a use of one
+  // Without a linear model, or with joints that no axis measures, there is no estimate of the whole
+  // plant. The axes' own controllers need none.
+  const bool is_whole = axis.E.size() == 0;
+  if (axis.plant.states() == 0 || (is_whole && 2 * axis.plant.outputs() < axis.plant.states())) {
+    return nullptr;
+  }
   return std::make_unique<RawDifference>(axis.plant, axis.period_s);
 }
 
@@ -100,7 +109,8 @@ PlantTask plant_task(const AxisPlant& plant) {
     task.names.push_back(one.axis.name);
     task.axes.push_back({.axis = plant.nominal(i),
                          .reference = one.reference,
-                         .start_state = {one.reference.before, one.start_velocity},
+                         .start_state = Eigen::Vector2d(one.reference.before, one.start_velocity) *
+                                        one.transmission.measured_ratio(),
                          .senses_true_state = plant.senses_true_state});
     task.pose(static_cast<Eigen::Index>(i)) = one.reference.before;
     joints.push_back(model.id(mjOBJ_JOINT, one.axis.joint));
@@ -120,6 +130,12 @@ PlantTask plant_task(const AxisPlant& plant) {
     const SensorError& sensor = task.axes[static_cast<std::size_t>(i)].axis.sensor;
     whole.sensor.quantum(i) = sensor.quantum(0);
     whole.sensor.noise_std(i) = sensor.noise_std(0);
+  }
+  for (const AxisSettings& one : plant.axes) {
+    if (!one.transmission.is_elastic()) continue;
+    task.why_not_linear = "axis " + one.axis.name +
+                          " has a transmission with a stiffness, which the linear model lacks";
+    return task;
   }
   try {
     LinearModel linear = linearise(plant.load_model(), plant.pose(model), joints, actuators);

@@ -110,6 +110,11 @@ void TransmissionSettings::describe(NominalAxis& axis, double load_inertia,
     throw WrongKey("transmission.motor_joint",
                    "a transmission with a stiffness needs the motor's joint in the model");
   }
+  if (measured == Side::motor && !is_elastic()) {
+    throw WrongKey("encoder.side",
+                   "motor needs a transmission with a stiffness: see encoder.gear_ratio for a "
+                   "rigid one");
+  }
   const double N = design.ratio;
   axis.measured = measured;
   axis.measured_ratio = measured_ratio();
