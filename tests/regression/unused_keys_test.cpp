@@ -89,6 +89,7 @@ std::vector<Trial> all_trials() {
       {"cart_position", {"run.duration_s=1"}},
       {"impact_test", {"run.duration_s=0.1"}},
       {"motor_estimation", {"run.duration_s=2"}},
+      {"plant", {"run.duration_s=1"}},
       {"quadrotor_waves", {"run.duration_s=2", "metrics.window_s=1"}},
       {"two_inertia", {"run.duration_s=0.3"}}};
   const std::map<std::string, std::vector<std::vector<std::string>>> more = {
