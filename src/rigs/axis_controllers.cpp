@@ -109,7 +109,10 @@ std::unique_ptr<Controller> regulator(const RegulatorSettings& settings, const A
   if (settings.period_s != task.axis.period_s) {
     throw WrongKey("controller.period_s", "must be control.period_s for a regulator");
   }
-  if (task.reference.value != 0.0) {
+  const Reference& reference = task.reference;
+  const bool is_held = reference.kind == ReferenceShape::hold;
+  if (reference.before != 0.0 || (!is_held && reference.value != 0.0) ||
+      reference.kind == ReferenceShape::csv) {
     throw std::invalid_argument(
         "a regulator brings the axis to 0 and has no reference: set the reference to 0");
   }

@@ -182,6 +182,9 @@ TEST(PlantTest, Refuses) {
        "metric.steady_state_error.to_s: must be later than from_s"},
       {"metric.max_position.kind=\"most\"", "metric.max_position.kind: must be one of "},
       {"start.keyframe=\"away\"", "start.keyframe: "},
+      {"axis.cart.encoder.side=\"motor\"", "axis.cart.encoder.side: motor needs a transmission"},
+      {"axis.cart.transmission.stiffness_N_m=1e3",
+       "axis.cart.transmission.motor_joint: a transmission with a stiffness needs"},
       {"push.hand.body=\"hand\"", "push.hand."},
       {"axis.a-b.joint=\"rail\"", "axis.a-b: a name here is made of A-Z, a-z, 0-9 and '_'"},
       {"controller.name=\"lqr\"", "controller.q_position: is missing"}};
