@@ -229,7 +229,8 @@ void AxisPlant::learn(const Config& config) {
   std::optional<Model> model;
   if (const std::string file = text(config, "model.mjcf"); !file.empty()) {
     ModelFile wanted(config.find_file_of("model.mjcf", file));
-    if (const auto most = config.number("model.most_elements")) {
+    if (const auto most = config.number("model.most_elements");
+        most && *most >= 0.0 && *most < 1e9) {
       wanted.most_elements = static_cast<std::uint64_t>(*most);
     }
     model = Model::load_physics(wanted);
@@ -482,6 +483,13 @@ SensingSetup AxisPlant::sensing() const {
 void check_plant(AxisPlant& plant, const Config& config) {
   plant.physics.check(config, plant.run);
   plant.timing.check(config, plant.physics);
+  for (const AxisSettings& one : plant.axes) {
+    const TransmissionSettings& transmission = one.transmission;
+    if (!transmission.is_elastic() || transmission.motor_joint.empty()) continue;
+    config.under(one.axis.prefix()).blame("transmission.motor_joint", [&] {
+      return Model::load_physics(plant.mjcf).id(mjOBJ_JOINT, transmission.motor_joint);
+    });
+  }
   plant.complete(config);
   const SensingSetup sensing = plant.sensing();
   plant.faults.check(config, sensing.channels);

@@ -42,9 +42,10 @@ JointFriction::JointFriction(Model& model, const std::string& joint,
   }
 }
 
-// Before this friction adds to qfrc_applied, that is the force of a transmission.
+// A joint without an actuator is driven by a transmission. Its force is in qfrc_applied, before
+// this friction adds to it.
 double JointFriction::transmitted(const mjData& data) const {
-  double force = data.qfrc_applied[dof_];
+  double force = actuators_.empty() ? data.qfrc_applied[dof_] : 0.0;
   for (const auto& [actuator, gear] : actuators_) force += gear * data.ctrl[actuator];
   return force;
 }

@@ -51,7 +51,9 @@ double Disturbance::value(double time_s) const {
     case DisturbanceKind::noise: {
       // The sample counts as begun a little before its time, which may be rounded.
       constexpr double kRounding = 1e-9;
-      return amplitude * (*noise)(static_cast<std::uint64_t>(elapsed_s / hold_s + kRounding));
+      constexpr double kMostSamples = 1e18;
+      const double sample = std::min(elapsed_s / hold_s + kRounding, kMostSamples);
+      return amplitude * (*noise)(static_cast<std::uint64_t>(sample));
     }
     case DisturbanceKind::csv:
       return amplitude * table.at(elapsed_s).value;

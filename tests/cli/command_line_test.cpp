@@ -361,8 +361,8 @@ TEST_F(CommandLine, NewMakesAProjectOrGivesAReasonInOneLine) {
       "breakwater new ",
       {{"observer own --out folder", "folder: is there already"},
        {"observr own",
-        "new: KIND must be one of controller, observer, scenario, is \"observr\" (did you mean "
-        "observer?)"},
+        "new: KIND must be one of controller, observer, plant, scenario, is \"observr\" (did you "
+        "mean observer?)"},
        {"observer stf", "new: NAME is taken: there is the estimator of an axis \"stf\""},
        {"observer Own",
         "new: NAME must be a letter from a to z, then such letters, digits and _, 64 at most, is "

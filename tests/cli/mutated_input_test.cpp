@@ -94,9 +94,13 @@ TEST_F(MutatedInput, LegalInputRunsOrFailsAsARun) {
     if (!complaint(mutant, path).empty())
       continue;  // others of this kind are legal, this one is not
     ++done[reason];
-    std::vector<std::string> arguments = {
-        "breakwater", "run",        mutant.scenario, "--quiet", "--out",
-        "run",        "--duration", "0.2",           "--set",   mutant.option + "=" + path};
+    std::vector<std::string> arguments = {"breakwater", "run", mutant.scenario, "--quiet",
+                                          "--out",      "run", "--duration",    "0.2"};
+    if (mutant.option == "--config") {
+      arguments.insert(arguments.end(), {mutant.option, path});
+    } else {
+      arguments.insert(arguments.end(), {"--set", mutant.option + "=" + path});
+    }
     if (mutant.scenario == "quadrotor_waves") arguments.emplace_back("metrics.window_s=0.1");
     const auto result = testing::run_program(arguments, folder_);
     EXPECT_TRUE(result.status == 0 || result.status == 3)

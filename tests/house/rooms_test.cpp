@@ -58,7 +58,7 @@ const std::map<std::string, std::set<std::string>> kKnowLittle = {
     {"record", {"signals"}},
     {"render", {"linear", "signals", "world", "sim", "record"}},
     {"shell", {"signals", "record"}},
-    {"config", {"record", "shell"}},
+    {"config", {"math", "record", "shell"}},
     {"experiment", {"signals", "plants", "sim", "record", "shell", "config"}},
     {"statistics", {"math"}}};
 
@@ -105,13 +105,15 @@ TEST(House, NoRoomNamesAScenario) {
   for (const auto& entry : fs::directory_iterator(testing::source_file("scenarios"))) {
     if (!entry.is_directory()) continue;
     const std::string name = entry.path().filename().string();
+    // "plant" is also a word of the field.
+    const std::string word = name == "plant" ? "\"plant\"" : name;
     for (const auto& file : fs::recursive_directory_iterator(src)) {
       if (!file.is_regular_file()) continue;
       std::ifstream stream(file.path());
       int number = 0;
       for (std::string line; std::getline(stream, line);) {
         ++number;
-        EXPECT_TRUE(lacks(line, name)) << file.path() << ":" << number;
+        EXPECT_TRUE(lacks(line, word)) << file.path() << ":" << number;
       }
     }
   }
@@ -212,7 +214,9 @@ TEST(House, EveryScenarioHasItsFolder) {
     const std::string name = entry.path().filename().string();
     EXPECT_TRUE(fs::exists(entry.path() / (name + ".toml"))) << name;
     EXPECT_TRUE(fs::exists(entry.path() / (name + ".cpp"))) << name;
-    EXPECT_TRUE(fs::exists(entry.path() / "shots.toml")) << name;
+    // The model and the duration of "plant" are the user's. Without a list, pictures show them
+    // whole.
+    EXPECT_EQ(fs::exists(entry.path() / "shots.toml"), name != "plant") << name;
   }
 }
 

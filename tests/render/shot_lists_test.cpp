@@ -80,6 +80,7 @@ void expect_arrows_inside(const FinishedRun& run, const ShotList& shots) {
 class ShotLists : public testing::ProgramTest, public ::testing::WithParamInterface<std::string> {};
 
 TEST_P(ShotLists, FitARunOfTheirScenario) {
+  if (GetParam() == "plant") GTEST_SKIP() << "the model and the duration are the user's";
   ASSERT_TRUE(fs::exists(testing::source_file("scenarios/" + GetParam() + "/shots.toml")))
       << "every scenario has a shot list";
   const ShotList shots = shot_list(testing::catalogue().get<ScenarioKind>(GetParam()).shots());
