@@ -1,5 +1,6 @@
 #include "plant/plant.h"
 
+#include <stdexcept>
 #include <utility>
 
 #include <breakwater/control/axes_control.h>
@@ -40,15 +41,42 @@ std::vector<MetricDefinition> Plant::metric_definitions() const {
 
 PlantTask Plant::task() const {
   PlantTask task = plant_task(plant_);
-  task.own_controllers = [this, axes = task.axes]() -> std::unique_ptr<Controller> {
-    std::vector<AxisControl> controls;
-    for (std::size_t i = 0; i < axes.size(); ++i) {
-      const Axis& axis = plant_.axes[i].axis;
-      controls.push_back({axis.name, axis_parts_[i].make(axes[i]).controller, axis.is_driven()});
-    }
-    return std::make_unique<AxesControl>(std::move(controls), plant_.senses_true_state ? 3 : 1);
-  };
+  task.own_controllers = [this, axes = task.axes] { return axes_control(axes); };
   return task;
+}
+
+std::unique_ptr<Controller> Plant::axes_control(const std::vector<AxisTask>& tasks,
+                                                std::unique_ptr<Controller> other,
+                                                std::size_t replaced) const {
+  std::vector<AxisControl> controls;
+  for (std::size_t i = 0; i < tasks.size(); ++i) {
+    const Axis& axis = plant_.axes[i].axis;
+    const bool is_other = other != nullptr && i == replaced;
+    controls.push_back({axis.name,
+                        is_other ? std::move(other) : axis_parts_[i].make(tasks[i]).controller,
+                        axis.is_driven()});
+  }
+  return std::make_unique<AxesControl>(std::move(controls), plant_.senses_true_state ? 3 : 1);
+}
+
+std::vector<AxisOfPlant> Plant::loops() const {
+  if (parts_.controller_name() != "axes") {
+    throw std::invalid_argument("controller.name: \"" + parts_.controller_name() +
+                                "\" controls all axes at once, so an axis has no loop of its own; "
+                                "analyze needs \"axes\"");
+  }
+  AxisPlant held = plant_;
+  for (AxisSettings& axis : held.axes) axis.reference.kind = ReferenceShape::hold;
+  const std::vector<AxisTask> tasks = plant_task(held).axes;
+  std::vector<AxisOfPlant> loops;
+  for (std::size_t i = 0; i < tasks.size(); ++i) {
+    if (!held.axes[i].axis.is_driven()) continue;
+    loops.push_back(
+        {held, tasks[i], &axis_parts_[i], i, [this, tasks, i](std::unique_ptr<Controller> own) {
+           return axes_control(tasks, std::move(own), i);
+         }});
+  }
+  return loops;
 }
 
 void Plant::check(const Config& config) {

@@ -1,11 +1,12 @@
 // Scenario plant: any plant of hinges and slides, described by its MJCF and a TOML.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
 #include <breakwater/experiment/catalogue.h>
-#include <breakwater/rigs/axis_rig.h>
+#include <breakwater/rigs/axis_scenario.h>
 #include <breakwater/rigs/plant_parts.h>
 
 #include "plant/declared_metrics.h"
@@ -15,7 +16,7 @@ namespace breakwater {
 /// The file names the axes ([axis.NAME]), the forces on bodies ([push.NAME]), the contacts to watch
 /// ([contact.NAME]) and the metrics ([metric.NAME]). Each axis has its own reference, disturbance,
 /// estimator and controller, or one controller drives all axes.
-class Plant final : public Scenario {
+class Plant final : public LoopScenario {
  public:
   explicit Plant(const Catalogue& catalogue)
       : catalogue_(with_none(catalogue)), plant_(catalogue_), parts_(catalogue_) {}
@@ -32,9 +33,15 @@ class Plant final : public Scenario {
   const RunSettings& run_settings() const override { return plant_.run; }
   std::vector<std::string> warnings() const override { return warnings_; }
   Recording run(const RunControl& control) const override;
+  /// All axes hold the pose of start.keyframe.
+  std::vector<AxisOfPlant> loops() const override;
 
  private:
   PlantTask task() const;
+  /// The axes' own controllers, with `other` at the axis `replaced` if it is there.
+  std::unique_ptr<Controller> axes_control(const std::vector<AxisTask>& tasks,
+                                           std::unique_ptr<Controller> other = nullptr,
+                                           std::size_t replaced = 0) const;
 
   Catalogue catalogue_;
   AxisPlant plant_;

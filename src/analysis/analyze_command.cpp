@@ -6,10 +6,13 @@
 #include <algorithm>
 #include <filesystem>
 #include <memory>
+#include <utility>
 
 #include <breakwater/analysis/analysis_outputs.h>
+#include <breakwater/config/scenario_name.h>
 #include <breakwater/experiment/runner.h>
 #include <breakwater/shell/child_program.h>
+#include <breakwater/shell/did_you_mean.h>
 #include <breakwater/shell/digits.h>
 #include <breakwater/shell/process.h>
 #include <breakwater/shell/progress.h>
@@ -23,6 +26,7 @@ namespace {
 struct Arguments {
   std::string scenario;
   std::vector<std::string> cases;
+  std::string axis;
   std::string config;
   std::vector<std::string> sets;
   std::string out;
@@ -34,11 +38,15 @@ struct Arguments {
 void describe(CLI::App& app, Arguments& arguments) {
   AnalysisOptions& options = arguments.options;
   app.add_option("SCENARIO", arguments.scenario,
-                 "a scenario with one axis: a motor, a cart, or your own")
+                 "a scenario of axes: a motor, a cart, a plant, or your own; or a scenario file")
       ->required();
   app.add_option("--case", arguments.cases,
                  "cases to compare in one chart, or all (default: the file's)")
       ->type_name("NAME[,NAME...]");
+  app.add_option("--axis", arguments.axis,
+                 "axis of a plant, under its own controller (default: all driven axes,\n"
+                 "each as a loop while the others hold the pose)")
+      ->type_name("NAME");
   app.add_option("--config", arguments.config, "use another scenario file")->type_name("FILE");
   app.add_option("--set", arguments.sets, "override keys of all cases")->type_name("KEY=VALUE");
   app.add_option("--out", arguments.out, "folder of the result (default: runs/analyze/SCENARIO)")
@@ -89,14 +97,44 @@ std::vector<std::string> cases_of(const Arguments& arguments, const ScenarioFile
   return names;
 }
 
+// The loops of a case. A plant with several gives each the name of its axis.
+void add_loops(const PreparedRun& run, const Arguments& arguments,
+               std::vector<AnalysedLoop>& loops) {
+  std::vector<std::string> names;
+  const std::size_t before = loops.size();
+  for (AxisOfPlant& axis : dynamic_cast<const LoopScenario&>(*run.scenario).loops()) {
+    const std::string& name = names.emplace_back(axis.settings().axis.name);
+    if (!arguments.axis.empty() && arguments.axis != name) continue;
+    loops.push_back({run.case_name, std::move(axis)});
+  }
+  if (loops.size() == before) {
+    throw std::invalid_argument(fmt::format("--axis: there is no driven axis \"{}\"{}",
+                                            arguments.axis, did_you_mean(arguments.axis, names)));
+  }
+  if (names.size() == 1) return;
+  for (std::size_t i = before; i < loops.size(); ++i) {
+    const Axis& axis = loops[i].axis.settings().axis;
+    loops[i].label += ", " + axis.name;
+    if (axis.units.position != loops[before].axis.settings().axis.units.position) {
+      throw std::invalid_argument("--axis: is needed, because the axes have different units");
+    }
+  }
+}
+
 int analyze(const Catalogue& catalogue, Arguments arguments, const std::string& command) {
   stop_on_signals();
   const SharedModels shared;  // one compilation for all frequencies
+  if (is_scenario_file(arguments.scenario)) {
+    if (!arguments.config.empty()) {
+      throw std::invalid_argument("--config: SCENARIO is a scenario file already");
+    }
+    arguments.config = std::exchange(arguments.scenario, scenario_name_in(arguments.scenario));
+  }
   const auto& kind = catalogue.get<ScenarioKind>(arguments.scenario);
-  if (dynamic_cast<const AxisScenario*>(kind.make(catalogue).get()) == nullptr) {
+  if (dynamic_cast<const LoopScenario*>(kind.make(catalogue).get()) == nullptr) {
     throw std::invalid_argument(kind.name +
-                                ": expected a scenario with one axis (a scenario of "
-                                "your own must be an AxisScenario)");
+                                ": expected a scenario of axes (a scenario of your own must be an "
+                                "AxisScenario)");
   }
   const ScenarioFile file(arguments.config.empty() ? kind.file().string() : arguments.config,
                           kind.name);
@@ -104,7 +142,7 @@ int analyze(const Catalogue& catalogue, Arguments arguments, const std::string& 
   std::vector<AnalysedLoop> loops;
   for (const std::string& name : cases_of(arguments, file)) {
     prepared.push_back(prepare_run(catalogue, kind.name, file, name, arguments.sets));
-    loops.push_back({name, dynamic_cast<const AxisScenario*>(prepared.back().scenario.get())});
+    add_loops(prepared.back(), arguments, loops);
   }
   arguments.options.stop = &interrupted();
   if (arguments.is_design_only) arguments.options.points = 0;
@@ -129,7 +167,7 @@ int analyze(const Catalogue& catalogue, Arguments arguments, const std::string& 
   const fs::path folder =
       arguments.out.empty() ? fs::path("runs") / kAnalyze / kind.name : fs::path(arguments.out);
   write_analysis(results, kind.name, file.cases(), command,
-                 loops.front().scenario->plant().axis().axis.units, folder);
+                 loops.front().axis.settings().axis.units, folder);
   if (arguments.quiet) return kSuccess;
   fmt::print("results: {}\n\n{}", folder.string(), margins_table(results, output_width()));
   return kSuccess;

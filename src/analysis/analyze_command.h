@@ -7,8 +7,8 @@ namespace breakwater {
 
 inline constexpr const char* kAnalyze = "analyze";
 
-/// `PROGRAM analyze SCENARIO [OPTION...]`: frequency responses of loops of one axis. argv[0] is the
-/// command's name. Returns the exit status.
+/// `PROGRAM analyze SCENARIO|FILE.toml [OPTION...]`: frequency responses of loops of one axis.
+/// argv[0] is the command's name. Returns the exit status.
 int analyze_main(const Catalogue& catalogue, int argc, const char* const* argv);
 
 }  // namespace breakwater

@@ -21,8 +21,8 @@ constexpr double kStillHalfThePower = std::numbers::sqrt2 / 2.0;
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr double kNoiseCounts = 3.0, kSmallNoise = 1e-3;
 
-double nyquist_rad_s(const AxisScenario& scenario) {
-  return std::numbers::pi / scenario.task().axis.period_s;
+double nyquist_rad_s(const AxisOfPlant& axis) {
+  return std::numbers::pi / axis.task.axis.period_s;
 }
 
 // From low to high, equally spaced on a logarithmic scale.
@@ -72,18 +72,16 @@ void judge(LoopCurve& curve, bool estimates) {
   if (estimates) curve.bandwidth_rad_s = bandwidth(curve.points);
 }
 
-double noise_amplitude(const AxisScenario& scenario, const AnalysisOptions& options) {
+double noise_amplitude(const AxisOfPlant& axis, const AnalysisOptions& options) {
   if (options.noise_amplitude > 0.0) return options.noise_amplitude;
-  return std::max(kSmallNoise, kNoiseCounts * scenario.plant().axis().quantum());
+  return std::max(kSmallNoise, kNoiseCounts * axis.settings().quantum());
 }
 
-LoopCurve designed_curve(const AxisScenario& scenario, const AnalysisOptions& options,
-                         double to_rad_s) {
-  const double period_s = scenario.task().axis.period_s;
-  const AxisLoopDesign design =
-      axis_loop_design(scenario.parts(), scenario.task(), scenario.plant());
+LoopCurve designed_curve(const AxisOfPlant& axis, const AnalysisOptions& options, double to_rad_s) {
+  const double period_s = axis.task.axis.period_s;
+  const AxisLoopDesign design = axis_loop_design(*axis.parts, axis.task, axis.plant, axis.index);
   const LoopResponseOrReason found =
-      loop_response(design, options.force_amplitude, noise_amplitude(scenario, options));
+      loop_response(design, options.force_amplitude, noise_amplitude(axis, options));
   LoopCurve curve;
   curve.reason = found.reason;
   curve.is_unstable = found.is_unstable;
@@ -116,7 +114,7 @@ std::vector<LoopAnalysis> analyse(const std::vector<AnalysedLoop>& loops,
   std::vector<LoopAnalysis> results(loops.size());
   std::vector<double> to_rad_s;
   for (const AnalysedLoop& loop : loops) {
-    const double nyquist = nyquist_rad_s(*loop.scenario);
+    const double nyquist = nyquist_rad_s(loop.axis);
     const double to = options.to_rad_s > 0.0 ? options.to_rad_s : kShareOfNyquist * nyquist;
     if (!(options.from_rad_s > 0.0 && options.from_rad_s < to && to < nyquist)) {
       throw std::invalid_argument(
@@ -130,9 +128,9 @@ std::vector<LoopAnalysis> analyse(const std::vector<AnalysedLoop>& loops,
       loops.size(),
       [&](std::size_t i) {
         results[i].label = loops[i].label;
-        results[i].estimates =
-            loops[i].scenario->parts().make(loops[i].scenario->task()).estimates();
-        results[i].designed = designed_curve(*loops[i].scenario, options, to_rad_s[i]);
+        const AxisOfPlant& axis = loops[i].axis;
+        results[i].estimates = axis.parts->make(axis.task).estimates();
+        results[i].designed = designed_curve(axis, options, to_rad_s[i]);
       },
       options.jobs);
 
@@ -149,15 +147,15 @@ std::vector<LoopAnalysis> analyse(const std::vector<AnalysedLoop>& loops,
         const std::size_t loop = task / 2 % loops.size(), i = task / 2 / loops.size();
         if (results[loop].designed.is_unstable) return;
         const bool is_force = task % 2 == 0;
-        const AxisScenario& scenario = *loops[loop].scenario;
+        const AxisOfPlant& axis = loops[loop].axis;
         const SineTest test{
             .probe = is_force ? Probe::force : Probe::noise,
             .omega_rad_s = frequencies(options.from_rad_s, to_rad_s[loop], points)[i],
-            .amplitude = is_force ? options.force_amplitude : noise_amplitude(scenario, options),
+            .amplitude = is_force ? options.force_amplitude : noise_amplitude(axis, options),
             .settle_s = options.settle_s,
             .stop = options.stop};
         (is_force ? measured[loop].of_force : measured[loop].of_noise)[i] =
-            measure_sine(scenario, test);
+            measure_sine(axis, test);
       },
       options.jobs);
   for (std::size_t loop = 0; loop < loops.size(); ++loop) {

@@ -42,7 +42,7 @@ struct LoopCurve {
   std::vector<LoopPoint> points;
   std::string reason;        ///< why there are no points
   bool is_unstable = false;  ///< then there is no measurement either
-  double bandwidth_rad_s;  ///< |d̂/d| falls below 1/√2 here; NaN: nowhere, or no estimator
+  double bandwidth_rad_s;    ///< |d̂/d| falls below 1/√2 here; NaN: nowhere, or no estimator
   LoopMargins margins;
 };
 
@@ -53,10 +53,10 @@ struct LoopAnalysis {
   LoopCurve measured;
 };
 
-/// One loop to analyse: a valid scenario and its label.
+/// One loop to analyse and its label.
 struct AnalysedLoop {
   std::string label;
-  const AxisScenario* scenario;
+  AxisOfPlant axis;
 };
 
 /// Throws std::invalid_argument if the frequency range is invalid for a loop.

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 namespace breakwater {
@@ -57,8 +59,8 @@ class Probed final : public Controller {
 
 }  // namespace
 
-SineResponse measure_sine(const AxisScenario& scenario, const SineTest& test) {
-  const AxisTask task = scenario.task();
+SineResponse measure_sine(const AxisOfPlant& axis, const SineTest& test) {
+  const AxisTask& task = axis.task;
   const double period_s = task.axis.period_s;
   // A window of whole periods in whole samples.
   const double per_period = 2.0 * std::numbers::pi / (test.omega_rad_s * period_s);
@@ -67,16 +69,21 @@ SineResponse measure_sine(const AxisScenario& scenario, const SineTest& test) {
   const auto window = static_cast<std::size_t>(samples);
   const double omega_per_sample = 2.0 * std::numbers::pi * periods / samples;
 
-  AxisLoop loop = scenario.parts().make(task);
-  Probed probed(loop, test.probe, test.amplitude, omega_per_sample);
+  AxisLoop loop = axis.parts->make(task);
+  auto own = std::make_unique<Probed>(loop, test.probe, test.amplitude, omega_per_sample);
+  Probed& probed = *own;
+  std::unique_ptr<Controller> controller = std::move(own);
+  if (axis.among_others) controller = axis.among_others(std::move(controller));
   SineResponse response;
   response.omega_rad_s = omega_per_sample / period_s;
-  AxisPlant plant = scenario.plant();
-  for (AxisSettings& axis : plant.axes) axis.force = axis.output = {};
+  AxisPlant plant = axis.plant;
+  for (AxisSettings& one : plant.axes) one.force = one.output = {};
+  plant.pushes.clear();
   if (test.probe == Probe::noise) {
-    plant.axis().output = {DisturbanceKind::sine, test.amplitude, response.omega_rad_s, 0.0};
+    plant.axes[axis.index].output = {DisturbanceKind::sine, test.amplitude, response.omega_rad_s,
+                                     0.0};
   }
-  AxisRig rig(plant, probed);
+  AxisRig rig(plant, *controller);
 
   std::size_t saturated = 0, taken = 0;
   const auto run_until = [&](std::size_t samples_in_all) {

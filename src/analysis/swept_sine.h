@@ -1,8 +1,8 @@
 // Frequency response of a loop of one axis at one frequency, measured in the simulation.
 #pragma once
 
-#include <breakwater/rigs/loop_response.h>
 #include <breakwater/rigs/axis_scenario.h>
+#include <breakwater/rigs/loop_response.h>
 
 #include <atomic>
 
@@ -24,10 +24,10 @@ struct SineResponse {
   double saturated = 0.0;  ///< share of the samples with the drive at its limit
 };
 
-/// Runs the scenario's plant, encoder, drive and controller with the probe alone. If two windows of
-/// whole periods agree to 1e-3, returns the second one. Otherwise returns the mean of eight
-/// windows, because a loop with an encoder never repeats exactly. Throws RunFailure, ControlFailure
-/// or Interrupted.
-SineResponse measure_sine(const AxisScenario& scenario, const SineTest& test);
+/// Runs the plant of an axis, its encoder, drive and controller with the probe alone. Other axes
+/// are under their own controllers. If two windows of whole periods agree to 1e-3, returns the
+/// second one. Otherwise returns the mean of eight windows, because a loop with an encoder never
+/// repeats exactly. Throws RunFailure, ControlFailure or Interrupted.
+SineResponse measure_sine(const AxisOfPlant& axis, const SineTest& test);
 
 }  // namespace breakwater

@@ -120,6 +120,8 @@ class PartChoice {
     }
   }
 
+  const std::string& chosen() const { return parts_.at(chosen_).first; }
+
   /// Makes the chosen part. Throws std::invalid_argument if its settings are wrong.
   template <typename... Context>
   auto make(Context&&... context) const {

@@ -71,7 +71,8 @@ std::vector<CommandKind> all_commands(const Catalogue& catalogue) {
       {{kSweep.command, "run a scenario over many values and seeds: sweep SCENARIO|STUDY.toml|DIR",
         sweep_main},
        {kTune.command, "search for the best values of some keys: tune TUNE.toml|DIR", tune_main},
-       {kAnalyze, "measure a control loop over frequency: analyze SCENARIO", analyze_main}});
+       {kAnalyze, "measure a control loop over frequency: analyze SCENARIO|FILE.toml",
+        analyze_main}});
   add("Thesis", {reproduce_command()});
   add(CommandKind().group,
       {{"new", "make a project of your own: new controller|observer|plant|scenario NAME",

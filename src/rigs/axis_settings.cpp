@@ -509,10 +509,10 @@ void check_plant(AxisPlant& plant, const Config& config) {
   const Sensing check_only(model, sensing);
 }
 
-StateSpace linear_axis(const AxisPlant& plant) {
+StateSpace linear_axis(const AxisPlant& plant, std::size_t axis) {
   const Model model = plant.load_model();
-  const AxisSettings& axis = plant.axis();
-  return axis.transmission.linear(model, axis.axis.joint, axis.viscous_friction);
+  const AxisSettings& one = plant.axes[axis];
+  return one.transmission.linear(model, plant.pose(model), one.axis.joint);
 }
 
 }  // namespace breakwater

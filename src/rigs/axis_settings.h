@@ -177,8 +177,9 @@ struct AxisPlant {
 /// settings. Throws std::invalid_argument `ORIGIN: KEY: reason`.
 void check_plant(AxisPlant& plant, const Config& config);
 
-/// The linear part of the first axis, continuous: its inertia and its viscous friction, or both
-/// inertias of its transmission.
-StateSpace linear_axis(const AxisPlant& plant);
+/// The linear part of an axis, continuous: its inertia and its viscous friction, or both inertias
+/// of its transmission. The other joints are held at the pose of the keyframe. Gravity has no part
+/// in it.
+StateSpace linear_axis(const AxisPlant& plant, std::size_t axis = 0);
 
 }  // namespace breakwater

@@ -48,6 +48,8 @@ class LoopParts {
     return {std::move(controller), kept.lock()};
   }
 
+  const std::string& controller_name() const { return controller_.chosen(); }
+
   /// Makes another estimator of the same kind, without a controller.
   std::unique_ptr<Estimator> make_estimator(const Task& task) const {
     return estimator_.make(what_is_known(task));

@@ -177,15 +177,15 @@ Phasors frequency_response(const PulseResponse& pulses, double omega_rad_s, doub
 }
 
 AxisLoopDesign axis_loop_design(const AxisParts& parts, const AxisTask& task,
-                                const AxisPlant& plant) {
-  const AxisSettings& axis = plant.axis();
+                                const AxisPlant& plant, std::size_t index) {
+  const AxisSettings& axis = plant.axes[index];
   const TransmissionSettings& transmission = axis.transmission;
   AxisLoopDesign design{&parts,
                         task,
-                        zero_order_hold(linear_axis(plant), task.axis.period_s),
+                        zero_order_hold(linear_axis(plant, index), task.axis.period_s),
                         {},
                         axis.delay_samples};
-  const Eigen::Vector2d start(axis.start_position, axis.start_velocity);
+  const Eigen::Vector2d start(axis.reference.before + axis.start_position, axis.start_velocity);
   design.start_state.setZero(design.plant.states());
   design.start_state.head<2>() = start * transmission.measured_ratio();
   if (design.start_state.size() == 4) {

@@ -41,9 +41,9 @@ struct AxisLoopDesign {
   int delay_samples = 0;
 };
 
-/// The loop of a plant with one axis.
+/// The loop of one axis of a plant.
 AxisLoopDesign axis_loop_design(const AxisParts& parts, const AxisTask& task,
-                                const AxisPlant& plant);
+                                const AxisPlant& plant, std::size_t axis = 0);
 
 /// Whether the response to a pulse of `force` grows far beyond its beginning within some thousand
 /// samples. A controller that limits its own command does not grow.

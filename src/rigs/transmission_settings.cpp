@@ -2,6 +2,7 @@
 
 #include <breakwater/plants/damped_inertia.h>
 #include <breakwater/sim/friction.h>
+#include <breakwater/sim/linear_model.h>
 
 namespace breakwater {
 
@@ -84,11 +85,14 @@ std::unique_ptr<Transmission> TransmissionSettings::make(const Model& model,
   return std::make_unique<Transmission>(model, motor_joint, load, design);
 }
 
-StateSpace TransmissionSettings::linear(const Model& model, const std::string& load,
-                                        double load_friction) const {
-  const auto inertia = [&](const std::string& joint) {
-    return model->dof_M0[model->jnt_dofadr[model.id(mjOBJ_JOINT, joint)]];
+StateSpace TransmissionSettings::linear(const Model& model, std::span<const double> pose,
+                                        const std::string& load) const {
+  const Eigen::MatrixXd M = joint_inertia(model, pose);
+  const auto dof = [&](const std::string& joint) {
+    return model->jnt_dofadr[model.id(mjOBJ_JOINT, joint)];
   };
+  const auto inertia = [&](const std::string& joint) { return M(dof(joint), dof(joint)); };
+  const double load_friction = model->dof_damping[dof(load)];
   if (!is_elastic()) {
     StateSpace plant = damped_inertia(inertia(load), load_friction);
     plant.B *= design.ratio;

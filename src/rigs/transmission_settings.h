@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <string>
 
 #include <breakwater/config/fields.h>
@@ -41,8 +42,9 @@ struct TransmissionSettings {
   void author(Model& model, const std::string& load, const std::string& actuator) const;
   /// The coupling of the joints of an elastic transmission.
   std::unique_ptr<Transmission> make(const Model& model, const std::string& load) const;
-  /// The linear part of the plant, without backlash and kinematic error.
-  StateSpace linear(const Model& model, const std::string& load, double load_friction) const;
+  /// The linear part of the plant at a pose, without backlash and kinematic error.
+  StateSpace linear(const Model& model, std::span<const double> pose,
+                    const std::string& load) const;
 
   /// Sets the plant in an axis' nominal model, from the load's nominal numbers. Throws a WrongKey
   /// if a key is missing or contradicts another.

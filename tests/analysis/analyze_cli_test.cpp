@@ -18,13 +18,26 @@ TEST_F(Analyze, LeavesATableAPageAndTheNumbers) {
   EXPECT_EQ(lines(out / "analysis.csv").size(), 1U + 1200 + 3 + 3);
 }
 
+TEST_F(Analyze, EachAxisOfAPlantHasALoop) {
+  EXPECT_TRUE(
+      has(ran("breakwater analyze plant --design-only").out, "idob, shoulder", "idob, elbow"));
+  EXPECT_TRUE(
+      lacks(ran("breakwater analyze plant --axis elbow --design-only").out, "idob, shoulder"));
+}
+
 TEST_F(Analyze, NonsenseIsOneLineAndLeavesNothing) {
   expect_refusals(
       "breakwater analyze ",
       {{"", "breakwater analyze: SCENARIO is required (see --help)"},
        {"arm_push",
-        "arm_push: expected a scenario with one axis (a scenario of your own must be "
-        "an AxisScenario)"},
+        "arm_push: expected a scenario of axes (a scenario of your own must be an AxisScenario)"},
+       {"plant --axis elbo", "--axis: there is no driven axis \"elbo\" (did you mean elbow?)"},
+       {"motor_estimation --axis elbow", "--axis: there is no driven axis \"elbow\""},
+       {testing::source_file("templates/plant/my_plant.toml"),
+        "controller.name: \"lqr\" controls all axes at once, so an axis has no loop of its own; "
+        "analyze needs \"axes\""},
+       {testing::source_file("scenarios/plant/plant.toml") + " --config x.toml",
+        "--config: SCENARIO is a scenario file already"},
        {"motor_estimaton",
         "there is no scenario \"motor_estimaton\" (did you mean motor_estimation?)"},
        {"motor_estimation --case nobody",

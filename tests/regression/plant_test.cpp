@@ -1,4 +1,5 @@
 // The scenario plant: shipped scenarios written as a plant's file, its metrics, and its refusals.
+#include <breakwater/analysis/loop_analysis.h>
 #include <breakwater/record/recording.h>
 
 #include <cmath>
@@ -138,6 +139,33 @@ TEST(PlantTest, CartPositionAsAPlant) {
   const auto own = metrics_of(prepare_text(kCart, "own"));
   EXPECT_EQ(own.size(), 5U);
   expect_same(own, metrics_of(testing::prepare("cart_position", "gamma-1.05")));
+}
+
+LoopAnalysis analysed(const PreparedRun& run) {
+  const auto& scenario = dynamic_cast<const LoopScenario&>(*run.scenario);
+  return analyse({{"it", scenario.loops().front()}},
+                 {.from_rad_s = 0.5, .points = 3, .settle_s = 1.0})
+      .front();
+}
+
+TEST(PlantTest, MotorEstimationAsAPlantHasTheSameLoop) {
+  const std::vector<std::string> idob = {"observer.poles_rad_s=[-10,-20,-30]"};
+  const LoopAnalysis one = analysed(prepare_text(
+      kMotor, "own", {"axis.angle.observer.name=\"idob\"", "axis.angle." + idob.front()}));
+  const LoopAnalysis other = analysed(testing::prepare("motor_estimation", "idob", idob));
+  const LoopCurve &own = one.designed, &shipped = other.designed;
+  ASSERT_FALSE(shipped.points.empty()) << shipped.reason;
+  const auto near = [](double a, double b) { EXPECT_NEAR(a, b, 1e-9 * std::abs(b)); };
+  near(own.margins.crossover_rad_s, shipped.margins.crossover_rad_s);
+  near(own.margins.phase_margin_rad, shipped.margins.phase_margin_rad);
+  near(own.margins.gain_reduction_margin, shipped.margins.gain_reduction_margin);
+  near(own.margins.delay_margin_s, shipped.margins.delay_margin_s);
+  near(own.margins.sensitivity_peak, shipped.margins.sensitivity_peak);
+  near(own.bandwidth_rad_s, shipped.bandwidth_rad_s);
+  ASSERT_EQ(one.measured.points.size(), 3U);
+  for (std::size_t i = 0; i < 3; ++i) {
+    near(std::abs(one.measured.points[i].loop_gain), std::abs(other.measured.points[i].loop_gain));
+  }
 }
 
 // The effective configuration of a run is a scenario file that gives the same run.
