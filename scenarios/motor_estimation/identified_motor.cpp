@@ -10,7 +10,7 @@ namespace breakwater {
 namespace {
 
 constexpr int kMostBits = 30;
-constexpr double kMostStaticRatio = 1e3;  // of friction.static_ratio
+constexpr double kMostStaticRatio = 1e3;  // the largest that friction.static_ratio may have
 
 std::vector<std::string> sets_of(const IdentifiedPlant& plant) {
   std::vector<std::string> sets;
