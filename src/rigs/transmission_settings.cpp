@@ -114,7 +114,7 @@ void TransmissionSettings::describe(NominalAxis& axis, double load_inertia,
     throw WrongKey("transmission.motor_joint",
                    "a transmission with a stiffness needs the motor's joint in the model");
   }
-  if (measured == Side::motor && !is_elastic()) {
+  if (measured == Side::motor && !is_elastic() && design.ratio != 1.0) {
     throw WrongKey("encoder.side",
                    "motor needs a transmission with a stiffness: see encoder.gear_ratio for a "
                    "rigid one");
