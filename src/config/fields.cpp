@@ -45,7 +45,8 @@ const std::vector<std::vector<std::string>>& synonyms() {
 
 // "noise.std_rad" is called "noise.std".
 bool is_called(const std::string& key, const std::string& stem) {
-  return key == stem || (key.starts_with(stem + "_") && key.find('_', stem.size() + 1) == key.npos);
+  return key == stem ||
+         (key.starts_with(stem + "_") && key.find('_', stem.size() + 1) == std::string::npos);
 }
 
 // " (here it is X)" with this scenario's names of a key of another scenario; "" if it has none.

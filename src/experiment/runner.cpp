@@ -92,7 +92,7 @@ RunSummary execute(const PreparedRun& run, RunFolder& folder, const RunOptions& 
 // `scenario`; empty if there is none.
 std::string shipped_config(const Catalogue& catalogue, const Scenario& scenario,
                            const std::string& case_name) {
-  const ScenarioKind& kind = catalogue.get<ScenarioKind>(scenario.name());
+  const auto& kind = catalogue.get<ScenarioKind>(scenario.name());
   const ScenarioFile file(kind.file().string(), kind.name);
   if (!file.has_case(case_name)) return "";
   const RunSettings& settings = scenario.run_settings();

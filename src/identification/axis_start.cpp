@@ -106,7 +106,8 @@ std::vector<AxisValues> start_candidates(const AxisData& data, double least_dela
   };
   std::vector<Best> best(kLengths);
   for (int i = 0; i < kLengths; ++i) all.push_back(windows_of(data, kShortest << i));
-  for (double delay = least_delay_s; delay <= largest_delay_s; delay += step_s) {
+  for (int trial = 0; least_delay_s + trial * step_s <= largest_delay_s; ++trial) {
+    const double delay = least_delay_s + trial * step_s;
     std::vector<std::vector<double>> inputs;
     for (const AxisStretch& stretch : data.stretches) {
       inputs.push_back(inputs_at_rows(stretch, delay));

@@ -291,7 +291,7 @@ std::optional<AxisFit> add_parameters(Identification& result, Eigen::MatrixXd& c
       for (std::size_t m = 0; m < order.size(); ++m) {
         const auto j = static_cast<Eigen::Index>(m);
         if (m != n && std::abs(covariance(i, j)) > kTied * std * std::sqrt(covariance(j, j))) {
-          tied.push_back(kKnown[order[m]].name);
+          tied.emplace_back(kKnown[order[m]].name);
         }
       }
       explain(estimate, motion, tied);
@@ -352,7 +352,7 @@ AxisData axis_data(const std::vector<RecordedAxis>& records, bool inputs_act_bef
         if (k + 1 == rows || t[k + 1] - t[k] > longest_s) break;
         // Inputs of missing rows lie on a line.
         const double missing = std::round((t[k + 1] - t[k]) / timing.period_s);
-        for (double i = 1.0; i < missing; i += 1.0) {
+        for (int i = 1; i < missing; ++i) {
           stretch.input_times_s.push_back(t[k] - t[from] + i * (t[k + 1] - t[k]) / missing);
           stretch.inputs.push_back(std::lerp(input(k), input(k + 1), i / missing));
         }
@@ -457,7 +457,7 @@ Identification identify_axis(const std::vector<RecordedAxis>& records,
   result.errors.normalised = result.errors.rms / std::sqrt(error_variance(data, fit));
   result.whiteness = whiteness_of(scores_of(data, fit));
   if (!result.whiteness.is_white()) {
-    result.notes.push_back(
+    result.notes.emplace_back(
         "the residuals are not white: the model lacks something, and the intervals are too narrow");
   }
   if (!held_out.empty()) {

@@ -246,7 +246,7 @@ void MultipleModelBank<n>::predict(Model& model, double u) const {
   if (model.kind == Kind::inertia) F.template block<n, 1>(0, kLast) = B_ * u;
   if (model.kind == Kind::ramp) F(kD, kLast) = piece_s_;
   const double step_variance = model.step_variance * (piece_s_ / period_s_);
-  for (double piece = 0.0; piece < pieces_; piece += 1.0) {
+  for (int piece = 0; piece < pieces_; ++piece) {
     model.x = (F * model.x).eval();
     model.x.template head<n>() += B_ * u;
     const Covariance FP = F * model.P;

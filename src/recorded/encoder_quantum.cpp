@@ -65,7 +65,7 @@ double encoder_quantum(std::span<const double> positions) {
       y_sum += y;
       products += n * y;
     }
-    const double rows = static_cast<double>(positions.size());
+    const auto rows = static_cast<double>(positions.size());
     return (rows * products - n_sum * y_sum) / (rows * n_squares - n_sum * n_sum);
   }
   return 0.0;

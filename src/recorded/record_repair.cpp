@@ -60,7 +60,7 @@ class Repair {
         rows_.push_back(row);
       }
     }
-    if (table.has_torn_end) repairs_.push_back("the last line is not whole and was left out");
+    if (table.has_torn_end) repairs_.emplace_back("the last line is not whole and was left out");
     without_time.report(repairs_, "row", "without a time left out");
   }
 
@@ -156,7 +156,7 @@ class Repair {
     for (std::size_t from = 0; from < rows_.size();) {
       std::size_t to = from + 1;
       while (to < rows_.size() && rows_[to].time == rows_[from].time) ++to;
-      const double n = static_cast<double>(to - from);
+      const auto n = static_cast<double>(to - from);
       // The last stamp has no next one.
       length = to < rows_.size() ? rows_[to].time - rows_[from].time
                                  : length / static_cast<double>(before) * n;
@@ -304,7 +304,7 @@ class Repair {
   static double counter_range(double size, double tolerance) {
     std::vector<double> ranges = {1.0, 2.0 * std::numbers::pi, std::numbers::pi, 180.0, 360.0};
     for (int bits = 8; bits <= 32; ++bits) ranges.push_back(std::ldexp(1.0, bits));
-    for (double decade = 1e2; decade < 1e7; decade *= 10.0) {
+    for (const double decade : {1e2, 1e3, 1e4, 1e5, 1e6}) {
       for (const double factor : {1.0, 2.0, 4.0, 5.0, 8.0}) ranges.push_back(factor * decade);
     }
     double best = 0.0;
